@@ -26,6 +26,11 @@ struct SpotEstimates {
   std::array<float, kMaxSpotEstimates> values{};
 };
 
+/// Whether images of this format can be fitted: those without colour filters.
+inline bool can_fit(PixelFormat format) {
+  return traits_of(format).filter == ColourFilter::none;
+}
+
 /// Fraction of the spot's weighted light that the templates leave beyond noise.
 double excess_light(const SpotTemplates& spot, const SpotEstimates& found);
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/spots/spot_fit.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/measurement.hpp"
@@ -21,7 +22,13 @@ Result<Config> config_of(const MeasureOptions& options) {
       options.config_path.empty() ? Result<Config>{Config{}} : load_config(options.config_path);
   if (!config) return config;
   if (!options.tracker.empty()) config->tracking.tracker = *tracker_from_name(options.tracker);
-  if (options.refine) config->tracking.tracker = TrackerKind::fit;
+  if (options.refine) {
+    config->tracking.tracker = TrackerKind::fit;
+  } else if (config->tracking.tracker == TrackerKind::fit &&
+             !can_fit(config->camera.settings.pixel_format)) {
+    config->tracking.tracker = TrackerKind::lg;
+    config->tracking.mode_count.reset();
+  }
   if (!options.templates.empty()) {
     config->tracking.templates =
         options.templates == "reference" ? TemplateKind::reference : TemplateKind::model;

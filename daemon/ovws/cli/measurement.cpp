@@ -120,6 +120,11 @@ Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan, TemplateReport t
 Result<Measurement> Measurement::make(const Config& config, const ImageView& like,
                                       const std::optional<ImageView>& reference,
                                       const std::optional<RefineCamera>& camera) {
+  if (camera && !can_fit(config.camera.settings.pixel_format)) {
+    return fail(Errc::refused, "refine",
+                "the model does not support colour filters: measure without --refine, or set a "
+                "Mono camera.pixel_format in the configuration");
+  }
   auto by_model = plan_for(config, like, std::nullopt);
   if (!by_model) return fail(by_model.error());
   const SpotModel spots = (*by_model)->spots;
@@ -155,7 +160,8 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   if (!plan) return fail(plan.error());
   Measurement made(std::move(*plan), own.report);
   made.camera_ = camera;
-  if (config.tracking.tracker != TrackerKind::fit) return made;
+  const PixelFormat camera_format = config.camera.settings.pixel_format;
+  if (config.tracking.tracker != TrackerKind::fit || !can_fit(camera_format)) return made;
   if (auto used = made.use_templates(config, like, reference, absolute); !used) {
     return fail(used.error());
   }
@@ -247,8 +253,9 @@ Measured Measurement::measure(const ImageView& image) {
   measured.mode_operator = {plan_->mode_operator, ""};
   acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
   measured.valid = by_positions(measured);
-  if (model_ && camera_) refine(image, measured);
-  if (model_ && !camera_) fit(image, measured);
+  const bool fits = model_ && image.width == plan_->roi.width && image.height == plan_->roi.height;
+  if (fits && camera_) refine(image, measured);
+  if (fits && !camera_) fit(image, measured);
   measured.tracked = int(std::count_if(measured.spots.begin(), measured.spots.end(),
                                        [](const SpotFix& spot) { return spot.found(); }));
   const int half_px = int(plan_->spots.lambda_d_px);

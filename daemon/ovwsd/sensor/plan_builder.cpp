@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "core/spots/spot_fit.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/reference_spots.hpp"
@@ -52,7 +53,9 @@ Eigen::MatrixXd slopes_of_positions(const PlanInputs& inputs, const ModeOperator
 }
 
 /// Those of positions first, then those that only templates tell.
-std::vector<int> measured_modes(const TrackingSettings& tracking, const ModeOperator& positions) {
+std::vector<int> measured_modes(const TrackingSettings& tracking, PixelFormat format,
+                                const ModeOperator& positions) {
+  if (!can_fit(format)) return positions.modes_j;
   if (positions.shapes) return positions.shapes->modes_j;
   const bool measured = positions.kind == OperatorKind::measured;
   return measured ? positions.modes_j : with_shapes(tracking, positions.modes_j);
@@ -115,8 +118,8 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
                                   : slope_operator(inputs.lattice, inputs.sensor, inputs.tracking,
                                                    px_per_cycle(inputs.optics, inputs.slm));
   plan->mode_operator = modes.kind;
-  plan->modes_j = measured_modes(inputs.tracking, modes);
-  plan->fits_shapes = inputs.tracking.tracker == TrackerKind::fit &&
+  plan->modes_j = measured_modes(inputs.tracking, inputs.format, modes);
+  plan->fits_shapes = inputs.tracking.tracker == TrackerKind::fit && can_fit(inputs.format) &&
                       (modes.kind != OperatorKind::measured || modes.shapes);
   plan->reconstructor = std::make_unique<Reconstructor>(
       slopes_of_positions(inputs, modes), modes.modes_j, plan->reference_px,

@@ -69,7 +69,8 @@ Result<void> check_spots(const SensorState& state, const BenchOptics& bench) {
   const auto lattice = make_lattice(state.sensor, bench.slm);
   if (!lattice) return fail(lattice.error());
   const OpticsConfig optics = optics_of(state, bench);
-  const SpotBench spots{*lattice, state.sensor, state.tracking, optics, bench.slm, state.roi};
+  const SpotBench spots{*lattice,  state.sensor, state.tracking, optics,
+                        bench.slm, state.roi,    state.format};
   if (auto apart = check_spots_apart(spots); !apart) return apart;
   return check_mode_count(spots);
 }

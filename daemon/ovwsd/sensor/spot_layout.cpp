@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/spots/mode_limit.hpp"
+#include "core/spots/spot_fit.hpp"
 #include "core/tracking/spot_geometry.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
@@ -192,6 +193,12 @@ Result<void> check_mode_count(const SpotBench& bench) {
   if (requested < by_positions || !by_shapes) {
     return refuse(fmt::format("positions of these spots tell {} modes: set null{}", by_positions,
                               by_shapes ? ", or more" : ", or use the tracker fit"));
+  }
+  if (!can_fit(bench.format)) {
+    return refuse(
+        fmt::format("positions of these spots tell {} modes, and with a colour camera "
+                    "only positions are measured: set null",
+                    by_positions));
   }
   OpticsConfig centred = bench.optics;  // wherever the region is, which may be moved next
   centred.centre_px.reset();

@@ -28,6 +28,7 @@ struct SpotBench {
   const OpticsConfig& optics;
   const SlmGeometry& slm;
   const Roi& roi;
+  PixelFormat format = PixelFormat::mono8;
 };
 
 /// Errc::invalid, field "sensor.spacing": neighbouring spots are closer than min_spot_distance.
@@ -35,8 +36,8 @@ struct SpotBench {
 Result<void> check_spots_apart(const SpotBench& bench);
 
 /// Errc::invalid, field "tracking.mode_count": not as many modes as requested are told, or fewer
-/// are requested than positions tell. The message says how many are told, with which error. Renders
-/// the spots if more are requested than positions tell.
+/// are requested than positions tell, or more with a colour camera. The message says how many are
+/// told, with which error. Renders the spots if more are requested than positions tell.
 Result<void> check_mode_count(const SpotBench& bench);
 
 /// Errc::invalid, field "camera.roi": so many spots fall outside the camera's region, or across its
