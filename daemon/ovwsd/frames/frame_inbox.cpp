@@ -20,6 +20,7 @@ void copy_frame(const FrameRecord& record, FrameCopy& to) {
   to.frame_id = record.frame.frame_id;
   to.hologram_id = record.hologram_id;
   to.plan_id = record.plan->id;
+  to.sensor_epoch = record.plan->sensor_epoch;
   to.t_arrival_ns = record.frame.t_arrival_ns;
   to.charge = record.plan->charge;
   to.gain_db = record.gain_db;

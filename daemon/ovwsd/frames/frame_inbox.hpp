@@ -17,7 +17,8 @@ namespace ovws {
 /// A frame and what was measured in it, owned.
 struct FrameCopy {
   std::uint64_t frame_id = 0, hologram_id = 0;
-  std::uint64_t plan_id = 0;  ///< of the plan that measured it
+  std::uint64_t plan_id = 0;       ///< of the plan that measured it
+  std::uint64_t sensor_epoch = 0;  ///< of that plan
   std::int64_t t_arrival_ns = 0;
   int charge = 1;
   double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings

@@ -25,6 +25,7 @@ constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, 
 constexpr std::int64_t kRestNs = 30'000'000;             // between looks at frames
 constexpr std::int64_t kGiveUpNs = 3'000'000'000;
 constexpr std::int64_t kLookAgainNs = 1'000'000'000;
+constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // another frame tells the noise better
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
 /// Whether templates about this frame's wavefront would measure it better: it has drifted away, or
@@ -41,7 +42,11 @@ bool is_drifted(const FrameRecord& record) {
 }
 
 bool can_be_rendered(const FrameRecord& record) {
-  return record.settled && record.settings_known && record.plan->referenced();
+  return record.settled && record.plan->referenced();
+}
+
+std::vector<Mode> shown_by(const SensorSnapshot& sensor) {
+  return shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
 }
 
 /// What a frame at the operating point reads.
@@ -103,6 +108,7 @@ bool WavefrontSearch::do_work() {
   validity_.announce(events_, monotonic_ns());
   const bool asked = wanted_.load(std::memory_order_relaxed) || looks_for_calibration();
   const bool wanted = asked && !keeper_.is_held_by_job();
+  if (!wanted) failing_since_ns_ = 0;
   if (!wanted && described_.load(std::memory_order_relaxed)) succeed();
   if (!wanted || monotonic_ns() < next_ns_) {
     inbox_.forget();
@@ -125,15 +131,23 @@ bool WavefrontSearch::do_work() {
   return true;
 }
 
-/// Takes the next frame of the active plan and hologram. Returns whether there are enough of them.
+/// Takes the next frame of the active sensor. Returns whether there are enough of them. In a closed
+/// loop each frame may have a hologram of its own; that does not matter as long as the holograms
+/// differ in measured modes only.
 bool WavefrontSearch::take_frame(const SensorSnapshot& sensor) {
   const FrameCopy* const frame = inbox_.next(kFramePatience);
   if (frame == nullptr || !sensor.reference) return false;
+  const bool any_hologram = fixed_modes(shown_by(sensor), sensor.modes_j).empty();
   const auto is_other = [&](const FrameCopy& one) {
-    return one.plan_id != sensor.plan_id || one.hologram_id != sensor.hologram_id;
+    return one.sensor_epoch != sensor.sensor_epoch ||
+           !(any_hologram || one.hologram_id == sensor.hologram_id);
   };
   frames_.push_back(copy_of(*frame));
-  if (std::any_of(frames_.begin(), frames_.end(), is_other)) frames_.clear();
+  const FrameCopy& first = frames_.front();
+  const bool same_image = first.image.width == frames_.back().image.width &&
+                          first.image.height == frames_.back().image.height &&
+                          first.image.format == frames_.back().image.format;
+  if (!same_image || std::any_of(frames_.begin(), frames_.end(), is_other)) frames_.clear();
   return frames_.size() == kFrames;
 }
 
@@ -169,17 +183,17 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   const FrameCopy& frame = frames.back();
   std::vector<ImageView> images;
   for (const FrameCopy& one : frames) images.push_back(one.image);
-  key_ = std::make_unique<Key>(frame, sensor);
+  auto next = std::make_unique<Key>(frame, sensor);
+  if (!key_ || !(*next == *key_)) failing_since_ns_ = 0;
+  key_ = std::move(next);
   const Key& key = *key_;
-  if (traits_of(frame.image.format).filter != ColourFilter::none) {
-    unusable_ = std::make_unique<Key>(key);
-    return fail(Errc::refused, "pixel_format", "templates need a monochrome pixel format");
-  }
   if (!model_ || !(model_->key == key)) {
     model_.reset();
-    if (unusable_ && *unusable_ == key) return fail(Errc::refused, "reference", failure_);
+    if (is_unusable()) return fail(Errc::refused, "reference", unusable_reason_);
     if (auto made = make_model(key, images, sensor); !made) {
       unusable_ = std::make_unique<Key>(key);  // the same reference would fail again
+      unusable_reason_ = made.error().reason;
+      unusable_until_ns_ = monotonic_ns() + kTryAgainNs;
       return made;
     }
   }
@@ -194,15 +208,19 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   return {};
 }
 
+/// Whether no model could be made for the present key, not long ago.
+bool WavefrontSearch::is_unusable() const {
+  return unusable_ && key_ && *unusable_ == *key_ && monotonic_ns() < unusable_until_ns_;
+}
+
 /// Null: the present ones do as well.
 Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const ImageView> images,
                                                                const FrameCopy& frame,
                                                                const SensorSnapshot& sensor) {
   if (!wanted_.load(std::memory_order_relaxed)) return model_->spots.measured_near(images);
-  const std::vector<Mode> shown =
-      shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
-  auto fit = model_->spots.templates(images, starts(frame), fixed_modes(shown, sensor.modes_j),
-                                     frame.valid ? kFewRenderings : kManyRenderings);
+  auto fit =
+      model_->spots.templates(images, starts(frame), fixed_modes(shown_by(sensor), sensor.modes_j),
+                              frame.valid ? kFewRenderings : kManyRenderings);
   const bool described = described_.load(std::memory_order_relaxed);
   const bool same = fit && (*fit)->point().measured && measured_ && described;
   if (!same) return fit;
@@ -211,7 +229,8 @@ Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const I
 }
 
 /// Where to look for the wavefront of a frame: where it was measured, with 0 for modes that
-/// positions do not tell; else, if it is not valid, where it was last, and at the reference.
+/// positions do not tell. If it is not valid, first at the reference, from where most are found,
+/// and last where it was before.
 std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame) const {
   std::vector<std::vector<double>> all;
   if (std::isfinite(frame.coefficients.front())) {
@@ -220,8 +239,8 @@ std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame)
         measured.begin(), measured.end(), [](double waves) { return !std::isfinite(waves); }, 0.0);
   }
   if (frame.valid) return all;
+  all.emplace(all.begin(), frame.coefficients.size(), 0.0);
   if (!model_->last.empty()) all.push_back(model_->last);
-  all.emplace_back(frame.coefficients.size(), 0.0);
   return all;
 }
 
@@ -251,8 +270,7 @@ void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns
   policy_.end(now_ns);
   validity_.search_failed(policy_.next_ns());
   if (failing_since_ns_ == 0) failing_since_ns_ = began_ns;
-  const bool hopeless = unusable_ && key_ && *unusable_ == *key_;
-  if (key_ && (hopeless || now_ns - failing_since_ns_ > kGiveUpNs)) {
+  if (key_ && (is_unusable() || now_ns - failing_since_ns_ > kGiveUpNs)) {
     keeper_.use_templates(
         {key_->sensor_epoch, key_->reference_taken_ns, key_->calibration_taken_ns, nullptr, true});
   }

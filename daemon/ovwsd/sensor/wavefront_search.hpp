@@ -57,6 +57,7 @@ class WavefrontSearch : public Agent {
                                                 const FrameCopy& frame,
                                                 const SensorSnapshot& sensor);
   bool looks_for_calibration() const;
+  bool is_unusable() const;
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
   bool take_frame(const SensorSnapshot& sensor);
   bool begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor);
@@ -79,9 +80,11 @@ class WavefrontSearch : public Agent {
   std::int64_t failing_since_ns_ = 0;  ///< 0: not failing
   std::optional<BinnedImage> tried_;   ///< the image tried last
   std::uint64_t tried_plan_id_ = 0;
-  std::string failure_;             ///< announced
-  std::unique_ptr<Key> key_;        ///< of the frame tried last
-  std::unique_ptr<Key> unusable_;   ///< a model of it could not be made
+  std::string failure_;            ///< announced
+  std::unique_ptr<Key> key_;       ///< of the frame tried last
+  std::unique_ptr<Key> unusable_;  ///< a model of it could not be made
+  std::string unusable_reason_;
+  std::int64_t unusable_until_ns_ = 0;
   bool measured_ = false;           ///< the templates given last are of the calibration
   std::int64_t look_again_ns_ = 0;  ///< whether frames are near the calibration: not before
 };
