@@ -1,11 +1,9 @@
 #include "drivers/sdl/display_probe.hpp"
 
 #include "drivers/sdl/video.hpp"
-#include "drivers/sdl/x_connection.hpp"
-#include "drivers/sdl/x_guard.hpp"
+#include "drivers/sdl/x_server.hpp"
 
 namespace ovws::sdl {
-
 namespace {
 
 /// Whether a compositing manager runs: by EWMH it owns the selection _NET_WM_CM_Sn.

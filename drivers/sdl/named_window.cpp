@@ -1,19 +1,11 @@
 /// SLM window on Wayland and KMSDRM, which have no RandR: full screen on the SDL display of the
 /// configured name.
-#include <SDL.h>
-
 #include "drivers/sdl/output.hpp"
-#include "drivers/sdl/output_window.hpp"
-#include "drivers/sdl/video.hpp"
+#include "drivers/sdl/slm_window.hpp"
 
 namespace ovws::sdl {
 
 namespace {
-
-struct DestroyWindow {
-  void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
-};
-using Canvas = std::unique_ptr<SDL_Window, DestroyWindow>;
 
 // Lists SDL's displays as outputs. SDL does not report which one is primary, so none is marked.
 std::vector<Output> read_displays() {
@@ -46,17 +38,14 @@ int index_of(const std::string& name) {
   return -1;
 }
 
-Error changed(const std::string& reason) {
-  return {Errc::device, "slm.display", reason};
-}
-
-class NamedWindow final : public OutputWindow {
+class NamedWindow final : public SlmWindow {
  public:
-  NamedWindow(std::unique_ptr<Video> video, const Output& output, SdlConfig config)
-      : video_(std::move(video)),
-        info_{output.name, output.width, output.height, output.refresh_hz,
-              SDL_GetCurrentVideoDriver()},
-        config_(std::move(config)) {}
+  NamedWindow(std::unique_ptr<Video> video, const Output& output, const SdlConfig& config)
+      : SlmWindow(config) {
+    video_ = std::move(video);
+    info_ = {output.name, output.width, output.height, output.refresh_hz,
+             SDL_GetCurrentVideoDriver()};
+  }
 
   Result<void> open() {
     const int place = SDL_WINDOWPOS_UNDEFINED_DISPLAY(index_of(info_.output));
@@ -69,9 +58,6 @@ class NamedWindow final : public OutputWindow {
     take_events();  // the compositor's first answer holds the real size
     return verify();
   }
-
-  const DisplayInfo& info() const override { return info_; }
-  SDL_Window* window() const override { return canvas_.get(); }
 
   Events take_events() override {
     Events seen;
@@ -120,17 +106,13 @@ class NamedWindow final : public OutputWindow {
   }
 
  private:
-  std::unique_ptr<Video> video_;
-  DisplayInfo info_;
-  SdlConfig config_;
   bool lost_ = false;
-  Canvas canvas_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<OutputWindow>> open_named_window(const std::string& driver,
-                                                        const SdlConfig& config) {
+Result<std::unique_ptr<Display>> open_named_window(const std::string& driver,
+                                                   const SdlConfig& config) {
   auto video = Video::open(driver);
   if (!video) return fail(video.error());
   const auto output = choose_output(read_displays(), config);

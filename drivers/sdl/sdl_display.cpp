@@ -1,10 +1,7 @@
 #include "drivers/sdl/sdl_display.hpp"
 
-#include <SDL.h>
-
 #include "core/port/clock.hpp"
-#include "drivers/sdl/output_window.hpp"
-#include "drivers/sdl/video.hpp"
+#include "drivers/sdl/slm_window.hpp"
 
 namespace ovws {
 
@@ -27,56 +24,43 @@ void expand(const Image<std::uint8_t>& grey, SDL_Surface& surface) {
   }
 }
 
-class SdlDisplay final : public Display {
- public:
-  explicit SdlDisplay(std::unique_ptr<sdl::OutputWindow> window) : window_(std::move(window)) {}
-
-  const DisplayInfo& info() const override { return window_->info(); }
-
-  Result<std::int64_t> present(const Image<std::uint8_t>& grey) override {
-    if (grey.width != info().width || grey.height != info().height ||
-        grey.pixels.size() != std::size_t(grey.width) * grey.height) {
-      return fail(Errc::invalid, "slm", "the image does not have the size of the display");
-    }
-    if (const auto alive = window_->connection(); !alive) return fail(alive.error());
-    SDL_Surface* surface = SDL_GetWindowSurface(window_->window());
-    if (surface == nullptr || !exact(*surface, info())) {
-      return fail(
-          Errc::device, "slm.display",
-          "SDL provides no 32-bit surface of the display's size: " + std::string(SDL_GetError()));
-    }
-    expand(grey, *surface);
-    if (const auto shown = flush(); !shown) return fail(shown.error());
-    return monotonic_ns();
-  }
-
-  Result<Image<std::uint32_t>> read_back() override { return window_->read_back(); }
-
-  Result<void> check() override {
-    const auto events = window_->take_events();
-    if (auto alive = window_->connection(); !alive) return alive;
-    if (events.redraw) {
-      if (auto shown = flush(); !shown) return shown;
-    }
-    const std::int64_t now = monotonic_ns();
-    if (!events.verify_needed && now < verify_at_ns_) return {};
-    verify_at_ns_ = now + kVerifyEveryNs;
-    return window_->verify();
-  }
-
- private:
-  Result<void> flush() {
-    if (SDL_UpdateWindowSurface(window_->window()) != 0) {
-      return fail(Errc::device, "slm.display", std::string("SDL: ") + SDL_GetError());
-    }
-    return window_->connection();
-  }
-
-  std::unique_ptr<sdl::OutputWindow> window_;
-  std::int64_t verify_at_ns_ = 0;
-};
-
 }  // namespace
+
+Result<std::int64_t> sdl::SlmWindow::present(const Image<std::uint8_t>& grey) {
+  if (grey.width != info_.width || grey.height != info_.height ||
+      grey.pixels.size() != std::size_t(grey.width) * grey.height) {
+    return fail(Errc::invalid, "slm", "the image does not have the size of the display");
+  }
+  if (const auto alive = connection(); !alive) return fail(alive.error());
+  SDL_Surface* surface = SDL_GetWindowSurface(canvas_.get());
+  if (surface == nullptr || !exact(*surface, info_)) {
+    return fail(
+        Errc::device, "slm.display",
+        "SDL provides no 32-bit surface of the display's size: " + std::string(SDL_GetError()));
+  }
+  expand(grey, *surface);
+  if (const auto shown = flush(); !shown) return fail(shown.error());
+  return monotonic_ns();
+}
+
+Result<void> sdl::SlmWindow::check() {
+  const auto events = take_events();
+  if (auto alive = connection(); !alive) return alive;
+  if (events.redraw) {
+    if (auto shown = flush(); !shown) return shown;
+  }
+  const std::int64_t now = monotonic_ns();
+  if (!events.verify_needed && now < verify_at_ns_) return {};
+  verify_at_ns_ = now + kVerifyEveryNs;
+  return verify();
+}
+
+Result<void> sdl::SlmWindow::flush() {
+  if (SDL_UpdateWindowSurface(canvas_.get()) != 0) {
+    return fail(Errc::device, "slm.display", std::string("SDL: ") + SDL_GetError());
+  }
+  return connection();
+}
 
 Result<std::unique_ptr<Display>> open_sdl_display(const SdlConfig& config) {
   if (sdl::Video::is_open()) {
@@ -84,12 +68,11 @@ Result<std::unique_ptr<Display>> open_sdl_display(const SdlConfig& config) {
   }
   const auto driver = sdl::choose_driver();
   if (!driver) return fail(driver.error());
-  auto window =
+  auto display =
       *driver == "x11" ? sdl::open_x_window(config) : sdl::open_named_window(*driver, config);
-  if (!window) return fail(window.error());
-  auto display = std::make_unique<SdlDisplay>(std::move(*window));
-  const Image<std::uint8_t> black(display->info().width, display->info().height);
-  if (const auto shown = display->present(black); !shown) return fail(shown.error());
+  if (!display) return display;
+  const Image<std::uint8_t> black((*display)->info().width, (*display)->info().height);
+  if (const auto shown = (*display)->present(black); !shown) return fail(shown.error());
   return display;
 }
 

@@ -1,29 +1,17 @@
 /// SLM window on an X server: an override-redirect window placed by us and drawn by SDL.
-#include <SDL.h>
 #include <X11/Xatom.h>
-#include <X11/Xlib.h>
 #include <X11/Xutil.h>
 #include <X11/extensions/dpms.h>
 
 #include <algorithm>
 #include <span>
 
-#include "drivers/sdl/output.hpp"
-#include "drivers/sdl/output_window.hpp"
-#include "drivers/sdl/video.hpp"
-#include "drivers/sdl/x_connection.hpp"
-#include "drivers/sdl/x_guard.hpp"
-#include "drivers/sdl/x_outputs.hpp"
-#include "drivers/sdl/x_picture.hpp"
+#include "drivers/sdl/slm_window.hpp"
+#include "drivers/sdl/x_server.hpp"
 
 namespace ovws::sdl {
 
 namespace {
-
-struct DestroyWindow {
-  void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
-};
-using Canvas = std::unique_ptr<SDL_Window, DestroyWindow>;
 
 struct DestroyImage {
   void operator()(XImage* image) const { XDestroyImage(image); }
@@ -38,10 +26,6 @@ Error lost_server() {
 
 constexpr const char* kHowToKeep =
     "; if this repeats, exclude the window from the desktop's window management";
-
-Error changed(const std::string& reason) {
-  return {Errc::device, "slm.display", reason};
-}
 
 Cursor make_blank_cursor(XDisplay* display, Window window) {
   const char nothing = 0;
@@ -94,12 +78,19 @@ std::string title_of(XDisplay* display, Window window) {
   return title;
 }
 
-class XWindow final : public OutputWindow {
+class XWindow final : public SlmWindow {
  public:
-  XWindow(Connection display, Output output, SdlConfig config)
-      : display_(std::move(display)), output_(std::move(output)), config_(std::move(config)) {
+  XWindow(Connection display, Output output, const SdlConfig& config)
+      : SlmWindow(config), display_(std::move(display)), output_(std::move(output)) {
     info_ = {output_.name, output_.width, output_.height, output_.refresh_hz, "x11"};
   }
+
+  ~XWindow() override {
+    canvas_.reset();  // before the connection that holds its window
+    video_.reset();
+  }
+  XWindow(const XWindow&) = delete;
+  XWindow& operator=(const XWindow&) = delete;
 
   Result<void> open() {
     auto video = Video::open("x11");
@@ -114,9 +105,6 @@ class XWindow final : public OutputWindow {
     if (canvas_ == nullptr) return fail(changed(std::string("SDL: ") + SDL_GetError()));
     return verify();
   }
-
-  const DisplayInfo& info() const override { return info_; }
-  SDL_Window* window() const override { return canvas_.get(); }
 
   Events take_events() override {
     SDL_PumpEvents();
@@ -226,16 +214,12 @@ class XWindow final : public OutputWindow {
 
   Connection display_;
   Output output_;
-  SdlConfig config_;
-  DisplayInfo info_;
   Window window_ = None;  // destroyed with its connection
-  std::unique_ptr<Video> video_;
-  Canvas canvas_;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<OutputWindow>> open_x_window(const SdlConfig& config) {
+Result<std::unique_ptr<Display>> open_x_window(const SdlConfig& config) {
   auto connected = connect_to_x();
   if (!connected) return fail(connected.error());
   Connection display = std::move(*connected);

@@ -6,7 +6,7 @@
 // Last: Xlib has macros like None that would break the others.
 #include <X11/Xutil.h>
 
-#include "drivers/sdl/x_picture.hpp"
+#include "drivers/sdl/x_server.hpp"
 
 namespace ovws::sdl {
 namespace {

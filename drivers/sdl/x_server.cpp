@@ -1,14 +1,61 @@
-#include "drivers/sdl/x_outputs.hpp"
+#include "drivers/sdl/x_server.hpp"
 
 #include <X11/Xatom.h>
+#include <X11/Xutil.h>
 #include <X11/extensions/Xrandr.h>
+#include <X11/extensions/dpms.h>
+#include <dlfcn.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
-#include <memory>
+#include <span>
+
+#include "drivers/sdl/video.hpp"
+
+namespace {
+
+// Global, because Xlib's handlers are per process and take no user data.
+bool lost = false;
+std::array<char, 128> refusal{};
+
+int on_broken_connection(Display*) {
+  lost = true;
+  return 0;
+}
+
+void on_io_error_exit(Display*, void*) {
+  lost = true;
+}
+
+int on_request_error(Display* display, XErrorEvent* event) {
+  XGetErrorText(display, event->error_code, refusal.data(), int(refusal.size()));
+  return 0;
+}
+
+}  // namespace
+
+// Symbol interposition: the dynamic linker finds these before those of libX11 and libXi, for SDL
+// too. NOLINTBEGIN(readability-identifier-naming): Xlib's names
+
+extern "C" Display* XOpenDisplay(const char* name) {
+  using Open = Display* (*)(const char*);
+  static const auto open = reinterpret_cast<Open>(dlsym(RTLD_NEXT, "XOpenDisplay"));
+  Display* display = open(name);
+  if (display != nullptr) XSetIOErrorExitHandler(display, on_io_error_exit, nullptr);
+  return display;
+}
+
+// SDL frees the list of input devices even if it is null because the server died.
+extern "C" void XIFreeDeviceInfo(void* list) {
+  using Free = void (*)(void*);
+  static const auto free_list = reinterpret_cast<Free>(dlsym(RTLD_NEXT, "XIFreeDeviceInfo"));
+  if (list != nullptr) free_list(list);
+}
+
+// NOLINTEND(readability-identifier-naming)
 
 namespace ovws::sdl {
-
 namespace {
 
 template <auto Free>
@@ -82,6 +129,39 @@ void read_crtc(XDisplay* display, const Resources& resources, RRCrtc crtc, Outpu
 
 }  // namespace
 
+Result<Connection> connect_to_x() {
+  XSetIOErrorHandler(on_broken_connection);
+  XSetErrorHandler(on_request_error);
+  lost = false;
+  refusal[0] = '\0';
+  Connection display(XOpenDisplay(nullptr));
+  if (display != nullptr) return display;
+  return fail(Errc::unavailable, "slm.display",
+              "the X server DISPLAY=" + environment("DISPLAY") +
+                  " does not answer: start it, and give this user access to it (XAUTHORITY)");
+}
+
+Power power_of(XDisplay* display) {
+  int event_base = 0, error_base = 0;
+  CARD16 level = DPMSModeOn;
+  BOOL enabled = False;
+  if (!DPMSQueryExtension(display, &event_base, &error_base) || !DPMSCapable(display) ||
+      !DPMSInfo(display, &level, &enabled) || !enabled) {
+    return {};
+  }
+  return {true, level != DPMSModeOn};
+}
+
+bool x_server_lost() {
+  return lost;
+}
+
+std::string take_x_error() {
+  std::string text = refusal.data();
+  refusal[0] = '\0';
+  return text;
+}
+
 std::vector<Output> read_outputs(XDisplay* display) {
   std::vector<Output> outputs;
   const Window root = DefaultRootWindow(display);
@@ -112,6 +192,23 @@ void set_linear_gamma(XDisplay* display, const Output& output) {
   }
   XRRSetCrtcGamma(display, output.crtc, gamma.get());
   XSync(display, False);
+}
+
+Result<Image<std::uint32_t>> colours_of(XImage& image) {
+  const bool eight_bits = image.depth == 24 && image.red_mask == 0xff0000UL &&
+                          image.green_mask == 0x00ff00UL && image.blue_mask == 0x0000ffUL;
+  if (!eight_bits) {
+    return fail(Errc::unavailable, "slm.display",
+                "the X server's image of the output does not have 8 bits per colour: set "
+                "DefaultDepth 24 in its configuration");
+  }
+  Image<std::uint32_t> picture(image.width, image.height);
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      picture.at(x, y) = std::uint32_t(XGetPixel(&image, x, y) & 0xffffffU);
+    }
+  }
+  return picture;
 }
 
 }  // namespace ovws::sdl
