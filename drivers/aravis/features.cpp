@@ -34,13 +34,14 @@ Result<CameraFeatures> CameraFeatures::find(GenicamDevice& device) {
     return fail(Errc::device, field,
                 "this camera has no feature " + std::string(what) + ": ovws cannot use it");
   };
-  if (!pick(found.gain_, {"Gain", "GainAbs"})) {
-    if (!pick(found.gain_, {"GainRaw"})) return lacks("camera.gain_db", "Gain");
-    found.gain_is_raw_ = true;
+  if (!pick(found.gain_.feature, {"Gain", "GainAbs"})) {
+    if (!pick(found.gain_.feature, {"GainRaw"})) return lacks("camera.gain_db", "Gain");
+    found.gain_.field = "camera.gain_raw";
+    found.gain_.value = &CameraSettings::gain_raw;
   }
-  if (!pick(found.exposure_, {"ExposureTime", "ExposureTimeAbs"}))
+  if (!pick(found.exposure_.feature, {"ExposureTime", "ExposureTimeAbs"}))
     return lacks("camera.exposure_us", "ExposureTime");
-  if (!pick(found.rate_, {"AcquisitionFrameRate", "AcquisitionFrameRateAbs"}))
+  if (!pick(found.rate_.feature, {"AcquisitionFrameRate", "AcquisitionFrameRateAbs"}))
     return lacks("camera.frame_rate_hz", "AcquisitionFrameRate");
   if (!pick(found.sensor_width_, {"SensorWidth", "WidthMax"}) ||
       !pick(found.sensor_height_, {"SensorHeight", "HeightMax"}))
@@ -123,31 +124,26 @@ Result<int> CameraFeatures::sensor_extent(const char* sensor, const char* extent
 
 Result<CameraLimits> CameraFeatures::limits() {
   CameraLimits limits;
-  const auto range = [&](const char* feature, Range<double>& out) -> Result<void> {
-    auto answer = device_->range(feature);
-    if (!answer) return fail(answer.error());
-    out = *answer;
-    return {};
+  Result<void> all;
+  const auto take = [&](auto& out, auto answer) {
+    if (all && answer) out = *answer;
+    if (all && !answer) all = fail(answer.error());
   };
   Range<double> width, height;
-  if (gain_is_raw_) limits.gain_raw.emplace();
-  if (auto r = range(gain_, gain_is_raw_ ? *limits.gain_raw : limits.gain_db); !r)
-    return fail(r.error());
-  if (auto r = range(exposure_, limits.exposure_us); !r) return fail(r.error());
-  if (auto r = range(rate_, limits.frame_rate_hz); !r) return fail(r.error());
-  auto sensor_width = sensor_extent(sensor_width_, "Width", "OffsetX");
-  if (!sensor_width) return fail(sensor_width.error());
-  auto sensor_height = sensor_extent(sensor_height_, "Height", "OffsetY");
-  if (!sensor_height) return fail(sensor_height.error());
-  limits.sensor_width = *sensor_width;
-  limits.sensor_height = *sensor_height;
-  if (auto r = range("Width", width); !r) return fail(r.error());
-  if (auto r = range("Height", height); !r) return fail(r.error());
+  std::vector<std::string> formats;
+  if (gain_is_raw()) limits.gain_raw.emplace();
+  take(gain_is_raw() ? *limits.gain_raw : limits.gain_db, device_->range(gain_.feature));
+  take(limits.exposure_us, device_->range(exposure_.feature));
+  take(limits.frame_rate_hz, device_->range(rate_.feature));
+  take(limits.sensor_width, sensor_extent(sensor_width_, "Width", "OffsetX"));
+  take(limits.sensor_height, sensor_extent(sensor_height_, "Height", "OffsetY"));
+  take(width, device_->range("Width"));
+  take(height, device_->range("Height"));
+  take(formats, device_->choices("PixelFormat"));
+  if (!all) return fail(all.error());
   limits.roi_width = whole(width, limits.sensor_width);
   limits.roi_height = whole(height, limits.sensor_height);
-  auto formats = device_->choices("PixelFormat");
-  if (!formats) return fail(formats.error());
-  for (const std::string& name : *formats)
+  for (const std::string& name : formats)
     if (auto format = pixel_format_from_name(name)) limits.pixel_formats.push_back(*format);
   return limits;
 }
@@ -172,9 +168,8 @@ Result<CameraSettings> CameraFeatures::read() {
       all = fail(number.error());
   };
   settings.gain_db = kUnknownGain;
-  take(gain_field(), gain_, gain_of(settings));
-  take("camera.exposure_us", exposure_, settings.exposure_us);
-  take("camera.frame_rate_hz", rate_, settings.frame_rate_hz);
+  for (const Number& number : {gain_, exposure_, rate_})
+    take(number.field, number.feature, settings.*number.value);
   take("camera.roi", "Width", settings.roi.width);
   take("camera.roi", "Height", settings.roi.height);
   if (device_->has_number("OffsetX")) take("camera.roi", "OffsetX", settings.roi.x);

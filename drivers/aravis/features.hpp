@@ -54,24 +54,22 @@ class CameraFeatures {
   Result<void> fit_gain(const CameraSettings& current, const CameraLimits& limits,
                         CameraSettings& settings) const;
   Result<void> write_roi(const Roi& roi);
-  Result<void> write_exposure(const CameraSettings& wanted, const CameraSettings& current,
-                              Undo& undo);
-  Result<void> write_rate(const CameraSettings& wanted, const CameraSettings& current, Undo& undo);
+
+  /// A number among the settings, and where this camera has it.
+  struct Number {
+    const char* field;  ///< "camera.gain_db"
+    const char* what;   ///< in messages: "a gain"
+    double CameraSettings::*value;
+    const char* feature = nullptr;
+  };
+  Result<void> write_time(const Number& number, const CameraSettings& wanted,
+                          const CameraSettings& current, Undo& undo);
+  bool gain_is_raw() const { return gain_.value == &CameraSettings::gain_raw; }
 
   GenicamDevice* device_;
-  /// Gain in the unit of this camera.
-  double& gain_of(CameraSettings& settings) const {
-    return gain_is_raw_ ? settings.gain_raw : settings.gain_db;
-  }
-  double gain_of(const CameraSettings& settings) const {
-    return gain_is_raw_ ? settings.gain_raw : settings.gain_db;
-  }
-  const char* gain_field() const { return gain_is_raw_ ? "camera.gain_raw" : "camera.gain_db"; }
-
-  const char* gain_ = nullptr;
-  bool gain_is_raw_ = false;
-  const char* exposure_ = nullptr;
-  const char* rate_ = nullptr;
+  Number gain_{"camera.gain_db", "a gain", &CameraSettings::gain_db};  ///< or that of gain_raw
+  Number exposure_{"camera.exposure_us", "an exposure", &CameraSettings::exposure_us};
+  Number rate_{"camera.frame_rate_hz", "a frame rate", &CameraSettings::frame_rate_hz};
   const char* sensor_width_ = nullptr;
   const char* sensor_height_ = nullptr;
 };

@@ -55,16 +55,16 @@ Result<void> CameraFeatures::fit_gain(const CameraSettings& current, const Camer
                                       CameraSettings& settings) const {
   const bool requested_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
   const bool requested_raw = !std::isnan(settings.gain_raw);
-  if (gain_is_raw_ && requested_db)
+  if (gain_is_raw() && requested_db)
     return fail(Errc::invalid, "camera.gain_db",
                 "this camera has no gain in dB, only in device-specific steps: set gain_raw");
-  if (!gain_is_raw_ && requested_raw)
+  if (!gain_is_raw() && requested_raw)
     return fail(Errc::invalid, "camera.gain_raw", "this camera has its gain in dB: set gain_db");
-  if (gain_is_raw_) settings.gain_db = kUnknownGain;
-  double& gain = gain_of(settings);
-  if (std::isnan(gain) && gain_is_raw_) gain = gain_of(current);
+  if (gain_is_raw()) settings.gain_db = kUnknownGain;
+  double& gain = settings.*gain_.value;
+  if (std::isnan(gain) && gain_is_raw()) gain = current.gain_raw;
   auto fitted =
-      fit_value(gain_field(), "a gain", gain, gain_is_raw_ ? *limits.gain_raw : limits.gain_db);
+      fit_value(gain_.field, gain_.what, gain, gain_is_raw() ? *limits.gain_raw : limits.gain_db);
   if (!fitted) return fail(fitted.error());
   gain = *fitted;
   return {};
@@ -119,17 +119,17 @@ Result<void> CameraFeatures::write(const CameraSettings& wanted, const CameraSet
     undo.emplace_back([this, roi = current.roi] { (void)write_roi(roi); });
     if (auto done = at_field("camera.roi", write_roi(wanted.roi)); !done) return done;
   }
-  if (gain_of(wanted) != gain_of(current)) {
-    undo.emplace_back([=, this] { (void)device_->set_number(gain_, gain_of(current)); });
-    if (auto done = at_field(gain_field(), device_->set_number(gain_, gain_of(wanted))); !done)
+  if (const double gain = wanted.*gain_.value, before = current.*gain_.value; gain != before) {
+    undo.emplace_back([=, this] { (void)device_->set_number(gain_.feature, before); });
+    if (auto done = at_field(gain_.field, device_->set_number(gain_.feature, gain)); !done)
       return done;
   }
   if (wanted.frame_rate_hz < current.frame_rate_hz) {
-    if (auto done = write_rate(wanted, current, undo); !done) return done;
-    return write_exposure(wanted, current, undo);
+    if (auto done = write_time(rate_, wanted, current, undo); !done) return done;
+    return write_time(exposure_, wanted, current, undo);
   }
-  if (auto done = write_exposure(wanted, current, undo); !done) return done;
-  return write_rate(wanted, current, undo);
+  if (auto done = write_time(exposure_, wanted, current, undo); !done) return done;
+  return write_time(rate_, wanted, current, undo);
 }
 
 Result<void> CameraFeatures::write_roi(const Roi& roi) {
@@ -146,28 +146,17 @@ Result<void> CameraFeatures::write_roi(const Roi& roi) {
   return axis("OffsetY", "Height", roi.y, roi.height);
 }
 
-Result<void> CameraFeatures::write_exposure(const CameraSettings& wanted,
-                                            const CameraSettings& current, Undo& undo) {
-  const char* field = "camera.exposure_us";
-  auto range = at_field(field, device_->range(exposure_));
+/// Writes the exposure or the frame rate; the other one limits its range.
+Result<void> CameraFeatures::write_time(const Number& number, const CameraSettings& wanted,
+                                        const CameraSettings& current, Undo& undo) {
+  auto range = at_field(number.field, device_->range(number.feature));
   if (!range) return fail(range.error());
-  auto value = fit_value(field, "an exposure", wanted.exposure_us, *range);
+  auto value = fit_value(number.field, number.what, wanted.*number.value, *range);
   if (!value) return fail(value.error());
-  if (*value == current.exposure_us) return {};
-  undo.emplace_back([=, this] { (void)device_->set_number(exposure_, current.exposure_us); });
-  return at_field(field, device_->set_number(exposure_, *value));
-}
-
-Result<void> CameraFeatures::write_rate(const CameraSettings& wanted, const CameraSettings& current,
-                                        Undo& undo) {
-  const char* field = "camera.frame_rate_hz";
-  auto range = at_field(field, device_->range(rate_));
-  if (!range) return fail(range.error());
-  auto value = fit_value(field, "a frame rate", wanted.frame_rate_hz, *range);
-  if (!value) return fail(value.error());
-  if (*value == current.frame_rate_hz) return {};
-  undo.emplace_back([=, this] { (void)device_->set_number(rate_, current.frame_rate_hz); });
-  return at_field(field, device_->set_number(rate_, *value));
+  const double before = current.*number.value;
+  if (*value == before) return {};
+  undo.emplace_back([=, this] { (void)device_->set_number(number.feature, before); });
+  return at_field(number.field, device_->set_number(number.feature, *value));
 }
 
 }  // namespace ovws

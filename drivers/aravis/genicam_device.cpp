@@ -34,7 +34,12 @@ auto GenicamDevice::ask(const char* verb, const char* feature, Call call)
   if (!alive())
     return fail(Errc::device, "", "the camera no longer answers: check its cable and power");
   GErrorSlot error;
-  auto answer = call(error.out());
+  Result<decltype(call(error.out()))> answer;
+  if constexpr (std::is_void_v<decltype(call(error.out()))>) {
+    call(error.out());
+  } else {
+    answer = call(error.out());
+  }
   if (!error) return answer;
   if (error.is_connection_loss()) alive_.store(false, std::memory_order_relaxed);
   return fail(error.to_error(Errc::device, std::string(verb) + " " + feature));
@@ -75,41 +80,31 @@ Result<double> GenicamDevice::number(const char* feature) {
 
 Result<Range<double>> GenicamDevice::range(const char* feature) {
   const bool real = ARV_IS_GC_FLOAT(arv_device_get_feature(device_.get(), feature));
-  Range<double> range;
-  auto bounds = ask("reading the limits of", feature, [&](GError** error) {
+  return ask("reading the limits of", feature, [&](GError** error) {
+    Range<double> range;
+    // A missing increment is no error: most float features have none.
     if (real) {
       arv_device_get_float_feature_bounds(device_.get(), feature, &range.min, &range.max, error);
+      const double step = arv_device_get_float_feature_increment(device_.get(), feature, nullptr);
+      range.increment = step > G_MINDOUBLE ? step : 0.0;
     } else {
-      gint64 min = 0;
-      gint64 max = 0;
+      gint64 min = 0, max = 0;
       arv_device_get_integer_feature_bounds(device_.get(), feature, &min, &max, error);
-      range.min = double(min);
-      range.max = double(max);
+      range = {double(min), double(max),
+               double(arv_device_get_integer_feature_increment(device_.get(), feature, nullptr))};
     }
-    return true;
+    return range;
   });
-  if (!bounds) return fail(bounds.error());
-  // A missing increment is no error: most float features have none.
-  if (real) {
-    const double step = arv_device_get_float_feature_increment(device_.get(), feature, nullptr);
-    range.increment = step > G_MINDOUBLE ? step : 0.0;
-  } else {
-    range.increment =
-        double(arv_device_get_integer_feature_increment(device_.get(), feature, nullptr));
-  }
-  return range;
 }
 
 Result<void> GenicamDevice::set_number(const char* feature, double value) {
   const bool real = ARV_IS_GC_FLOAT(arv_device_get_feature(device_.get(), feature));
-  auto done = ask("setting", feature, [&](GError** error) {
+  return ask("setting", feature, [&](GError** error) {
     if (real)
       arv_device_set_float_feature_value(device_.get(), feature, value, error);
     else
       arv_device_set_integer_feature_value(device_.get(), feature, std::llround(value), error);
-    return true;
   });
-  return done.map([](bool) {});
 }
 
 Result<std::string> GenicamDevice::text(const char* feature) {
@@ -131,11 +126,9 @@ Result<std::vector<std::string>> GenicamDevice::choices(const char* feature) {
 }
 
 Result<void> GenicamDevice::set_text(const char* feature, const char* value) {
-  auto done = ask("setting", feature, [&](GError** error) {
+  return ask("setting", feature, [&](GError** error) {
     arv_device_set_string_feature_value(device_.get(), feature, value, error);
-    return true;
   });
-  return done.map([](bool) {});
 }
 
 Result<void> GenicamDevice::choose_if_offered(const char* feature, const char* choice) {
@@ -152,19 +145,14 @@ Result<void> GenicamDevice::choose_if_offered(const char* feature, const char* c
 Result<void> GenicamDevice::switch_if_offered(const char* feature, bool on) {
   if (!ARV_IS_GC_BOOLEAN(arv_device_get_feature(device_.get(), feature)) || !has(feature))
     return {};
-  auto done = ask("switching", feature, [&](GError** error) {
+  return ask("switching", feature, [&](GError** error) {
     arv_device_set_boolean_feature_value(device_.get(), feature, on ? TRUE : FALSE, error);
-    return true;
   });
-  return done.map([](bool) {});
 }
 
 Result<void> GenicamDevice::execute(const char* command) {
-  auto done = ask("executing", command, [&](GError** error) {
-    arv_device_execute_command(device_.get(), command, error);
-    return true;
-  });
-  return done.map([](bool) {});
+  return ask("executing", command,
+             [&](GError** error) { arv_device_execute_command(device_.get(), command, error); });
 }
 
 }  // namespace ovws
