@@ -114,14 +114,9 @@ struct ControlClient::Impl {
   }
 };
 
-ControlClient::ControlClient(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-ControlClient::ControlClient(ControlClient&&) noexcept = default;
-ControlClient& ControlClient::operator=(ControlClient&&) noexcept = default;
-ControlClient::~ControlClient() = default;
-
 Result<ControlClient> ControlClient::connect(const std::string& endpoint,
                                              const std::optional<ClientKeys>& keys) {
-  auto impl = std::make_unique<Impl>();
+  auto impl = make_hidden<Impl>();
   impl->endpoint = endpoint;
   impl->keys = keys;
   if (auto opened = impl->open(); !opened) return fail(opened.error());
@@ -149,15 +144,10 @@ struct Subscriber::Impl {
   zmq::socket_t socket{context, zmq::socket_type::sub};
 };
 
-Subscriber::Subscriber(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Subscriber::Subscriber(Subscriber&&) noexcept = default;
-Subscriber& Subscriber::operator=(Subscriber&&) noexcept = default;
-Subscriber::~Subscriber() = default;
-
 Result<Subscriber> Subscriber::connect(const std::string& endpoint,
                                        const std::vector<std::string>& topics, int receive_queue,
                                        const std::optional<ClientKeys>& keys) {
-  auto impl = std::make_unique<Impl>();
+  auto impl = make_hidden<Impl>();
   if (auto keys_set = set_keys(impl->socket, keys); !keys_set) return fail(keys_set.error());
   impl->socket.set(zmq::sockopt::linger, 0);
   impl->socket.set(zmq::sockopt::rcvhwm, receive_queue);

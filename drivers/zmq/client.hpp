@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/hidden.hpp"
 #include "core/base/result.hpp"
 #include "drivers/zmq/curve.hpp"
 
@@ -21,11 +22,6 @@ class ControlClient {
   /// endpoint or keys). A missing daemon or rejected keys are reported by the first request.
   static Result<ControlClient> connect(const std::string& endpoint,
                                        const std::optional<ClientKeys>& keys = std::nullopt);
-  ControlClient(const ControlClient&) = delete;
-  ControlClient& operator=(const ControlClient&) = delete;
-  ControlClient(ControlClient&&) noexcept;
-  ControlClient& operator=(ControlClient&&) noexcept;
-  ~ControlClient();
 
   /// Sends one request and waits for its reply. Errors: Errc::unavailable if none came in time;
   /// Errc::refused at once, with the reason, if the daemon rejects this client. A late reply is
@@ -34,8 +30,8 @@ class ControlClient {
 
  private:
   struct Impl;
-  explicit ControlClient(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit ControlClient(Hidden<Impl> impl) : impl_(std::move(impl)) {}
+  Hidden<Impl> impl_;
 };
 
 struct StreamMessage {
@@ -52,19 +48,14 @@ class Subscriber {
   static Result<Subscriber> connect(const std::string& endpoint,
                                     const std::vector<std::string>& topics, int receive_queue,
                                     const std::optional<ClientKeys>& keys = std::nullopt);
-  Subscriber(const Subscriber&) = delete;
-  Subscriber& operator=(const Subscriber&) = delete;
-  Subscriber(Subscriber&&) noexcept;
-  Subscriber& operator=(Subscriber&&) noexcept;
-  ~Subscriber();
 
   /// The next message. None on time-out, or if a signal interrupted the wait.
   std::optional<StreamMessage> receive(std::chrono::milliseconds timeout);
 
  private:
   struct Impl;
-  explicit Subscriber(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit Subscriber(Hidden<Impl> impl) : impl_(std::move(impl)) {}
+  Hidden<Impl> impl_;
 };
 
 }  // namespace ovws

@@ -165,13 +165,10 @@ bool ControlServer::Impl::serve() {
   return served;
 }
 
-ControlServer::ControlServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-ControlServer::~ControlServer() = default;
-
 Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& endpoint,
                                                            ControlLimits limits,
                                                            ControlHandler handler, Gate* gate) {
-  auto impl = std::make_unique<Impl>(gate);
+  auto impl = make_hidden<Impl>(gate);
   impl->limits = std::move(limits);
   impl->handler = std::move(handler);
   impl->socket.set(zmq::sockopt::linger, kLingerMs);

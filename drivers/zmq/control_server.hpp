@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/hidden.hpp"
 #include "core/base/result.hpp"
 #include "core/rt/agent.hpp"
 #include "drivers/zmq/gate.hpp"
@@ -39,17 +40,14 @@ class ControlServer : public Agent {
   static Result<std::unique_ptr<ControlServer>> bind(const std::string& endpoint,
                                                      ControlLimits limits, ControlHandler handler,
                                                      Gate* gate = nullptr);
-  ControlServer(const ControlServer&) = delete;
-  ControlServer& operator=(const ControlServer&) = delete;
-  ~ControlServer() override;
   bool do_work() override;
   /// Sends the pending replies.
   void on_close() override;
 
  private:
   struct Impl;
-  explicit ControlServer(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit ControlServer(Hidden<Impl> impl) : impl_(std::move(impl)) {}
+  Hidden<Impl> impl_;
 };
 
 }  // namespace ovws

@@ -61,14 +61,11 @@ std::string handshake_fault(std::uint16_t event, std::uint32_t value) {
 
 }  // namespace
 
-Gate::Gate(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-Gate::~Gate() = default;
-
 Result<std::unique_ptr<Gate>> Gate::make(const std::string& secret_key, GateCalls calls) {
   if (!public_key_of(secret_key)) {
     return fail(Errc::invalid, "security.secret_key", "is not a key: make one with ovws keygen");
   }
-  auto parts = std::make_unique<Parts>();
+  auto parts = make_hidden<Parts>();
   parts->context = std::make_shared<zmq::context_t>(kIoThreads);
   parts->secret_key = secret_key;
   parts->calls = std::move(calls);

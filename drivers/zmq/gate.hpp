@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "core/base/hidden.hpp"
 #include "core/base/result.hpp"
 
 namespace ovws {
@@ -27,9 +28,6 @@ class Gate {
  public:
   /// Errors: Errc::invalid, field "security.secret_key", for a malformed key.
   static Result<std::unique_ptr<Gate>> make(const std::string& secret_key, GateCalls calls);
-  ~Gate();
-  Gate(const Gate&) = delete;
-  Gate& operator=(const Gate&) = delete;
 
   /// Disconnects all subscribers, who must authenticate again. Each publisher rebinds before its
   /// next message and sends nothing more over its old connections. Thread-safe.
@@ -39,8 +37,8 @@ class Gate {
   Parts& parts() { return *parts_; }
 
  private:
-  explicit Gate(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;
+  explicit Gate(Hidden<Parts> parts) : parts_(std::move(parts)) {}
+  Hidden<Parts> parts_;
 };
 
 }  // namespace ovws

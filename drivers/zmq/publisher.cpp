@@ -78,13 +78,8 @@ struct Publisher::Impl {
   }
 };
 
-Publisher::Publisher(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Publisher::Publisher(Publisher&&) noexcept = default;
-Publisher& Publisher::operator=(Publisher&&) noexcept = default;
-Publisher::~Publisher() = default;
-
 Result<Publisher> Publisher::bind(const std::string& endpoint, int send_queue, Gate* gate) {
-  auto impl = std::make_unique<Impl>(endpoint, gate);
+  auto impl = make_hidden<Impl>(endpoint, gate);
   impl->socket.set(zmq::sockopt::sndhwm, send_queue);
   impl->socket.set(zmq::sockopt::linger, 0);
   // libzmq allocates the size that a frame announces even before the client is authenticated.

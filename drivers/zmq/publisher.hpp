@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/hidden.hpp"
 #include "core/base/result.hpp"
 #include "drivers/zmq/gate.hpp"
 
@@ -18,11 +19,6 @@ class Publisher {
   /// With a gate, only clients that it accepts can subscribe, over CURVE. Errors: Errc::unavailable
   /// (endpoint in use), Errc::invalid (malformed endpoint); both name the endpoint.
   static Result<Publisher> bind(const std::string& endpoint, int send_queue, Gate* gate = nullptr);
-  Publisher(const Publisher&) = delete;
-  Publisher& operator=(const Publisher&) = delete;
-  Publisher(Publisher&&) noexcept;
-  Publisher& operator=(Publisher&&) noexcept;
-  ~Publisher();
 
   /// Sends [topic][json][binary, if not empty]. False if this process's own queue was full, or the
   /// socket is being rebound (Gate::end_streams).
@@ -30,8 +26,8 @@ class Publisher {
 
  private:
   struct Impl;
-  explicit Publisher(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit Publisher(Hidden<Impl> impl) : impl_(std::move(impl)) {}
+  Hidden<Impl> impl_;
 };
 
 }  // namespace ovws
