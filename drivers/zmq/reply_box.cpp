@@ -21,21 +21,6 @@ bool within(const ClientLoad& load, const ClientLoad& limit) {
          load.replies < limit.replies && load.reply_bytes < limit.reply_bytes;
 }
 
-void end_request(ClientLoad& load, std::size_t bytes) {
-  --load.requests;
-  load.request_bytes -= bytes;
-}
-
-void add_reply(ClientLoad& load, std::size_t bytes) {
-  ++load.replies;
-  load.reply_bytes += bytes;
-}
-
-void end_reply(ClientLoad& load, std::size_t bytes) {
-  --load.replies;
-  load.reply_bytes -= bytes;
-}
-
 }  // namespace
 
 /// State shared by all copies of one reply function. If the last copy is destroyed unanswered, the
@@ -50,14 +35,11 @@ class ReplyBox::Ticket {
         request_bytes_(request_bytes) {}
   Ticket(const Ticket&) = delete;
   Ticket& operator=(const Ticket&) = delete;
-  ~Ticket() {
-    if (!used_.exchange(true)) box_->release(*client_, request_bytes_);
-  }
+  ~Ticket() { reply({}); }
 
   void reply(std::string bytes) {
     if (used_.exchange(true)) return;
-    if (bytes.empty()) return box_->release(*client_, request_bytes_);
-    box_->put({std::move(envelope_), std::move(bytes), client_}, request_bytes_);
+    box_->put({std::move(envelope_), std::move(bytes), std::move(client_)}, request_bytes_);
   }
 
  private:
@@ -84,10 +66,7 @@ std::function<void(std::string)> ReplyBox::reply_to(Envelope envelope,
                                          request_bytes);
   {
     const std::lock_guard lock(mutex_);
-    for (ClientLoad* load : {&own, &all_}) {
-      ++load->requests;
-      load->request_bytes += request_bytes;
-    }
+    change(own, {1, request_bytes}, {});
   }
   return [ticket](std::string bytes) { ticket->reply(std::move(bytes)); };
 }
@@ -121,7 +100,7 @@ void ReplyBox::sent(ClientLoad& client, std::size_t reply_bytes) {
   bool waits = false;
   {
     const std::lock_guard lock(mutex_);
-    for (ClientLoad* load : {&client, &all_}) end_reply(*load, reply_bytes);
+    change(client, {}, {0, 0, 1, reply_bytes});
     waits = std::exchange(request_waits_, false);
   }
   if (waits) wake();
@@ -130,22 +109,20 @@ void ReplyBox::sent(ClientLoad& client, std::size_t reply_bytes) {
 void ReplyBox::put(Reply reply, std::size_t request_bytes) {
   {
     const std::lock_guard lock(mutex_);
-    replies_.push_back(std::move(reply));
-    const Reply& kept = replies_.back();
-    for (ClientLoad* load : {kept.client.get(), &all_}) {
-      end_request(*load, request_bytes);
-      add_reply(*load, kept.bytes.size());
-    }
+    const std::size_t replies = reply.bytes.empty() ? 0 : 1;
+    change(*reply.client, {0, 0, replies, reply.bytes.size()}, {1, request_bytes});
+    if (replies > 0) replies_.push_back(std::move(reply));
   }
   wake();
 }
 
-void ReplyBox::release(ClientLoad& client, std::size_t request_bytes) {
-  {
-    const std::lock_guard lock(mutex_);
-    for (ClientLoad* load : {&client, &all_}) end_request(*load, request_bytes);
+void ReplyBox::change(ClientLoad& client, const ClientLoad& begun, const ClientLoad& ended) {
+  for (ClientLoad* load : {&client, &all_}) {
+    load->requests += begun.requests - ended.requests;
+    load->request_bytes += begun.request_bytes - ended.request_bytes;
+    load->replies += begun.replies - ended.replies;
+    load->reply_bytes += begun.reply_bytes - ended.reply_bytes;
   }
-  wake();
 }
 
 void ReplyBox::wake() const {

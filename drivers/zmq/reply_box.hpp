@@ -64,8 +64,10 @@ class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
 
  private:
   class Ticket;
+  /// Ends a request; an empty reply is not sent.
   void put(Reply reply, std::size_t request_bytes);
-  void release(ClientLoad& client, std::size_t request_bytes);
+  /// Changes the load of the client and of all by what began and what ended. With the lock.
+  void change(ClientLoad& client, const ClientLoad& begun, const ClientLoad& ended);
   void wake() const;
 
   mutable std::mutex mutex_;
