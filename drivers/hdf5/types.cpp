@@ -1,35 +1,18 @@
 #include "drivers/hdf5/types.hpp"
 
+#include <array>
+
 namespace ovws::hdf5 {
 namespace {
 
-Handle text_type(std::size_t length) {
-  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, length);
-  H5Tset_strpad(type, H5T_STR_NULLPAD);
-  return type;
-}
-
 Handle field_type(FieldType type) {
-  switch (type) {
-    case FieldType::u8:
-      return {H5Tcopy(H5T_STD_U8LE), H5Tclose};
-    case FieldType::u32:
-      return {H5Tcopy(H5T_STD_U32LE), H5Tclose};
-    case FieldType::u64:
-      return {H5Tcopy(H5T_STD_U64LE), H5Tclose};
-    case FieldType::i64:
-      return {H5Tcopy(H5T_STD_I64LE), H5Tclose};
-    case FieldType::f32:
-      return {H5Tcopy(H5T_IEEE_F32LE), H5Tclose};
-    case FieldType::f64:
-      return {H5Tcopy(H5T_IEEE_F64LE), H5Tclose};
-    case FieldType::text16:
-      return text_type(16);
-    case FieldType::text64:
-      return text_type(64);
-  }
-  return {};
+  const std::array numbers{H5T_STD_U8LE,  H5T_STD_U32LE,  H5T_STD_U64LE,
+                           H5T_STD_I64LE, H5T_IEEE_F32LE, H5T_IEEE_F64LE};
+  if (std::size_t(type) < numbers.size()) return {H5Tcopy(numbers[std::size_t(type)]), H5Tclose};
+  Handle text(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(text, type == FieldType::text16 ? 16 : 64);
+  H5Tset_strpad(text, H5T_STR_NULLPAD);
+  return text;
 }
 
 }  // namespace

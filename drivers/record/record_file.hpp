@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/hidden.hpp"
 #include "core/base/result.hpp"
 #include "proto/recording.hpp"
 
@@ -21,9 +22,6 @@ class RecordFile {
   /// Errors: the file exists already, or cannot be created; no new file is left behind.
   static Result<std::unique_ptr<RecordFile>> create(const std::string& path,
                                                     const RecordingHeader& header);
-  ~RecordFile();
-  RecordFile(const RecordFile&) = delete;
-  RecordFile& operator=(const RecordFile&) = delete;
 
   /// Writes an image without padding and returns its row in `pictures`. `compress` false: stored
   /// uncompressed, which takes no CPU time.
@@ -49,8 +47,8 @@ class RecordFile {
 
  private:
   struct Impl;
-  explicit RecordFile(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit RecordFile(Hidden<Impl> impl) : impl_(std::move(impl)) {}
+  Hidden<Impl> impl_;
 };
 
 }  // namespace ovws

@@ -2,6 +2,7 @@
 #include "drivers/replay/recording_reader.hpp"
 
 #include <fcntl.h>
+#include <libdeflate.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <cstring>
 
 #include "drivers/hdf5/types.hpp"
-#include "drivers/replay/picture_unpacker.hpp"
 
 namespace ovws {
 namespace {
@@ -26,6 +26,12 @@ constexpr std::uint32_t kMaxPartsPerFrame = 4096;  // spots or coefficients of o
 constexpr unsigned kReadAttempts = 20;
 constexpr int kMaxSidePx = 1 << 16;
 constexpr std::size_t kMaxAttributeBytes = 256;
+
+struct FreeDecompressor {
+  void operator()(libdeflate_decompressor* decompressor) const {
+    libdeflate_free_decompressor(decompressor);
+  }
+};
 
 /// One dataset of one dimension.
 struct Rows {
@@ -144,7 +150,8 @@ struct RecordingReader::Impl {
   RecordedSummary summary;
   std::vector<RecordedFrame> frames;
   std::vector<std::byte> packed;
-  PictureUnpacker unpacker;
+  std::unique_ptr<libdeflate_decompressor, FreeDecompressor> decompressor{
+      libdeflate_alloc_decompressor()};
 
   tl::unexpected<Error> unreadable(const std::string& what) const {
     return fail(Errc::invalid, "path", path + " is damaged (" + what + "): use an intact copy");
@@ -248,13 +255,10 @@ bool RecordingReader::Impl::read_frames() {
   return read_rows(rows, frame_type, 0, rows.count, frames.data());
 }
 
-RecordingReader::RecordingReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-RecordingReader::~RecordingReader() = default;
-
 Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string& path) {
   hdf5::silence_errors();
   H5PLset_loading_state(0);  // no filter plug-ins requested by the file
-  auto impl = std::make_unique<Impl>();
+  auto impl = make_hidden<Impl>();
   impl->path = path;
   if (!impl->open_file()) {
     return fail(Errc::unavailable, "path", path + ": " + open_failure(path));
@@ -317,7 +321,9 @@ Result<void> RecordingReader::picture(const RecordedFrame& frame, std::span<std:
   if (left_out != 0) {
     if (bytes != out.size()) return m.unreadable("an image is incomplete");
     std::memcpy(out.data(), m.packed.data(), bytes);
-  } else if (!m.unpacker.unpack(m.packed, out)) {
+  } else if (!m.decompressor ||
+             libdeflate_zlib_decompress(m.decompressor.get(), m.packed.data(), bytes, out.data(),
+                                        out.size(), nullptr) != LIBDEFLATE_SUCCESS) {
     return m.unreadable("an image is damaged");
   }
   return {};

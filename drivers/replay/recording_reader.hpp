@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/hidden.hpp"
 #include "core/base/result.hpp"
 #include "proto/recording.hpp"
 
@@ -24,9 +25,6 @@ class RecordingReader {
   /// Errors, field "path": Errc::unavailable (cannot be opened), Errc::invalid (not a recording, or
   /// damaged); the reason names the part.
   static Result<std::unique_ptr<RecordingReader>> open(const std::string& path);
-  ~RecordingReader();
-  RecordingReader(const RecordingReader&) = delete;
-  RecordingReader& operator=(const RecordingReader&) = delete;
 
   const RecordingHeader& header() const;
   /// All frames. The rows that they refer to exist.
@@ -43,8 +41,8 @@ class RecordingReader {
 
  private:
   struct Impl;
-  explicit RecordingReader(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  explicit RecordingReader(Hidden<Impl> impl) : impl_(std::move(impl)) {}
+  Hidden<Impl> impl_;
 };
 
 }  // namespace ovws
