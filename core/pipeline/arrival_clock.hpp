@@ -1,6 +1,7 @@
 /// Minimum-delay estimate of frame arrival times: separates late delivery from a late exposure.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "core/base/realtime.hpp"
@@ -18,7 +19,18 @@ class ArrivalClock {
   /// The error is at most the drift between both clocks over 10 s. A device clock that is set back
   /// restarts the estimate.
   std::int64_t undelayed_mono_ns(std::int64_t arrival_mono_ns,
-                                 std::int64_t device_ns) OVWS_NONBLOCKING;
+                                 std::int64_t device_ns) OVWS_NONBLOCKING {
+    if (device_ns == 0) return arrival_mono_ns;
+    if (device_ns < last_device_ns_) reset();
+    last_device_ns_ = device_ns;
+    if (arrival_mono_ns >= span_end_ns_) {
+      min_previous_ns_ = min_now_ns_;
+      min_now_ns_ = kNone;
+      span_end_ns_ = arrival_mono_ns + kSpanNs;
+    }
+    min_now_ns_ = std::min(min_now_ns_, arrival_mono_ns - device_ns);
+    return device_ns + std::min(min_now_ns_, min_previous_ns_);
+  }
   /// Restarts the estimate, for another stream or another exposure time.
   void reset() OVWS_NONBLOCKING { *this = ArrivalClock{}; }
 

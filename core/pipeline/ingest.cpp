@@ -25,12 +25,7 @@ bool fits(const MeasurementPlan& plan, const ImageView& image) {
 }  // namespace
 
 void Ingest::return_buffers() OVWS_NONBLOCKING {
-  Camera* const camera = deps_.cameras.camera();
-  if (camera != nullptr) {
-    deps_.pool.reclaim(*camera);
-  } else {
-    deps_.pool.reclaim();
-  }
+  deps_.pool.reclaim(deps_.cameras.camera());
 }
 
 bool Ingest::serve_camera() OVWS_NONBLOCKING {

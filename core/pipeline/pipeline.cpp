@@ -3,15 +3,20 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <functional>
+#include <utility>
 
 #include "core/pipeline/camera_exchange.hpp"
+#include "core/pipeline/frame_rules.hpp"
 #include "core/pipeline/ingest.hpp"
+#include "core/pipeline/measurement.hpp"
 #include "core/pipeline/outbox.hpp"
 #include "core/pipeline/plan_exchange.hpp"
-#include "core/pipeline/reconstruct_stage.hpp"
 #include "core/pipeline/record_pool.hpp"
 #include "core/pipeline/track_stage.hpp"
 #include "core/pipeline/tracker_crew.hpp"
+#include "core/port/clock.hpp"
 
 namespace ovws {
 namespace {
@@ -20,70 +25,14 @@ using namespace std::chrono_literals;
 
 constexpr int kMinRecords = 4;
 
-class InlineAgent final : public Agent {
+/// An agent whose iteration is a function.
+class Duty final : public Agent {
  public:
-  InlineAgent(Ingest& ingest, TrackStage& track, ReconstructStage& reconstruct)
-      : ingest_(ingest), track_(track), reconstruct_(reconstruct) {}
-
-  bool do_work() override {
-    bool idle = false;
-    Entry* const entry = ingest_.run_once(idle);
-    if (entry == nullptr) return !idle;
-    track_.begin(*entry);
-    track_.track_slice(*entry, 0);
-    track_.finish(*entry);
-    ingest_.return_buffers();
-    reconstruct_.run(*entry);
-    return true;
-  }
+  explicit Duty(std::function<bool()> turn) : turn_(std::move(turn)) {}
+  bool do_work() override { return turn_(); }
 
  private:
-  Ingest& ingest_;
-  TrackStage& track_;
-  ReconstructStage& reconstruct_;
-};
-
-class AcquisitionAgent final : public Agent {
- public:
-  AcquisitionAgent(Ingest& ingest, TrackerCrew& crew) : ingest_(ingest), crew_(crew) {}
-
-  bool do_work() override {
-    bool idle = false;
-    Entry* const entry = ingest_.run_once(idle);
-    if (entry != nullptr) crew_.submit(*entry);
-    return !idle;
-  }
-
- private:
-  Ingest& ingest_;
-  TrackerCrew& crew_;
-};
-
-class TrackerAgent final : public Agent {
- public:
-  TrackerAgent(TrackerCrew& crew, int k) : crew_(crew), k_(k) {}
-  bool do_work() override { return crew_.run_worker(k_); }
-
- private:
-  TrackerCrew& crew_;
-  int k_;
-};
-
-class ReconstructionAgent final : public Agent {
- public:
-  ReconstructionAgent(SpscRing<Entry*>& tracked, ReconstructStage& stage)
-      : tracked_(tracked), stage_(stage) {}
-
-  bool do_work() override {
-    Entry* entry = nullptr;
-    if (!tracked_.pop(entry, 20ms)) return false;
-    stage_.run(*entry);
-    return true;
-  }
-
- private:
-  SpscRing<Entry*>& tracked_;
-  ReconstructStage& stage_;
+  std::function<bool()> turn_;
 };
 
 }  // namespace
@@ -95,27 +44,24 @@ struct Pipeline::Impl {
         pool(records),
         plans(pool, workers),
         tap(records),
-        ingest(
-            {deps.counters, deps.shown, deps.settings, cameras, plans, pool, tap, arrived_latency}),
-        track({std::max(workers, 1)}, {deps.counters, tracked_latency}),
+        ingest({deps.counters, deps.shown, deps.settings, cameras, plans, pool, tap,
+                latencies.arrived}),
+        track(std::max(workers, 1), deps.counters, latencies.tracked),
         tracked(std::size_t(records)),
-        crew({workers, records}, {track, tracked}),
-        outbox(records, deps.counters, tap),
-        reconstruct({reconstructed_latency, outbox}),
-        reconstruction(tracked, reconstruct) {
-    if (workers == 0) {
-      acquisition = std::make_unique<InlineAgent>(ingest, track, reconstruct);
-    } else {
-      acquisition = std::make_unique<AcquisitionAgent>(ingest, crew);
+        crew(workers, records, track, tracked),
+        outbox(records, deps.counters, tap) {
+    for (int k = 0; k < workers; ++k) {
+      trackers.push_back(std::make_unique<Duty>([this, k] { return crew.run_worker(k); }));
     }
-    for (int k = 0; k < workers; ++k) trackers.push_back(std::make_unique<TrackerAgent>(crew, k));
   }
+
+  bool acquire();
+  bool reconstruct_next();
+  void reconstruct(Entry& entry) OVWS_NONBLOCKING;
 
   const int workers;
   const int records;
-  LatencyHistogram arrived_latency;
-  LatencyHistogram tracked_latency;
-  LatencyHistogram reconstructed_latency;
+  Latencies latencies;
   RecordPool pool;
   PlanExchange plans;
   RecordTap tap;
@@ -125,18 +71,73 @@ struct Pipeline::Impl {
   SpscRing<Entry*> tracked;
   TrackerCrew crew;
   Outbox outbox;
-  ReconstructStage reconstruct;
-  std::unique_ptr<Agent> acquisition;
-  std::vector<std::unique_ptr<Agent>> trackers;
-  ReconstructionAgent reconstruction;
+  Duty acquisition{[this] { return acquire(); }};
+  std::vector<std::unique_ptr<Duty>> trackers;
+  Duty reconstruction{[this] { return reconstruct_next(); }};
 };
 
+/// One iteration of the acquisition thread, which without workers runs all stages.
+bool Pipeline::Impl::acquire() {
+  bool idle = false;
+  Entry* const entry = ingest.run_once(idle);
+  if (entry == nullptr) return !idle;
+  if (workers > 0) {
+    crew.submit(*entry);
+    return true;
+  }
+  track.begin(*entry);
+  track.track_slice(*entry, 0);
+  track.finish(*entry);
+  ingest.return_buffers();
+  reconstruct(*entry);
+  return true;
+}
+
+bool Pipeline::Impl::reconstruct_next() {
+  Entry* entry = nullptr;
+  if (!tracked.pop(entry, 20ms)) return false;
+  reconstruct(*entry);
+  return true;
+}
+
+/// Last stage: reconstructs the modes from the spots and decides whether they are valid. Frames in
+/// order, one thread at a time. Passes the record on; it must not be used afterwards.
+void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
+  const MeasurementPlan& plan = *entry.plan;
+  entry.mode_count = int(plan.modes_j.size());
+  const std::span<SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
+  if (entry.templates.credible) {
+    const std::size_t modes = plan.modes_j.size();
+    entry.reconstruction =
+        reconstruction_of(entry.templates, plan.modes_j, {entry.coefficients.data(), modes});
+  } else {
+    std::fill_n(entry.coefficients.begin(), entry.mode_count, NAN);
+    std::fill_n(entry.sigma_waves.begin(), entry.mode_count, NAN);
+    entry.reconstruction = plan.reconstructor->solve_without_outliers(
+        spots, entry.measurement->reconstruct_scratch,
+        std::span<float>{entry.coefficients.data(), plan.reconstructor->modes_j().size()},
+        kCredibleResidual * plan.spots.lambda_d_px);
+  }
+  entry.tracked = int(
+      std::count_if(spots.begin(), spots.end(), [](const SpotFix& spot) { return spot.found(); }));
+  const bool measured = entry.settled && entry.reconstruction.determined && plan.referenced();
+  const bool by_positions =
+      measured && is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
+  const bool by_templates = plan.fit != nullptr || plan.awaits_templates;
+  const bool suffices = plan.positions_suffice() && (!by_templates || entry.follows);
+  entry.unconfirmed = by_positions && !entry.templates.credible && !suffices;
+  entry.explained = !measured || entry.templates.credible || (by_positions && !entry.unconfirmed);
+  entry.valid = measured && entry.explained;
+  entry.t_reconstructed_mono_ns = monotonic_ns();
+  latencies.reconstructed.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);
+  outbox.put(entry);
+}
+
 Pipeline::Pipeline(const PipelineConfig& config, const PipelineDeps& deps)
-    : impl_(std::make_unique<Impl>(config, deps)) {}
-Pipeline::~Pipeline() = default;
+    : impl_(make_hidden<Impl>(config, deps)) {}
 
 Agent& Pipeline::acquisition() {
-  return *impl_->acquisition;
+  return impl_->acquisition;
 }
 Agent& Pipeline::tracker(int k) {
   return *impl_->trackers.at(std::size_t(k));
@@ -160,7 +161,6 @@ Result<void> Pipeline::detach() {
 std::int64_t Pipeline::last_frame_mono_ns() const {
   return impl_->ingest.last_frame_mono_ns();
 }
-
 std::int64_t Pipeline::last_sign_mono_ns() const {
   return impl_->ingest.last_sign_mono_ns();
 }
@@ -204,14 +204,8 @@ void Pipeline::resume(const MeasurementPlan& plan, std::span<const SpotStart> st
   impl_->track.resume(plan, starts, follows, searched);
 }
 
-LatencyHistogram& Pipeline::arrived_latency() {
-  return impl_->arrived_latency;
-}
-LatencyHistogram& Pipeline::tracked_latency() {
-  return impl_->tracked_latency;
-}
-LatencyHistogram& Pipeline::reconstructed_latency() {
-  return impl_->reconstructed_latency;
+Latencies& Pipeline::latencies() {
+  return impl_->latencies;
 }
 
 }  // namespace ovws

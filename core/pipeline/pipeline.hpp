@@ -1,10 +1,10 @@
 /// The frame path: grab -> track -> reconstruct -> publish, as agents that the thread table runs.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
+#include "core/base/hidden.hpp"
 #include "core/base/result.hpp"
 #include "core/pipeline/frame_record.hpp"
 #include "core/port/camera.hpp"
@@ -26,14 +26,17 @@ struct PipelineDeps {
   LatestValue<AppliedSettings>& settings;  ///< written by the camera's thread
 };
 
+/// One histogram per stage; the status thread reads and resets them.
+struct Latencies {
+  LatencyHistogram arrived;  ///< delivery delay: from the undelayed arrival time (ArrivalClock) on
+  LatencyHistogram tracked, reconstructed;  ///< from the frame's arrival to the end of the stage
+};
+
 /// Owns the stages, the records and the rings between them. Inline and threaded operation give
 /// identical results.
 class Pipeline {
  public:
   Pipeline(const PipelineConfig& config, const PipelineDeps& deps);
-  ~Pipeline();
-  Pipeline(const Pipeline&) = delete;
-  Pipeline& operator=(const Pipeline&) = delete;
 
   // Agents, one thread each. tracker(k): k = 0 .. workers-1. With workers = 0 only acquisition()
   // does any work.
@@ -92,16 +95,11 @@ class Pipeline {
   void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
               bool searched);
 
-  // One histogram per stage; the status thread reads and resets them.
-  /// Delivery delay: from the frame's undelayed arrival time (ArrivalClock) to its arrival.
-  LatencyHistogram& arrived_latency();
-  /// From the frame's arrival to the end of the stage.
-  LatencyHistogram& tracked_latency();
-  LatencyHistogram& reconstructed_latency();
+  Latencies& latencies();
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Hidden<Impl> impl_;
 };
 
 }  // namespace ovws

@@ -2,6 +2,7 @@
 #include "core/pipeline/record_pool.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/optics/lattice.hpp"
 
@@ -36,28 +37,19 @@ Entry* RecordPool::take(const GrabbedFrame& frame, const MeasurementPlan& plan,
   return &entry;
 }
 
-void RecordPool::reclaim(Camera& camera) OVWS_NONBLOCKING {
-  for (int i = 0; i < size_ && lent_ > 0; ++i) {
+void RecordPool::reclaim(Camera* camera) OVWS_NONBLOCKING {
+  for (int i = 0; i < size_ && int(free_.size()) < size_; ++i) {
     Entry& entry = entries_[i];
-    if (entry.lent_slot_ < 0 || entry.pixel_holds_.load(std::memory_order_acquire) > 0) continue;
-    camera.release(entry.lent_slot_);
-    entry.lent_slot_ = -1;
-    --lent_;
+    if (entry.plan_id_.load(std::memory_order_relaxed) == Entry::kFree) continue;
+    if (camera != nullptr && entry.lent_slot_ >= 0 &&
+        entry.pixel_holds_.load(std::memory_order_acquire) <= 0) {
+      camera->release(std::exchange(entry.lent_slot_, -1));
+      --lent_;
+    }
+    if (entry.lent_slot_ >= 0 || entry.holds_.load(std::memory_order_acquire) > 0) continue;
+    entry.plan_id_.store(Entry::kFree, std::memory_order_release);
+    free_.push_back(&entry);
   }
-  reclaim();
-}
-
-void RecordPool::reclaim() OVWS_NONBLOCKING {
-  if (int(free_.size()) == size_) return;
-  for (int i = 0; i < size_; ++i) free_if_unheld(entries_[i]);
-}
-
-void RecordPool::free_if_unheld(Entry& entry) OVWS_NONBLOCKING {
-  const bool in_use = entry.plan_id_.load(std::memory_order_relaxed) != Entry::kFree;
-  if (!in_use || entry.lent_slot_ >= 0) return;
-  if (entry.holds_.load(std::memory_order_acquire) > 0) return;
-  entry.plan_id_.store(Entry::kFree, std::memory_order_release);
-  free_.push_back(&entry);
 }
 
 std::uint64_t RecordPool::oldest_plan_id() const {

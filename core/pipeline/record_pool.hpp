@@ -54,10 +54,9 @@ class RecordPool {
   Entry* take(const GrabbedFrame& frame, const MeasurementPlan& plan,
               bool image_wanted) OVWS_NONBLOCKING;
 
-  /// Returns buffers without holds to the camera, and frees records without holds.
-  void reclaim(Camera& camera) OVWS_NONBLOCKING;
-  /// Frees records without holds, except those whose buffer is still lent.
-  void reclaim() OVWS_NONBLOCKING;
+  /// Returns buffers without holds to the camera, and frees records without holds. Without a camera
+  /// (nullptr) records whose buffer is still lent stay.
+  void reclaim(Camera* camera) OVWS_NONBLOCKING;
 
   /// Number of buffers not yet returned to the camera.
   int lent() const { return lent_; }
@@ -66,8 +65,6 @@ class RecordPool {
   std::uint64_t oldest_plan_id() const;
 
  private:
-  void free_if_unheld(Entry& entry) OVWS_NONBLOCKING;
-
   int size_;
   std::unique_ptr<Entry[]> entries_;
   std::vector<Entry*> free_;

@@ -23,8 +23,12 @@ int count_found(std::span<const SpotFix> spots) {
 
 }  // namespace
 
-TrackStage::TrackStage(const Config& config, const Deps& deps)
-    : config_(config), deps_(deps), duplicate_(kMaxSubapertures), searched_(kMaxSubapertures) {}
+TrackStage::TrackStage(int slices, Counters& counters, LatencyHistogram& latency)
+    : slices_(slices),
+      counters_(counters),
+      latency_(latency),
+      duplicate_(kMaxSubapertures),
+      searched_(kMaxSubapertures) {}
 
 void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
   entry.spot_count = entry.plan->subapertures();
@@ -40,8 +44,8 @@ void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> 
 }
 
 void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
-  const int begin = entry.spot_count * k / config_.slices;
-  const int end = entry.spot_count * (k + 1) / config_.slices;
+  const int begin = entry.spot_count * k / slices_;
+  const int end = entry.spot_count * (k + 1) / slices_;
   Measurement& measurement = *entry.measurement;
   if (!entry.plan->fit) return track(entry, begin, end, measurement.track_scratch[k]);
   const SpotFit& spots = entry.plan->fit->spots();
@@ -137,7 +141,7 @@ void TrackStage::search_if_needed(Entry& entry) OVWS_NONBLOCKING {
 }
 
 void TrackStage::search(Entry& entry, int found) OVWS_NONBLOCKING {
-  deps_.counters.add(Counter::acquisitions);
+  counters_.add(Counter::acquisitions);
   entry.searched = true;
   const std::span<SpotFix> searched{searched_.data(), std::size_t(entry.spot_count)};
   const int searched_found = entry.measurement->acquisition.acquire(
@@ -158,9 +162,9 @@ void TrackStage::summarise(Entry& entry) OVWS_NONBLOCKING {
                                        [&](const SpotFix& s) { return double(s.peak) >= full; });
   entry.tracked = count_found(spots);
   entry.saturated_fraction = spots.empty() ? 0.0F : float(saturated) / float(entry.spot_count);
-  deps_.counters.add(Counter::spots_lost, std::uint64_t(entry.spot_count - entry.tracked));
+  counters_.add(Counter::spots_lost, std::uint64_t(entry.spot_count - entry.tracked));
   entry.t_tracked_mono_ns = monotonic_ns();
-  deps_.latency.record(entry.t_tracked_mono_ns - entry.frame.t_arrival_mono_ns);
+  latency_.record(entry.t_tracked_mono_ns - entry.frame.t_arrival_mono_ns);
 }
 
 }  // namespace ovws

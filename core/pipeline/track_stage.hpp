@@ -25,15 +25,7 @@ namespace ovws {
 /// (FittedFrame::credible), its spots and modes come from them, and no tracker runs.
 class TrackStage {
  public:
-  struct Config {
-    int slices = 1;
-  };
-  struct Deps {
-    Counters& counters;
-    LatencyHistogram& latency;
-  };
-
-  TrackStage(const Config& config, const Deps& deps);
+  TrackStage(int slices, Counters& counters, LatencyHistogram& latency);
 
   void begin(Entry& entry) OVWS_NONBLOCKING;
   /// Tracks slice k = 0 .. slices-1 of the spots.
@@ -58,8 +50,9 @@ class TrackStage {
   void search(Entry& entry, int found) OVWS_NONBLOCKING;
   void summarise(Entry& entry) OVWS_NONBLOCKING;
 
-  Config config_;
-  Deps deps_;
+  int slices_;
+  Counters& counters_;
+  LatencyHistogram& latency_;
   SpotHistory history_;
   BackOff search_back_off_;
   std::optional<bool> forced_search_;  ///< for the next frame

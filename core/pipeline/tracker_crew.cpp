@@ -15,10 +15,10 @@ void push(SpscRing<Entry*>& ring, Entry* entry) {
 
 }  // namespace
 
-TrackerCrew::TrackerCrew(const Config& config, const Deps& deps)
-    : deps_(deps), inbox_(std::size_t(config.records)) {
-  for (int k = 0; k < config.workers; ++k) {
-    slices_.push_back(std::make_unique<SpscRing<Entry*>>(std::size_t(config.records)));
+TrackerCrew::TrackerCrew(int workers, int records, TrackStage& stage, SpscRing<Entry*>& tracked)
+    : stage_(stage), tracked_(tracked), inbox_(std::size_t(records)) {
+  for (int k = 0; k < workers; ++k) {
+    slices_.push_back(std::make_unique<SpscRing<Entry*>>(std::size_t(records)));
   }
 }
 
@@ -30,7 +30,7 @@ void TrackerCrew::submit(Entry& entry) OVWS_NONBLOCKING {
 void TrackerCrew::start_next() OVWS_NONBLOCKING {
   Entry* entry = nullptr;
   if (!inbox_.try_pop(entry)) return;
-  deps_.stage.begin(*entry);
+  stage_.begin(*entry);
   working_.store(int(slices_.size()), std::memory_order_relaxed);
   for (const auto& slice : slices_) push(*slice, entry);
 }
@@ -38,14 +38,14 @@ void TrackerCrew::start_next() OVWS_NONBLOCKING {
 bool TrackerCrew::run_worker(int k) {
   Entry* entry = nullptr;
   if (!slices_[k]->pop(entry, 20ms)) return false;
-  deps_.stage.track_slice(*entry, k);
+  stage_.track_slice(*entry, k);
   if (working_.fetch_sub(1, std::memory_order_acq_rel) == 1) finish(*entry);
   return true;
 }
 
 void TrackerCrew::finish(Entry& entry) OVWS_NONBLOCKING {
-  deps_.stage.finish(entry);
-  push(deps_.tracked, &entry);
+  stage_.finish(entry);
+  push(tracked_, &entry);
   if (waiting_.fetch_sub(1, std::memory_order_acq_rel) > 1) start_next();
 }
 

@@ -17,16 +17,8 @@ namespace ovws {
 /// only the thread that starts a frame uses the non-atomic state.
 class TrackerCrew {
  public:
-  struct Config {
-    int workers = 1;
-    int records = 64;
-  };
-  struct Deps {
-    TrackStage& stage;
-    SpscRing<Entry*>& tracked;  ///< to the last stage, in frame order
-  };
-
-  TrackerCrew(const Config& config, const Deps& deps);
+  /// `tracked` leads to the last stage, in frame order.
+  TrackerCrew(int workers, int records, TrackStage& stage, SpscRing<Entry*>& tracked);
 
   /// Acquisition thread.
   void submit(Entry& entry) OVWS_NONBLOCKING;
@@ -37,7 +29,8 @@ class TrackerCrew {
   void start_next() OVWS_NONBLOCKING;
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
-  Deps deps_;
+  TrackStage& stage_;
+  SpscRing<Entry*>& tracked_;
   SpscRing<Entry*> inbox_;
   std::vector<std::unique_ptr<SpscRing<Entry*>>> slices_;
   std::atomic<int> waiting_{0};  ///< frames submitted but not finished

@@ -21,10 +21,11 @@ std::size_t bucket_of(std::int64_t latency_ns, std::size_t bucket_count) {
   return std::min(bucket, bucket_count - 1);
 }
 
-/// Centre of a bucket: a percentile is off by at most half the bucket's width.
-double bucket_middle_us(std::size_t bucket) {
+/// The latency at a fraction of a bucket: its begin, or its centre, from which a percentile is off
+/// by at most half the bucket's width.
+double latency_us(std::size_t bucket, double fraction) {
   const double octave = std::ldexp(1.0, kFirstOctaveBit + int(bucket >> kSubBits));
-  const double sub = double(bucket & ((1U << kSubBits) - 1U)) + 0.5;
+  const double sub = double(bucket & ((1U << kSubBits) - 1U)) + fraction;
   return octave * (1.0 + sub / double(1U << kSubBits)) / 1000.0;
 }
 
@@ -33,18 +34,12 @@ constexpr std::size_t bucket_at(std::size_t edge) {
   return (std::size_t(kFirstEdgeBit - kFirstOctaveBit) << kSubBits) + edge * kEdgeStep;
 }
 
-double bucket_begin_us(std::size_t bucket) {
-  const double octave = std::ldexp(1.0, kFirstOctaveBit + int(bucket >> kSubBits));
-  const double sub = double(bucket & ((1U << kSubBits) - 1U));
-  return octave * (1.0 + sub / double(1U << kSubBits)) / 1000.0;
-}
-
 }  // namespace
 
 const std::array<double, LatencyTotals::kEdges>& LatencyTotals::edges_us() {
   static const auto edges = [] {
     std::array<double, kEdges> made{};
-    for (std::size_t e = 0; e < kEdges; ++e) made[e] = bucket_begin_us(bucket_at(e));
+    for (std::size_t e = 0; e < kEdges; ++e) made[e] = latency_us(bucket_at(e), 0.0);
     return made;
   }();
   return edges;
@@ -82,7 +77,7 @@ LatencySummary LatencyHistogram::take() {
     std::uint64_t seen = 0;
     std::size_t bucket = 0;
     while (bucket + 1 < counts.size() && (seen += counts[bucket]) < rank) ++bucket;
-    return std::min(bucket_middle_us(bucket), summary.max_us);
+    return std::min(latency_us(bucket, 0.5), summary.max_us);
   };
   summary.p50_us = percentile_us(0.5);
   summary.p99_us = percentile_us(0.99);

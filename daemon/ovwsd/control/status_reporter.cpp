@@ -146,9 +146,9 @@ void StatusReporter::measure() {
     measured.rates = {rate(now.grabbed, marks_.grabbed), rate(now.published, marks_.published),
                       rate(now.images, marks_.images)};
   }
-  measured.latency = {{"arrived", deps_.pipeline.arrived_latency().take()},
-                      {"tracked", deps_.pipeline.tracked_latency().take()},
-                      {"reconstructed", deps_.pipeline.reconstructed_latency().take()},
+  measured.latency = {{"arrived", deps_.pipeline.latencies().arrived.take()},
+                      {"tracked", deps_.pipeline.latencies().tracked.take()},
+                      {"reconstructed", deps_.pipeline.latencies().reconstructed.take()},
                       {"published", deps_.published_latency.take()}};
   marks_ = now;
   measured_.set(std::move(measured));

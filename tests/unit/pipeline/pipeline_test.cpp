@@ -375,8 +375,8 @@ TEST(Pipeline, AFrameThatTookLongerThanItsPeriodMissedItsDeadline) {
   rig.camera.send({2, now + 3'600'000 * kMs, rig.still});
   rig.turn();
   EXPECT_EQ(rig.count(Counter::deadline_missed), 1U);
-  EXPECT_EQ(rig.pipeline.tracked_latency().take().count, 2U);
-  EXPECT_EQ(rig.pipeline.reconstructed_latency().take().count, 2U);
+  EXPECT_EQ(rig.pipeline.latencies().tracked.take().count, 2U);
+  EXPECT_EQ(rig.pipeline.latencies().reconstructed.take().count, 2U);
   while (FrameRecord* record = rig.pipeline.next(0)) rig.pipeline.release(record);
 }
 
@@ -391,7 +391,7 @@ TEST(Pipeline, HowLongAFrameWasHeldUpIsToldIfTheCameraStampsIt) {
   }
   rig.camera.send({4, now + 90 * kMs, rig.still});
   rig.turn();
-  const LatencySummary arrived = rig.pipeline.arrived_latency().take();
+  const LatencySummary arrived = rig.pipeline.latencies().arrived.take();
   EXPECT_EQ(arrived.count, 3U);
   EXPECT_EQ(arrived.max_us, 40e3);
   EXPECT_LT(arrived.p50_us, 1.0);
