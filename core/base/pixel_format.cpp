@@ -50,20 +50,14 @@ constexpr bool in_order() {
 }
 static_assert(in_order());  // traits_of indexes by enum value
 
-int bits_in_memory(PixelLayout layout) {
-  switch (layout) {
-    case L::bytes:
-      return 8;
-    case L::words:
-      return 16;
-    case L::p10:
-      return 10;
-    case L::p12:
-    case L::packed10:
-    case L::packed12:
-      return 12;
-  }
-  return 16;
+struct LayoutTraits {
+  int bits_in_memory, pixels_per_group;
+};
+constexpr std::array<LayoutTraits, 6> kLayouts{
+    {{8, 1}, {16, 1}, {10, 4}, {12, 2}, {12, 2}, {12, 2}}};  // in the order of PixelLayout
+
+const LayoutTraits& layout_of(PixelFormat format) {
+  return kLayouts[std::size_t(traits_of(format).layout)];
 }
 
 constexpr double kBlueToGreenNm = 490.0, kGreenToRedNm = 580.0;
@@ -91,36 +85,21 @@ std::string_view pixel_format_name(PixelFormat format) {
 }
 
 std::optional<PixelFormat> pixel_format_from_name(std::string_view name) {
-  const auto at = std::find_if(kFormats.begin(), kFormats.end(),
-                               [name](const auto& row) { return row.name == name; });
-  if (at == kFormats.end()) return std::nullopt;
-  return at->format;
+  const auto at = std::ranges::find(kFormats, name, &PixelFormatTraits::name);
+  return at == kFormats.end() ? std::nullopt : std::optional(at->format);
 }
 
 std::optional<PixelFormat> pixel_format_from_code(std::uint32_t code) {
-  const auto at = std::find_if(kFormats.begin(), kFormats.end(),
-                               [code](const auto& row) { return row.code == code; });
-  if (at == kFormats.end()) return std::nullopt;
-  return at->format;
+  const auto at = std::ranges::find(kFormats, code, &PixelFormatTraits::code);
+  return at == kFormats.end() ? std::nullopt : std::optional(at->format);
 }
 
 std::size_t row_bytes(PixelFormat format, int width) {
-  return (std::size_t(width) * std::size_t(bits_in_memory(traits_of(format).layout)) + 7) / 8;
+  return (std::size_t(width) * std::size_t(layout_of(format).bits_in_memory) + 7) / 8;
 }
 
 int pixels_per_group(PixelFormat format) {
-  switch (traits_of(format).layout) {
-    case L::bytes:
-    case L::words:
-      return 1;
-    case L::p10:
-      return 4;
-    case L::p12:
-    case L::packed10:
-    case L::packed12:
-      return 2;
-  }
-  return 1;
+  return layout_of(format).pixels_per_group;
 }
 
 LitPixels lit_pixels(PixelFormat format, double wavelength_nm) {
