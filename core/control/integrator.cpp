@@ -5,24 +5,6 @@
 
 namespace ovws {
 
-Result<void> check_loop(const LoopSettings& settings) {
-  const auto in = [](double value, double above, double max) {
-    return value > above && value <= max;
-  };
-  if (!in(settings.gain, 0.0, 1.0)) {
-    return fail(Errc::invalid, "gain", "must be above 0 and at most 1");
-  }
-  if (!(settings.leak >= 0.0 && settings.leak < 1.0)) {
-    return fail(Errc::invalid, "leak", "must be at least 0 and below 1");
-  }
-  for (const ModeGain& one : settings.gains) {
-    if (one.gain >= 0.0 && one.gain <= 1.0) continue;
-    return fail(Errc::invalid, "gains",
-                "the gain of mode j = " + std::to_string(one.j) + " must be from 0 to 1");
-  }
-  return {};
-}
-
 Integrator::Integrator(LoopSettings settings, std::vector<Mode> correction, std::int64_t now_ns)
     : settings_(std::move(settings)), correction_(std::move(correction)), t_last_ns_(now_ns) {}
 

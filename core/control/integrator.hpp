@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "core/base/result.hpp"
 #include "core/optics/zernike.hpp"
 
 namespace ovws {
@@ -29,9 +28,6 @@ struct LoopSettings {
   double growth = 3.0;        ///< residual over its previous level that counts as growing; > 1
   double floor_waves = 0.05;  ///< residual RMS below which it never counts as growing; >= 0
 };
-
-/// Errors (Errc::invalid): `field` is the key of the setting that is out of range.
-Result<void> check_loop(const LoopSettings& settings);
 
 /// Why the loop opened by itself.
 enum class LoopEnd { none, too_few_spots, at_limit, growing };

@@ -139,7 +139,6 @@ bool ClosedLoop::take_sample() {
 Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   if (is_closed())
     return fail(Errc::refused, "", "the loop is already closed: call loop.open first");
-  if (auto good = check_loop(settings); !good) return fail(good.error());
   const auto held = ask([&](SensorKeeper::Done done) {
     deps_.keeper.after_changes([this, settings, done = std::move(done)] { done(hold(settings)); });
   });

@@ -107,13 +107,5 @@ TEST(Integrator, WaitsLongerWhileLostSpotsAreBeingFound) {
   EXPECT_EQ(loop.wait(10 * kS, 9 * kS), LoopEnd::too_few_spots);  // found, and never usable
 }
 
-TEST(LoopSettings, AreRefusedOutOfRange) {
-  EXPECT_TRUE(check_loop({}));
-  EXPECT_EQ(check_loop({.gain = 0.0}).error().field, "gain");
-  EXPECT_EQ(check_loop({.gain = 1.01}).error().field, "gain");
-  EXPECT_EQ(check_loop({.leak = 1.0}).error().field, "leak");
-  EXPECT_EQ(check_loop({.gains = {{3, 2.0}}}).error().field, "gains");
-}
-
 }  // namespace
 }  // namespace ovws
