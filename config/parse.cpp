@@ -29,7 +29,7 @@ Result<Config> read_config(const nlohmann::json& json) {
 }  // namespace
 
 /// Endpoints must differ. Checked here, so that the error can name the key.
-void Table<Config>::check(const Config& config, ObjectReader& reader) {
+void Rules<Config>::check(const Config& config, ObjectReader& reader) {
   if (config.stream.endpoint == config.stream.image_endpoint) {
     reader.fault("stream.image_endpoint", "must differ from stream.endpoint");
   }

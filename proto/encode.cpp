@@ -35,8 +35,8 @@ class ObjectWriter {
       out_.append(value ? "true" : "false");
     } else if constexpr (std::is_arithmetic_v<T>) {
       put_number(value);
-    } else if constexpr (HasNames<T>) {
-      put(std::string_view(Names<T>::all()[std::size_t(value)]));
+    } else if constexpr (std::is_enum_v<T>) {
+      put(wire_name(value));
     } else if constexpr (std::is_convertible_v<T, std::string_view>) {
       out_.append(1, '"').append(value).append(1, '"');
     } else if constexpr (detail::is_optional<T>) {

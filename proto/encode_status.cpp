@@ -7,7 +7,7 @@
 
 namespace ovws {
 
-std::optional<double> Table<RefinedMessage>::rms_waves(const RefinedMessage& message) {
+std::optional<double> rms_waves(const RefinedMessage& message) {
   if (!message.valid) return std::nullopt;
   double squares = 0.0;
   for (std::size_t k = 0; k < message.j.size(); ++k) {

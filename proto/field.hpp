@@ -3,14 +3,12 @@
 /// decoding (field_json.hpp) and JSON Schemas (field_schema.hpp) are generated from it.
 ///
 ///     template <>
-///     struct Table<Roi> {
-///       static constexpr const char* kName = "Roi";
-///       static constexpr auto kFields = Fields{
-///           field("x", &Roi::x, "left edge, sensor pixels", limits::kRoiOffset),
-///           …};
-///     };
+///     inline constexpr auto kTable<Roi> = Fields{
+///         "Roi", field<&Roi::x>("left edge, sensor pixels", limits::kRoiOffset), …};
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -38,7 +36,29 @@ struct Bounds {
   }
 };
 
-using NamesOf = std::vector<std::string> (*)();
+using NamesOf = const std::vector<std::string>& (*)();
+
+/// A string literal as a template argument.
+template <std::size_t N>
+struct Literal {
+  char text[N];
+  consteval Literal(const char (&literal)[N]) { std::copy_n(literal, N, text); }
+};
+
+/// The list of these texts.
+template <Literal... kTexts>
+const std::vector<std::string>& texts() {
+  static const std::vector<std::string> all{kTexts.text...};
+  return all;
+}
+
+/// Specialised for each enumeration on the wire: its names in the order of the values.
+template <class E>
+inline constexpr NamesOf kNames = nullptr;
+template <class E>
+std::string_view wire_name(E value) {
+  return kNames<E>()[std::size_t(value)];
+}
 
 /// Properties of a field besides its type.
 struct FieldInfo {
@@ -92,7 +112,6 @@ using FieldCheck = std::optional<std::string> (*)(const T&);
 
 template <class S, class T>
 struct Field : Described<Field<S, T>> {
-  using Value = T;
   T S::*member = nullptr;
   FieldCheck<T> check = nullptr;
 
@@ -119,19 +138,43 @@ constexpr auto field(const char* key, T S::*member, const char* meaning, Bounds 
   return out;
 }
 
+namespace detail {
+
+/// The name of a member, NUL-terminated, from the compiler's text "… [… &ovws::Roi::x]".
+template <auto kMember>
+consteval auto name_of_member() {
+  constexpr std::string_view text = __PRETTY_FUNCTION__;
+  constexpr std::size_t end = text.rfind(']'), begin = text.rfind(':', end) + 1;
+  std::array<char, end - begin + 1> name{};
+  text.copy(name.data(), end - begin, begin);
+  return name;
+}
+template <auto kMember>
+inline constexpr auto kMemberName = name_of_member<kMember>();
+
+}  // namespace detail
+
+/// A field whose key is the member's name.
+template <auto kMember>
+constexpr auto field(const char* meaning, Bounds bounds = {}) {
+  return field(detail::kMemberName<kMember>.data(), kMember, meaning, bounds);
+}
+
 /// An encode-only field: its value is get(struct).
-template <class S, class Get>
-struct Computed : Described<Computed<S, Get>> {
-  using Value = std::remove_cvref_t<std::invoke_result_t<Get, const S&>>;
+template <class Get>
+struct Computed : Described<Computed<Get>> {
   Get get;
 
   constexpr explicit Computed(Get by) : get(by) {}
-  decltype(auto) of(const S& from) const { return get(from); }
+  template <class S>
+  decltype(auto) of(const S& from) const {
+    return get(from);
+  }
 };
 
-template <class S, class Get>
+template <class Get>
 constexpr auto computed(const char* key, Get get, const char* meaning, Bounds bounds = {}) {
-  Computed<S, Get> out(get);
+  Computed<Get> out(get);
   out.key = key;
   out.meaning = meaning;
   out.bounds = bounds;
@@ -140,7 +183,6 @@ constexpr auto computed(const char* key, Get get, const char* meaning, Bounds bo
 
 /// An encode-only field with a constant text.
 struct Constant : FieldInfo {
-  using Value = std::string_view;
   const char* text = "";
 };
 
@@ -194,30 +236,30 @@ struct FieldsBase<std::index_sequence<I...>, Entries...> : FieldAt<I, Entries>..
   }
 };
 
-/// The entries of a table, like std::tuple, which takes three times as long to compile. Every file
-/// that includes a message compiles its table.
+/// A table: the name of the struct in schemas, and its entries, like std::tuple, which takes three
+/// times as long to compile. Every file that includes a message compiles its table.
 template <class... Entries>
 struct Fields : FieldsBase<std::index_sequence_for<Entries...>, Entries...> {
-  constexpr explicit Fields(Entries... entries)
-      : FieldsBase<std::index_sequence_for<Entries...>, Entries...>(entries...) {}
+  const char* name;
+
+  constexpr explicit Fields(const char* in_schemas, Entries... entries)
+      : FieldsBase<std::index_sequence_for<Entries...>, Entries...>(entries...), name(in_schemas) {}
 };
 
-/// Specialised for each struct with a table: kName, kFields, and `static void check(const S&,
-/// ObjectReader&)` if fields depend on each other.
+/// Specialised for each struct with a table.
 template <class S>
-struct Table;
+inline constexpr auto kTable = nullptr;
 template <class S>
-concept HasTable = requires {
-  Table<S>::kFields;
-};
+concept HasTable = !std::is_same_v<decltype(kTable<S>), const std::nullptr_t>;
 
-/// Specialised for each enumeration on the wire: `all()`, its names in the order of the values.
-template <class E>
-struct Names;
-template <class E>
-concept HasNames = requires {
-  Names<E>::all();
-};
+/// Specialised for a struct whose fields depend on each other. May have these functions:
+///
+///     static void check(const S&, ObjectReader&);         checks a decoded struct
+///     static void check_change(ObjectReader&);            checks the keys of a Partial<S>
+///     static void begin_change(S&, const Json& given);    prepares a struct for these changes
+///     static Json schema();                               the same rules as keywords of a schema
+template <class S>
+struct Rules {};
 
 namespace detail {
 
@@ -239,7 +281,7 @@ void visit_absent_entry(const Inlined<S, T>&, Visit& visit) {
 }
 template <class S, class Visit>
 void visit_absent(Visit& visit) {
-  Table<S>::kFields.apply([&](const auto&... entry) { (visit_absent_entry(entry, visit), ...); });
+  kTable<S>.apply([&](const auto&... entry) { (visit_absent_entry(entry, visit), ...); });
 }
 
 template <class S, class Entry, class Visit>
@@ -261,8 +303,7 @@ void visit_entry(const Owner& from, const Based<T>& entry, Visit& visit);
 /// inlined optional is an Absent.
 template <HasTable S, class Visit>
 void visit_fields(const S& from, Visit&& visit) {
-  Table<S>::kFields.apply(
-      [&](const auto&... entry) { (detail::visit_entry(from, entry, visit), ...); });
+  kTable<S>.apply([&](const auto&... entry) { (detail::visit_entry(from, entry, visit), ...); });
 }
 
 template <class Owner, class T, class Visit>

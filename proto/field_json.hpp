@@ -110,8 +110,8 @@ J to_json(const T& value) {
     return value ? to_json<J>(*value) : J();
   } else if constexpr (std::is_floating_point_v<T>) {
     return std::isfinite(value) ? J(value) : J();
-  } else if constexpr (HasNames<T>) {
-    return Names<T>::all()[std::size_t(value)];
+  } else if constexpr (std::is_enum_v<T>) {
+    return kNames<T>()[std::size_t(value)];
   } else if constexpr (std::is_same_v<T, Vec2>) {
     return J::array({to_json<J>(value.x), to_json<J>(value.y)});
   } else if constexpr (HasTable<T>) {
@@ -249,9 +249,9 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
     }
   } else if constexpr (std::is_same_v<T, std::string>) {
     reader.string(key, out);
-  } else if constexpr (HasNames<T>) {
+  } else if constexpr (std::is_enum_v<T>) {
     int value = int(out);
-    reader.choice(key, value, Names<T>::all());
+    reader.choice(key, value, (field.names != nullptr ? field.names : kNames<T>)());
     out = T(value);
   } else if constexpr (std::is_same_v<T, std::optional<double>>) {
     reader.optional_number(key, out, bounds.min, bounds.max);
@@ -266,9 +266,7 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
       decode_value(reader, field, given);
       if (!reader.failed()) out = std::move(given);
     }
-  } else if constexpr (std::is_same_v<T, Vec2>) {
-    decode_tuple(reader, field, 2, [&out](const auto& given) { out = {given[0], given[1]}; });
-  } else if constexpr (std::is_same_v<T, std::array<double, 2>>) {
+  } else if constexpr (std::is_same_v<T, Vec2> || std::is_same_v<T, std::array<double, 2>>) {
     decode_tuple(reader, field, 2, [&out](const auto& given) { out = {given[0], given[1]}; });
   } else if constexpr (HasTable<T>) {
     reader.object(key, [&out](ObjectReader& inner) { decode_fields(inner, out); });
@@ -299,9 +297,9 @@ void decode_entry(ObjectReader& reader, const Inlined<S, T>& entry, Owner& out) 
 
 template <HasTable S>
 void decode_fields(ObjectReader& reader, S& out) {
-  Table<S>::kFields.apply([&](const auto&... entry) { (decode_entry(reader, entry, out), ...); });
-  if constexpr (requires { Table<S>::check(out, reader); }) {
-    if (!reader.failed()) Table<S>::check(out, reader);
+  kTable<S>.apply([&](const auto&... entry) { (decode_entry(reader, entry, out), ...); });
+  if constexpr (requires { Rules<S>::check(out, reader); }) {
+    if (!reader.failed()) Rules<S>::check(out, reader);
   }
 }
 
@@ -331,7 +329,7 @@ const char* key_of_entry(const Field<S, T>& entry, Member member) {
     return nullptr;
   }
 }
-template <class Table, class Member>
+template <class S, class Member>
 const char* key_in_table(Member member) {
   const char* key = nullptr;
   const auto find_key = [&](const auto& entry) {
@@ -339,11 +337,10 @@ const char* key_in_table(Member member) {
     if constexpr (requires { key_of_entry(entry, member); }) {
       key = key_of_entry(entry, member);
     } else if constexpr (requires { entry.member; }) {
-      key =
-          key_in_table<ovws::Table<std::remove_cvref_t<decltype(value_of(entry.member))>>>(member);
+      key = key_in_table<std::remove_cvref_t<decltype(value_of(entry.member))>>(member);
     }
   };
-  Table::kFields.apply([&](const auto&... entry) { (find_key(entry), ...); });
+  kTable<S>.apply([&](const auto&... entry) { (find_key(entry), ...); });
   return key;
 }
 
@@ -363,7 +360,7 @@ class Partial {
     S checked{};
     reader.clamp(partial.clamp_);
     detail::decode_fields(reader, checked);
-    if constexpr (requires { Table<S>::check_change(reader); }) Table<S>::check_change(reader);
+    if constexpr (requires { Rules<S>::check_change(reader); }) Rules<S>::check_change(reader);
     if (auto done = reader.finish(); !done) return fail(done.error());
     object.erase("clamp");
     partial.given_ = std::move(object);
@@ -388,16 +385,16 @@ class Partial {
 
   template <class Member>
   void put(Member member, const auto& value) {
-    given_[detail::key_in_table<Table<S>>(member)] = to_json(value);
+    given_[detail::key_in_table<S>(member)] = to_json(value);
   }
   template <class Member>
   void forget(Member member) {
-    given_.erase(detail::key_in_table<Table<S>>(member));
+    given_.erase(detail::key_in_table<S>(member));
   }
   /// Whether the change sets this member. Null counts only for an optional.
   template <class Member>
   bool gives(Member member) const {
-    const auto found = given_.find(detail::key_in_table<Table<S>>(member));
+    const auto found = given_.find(detail::key_in_table<S>(member));
     if (found == given_.end()) return false;
     return detail::is_optional<decltype(detail::value_of(member))> || !found->is_null();
   }
@@ -406,8 +403,8 @@ class Partial {
   const Json& given() const { return given_; }  ///< without `clamp`
 
   S applied_to(S base) const {
-    if constexpr (requires { Table<S>::begin_change(base, given_); }) {
-      Table<S>::begin_change(base, given_);
+    if constexpr (requires { Rules<S>::begin_change(base, given_); }) {
+      Rules<S>::begin_change(base, given_);
     }
     ObjectReader reader(given_, "");
     reader.clamp(clamp_);

@@ -103,8 +103,8 @@ Json schema_of_value(SchemaParts& parts, const FieldInfo& field) {
     return {{"type", "boolean"}};
   } else if constexpr (std::is_arithmetic_v<T>) {
     return schema_of_number<T>(field.bounds);
-  } else if constexpr (HasNames<T>) {
-    return {{"type", "string"}, {"enum", Names<T>::all()}};
+  } else if constexpr (std::is_enum_v<T>) {
+    return {{"type", "string"}, {"enum", (field.names != nullptr ? field.names : kNames<T>)()}};
   } else if constexpr (std::is_same_v<T, Vec2>) {
     Json number = schema_of_number<double>(field.bounds);
     return schema_of_tuple(2, field.nulls ? with_null(std::move(number)) : std::move(number));
@@ -150,9 +150,10 @@ void put_default(Json& schema, const Entry& entry) {
 
 template <class S, class Entry>
 void put_entry(SchemaParts& parts, const Entry& entry, Json& properties, Json& required) {
-  Json schema = schema_of_value<typename Entry::Value>(parts, entry);
+  using Value = std::remove_cvref_t<decltype(entry.of(std::declval<const S&>()))>;
+  Json schema = schema_of_value<Value>(parts, entry);
   const bool or_absent = parts.may_be_absent && std::string_view(entry.absent) == "null";
-  if (!is_optional<typename Entry::Value> && (entry.nullable || or_absent)) {
+  if (!is_optional<Value> && (entry.nullable || or_absent)) {
     schema = with_null(std::move(schema));
   }
   if (parts.of == SchemaOf::params) put_default<S>(schema, entry);
@@ -184,7 +185,7 @@ void put_entry(SchemaParts& parts, const Based<T>&, Json& properties, Json& requ
 
 template <class S>
 void put_schema(SchemaParts& parts, Json& properties, Json& required) {
-  Table<S>::kFields.apply(
+  kTable<S>.apply(
       [&](const auto&... entry) { (put_entry<S>(parts, entry, properties, required), ...); });
 }
 
@@ -197,7 +198,7 @@ Json object_schema(SchemaParts& parts) {
   parts.may_be_absent = before;
   Json schema{{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
   if (!required.empty()) schema["required"] = required;
-  if constexpr (requires { Table<S>::rules(); }) schema.update(Table<S>::rules());
+  if constexpr (requires { Rules<S>::schema(); }) schema.update(Rules<S>::schema());
   return schema;
 }
 
@@ -205,7 +206,7 @@ template <class S>
 Json schema_reference(SchemaParts& parts) {
   // A change needs a definition of its own, because none of its fields is required.
   const std::string name =
-      std::string(Table<S>::kName) + (parts.of == SchemaOf::change ? "Change" : "");
+      std::string(kTable<S>.name) + (parts.of == SchemaOf::change ? "Change" : "");
   if (!parts.parts.contains(name)) {
     parts.parts[name] = nullptr;  // marks it as in progress
     parts.parts[name] = object_schema<S>(parts);
@@ -237,7 +238,7 @@ struct WholeSchema {
     Json schema;
     if constexpr (HasTable<S>) {
       schema = detail::object_schema<S>(parts);
-      schema["title"] = Table<S>::kName;
+      schema["title"] = kTable<S>.name;
     } else {
       schema = Wire<S>::schema(parts, {});
     }

@@ -1,28 +1,45 @@
-/// The names that enumerations have on the wire and in the configuration, in the enumerations'
-/// own order.
+/// The names that enumerations have on the wire and in the configuration.
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "core/base/pixel_format.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
+#include "core/optics/zernike.hpp"
 #include "core/tracking/tracker.hpp"
+#include "proto/field.hpp"
 
 namespace ovws {
 
-const std::vector<std::string>& grid_names();
-const std::vector<std::string>& pattern_names();
-const std::vector<std::string>& showable_pattern_names();  ///< all but `test`, reserved for jobs
-const std::vector<std::string>& norm_names();
-const std::vector<std::string>& pixel_format_names();
-const std::vector<std::string>& tracker_names();
-const std::vector<std::string>& template_names();
-const std::vector<std::string>& operator_names();
-
-std::string_view pattern_name(HologramKind kind);
-std::string_view template_name(TemplateKind kind);
-std::string_view operator_name(OperatorKind kind);
+template <>
+inline constexpr NamesOf kNames<Grid> = texts<"hexagonal", "square">;
+template <>
+inline constexpr NamesOf kNames<HologramKind> =
+    texts<"sensor", "grating", "flat", "identify", "test">;
+/// Patterns that a user can select: all but `test`, which is reserved for jobs.
+inline constexpr NamesOf kShowablePatterns = texts<"sensor", "grating", "flat", "identify">;
+template <>
+inline constexpr NamesOf kNames<ZernikeNorm> = texts<"rms", "unit">;
+template <>
+inline constexpr NamesOf kNames<TemplateKind> = texts<"model", "reference">;
+template <>
+inline constexpr NamesOf kNames<OperatorKind> = texts<"slopes", "diffractive", "measured">;
+template <>
+inline constexpr NamesOf kNames<PixelFormat> = []() -> const std::vector<std::string>& {
+  static const auto names = [] {
+    std::vector<std::string> all;
+    for (const PixelFormatTraits& format : all_pixel_formats()) all.emplace_back(format.name);
+    return all;
+  }();
+  return names;
+};
+template <>
+inline constexpr NamesOf kNames<TrackerKind> = []() -> const std::vector<std::string>& {
+  static const std::vector<std::string> names(all_tracker_names().begin(),
+                                              all_tracker_names().end());
+  return names;
+};
 
 }  // namespace ovws

@@ -43,7 +43,7 @@ Result<ModesSet> ModesSet::decode(const Json& params) {
   std::set<int> given;
   ObjectReader reader(params, "");
   int norm = 0;
-  reader.choice("norm", norm, norm_names());
+  reader.choice("norm", norm, kNames<ZernikeNorm>());
   reader.require("modes");
   reader.objects("modes", kMaxZernikeIndex + 1, [&](ObjectReader& r, std::size_t) {
     Mode mode;
@@ -103,7 +103,7 @@ Json Wire<ModesSet>::schema(SchemaParts&, const FieldInfo&) {
               {"description", "modes, each given by j, or by n and m"}}},
             {"norm",
              {{"type", "string"},
-              {"enum", norm_names()},
+              {"enum", kNames<ZernikeNorm>()},
               {"default", "rms"},
               {"description", "rms: RMS 1 over the pupil; unit: amplitude 1 at its edge"}}}}},
           {"required", {"modes"}},

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace ovws {
@@ -36,6 +37,8 @@ enum class Counter : std::uint8_t {
   count_,
 };
 
+/// The names in `status` messages, in the order of the enumeration.
+std::span<const std::string_view> all_counter_names();
 std::string_view counter_name(Counter counter);
 
 /// Thread-safe, RT-safe, relaxed.

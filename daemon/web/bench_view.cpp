@@ -41,7 +41,7 @@ json limits_of_wire() {
     return json{{"min", limits.min}, {"max", limits.max}};
   };
   json trackers = json::array();
-  for (const std::string& name : tracker_names()) {
+  for (const std::string& name : kNames<TrackerKind>()) {
     if (name != "lg_contour") trackers.push_back(name);  // only for offline use
   }
   return {{"mode_waves", range(limits::kModeWaves)},
@@ -49,7 +49,7 @@ json limits_of_wire() {
           {"loop_gain", range(limits::kLoopGain)},
           {"reference_frames", range(limits::kReferenceFrames)},
           {"trackers", trackers},
-          {"patterns", showable_pattern_names()}};
+          {"patterns", kShowablePatterns()}};
 }
 
 json reference_of(json reference) {

@@ -51,7 +51,7 @@ bool agree(const HologramSources& sources) {
 }  // namespace
 
 Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
-  const auto& names = showable_pattern_names();
+  const auto& names = kShowablePatterns();
   const auto name = std::find(names.begin(), names.end(), sources.pattern);
   if (name == names.end()) return fail(Errc::unavailable, "", "a job shows its own patterns");
   if (!agree(sources)) return fail(Errc::unavailable, "", "the hologram is changing");

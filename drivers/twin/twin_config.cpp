@@ -71,7 +71,7 @@ void read(ObjectReader& r, SensorConfig& sensor) {
   int grid = int(sensor.grid);
   std::vector<double> grooves(sensor.grooves.begin(), sensor.grooves.end());
   r.integer("charge", sensor.charge, kCharge.min, kCharge.max);
-  r.choice("grid", grid, grid_names());
+  r.choice("grid", grid, kNames<Grid>());
   r.integer("subapertures_across", sensor.subapertures_across, kSubaperturesAcross.min,
             kSubaperturesAcross.max);
   r.number("pupil_diameter_px", sensor.pupil_diameter_px, kPupilDiameterPx.min,
@@ -118,11 +118,11 @@ double photons_per_peak_photon(const Config& config, const Truth& truth) {
 
 void read_aberration(ObjectReader& r, Truth& truth) {
   int norm = int(ZernikeNorm::rms);
-  r.choice("norm", norm, norm_names());
+  r.choice("norm", norm, kNames<ZernikeNorm>());
   const nlohmann::json* modes = r.raw("aberration");
   if (modes == nullptr || r.failed()) return;
   const auto decoded =
-      ModesSet::decode({{"modes", *modes}, {"norm", norm_names()[std::size_t(norm)]}});
+      ModesSet::decode({{"modes", *modes}, {"norm", kNames<ZernikeNorm>()[std::size_t(norm)]}});
   if (decoded) {
     truth.aberration = decoded->modes;
     return;

@@ -14,13 +14,8 @@
 namespace ovws {
 
 template <>
-struct Names<Disagreement> {
-  static const std::vector<std::string>& all() {
-    static const std::vector<std::string> names{
-        "none", "sign", "axes", "scale", "rotation", "parity", "order", "single_modes", "unlike"};
-    return names;
-  }
-};
+inline constexpr NamesOf kNames<Disagreement> =
+    texts<"none", "sign", "axes", "scale", "rotation", "parity", "order", "single_modes", "unlike">;
 
 struct CalibratedMode {
   int j = 0;
@@ -30,38 +25,30 @@ struct CalibratedMode {
       correlation;  ///< none: the model has no such mode
 };
 template <>
-struct Table<CalibratedMode> {
-  using M = CalibratedMode;
-  static constexpr const char* kName = "CalibratedMode";
-  static constexpr auto kFields =
-      Fields{field("j", &M::j, kModeIndexMeaning),
-             field("amplitude_waves", &M::amplitude_waves,
-                   "amplitude of its pokes, RMS-normalised waves; a half or a quarter of the "
-                   "requested one if the SLM cannot show that, or if it lost spots",
-                   Bounds::at_least(0)),
-             field("signal_px_per_wave", &M::signal_px_per_wave,
-                   "signal of the mode: RMS of its matrix column over the spots, x and y, "
-                   "camera pixels per RMS-normalised wave",
-                   Bounds::at_least(0)),
-             field("standard_error_px_per_wave", &M::standard_error_px_per_wave,
-                   "RMS of the column's standard errors, camera pixels per RMS-normalised wave",
-                   Bounds::at_least(0)),
-             field("factor", &M::factor,
-                   "regression factor of the measured column on the model's (operator slopes); "
-                   "null: the model has no such mode"),
-             field("factor_standard_error", &M::factor_standard_error,
-                   "standard error of factor, from the noise"),
-             field("correlation", &M::correlation,
-                   "correlation of the measured column with the model's, -1 to 1")};
-};
+inline constexpr auto kTable<CalibratedMode> = Fields{
+    "CalibratedMode",
+    field<&CalibratedMode::j>(kModeIndexMeaning),
+    field<&CalibratedMode::amplitude_waves>(
+        "amplitude of its pokes, RMS-normalised waves; a half or a quarter of the requested one if "
+        "the SLM cannot show that, or if it lost spots",
+        Bounds::at_least(0)),
+    field<&CalibratedMode::signal_px_per_wave>(
+        "signal of the mode: RMS of its matrix column over the spots, x and y, camera pixels per "
+        "RMS-normalised wave",
+        Bounds::at_least(0)),
+    field<&CalibratedMode::standard_error_px_per_wave>(
+        "RMS of the column's standard errors, camera pixels per RMS-normalised wave",
+        Bounds::at_least(0)),
+    field<&CalibratedMode::factor>("regression factor of the measured column on the model's "
+                                   "(operator slopes); null: the model has no such mode"),
+    field<&CalibratedMode::factor_standard_error>("standard error of factor, from the noise"),
+    field<&CalibratedMode::correlation>(
+        "correlation of the measured column with the model's, -1 to 1")};
 
 template <>
-struct Table<DroppedMode> {
-  static constexpr const char* kName = "DroppedMode";
-  static constexpr auto kFields =
-      Fields{field("j", &DroppedMode::j, kModeIndexMeaning),
-             field("reason", &DroppedMode::reason, "why it is not reconstructed")};
-};
+inline constexpr auto kTable<DroppedMode> =
+    Fields{"DroppedMode", field<&DroppedMode::j>(kModeIndexMeaning),
+           field<&DroppedMode::reason>("why it is not reconstructed")};
 
 struct CalibrationReport {
   double amplitude_waves = 0.0;  ///< requested poke amplitude
@@ -76,66 +63,61 @@ struct CalibrationReport {
 std::vector<CalibratedMode> calibrated_modes(const CalibrationReport& report);
 std::vector<double> singular_values_of(const CalibrationReport& report);
 template <>
-struct Table<CalibrationReport> {
-  using C = CalibrationReport;
-  static constexpr const char* kName = "CalibrationReport";
-  static constexpr auto kFields = Fields{
-      field("t_taken_ns", &C::t_taken_ns, kTimeMeaning),
-      time_text("t_taken", &C::t_taken_ns),
-      field("sha256", &C::sha256, kSha256Meaning).or_null(),
-      field("amplitude_waves", &C::amplitude_waves,
-            "requested poke amplitude, RMS-normalised waves"),
-      field("frames", &C::frames, "number of frames averaged for each poke", Bounds::at_least(2)),
-      computed<C>(
-          "subapertures", [](const C& c) { return c.matrix.spots(); }, "number of subapertures",
-          Bounds::at_least(1)),
-      computed<C>(
-          "lost_spots", [](const C& c) { return c.matrix.lost_spots; },
-          "numbers of the lost spots: their rows of the matrix are 0, and modes are reconstructed "
-          "without them",
-          Bounds::at_least(0)),
-      computed<C>("modes", calibrated_modes, "measured modes, one per column of the matrix"),
-      field("template_modes_j", &C::template_modes_j,
-            "modes for which the derivative of every pixel was measured, tracker fit; empty: none",
-            {1, kMaxZernikeIndex}),
-      computed<C>(
-          "dropped", [](const C& c) { return c.matrix.dropped; },
-          "requested modes that are not reconstructed"),
-      computed<C>(
-          "singular_values_px_per_wave", singular_values_of,
-          "singular values of the matrix, largest first, camera pixels per RMS-normalised wave",
-          Bounds::at_least(0)),
-      computed<C>(
-          "condition_number",
-          [](const C& c) {
-            const std::vector<double> values = singular_values_of(c);
-            return values.front() / values.back();
-          },
-          "condition number of the matrix: the largest singular value over the smallest",
-          Bounds::at_least(1)),
-      computed<C>(
-          "drift_px", [](const C& c) { return c.matrix.drift_px; },
-          "drift of the spots without a poke from the beginning to the end, RMS over the spots, x "
-          "and y, camera pixels",
-          Bounds::at_least(0)),
-      computed<C>(
-          "drift_noise_px", [](const C& c) { return c.matrix.drift_noise_px; },
-          "drift_px that is expected from the standard errors alone, camera pixels",
-          Bounds::at_least(0)),
-      computed<C>(
-          "disagreement", [](const C& c) { return c.comparison.disagreement; },
-          "how the matrix differs from the model's: sign (of all displacements, of x, of y or of "
-          "single modes), axes (x and y exchanged), scale, rotation, parity (modes inverted, as by "
-          "a camera that sees the lattice mirrored or from the other side), order (of the modes), "
-          "single_modes (other factors), unlike (none of these); none: they agree"),
-      computed<C>(
-          "disagreement_reason", [](const C& c) { return c.comparison.words; },
-          "explanation of the disagreement, and what to do; null: they agree")
-          .or_null(),
-      field("origin", &C::origin,
-            "bench and settings of the measurement; aberration: shown under the pokes, minus the "
-            "correction")};
-};
+inline constexpr auto kTable<CalibrationReport> = Fields{
+    "CalibrationReport",
+    field<&CalibrationReport::t_taken_ns>(kTimeMeaning),
+    time_text("t_taken", &CalibrationReport::t_taken_ns),
+    field<&CalibrationReport::sha256>(kSha256Meaning).or_null(),
+    field<&CalibrationReport::amplitude_waves>("requested poke amplitude, RMS-normalised waves"),
+    field<&CalibrationReport::frames>("number of frames averaged for each poke",
+                                      Bounds::at_least(2)),
+    computed(
+        "subapertures", [](auto& c) { return c.matrix.spots(); }, "number of subapertures",
+        Bounds::at_least(1)),
+    computed(
+        "lost_spots", [](auto& c) { return c.matrix.lost_spots; },
+        "numbers of the lost spots: their rows of the matrix are 0, and modes are reconstructed "
+        "without them",
+        Bounds::at_least(0)),
+    computed("modes", calibrated_modes, "measured modes, one per column of the matrix"),
+    field<&CalibrationReport::template_modes_j>(
+        "modes for which the derivative of every pixel was measured, tracker fit; empty: none",
+        {1, kMaxZernikeIndex}),
+    computed(
+        "dropped", [](auto& c) { return c.matrix.dropped; },
+        "requested modes that are not reconstructed"),
+    computed("singular_values_px_per_wave", singular_values_of,
+             "singular values of the matrix, largest first, camera pixels per RMS-normalised wave",
+             Bounds::at_least(0)),
+    computed(
+        "condition_number",
+        [](auto& c) {
+          const std::vector<double> values = singular_values_of(c);
+          return values.front() / values.back();
+        },
+        "condition number of the matrix: the largest singular value over the smallest",
+        Bounds::at_least(1)),
+    computed(
+        "drift_px", [](auto& c) { return c.matrix.drift_px; },
+        "drift of the spots without a poke from the beginning to the end, RMS over the spots, x "
+        "and y, camera pixels",
+        Bounds::at_least(0)),
+    computed(
+        "drift_noise_px", [](auto& c) { return c.matrix.drift_noise_px; },
+        "drift_px that is expected from the standard errors alone, camera pixels",
+        Bounds::at_least(0)),
+    computed(
+        "disagreement", [](auto& c) { return c.comparison.disagreement; },
+        "how the matrix differs from the model's: sign (of all displacements, of x, of y or of "
+        "single modes), axes (x and y exchanged), scale, rotation, parity (modes inverted, as by a "
+        "camera that sees the lattice mirrored or from the other side), order (of the modes), "
+        "single_modes (other factors), unlike (none of these); none: they agree"),
+    computed(
+        "disagreement_reason", [](auto& c) { return c.comparison.words; },
+        "explanation of the disagreement, and what to do; null: they agree")
+        .or_null(),
+    field<&CalibrationReport::origin>("bench and settings of the measurement; aberration: shown "
+                                      "under the pokes, minus the correction")};
 
 /// Result of `calibration.get`, `calibration.clear` and the `calibration.run` job.
 struct KnownCalibration {
@@ -143,16 +125,14 @@ struct KnownCalibration {
   std::optional<CalibrationReport> calibration;
 };
 template <>
-struct Table<KnownCalibration> {
-  static constexpr const char* kName = "KnownCalibration";
-  static constexpr auto kFields = Fields{
-      computed<KnownCalibration>(
-          "calibrated", [](const KnownCalibration& known) { return known.calibration.has_value(); },
-          "whether there is a calibration for this sensor, camera, region, tracker and "
-          "registration; if not, all other keys are false or null"),
-      field("in_force", &KnownCalibration::in_force,
-            "whether it is active: modes are reconstructed with it (operator measured)"),
-      inlined(&KnownCalibration::calibration)};
-};
+inline constexpr auto kTable<KnownCalibration> =
+    Fields{"KnownCalibration",
+           computed(
+               "calibrated", [](auto& known) { return known.calibration.has_value(); },
+               "whether there is a calibration for this sensor, camera, region, tracker and "
+               "registration; if not, all other keys are false or null"),
+           field<&KnownCalibration::in_force>(
+               "whether it is active: modes are reconstructed with it (operator measured)"),
+           inlined(&KnownCalibration::calibration)};
 
 }  // namespace ovws

@@ -3,40 +3,34 @@
 
 #include "core/port/camera.hpp"
 #include "proto/field_json.hpp"
-#include "proto/tables/names.hpp"
+#include "proto/names.hpp"
 
 namespace ovws {
 
 template <>
-struct Table<Roi> {
-  static constexpr const char* kName = "Roi";
-  static constexpr auto kFields =
-      Fields{field("x", &Roi::x, "left edge, sensor pixels", limits::kRoiOffset),
-             field("y", &Roi::y, "top edge, sensor pixels", limits::kRoiOffset),
-             field("width", &Roi::width, "width, sensor pixels", limits::kRoiSize),
-             field("height", &Roi::height, "height, sensor pixels", limits::kRoiSize)};
-};
+inline constexpr auto kTable<Roi> =
+    Fields{"Roi", field<&Roi::x>("left edge, sensor pixels", limits::kRoiOffset),
+           field<&Roi::y>("top edge, sensor pixels", limits::kRoiOffset),
+           field<&Roi::width>("width, sensor pixels", limits::kRoiSize),
+           field<&Roi::height>("height, sensor pixels", limits::kRoiSize)};
 
 template <>
-struct Table<CameraSettings> {
-  static constexpr const char* kName = "CameraSettings";
-  static constexpr auto kFields = Fields{
-      field("pixel_format", &CameraSettings::pixel_format,
-            "GenICam name; with a Bayer format only the pixels whose filter passes the laser are "
-            "used"),
-      field("exposure_us", &CameraSettings::exposure_us, "exposure time, microseconds",
-            limits::kExposureUs),
-      field("gain_db", &CameraSettings::gain_db,
-            "analogue gain, dB; null: the camera has no gain in dB", limits::kGainDb)
-          .or_null(),
-      field("gain_raw", &CameraSettings::gain_raw,
-            "gain in device-specific steps, if the camera has no gain in dB; otherwise null",
-            limits::kGainRaw)
-          .or_null(),
-      field("frame_rate_hz", &CameraSettings::frame_rate_hz, "frames per second",
-            limits::kFrameRateHz),
-      field("roi", &CameraSettings::roi, "region of interest of the sensor")};
-
+inline constexpr auto kTable<CameraSettings> = Fields{
+    "CameraSettings",
+    field<&CameraSettings::pixel_format>(
+        "GenICam name; with a Bayer format only the pixels whose filter passes the laser are used"),
+    field<&CameraSettings::exposure_us>("exposure time, microseconds", limits::kExposureUs),
+    field<&CameraSettings::gain_db>("analogue gain, dB; null: the camera has no gain in dB",
+                                    limits::kGainDb)
+        .or_null(),
+    field<&CameraSettings::gain_raw>(
+        "gain in device-specific steps, if the camera has no gain in dB; otherwise null",
+        limits::kGainRaw)
+        .or_null(),
+    field<&CameraSettings::frame_rate_hz>("frames per second", limits::kFrameRateHz),
+    field<&CameraSettings::roi>("region of interest of the sensor")};
+template <>
+struct Rules<CameraSettings> {
   /// Refuses a change of both gains, because a camera has only one of them. Null leaves a gain
   /// unchanged: the missing one is reported as null.
   static void check_change(ObjectReader& reader) {
@@ -56,46 +50,32 @@ struct Table<CameraSettings> {
 };
 
 template <class T>
-struct Table<Range<T>> {
-  static constexpr const char* kName = std::is_integral_v<T> ? "WholeRange" : "Range";
-  static constexpr auto kFields =
-      Fields{field("min", &Range<T>::min, "smallest"), field("max", &Range<T>::max, "largest"),
-             field("increment", &Range<T>::increment, "step; 0: continuous")};
-};
+inline constexpr auto kTable<Range<T>> =
+    Fields{std::is_integral_v<T> ? "WholeRange" : "Range", field<&Range<T>::min>("smallest"),
+           field<&Range<T>::max>("largest"), field<&Range<T>::increment>("step; 0: continuous")};
 
 template <>
-struct Table<CameraLimits> {
-  static constexpr const char* kName = "CameraLimits";
-  static constexpr auto kFields = Fields{
-      computed<CameraLimits>(
-          "gain_db",
-          [](const CameraLimits& limits) {
-            return limits.gain_raw ? std::nullopt : std::optional(limits.gain_db);
-          },
-          "gain, dB; null: the camera has no gain in dB"),
-      field("gain_raw", &CameraLimits::gain_raw,
-            "gain in device-specific steps, if the camera has no gain in dB; otherwise null"),
-      field("exposure_us", &CameraLimits::exposure_us, "exposure time, microseconds"),
-      field("frame_rate_hz", &CameraLimits::frame_rate_hz, "frames per second"),
-      field("roi_width", &CameraLimits::roi_width, "width of the region, sensor pixels"),
-      field("roi_height", &CameraLimits::roi_height, "height of the region, sensor pixels"),
-      field("sensor_width", &CameraLimits::sensor_width, "width of the sensor, sensor pixels",
-            Bounds::at_least(0)),
-      field("sensor_height", &CameraLimits::sensor_height, "height of the sensor, sensor pixels",
-            Bounds::at_least(0)),
-      field("pixel_formats", &CameraLimits::pixel_formats,
-            "pixel formats that both camera and daemon support")};
-};
+inline constexpr auto kTable<CameraLimits> = Fields{
+    "CameraLimits",
+    computed(
+        "gain_db",
+        [](auto& limits) { return limits.gain_raw ? std::nullopt : std::optional(limits.gain_db); },
+        "gain, dB; null: the camera has no gain in dB"),
+    field<&CameraLimits::gain_raw>(
+        "gain in device-specific steps, if the camera has no gain in dB; otherwise null"),
+    field<&CameraLimits::exposure_us>("exposure time, microseconds"),
+    field<&CameraLimits::frame_rate_hz>("frames per second"),
+    field<&CameraLimits::roi_width>("width of the region, sensor pixels"),
+    field<&CameraLimits::roi_height>("height of the region, sensor pixels"),
+    field<&CameraLimits::sensor_width>("width of the sensor, sensor pixels", Bounds::at_least(0)),
+    field<&CameraLimits::sensor_height>("height of the sensor, sensor pixels", Bounds::at_least(0)),
+    field<&CameraLimits::pixel_formats>("pixel formats that both camera and daemon support")};
 
 template <>
-struct Table<CameraInfo> {
-  static constexpr const char* kName = "CameraInfo";
-  static constexpr auto kFields =
-      Fields{field("vendor", &CameraInfo::vendor, "manufacturer"),
-             field("model", &CameraInfo::model, "model"),
-             field("serial", &CameraInfo::serial, "serial number"),
-             field("address", &CameraInfo::address, "network address or bus, empty if unknown")};
-};
+inline constexpr auto kTable<CameraInfo> =
+    Fields{"CameraInfo", field<&CameraInfo::vendor>("manufacturer"),
+           field<&CameraInfo::model>("model"), field<&CameraInfo::serial>("serial number"),
+           field<&CameraInfo::address>("network address or bus, empty if unknown")};
 
 /// Result of `camera.get`. `info` and `limits` are empty while no camera is connected.
 struct CameraReport {
@@ -104,15 +84,13 @@ struct CameraReport {
   std::optional<CameraLimits> limits;
 };
 template <>
-struct Table<CameraReport> {
-  static constexpr const char* kName = "CameraReport";
-  static constexpr auto kFields =
-      Fields{computed<CameraReport>(
-                 "connected", [](const CameraReport& report) { return report.info.has_value(); },
-                 "whether a camera is connected"),
-             field("info", &CameraReport::info, "identity of the camera"),
-             field("settings", &CameraReport::settings, "the camera's settings"),
-             field("limits", &CameraReport::limits, "current limits of the connected camera")};
-};
+inline constexpr auto kTable<CameraReport> =
+    Fields{"CameraReport",
+           computed(
+               "connected", [](auto& report) { return report.info.has_value(); },
+               "whether a camera is connected"),
+           field<&CameraReport::info>("identity of the camera"),
+           field<&CameraReport::settings>("the camera's settings"),
+           field<&CameraReport::limits>("current limits of the connected camera")};
 
 }  // namespace ovws

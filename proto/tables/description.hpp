@@ -15,15 +15,12 @@ struct SavedReport {
   std::vector<std::string> saved;
 };
 template <>
-struct Table<SavedReport> {
-  static constexpr const char* kName = "SavedReport";
-  static constexpr auto kFields = Fields{
-      field("path", &SavedReport::path,
-            "path of the overlay file in the state directory; the file does not exist if saved is "
-            "empty"),
-      field("saved", &SavedReport::saved,
-            "dotted keys of the values that differ from the configuration file, sorted")};
-};
+inline constexpr auto kTable<SavedReport> =
+    Fields{"SavedReport",
+           field<&SavedReport::path>("path of the overlay file in the state directory; the file "
+                                     "does not exist if saved is empty"),
+           field<&SavedReport::saved>(
+               "dotted keys of the values that differ from the configuration file, sorted")};
 
 /// Role of a client: the methods that it may call. Every client may subscribe to the streams.
 enum class Role {
@@ -31,27 +28,18 @@ enum class Role {
   control,  ///< all methods
 };
 template <>
-struct Names<Role> {
-  static const std::vector<std::string>& all() {
-    static const std::vector<std::string> names{"read", "control"};
-    return names;
-  }
-};
+inline constexpr NamesOf kNames<Role> = texts<"read", "control">;
 
 struct MethodDescription {
   std::string title, description;
   Json params, result;
 };
 template <>
-struct Table<MethodDescription> {
-  using M = MethodDescription;
-  static constexpr const char* kName = "MethodDescription";
-  static constexpr auto kFields =
-      Fields{field("title", &M::title, "short title"),
-             field("description", &M::description, "what the method does"),
-             field("params", &M::params, "JSON Schema of the params"),
-             field("result", &M::result, "JSON Schema of the result")};
-};
+inline constexpr auto kTable<MethodDescription> =
+    Fields{"MethodDescription", field<&MethodDescription::title>("short title"),
+           field<&MethodDescription::description>("what the method does"),
+           field<&MethodDescription::params>("JSON Schema of the params"),
+           field<&MethodDescription::result>("JSON Schema of the result")};
 
 /// Result of `system.describe`.
 struct Description {
@@ -61,16 +49,11 @@ struct Description {
   std::vector<std::pair<std::string, Json>> streams;
 };
 template <>
-struct Table<Description> {
-  using D = Description;
-  static constexpr const char* kName = "Description";
-  static constexpr auto kFields =
-      Fields{field("versions", &D::versions, "versions of the daemon and its libraries"),
-             field("methods", &D::methods, "methods by name"),
-             field("roles", &D::roles,
-                   "role that a client needs to call each method, by name; checked only if "
-                   "clients need keys"),
-             field("streams", &D::streams, "JSON Schema of each topic's JSON part")};
-};
+inline constexpr auto kTable<Description> = Fields{
+    "Description", field<&Description::versions>("versions of the daemon and its libraries"),
+    field<&Description::methods>("methods by name"),
+    field<&Description::roles>(
+        "role that a client needs to call each method, by name; checked only if clients need keys"),
+    field<&Description::streams>("JSON Schema of each topic's JSON part")};
 
 }  // namespace ovws

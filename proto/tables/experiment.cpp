@@ -7,7 +7,7 @@ namespace ovws {
 
 const std::vector<std::string>& sweep_tracker_names() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all = tracker_names();
+    std::vector<std::string> all = kNames<TrackerKind>();
     all.emplace_back("cell_centroid");
     return all;
   }();
@@ -22,7 +22,7 @@ Json Wire<SweepTracker>::to_json(const SweepTracker& tracker) {
 void Wire<SweepTracker>::decode(ObjectReader& reader, const FieldInfo& field, SweepTracker& out) {
   int value = int(out.kind);
   reader.choice(field.key, value, sweep_tracker_names());
-  out.fixed_cell = std::size_t(value) == tracker_names().size();
+  out.fixed_cell = std::size_t(value) == kNames<TrackerKind>().size();
   out.kind = out.fixed_cell ? TrackerKind::centroid : TrackerKind(value);
 }
 

@@ -24,7 +24,8 @@ struct SweepTracker {
   bool fixed_cell = false;
   friend bool operator==(const SweepTracker&, const SweepTracker&) = default;
 };
-const std::vector<std::string>& sweep_tracker_names();  ///< tracker_names() and "cell_centroid"
+const std::vector<std::string>&
+sweep_tracker_names();  ///< those of TrackerKind and "cell_centroid"
 template <>
 struct Wire<SweepTracker> {
   static Json to_json(const SweepTracker& tracker);
@@ -41,18 +42,14 @@ struct SweepArm {
   friend bool operator==(const SweepArm&, const SweepArm&) = default;
 };
 template <>
-struct Table<SweepArm> {
-  static constexpr const char* kName = "SweepArm";
-  static constexpr auto kFields = Fields{
-      field("charge", &SweepArm::charge, "topological charge; 0: the Shack-Hartmann sensor",
-            limits::kCharge)
-          .mandatory(),
-      field(
-          "tracker", &SweepArm::tracker,
-          "tracker as in sensor.set, or cell_centroid: the centroid of all intensity in a fixed "
-          "window around the reference, as in the textbook Shack-Hartmann sensor and in the paper")
-          .mandatory()};
-};
+inline constexpr auto kTable<SweepArm> = Fields{
+    "SweepArm",
+    field<&SweepArm::charge>("topological charge; 0: the Shack-Hartmann sensor", limits::kCharge)
+        .mandatory(),
+    field<&SweepArm::tracker>(
+        "tracker as in sensor.set, or cell_centroid: the centroid of all intensity in a fixed "
+        "window around the reference, as in the textbook Shack-Hartmann sensor and in the paper")
+        .mandatory()};
 
 /// Oblique astigmatism of 0.5, 1.5 and 2 waves at the pupil's edge, as in the paper; returned
 /// RMS-normalised.
@@ -81,34 +78,29 @@ struct GainSweep {
   Cell cell(std::size_t number) const;
 };
 template <>
-struct Table<GainSweep> {
-  static constexpr const char* kName = "GainSweep";
-  static constexpr auto kFields = Fields{
-      field("gains_db", &GainSweep::gains_db, "camera gains of the cells in their order, dB",
-            limits::kGainDb)
-          .sized(1, limits::kSweepGains)
-          .unlike(),
-      field("frames", &GainSweep::frames, "number of settled frames of each cell",
-            limits::kSweepFrames),
-      field("reference_gain_db", &GainSweep::reference_gain_db,
-            "gain at which the references are taken, dB", limits::kGainDb),
-      field("reference_frames", &GainSweep::reference_frames,
-            "number of settled frames of each reference", limits::kSweepFrames),
-      field("aberrations", &GainSweep::aberrations,
-            "aberrations to introduce, each as the params of aberration.set; default: oblique "
-            "astigmatism of 0.5, 1.5 and 2 waves at the pupil's edge, as in the paper")
-          .sized(1, limits::kSweepAberrations),
-      field("arms", &GainSweep::arms,
-            "sensors to compare; default: charge 1 with lg and matched, charge 0 with "
-            "cell_centroid and matched")
-          .sized(1, limits::kSweepArms)
-          .unlike(),
-      field("picture_gains_db", &GainSweep::picture_gains_db,
-            "gains at which one image per charge is stored, with the first aberration, dB",
-            limits::kGainDb)
-          .sized(0, limits::kSweepPictures)
-          .unlike()};
-};
+inline constexpr auto kTable<GainSweep> = Fields{
+    "GainSweep",
+    field<&GainSweep::gains_db>("camera gains of the cells in their order, dB", limits::kGainDb)
+        .sized(1, limits::kSweepGains)
+        .unlike(),
+    field<&GainSweep::frames>("number of settled frames of each cell", limits::kSweepFrames),
+    field<&GainSweep::reference_gain_db>("gain at which the references are taken, dB",
+                                         limits::kGainDb),
+    field<&GainSweep::reference_frames>("number of settled frames of each reference",
+                                        limits::kSweepFrames),
+    field<&GainSweep::aberrations>(
+        "aberrations to introduce, each as the params of aberration.set; default: oblique "
+        "astigmatism of 0.5, 1.5 and 2 waves at the pupil's edge, as in the paper")
+        .sized(1, limits::kSweepAberrations),
+    field<&GainSweep::arms>("sensors to compare; default: charge 1 with lg and matched, charge 0 "
+                            "with cell_centroid and matched")
+        .sized(1, limits::kSweepArms)
+        .unlike(),
+    field<&GainSweep::picture_gains_db>(
+        "gains at which one image per charge is stored, with the first aberration, dB",
+        limits::kGainDb)
+        .sized(0, limits::kSweepPictures)
+        .unlike()};
 
 struct GainSweepRun {
   GainSweep sweep;
@@ -116,15 +108,12 @@ struct GainSweepRun {
   bool anew = false;   ///< discard stored cells and measure them again
 };
 template <>
-struct Table<GainSweepRun> {
-  static constexpr const char* kName = "GainSweepRun";
-  static constexpr auto kFields =
-      Fields{inlined(&GainSweepRun::sweep),
-             field("clamp", &GainSweepRun::clamp,
-                   "true: gains that the camera does not support are skipped instead of refused"),
-             field("anew", &GainSweepRun::anew,
-                   "true: the stored cells of this run are discarded and measured again")};
-};
+inline constexpr auto kTable<GainSweepRun> =
+    Fields{"GainSweepRun", inlined(&GainSweepRun::sweep),
+           field<&GainSweepRun::clamp>(
+               "true: gains that the camera does not support are skipped instead of refused"),
+           field<&GainSweepRun::anew>(
+               "true: the stored cells of this run are discarded and measured again")};
 
 /// Rounds to 1e-6, which keeps the numbers in files short and is far below any noise.
 double to_millionth(double value);
@@ -136,25 +125,21 @@ struct SpotLevels {
   double peak_dn = 0.0;   ///< maximum of SpotFix::peak
 };
 template <>
-struct Table<SpotLevels> {
-  using L = SpotLevels;
-  static constexpr const char* kName = "SpotLevels";
-  static constexpr auto kFields =
-      Fields{computed<L>(
-                 "level_dn", [](const L& levels) { return to_millionth(levels.level_dn); },
-                 "mean level of a spot's bright part above its background, median over spots "
-                 "and frames, DN; null: no spot was found")
-                 .or_null(),
-             computed<L>(
-                 "noise_dn", [](const L& levels) { return to_millionth(levels.noise_dn); },
-                 "RMS pixel noise around a spot, median over spots and frames, DN; null: no "
-                 "spot was found")
-                 .or_null(),
-             computed<L>(
-                 "peak_dn", [](const L& levels) { return to_millionth(levels.peak_dn); },
-                 "brightest pixel of any spot, DN; null: no spot was found")
-                 .or_null()};
-};
+inline constexpr auto kTable<SpotLevels> = Fields{
+    "SpotLevels",
+    computed(
+        "level_dn", [](auto& levels) { return to_millionth(levels.level_dn); },
+        "mean level of a spot's bright part above its background, median over spots and frames, "
+        "DN; null: no spot was found")
+        .or_null(),
+    computed(
+        "noise_dn", [](auto& levels) { return to_millionth(levels.noise_dn); },
+        "RMS pixel noise around a spot, median over spots and frames, DN; null: no spot was found")
+        .or_null(),
+    computed(
+        "peak_dn", [](auto& levels) { return to_millionth(levels.peak_dn); },
+        "brightest pixel of any spot, DN; null: no spot was found")
+        .or_null()};
 
 struct ReferenceMeasured {
   int arm = 0;
@@ -167,27 +152,23 @@ struct ReferenceMeasured {
   std::vector<Vec2> cells_px;      ///< centres of the fixed windows; empty: none
 };
 template <>
-struct Table<ReferenceMeasured> {
-  using R = ReferenceMeasured;
-  static constexpr const char* kName = "SweepReference";
-  static constexpr auto kFields =
-      Fields{field("arm", &R::arm, "index in the request's arms", Bounds::at_least(0)),
-             inlined(&R::with),
-             field("gain_db", &R::gain_db, "gain as read back from the camera, dB"),
-             field("t_begun_ns", &R::t_begun_ns, kTimeMeaning),
-             field("frames", &R::frames, "number of averaged frames", Bounds::at_least(2)),
-             field("saturated_frames", &R::saturated_frames,
-                   "number of frames with a saturated spot", Bounds::at_least(0)),
-             inlined(&R::levels),
-             field("positions_px", &R::positions_px,
-                   "[x, y] of each spot, camera pixels of the region of interest; null: the "
-                   "spot is not used")
-                 .with_nulls(),
-             field("cells_px", &R::cells_px,
-                   "[x, y] of each fixed window's centre, camera pixels of the region of "
-                   "interest; empty: the tracker is not cell_centroid")
-                 .with_nulls()};
-};
+inline constexpr auto kTable<ReferenceMeasured> = Fields{
+    "SweepReference",
+    field<&ReferenceMeasured::arm>("index in the request's arms", Bounds::at_least(0)),
+    inlined(&ReferenceMeasured::with),
+    field<&ReferenceMeasured::gain_db>("gain as read back from the camera, dB"),
+    field<&ReferenceMeasured::t_begun_ns>(kTimeMeaning),
+    field<&ReferenceMeasured::frames>("number of averaged frames", Bounds::at_least(2)),
+    field<&ReferenceMeasured::saturated_frames>("number of frames with a saturated spot",
+                                                Bounds::at_least(0)),
+    inlined(&ReferenceMeasured::levels),
+    field<&ReferenceMeasured::positions_px>(
+        "[x, y] of each spot, camera pixels of the region of interest; null: the spot is not used")
+        .with_nulls(),
+    field<&ReferenceMeasured::cells_px>(
+        "[x, y] of each fixed window's centre, camera pixels of the region of interest; empty: the "
+        "tracker is not cell_centroid")
+        .with_nulls()};
 /// Reads "positions_px" or "cells_px" from the JSON of a ReferenceMeasured; none if it is malformed
 /// or belongs to another arm.
 std::optional<std::vector<Vec2>> reference_places(const Json& reference, int arm,
@@ -217,15 +198,11 @@ struct CellMeasured {
   std::optional<Picture> picture;
 };
 template <>
-struct Table<CellMeasured::Picture> {
-  using P = CellMeasured::Picture;
-  static constexpr const char* kName = "CellPicture";
-  static constexpr auto kFields =
-      Fields{field("width", &P::width, "width, pixels", Bounds::at_least(1)),
-             field("height", &P::height, "height, pixels", Bounds::at_least(1)),
-             field("base64", &P::base64,
-                   "8-bit grey levels in base64, row by row; 255: the format's full scale")};
-};
+inline constexpr auto kTable<CellMeasured::Picture> = Fields{
+    "CellPicture", field<&CellMeasured::Picture::width>("width, pixels", Bounds::at_least(1)),
+    field<&CellMeasured::Picture::height>("height, pixels", Bounds::at_least(1)),
+    field<&CellMeasured::Picture::base64>(
+        "8-bit grey levels in base64, row by row; 255: the format's full scale")};
 
 /// Residual phase variance of a cell's frames, rad^2; NaN: no frame had enough spots to determine
 /// its modes.
@@ -236,31 +213,27 @@ struct CellVariance {
   int saturated_frames = 0, lost_spots = 0;
 };
 template <>
-struct Table<CellVariance> {
-  using V = CellVariance;
-  static constexpr const char* kName = "CellVariance";
-  static constexpr auto kFields = Fields{
-      field("variance_rad2", &V::mean,
-            "residual phase variance, mean over the frames, rad^2: 4 pi^2 times the sum of the "
-            "squares of the measured minus the introduced coefficients (RMS-normalised waves, "
-            "tilts included); null: no frame had enough spots")
-          .or_null(),
-      field("standard_deviation_rad2", &V::standard_deviation,
-            "standard deviation of single frames, rad^2")
-          .or_null(),
-      field("standard_error_rad2", &V::standard_error, "standard error of the mean, rad^2")
-          .or_null(),
-      field("unsaturated_variance_rad2", &V::unsaturated,
-            "mean over the frames without a saturated spot, rad^2; null: there is no such frame")
-          .or_null(),
-      field("undetermined_frames", &V::undetermined_frames,
-            "number of frames with too few spots to determine the modes; they are not in the mean",
-            Bounds::at_least(0)),
-      field("saturated_frames", &V::saturated_frames, "number of frames with a saturated spot",
-            Bounds::at_least(0)),
-      field("lost_spots", &V::lost_spots, "number of lost spots over all frames",
-            Bounds::at_least(0))};
-};
+inline constexpr auto kTable<CellVariance> = Fields{
+    "CellVariance",
+    field("variance_rad2", &CellVariance::mean,
+          "residual phase variance, mean over the frames, rad^2: 4 pi^2 times the sum of the "
+          "squares of the measured minus the introduced coefficients (RMS-normalised waves, tilts "
+          "included); null: no frame had enough spots")
+        .or_null(),
+    field("standard_deviation_rad2", &CellVariance::standard_deviation,
+          "standard deviation of single frames, rad^2")
+        .or_null(),
+    field("standard_error_rad2", &CellVariance::standard_error, "standard error of the mean, rad^2")
+        .or_null(),
+    field("unsaturated_variance_rad2", &CellVariance::unsaturated,
+          "mean over the frames without a saturated spot, rad^2; null: there is no such frame")
+        .or_null(),
+    field<&CellVariance::undetermined_frames>(
+        "number of frames with too few spots to determine the modes; they are not in the mean",
+        Bounds::at_least(0)),
+    field<&CellVariance::saturated_frames>("number of frames with a saturated spot",
+                                           Bounds::at_least(0)),
+    field<&CellVariance::lost_spots>("number of lost spots over all frames", Bounds::at_least(0))};
 
 /// Results of a cell without the values of single frames.
 struct CellSummary {
@@ -272,41 +245,36 @@ struct CellSummary {
   explicit CellSummary(CellMeasured measured);
 };
 template <>
-struct Table<CellSummary> {
-  using S = CellSummary;
-  static constexpr const char* kName = "CellSummary";
-  static constexpr auto kFields = Fields{
-      computed<S>(
-          "cell", [](const S& s) { return s.cell.cell; },
-          "number of the cell, from 0: arms change fastest, then gains, aberrations slowest",
-          limits::kSweepCell),
-      computed<S>(
-          "arm", [](const S& s) { return s.cell.at.arm; }, "index in the request's arms"),
-      computed<S>(
-          "charge", [](const S& s) { return s.cell.with.charge; },
-          "topological charge; 0: the Shack-Hartmann sensor", limits::kCharge),
-      computed<S>(
-          "tracker", [](const S& s) { return s.cell.with.tracker; },
-          "tracker, as in experiment.gain_sweep"),
-      computed<S>(
-          "aberration", [](const S& s) { return s.cell.at.aberration; },
-          "index in the request's aberrations"),
-      computed<S>(
-          "gain_db", [](const S& s) { return s.cell.gain_db; },
-          "gain as read back from the camera, dB"),
-      computed<S>(
-          "exposure_us", [](const S& s) { return s.cell.exposure_us; },
-          "exposure time, microseconds"),
-      computed<S>(
-          "frame_rate_hz", [](const S& s) { return s.cell.frame_rate_hz; }, "frames per second"),
-      computed<S>(
-          "t_begun_ns", [](const S& s) { return s.cell.t_begun_ns; }, kTimeMeaning),
-      computed<S>(
-          "frames", [](const S& s) { return s.cell.frames.size(); },
-          "number of settled frames, all of which count"),
-      inlined(&S::variance),
-      inlined(&S::levels)};
-};
+inline constexpr auto kTable<CellSummary> = Fields{
+    "CellSummary",
+    computed(
+        "cell", [](auto& s) { return s.cell.cell; },
+        "number of the cell, from 0: arms change fastest, then gains, aberrations slowest",
+        limits::kSweepCell),
+    computed(
+        "arm", [](auto& s) { return s.cell.at.arm; }, "index in the request's arms"),
+    computed(
+        "charge", [](auto& s) { return s.cell.with.charge; },
+        "topological charge; 0: the Shack-Hartmann sensor", limits::kCharge),
+    computed(
+        "tracker", [](auto& s) { return s.cell.with.tracker; },
+        "tracker, as in experiment.gain_sweep"),
+    computed(
+        "aberration", [](auto& s) { return s.cell.at.aberration; },
+        "index in the request's aberrations"),
+    computed(
+        "gain_db", [](auto& s) { return s.cell.gain_db; }, "gain as read back from the camera, dB"),
+    computed(
+        "exposure_us", [](auto& s) { return s.cell.exposure_us; }, "exposure time, microseconds"),
+    computed(
+        "frame_rate_hz", [](auto& s) { return s.cell.frame_rate_hz; }, "frames per second"),
+    computed(
+        "t_begun_ns", [](auto& s) { return s.cell.t_begun_ns; }, kTimeMeaning),
+    computed(
+        "frames", [](auto& s) { return s.cell.frames.size(); },
+        "number of settled frames, all of which count"),
+    inlined(&CellSummary::variance),
+    inlined(&CellSummary::levels)};
 
 /// Result of `experiment.cell`.
 struct CellReport {
@@ -321,45 +289,44 @@ struct CellReport {
   }
 };
 template <>
-struct Table<CellReport> {
-  using C = CellReport;
-  using F = CellMeasured::Frame;
-  static constexpr const char* kName = "CellReport";
-  static constexpr auto kFields = Fields{
-      inlined(&C::summary),
-      computed<C>(
-          "modes_j", [](const C& c) { return c.summary.cell.modes_j; },
-          "OSA/ANSI indices of the modes, in the order of coefficients_waves"),
-      computed<C>(
-          "variances_rad2",
-          [](const C& c) { return c.of_frames([](const F& f) { return f.variance_rad2; }); },
-          "residual phase variance of each frame, rad^2; null: too few spots")
-          .with_nulls(),
-      computed<C>(
-          "coefficients_waves",
-          [](const C& c) {
-            return c.of_frames([](const F& f) {
-              std::vector<double> waves;
-              for (const double one : f.coefficients) waves.push_back(to_millionth(one));
-              return waves;
-            });
-          },
-          "coefficients of each frame minus the reference, RMS-normalised waves, rounded to 1e-6; "
-          "empty: too few spots")
-          .with_nulls(),
-      computed<C>("saturated_fractions",
-                  [](const C& c) {
-                    return c.of_frames(
-                        [](const F& f) { return to_millionth(f.saturated_fraction); });
-                  },
-                  "fraction of spots with a saturated pixel in each frame", {0, 1}),
-      computed<C>(
-          "tracked", [](const C& c) { return c.of_frames([](const F& f) { return f.tracked; }); },
-          "number of spots found in each frame", Bounds::at_least(0)),
-      computed<C>(
-          "picture", [](const C& c) { return c.summary.cell.picture; },
-          "an image of the cell, if one was stored")};
-};
+inline constexpr auto kTable<CellReport> = Fields{
+    "CellReport",
+    inlined(&CellReport::summary),
+    computed(
+        "modes_j", [](auto& c) { return c.summary.cell.modes_j; },
+        "OSA/ANSI indices of the modes, in the order of coefficients_waves"),
+    computed(
+        "variances_rad2",
+        [](auto& c) {
+          return c.of_frames([](const CellMeasured::Frame& f) { return f.variance_rad2; });
+        },
+        "residual phase variance of each frame, rad^2; null: too few spots")
+        .with_nulls(),
+    computed(
+        "coefficients_waves",
+        [](auto& c) {
+          return c.of_frames([](const CellMeasured::Frame& f) {
+            std::vector<double> waves;
+            for (const double one : f.coefficients) waves.push_back(to_millionth(one));
+            return waves;
+          });
+        },
+        "coefficients of each frame minus the reference, RMS-normalised waves, rounded to 1e-6; "
+        "empty: too few spots")
+        .with_nulls(),
+    computed("saturated_fractions",
+             [](auto& c) {
+               return c.of_frames(
+                   [](const CellMeasured::Frame& f) { return to_millionth(f.saturated_fraction); });
+             },
+             "fraction of spots with a saturated pixel in each frame", {0, 1}),
+    computed(
+        "tracked",
+        [](auto& c) { return c.of_frames([](const CellMeasured::Frame& f) { return f.tracked; }); },
+        "number of spots found in each frame", Bounds::at_least(0)),
+    computed(
+        "picture", [](auto& c) { return c.summary.cell.picture; },
+        "an image of the cell, if one was stored")};
 
 struct ExperimentReport {
   std::string run;  ///< name of the run, 16 hexadecimal digits
@@ -373,28 +340,23 @@ struct ExperimentReport {
   std::vector<JsonOf<CellSummary>> cells;
 };
 template <>
-struct Table<ExperimentReport> {
-  using R = ExperimentReport;
-  static constexpr const char* kName = "ExperimentReport";
-  static constexpr auto kFields = Fields{
-      field("run", &R::run,
-            "name of the run, 16 hexadecimal digits: the same for the same request on the same "
-            "bench"),
-      field("job", &R::job, "job that measures it now; null: none"),
-      field("t_begun_ns", &R::t_begun_ns, "time of the first request, UNIX epoch UTC, nanoseconds"),
-      time_text("t_begun", &R::t_begun_ns),
-      field("time_left_s", &R::time_left_s,
-            "estimated remaining time, seconds, by the cells that its job has measured; null: none "
-            "yet, or no job",
-            Bounds::at_least(0)),
-      field("not_kept_reason", &R::not_kept_reason,
-            "why cells are not stored and would be lost by a restart; null: all are stored"),
-      field("request", &R::request,
-            "the complete params; aberrations are RMS-normalised, skipped gains are not included"),
-      field("bench", &R::bench, "bench and settings of the measurement"),
-      field("references", &R::references, "references taken so far, one per arm"),
-      field("cells", &R::cells, "cells measured so far, ordered by number")};
-};
+inline constexpr auto kTable<ExperimentReport> = Fields{
+    "ExperimentReport",
+    field<&ExperimentReport::run>(
+        "name of the run, 16 hexadecimal digits: the same for the same request on the same bench"),
+    field<&ExperimentReport::job>("job that measures it now; null: none"),
+    field<&ExperimentReport::t_begun_ns>("time of the first request, UNIX epoch UTC, nanoseconds"),
+    time_text("t_begun", &ExperimentReport::t_begun_ns),
+    field<&ExperimentReport::time_left_s>("estimated remaining time, seconds, by the cells that "
+                                          "its job has measured; null: none yet, or no job",
+                                          Bounds::at_least(0)),
+    field<&ExperimentReport::not_kept_reason>(
+        "why cells are not stored and would be lost by a restart; null: all are stored"),
+    field<&ExperimentReport::request>(
+        "the complete params; aberrations are RMS-normalised, skipped gains are not included"),
+    field<&ExperimentReport::bench>("bench and settings of the measurement"),
+    field<&ExperimentReport::references>("references taken so far, one per arm"),
+    field<&ExperimentReport::cells>("cells measured so far, ordered by number")};
 
 /// Result of `experiment.get`.
 struct KnownExperiment {
@@ -404,19 +366,16 @@ struct KnownExperiment {
   std::size_t cells_done() const { return experiment ? experiment->cells.size() : 0; }
 };
 template <>
-struct Table<KnownExperiment> {
-  using K = KnownExperiment;
-  static constexpr const char* kName = "KnownExperiment";
-  static constexpr auto kFields = Fields{
-      computed<K>(
-          "known", [](const K& k) { return k.experiment.has_value(); }, "whether there is a run"),
-      computed<K>(
-          "complete", [](const K& k) { return k.experiment && k.cells_done() == k.cells_total; },
-          "whether every cell has been measured"),
-      field("cells_total", &K::cells_total, "number of cells of the request"),
-      computed<K>(
-          "cells_done", [](const K& k) { return k.cells_done(); }, "number of measured cells"),
-      inlined(&K::experiment)};
-};
+inline constexpr auto kTable<KnownExperiment> =
+    Fields{"KnownExperiment",
+           computed(
+               "known", [](auto& k) { return k.experiment.has_value(); }, "whether there is a run"),
+           computed(
+               "complete", [](auto& k) { return k.experiment && k.cells_done() == k.cells_total; },
+               "whether every cell has been measured"),
+           field<&KnownExperiment::cells_total>("number of cells of the request"),
+           computed(
+               "cells_done", [](auto& k) { return k.cells_done(); }, "number of measured cells"),
+           inlined(&KnownExperiment::experiment)};
 
 }  // namespace ovws

@@ -6,7 +6,7 @@
 
 #include "core/optics/zernike.hpp"
 #include "proto/field_json.hpp"
-#include "proto/tables/names.hpp"
+#include "proto/names.hpp"
 
 namespace ovws {
 
@@ -15,36 +15,29 @@ inline constexpr const char* kHologramIdMeaning =
     "number of the hologram, as in every stream message; 0: none";
 
 template <>
-struct Table<Mode> {
-  static constexpr const char* kName = "Mode";
-  static constexpr auto kFields =
-      Fields{field("j", &Mode::j, kModeIndexMeaning),
-             field("waves", &Mode::waves, "coefficient, RMS-normalised waves")};
-};
+inline constexpr auto kTable<Mode> =
+    Fields{"Mode", field<&Mode::j>(kModeIndexMeaning),
+           field<&Mode::waves>("coefficient, RMS-normalised waves")};
 
 /// A Zernike mode with its orders n and m and its common name.
 struct NamedMode {
   Mode mode;
 };
 template <>
-struct Table<NamedMode> {
-  static constexpr const char* kName = "NamedMode";
-  static constexpr auto kFields =
-      Fields{computed<NamedMode>("j", [](const NamedMode& named) { return named.mode.j; },
-                                 kModeIndexMeaning, {0, kMaxZernikeIndex}),
-             computed<NamedMode>(
-                 "n", [](const NamedMode& named) { return zernike_index(named.mode.j).n; },
-                 "radial order"),
-             computed<NamedMode>(
-                 "m", [](const NamedMode& named) { return zernike_index(named.mode.j).m; },
-                 "azimuthal frequency; negative: sine"),
-             computed<NamedMode>(
-                 "name", [](const NamedMode& named) { return zernike_name(named.mode.j); },
-                 "common name, or Z(n,m)"),
-             computed<NamedMode>(
-                 "waves", [](const NamedMode& named) { return named.mode.waves; },
-                 "coefficient, waves RMS at the laser's wavelength")};
-};
+inline constexpr auto kTable<NamedMode> = Fields{
+    "NamedMode",
+    computed("j", [](auto& named) { return named.mode.j; }, kModeIndexMeaning,
+             {0, kMaxZernikeIndex}),
+    computed(
+        "n", [](auto& named) { return zernike_index(named.mode.j).n; }, "radial order"),
+    computed(
+        "m", [](auto& named) { return zernike_index(named.mode.j).m; },
+        "azimuthal frequency; negative: sine"),
+    computed(
+        "name", [](auto& named) { return zernike_name(named.mode.j); }, "common name, or Z(n,m)"),
+    computed(
+        "waves", [](auto& named) { return named.mode.waves; },
+        "coefficient, waves RMS at the laser's wavelength")};
 
 /// Result of `aberration.*` and `correction.*`.
 struct ModesReport {
@@ -57,13 +50,11 @@ struct ModesReport {
   }
 };
 template <>
-struct Table<ModesReport> {
-  static constexpr const char* kName = "ModesReport";
-  static constexpr auto kFields =
-      Fields{field("modes", &ModesReport::modes,
-                   "modes of the wavefront that is added or subtracted, RMS-normalised"),
-             constant("norm", "rms", "normalisation of the coefficients"),
-             field("hologram_id", &ModesReport::hologram_id, kHologramIdMeaning)};
-};
+inline constexpr auto kTable<ModesReport> =
+    Fields{"ModesReport",
+           field<&ModesReport::modes>(
+               "modes of the wavefront that is added or subtracted, RMS-normalised"),
+           constant("norm", "rms", "normalisation of the coefficients"),
+           field<&ModesReport::hologram_id>(kHologramIdMeaning)};
 
 }  // namespace ovws

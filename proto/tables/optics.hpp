@@ -34,34 +34,28 @@ struct Wire<PxPerCycle> {
 };
 
 template <>
-struct Table<SlmGeometry> {
-  static constexpr const char* kName = "SlmGeometry";
-  static constexpr auto kFields = Fields{
-      field("width", &SlmGeometry::width_px, "width, pixels", limits::kSlmSizePx),
-      field("height", &SlmGeometry::height_px, "height, pixels", limits::kSlmSizePx),
-      field("pitch_um", &SlmGeometry::pitch_um, "pixel pitch, micrometres", limits::kSlmPitchUm)};
-};
+inline constexpr auto kTable<SlmGeometry> = Fields{
+    "SlmGeometry", field("width", &SlmGeometry::width_px, "width, pixels", limits::kSlmSizePx),
+    field("height", &SlmGeometry::height_px, "height, pixels", limits::kSlmSizePx),
+    field<&SlmGeometry::pitch_um>("pixel pitch, micrometres", limits::kSlmPitchUm)};
 
 template <>
-struct Table<OpticsConfig> {
-  static constexpr const char* kName = "OpticsConfig";
-  static constexpr auto kFields = Fields{
-      field("wavelength_nm", &OpticsConfig::wavelength_nm, "wavelength of the laser, nanometres",
-            limits::kWavelengthNm),
-      field("focal_length_mm", &OpticsConfig::focal_length_mm,
-            "focal length of the Fourier lens, millimetres", limits::kFocalLengthMm),
-      field("magnification", &OpticsConfig::magnification,
-            "magnification from the lens's focal plane to the camera", limits::kMagnification),
-      field("camera_pitch_um", &OpticsConfig::camera_pitch_um,
-            "pixel pitch of the camera, micrometres", limits::kCameraPitchUm),
-      field("centre_px", &OpticsConfig::centre_px,
-            "[x, y] of the base subaperture's spot in the image, camera pixels; null: the image's "
-            "centre",
-            limits::kCentrePx),
-      field("px_per_cycle", &OpticsConfig::registered,
-            "[xx, xy, yx, yy]: a slope of (u, v) cycles per SLM pixel moves a spot by "
-            "(xx u + xy v, yx u + yy v) camera pixels; null: from the keys above, without rotation",
-            limits::kPxPerCycle)};
-};
+inline constexpr auto kTable<OpticsConfig> =
+    Fields{"OpticsConfig",
+           field<&OpticsConfig::wavelength_nm>("wavelength of the laser, nanometres",
+                                               limits::kWavelengthNm),
+           field<&OpticsConfig::focal_length_mm>("focal length of the Fourier lens, millimetres",
+                                                 limits::kFocalLengthMm),
+           field<&OpticsConfig::magnification>(
+               "magnification from the lens's focal plane to the camera", limits::kMagnification),
+           field<&OpticsConfig::camera_pitch_um>("pixel pitch of the camera, micrometres",
+                                                 limits::kCameraPitchUm),
+           field<&OpticsConfig::centre_px>("[x, y] of the base subaperture's spot in the image, "
+                                           "camera pixels; null: the image's centre",
+                                           limits::kCentrePx),
+           field("px_per_cycle", &OpticsConfig::registered,
+                 "[xx, xy, yx, yy]: a slope of (u, v) cycles per SLM pixel moves a spot by (xx u + "
+                 "xy v, yx u + yy v) camera pixels; null: from the keys above, without rotation",
+                 limits::kPxPerCycle)};
 
 }  // namespace ovws

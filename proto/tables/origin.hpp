@@ -20,12 +20,9 @@ struct CameraName {
   std::string vendor, model, serial;
 };
 template <>
-struct Table<CameraName> {
-  static constexpr const char* kName = "CameraName";
-  static constexpr auto kFields = Fields{field("vendor", &CameraName::vendor, "manufacturer"),
-                                         field("model", &CameraName::model, "model"),
-                                         field("serial", &CameraName::serial, "serial number")};
-};
+inline constexpr auto kTable<CameraName> =
+    Fields{"CameraName", field<&CameraName::vendor>("manufacturer"),
+           field<&CameraName::model>("model"), field<&CameraName::serial>("serial number")};
 
 /// SLM geometry and checksums of the look-up table and the flatness map: all that the grey levels
 /// of a hologram depend on besides sensor and modes.
@@ -34,15 +31,12 @@ struct SlmIdentity {
   std::optional<std::string> lut_sha256, flatness_sha256;
 };
 template <>
-struct Table<SlmIdentity> {
-  static constexpr const char* kName = "SlmIdentity";
-  static constexpr auto kFields =
-      Fields{inlined(&SlmIdentity::geometry),
-             field("lut_sha256", &SlmIdentity::lut_sha256,
-                   "SHA-256 of the look-up table's 256 grey levels; null: no table"),
-             field("flatness_sha256", &SlmIdentity::flatness_sha256,
-                   "SHA-256 of the flatness map's float32 waves; null: no map")};
-};
+inline constexpr auto kTable<SlmIdentity> =
+    Fields{"SlmIdentity", inlined(&SlmIdentity::geometry),
+           field<&SlmIdentity::lut_sha256>(
+               "SHA-256 of the look-up table's 256 grey levels; null: no table"),
+           field<&SlmIdentity::flatness_sha256>(
+               "SHA-256 of the flatness map's float32 waves; null: no map")};
 
 /// Camera settings that hardly affect spot positions: when they change, a reference is stale but
 /// stays active.
@@ -50,24 +44,20 @@ struct OriginSettings {
   CameraSettings camera;
 };
 template <>
-struct Table<OriginSettings> {
-  using S = OriginSettings;
-  static constexpr const char* kName = "OriginSettings";
-  static constexpr auto kFields =
-      Fields{computed<S>(
-                 "gain_db", [](const S& s) { return s.camera.gain_db; },
-                 "analogue gain, dB; null: the camera has no gain in dB")
-                 .or_null(),
-             computed<S>(
-                 "gain_raw", [](const S& s) { return s.camera.gain_raw; },
-                 "gain in device-specific steps, only of a camera without gain in dB")
-                 .or_left_out(),
-             computed<S>(
-                 "exposure_us", [](const S& s) { return s.camera.exposure_us; },
-                 "exposure time, microseconds"),
-             computed<S>(
-                 "pixel_format", [](const S& s) { return s.camera.pixel_format; }, "GenICam name")};
-};
+inline constexpr auto kTable<OriginSettings> = Fields{
+    "OriginSettings",
+    computed(
+        "gain_db", [](auto& s) { return s.camera.gain_db; },
+        "analogue gain, dB; null: the camera has no gain in dB")
+        .or_null(),
+    computed(
+        "gain_raw", [](auto& s) { return s.camera.gain_raw; },
+        "gain in device-specific steps, only of a camera without gain in dB")
+        .or_left_out(),
+    computed(
+        "exposure_us", [](auto& s) { return s.camera.exposure_us; }, "exposure time, microseconds"),
+    computed(
+        "pixel_format", [](auto& s) { return s.camera.pixel_format; }, "GenICam name")};
 
 struct OriginRegistration {
   std::int64_t t_taken_ns = 0;
@@ -75,16 +65,12 @@ struct OriginRegistration {
   PxPerCycle px_per_cycle;
 };
 template <>
-struct Table<OriginRegistration> {
-  using R = OriginRegistration;
-  static constexpr const char* kName = "OriginRegistration";
-  static constexpr auto kFields =
-      Fields{field("t_taken_ns", &R::t_taken_ns, kTimeMeaning),
-             field("base_px", &R::base_px, "[x, y] of the base spot, pixels of the camera's sensor",
-                   {-1e6, 1e6}),
-             field("px_per_cycle", &R::px_per_cycle,
-                   "[xx, xy, yx, yy]: camera pixels per cycle per SLM pixel", limits::kPxPerCycle)};
-};
+inline constexpr auto kTable<OriginRegistration> =
+    Fields{"OriginRegistration", field<&OriginRegistration::t_taken_ns>(kTimeMeaning),
+           field<&OriginRegistration::base_px>(
+               "[x, y] of the base spot, pixels of the camera's sensor", {-1e6, 1e6}),
+           field<&OriginRegistration::px_per_cycle>(
+               "[xx, xy, yx, yy]: camera pixels per cycle per SLM pixel", limits::kPxPerCycle)};
 
 /// Bench and settings that a reference or calibration was taken with; also stored in its file.
 struct Origin {
@@ -101,28 +87,25 @@ struct Origin {
   std::optional<std::string> hologram_sha256;
 };
 template <>
-struct Table<Origin> {
-  static constexpr const char* kName = "Origin";
-  static constexpr auto kFields = Fields{
-      field("program", &Origin::program, "version of the daemon"),
-      field("camera", &Origin::camera, "identity of the camera; null: unknown"),
-      field("settings", &Origin::settings, "settings of the camera; null: unknown"),
-      field("registration", &Origin::registration,
-            "registration that was active; null: none, the configuration's map was used"),
-      field("roi", &Origin::roi, "as in camera.set"),
-      field("sensor", &Origin::sensor, "as in the configuration"),
-      field("tracking", &Origin::tracking, "as in the configuration"),
-      field("optics", &Origin::optics, "as in the configuration"),
-      field("slm", &Origin::slm, "the spatial light modulator"),
-      field("aberration", &Origin::aberration,
-            "modes shown on purpose, corrections included, RMS-normalised waves"),
-      field("introduced", &Origin::introduced,
-            "introduced part of aberration, without the correction; omitted: none")
-          .or_left_out(),
-      field("hologram_sha256", &Origin::hologram_sha256,
-            "SHA-256 of the shown hologram's grey levels, row by row; null: the reference is the "
-            "model's")};
-};
+inline constexpr auto kTable<Origin> =
+    Fields{"Origin",
+           field<&Origin::program>("version of the daemon"),
+           field<&Origin::camera>("identity of the camera; null: unknown"),
+           field<&Origin::settings>("settings of the camera; null: unknown"),
+           field<&Origin::registration>(
+               "registration that was active; null: none, the configuration's map was used"),
+           field<&Origin::roi>("as in camera.set"),
+           field<&Origin::sensor>("as in the configuration"),
+           field<&Origin::tracking>("as in the configuration"),
+           field<&Origin::optics>("as in the configuration"),
+           field<&Origin::slm>("the spatial light modulator"),
+           field<&Origin::aberration>(
+               "modes shown on purpose, corrections included, RMS-normalised waves"),
+           field<&Origin::introduced>(
+               "introduced part of aberration, without the correction; omitted: none")
+               .or_left_out(),
+           field<&Origin::hologram_sha256>("SHA-256 of the shown hologram's grey levels, row by "
+                                           "row; null: the reference is the model's")};
 
 /// Bench and settings that stay constant during a gain sweep.
 struct SweepBench {
@@ -137,29 +120,25 @@ struct SweepBench {
   std::vector<Mode> correction;
 };
 template <>
-struct Table<SweepBench> {
-  using B = SweepBench;
-  static constexpr const char* kName = "SweepBench";
-  static constexpr auto kFields = Fields{
-      field("program", &B::program, "version of the daemon"),
-      field("camera", &B::camera, "identity of the camera"),
-      computed<B>(
-          "exposure_us", [](const B& b) { return b.settings.exposure_us; },
-          "exposure time of every cell, microseconds"),
-      computed<B>(
-          "pixel_format", [](const B& b) { return b.settings.pixel_format; }, "GenICam name"),
-      computed<B>(
-          "roi", [](const B& b) { return b.settings.roi; }, "as in camera.set"),
-      field("sensor", &B::sensor, "as in sensor.get, without the charge"),
-      field("kernel_radius", &B::kernel_radius,
-            "kernel radius of the tracker lg, units of lambda/d"),
-      field("optics", &B::optics, "as in the configuration"),
-      field("slm", &B::slm,
-            "geometry of the SLM, and checksums of the active look-up table and flatness map"),
-      field("registration_t_taken_ns", &B::registration_t_taken_ns,
-            "time of the active registration, UNIX epoch UTC, nanoseconds; null: none"),
-      field("correction", &B::correction,
-            "correction subtracted from every hologram, RMS-normalised waves")};
-};
+inline constexpr auto kTable<SweepBench> =
+    Fields{"SweepBench",
+           field<&SweepBench::program>("version of the daemon"),
+           field<&SweepBench::camera>("identity of the camera"),
+           computed(
+               "exposure_us", [](auto& b) { return b.settings.exposure_us; },
+               "exposure time of every cell, microseconds"),
+           computed(
+               "pixel_format", [](auto& b) { return b.settings.pixel_format; }, "GenICam name"),
+           computed(
+               "roi", [](auto& b) { return b.settings.roi; }, "as in camera.set"),
+           field<&SweepBench::sensor>("as in sensor.get, without the charge"),
+           field<&SweepBench::kernel_radius>("kernel radius of the tracker lg, units of lambda/d"),
+           field<&SweepBench::optics>("as in the configuration"),
+           field<&SweepBench::slm>(
+               "geometry of the SLM, and checksums of the active look-up table and flatness map"),
+           field<&SweepBench::registration_t_taken_ns>(
+               "time of the active registration, UNIX epoch UTC, nanoseconds; null: none"),
+           field<&SweepBench::correction>(
+               "correction subtracted from every hologram, RMS-normalised waves")};
 
 }  // namespace ovws

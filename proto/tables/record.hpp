@@ -21,28 +21,22 @@ struct RecordReport {
   std::optional<std::string> reason;  ///< why it ended
 };
 template <>
-struct Table<RecordReport> {
-  static constexpr const char* kName = "RecordReport";
-  static constexpr auto kFields = Fields{
-      field("state", &RecordReport::state,
-            "off: no recording since the start; recording: one is in progress; ended: all values "
-            "are of the last one")
-          .among([] {
-            return std::vector<std::string>{"off", "recording", "ended"};
-          }),
-      field("file", &RecordReport::file, "path on the daemon's machine; null: no recording yet"),
-      field("duration_s", &RecordReport::duration_s,
-            "duration so far, or of the ended recording, seconds", Bounds::at_least(0)),
-      field("frames", &RecordReport::frames, "number of frames in the file"),
-      field(
-          "frames_dropped", &RecordReport::frames_dropped,
-          "number of published frames that are not in the file because the recorder was too slow"),
-      field("pictures", &RecordReport::pictures, "number of images in the file"),
-      field("pictures_dropped", &RecordReport::pictures_dropped,
-            "number of frames in the file whose image is missing because the disk was too slow"),
-      field("bytes", &RecordReport::bytes, "size of the file, bytes"),
-      field("reason", &RecordReport::reason, "why the recording ended; null: it has not")};
-};
+inline constexpr auto kTable<RecordReport> = Fields{
+    "RecordReport",
+    field<&RecordReport::state>("off: no recording since the start; recording: one is in progress; "
+                                "ended: all values are of the last one")
+        .among(texts<"off", "recording", "ended">),
+    field<&RecordReport::file>("path on the daemon's machine; null: no recording yet"),
+    field<&RecordReport::duration_s>("duration so far, or of the ended recording, seconds",
+                                     Bounds::at_least(0)),
+    field<&RecordReport::frames>("number of frames in the file"),
+    field<&RecordReport::frames_dropped>(
+        "number of published frames that are not in the file because the recorder was too slow"),
+    field<&RecordReport::pictures>("number of images in the file"),
+    field<&RecordReport::pictures_dropped>(
+        "number of frames in the file whose image is missing because the disk was too slow"),
+    field<&RecordReport::bytes>("size of the file, bytes"),
+    field<&RecordReport::reason>("why the recording ended; null: it has not")};
 
 /// Params of `record.start`.
 struct RecordStart {
@@ -53,21 +47,18 @@ struct RecordStart {
 /// Why `name` is not a plain file name; none if it is one.
 std::optional<std::string> not_plain(const std::string& name);
 template <>
-struct Table<RecordStart> {
-  static constexpr const char* kName = "RecordStart";
-  static constexpr auto kFields = Fields{
-      field("name", &RecordStart::name,
-            "file name without the extension .h5; the file must not exist yet")
-          .mandatory()
-          .checked(not_plain),
-      field("pictures_every", &RecordStart::pictures_every,
-            "record the camera image of every n-th frame; 0: no images", limits::kPicturesEvery),
-      field("limit_s", &RecordStart::limit_s,
-            "duration after which the recording ends by itself, seconds; null: no limit",
-            limits::kRecordS),
-      field("limit_mib", &RecordStart::limit_mib,
-            "file size at which the recording ends by itself, MiB; null: no limit",
-            limits::kRecordMib)};
-};
+inline constexpr auto kTable<RecordStart> = Fields{
+    "RecordStart",
+    field<&RecordStart::name>("file name without the extension .h5; the file must not exist yet")
+        .mandatory()
+        .checked(not_plain),
+    field<&RecordStart::pictures_every>("record the camera image of every n-th frame; 0: no images",
+                                        limits::kPicturesEvery),
+    field<&RecordStart::limit_s>(
+        "duration after which the recording ends by itself, seconds; null: no limit",
+        limits::kRecordS),
+    field<&RecordStart::limit_mib>(
+        "file size at which the recording ends by itself, MiB; null: no limit",
+        limits::kRecordMib)};
 
 }  // namespace ovws

@@ -9,7 +9,7 @@
 #include "core/base/vec2.hpp"
 #include "core/wavefront/registration.hpp"
 #include "proto/field_json.hpp"
-#include "proto/tables/names.hpp"
+#include "proto/names.hpp"
 #include "proto/tables/origin.hpp"
 #include "proto/tables/time.hpp"
 
@@ -25,13 +25,9 @@ struct StaleField {
   Json then, now;
 };
 template <>
-struct Table<StaleField> {
-  static constexpr const char* kName = "StaleField";
-  static constexpr auto kFields =
-      Fields{field("field", &StaleField::field, "key of camera.set"),
-             field("then", &StaleField::then, "value when it was taken"),
-             field("now", &StaleField::now, "value in use")};
-};
+inline constexpr auto kTable<StaleField> = Fields{
+    "StaleField", field<&StaleField::field>("key of camera.set"),
+    field<&StaleField::then>("value when it was taken"), field<&StaleField::now>("value in use")};
 
 struct ReferenceReport {
   int frames = 0;
@@ -47,96 +43,82 @@ struct ReferenceReport {
   double introduced_rms_waves = 0.0;
 };
 template <>
-struct Table<ReferenceReport> {
-  static constexpr const char* kName = "ReferenceReport";
-  static constexpr auto kFields = Fields{
-      field("source", &ReferenceReport::source,
-            "measured: averaged from frames; model: predicted by the configuration or the "
-            "registration, so that the coefficients include misalignment")
-          .among([] {
-            return std::vector<std::string>{"measured", "model"};
-          }),
-      field("frames", &ReferenceReport::frames, "number of averaged frames", Bounds::at_least(0)),
-      field("charge", &ReferenceReport::charge, "charge that it was taken with", limits::kCharge),
-      field("tracker", &ReferenceReport::tracker, "tracker that it was taken with"),
-      field("t_taken_ns", &ReferenceReport::t_taken_ns, kTimeMeaning),
-      time_text("t_taken", &ReferenceReport::t_taken_ns),
-      field("positions_px", &ReferenceReport::positions_px,
-            "[x, y] of each subaperture's spot, camera pixels of the region of interest")
-          .with_nulls(),
-      field("standard_error_px", &ReferenceReport::standard_error_px,
-            "[x, y] standard error of each position, camera pixels; null: the spot was lost and is "
-            "not used, its position is the expected one")
-          .with_nulls(),
-      field("sha256", &ReferenceReport::sha256, kSha256Meaning).or_null(),
-      field("introduced_rms_waves", &ReferenceReport::introduced_rms_waves,
-            "RMS of the introduced aberration that the reference contains and coefficients "
-            "therefore exclude, waves; 0: none",
-            Bounds::at_least(0)),
-      field("stale", &ReferenceReport::stale,
-            "camera settings that have changed since it was taken; the reference stays active")
-          .if_absent("[]"),
-      field("origin", &ReferenceReport::origin, "bench and settings that it was taken with")};
-};
+inline constexpr auto kTable<ReferenceReport> =
+    Fields{"ReferenceReport",
+           field<&ReferenceReport::source>(
+               "measured: averaged from frames; model: predicted by the configuration or the "
+               "registration, so that the coefficients include misalignment")
+               .among(texts<"measured", "model">),
+           field<&ReferenceReport::frames>("number of averaged frames", Bounds::at_least(0)),
+           field<&ReferenceReport::charge>("charge that it was taken with", limits::kCharge),
+           field<&ReferenceReport::tracker>("tracker that it was taken with"),
+           field<&ReferenceReport::t_taken_ns>(kTimeMeaning),
+           time_text("t_taken", &ReferenceReport::t_taken_ns),
+           field<&ReferenceReport::positions_px>(
+               "[x, y] of each subaperture's spot, camera pixels of the region of interest")
+               .with_nulls(),
+           field<&ReferenceReport::standard_error_px>(
+               "[x, y] standard error of each position, camera pixels; null: the spot was lost and "
+               "is not used, its position is the expected one")
+               .with_nulls(),
+           field<&ReferenceReport::sha256>(kSha256Meaning).or_null(),
+           field<&ReferenceReport::introduced_rms_waves>(
+               "RMS of the introduced aberration that the reference contains and coefficients "
+               "therefore exclude, waves; 0: none",
+               Bounds::at_least(0)),
+           field<&ReferenceReport::stale>(
+               "camera settings that have changed since it was taken; the reference stays active")
+               .if_absent("[]"),
+           field<&ReferenceReport::origin>("bench and settings that it was taken with")};
 
 /// Result of `reference.get`, `reference.set` and `reference.clear`.
 struct KnownReference {
   std::optional<ReferenceReport> reference;
 };
 template <>
-struct Table<KnownReference> {
-  static constexpr const char* kName = "KnownReference";
-  static constexpr auto kFields =
-      Fields{computed<KnownReference>(
-                 "taken", [](const KnownReference& known) { return known.reference.has_value(); },
-                 "whether there is a reference; if not, all other keys are null or empty"),
-             inlined(&KnownReference::reference)};
-};
+inline constexpr auto kTable<KnownReference> =
+    Fields{"KnownReference",
+           computed(
+               "taken", [](auto& known) { return known.reference.has_value(); },
+               "whether there is a reference; if not, all other keys are null or empty"),
+           inlined(&KnownReference::reference)};
 
 template <>
-struct Table<Registration> {
-  static constexpr const char* kName = "Registration";
-  static constexpr auto kFields = Fields{
-      field("t_taken_ns", &Registration::t_taken_ns, kTimeMeaning),
-      field("base_px", &Registration::base_px,
-            "[x, y] of the base subaperture's spot, pixels of the camera's whole sensor"),
-      field("base_standard_error_px", &Registration::base_standard_error_px,
-            "[x, y] standard error of base_px, camera pixels"),
-      field("px_per_cycle", &Registration::px_per_cycle,
-            "[xx, xy, yx, yy]: a slope of (u, v) cycles per SLM pixel moves a spot by "
-            "(xx u + xy v, yx u + yy v) camera pixels"),
-      field("px_per_cycle_standard_error", &Registration::standard_error,
-            "standard errors of px_per_cycle, camera pixels per cycle per SLM pixel"),
-      computed<Registration>(
-          "scale_px_per_cycle", [](const Registration& r) { return r.px_per_cycle.scale(); },
-          "scale of the map: square root of its determinant, camera pixels per cycle per SLM "
-          "pixel"),
-      computed<Registration>(
-          "rotation_deg", [](const Registration& r) { return r.px_per_cycle.rotation_deg(); },
-          "rotation of the SLM's +x towards the camera's +y, as the camera sees it, degrees"),
-      computed<Registration>(
-          "mirrored", [](const Registration& r) { return r.px_per_cycle.mirrored(); },
-          "whether the camera sees the SLM mirrored"),
-      field("residual_px", &Registration::residual_px,
-            "RMS residual of the map at the positions where the spot was found, camera pixels",
-            Bounds::at_least(0)),
-      field("sights", &Registration::sights, "number of slopes for which the spot was found",
-            Bounds::at_least(0))};
-};
+inline constexpr auto kTable<Registration> = Fields{
+    "Registration",
+    field<&Registration::t_taken_ns>(kTimeMeaning),
+    field<&Registration::base_px>(
+        "[x, y] of the base subaperture's spot, pixels of the camera's whole sensor"),
+    field<&Registration::base_standard_error_px>("[x, y] standard error of base_px, camera pixels"),
+    field<&Registration::px_per_cycle>("[xx, xy, yx, yy]: a slope of (u, v) cycles per SLM pixel "
+                                       "moves a spot by (xx u + xy v, yx u + yy v) camera pixels"),
+    field("px_per_cycle_standard_error", &Registration::standard_error,
+          "standard errors of px_per_cycle, camera pixels per cycle per SLM pixel"),
+    computed(
+        "scale_px_per_cycle", [](auto& r) { return r.px_per_cycle.scale(); },
+        "scale of the map: square root of its determinant, camera pixels per cycle per SLM pixel"),
+    computed(
+        "rotation_deg", [](auto& r) { return r.px_per_cycle.rotation_deg(); },
+        "rotation of the SLM's +x towards the camera's +y, as the camera sees it, degrees"),
+    computed(
+        "mirrored", [](auto& r) { return r.px_per_cycle.mirrored(); },
+        "whether the camera sees the SLM mirrored"),
+    field<&Registration::residual_px>(
+        "RMS residual of the map at the positions where the spot was found, camera pixels",
+        Bounds::at_least(0)),
+    field<&Registration::sights>("number of slopes for which the spot was found",
+                                 Bounds::at_least(0))};
 
 /// Result of `registration.get`, `registration.clear` and the `registration.run` job.
 struct KnownRegistration {
   std::optional<Registration> registration;
 };
 template <>
-struct Table<KnownRegistration> {
-  static constexpr const char* kName = "KnownRegistration";
-  static constexpr auto kFields =
-      Fields{computed<KnownRegistration>(
-                 "registered",
-                 [](const KnownRegistration& known) { return known.registration.has_value(); },
-                 "whether a registration is active; if not, all other keys are null"),
-             inlined(&KnownRegistration::registration)};
-};
+inline constexpr auto kTable<KnownRegistration> =
+    Fields{"KnownRegistration",
+           computed(
+               "registered", [](auto& known) { return known.registration.has_value(); },
+               "whether a registration is active; if not, all other keys are null"),
+           inlined(&KnownRegistration::registration)};
 
 }  // namespace ovws

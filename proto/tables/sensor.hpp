@@ -6,30 +6,26 @@
 #include <vector>
 
 #include "proto/field_json.hpp"
-#include "proto/tables/names.hpp"
+#include "proto/names.hpp"
 
 namespace ovws {
 
 template <>
-struct Table<SensorConfig> {
-  static constexpr const char* kName = "SensorConfig";
-  static constexpr auto kFields = Fields{
-      field("charge", &SensorConfig::charge,
-            "topological charge l of the vortices; 0: the conventional Shack-Hartmann sensor",
-            limits::kCharge),
-      field("grid", &SensorConfig::grid, "arrangement of the subapertures"),
-      field("subapertures_across", &SensorConfig::subapertures_across,
-            "M: number of subapertures across the pupil's diameter", limits::kSubaperturesAcross),
-      field("pupil_diameter_px", &SensorConfig::pupil_diameter_px,
-            "D: diameter of the pupil, SLM pixels", limits::kPupilDiameterPx),
-      field("grooves", &SensorConfig::grooves,
-            "n_x, n_y: grooves of the base grating over the SLM's width and height",
-            limits::kGrooves),
-      field(
-          "spacing", &SensorConfig::spacing,
-          "s: spread of the spots on the camera, grooves per SLM pixel of a subaperture's position",
-          limits::kSpacing)};
-};
+inline constexpr auto kTable<SensorConfig> = Fields{
+    "SensorConfig",
+    field<&SensorConfig::charge>(
+        "topological charge l of the vortices; 0: the conventional Shack-Hartmann sensor",
+        limits::kCharge),
+    field<&SensorConfig::grid>("arrangement of the subapertures"),
+    field<&SensorConfig::subapertures_across>(
+        "M: number of subapertures across the pupil's diameter", limits::kSubaperturesAcross),
+    field<&SensorConfig::pupil_diameter_px>("D: diameter of the pupil, SLM pixels",
+                                            limits::kPupilDiameterPx),
+    field<&SensorConfig::grooves>(
+        "n_x, n_y: grooves of the base grating over the SLM's width and height", limits::kGrooves),
+    field<&SensorConfig::spacing>(
+        "s: spread of the spots on the camera, grooves per SLM pixel of a subaperture's position",
+        limits::kSpacing)};
 
 /// Sensor and tracking settings: what `sensor.set` changes.
 struct SensorSettings {
@@ -38,35 +34,29 @@ struct SensorSettings {
 };
 
 template <>
-struct Table<TrackingSettings> {
-  static constexpr const char* kName = "TrackingSettings";
-  static constexpr auto kFields =
-      Fields{field("tracker", &TrackingSettings::tracker, "algorithm that finds the spots"),
-             field("template", &TrackingSettings::templates,
-                   "template of the tracker matched: the model's spot, or the image of each "
-                   "spot in the reference"),
-             field("operator", &TrackingSettings::mode_operator,
-                   "matrix from displacements to modes: slopes, from each mode's local tilt as "
-                   "the tracker measures it; diffractive, from the diffraction model of each "
-                   "mode, exact for aberrations up to about 0.1 wave, beyond which slopes is "
-                   "better; measured, the interaction (poke) matrix of calibration.run"),
-             field("mode_count", &TrackingSettings::mode_count,
-                   "number of modes, j = 1 to this; null: as many as the positions of the spots "
-                   "tell. The tracker fit measures more, as far as the spots tell them; frames are "
-                   "then valid only while templates describe them",
-                   {1, kMaxZernikeIndex}),
-             field("estimates", &TrackingSettings::estimates,
-                   "numbers that the tracker fit takes from each spot: 2 tell its position, 4 its "
-                   "astigmatism, too",
-                   limits::kEstimates)};
-};
+inline constexpr auto kTable<TrackingSettings> =
+    Fields{"TrackingSettings",
+           field<&TrackingSettings::tracker>("algorithm that finds the spots"),
+           field("template", &TrackingSettings::templates,
+                 "template of the tracker matched: the model's spot, or the image of each spot in "
+                 "the reference"),
+           field("operator", &TrackingSettings::mode_operator,
+                 "matrix from displacements to modes: slopes, from each mode's local tilt as the "
+                 "tracker measures it; diffractive, from the diffraction model of each mode, exact "
+                 "for aberrations up to about 0.1 wave, beyond which slopes is better; measured, "
+                 "the interaction (poke) matrix of calibration.run"),
+           field<&TrackingSettings::mode_count>(
+               "number of modes, j = 1 to this; null: as many as the positions of the spots tell. "
+               "The tracker fit measures more, as far as the spots tell them; frames are then "
+               "valid only while templates describe them",
+               {1, kMaxZernikeIndex}),
+           field<&TrackingSettings::estimates>("numbers that the tracker fit takes from each spot: "
+                                               "2 tell its position, 4 its astigmatism, too",
+                                               limits::kEstimates)};
 
 template <>
-struct Table<SensorSettings> {
-  static constexpr const char* kName = "SensorSettings";
-  static constexpr auto kFields =
-      Fields{inlined(&SensorSettings::sensor), inlined(&SensorSettings::tracking)};
-};
+inline constexpr auto kTable<SensorSettings> =
+    Fields{"SensorSettings", inlined(&SensorSettings::sensor), inlined(&SensorSettings::tracking)};
 
 /// Templates in use: a reference may not provide a template for every spot.
 struct TemplateReport {
@@ -74,17 +64,15 @@ struct TemplateReport {
   std::string reason;  ///< why not all of them if requested; empty: nothing is missing
 };
 template <>
-struct Table<TemplateReport> {
-  static constexpr const char* kName = "TemplateReport";
-  static constexpr auto kFields = Fields{
-      field("own_templates", &TemplateReport::own,
-            "number of spots tracked by a template from the reference instead of the model's",
-            Bounds::at_least(0)),
-      field("template_reason", &TemplateReport::reason,
-            "why not every spot has a template of its own although template is reference, and what "
-            "to do; null: nothing is missing")
-          .or_null()};
-};
+inline constexpr auto kTable<TemplateReport> =
+    Fields{"TemplateReport",
+           field("own_templates", &TemplateReport::own,
+                 "number of spots tracked by a template from the reference instead of the model's",
+                 Bounds::at_least(0)),
+           field("template_reason", &TemplateReport::reason,
+                 "why not every spot has a template of its own although template is reference, and "
+                 "what to do; null: nothing is missing")
+               .or_null()};
 
 /// The active operator from displacements to modes. The requested one may not be available yet.
 struct OperatorReport {
@@ -92,16 +80,14 @@ struct OperatorReport {
   std::string reason;  ///< why it is not the requested one; empty: it is
 };
 template <>
-struct Table<OperatorReport> {
-  static constexpr const char* kName = "OperatorReport";
-  static constexpr auto kFields =
-      Fields{field("operator_in_force", &OperatorReport::in_force,
-                   "active matrix from displacements to modes"),
-             field("operator_reason", &OperatorReport::reason,
-                   "why the requested operator is not active: it is being computed, or why it "
-                   "cannot be; null: it is active")
-                 .or_null()};
-};
+inline constexpr auto kTable<OperatorReport> =
+    Fields{"OperatorReport",
+           field("operator_in_force", &OperatorReport::in_force,
+                 "active matrix from displacements to modes"),
+           field("operator_reason", &OperatorReport::reason,
+                 "why the requested operator is not active: it is being computed, or why it cannot "
+                 "be; null: it is active")
+               .or_null()};
 
 /// Result of `sensor.get`.
 struct SensorReport {
@@ -113,18 +99,15 @@ struct SensorReport {
   std::uint64_t hologram_id = 0;
 };
 template <>
-struct Table<SensorReport> {
-  static constexpr const char* kName = "SensorReport";
-  static constexpr auto kFields =
-      Fields{inlined(&SensorReport::settings),
-             inlined(&SensorReport::templates),
-             inlined(&SensorReport::mode_operator),
-             field("subapertures", &SensorReport::subapertures, "number of subapertures",
-                   Bounds::at_least(0)),
-             field("modes_j", &SensorReport::modes_j, "OSA/ANSI indices of the reconstructed modes",
-                   {1, kMaxZernikeIndex}),
-             field("hologram_id", &SensorReport::hologram_id,
-                   "number of the hologram, as in every stream message; 0: none")};
-};
+inline constexpr auto kTable<SensorReport> =
+    Fields{"SensorReport",
+           inlined(&SensorReport::settings),
+           inlined(&SensorReport::templates),
+           inlined(&SensorReport::mode_operator),
+           field<&SensorReport::subapertures>("number of subapertures", Bounds::at_least(0)),
+           field<&SensorReport::modes_j>("OSA/ANSI indices of the reconstructed modes",
+                                         {1, kMaxZernikeIndex}),
+           field<&SensorReport::hologram_id>(
+               "number of the hologram, as in every stream message; 0: none")};
 
 }  // namespace ovws

@@ -21,14 +21,10 @@ struct CameraSetReport {
   std::optional<CameraLimits> limits;  ///< none: no camera is connected; applied when one connects
 };
 template <>
-struct Table<CameraSetReport> {
-  using R = CameraSetReport;
-  static constexpr const char* kName = "CameraSetReport";
-  static constexpr auto kFields =
-      Fields{field("requested", &R::requested, kRequestedMeaning),
-             field("applied", &R::applied, "the camera's settings"),
-             field("limits", &R::limits, "current limits of the connected camera")};
-};
+inline constexpr auto kTable<CameraSetReport> =
+    Fields{"CameraSetReport", field<&CameraSetReport::requested>(kRequestedMeaning),
+           field<&CameraSetReport::applied>("the camera's settings"),
+           field<&CameraSetReport::limits>("current limits of the connected camera")};
 
 struct SensorSetReport {
   SensorSet requested;
@@ -36,24 +32,18 @@ struct SensorSetReport {
   std::uint64_t hologram_id = 0;
 };
 template <>
-struct Table<SensorSetReport> {
-  using R = SensorSetReport;
-  static constexpr const char* kName = "SensorSetReport";
-  static constexpr auto kFields = Fields{field("requested", &R::requested, kRequestedMeaning),
-                                         field("applied", &R::applied, kAppliedMeaning),
-                                         field("hologram_id", &R::hologram_id, kHologramIdMeaning)};
-};
+inline constexpr auto kTable<SensorSetReport> =
+    Fields{"SensorSetReport", field<&SensorSetReport::requested>(kRequestedMeaning),
+           field<&SensorSetReport::applied>(kAppliedMeaning),
+           field<&SensorSetReport::hologram_id>(kHologramIdMeaning)};
 
 struct RefineSetReport {
   RefineSet requested;
   RefineReport applied;
 };
 template <>
-struct Table<RefineSetReport> {
-  using R = RefineSetReport;
-  static constexpr const char* kName = "RefineSetReport";
-  static constexpr auto kFields = Fields{field("requested", &R::requested, kRequestedMeaning),
-                                         field("applied", &R::applied, kAppliedMeaning)};
-};
+inline constexpr auto kTable<RefineSetReport> =
+    Fields{"RefineSetReport", field<&RefineSetReport::requested>(kRequestedMeaning),
+           field<&RefineSetReport::applied>(kAppliedMeaning)};
 
 }  // namespace ovws

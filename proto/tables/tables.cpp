@@ -87,12 +87,12 @@ Json if_valid(Json then, Json otherwise) {
 
 }  // namespace
 
-Json Table<WavefrontMessage>::rules() {
+Json Rules<WavefrontMessage>::schema() {
   return if_valid(types({}, {{"coefficients", "number"}}),
                   types({{"rms_waves", "null"}}, {{"coefficients", "null"}}));
 }
 
-Json Table<RefinedMessage>::rules() {
+Json Rules<RefinedMessage>::schema() {
   return if_valid(types({{"reason", "null"}, {"chi2_per_pixel", "number"}},
                         {{"coefficients", "number"}, {"sigma", "number"}}),
                   types({{"reason", "string"}}, {{"coefficients", "null"}, {"sigma", "null"}}));

@@ -17,7 +17,7 @@ inline constexpr const char* kTimeTextMeaning = "the same time as text, ISO 8601
 /// A computed field `key` with the time of `member` as text.
 template <class S>
 constexpr auto time_text(const char* key, std::int64_t S::*member) {
-  return computed<S>(
+  return computed(
       key, [member](const S& from) { return utc_text(from.*member); }, kTimeTextMeaning);
 }
 

@@ -34,7 +34,7 @@ Result<Config> config_of(const MeasureOptions& options) {
         options.templates == "reference" ? TemplateKind::reference : TemplateKind::model;
   }
   if (!options.mode_operator.empty()) {
-    const auto& names = operator_names();
+    const auto& names = kNames<OperatorKind>();
     const auto at = std::find(names.begin(), names.end(), options.mode_operator);
     config->tracking.mode_operator = OperatorKind(at - names.begin());
   }

@@ -57,9 +57,9 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   line["file"] = file;
   line["spots"] = spots_of(measured);
   line["torn"] = json::array();
-  line["template"] = template_name(config.tracking.templates);
+  line["template"] = wire_name(config.tracking.templates);
   put_fields(line, measurement.templates());
-  line["operator"] = operator_name(config.tracking.mode_operator);
+  line["operator"] = wire_name(config.tracking.mode_operator);
   put_fields(line, measured.mode_operator);
   return line;
 }

@@ -93,16 +93,16 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
                  "measure displacements from the positions that the configuration predicts")
       ->excludes(reference);
   command->add_option("--tracker", options->tracker, "tracker, instead of the configuration's")
-      ->check(CLI::IsMember(tracker_names()));
+      ->check(CLI::IsMember(kNames<TrackerKind>()));
   command
       ->add_option("--template", options->templates,
                    "templates of the tracker matched, instead of the configuration's")
-      ->check(CLI::IsMember(template_names()));
+      ->check(CLI::IsMember(kNames<TemplateKind>()));
   command
       ->add_option("--operator", options->mode_operator,
                    "operator from displacements to modes, instead of the configuration's: "
                    "diffractive is better up to about 0.1 wave")
-      ->check(CLI::IsMember(operator_names()));
+      ->check(CLI::IsMember(kNames<OperatorKind>()));
   auto* refine =
       command->add_flag("--refine", options->refine,
                         "fit all pixels of the spots with this camera's noise, and tell how "

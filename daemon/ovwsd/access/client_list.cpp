@@ -22,7 +22,7 @@ void read_client(ObjectReader& r, ClientList& list) {
   for (const char* required : {"name", "key", "role"}) r.require(required);
   r.string("name", client.name);
   r.string("key", key);
-  r.choice("role", role, Names<Role>::all());
+  r.choice("role", role, kNames<Role>());
   if (r.failed()) return;
   client.role = Role(role);
   if (client.name.empty() || client.name.size() > kMaxNameBytes) {

@@ -11,7 +11,7 @@ namespace ovws {
 namespace {
 
 void show(Services& services, const SlmShow& what, Reply<ShowReport> reply) {
-  services.keeper.edit(Hold::unheld(), show_pattern(what.pattern.kind),
+  services.keeper.edit(Hold::unheld(), show_pattern(what.pattern),
                        [reply](const Result<SensorView>& applied) {
                          if (!applied) return reply(applied.error());
                          reply(ShowReport{(*applied)->pattern, (*applied)->hologram_id});

@@ -36,7 +36,7 @@ StatusMessage::SlmPart slm_part(const SlmSnapshot& slm) {
   StatusMessage::SlmPart part;
   part.connected = slm.healthy;
   part.info = slm.info;
-  part.pattern = pattern_name(slm.kind);
+  part.pattern = wire_name(slm.kind);
   part.hologram_id = slm.hologram_id;
   part.settled = slm.healthy && monotonic_ns() >= slm.t_settled_mono_ns;
   part.fault = if_any(slm.fault);

@@ -30,7 +30,7 @@ json rows_of(const Eigen::MatrixXd& matrix) {
 }
 
 json operator_content(const PlanFacts& facts) {
-  json content{{"operator", operator_name(facts.mode_operator)},
+  json content{{"operator", wire_name(facts.mode_operator)},
                {"j", facts.position_modes_j},
                {"px_per_wave", rows_of(facts.slopes)}};
   if (facts.nuisance.cols() > 0) content["nuisance_px"] = rows_of(facts.nuisance);
@@ -54,7 +54,7 @@ json plan_content(const PlanFacts& facts) {
           {"charge", facts.charge},
           {"tracker", tracker_name(facts.tracker_kind)},
           {"kernel_radius", now.tracking.kernel_radius},
-          {"template", template_name(now.tracking.templates)},
+          {"template", wire_name(now.tracking.templates)},
           {"own_templates", now.templates.own},
           {"lambda_d_px", facts.spots.lambda_d_px},
           {"lit",
@@ -69,7 +69,7 @@ json plan_content(const PlanFacts& facts) {
           {"awaits_templates", facts.awaits_templates},
           {"reference_introduced_rms_waves", facts.reference_introduced_rms_waves},
           {"modes_j", facts.modes_j},
-          {"pattern", pattern_name(now.pattern)},
+          {"pattern", wire_name(now.pattern)},
           {"sensor", to_json(now.sensor)},
           {"optics", to_json(now.optics)},
           {"registration", to_json(KnownRegistration{now.registration})},

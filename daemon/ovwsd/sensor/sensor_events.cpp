@@ -13,8 +13,8 @@ void SensorEvents::publish_changes(const SensorSnapshot& before, const SensorSna
   const OperatorKind in_use = now.mode_operator.in_force;
   if (in_use == before.mode_operator.in_force) return;
   events_.emit("sensor", Severity::info,
-               fmt::format("modes are reconstructed with the operator {}", operator_name(in_use)),
-               {{"operator", operator_name(in_use)}});
+               fmt::format("modes are reconstructed with the operator {}", wire_name(in_use)),
+               {{"operator", wire_name(in_use)}});
 }
 
 void SensorEvents::publish_unused(const Reference& reference, const SensorState& state,

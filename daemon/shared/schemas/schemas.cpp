@@ -34,7 +34,7 @@ template <class P, class R>
 Schema schema_of_method(const Method<P, R>& method, const Json& examples) {
   Json params = schema_of<P>(SchemaOf::params), result = schema_of<R>(SchemaOf::result);
   params["examples"] = examples["params"].value(method.name, Json::array({Json::object()}));
-  if (const auto found = examples["results"].find(Table<R>::kName);
+  if (const auto found = examples["results"].find(kTable<R>.name);
       found != examples["results"].end()) {
     result["examples"] = Json::array({*found});
   }

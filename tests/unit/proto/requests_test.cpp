@@ -201,7 +201,7 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_TRUE(decode<ReferenceSet>({{"source", "model"}}));
   EXPECT_EQ(error_of(decode<ReferenceSet>(json::object())).field, "source");
   EXPECT_EQ(error_of(decode<ReferenceSet>({{"source", "modle"}})).nearest, "model");
-  EXPECT_EQ(decode<SlmShow>({{"pattern", "identify"}})->pattern.kind, HologramKind::identify);
+  EXPECT_EQ(decode<SlmShow>({{"pattern", "identify"}})->pattern, HologramKind::identify);
   EXPECT_EQ(error_of(decode<SlmShow>({{"pattern", "test"}})).field, "pattern");
   EXPECT_EQ(decode<RegistrationRun>(json::object())->frames, 5);
   const auto loop = decode<LoopSettings>(
