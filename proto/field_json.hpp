@@ -240,32 +240,19 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
     reader.integer(key, out, int(bounds.min), int(bounds.max));
   } else if constexpr (std::is_floating_point_v<T>) {
     // Null leaves the value unchanged: a missing value is reported as null.
-    std::optional<double> given;
-    if (field.nullable) {
-      reader.optional_number(key, given, bounds.min, bounds.max);
-      out = given.value_or(out);
-    } else {
-      reader.number(key, out, bounds.min, bounds.max);
-    }
+    if (field.nullable && reader.is_null(key)) return;
+    reader.number(key, out, bounds.min, bounds.max);
   } else if constexpr (std::is_same_v<T, std::string>) {
     reader.string(key, out);
   } else if constexpr (std::is_enum_v<T>) {
     int value = int(out);
     reader.choice(key, value, (field.names != nullptr ? field.names : kNames<T>)());
     out = T(value);
-  } else if constexpr (std::is_same_v<T, std::optional<double>>) {
-    reader.optional_number(key, out, bounds.min, bounds.max);
-  } else if constexpr (std::is_same_v<T, std::optional<std::string>>) {
-    reader.optional_string(key, out);
   } else if constexpr (is_optional<T>) {
     typename T::value_type given{};
-    if (reader.is_null(key)) {
-      reader.raw(key);
-      out.reset();
-    } else if (reader.has(key)) {
-      decode_value(reader, field, given);
-      if (!reader.failed()) out = std::move(given);
-    }
+    if (reader.is_null(key)) return out.reset();
+    decode_value(reader, field, given);
+    if (reader.has(key) && !reader.failed()) out = std::move(given);
   } else if constexpr (std::is_same_v<T, Vec2> || std::is_same_v<T, std::array<double, 2>>) {
     decode_tuple(reader, field, 2, [&out](const auto& given) { out = {given[0], given[1]}; });
   } else if constexpr (HasTable<T>) {

@@ -61,15 +61,16 @@ bool ObjectReader::has(const char* key) const {
   return json_.is_object() && json_.contains(key);
 }
 
-bool ObjectReader::is_null(const char* key) const {
-  return has(key) && json_[key].is_null();
-}
-
 const json* ObjectReader::take(const char* key) {
   if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
   if (error_) return nullptr;
   const auto found = json_.find(key);
   return found == json_.end() ? nullptr : &*found;
+}
+
+bool ObjectReader::is_null(const char* key) {
+  const json* value = take(key);
+  return value != nullptr && value->is_null();
 }
 
 const json* ObjectReader::raw(const char* key) {
@@ -113,14 +114,6 @@ void ObjectReader::integer(const char* key, int& out, int min, int max) {
   if (const auto got = number_in(path_of(key), *value, min, max, true)) out = int(*got);
 }
 
-void ObjectReader::optional_number(const char* key, std::optional<double>& out, double min,
-                                   double max) {
-  const json* value = take(key);
-  if (value == nullptr) return;
-  if (value->is_null()) return out.reset();
-  if (const auto got = number_in(path_of(key), *value, min, max, false)) out = *got;
-}
-
 void ObjectReader::boolean(const char* key, bool& out) {
   const json* value = take(key);
   if (value == nullptr) return;
@@ -132,14 +125,6 @@ void ObjectReader::string(const char* key, std::string& out) {
   const json* value = take(key);
   if (value == nullptr) return;
   if (!value->is_string()) return fault(key, "must be a string, not " + described(*value));
-  out = value->get<std::string>();
-}
-
-void ObjectReader::optional_string(const char* key, std::optional<std::string>& out) {
-  const json* value = take(key);
-  if (value == nullptr) return;
-  if (value->is_null()) return out.reset();
-  if (!value->is_string()) return fault(key, "must be a string or null, not " + described(*value));
   out = value->get<std::string>();
 }
 

@@ -32,17 +32,14 @@ class ObjectReader {
   void clamp(bool on) { clamp_ = on; }
 
   bool has(const char* key) const;  ///< present (null counts as present)
-  bool is_null(const char* key) const;
-  void require(const char* key);  ///< a fault if absent, reported by `finish` after all others
+  bool is_null(const char* key);    ///< marks the key as known
+  void require(const char* key);    ///< a fault if absent, reported by `finish` after all others
 
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max
   void integer(const char* key, int& out, int min, int max);  ///< no fraction
-  void optional_number(const char* key, std::optional<double>& out, double min,
-                       double max);  ///< null, or as `number`
   void boolean(const char* key, bool& out);
   void string(const char* key, std::string& out);
-  void optional_string(const char* key, std::optional<std::string>& out);  ///< null or string
   /// One of `names`; `out` becomes its index. The error names the nearest.
   void choice(const char* key, int& out, const std::vector<std::string>& names);
   void numbers(const char* key, std::vector<double>& out, std::size_t min_size,

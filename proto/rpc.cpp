@@ -1,5 +1,6 @@
 #include "proto/rpc.hpp"
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <mutex>
@@ -183,19 +184,9 @@ std::string error_frame(RpcCode code, std::string reason) {
 }  // namespace
 
 RpcCode rpc_code(Errc code) {
-  switch (code) {
-    case Errc::invalid:
-      return RpcCode::params;
-    case Errc::refused:
-      return RpcCode::refused;
-    case Errc::unavailable:
-      return RpcCode::unavailable;
-    case Errc::device:
-      return RpcCode::device;
-    case Errc::internal:
-      return RpcCode::internal;
-  }
-  return RpcCode::internal;
+  constexpr std::array kCodes{RpcCode::params, RpcCode::refused, RpcCode::unavailable,
+                              RpcCode::device, RpcCode::internal};  // in the order of Errc
+  return kCodes[std::size_t(code)];
 }
 
 RpcFailure rpc_failure(const Error& error) {

@@ -58,7 +58,7 @@ json picture_json(const ReferencePicture* picture) {
 Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content) {
   if (content.is_null()) return nullptr;
   auto picture = std::make_shared<ReferencePicture>();
-  std::optional<double> gain_db;
+  double gain_db = kUnknownGain;
   std::string format, pixels;
   int width = 0, height = 0;
   ObjectReader r(content, "picture");
@@ -66,7 +66,7 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
     r.require(key);
   }
   r.integer("frames", picture->frames, 1, PictureMean::kMaxFrames);
-  r.optional_number("gain_db", gain_db, -1e3, 1e3);
+  if (!r.is_null("gain_db")) r.number("gain_db", gain_db, -1e3, 1e3);
   r.string("pixel_format", format);
   r.integer("width", width, 1, kMaxSide);
   r.integer("height", height, 1, kMaxSide);
@@ -76,7 +76,7 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
   auto values = floats_of(pixels, std::size_t(width) * std::size_t(height));
   if (!pixel_format || !values)
     return invalid("picture", "does not match its pixel format, width and height");
-  picture->gain_db = gain_db.value_or(kUnknownGain);
+  picture->gain_db = gain_db;
   picture->format = *pixel_format;
   picture->mean_dn.width = width;
   picture->mean_dn.height = height;
