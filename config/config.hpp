@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
-#include "proto/refine_setup.hpp"
 
 namespace ovws {
 

@@ -12,7 +12,7 @@
 
 namespace ovws {
 
-struct RefineSettings {
+struct RefineSetup {
   bool enabled = false;
   double rate_hz = 1.0;                    ///< maximum number of refined frames per second
   std::optional<double> electrons_per_dn;  ///< electrons per DN at 0 dB gain; none: unknown
@@ -20,8 +20,9 @@ struct RefineSettings {
   double black_level_dn = 0.0;
   std::optional<double> saturation_dn;      ///< pixels from here on are left out; none: full scale
   PixelFormat format = PixelFormat::mono8;  ///< pixel format of all values in DN
+  bool spot_amplitudes = false;  ///< kept for older clients: amplitudes are always fitted
 
-  friend bool operator==(const RefineSettings&, const RefineSettings&) = default;
+  friend bool operator==(const RefineSetup&, const RefineSetup&) = default;
 };
 
 /// Conversion of electrons to camera pixel values.
@@ -32,8 +33,8 @@ struct RefineCamera {
   double saturated_dn = std::numeric_limits<double>::infinity();  ///< ignored from here on
 };
 
-/// Whether both describe the same camera: all but `enabled` and `rate_hz` are equal.
-inline bool same_camera(RefineSettings a, const RefineSettings& b) {
+/// Whether both settings give the same fit: all but `enabled` and `rate_hz` are equal.
+inline bool same_fit(RefineSetup a, const RefineSetup& b) {
   a.enabled = b.enabled;
   a.rate_hz = b.rate_hz;
   return a == b;
@@ -41,7 +42,7 @@ inline bool same_camera(RefineSettings a, const RefineSettings& b) {
 
 /// Converts the values in DN to another pixel format: each additional bit doubles the DN of the
 /// same intensity. Clamps them to the new full scale.
-inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
+inline RefineSetup in_format(RefineSetup settings, PixelFormat format) {
   if (settings.format == format) return settings;
   const double factor =
       std::ldexp(1.0, significant_bits(format) - significant_bits(settings.format));
@@ -57,7 +58,7 @@ inline RefineSettings in_format(RefineSettings settings, PixelFormat format) {
 }
 
 /// Errc::refused (field "enabled") if the camera's pixel format has colour filters.
-inline Result<void> check_refinable(const RefineSettings& settings) {
+inline Result<void> check_refinable(const RefineSetup& settings) {
   if (!settings.enabled || traits_of(settings.format).filter == ColourFilter::none) return {};
   return fail(
       Errc::refused, "enabled",
@@ -67,7 +68,7 @@ inline Result<void> check_refinable(const RefineSettings& settings) {
 }
 
 /// Checks that involve several settings. Errors (Errc::invalid): `field` is the setting's key.
-inline Result<void> check_refine(const RefineSettings& settings) {
+inline Result<void> check_refine(const RefineSetup& settings) {
   if (settings.enabled && !settings.electrons_per_dn) {
     return fail(Errc::invalid, "electrons_per_dn",
                 "is required to refine: set the number of electrons per DN at a gain of 0 dB");

@@ -1,9 +1,9 @@
 /// Field table of the refinement's settings.
 #pragma once
 
+#include "core/control/refine_settings.hpp"
 #include "proto/field_json.hpp"
 #include "proto/names.hpp"
-#include "proto/refine_setup.hpp"
 
 namespace ovws {
 

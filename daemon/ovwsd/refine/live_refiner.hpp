@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "core/control/refine_settings.hpp"
 #include "core/rt/agent.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
@@ -12,7 +13,6 @@
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/messages.hpp"
-#include "proto/refine_setup.hpp"
 #include "proto/requests.hpp"
 #include "proto/status_message.hpp"
 

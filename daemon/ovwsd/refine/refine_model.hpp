@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
 #include "daemon/ovwsd/sensor/refined_modes.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
-#include "proto/refine_setup.hpp"
 
 namespace ovws {
 

@@ -60,8 +60,8 @@ PixelNoise pixel_noise(const RefineCamera& camera) {
   return {read_noise_dn * read_noise_dn, 1.0 / camera.electrons_per_dn, camera.saturated_dn};
 }
 
-RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db) {
-  const RefineSettings settings = in_format(stated, format);
+RefineCamera refine_camera(const RefineSetup& stated, PixelFormat format, double gain_db) {
+  const RefineSetup settings = in_format(stated, format);
   RefineCamera camera;
   camera.electrons_per_dn = *settings.electrons_per_dn * std::pow(10.0, -gain_db / 20.0);
   camera.read_noise_e = std::hypot(settings.read_noise_e, rounding_e(camera.electrons_per_dn));

@@ -17,7 +17,7 @@ PixelNoise pixel_noise(const RefineCamera& camera);
 
 /// Camera noise model for a frame of this format and gain (amplitude gain 10^(gain_db/20)).
 /// Requires electrons_per_dn.
-RefineCamera refine_camera(const RefineSettings& stated, PixelFormat format, double gain_db);
+RefineCamera refine_camera(const RefineSetup& stated, PixelFormat format, double gain_db);
 
 /// Noise of rounding to whole DN, electrons RMS.
 inline double rounding_e(double electrons_per_dn) {

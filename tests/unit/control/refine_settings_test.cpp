@@ -6,18 +6,18 @@
 namespace ovws {
 namespace {
 
-std::string fault_of(const RefineSettings& settings) {
+std::string fault_of(const RefineSetup& settings) {
   const auto checked = check_refine(settings);
   return checked ? std::string() : checked.error().field;
 }
 
-TEST(RefineSettings, TheDefaultIsWholeAndOff) {
-  EXPECT_FALSE(RefineSettings{}.enabled);
+TEST(RefineSetup, TheDefaultIsWholeAndOff) {
+  EXPECT_FALSE(RefineSetup{}.enabled);
   EXPECT_EQ(fault_of({}), "");
 }
 
-TEST(RefineSettings, WhatOnlyTogetherIsWrongIsRefused) {
-  RefineSettings settings;
+TEST(RefineSetup, WhatOnlyTogetherIsWrongIsRefused) {
+  RefineSetup settings;
   settings.enabled = true;
   EXPECT_EQ(fault_of(settings), "electrons_per_dn");
   settings.electrons_per_dn = 2.0;
@@ -32,8 +32,8 @@ TEST(RefineSettings, WhatOnlyTogetherIsWrongIsRefused) {
   EXPECT_EQ(fault_of(settings), "");
 }
 
-TEST(RefineSettings, AColourCameraIsNotRefined) {
-  RefineSettings settings;
+TEST(RefineSetup, AColourCameraIsNotRefined) {
+  RefineSetup settings;
   settings.format = PixelFormat::bayer_rg12;
   EXPECT_TRUE(check_refinable(settings));
   settings.enabled = true;
@@ -43,12 +43,12 @@ TEST(RefineSettings, AColourCameraIsNotRefined) {
   EXPECT_EQ(check_refinable(settings).error().field, "enabled");
 }
 
-TEST(RefineSettings, FollowTheFormatThereAndBack) {
-  RefineSettings settings;
+TEST(RefineSetup, FollowTheFormatThereAndBack) {
+  RefineSetup settings;
   settings.electrons_per_dn = 40.0;
   settings.black_level_dn = 2.0;
   settings.saturation_dn = 250.0;
-  const RefineSettings deep = in_format(settings, PixelFormat::mono12);
+  const RefineSetup deep = in_format(settings, PixelFormat::mono12);
   EXPECT_EQ(deep.electrons_per_dn, 2.5);
   EXPECT_EQ(deep.black_level_dn, 32.0);
   EXPECT_EQ(deep.saturation_dn, 4000.0);
@@ -56,8 +56,8 @@ TEST(RefineSettings, FollowTheFormatThereAndBack) {
   EXPECT_EQ(in_format(deep, PixelFormat::mono8), settings);
 }
 
-TEST(RefineSettings, StayWholeInEveryFormat) {
-  RefineSettings settings;
+TEST(RefineSetup, StayWholeInEveryFormat) {
+  RefineSetup settings;
   settings.format = PixelFormat::mono12;
   settings.saturation_dn = 4095.0;
   EXPECT_EQ(in_format(settings, PixelFormat::mono8).saturation_dn, 255.0);
@@ -66,13 +66,13 @@ TEST(RefineSettings, StayWholeInEveryFormat) {
   EXPECT_EQ(in_format(settings, PixelFormat::mono8).saturation_dn, 1.0);
 }
 
-TEST(RefineSettings, TheCameraIsTheSameWhateverTheRate) {
-  RefineSettings a, b;
+TEST(RefineSetup, TheCameraIsTheSameWhateverTheRate) {
+  RefineSetup a, b;
   a.rate_hz = 7.0;
   a.enabled = true;
-  EXPECT_TRUE(same_camera(a, b));
+  EXPECT_TRUE(same_fit(a, b));
   b.read_noise_e = 6.0;
-  EXPECT_FALSE(same_camera(a, b));
+  EXPECT_FALSE(same_fit(a, b));
 }
 
 }  // namespace

@@ -120,8 +120,8 @@ TEST_F(ReferencePictureTest, IsNothingWithoutAFrame) {
   EXPECT_EQ(PictureMean().mean(), nullptr);
 }
 
-RefineSettings known_camera() {
-  RefineSettings settings;
+RefineSetup known_camera() {
+  RefineSetup settings;
   settings.electrons_per_dn = 40.0;
   settings.read_noise_e = 3.0;
   settings.black_level_dn = 2.0;
