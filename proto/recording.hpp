@@ -154,9 +154,13 @@ inline constexpr std::array kSummaryFields{
 
 #undef OVWS_FIELD
 
-/// Elements in one line of an image in `pictures`: pixels, or bytes for packed formats.
-int picture_columns(PixelFormat format, int width);
-/// Bytes of one such element: 1 or 2.
-int picture_word_bytes(PixelFormat format);
+/// Bytes of an element of an image in `pictures`: 1 or 2.
+inline int picture_word_bytes(PixelFormat format) {
+  return traits_of(format).layout == PixelLayout::words ? 2 : 1;
+}
+/// Elements in one line of such an image: pixels, or bytes for packed formats.
+inline int picture_columns(PixelFormat format, int width) {
+  return int(row_bytes(format, width)) / picture_word_bytes(format);
+}
 
 }  // namespace ovws
