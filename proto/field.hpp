@@ -59,6 +59,11 @@ template <class E>
 std::string_view wire_name(E value) {
   return kNames<E>()[std::size_t(value)];
 }
+/// The value of a name; specialised where names of older versions follow.
+template <class E>
+E named(std::size_t name) {
+  return E(name);
+}
 
 /// Properties of a field besides its type.
 struct FieldInfo {
@@ -254,7 +259,7 @@ concept HasTable = !std::is_same_v<decltype(kTable<S>), const std::nullptr_t>;
 
 /// Specialised for a struct whose fields depend on each other. May have these functions:
 ///
-///     static void check(const S&, ObjectReader&);         checks a decoded struct
+///     static void check(S&, ObjectReader&);               checks a decoded struct
 ///     static void check_change(ObjectReader&);            checks the keys of a Partial<S>
 ///     static void begin_change(S&, const Json& given);    prepares a struct for these changes
 ///     static Json schema();                               the same rules as keywords of a schema

@@ -211,8 +211,8 @@ inline constexpr auto kSensorGet = method<Nothing, SensorReport>(
 inline constexpr auto kSensorSet = method<SensorSet, SensorSetReport>(
     "sensor.set",
     "Changes sensor and tracking settings, all or nothing; omitted keys stay unchanged. A change "
-    "of geometry, charge, tracker or (with tracker matched) template deactivates the reference, "
-    "which is active again when the same settings return.");
+    "of geometry, charge or tracker deactivates the reference, which is active again when the same "
+    "settings return.");
 inline constexpr auto kSlmSettle = method<SettleRun, JobNumber>(
     "slm.settle",
     "Measures the settle time of the SLM, from the display's acceptance of an image until the "

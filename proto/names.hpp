@@ -35,11 +35,22 @@ inline constexpr NamesOf kNames<PixelFormat> = []() -> const std::vector<std::st
   }();
   return names;
 };
+/// The tracker of older versions that kFormerEstimates of `fit` replace.
+inline constexpr std::string_view kFormerTracker = "matched";
+constexpr int kFormerEstimates = 2;
+/// All trackers, then the former one.
 template <>
 inline constexpr NamesOf kNames<TrackerKind> = []() -> const std::vector<std::string>& {
-  static const std::vector<std::string> names(all_tracker_names().begin(),
-                                              all_tracker_names().end());
+  static const auto names = [] {
+    std::vector<std::string> all(all_tracker_names().begin(), all_tracker_names().end());
+    all.emplace_back(kFormerTracker);
+    return all;
+  }();
   return names;
 };
+template <>
+inline TrackerKind named(std::size_t name) {
+  return name < all_tracker_names().size() ? TrackerKind(name) : TrackerKind::fit;
+}
 
 }  // namespace ovws

@@ -33,6 +33,7 @@ class ObjectReader {
 
   bool has(const char* key) const;  ///< present (null counts as present)
   bool is_null(const char* key);    ///< marks the key as known
+  bool is_text(const char* key, std::string_view text) const;  ///< whether it is this string
   void require(const char* key);    ///< a fault if absent, reported by `finish` after all others
 
   void number(const char* key, double& out, double min,

@@ -59,7 +59,7 @@ void TrackStage::track(Entry& entry, int begin, int end, TrackScratch& scratch) 
   for (int i = begin; i < end; ++i) {
     const SpotStart& start = entry.starts[i];
     entry.spots[i] =
-        start.fresh ? tracker.track(entry.frame.image, start.at_px, scratch, i) : SpotFix{};
+        start.fresh ? tracker.track(entry.frame.image, start.at_px, scratch) : SpotFix{};
   }
 }
 
@@ -122,10 +122,10 @@ SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKIN
   const Vec2 remembered_px = entry.starts[i].at_px;
   const double apart_px = norm(remembered_px - expected_px);  // NaN if there is none
   if (!entry.starts[i].fresh && apart_px < 0.5 * neighbourhood.pitch_px(i)) {
-    spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch, i);
+    spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch);
     if (spots[i].found() && !neighbourhood.is_duplicate(i, spots)) return spots[i];
   }
-  spots[i] = entry.plan->tracker->track(entry.frame.image, expected_px, scratch, i);
+  spots[i] = entry.plan->tracker->track(entry.frame.image, expected_px, scratch);
   return neighbourhood.is_duplicate(i, spots) ? SpotFix{} : spots[i];
 }
 

@@ -48,7 +48,6 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (matched[i] == SpotAssignment::kNone) continue;
     out[i] = verified_[std::size_t(matched[i])];
-    if (tracker.per_spot()) track_with_own_template(int(i), image, tracker, scratch, out[i]);
     any = true;
   }
   if (!any) return 0;
@@ -91,16 +90,9 @@ SpotFix Acquisition::search_where_expected(int i, const ImageView& image,
                                            const SpotTracker& tracker,
                                            TrackScratch& scratch) const {
   const Vec2 expected = assignment_.expected(i);
-  const SpotFix fix = tracker.track(image, expected, scratch, i);
+  const SpotFix fix = tracker.track(image, expected, scratch);
   if (!fix.found() || norm(position(fix) - expected) > assignment_.tolerance_px()) return {};
   return fix;
-}
-
-// Tracks a spot again with its own template, now that its subaperture is known.
-void Acquisition::track_with_own_template(int i, const ImageView& image, const SpotTracker& tracker,
-                                          TrackScratch& scratch, SpotFix& fix) const {
-  const SpotFix own = tracker.track(image, position(fix), scratch, i);
-  if (own.found()) fix = own;
 }
 
 bool Acquisition::taken(Vec2 at, std::span<const SpotFix> fixes) const {

@@ -37,8 +37,6 @@ class Acquisition {
   void verify(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch);
   SpotFix search_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
                                 TrackScratch& scratch) const;
-  void track_with_own_template(int i, const ImageView& image, const SpotTracker& tracker,
-                               TrackScratch& scratch, SpotFix& fix) const;
   bool taken(Vec2 at, std::span<const SpotFix> fixes) const;
 
   SpotModel spots_;

@@ -81,7 +81,7 @@ std::optional<PatchTracker::Found> CentroidTracker::find(const Patch& patch, Vec
                                check().background(patch, start), scratch.sums);
   if (!spot) return std::nullopt;
   const SpotCheck::Verdict verdict = check().look(patch, *spot);
-  if (!verdict.passed && !verdict.unsure) return std::nullopt;
+  if (!verdict.passed) return std::nullopt;
   const Sums sums = disc_centroid(patch, start, kRegion * spots().lambda_d_px, 0.0);
   return Found{sums.centroid, verdict};
 }
@@ -102,7 +102,7 @@ std::optional<PatchTracker::Found> ThresholdedTracker::find(const Patch& patch, 
     at = sums.centroid;
     if (move > kDiscConvergedPx) continue;
     const SpotCheck::Verdict verdict = check().look(patch, at);
-    if (!verdict.passed && !verdict.unsure) return std::nullopt;
+    if (!verdict.passed) return std::nullopt;
     return Found{at, verdict};
   }
   return std::nullopt;
@@ -118,7 +118,7 @@ std::optional<PatchTracker::Found> WeightedTracker::find(const Patch& patch, Vec
                                check().background(patch, start), scratch.sums);
   if (!spot) return std::nullopt;
   const SpotCheck::Verdict verdict = check().look(patch, *spot);
-  if (!verdict.passed && !verdict.unsure) return std::nullopt;
+  if (!verdict.passed) return std::nullopt;
   return Found{*spot, verdict};
 }
 

@@ -70,8 +70,7 @@ std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 star
     if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
     const SpotCheck::Verdict verdict = check().look(patch, at);
     const double sharpness = min_curvature(h) / (m.weight * verdict.level);
-    const bool may_be = verdict.passed || verdict.unsure;
-    if (!may_be || sharpness < kMinSharpness) return std::nullopt;
+    if (!verdict.passed || sharpness < kMinSharpness) return std::nullopt;
     return Found{at, verdict};
   }
   return std::nullopt;

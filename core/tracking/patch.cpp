@@ -87,20 +87,6 @@ float load_patch_pixels(const ImageView& image, const Target& to) {
   return bytes == 1 ? patch_kernels().load8(rect, to.out) : patch_kernels().load16(rect, to.out);
 }
 
-// Copies pixels minus the first pixel's value in one pass. The compiler honours __restrict on
-// parameters only.
-template <class T>
-void load_rectangle(const ImageView& image, int left, int top, int columns, int rows,
-                    float* __restrict out) {
-  const float offset = float(image.row<T>(top)[left]);
-  for (int k = 0; k < rows; ++k, out += columns) {
-    const T* __restrict row = image.row<T>(top + k) + left;
-    for (int x = 0; x < columns; x += kBlock) {
-      for (int i = 0; i < kBlock; ++i) out[x + i] = float(row[x + i]) - offset;
-    }
-  }
-}
-
 template <class T>
 float brightest_of(const T* pixels, int count) {
   std::array<T, kBlock> most{};
@@ -127,18 +113,6 @@ float brightest_pixel(const ImageView& image, Vec2 centre, int half) {
                most = std::max(most, brightest_of(pixels, count));
              });
   return most;
-}
-
-void load_window(const ImageView& image, int left, int top, int columns, int rows, float* out) {
-  const Target to{left, top, columns, rows, out};
-  if (in_place(image) && to.inside(image)) {
-    return bytes_in_place(image) == 1
-               ? load_rectangle<std::uint8_t>(image, left, top, columns, rows, out)
-               : load_rectangle<std::uint16_t>(image, left, top, columns, rows, out);
-  }
-  load(image, to);
-  const float offset = out[0];
-  for (int i = 0; i < rows * columns; ++i) out[i] -= offset;
 }
 
 float Patch::brightest(Vec2 centre, int half) const {

@@ -39,12 +39,6 @@ constexpr int patch_floats(int half) {
   return (2 * half + 1) * (2 * half + 1) + kPatchBlock;
 }
 
-/// Reads the rectangle of `columns` (a multiple of 16) x `rows` pixels from (left, top) on, as
-/// floats minus the value of its first pixel. The offset keeps sums of a small spot on a high
-/// background precise. Pixels outside the image repeat its edge. RT-safe.
-void load_window(const ImageView& image, int left, int top, int columns, int rows,
-                 float* out) OVWS_NONBLOCKING;
-
 /// Reads the square of half-width `half`, at least kMinPatchHalf, around the pixel (cx, cy),
 /// which must be in the image.
 Patch load_patch(const ImageView& image, int cx, int cy, int half,

@@ -6,8 +6,6 @@
 namespace ovws {
 namespace {
 
-constexpr double kAgree = 0.4;  // lambda/d: largest distance between the two trackers' fixes
-
 int patch_half(const SpotModel& spots, const SpotGeometry& geometry, int kernel_half_px,
                double capture_px) {
   // One pixel more on either side: positions are rounded twice, at the start and where found.
@@ -24,29 +22,14 @@ PatchTracker::PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_f
       kernel_half_(kernel_half_px),
       half_(patch_half(spots_, geometry_, kernel_half_px, kCapture * spots.lambda_d_px)),
       sum_floats_(sum_floats),
-      check_(spots_, geometry_, half_),
-      matched_(spots_) {}
+      check_(spots_, geometry_, half_) {}
 
 TrackScratch PatchTracker::make_scratch() const {
-  TrackScratch scratch = matched_.make_scratch();
-  scratch.samples.resize(std::max(scratch.samples.size(), std::size_t(patch_floats(half_))));
-  scratch.sums.resize(std::max(scratch.sums.size(), std::size_t(sum_floats_)));
-  return scratch;
+  return {std::vector<float>(std::size_t(patch_floats(half_))),
+          std::vector<float>(std::size_t(sum_floats_))};
 }
 
-/// Confirmation by the matched filter. Overwrites the memory of the patch: do not read it
-/// afterwards.
-bool PatchTracker::confirm(const ImageView& image, Found& found, TrackScratch& scratch) const {
-  const SpotFix fix = matched_.track(image, found.at, scratch);
-  const Vec2 seen{fix.x, fix.y};
-  if (!fix.found() || norm(seen - found.at) > kAgree * spots_.lambda_d_px) return false;
-  found.verdict.quality = double(fix.quality);
-  found.verdict.level = double(fix.level);
-  return true;
-}
-
-SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
-                            int) const {
+SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch& scratch) const {
   SpotFix fix;
   const bool inside = start_px.x >= 0.0 && start_px.y >= 0.0 && start_px.x <= image.width - 1.0 &&
                       start_px.y <= image.height - 1.0;
@@ -54,11 +37,10 @@ SpotFix PatchTracker::track(const ImageView& image, Vec2 start_px, TrackScratch&
   const Patch patch = load_patch(image, int(std::lround(start_px.x)), int(std::lround(start_px.y)),
                                  half_, scratch.samples);
   const double spot_half = SpotCheck::spot_half_px(spots_, geometry_);
-  std::optional<Found> found = find(patch, start_px, scratch);
-  bool good = found && norm(found->at - start_px) <= capture_px() &&
-              patch.holds(found->at, std::max(double(kernel_half_), spot_half));
+  const std::optional<Found> found = find(patch, start_px, scratch);
+  const bool good = found && found->verdict.passed && norm(found->at - start_px) <= capture_px() &&
+                    patch.holds(found->at, std::max(double(kernel_half_), spot_half));
   fix.peak = patch.brightest(good ? found->at : start_px, int(std::ceil(spot_half)));
-  if (good && !found->verdict.passed) good = confirm(image, *found, scratch);
   if (!good) return fix;
   fix.x = float(found->at.x);
   fix.y = float(found->at.y);

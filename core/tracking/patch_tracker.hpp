@@ -4,7 +4,6 @@
 
 #include <optional>
 
-#include "core/tracking/matched.hpp"
 #include "core/tracking/patch.hpp"
 #include "core/tracking/spot_check.hpp"
 #include "core/tracking/tracker.hpp"
@@ -15,8 +14,8 @@ class PatchTracker : public SpotTracker {
  public:
   int window_half_px() const final { return half_; }
   TrackScratch make_scratch() const final;
-  SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
-                int spot = kAnySpot) const OVWS_NONBLOCKING final;
+  SpotFix track(const ImageView& image, Vec2 start_px,
+                TrackScratch& scratch) const OVWS_NONBLOCKING final;
 
  protected:
   struct Found {
@@ -31,9 +30,8 @@ class PatchTracker : public SpotTracker {
   /// floats of TrackScratch::sums that it needs.
   PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_floats);
 
-  /// Finds the spot near `start` and checks it. It may return a spot of which the check is unsure;
-  /// the matched filter then confirms or rejects it. The patch extends capture_px() plus the larger
-  /// of kernel_half_px and the check's reach around the start.
+  /// Finds the spot near `start` and checks it. The patch extends capture_px() plus the larger of
+  /// kernel_half_px and the check's reach around the start.
   virtual std::optional<Found> find(const Patch& patch, Vec2 start,
                                     TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
 
@@ -43,15 +41,12 @@ class PatchTracker : public SpotTracker {
   double capture_px() const { return kCapture * spots_.lambda_d_px; }
 
  private:
-  bool confirm(const ImageView& image, Found& found, TrackScratch& scratch) const;
-
   SpotModel spots_;
   SpotGeometry geometry_;
   int kernel_half_;
   int half_;
   int sum_floats_;
   SpotCheck check_;
-  MatchedTracker matched_;  ///< for spots in noise: uses the whole spot, the check only parts
 };
 
 }  // namespace ovws

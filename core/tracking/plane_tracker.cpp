@@ -18,20 +18,18 @@ class ColourPlaneTracker final : public SpotTracker {
 
   int window_half_px() const override { return lit_.plane.step * tracker_->window_half_px(); }
   TrackScratch make_scratch() const override { return tracker_->make_scratch(); }
-  bool per_spot() const override { return tracker_->per_spot(); }
 
-  SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
-                int spot) const OVWS_NONBLOCKING override {
-    const SpotFix fix = track_on(lit_.plane, image, start_px, scratch, spot);
+  SpotFix track(const ImageView& image, Vec2 start_px,
+                TrackScratch& scratch) const OVWS_NONBLOCKING override {
+    const SpotFix fix = track_on(lit_.plane, image, start_px, scratch);
     if (!lit_.diagonal) return fix;
-    return merged(fix, track_on(lit_.other(), image, start_px, scratch, spot));
+    return merged(fix, track_on(lit_.other(), image, start_px, scratch));
   }
 
  private:
   SpotFix track_on(const ColourPlane& plane, const ImageView& image, Vec2 start_px,
-                   TrackScratch& scratch, int spot) const OVWS_NONBLOCKING {
-    SpotFix fix =
-        tracker_->track(on_plane(image, plane), plane.from_image(start_px), scratch, spot);
+                   TrackScratch& scratch) const OVWS_NONBLOCKING {
+    SpotFix fix = tracker_->track(on_plane(image, plane), plane.from_image(start_px), scratch);
     const Vec2 at = plane.to_image({double(fix.x), double(fix.y)});
     fix.x = float(at.x);  // NaN stays NaN
     fix.y = float(at.y);

@@ -11,8 +11,8 @@ namespace {
 
 constexpr float kFaint = 0.1F;  // of the median level
 
-constexpr std::array<std::string_view, 7> kNames{
-    "centroid", "thresholded", "weighted", "lg_contour", "lg", "matched", "fit"};
+constexpr std::array<std::string_view, 6> kNames{"centroid",   "thresholded", "weighted",
+                                                 "lg_contour", "lg",          "fit"};
 
 }  // namespace
 

@@ -37,7 +37,6 @@ enum class TrackerKind : std::uint8_t {
   weighted,
   lg_contour,
   lg,
-  matched,
   fit,  ///< all pixels of the spots (core/spots); as positions, those of `lg`
 };
 

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <span>
 
+#include "core/tracking/spot_shape.hpp"
+
 namespace ovws {
 namespace {
 
@@ -22,6 +24,15 @@ constexpr double kMinFlankOfCore = 0.25;    // mean flank / bright core; a hot p
 constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core
 constexpr double kSignificance = 7.0;       // standard errors of (bright part - dark part)
 constexpr double kUnsure = 3.5;  // level / pixel noise below which small areas are inconclusive
+// Fit of the ideal spot: radius of its disc, significance of its amplitude, and what it may leave
+// of the contrast. Aberration spoils a vortex sooner than a bright spot: 0.2 wave RMS of any mode
+// up to j = 14 leaves 1.5 (0.4). Stripes and spots of another charge leave 3.8 and more, half a
+// bright spot 0.7.
+constexpr double kDiscOfDark = 0.98;
+constexpr double kMinAmplitude = 8.0;  // standard errors
+constexpr double kMaxLeftOfVortex = 1.5, kMaxLeftOfBright = 0.6;
+constexpr double kMinSectorOfRing = 0.2;    // intensity of a sector / of the fitted ring
+constexpr double kNoiseErrors = 3.0;        // standard errors that are attributed to noise
 constexpr double kQuantisation = 1.0 / 12;  // variance of rounding to whole DN
 constexpr int kNoiseRowStep = 6;            // every 6th row suffices to estimate the noise
 
@@ -122,6 +133,21 @@ SpotCheck::SpotCheck(const SpotModel& spots, const SpotGeometry& geometry, int p
   outer_ = annulus(from, std::max(from + 2.0, kOuterTo * geometry.dark * px), side);
   around_ = charge_ != 0 ? annulus(geometry.ring_inner * px, geometry.ring_outer * px, side)
                          : annulus(core * px, kFlank * geometry.ring_outer * px, side);
+  disc_ = disc(kDiscOfDark * geometry.dark * px, side);
+  const ModelShape shape(spots, geometry.dark);
+  int bright = 0;
+  for (const int offset : disc_) {
+    const int y = (offset + side * side / 2 + side / 2) / side - side / 2;
+    const double value = shape.at({double(offset - y * side), double(y)}).value;
+    ideal_.push_back(float(value));
+    ideal_mean_ += value / double(disc_.size());
+    if (value > 0.5) ideal_bright_ += value, ++bright;
+  }
+  ideal_bright_ /= std::max(bright, 1);
+  for (float& value : ideal_) {
+    value -= float(ideal_mean_);
+    ideal_squares_ += double(value * value);
+  }
 }
 
 double SpotCheck::background(const Patch& patch, Vec2 at) const {
@@ -142,15 +168,14 @@ SpotCheck::Verdict SpotCheck::look(const Patch& patch, Vec2 at) const {
   const Means around = around_.means(centre);
   const Outside out = outside(centre);
   const double noise = noise_of(patch);
-  return charge_ != 0 ? vortex(core, around, out, noise) : bright(core, around, out, noise);
+  const Verdict verdict =
+      charge_ != 0 ? vortex(core, around, out, noise) : bright(core, around, out, noise);
+  const bool unsure = verdict.level > 0.0 && verdict.level < kUnsure * noise;
+  return verdict.passed || !unsure ? verdict : whole(centre, core, around, noise);
 }
 
 double SpotCheck::significance(std::size_t around) const {
   return kSignificance * std::sqrt(1.0 / double(core_.size()) + 1.0 / double(around));
-}
-
-SpotCheck::Verdict SpotCheck::refused(double level, double noise) {
-  return {false, 0.0, level, noise, level > 0.0 && level < kUnsure * noise};
 }
 
 SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, const Outside& out,
@@ -163,8 +188,8 @@ SpotCheck::Verdict SpotCheck::vortex(double core, const Means& ring, const Outsi
   const bool closed = weakest - core > kMinWeakestOfRing * above;
   const bool dark = core - out.background < kMaxCoreOfRing * level;
   const bool alone = out.brightest - out.background < kMaxOutsideOfRing * level;
-  if (!stands_out || !closed || !dark || !alone || level <= 0.0) return refused(level, noise);
-  return {true, std::clamp(1.0 - (core - out.background) / level, 0.0, 1.0), level, noise, false};
+  if (!stands_out || !closed || !dark || !alone || level <= 0.0) return {false, 0.0, level, noise};
+  return {true, std::clamp(1.0 - (core - out.background) / level, 0.0, 1.0), level, noise};
 }
 
 SpotCheck::Verdict SpotCheck::bright(double core, const Means& flank, const Outside& out,
@@ -173,9 +198,46 @@ SpotCheck::Verdict SpotCheck::bright(double core, const Means& flank, const Outs
   const bool stands_out = core - out.mean > noise * significance(outer_.offsets.size());
   const bool broad = mean_of(flank) - out.background > kMinFlankOfCore * level;
   const bool alone = out.brightest - out.background < kMaxSurroundOfCore * level;
-  if (!stands_out || !broad || !alone) return refused(level, noise);
-  return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level, noise,
-          false};
+  if (!stands_out || !broad || !alone) return {false, 0.0, level, noise};
+  return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level, noise};
+}
+
+/// Whether the pixels are the ideal spot, to what noise and aberration may change. A vortex's ring
+/// must be there in every direction, and its core dark.
+SpotCheck::Verdict SpotCheck::whole(const float* centre, double core, const Means& ring,
+                                    double noise) const {
+  const auto pixels = double(disc_.size());
+  double sum = 0.0, squares = 0.0, product = 0.0;
+  for (std::size_t k = 0; k < disc_.size(); ++k) {
+    const double value = double(centre[disc_[k]] - *centre);
+    sum += value;
+    squares += value * value;
+    product += value * double(ideal_[k]);
+  }
+  const double amplitude = product / ideal_squares_;
+  const double background = sum / pixels - amplitude * ideal_mean_ + double(*centre);
+  const double light = amplitude * product;
+  const double left = squares - sum * sum / pixels - light;
+  const double least = std::max(noise * noise, left / pixels);
+  const double beyond = std::max(left - pixels * noise * noise, 0.0);
+  Verdict verdict{false, light / (light + beyond), amplitude * ideal_bright_, noise};
+  const double limit = charge_ != 0 ? kMaxLeftOfVortex : kMaxLeftOfBright;
+  const bool stands_out = amplitude > 0.0 && light > kMinAmplitude * kMinAmplitude * least;
+  const bool alike =
+      beyond <= limit * light + kNoiseErrors * std::sqrt(2.0 * pixels) * noise * noise;
+  if (!stands_out || !alike) return {false, 0.0, verdict.level, noise};
+  verdict.passed = true;
+  if (charge_ == 0) return verdict;
+  const double sector_error = noise * std::sqrt(kSectors / (2.0 * double(around_.offsets.size())));
+  for (int k = 0; k < kSectors; k += 2) {
+    const double light_there = 0.5 * (ring[k] + ring[k + 1]) - background;
+    verdict.passed = verdict.passed &&
+                     light_there > kMinSectorOfRing * verdict.level - kNoiseErrors * sector_error;
+  }
+  const double core_error = noise / std::sqrt(double(core_.size()));
+  verdict.passed =
+      verdict.passed && core - background < kMaxCoreOfRing * amplitude + kNoiseErrors * core_error;
+  return verdict;
 }
 
 }  // namespace ovws

@@ -25,7 +25,8 @@ namespace ovws {
 /// annulus must be dark on every azimuth.
 ///
 /// The difference between bright and dark must also be significant against the pixel noise, which
-/// is measured in the same patch.
+/// is measured in the same patch. In noise that makes such small areas inconclusive, the ideal spot
+/// is fitted to all pixels within the dark ring, and decides.
 class SpotCheck {
  public:
   struct Verdict {
@@ -33,8 +34,6 @@ class SpotCheck {
     double quality = 0.0;  ///< 1 - dark part / bright part, both above the local background
     double level = 0.0;    ///< the bright part above the local background, DN
     double noise = 0.0;    ///< RMS pixel noise, DN
-    /// Not passed, but too noisy for ratios of small areas to decide.
-    bool unsure = false;
   };
 
   /// `patch_half`: half-width of the patches that will be checked.
@@ -68,15 +67,20 @@ class SpotCheck {
     double brightest = 0.0;   ///< largest mean of a sector
   };
   Outside outside(const float* centre) const;
-  static Verdict refused(double level, double noise);
   Verdict vortex(double core, const Means& ring, const Outside& out, double noise) const;
   Verdict bright(double core, const Means& flank, const Outside& out, double noise) const;
+  Verdict whole(const float* centre, double core, const Means& ring, double noise) const;
   double significance(std::size_t around) const;
 
   int charge_;
   std::vector<int> core_;
   Annulus around_;
   Annulus outer_;
+  std::vector<int> disc_;       ///< within the dark ring
+  std::vector<float> ideal_;    ///< the ideal spot there, minus its mean
+  double ideal_mean_ = 0.0;     ///< its maximum is 1
+  double ideal_bright_ = 0.0;   ///< its mean where it exceeds 1/2
+  double ideal_squares_ = 0.0;  ///< sum of the squares of ideal_
 };
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// Spot intensity as a continuous function of position, from which templates are sampled.
+/// The ideal spot as a continuous function of position.
 #pragma once
 
 #include <vector>
@@ -13,22 +13,16 @@ struct ShapeSample {
   double dx = 0.0, dy = 0.0;  ///< its gradient, 1/px
 };
 
-class SpotShape {
- public:
-  virtual ~SpotShape() = default;
-  /// At `from_centre` camera pixels from the spot's position. Thread-safe.
-  virtual ShapeSample at(Vec2 from_centre) const = 0;
-};
-
 /// Ideal spot: far-field intensity of a circular subaperture of charge l, sampled at points as in
 /// optics/far_field: I(r) = |2 pi integral_0^{1/2} J_l(2 pi r rho) rho d rho|^2, normalised to a
 /// maximum of 1.
-class ModelShape final : public SpotShape {
+class ModelShape {
  public:
   /// Takes milliseconds. Beyond `reach` (lambda/d) the value is constant.
   ModelShape(const SpotModel& spots, double reach);
 
-  ShapeSample at(Vec2 from_centre) const override;
+  /// At `from_centre` camera pixels from the spot's position. Thread-safe.
+  ShapeSample at(Vec2 from_centre) const;
 
  private:
   double per_px_;              ///< table steps per camera pixel

@@ -7,7 +7,6 @@
 #include "core/tracking/centroid.hpp"
 #include "core/tracking/lg.hpp"
 #include "core/tracking/lg_contour.hpp"
-#include "core/tracking/matched.hpp"
 #include "core/tracking/plane_tracker.hpp"
 
 namespace ovws {
@@ -40,16 +39,14 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
     return fail(Errc::invalid, "sensor.charge", "must be from -8 to 8 to be tracked");
   }
   if (spots.charge != 0 && follows_bright_spot(config.tracker)) {
-    return fail(
-        Errc::invalid, "tracking.tracker",
-        "'" + std::string(tracker_name(config.tracker)) +
-            "' follows a bright spot and a vortex has none: use lg or matched, or charge 0");
+    return fail(Errc::invalid, "tracking.tracker",
+                "'" + std::string(tracker_name(config.tracker)) +
+                    "' follows a bright spot and a vortex has none: use fit or lg, or charge 0");
   }
   return {};
 }
 
-std::unique_ptr<const SpotTracker> make(const TrackingConfig& config, const SpotModel& spots,
-                                        std::vector<std::shared_ptr<const TemplateBank>> own) {
+std::unique_ptr<const SpotTracker> make(const TrackingConfig& config, const SpotModel& spots) {
   const double kernel = lg_kernel_radius(config, spots.charge) * spots.lambda_d_px;
   switch (config.tracker) {
     case TrackerKind::centroid:
@@ -63,19 +60,16 @@ std::unique_ptr<const SpotTracker> make(const TrackingConfig& config, const Spot
     case TrackerKind::lg:
     case TrackerKind::fit:  // until there are templates, and far from their operating point
       return std::make_unique<LgTracker>(spots, kernel);
-    case TrackerKind::matched:
-      return std::make_unique<MatchedTracker>(spots, std::move(own));
   }
   return nullptr;
 }
 
 }  // namespace
 
-Result<std::unique_ptr<const SpotTracker>> make_tracker(
-    const TrackingConfig& config, const SpotModel& spots,
-    std::vector<std::shared_ptr<const TemplateBank>> own) {
+Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& config,
+                                                        const SpotModel& spots) {
   if (auto ok = check(config, spots); !ok) return fail(ok.error());
-  auto tracker = make(config, spots.on_plane(), std::move(own));
+  auto tracker = make(config, spots.on_plane());
   if (!tracker) return fail(Errc::invalid, "tracking.tracker", "unknown tracker");
   return on_plane(std::move(tracker), spots);
 }

@@ -14,10 +14,7 @@
 
 namespace ovws {
 
-class TemplateBank;
-
-/// Source of the templates of the tracker `matched`: the ideal spot of the model, or each spot of a
-/// reference image.
+/// A choice of older versions, whose tracker `matched` used templates: kept, but without effect.
 enum class TemplateKind : std::uint8_t { model, reference };
 
 /// The operator that reconstructs modes from spot displacements.
@@ -27,7 +24,7 @@ enum class OperatorKind : std::uint8_t {
   measured,     ///< each mode poked on the bench and tracked (interaction_matrix)
 };
 
-/// TrackingConfig plus the source of the templates and what reconstructs modes.
+/// TrackingConfig plus what reconstructs modes.
 struct TrackingSettings : TrackingConfig {
   TemplateKind templates = TemplateKind::model;
   OperatorKind mode_operator = OperatorKind::slopes;
@@ -57,9 +54,6 @@ struct TrackScratch {
   std::vector<float> sums;
 };
 
-/// Subaperture number: unknown.
-constexpr int kAnySpot = -1;
-
 /// Immutable after construction; one object serves all threads, each with a scratch of its own.
 class SpotTracker {
  public:
@@ -69,25 +63,21 @@ class SpotTracker {
   virtual int window_half_px() const = 0;
   virtual TrackScratch make_scratch() const = 0;
 
-  /// Whether `track` uses the subaperture's number (per-spot templates).
-  virtual bool per_spot() const { return false; }
-
-  /// Finds the spot near `start_px`; `spot` is its subaperture's number, or kAnySpot. The fix is
-  /// lost (see SpotFix) if the pixels there do not look like the spot; a tracker never returns a
-  /// guess. The window is clipped at the image's edge, and a spot too near the edge is lost.
-  /// RT-safe, except for lg_contour, which allocates.
-  virtual SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
-                        int spot = kAnySpot) const OVWS_NONBLOCKING = 0;
+  /// Finds the spot near `start_px`. The fix is lost (see SpotFix) if the pixels there do not look
+  /// like the spot; a tracker never returns a guess. The window is clipped at the image's edge, and
+  /// a spot too near the edge is lost. RT-safe, except for lg_contour and PositionFit, which
+  /// allocate.
+  virtual SpotFix track(const ImageView& image, Vec2 start_px,
+                        TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
 };
 
-/// Makes a tracker. `own`: per-spot templates, see MatchedTracker; other trackers ignore them.
-/// Positions are camera pixels, even if only one colour plane is lit (see plane_tracker.hpp).
+/// Makes a tracker; that of `fit` is `lg`, for as long as there are no templates. Positions are
+/// camera pixels, even if only one colour plane is lit (see plane_tracker.hpp).
 ///
 /// Errors (Errc::invalid), by field: "tracking.kernel_radius" outside [0.1, 2]; "tracking.tracker":
 /// a tracker of the centroid family, but the charge is not 0; "sensor.charge" outside [-8, 8];
 /// "optics": lambda/d below 4 or above 200 lit pixels.
-Result<std::unique_ptr<const SpotTracker>> make_tracker(
-    const TrackingConfig& config, const SpotModel& spots,
-    std::vector<std::shared_ptr<const TemplateBank>> own = {});
+Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& config,
+                                                        const SpotModel& spots);
 
 }  // namespace ovws

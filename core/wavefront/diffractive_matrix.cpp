@@ -41,7 +41,7 @@ Result<std::vector<SpotFix>> model_fixes(SensorModel& model, const SensorConfig&
   TrackScratch scratch = tracker.make_scratch();
   std::vector<SpotFix> fixes;
   for (const Vec2 start : predicted(model, sensor, modes)) {
-    fixes.push_back(tracker.track(view, start, scratch, int(fixes.size())));
+    fixes.push_back(tracker.track(view, start, scratch));
   }
   return fixes;
 }

@@ -1,12 +1,7 @@
 #include "core/wavefront/radial_weight.hpp"
 
 #include <cmath>
-#include <cstddef>
-#include <cstdlib>
 #include <numbers>
-
-#include "core/tracking/spot_geometry.hpp"
-#include "core/tracking/template_bank.hpp"
 
 namespace ovws {
 namespace {
@@ -34,48 +29,12 @@ double kernel_weight(const SlopeModel& model, const std::vector<RadialNode>& nod
   return sum;
 }
 
-double bessel_slope(int order, double x) {
-  const double above = std::cyl_bessel_j(double(order + 1), x);
-  return order == 0 ? -above : 0.5 * (std::cyl_bessel_j(double(order - 1), x) - above);
-}
-
-/// Integrand w(h^2) h^2 h' p of the matched filter at the radius p (lambda/d), w = 1 / (s + h^2), h
-/// of maximum 1.
-double matched_profile(int order, double peak, double p) {
-  constexpr double kDifference = 1e-4;
-  const double t = spot_intensity(order, p) / peak;
-  const double slope =
-      spot_amplitude(order, p + kDifference) - spot_amplitude(order, p - kDifference);
-  return t / (kSlopeNoise + t) * slope * p;
-}
-
-/// q of the matched filter at every node. The fitted shift is proportional to the integral of w
-/// (dT/dx) dI over the window, and a small phase phi changes the intensity T = |A|^2 by dI = 2 Re
-/// conj(A) F[i phi P]. With A = i^l e^(ilt) h(p), exchanging the integrals leaves the angular
-/// factor cos t and q(r) = integral_0^R w(h^2) h^2 h' J_l'(pi p r) p dp, r in units of the
-/// subaperture's radius.
-std::vector<double> matched_weights(const SlopeModel& model, const std::vector<RadialNode>& nodes) {
-  constexpr int kSteps = 240;
-  const int order = std::abs(model.charge);
-  const double peak = spot_intensity(order, spot_geometry(order).ring);
-  std::vector<double> q(nodes.size());
-  for (int k = 0; k < kSteps; ++k) {
-    const double p = (k + 0.5) * model.kernel_radius / kSteps;
-    const double profile = matched_profile(order, peak, p);
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      q[i] += profile * bessel_slope(order, kPi * p * nodes[i].r);
-    }
-  }
-  return q;
-}
-
 double weight_at(const SlopeModel& model, const std::vector<RadialNode>& nodes, double r) {
   switch (model.kind) {
     case SlopeKind::zernike_tilt:
       return r;
     case SlopeKind::kernel_tilt:
       return kernel_weight(model, nodes, r);
-    case SlopeKind::matched_tilt:  // radial_nodes applies matched_weights
     case SlopeKind::gradient_tilt:
     case SlopeKind::vortex_tilt:
       return 1.0;
@@ -112,12 +71,8 @@ std::vector<RadialNode> radial_nodes(const SlopeModel& model) {
   const std::vector<RadialNode> legendre = gauss_legendre(kNodes);
   std::vector<RadialNode> nodes;
   nodes.reserve(legendre.size());
-  const bool matched = model.kind == SlopeKind::matched_tilt;
-  const std::vector<double> q =
-      matched ? matched_weights(model, legendre) : std::vector<double>(legendre.size(), 1.0);
-  for (std::size_t i = 0; i < legendre.size(); ++i) {
-    const RadialNode& n = legendre[i];
-    nodes.push_back({n.r, n.weight * n.r * q[i] * weight_at(model, legendre, n.r)});
+  for (const RadialNode& n : legendre) {
+    nodes.push_back({n.r, n.weight * n.r * weight_at(model, legendre, n.r)});
   }
   return nodes;
 }

@@ -14,7 +14,7 @@ struct RadialNode {
 };
 
 /// Quadrature nodes for the weight q of a slope model. Exact for polynomials f up to degree 24
-/// (kernel_tilt, matched_tilt: to rounding, as q is analytic).
+/// (kernel_tilt: to rounding, as q is analytic).
 std::vector<RadialNode> radial_nodes(const SlopeModel& model);
 
 /// Gauss-Legendre nodes and weights on [0, 1].

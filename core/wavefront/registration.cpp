@@ -140,7 +140,7 @@ std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots
     const float value = std::isfinite(light.pixels[k]) ? light.pixels[k] : brightest;
     whole.pixels[k] = std::uint16_t(std::lround((value - darkest) * per_dn));
   }
-  const auto tracker = make_tracker({TrackerKind::matched}, spots);
+  const auto tracker = make_tracker(kProbeTracking, spots);
   if (!tracker) return std::nullopt;
   TrackScratch scratch = (*tracker)->make_scratch();
   const SpotFix fix = (*tracker)->track(view_of(whole, PixelFormat::mono16), start_px, scratch);

@@ -6,7 +6,6 @@
 
 #include "core/optics/zernike.hpp"
 #include "core/tracking/centroid.hpp"
-#include "core/tracking/template_bank.hpp"
 #include "core/wavefront/radial_weight.hpp"
 
 namespace ovws {
@@ -55,8 +54,6 @@ SlopeModel slope_model(int charge, const TrackingConfig& tracking) {
     case TrackerKind::lg:
     case TrackerKind::fit:
       return {SlopeKind::kernel_tilt, charge, lg_kernel_radius(tracking, charge)};
-    case TrackerKind::matched:
-      return {SlopeKind::matched_tilt, charge, matched_window(charge)};
   }
   return slope_kind(charge);
 }

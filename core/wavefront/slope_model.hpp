@@ -22,23 +22,21 @@ enum class SlopeKind {
   vortex_tilt,    ///< V-tilt, q = 1: measured by the very core of a vortex of charge +-1
   kernel_tilt,    ///< measured by the zero of Psi for a charge and a kernel radius; tends to V-tilt
                   ///< (charge +-1) and to Z-tilt (charge 0) for a small kernel
-  matched_tilt,   ///< measured by the matched filter for a charge and a medium noise level; other
-                  ///< levels change the cubic part of phi by +-1.8 %
 };
 
 /// A tilt with its parameters.
 struct SlopeModel {
   SlopeKind kind = SlopeKind::vortex_tilt;
   int charge = 1;
-  double kernel_radius = 0.3;  ///< 1/e radius; matched_tilt: the window's radius; units of lambda/d
+  double kernel_radius = 0.3;  ///< 1/e radius, units of lambda/d
 
   SlopeModel() = default;
   SlopeModel(SlopeKind k) : kind(k) {}  // NOLINT(google-explicit-constructor): a kind is a model
   SlopeModel(SlopeKind k, int l, double w) : kind(k), charge(l), kernel_radius(w) {}
 };
 
-/// The slope model of a tracker: kernel_tilt for lg, lg_contour and weighted, matched_tilt for
-/// matched, Z-tilt for thresholded, G-tilt for centroid.
+/// The slope model of a tracker: kernel_tilt for fit, lg, lg_contour and weighted, Z-tilt for
+/// thresholded, G-tilt for centroid.
 SlopeModel slope_model(int charge, const TrackingConfig& tracking);
 
 /// The textbook choice, regardless of the tracker: G-tilt for charge 0, V-tilt otherwise.

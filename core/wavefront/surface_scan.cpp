@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/optics/zernike.hpp"
+#include "core/wavefront/registration.hpp"
 #include "core/wavefront/slope_model.hpp"
 
 namespace ovws {
@@ -60,8 +61,8 @@ ScanFit::ScanFit(ScanGrid grid, const PxPerCycle& px_per_cycle)
   SensorConfig sensor;
   sensor.charge = 0;
   sensor.pupil_diameter_px = grid_.pupil_diameter_px;
-  slopes_ = slope_matrix(lattice_of(grid_), sensor, modes_j_,
-                         slope_model(0, {TrackerKind::matched}), px_per_cycle);
+  slopes_ = slope_matrix(lattice_of(grid_), sensor, modes_j_, slope_model(0, kProbeTracking),
+                         px_per_cycle);
 }
 
 Result<ScanFit::Found> ScanFit::fit(const std::vector<std::optional<Vec2>>& at_px,

@@ -21,7 +21,7 @@ struct ScanGrid {
 ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px);
 
 /// Maximum a posteriori fit of the modes up to radial order 10 (j = 65) to the positions of a
-/// bright probe spot (matched-filter slopes). The prior is a smooth surface, whose mode variance
+/// bright probe spot (find_probe). The prior is a smooth surface, whose mode variance
 /// falls as the fourth power of the order. A lattice aliases structure finer than its subapertures
 /// into coarse modes; the overlapping apertures of a scan do not. Surfaces of up to 2.5 cycles over
 /// the pupil and 0.3 waves RMS are found within 0.003 waves per mode.

@@ -2,6 +2,7 @@
 
 #include "config/config.hpp"
 #include "core/optics/zernike.hpp"
+#include "core/tracking/spot.hpp"
 #include "core/tracking/spot_geometry.hpp"
 #include "proto/json_text.hpp"
 #include "proto/limits.hpp"
@@ -41,7 +42,7 @@ json limits_of_wire() {
     return json{{"min", limits.min}, {"max", limits.max}};
   };
   json trackers = json::array();
-  for (const std::string& name : kNames<TrackerKind>()) {
+  for (const std::string_view name : all_tracker_names()) {
     if (name != "lg_contour") trackers.push_back(name);  // only for offline use
   }
   return {{"mode_waves", range(limits::kModeWaves)},

@@ -65,9 +65,9 @@ struct GainSweep {
   int reference_frames = 100;
   std::vector<ModesSet> aberrations = paper_aberrations();
   std::vector<SweepArm> arms{{1, {TrackerKind::lg}},
-                             {1, {TrackerKind::matched}},
+                             {1, {TrackerKind::fit}},
                              {0, {TrackerKind::centroid, true}},
-                             {0, {TrackerKind::matched}}};
+                             {0, {TrackerKind::fit}}};
   std::vector<double> picture_gains_db{10, 20,
                                        30};  ///< gains at which one image per charge is stored
 
@@ -92,8 +92,8 @@ inline constexpr auto kTable<GainSweep> = Fields{
         "aberrations to introduce, each as the params of aberration.set; default: oblique "
         "astigmatism of 0.5, 1.5 and 2 waves at the pupil's edge, as in the paper")
         .sized(1, limits::kSweepAberrations),
-    field<&GainSweep::arms>("sensors to compare; default: charge 1 with lg and matched, charge 0 "
-                            "with cell_centroid and matched")
+    field<&GainSweep::arms>("sensors to compare; default: charge 1 with lg and fit, charge 0 with "
+                            "cell_centroid and fit")
         .sized(1, limits::kSweepArms)
         .unlike(),
     field<&GainSweep::picture_gains_db>(

@@ -38,8 +38,8 @@ inline constexpr auto kTable<TrackingSettings> =
     Fields{"TrackingSettings",
            field<&TrackingSettings::tracker>("algorithm that finds the spots"),
            field("template", &TrackingSettings::templates,
-                 "template of the tracker matched: the model's spot, or the image of each spot in "
-                 "the reference"),
+                 "no effect: of the tracker matched of older versions, which is read as fit with 2 "
+                 "estimates"),
            field("operator", &TrackingSettings::mode_operator,
                  "matrix from displacements to modes: slopes, from each mode's local tilt as the "
                  "tracker measures it; diffractive, from the diffraction model of each mode, exact "
@@ -53,25 +53,30 @@ inline constexpr auto kTable<TrackingSettings> =
            field<&TrackingSettings::estimates>("numbers that the tracker fit takes from each spot: "
                                                "2 tell its position, 4 its astigmatism, too",
                                                limits::kEstimates)};
+template <>
+struct Rules<TrackingSettings> {
+  static void check(TrackingSettings& settings, const ObjectReader& reader) {
+    const bool former = reader.is_text("tracker", kFormerTracker) && !reader.has("estimates");
+    if (former) settings.estimates = kFormerEstimates;
+  }
+};
 
 template <>
 inline constexpr auto kTable<SensorSettings> =
     Fields{"SensorSettings", inlined(&SensorSettings::sensor), inlined(&SensorSettings::tracking)};
 
-/// Templates in use: a reference may not provide a template for every spot.
+/// What `template` of older versions does: nothing, since the tracker `fit` replaces `matched`.
 struct TemplateReport {
-  int own = 0;         ///< spots with a template from the reference instead of the model
-  std::string reason;  ///< why not all of them if requested; empty: nothing is missing
+  int own = 0;
+  std::string reason;  ///< empty: nothing was requested
 };
 template <>
 inline constexpr auto kTable<TemplateReport> =
     Fields{"TemplateReport",
            field("own_templates", &TemplateReport::own,
-                 "number of spots tracked by a template from the reference instead of the model's",
-                 Bounds::at_least(0)),
+                 "0: no tracker uses the templates of older versions", Bounds::at_least(0)),
            field("template_reason", &TemplateReport::reason,
-                 "why not every spot has a template of its own although template is reference, and "
-                 "what to do; null: nothing is missing")
+                 "what to do if template is reference, which has no effect; null: nothing")
                .or_null()};
 
 /// The active operator from displacements to modes. The requested one may not be available yet.

@@ -74,7 +74,7 @@ void track_lost(State& state) {
   for (auto& pixel : field.picture.pixels) {
     pixel = std::uint16_t(std::clamp(noise(random), 0.0, 4095.0));
   }
-  const auto tracker = make_tracker({TrackerKind::matched}, field.spots).value();
+  const auto tracker = make_tracker({TrackerKind::lg}, field.spots).value();
   TrackScratch scratch = tracker->make_scratch();
   int found = 0;
   for (auto _ : state) {
@@ -159,9 +159,8 @@ void screens(benchmark::internal::Benchmark* b) {
 
 BENCHMARK(mark)->Name("BM_CentroidMark")->Apply(regions);
 BENCHMARK_CAPTURE(track, lg, TrackerKind::lg)->Name("BM_Lg")->Apply(regions);
-BENCHMARK_CAPTURE(track, matched, TrackerKind::matched)->Name("BM_Matched")->Apply(regions);
 BENCHMARK(fit)->Name("BM_Fit")->Apply(regions);
-BENCHMARK(track_lost)->Name("BM_MatchedLost")->Apply(regions);
+BENCHMARK(track_lost)->Name("BM_LgLost")->Apply(regions);
 BENCHMARK_CAPTURE(track, lg_contour, TrackerKind::lg_contour)->Name("BM_LgContour")->Apply(regions);
 BENCHMARK(acquire_cold)->Name("BM_AcquireCold")->Apply(regions);
 BENCHMARK(reconstruct)

@@ -93,8 +93,7 @@ const SpotTracker& tracker_of(TrackerKind kind, const SpotModel& spots) {
 }
 
 void track(const ImageView& frame, const SpotModel& spots, Bytes& from) {
-  const auto kind = from.below(2) == 0 ? TrackerKind::lg : TrackerKind::matched;
-  const SpotTracker& tracker = tracker_of(kind, spots);
+  const SpotTracker& tracker = tracker_of(TrackerKind::lg, spots);
   TrackScratch scratch = tracker.make_scratch();
   const Vec2 start{from.below(frame.width + 20) - 10.0, from.below(frame.height + 20) - 10.0};
   const SpotFix fix = tracker.track(frame, start, scratch);

@@ -21,7 +21,12 @@ Result<Config> config_of(const MeasureOptions& options) {
   auto config =
       options.config_path.empty() ? Result<Config>{Config{}} : load_config(options.config_path);
   if (!config) return config;
-  if (!options.tracker.empty()) config->tracking.tracker = *tracker_from_name(options.tracker);
+  if (options.tracker == kFormerTracker) {
+    config->tracking.tracker = TrackerKind::fit;
+    config->tracking.estimates = kFormerEstimates;
+  } else if (!options.tracker.empty()) {
+    config->tracking.tracker = *tracker_from_name(options.tracker);
+  }
   if (options.refine) {
     config->tracking.tracker = TrackerKind::fit;
   } else if (config->tracking.tracker == TrackerKind::fit &&
@@ -116,7 +121,8 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
     return Error{Errc::invalid, "template",
                  "templates of the reference need an image: give --reference FILE"};
   }
-  const bool other_tracker = !options.tracker.empty() && options.tracker != "fit";
+  const bool other_tracker =
+      !options.tracker.empty() && options.tracker != "fit" && options.tracker != kFormerTracker;
   if (options.refine && other_tracker) {
     return Error{Errc::invalid, "--tracker", "--refine measures by the tracker fit"};
   }

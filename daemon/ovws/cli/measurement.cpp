@@ -11,7 +11,6 @@
 #include "core/tracking/patch.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
-#include "daemon/ovwsd/sensor/reference_templates.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -39,7 +38,6 @@ Image<T> pixels_of(const cv::Mat& mat) {
 
 Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const ImageView& like,
                                                   const std::optional<Reference>& reference,
-                                                  const OwnTemplates& own = {},
                                                   const ModeOperator* mode_operator = nullptr) {
   auto lattice = make_lattice(config.sensor, config.slm.geometry);
   if (!lattice) return fail(lattice.error());
@@ -48,7 +46,7 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
                      config.slm.geometry, roi, like.format,
                      lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
-                     nothing_shown, reference ? &*reference : nullptr, own.banks, mode_operator});
+                     nothing_shown, reference ? &*reference : nullptr, mode_operator});
 }
 
 /// The configured operator for images of this size; null: the plan's slopes operator is used.
@@ -110,9 +108,8 @@ Result<Picture> read_picture(const std::string& path) {
   return picture;
 }
 
-Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan, TemplateReport templates)
+Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan)
     : plan_(std::move(plan)),
-      templates_(std::move(templates)),
       acquisition_(plan_->spots, plan_->predicted_px, plan_->roi.width, plan_->roi.height),
       track_scratch_(plan_->tracker->make_scratch()),
       solve_scratch_(plan_->reconstructor->make_scratch()) {}
@@ -127,7 +124,6 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   }
   auto by_model = plan_for(config, like, std::nullopt);
   if (!by_model) return fail(by_model.error());
-  const SpotModel spots = (*by_model)->spots;
   Reference taken;
   taken.positions_px = (*by_model)->predicted_px;
   std::vector<float> absolute((*by_model)->modes_j.size(), 0.0F);  // of the reference
@@ -147,7 +143,6 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
                   "these spots are not found in the reference image: " + which);
     }
     taken.positions_px = positions_of(measured.spots);
-    taken.picture = std::make_shared<ReferencePicture>(picture_of(*reference));
     absolute = measured.coefficients;
   } else if (*mode_operator) {
     const std::vector<Vec2>& flat_px = (*mode_operator)->flat_px;
@@ -155,10 +150,9 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
       if (std::isfinite(flat_px[i].x)) taken.positions_px[i] = flat_px[i];
     }
   }
-  const OwnTemplates own = own_templates(config.tracking, spots, reference ? &taken : nullptr);
-  auto plan = plan_for(config, like, taken, own, mode_operator->get());
+  auto plan = plan_for(config, like, taken, mode_operator->get());
   if (!plan) return fail(plan.error());
-  Measurement made(std::move(*plan), own.report);
+  Measurement made(std::move(*plan));
   made.camera_ = camera;
   const PixelFormat camera_format = config.camera.settings.pixel_format;
   if (config.tracking.tracker != TrackerKind::fit || !can_fit(camera_format)) return made;

@@ -47,11 +47,11 @@ struct Measured {
 /// Measures images of one size. One thread at a time.
 class Measurement {
  public:
-  /// `reference`: an image taken without aberration; none: positions and templates come from the
-  /// model. Templates of kind `reference` are cut from this image. With a `camera`, `fit` assumes
-  /// its noise, else that which the image shows; images are then refined, or not measured.
-  /// Errors: an unusable configuration; a reference image of another size or with missing spots
-  /// (named in the error), or which `fit` cannot explain; an operator that cannot be made.
+  /// `reference`: an image taken without aberration; none: positions come from the model. With a
+  /// `camera`, `fit` assumes its noise, else that which the image shows; images are then refined,
+  /// or not measured. Errors: an unusable configuration; a reference image of another size or with
+  /// missing spots (named in the error), or which `fit` cannot explain; an operator that cannot be
+  /// made.
   static Result<Measurement> make(const Config& config, const ImageView& like,
                                   const std::optional<ImageView>& reference,
                                   const std::optional<RefineCamera>& camera = std::nullopt);
@@ -60,10 +60,9 @@ class Measurement {
   /// pixels (PointModel). An image of another size gives no spots.
   Measured measure(const ImageView& image);
   const MeasurementPlan& plan() const { return *plan_; }
-  const TemplateReport& templates() const { return templates_; }
 
  private:
-  Measurement(std::unique_ptr<MeasurementPlan> plan, TemplateReport templates = {});
+  explicit Measurement(std::unique_ptr<MeasurementPlan> plan);
   Result<void> use_templates(const Config& config, const ImageView& like,
                              const std::optional<ImageView>& reference,
                              std::span<const float> start);
@@ -72,7 +71,6 @@ class Measurement {
   void refine(const ImageView& image, Measured& measured);
   bool by_positions(Measured& measured);
   std::unique_ptr<MeasurementPlan> plan_;
-  TemplateReport templates_;
   std::optional<PointModel> model_;  ///< of the tracker `fit`
   std::optional<RefineCamera> camera_;
   bool counts_from_image_ = false;  ///< else from the model

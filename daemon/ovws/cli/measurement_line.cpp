@@ -4,6 +4,7 @@
 
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "proto/encode.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
@@ -58,7 +59,7 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   line["spots"] = spots_of(measured);
   line["torn"] = json::array();
   line["template"] = wire_name(config.tracking.templates);
-  put_fields(line, measurement.templates());
+  put_fields(line, template_report(config.tracking));
   line["operator"] = wire_name(config.tracking.mode_operator);
   put_fields(line, measured.mode_operator);
   return line;
@@ -68,8 +69,7 @@ void print_table(const json& line) {
   print("{}: {} of {} spots, {}\n", line["file"].get<std::string>(), line["tracked"].get<int>(),
         line["subapertures"].get<int>(), line["valid"].get<bool>() ? "valid" : "NOT VALID");
   if (line["template_reason"].is_string()) {
-    print("{} spots have a template from the reference: {}\n", line["own_templates"].get<int>(),
-          line["template_reason"].get<std::string>());
+    print("{}\n", line["template_reason"].get<std::string>());
   }
   if (line["operator_reason"].is_string()) {
     print("the operator is {}: {}\n", line["operator_in_force"].get<std::string>(),

@@ -96,7 +96,7 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->check(CLI::IsMember(kNames<TrackerKind>()));
   command
       ->add_option("--template", options->templates,
-                   "templates of the tracker matched, instead of the configuration's")
+                   "no effect: of older versions, whose tracker matched used it")
       ->check(CLI::IsMember(kNames<TemplateKind>()));
   command
       ->add_option("--operator", options->mode_operator,

@@ -92,7 +92,7 @@ Findings acquisition(const Settings& settings) {
                 false,
                 {}};
   const auto model = model_of(default_bench(), 1);
-  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::matched, TrackerKind::fit}) {
+  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::fit}) {
     const Measurer measurer(default_bench(), {"", 1, {kind}}, model);
     const std::vector<Scene> all = scenes(settings, *model, measurer);
     std::vector<Counts> counts(all.size() * snrs.size());

@@ -128,11 +128,9 @@ std::vector<Climber> all_climbers() {
   for (const Light light : {Light::equal_peak, Light::equal_photons}) {
     if (light == Light::equal_peak) {
       all.push_back({{"vortex, lg", 1, {TrackerKind::lg}}, light});
-      all.push_back({{"vortex, matched", 1, {TrackerKind::matched}}, light});
       all.push_back({{"vortex, fit", 1, {TrackerKind::fit}}, light});
     }
     all.push_back({{"Shack-Hartmann, thresholded", 0, {TrackerKind::thresholded}}, light});
-    all.push_back({{"Shack-Hartmann, matched", 0, {TrackerKind::matched}}, light});
     all.push_back({{"Shack-Hartmann, fit", 0, {TrackerKind::fit}}, light});
   }
   return all;

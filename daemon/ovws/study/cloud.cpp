@@ -3,7 +3,8 @@
 #include <cmath>
 #include <random>
 
-#include "core/tracking/localisation_bound.hpp"
+#include "core/spots/measured_spots.hpp"
+#include "core/spots/spot_templates.hpp"
 
 namespace ovws::study {
 namespace {
@@ -23,24 +24,6 @@ Image<float> crop(const Image<float>& light, Vec2 centre, Vec2& at) {
 }
 
 constexpr int kBoundHalfPx = 26;
-
-/// An image as a SpotShape, for positions at whole pixels from its centre.
-class PictureShape final : public SpotShape {
- public:
-  PictureShape(const Image<float>& picture, int x, int y) : picture_(picture), x_(x), y_(y) {}
-  ShapeSample at(Vec2 from_centre) const override {
-    const int x = x_ + int(std::lround(from_centre.x));
-    const int y = y_ + int(std::lround(from_centre.y));
-    const auto value = [&](int dx, int dy) { return double(picture_.at(x + dx, y + dy)); };
-    // Fourth-order central differences suffice: the image has no detail finer than lambda/d.
-    return {value(0, 0), (8.0 * (value(1, 0) - value(-1, 0)) - (value(2, 0) - value(-2, 0))) / 12.0,
-            (8.0 * (value(0, 1) - value(0, -1)) - (value(0, 2) - value(0, -2))) / 12.0};
-  }
-
- private:
-  const Image<float>& picture_;
-  int x_, y_;
-};
 
 }  // namespace
 
@@ -91,10 +74,15 @@ Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, st
 }
 
 double bound_px(const SpotBench& bench, double read_noise_e) {
-  const int x = int(std::lround(bench.at_px.x)), y = int(std::lround(bench.at_px.y));
-  const PictureShape shape(bench.light_e, x, y);
-  return localisation_bound(shape, {double(x), double(y)}, kBoundHalfPx, {1.0, 0.0, read_noise_e})
-      .px;
+  const int side = 2 * kBoundHalfPx + 1;
+  const std::vector<SpotWindow> window{{int(std::lround(bench.at_px.x)) - kBoundHalfPx,
+                                        int(std::lround(bench.at_px.y)) - kBoundHalfPx, side, 1}};
+  const std::vector<Vec2> places{bench.at_px};
+  const auto spots = measured_spots(window, places, cells_in(bench.light_e, window), {});
+  const double peak_e = double(cells_in(bench.light_e, window).maxCoeff());
+  const std::vector<CellLevel> level{{peak_e}};
+  const PixelNoise noise{read_noise_e * read_noise_e, 1.0};
+  return make_templates(spots, level, noise, 2).front().px_error / peak_e;
 }
 
 }  // namespace ovws::study

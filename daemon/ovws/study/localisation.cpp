@@ -68,7 +68,7 @@ Findings localisation(const Settings& settings) {
                                          {"lost", cloud.lost}});
       }
       figure.series.push_back(std::move(series));
-      if (all[b].method.tracking.tracker != TrackerKind::matched) continue;
+      if (all[b].method.tracking.tracker != TrackerKind::fit) continue;
       Series bound{fmt::format("bound, charge {}", all[b].method.charge),
                    noises_e,
                    {},

@@ -31,7 +31,7 @@ OperatorTools::OperatorTools(int l)
     : charge(l),
       geometry(default_bench()),
       model(model_of(geometry, charge)),
-      measurer(geometry, {"matched", charge, {TrackerKind::matched}}, model) {
+      measurer(geometry, {"lg", charge, {TrackerKind::lg}}, model) {
   const SensorConfig sensor = sensor_of(*this);
   const SlopeKind core = charge == 0 ? SlopeKind::zernike_tilt : SlopeKind::vortex_tilt;
   for (const SlopeModel& kind : {SlopeModel(SlopeKind::gradient_tilt), SlopeModel(core),

@@ -20,7 +20,7 @@ OperatorNames operator_names(int charge);
 /// Coefficients in waves per operator, in the order of modes_j; NaN if an operator fails.
 using Readings = std::array<std::vector<double>, kOperatorCount>;
 
-/// Data shared by all images of one charge, tracked by `matched`. Its model may be used by one
+/// Data shared by all images of one charge, tracked by `lg`. Its model may be used by one
 /// thread at a time.
 struct OperatorTools {
   explicit OperatorTools(int charge);

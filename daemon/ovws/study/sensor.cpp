@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "core/optics/detector.hpp"
+#include "core/spots/position_fit.hpp"
 #include "core/tracking/cell_centroid.hpp"
 #include "core/wavefront/slope_model.hpp"
 
@@ -95,12 +96,12 @@ Exposure expose(const Image<float>& electrons, double read_noise_e, std::uint64_
 
 std::vector<Method> all_methods() {
   std::vector<Method> methods;
-  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::matched}) {
+  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::fit}) {
     methods.push_back({"vortex, " + std::string(tracker_name(kind)), 1, {kind}});
   }
   methods.push_back({"Shack-Hartmann, centroid of a fixed cell", 0, {TrackerKind::centroid}, true});
   for (const TrackerKind kind : {TrackerKind::centroid, TrackerKind::thresholded,
-                                 TrackerKind::weighted, TrackerKind::lg, TrackerKind::matched}) {
+                                 TrackerKind::weighted, TrackerKind::lg, TrackerKind::fit}) {
     methods.push_back({"Shack-Hartmann, " + std::string(tracker_name(kind)), 0, {kind}});
   }
   return methods;
@@ -125,7 +126,10 @@ Image<float> electrons(SensorModel& model, SensorModel& vortex, std::span<const 
 Measurer::Measurer(const Geometry& geometry, const Method& method,
                    std::shared_ptr<SensorModel> model)
     : method_(method), model_(std::move(model)) {
-  tracker_ = value_of(make_tracker(method.tracking, {method.charge, model_->lambda_d_px()}));
+  const SpotModel spots{method.charge, model_->lambda_d_px()};
+  tracker_ = value_of(make_tracker(method.tracking, spots));
+  if (method.tracking.tracker == TrackerKind::fit)
+    position_fit_ = value_of(make_position_fit(spots));
   SensorConfig sensor = geometry.sensor;
   sensor.charge = method.charge;
   const std::vector<int> modes_j = modes_of(geometry);
@@ -144,11 +148,10 @@ std::vector<SpotFix> Measurer::track(const Exposure& exposure,
   if (method_.fixed_cell) return cell_centroids(exposure.clipped());
   const bool plain = method_.tracking.tracker == TrackerKind::centroid;
   const Exposure given = plain ? exposure.clipped() : exposure;
-  TrackScratch scratch = tracker_->make_scratch();
+  const SpotTracker& tracker = position_fit_ ? *position_fit_ : *tracker_;
+  TrackScratch scratch = tracker.make_scratch();
   std::vector<SpotFix> fixes;
-  for (std::size_t i = 0; i < starts_px.size(); ++i) {
-    fixes.push_back(tracker_->track(given.view(), starts_px[i], scratch, int(i)));
-  }
+  for (const Vec2 start : starts_px) fixes.push_back(tracker.track(given.view(), start, scratch));
   return fixes;
 }
 

@@ -76,7 +76,7 @@ class Measurer {
   const std::vector<int>& modes_j() const { return reconstructor_->modes_j(); }
   const Eigen::MatrixXd& slopes() const { return slopes_; }  ///< see slope_matrix
 
-  /// Tracks one spot from each start. Thread-safe.
+  /// Tracks one spot from each start; `fit` by PositionFit. Thread-safe.
   std::vector<SpotFix> track(const Exposure& exposure, std::span<const Vec2> starts_px) const;
   /// Waves, in the order of modes_j; NaN if too few spots were found.
   std::vector<double> modes(std::span<const SpotFix> spots) const;
@@ -90,7 +90,7 @@ class Measurer {
 
   Method method_;
   std::shared_ptr<SensorModel> model_;
-  std::unique_ptr<const SpotTracker> tracker_;
+  std::unique_ptr<const SpotTracker> tracker_, position_fit_;
   std::vector<Vec2> reference_px_;
   int cell_half_px_ = 0;
   Eigen::MatrixXd slopes_;

@@ -50,7 +50,7 @@ Figure figure_of(Light light, const std::vector<SpotBench>& benches,
       bound.y.push_back(row.bound_px);
     }
     figure.series.push_back(std::move(series));
-    if (benches[b].method.tracking.tracker == TrackerKind::matched) {
+    if (benches[b].method.tracking.tracker == TrackerKind::fit) {
       figure.series.push_back(std::move(bound));
     }
   }

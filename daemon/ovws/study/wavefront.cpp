@@ -48,7 +48,7 @@ struct Outcome {
   std::vector<double> variances;  ///< rad^2, one per reconstructed instance
   int undetermined = 0;
   int lost = 0;             ///< spots
-  double bound_rad2 = 0.0;  ///< independent of the method; reported with `matched`
+  double bound_rad2 = 0.0;  ///< independent of the method; reported with `fit`
 };
 
 double residual_variance(const Measurer& measurer, const std::vector<double>& found,
@@ -95,15 +95,6 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
   return outcome;
 }
 
-std::vector<std::pair<Method, Then>> methods(Light light) {
-  std::vector<std::pair<Method, Then>> all;
-  for (const Method& method : all_methods()) all.emplace_back(method, Then::nothing);
-  if (light != Light::equal_peak) return all;
-  all.push_back({{"vortex, fit", 1, {TrackerKind::matched}}, Then::fit});
-  all.push_back({{"Shack-Hartmann, fit", 0, {TrackerKind::weighted}}, Then::fit});
-  return all;
-}
-
 std::vector<Bench> benches() {
   const Geometry geometry = thousand_px_bench();
   const auto vortex = model_of(geometry, 1);
@@ -111,11 +102,16 @@ std::vector<Bench> benches() {
   std::vector<Bench> all;
   for (const Case& aberration : kCases) {
     for (const Light light : {Light::equal_peak, Light::equal_photons}) {
-      for (const auto& [method, then] : methods(light)) {
+      for (const Method& method : all_methods()) {
+        const bool fits = method.tracking.tracker == TrackerKind::fit;
         const auto model = method.charge == 0 ? bright : vortex;
-        Bench bench{
-            &aberration, light, method, then, std::make_shared<Measurer>(geometry, method, model),
-            {},          {}};
+        Bench bench{&aberration,
+                    light,
+                    method,
+                    fits ? Then::fit : Then::nothing,
+                    std::make_shared<Measurer>(geometry, method, model),
+                    {},
+                    {}};
         bench.light_e = electrons(*model, *vortex, aberration.modes(), light);
         bench.at_px = bench.measurer->noise_free_px(
             bench.light_e, bench.measurer->predicted_px(aberration.modes()));
@@ -130,7 +126,7 @@ std::vector<Bench> benches() {
 
 /// Whether the bound of this charge is reported with this bench.
 bool bounded(const Bench& bench) {
-  return bench.method.tracking.tracker == TrackerKind::matched && bench.then == Then::nothing;
+  return bench.then == Then::fit;
 }
 
 nlohmann::json value_if(bool present, double value) {

@@ -7,8 +7,9 @@
 
 namespace ovws {
 
-FrameSeries::FrameSeries(int frames, int subapertures, std::vector<Vec2> windows_px)
-    : subapertures_(std::size_t(subapertures)), windows_px_(std::move(windows_px)) {
+FrameSeries::FrameSeries(int frames, int subapertures, FromPixels from)
+    : subapertures_(std::size_t(subapertures)), from_(std::move(from)) {
+  if (from_.tracker) scratch_ = from_.tracker->make_scratch();
   SeriesFrame room;
   room.spots.resize(subapertures_);
   frames_.assign(std::size_t(frames), room);
@@ -16,18 +17,24 @@ FrameSeries::FrameSeries(int frames, int subapertures, std::vector<Vec2> windows
 
 bool FrameSeries::add(const FrameRecord& record) {
   if (count_ == frames_.size() || std::size_t(record.spot_count) != subapertures_) return false;
-  if (needs_pixels() && windows_px_.size() != subapertures_) return false;
+  const std::vector<Vec2>& windows_px = from_.windows_px;
+  if (!windows_px.empty() && windows_px.size() != subapertures_) return false;
   SeriesFrame& frame = frames_[count_++];
   frame.frame_id = record.frame.frame_id;
   frame.t_arrival_ns = record.frame.t_arrival_ns;
   frame.saturated_fraction = record.saturated_fraction;
   frame.spots.assign(record.spots.begin(), record.spots.begin() + record.spot_count);
-  const int half_px = needs_pixels() ? cell_half_px(windows_px_) : 0;
-  for (std::size_t i = 0; i < windows_px_.size(); ++i) {
+  const int half_px = windows_px.empty() ? 0 : cell_half_px(windows_px);
+  for (std::size_t i = 0; i < windows_px.size(); ++i) {
     const Vec2 at =
-        cell_centroid(record.frame.image, windows_px_[i], half_px).value_or(Vec2{NAN, NAN});
+        cell_centroid(record.frame.image, windows_px[i], half_px).value_or(Vec2{NAN, NAN});
     frame.spots[i].x = float(at.x);
     frame.spots[i].y = float(at.y);
+  }
+  for (SpotFix& spot : frame.spots) {
+    if (!from_.tracker || !spot.found()) continue;
+    const Vec2 at{double(spot.x), double(spot.y)};
+    spot = from_.tracker->track(record.frame.image, at, scratch_);
   }
   return true;
 }

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/base/vec2.hpp"
 #include "core/pipeline/frame_record.hpp"
+#include "core/tracking/tracker.hpp"
 
 namespace ovws {
 
@@ -16,14 +18,20 @@ struct SeriesFrame {
   std::vector<SpotFix> spots;       ///< one a subaperture
 };
 
-/// Makes room for its frames when it is made: `add` does not allocate without `windows_px`.
+/// Where the positions of spots come from instead of the frames' own.
+struct FromPixels {
+  /// The centre of a window for each spot, whose centroid counts (see cell_centroid); empty: none.
+  std::vector<Vec2> windows_px;
+  /// Finds each spot again, from where it was found; null: none.
+  std::shared_ptr<const SpotTracker> tracker;
+};
+
+/// Makes room for its frames when it is made: `add` does not allocate unless it needs pixels.
 class FrameSeries {
  public:
-  /// `windows_px`: empty, or the centre of a window for each spot; the spot's position is then the
-  /// centroid of its window (see cell_centroid) instead of what the tracker found.
-  FrameSeries(int frames, int subapertures, std::vector<Vec2> windows_px = {});
+  FrameSeries(int frames, int subapertures, FromPixels from = {});
 
-  bool needs_pixels() const { return !windows_px_.empty(); }
+  bool needs_pixels() const { return !from_.windows_px.empty() || from_.tracker; }
   /// False: it is full, or the frame has another number of spots, or of windows. Reads the pixels
   /// if it needs them.
   bool add(const FrameRecord& record);
@@ -33,7 +41,8 @@ class FrameSeries {
  private:
   std::vector<SeriesFrame> frames_;
   std::size_t count_ = 0, subapertures_;
-  std::vector<Vec2> windows_px_;
+  FromPixels from_;
+  TrackScratch scratch_;
 };
 
 }  // namespace ovws

@@ -226,9 +226,9 @@ Result<TakenReference> Bench::reference(int frames) {
   return TakenReference{std::move(*average), picture.mean(), settings};
 }
 
-Result<std::vector<SeriesFrame>> Bench::series(int frames, std::vector<Vec2> windows_px) {
+Result<std::vector<SeriesFrame>> Bench::series(int frames, FromPixels from) {
   const SensorView now = sensor();
-  FrameSeries taken(frames, now->subapertures, std::move(windows_px));
+  FrameSeries taken(frames, now->subapertures, std::move(from));
   const auto needs =
       taken.needs_pixels() ? FrameBroker::Needs::pixels : FrameBroker::Needs::numbers;
   const MeasuredWith with{measured_under(*now), now->tracking.tracker, camera().settings.gain_db};

@@ -68,8 +68,8 @@ class Bench {
   Result<double> set_gain(double gain_db);
 
   /// Records the next `frames` settled frames of the current hologram at the current gain. For
-  /// `windows_px` see FrameSeries.
-  Result<std::vector<SeriesFrame>> series(int frames, std::vector<Vec2> windows_px = {});
+  /// `from` see FrameSeries.
+  Result<std::vector<SeriesFrame>> series(int frames, FromPixels from = {});
   /// Averages the spots of the next `frames` settled frames of the current hologram.
   Result<SpotAverage> spots(int frames);
   /// The same with the mean image of some of these frames; reports the progress. Errc::refused,

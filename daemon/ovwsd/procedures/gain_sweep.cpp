@@ -7,10 +7,12 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
+#include "core/spots/position_fit.hpp"
 #include "daemon/ovwsd/procedures/sweep_bench.hpp"
 #include "daemon/ovwsd/procedures/sweep_frames.hpp"
 #include "daemon/ovwsd/procedures/sweep_motion.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/shared/encoding.hpp"
 
 namespace ovws {
@@ -115,6 +117,7 @@ class Sweep {
 
  private:
   Result<void> find_spots();
+  Result<std::vector<SeriesFrame>> series(const SweepArm& arm, int frames, Places windows_px = {});
   Result<std::vector<SeriesFrame>> reference_series(const SweepArm& arm);
   Bench& bench_;
   const SlmGeometry& slm_;
@@ -141,12 +144,25 @@ Result<void> Sweep::find_spots() {
   return {};
 }
 
+/// A job's frames are measured by positions. For `fit` these are then measured from all pixels.
+Result<std::vector<SeriesFrame>> Sweep::series(const SweepArm& arm, int frames, Places windows_px) {
+  FromPixels from{std::move(windows_px), nullptr};
+  if (arm.tracker.kind == TrackerKind::fit) {
+    const SensorView now = bench_.sensor();
+    auto tracker = make_position_fit(
+        spot_model(now->sensor, now->optics, slm_, bench_.camera().settings.pixel_format));
+    if (!tracker) return fail(tracker.error());
+    from.tracker = std::move(*tracker);
+  }
+  return bench_.series(frames, std::move(from));
+}
+
 /// Frames without an aberration at the reference's gain, measured with the arm's tracker.
 Result<std::vector<SeriesFrame>> Sweep::reference_series(const SweepArm& arm) {
   if (auto shown = bench_.show(sensor_of(arm), {}); !shown) return fail(shown.error());
   if (auto set = set_gain(bench_, sweep_.reference_gain_db); !set) return fail(set.error());
   if (auto found = find_spots(); !found) return fail(found.error());
-  return bench_.series(sweep_.reference_frames);
+  return series(arm, sweep_.reference_frames);
 }
 
 /// For fixed windows it compares the tracker's positions: the centroid in a fixed window follows
@@ -180,7 +196,7 @@ Result<void> Sweep::measure_reference(int arm) {
   if (frames && with.tracker.fixed_cell) {
     measured.cells_px = mean_positions(*frames);
     if (count_lost(measured.cells_px) == 0) {
-      frames = bench_.series(sweep_.reference_frames, measured.cells_px);
+      frames = series(with, sweep_.reference_frames, measured.cells_px);
     }
   }
   if (!frames) return fail(frames.error());
@@ -211,8 +227,9 @@ Result<void> Sweep::measure_cell(int number) {
     if (auto found = find_spots(); !found) return found;
   }
   const json reference = archive_.reference(int(at.arm));
-  const auto frames = bench_.series(
-      sweep_.frames, reference_places(reference, int(at.arm), "cells_px").value_or(Places{}));
+  const auto frames =
+      series(sweep_.arms[at.arm], sweep_.frames,
+             reference_places(reference, int(at.arm), "cells_px").value_or(Places{}));
   if (!frames) return fail(frames.error());
   if (wants_picture(sweep_, at)) {
     auto picture = take_picture(bench_);

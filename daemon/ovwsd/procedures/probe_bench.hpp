@@ -27,7 +27,7 @@ class ProbeBench {
 
 struct ProbeSpot {
   Vec2 rough;                ///< centre of the intensity, camera pixels
-  std::optional<Vec2> fine;  ///< found by the matched filter; none: it found nothing
+  std::optional<Vec2> fine;  ///< found by find_probe; none: it found nothing
 };
 
 /// Finds the spot in an image of ProbeBench::light. None: no spot stands out of the noise, or it is

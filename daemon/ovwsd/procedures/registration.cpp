@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kReach = 0.7;   // of the field that the sensor's spots occupy
 constexpr double kMaxCpp = 0.5;  // Nyquist limit of the SLM
-// lambda/d: limits of the fit residual, for the matched filter's positions and for intensity
-// centres.
+// lambda/d: limits of the fit residual, for positions of the tracker and for intensity centres.
 constexpr double kMaxResidual = 0.02, kMaxRoughResidual = 0.1;
 constexpr std::size_t kMaxOutliers = 2;  // positions that may be ghosts
 constexpr int kMaxCharge = 2;            // of the probe
@@ -64,7 +63,7 @@ Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int ch
   return looks;
 }
 
-/// Positions of the probe: intensity centres, and the matched filter's.
+/// Positions of the probe: intensity centres, and the tracker's.
 struct Sights {
   std::vector<ProbeSight> rough, fine;
 };
@@ -105,7 +104,7 @@ Result<Registration> fit_without_outliers(std::vector<ProbeSight> sights, double
   }
 }
 
-/// Uses the matched filter's positions unless it lost some of the spots. Under a strong aberration
+/// Uses the tracker's positions unless it lost some of the spots. Under a strong aberration
 /// only the intensity centre is reliable.
 Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
                             const SpotModel& spots) {

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/optics/lattice.hpp"
-#include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
+#include "proto/names.hpp"
 
 namespace ovws {
 namespace {
@@ -104,22 +104,6 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
   return plans;
 }
 
-/// The templates of the recorded reference, kept from plan to plan: plans of a closed loop share
-/// one reference, and its templates take a second.
-Result<std::vector<std::shared_ptr<const TemplateBank>>> RecordedPlans::templates(
-    const json& from, TrackingSettings& tracking, const SpotModel& spots) {
-  if (from.at("own_templates").get<int>() <= 0) return {};
-  const auto sha256 = from.at("reference").get<std::string>();
-  if (!reference_ || sha256 != reference_sha256_) {
-    auto reference = reference_from(json_of(documents_.at(sha256)));
-    if (!reference) return fail(reference.error());
-    reference_ = std::move(*reference);
-    reference_sha256_ = sha256;
-  }
-  tracking.templates = TemplateKind::reference;
-  return templates_.of(tracking, spots, reference_ ? &*reference_ : nullptr).banks;
-}
-
 /// Reads exactly what plan_facts.cpp writes; anything else throws an exception of the JSON library.
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   // Older versions searched spots beside the frame path.
@@ -136,7 +120,12 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   plan->roi = {roi.at("x").get<int>(), roi.at("y").get<int>(), roi.at("width").get<int>(),
                roi.at("height").get<int>()};
   const auto format = pixel_format_from_name(from.at("pixel_format").get<std::string>());
-  const auto tracker = tracker_from_name(from.at("tracker").get<std::string>());
+  const auto tracker_is = from.at("tracker").get<std::string>();
+  if (tracker_is == kFormerTracker) {
+    return fail(Errc::refused, "path",
+                "it was measured by the tracker matched of an older version, which fit replaces");
+  }
+  const auto tracker = tracker_from_name(tracker_is);
   if (!format || !tracker)
     return unfit("needs a tracker or pixel format that this program does not have");
   plan->format = *format;
@@ -159,10 +148,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   plan->reconstructor = std::make_unique<Reconstructor>(
       matrix(op.at("px_per_wave"), position_modes_j.size()), position_modes_j, plan->reference_px,
       matrix(nuisance, nuisance.empty() ? 0 : nuisance.at(0).size()));
-  TrackingSettings tracking{{*tracker, from.at("kernel_radius").get<double>()}};
-  auto own = templates(from, tracking, plan->spots);
-  if (!own) return fail(own.error());
-  auto made = make_tracker(tracking, plan->spots, std::move(*own));
+  auto made = make_tracker({*tracker, from.at("kernel_radius").get<double>()}, plan->spots);
   if (!made) return fail(made.error());
   plan->tracker = std::move(*made);
   if (auto fit = read_templates(from, *plan); !fit) return fail(fit.error());

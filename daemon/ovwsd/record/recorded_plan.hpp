@@ -4,15 +4,12 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
 #include "daemon/ovwsd/record/point_document.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
-#include "daemon/ovwsd/sensor/reference_templates.hpp"
 #include "drivers/replay/recording_reader.hpp"
 
 namespace ovws {
@@ -24,22 +21,15 @@ class RecordedPlans {
   static Result<RecordedPlans> of(RecordingReader& reader);
 
   /// Makes the plan of that number. Errors: Errc::invalid if there is none, or its parts are
-  /// inconsistent; Errc::refused if it used templates of split spots, which a recording does not
-  /// hold.
+  /// inconsistent; Errc::refused if an older version measured in a way that this one does not have.
   Result<std::unique_ptr<MeasurementPlan>> make(std::uint64_t plan_id);
 
  private:
   Result<std::unique_ptr<MeasurementPlan>> read(const nlohmann::json& from);
   Result<void> read_templates(const nlohmann::json& from, MeasurementPlan& plan);
-  Result<std::vector<std::shared_ptr<const TemplateBank>>> templates(const nlohmann::json& from,
-                                                                     TrackingSettings& tracking,
-                                                                     const SpotModel& spots);
 
   std::map<std::uint64_t, std::string> plans_;    ///< text by number
   std::map<std::string, std::string> documents_;  ///< text by checksum
-  std::optional<Reference> reference_;            ///< the reference read last
-  std::string reference_sha256_;
-  TemplateCache templates_;
   PointReader points_;
   std::shared_ptr<const FrameFit> fit_;  ///< the templates rendered last
   std::string fit_key_;                  ///< checksum of its operating point

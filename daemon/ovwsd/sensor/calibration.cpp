@@ -61,7 +61,6 @@ std::vector<std::string> differences(const CalibrationKey& a, const CalibrationK
       {"spacing", s.spacing != t.spacing},
       {"tracker", u.tracker != v.tracker},
       {"kernel_radius", u.kernel_radius != v.kernel_radius},
-      {"template", u.templates != v.templates},
       {"mode_count", u.mode_count != v.mode_count},
       {"roi", !(a.sensor.roi == b.sensor.roi)},
       {"registration", !same_registration(a, b)},

@@ -13,30 +13,15 @@
 #include "core/wavefront/diffractive_matrix.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "core/wavefront/slope_model.hpp"
-#include "daemon/ovwsd/sensor/reference_templates.hpp"
 
 namespace ovws {
 namespace {
-
-Result<std::unique_ptr<const SpotTracker>> tracker_for(const OperatorKey& key, SensorModel& model) {
-  const SpotModel spots{key.sensor.charge, model.lambda_d_px()};
-  if (key.tracking.templates == TemplateKind::model) return make_tracker(key.tracking, spots);
-  auto flat = model.intensity({});
-  if (!flat) return fail(flat.error());
-  auto picture = std::make_shared<ReferencePicture>();
-  picture->frames = 1;
-  picture->mean_dn = std::move(*flat);
-  Reference reference;
-  reference.positions_px = model.spots_px();
-  reference.picture = std::move(picture);
-  return make_tracker(key.tracking, spots, own_templates(key.tracking, spots, &reference).banks);
-}
 
 Result<ModeOperator> by_diffraction(const OperatorKey& key, const SlmGeometry& slm,
                                     const std::atomic<bool>* stop) {
   auto model = SensorModel::make(key.sensor, slm, key.optics, key.cols, key.rows);
   if (!model) return fail(model.error());
-  const auto tracker = tracker_for(key, *model);
+  const auto tracker = make_tracker(key.tracking, {key.sensor.charge, model->lambda_d_px()});
   if (!tracker) return fail(tracker.error());
   std::vector<int> modes_j =
       slope_operator(model->lattice(), key.sensor, key.tracking, model->px_per_cycle()).modes_j;

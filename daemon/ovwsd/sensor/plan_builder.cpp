@@ -94,6 +94,11 @@ Result<void> check_daemon_tracker(const TrackingSettings& tracking) {
   return {};
 }
 
+TemplateReport template_report(const TrackingSettings& tracking) {
+  if (tracking.templates == TemplateKind::model) return {};
+  return {0, "template has no effect any more: fit takes the spots' shapes from the reference"};
+}
+
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   auto plan = std::make_unique<MeasurementPlan>();
   plan->id = inputs.id;
@@ -110,7 +115,7 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
     plan->reference_px = known_positions(*inputs.reference);
     plan->reference_introduced_rms_waves = rms_waves(inputs.reference->introduced);
   }
-  auto tracker = make_tracker(inputs.tracking, plan->spots, inputs.templates);
+  auto tracker = make_tracker(inputs.tracking, plan->spots);
   if (!tracker) return fail(tracker.error());
   plan->tracker = std::move(*tracker);
   const ModeOperator& modes = inputs.mode_operator != nullptr

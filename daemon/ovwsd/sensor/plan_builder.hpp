@@ -12,6 +12,7 @@
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/mode_operator.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws {
 
@@ -29,8 +30,6 @@ struct PlanInputs {
   LitPixels lit{};                       ///< pixels of a colour camera that see this wavelength
   const std::vector<Mode>& aberration;   ///< shown on the SLM: introduced minus correction
   const Reference* reference = nullptr;  ///< null: none
-  /// Templates by subaperture, see MatchedTracker. Empty: the model's for all.
-  std::vector<std::shared_ptr<const TemplateBank>> templates{};
   const ModeOperator* mode_operator = nullptr;  ///< null: slope_operator
 };
 
@@ -49,6 +48,9 @@ Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sens
 
 /// Errc::invalid (field "tracker"): too slow to run on every frame.
 Result<void> check_daemon_tracker(const TrackingSettings& tracking);
+
+/// That `template`, if it is set, has no effect.
+TemplateReport template_report(const TrackingSettings& tracking);
 
 /// Errors: those of make_tracker.
 Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs);

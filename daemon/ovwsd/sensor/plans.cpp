@@ -35,11 +35,11 @@ void use(const ActiveTemplates& templates, const SensorState& state, const Bound
 
 Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, const Bound& bound,
                                                       std::uint64_t hologram_id) {
-  auto plan = build_plan(
-      {next_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(), state.sensor,
-       state.tracking, optics_of(state, bench_), bench_.slm, state.roi, state.format,
-       lit_pixels(state.format, bench_.optics.wavelength_nm), shown_modes(state),
-       bound.reference.get(), templates_of(state, bound).banks, bound.mode_operator.get()});
+  auto plan =
+      build_plan({next_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
+                  state.sensor, state.tracking, optics_of(state, bench_), bench_.slm, state.roi,
+                  state.format, lit_pixels(state.format, bench_.optics.wavelength_nm),
+                  shown_modes(state), bound.reference.get(), bound.mode_operator.get()});
   if (plan) ovws::use(state.templates, state, bound, **plan);
   return plan;
 }
@@ -52,16 +52,6 @@ void Plans::use(std::unique_ptr<MeasurementPlan> plan) {
 void Plans::retire() {
   const std::uint64_t oldest = pipeline_.oldest_plan_in_use();
   while (plans_.size() > 1 && plans_.front()->id < oldest) plans_.pop_front();
-}
-
-TemplateReport Plans::templates(const SensorState& state, const Bound& bound) {
-  return templates_of(state, bound).report;
-}
-
-const OwnTemplates& Plans::templates_of(const SensorState& state, const Bound& bound) {
-  return templates_.of(state.tracking,
-                       spot_model(state.sensor, optics_of(state, bench_), bench_.slm, state.format),
-                       bound.reference.get());
 }
 
 }  // namespace ovws

@@ -8,7 +8,6 @@
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/plan.hpp"
 #include "daemon/ovwsd/sensor/knowledge.hpp"
-#include "daemon/ovwsd/sensor/reference_templates.hpp"
 #include "daemon/ovwsd/sensor/sensor_state.hpp"
 
 namespace ovws {
@@ -25,16 +24,11 @@ class Plans {
   void use(std::unique_ptr<MeasurementPlan> plan);
   /// Frees superseded plans that no frame record refers to.
   void retire();
-  /// How many spots have a template from the reference in a plan for this state, and why not all.
-  TemplateReport templates(const SensorState& state, const Bound& bound);
 
  private:
-  const OwnTemplates& templates_of(const SensorState& state, const Bound& bound);
-
   Pipeline& pipeline_;
   BenchOptics bench_;
   std::uint64_t next_id_ = 1;
-  TemplateCache templates_;
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is active
 };
 

@@ -29,8 +29,8 @@ struct ReferenceKey {
   friend bool operator==(const ReferenceKey&, const ReferenceKey&) = default;
 };
 
-/// Normalises what does not affect positions: operator, modes and estimates, `templates` unless the
-/// tracker is `matched`; those of `fit` are those of `lg`.
+/// Normalises what does not affect positions: operator, modes, estimates and `templates`; those of
+/// `fit` are those of `lg`.
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi);
 

@@ -274,7 +274,7 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   auto now = std::make_shared<SensorSnapshot>();
   now->sensor = state_.sensor;
   now->tracking = state_.tracking;
-  now->templates = plans_.templates(state_, bound);
+  now->templates = template_report(state_.tracking);
   now->mode_operator = report_operator(*plan);
   now->pattern = state_.pattern;
   now->aberration = state_.aberration;

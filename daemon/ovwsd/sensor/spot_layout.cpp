@@ -154,11 +154,10 @@ std::string alternative_to_region(const SpotBench& bench, const Layout& layout) 
 
 }  // namespace
 
-double min_spot_distance(int charge, TrackerKind tracker) {
+double min_spot_distance(int charge) {
   const int l = std::abs(charge);
   constexpr std::array<double, 4> kByCharge{1.5, 0.93, 1.05, 1.05};
-  const double by_charge = l < int(kByCharge.size()) ? kByCharge[std::size_t(l)] : 1.35;
-  const double radii = tracker == TrackerKind::matched ? 1.48 : by_charge;
+  const double radii = l < int(kByCharge.size()) ? kByCharge[std::size_t(l)] : 1.35;
   return radii * spot_geometry(l).dark;
 }
 
@@ -168,7 +167,7 @@ double recommended_spot_distance(int charge) {
 
 Result<void> check_spots_apart(const SpotBench& bench) {
   const Layout layout = layout_of(bench);
-  const double minimum = min_spot_distance(bench.sensor.charge, bench.tracking.tracker);
+  const double minimum = min_spot_distance(bench.sensor.charge);
   if (layout.nearest >= minimum) return {};
   return fail(
       Errc::invalid, "sensor.spacing",

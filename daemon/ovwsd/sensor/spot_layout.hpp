@@ -9,12 +9,11 @@
 namespace ovws {
 
 /// Minimum distance of neighbouring spots, in lambda/d, at which the tracker finds them all in a
-/// flat wavefront. In units of the radius of the spot's first dark ring (spot_geometry): 1.48 for
-/// `matched`, whose template covers everything within that ring. For other trackers: 0.93 for
+/// flat wavefront. In units of the radius of the spot's first dark ring (spot_geometry): 0.93 for
 /// charge 1, 1.05 for charges 2 and 3, 1.35 for higher charges, 1.5 for bright spots. Measured with
 /// `ovws farfield` and the twin, 5 and 7 subapertures across, charges 0 to 7: just below the
 /// minimum, some or all spots are lost.
-double min_spot_distance(int charge, TrackerKind tracker);
+double min_spot_distance(int charge);
 
 /// Recommended distance of neighbouring spots, in lambda/d: 1.6 such radii. It leaves room for
 /// aberrations.

@@ -146,7 +146,7 @@ TEST_F(Calibrations, BelongToAllThatMovesTheirSpots) {
   EXPECT_EQ(names([](Config& c) { c.sensor.subapertures_across = 2; }),
             Names{"subapertures_across"});
   EXPECT_EQ(names([](Config& c) { c.sensor.spacing = 0.3; }), Names{"spacing"});
-  EXPECT_EQ(names([](Config& c) { c.tracking.tracker = TrackerKind::matched; }), Names{"tracker"});
+  EXPECT_EQ(names([](Config& c) { c.tracking.tracker = TrackerKind::weighted; }), Names{"tracker"});
   EXPECT_EQ(names([](Config& c) { c.tracking.kernel_radius = 0.4; }), Names{"kernel_radius"});
   EXPECT_EQ(names([](Config& c) { c.tracking.mode_operator = OperatorKind::measured; }), Names{});
   EXPECT_EQ(differences(key, key_of(config_, turned())), Names{"registration"});
@@ -229,7 +229,7 @@ TEST_F(Calibrations, OneTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsGone) {
   EXPECT_FALSE(next->find(key_of(config_, turned())));
   EXPECT_TRUE(next->find(key_of(config_)));
   Config other = config_;
-  other.tracking.tracker = TrackerKind::matched;
+  other.tracking.tracker = TrackerKind::weighted;
   const std::string why = missing_calibration_reason(state_of(other), next->known, optics);
   EXPECT_NE(why.find("was measured with another tracker: run"), std::string::npos) << why;
 }

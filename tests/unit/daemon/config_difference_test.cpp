@@ -18,7 +18,7 @@ TEST(ConfigDifference, NamesWhatChangesLiveAndWhatWaits) {
   after.camera.settings.exposure_us += 1.0;
   after.camera.settings.roi.width -= 16;
   after.camera.transfer_ms += 1.0;
-  after.tracking.tracker = TrackerKind::matched;
+  after.tracking.tracker = TrackerKind::weighted;
   after.refine.rate_hz *= 0.5;
   after.stream.image_rate_hz *= 0.5;
   after.slm.settle_ms += 1.0;

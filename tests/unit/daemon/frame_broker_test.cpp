@@ -159,7 +159,7 @@ TEST_F(MeasuredTest, TakesNoFrameOfAnythingElse) {
   other_epoch.sensor_epoch = 6;
   other_epoch.tracker_kind = TrackerKind::lg;
   other_tracker.sensor_epoch = 5;
-  other_tracker.tracker_kind = TrackerKind::matched;
+  other_tracker.tracker_kind = TrackerKind::weighted;
   std::vector<FrameRecord> others(4, record_);
   others[0].plan = &other_epoch;
   others[1].hologram_id = 8;

@@ -55,7 +55,7 @@ TEST_F(FrameSeriesTest, RefusesFramesWithAnotherNumberOfSpots) {
 
 TEST_F(FrameSeriesTest, RefusesFramesWithAnotherNumberOfWindows) {
   for (const std::size_t windows : {1U, 3U}) {
-    FrameSeries series(1, 2, std::vector<Vec2>(windows, Vec2{10.0, 10.0}));
+    FrameSeries series(1, 2, {std::vector<Vec2>(windows, Vec2{10.0, 10.0}), nullptr});
     EXPECT_FALSE(series.add(next()));
   }
 }
@@ -65,7 +65,7 @@ TEST_F(FrameSeriesTest, MeasuresCentroidsInItsWindows) {
   Image<std::uint8_t> image(40, 20);
   image.at(12, 9) = 100;
   record_.frame.image = view_of(image);
-  FrameSeries series(1, 2, {{10, 10}, {30, 10}});
+  FrameSeries series(1, 2, {{{10, 10}, {30, 10}}, nullptr});
   EXPECT_TRUE(series.needs_pixels());
   EXPECT_TRUE(series.add(next()));
   const auto frames = series.take();

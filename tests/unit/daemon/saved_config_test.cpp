@@ -42,7 +42,7 @@ class SavedConfig : public testing::Test {
   Config changed() const {
     Config in_use = load().effective;
     in_use.camera.settings.exposure_us = 1500.5;
-    in_use.tracking.tracker = TrackerKind::matched;
+    in_use.tracking.tracker = TrackerKind::lg;
     return in_use;
   }
   void expect_rejected(const std::string& text, const std::string& why) const {
@@ -86,7 +86,7 @@ TEST_F(SavedConfig, AKeyEditedInTheFileSinceIsTheFiles) {
   EXPECT_EQ(loaded.saved, Keys{"tracking.tracker"});
   EXPECT_EQ(loaded.edited, Keys{"camera.exposure_us"});
   EXPECT_EQ(loaded.effective.camera.settings.exposure_us, 3000.0);
-  EXPECT_EQ(loaded.effective.tracking.tracker, TrackerKind::matched);
+  EXPECT_EQ(loaded.effective.tracking.tracker, TrackerKind::lg);
   EXPECT_EQ(loaded.effective.slm.settle_ms, 30.0);
   EXPECT_NE(describe_saved(loaded).find("the file's values are used: camera.exposure_us"),
             std::string::npos);

@@ -40,9 +40,9 @@ Roi region_named(const std::string& text) {
 
 TEST(SpotLayout, BenchesThatWereMeasuredToWorkAreAccepted) {
   EXPECT_EQ(refusal(Config{}), "");
-  EXPECT_EQ(refusal(bench(0, TrackerKind::matched)), "");
-  EXPECT_EQ(refusal(bench(-1, TrackerKind::matched)), "");
-  EXPECT_EQ(refusal(bench(2, TrackerKind::matched)), "");
+  EXPECT_EQ(refusal(bench(0, TrackerKind::fit)), "");
+  EXPECT_EQ(refusal(bench(-1, TrackerKind::fit)), "");
+  EXPECT_EQ(refusal(bench(2, TrackerKind::fit)), "");
   EXPECT_EQ(refusal(bench(3, TrackerKind::lg)), "");
   EXPECT_EQ(refusal(bench(0, TrackerKind::thresholded, 7)), "");
   EXPECT_EQ(refusal(bench(1, TrackerKind::lg, 7)), "");
@@ -53,8 +53,7 @@ TEST(SpotLayout, SpotsThatATrackerCannotTellApartAreRefusedWithValuesThatWork) {
   Config large_slm;
   large_slm.slm.geometry = {3840, 2160, 3.74};
   for (Config config :
-       {bench(1, TrackerKind::lg, 9), bench(1, TrackerKind::matched, 7),
-        bench(3, TrackerKind::matched), bench(7, TrackerKind::lg), large_slm,
+       {bench(1, TrackerKind::lg, 9), bench(7, TrackerKind::lg), large_slm,
         bench(2, TrackerKind::lg, 7), bench(3, TrackerKind::lg, 7, 0.31),
         bench(3, TrackerKind::lg, 5, 0.16), bench(0, TrackerKind::centroid, 5, 0.09)}) {
     const std::string reason = refusal(config);
@@ -141,7 +140,7 @@ TEST(SpotLayout, MoreModesThanTheSpotsTellAreRefusedWithTheNumberThatIsPossible)
 
 TEST(SpotLayout, ModesThatOnlyShapesTellNeedTheTrackerFit) {
   Config config = with_modes(1, 44);
-  config.tracking.tracker = TrackerKind::matched;
+  config.tracking.tracker = TrackerKind::lg;
   EXPECT_TRUE(refusal(config).starts_with("tracking.mode_count: positions")) << refusal(config);
   EXPECT_NE(refusal(with_modes(1, 9)), "");
 }

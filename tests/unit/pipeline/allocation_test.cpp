@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
     InlineAndThreaded, Allocation,
     ::testing::Values(Case{0, -1}, Case{1, -1}, Case{3, -1}, Case{0, int(TrackerKind::centroid)},
                       Case{0, int(TrackerKind::thresholded)}, Case{2, int(TrackerKind::weighted)},
-                      Case{2, int(TrackerKind::lg)}, Case{2, int(TrackerKind::matched)}));
+                      Case{2, int(TrackerKind::lg)}, Case{2, int(TrackerKind::fit)}));
 
 }  // namespace
 }  // namespace ovws::test

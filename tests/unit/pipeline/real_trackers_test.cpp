@@ -86,8 +86,8 @@ INSTANTIATE_TEST_SUITE_P(Trackers, RealTracker,
                                            Case{TrackerKind::lg, 0, "lg_charge_0"},
                                            Case{TrackerKind::thresholded, 0, "thresholded"},
                                            Case{TrackerKind::weighted, 0, "weighted"},
-                                           Case{TrackerKind::matched, 1, "matched_charge_1"},
-                                           Case{TrackerKind::matched, 0, "matched_charge_0"}),
+                                           Case{TrackerKind::fit, 1, "fit_charge_1"},
+                                           Case{TrackerKind::fit, 0, "fit_charge_0"}),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -300,11 +300,25 @@ json numbers_to(std::size_t count) {
   return numbers;
 }
 
+TEST(FormerTracker, IsFitWithTwoEstimates) {
+  const auto set = SensorSet::decode({{"tracker", "matched"}, {"template", "reference"}});
+  ASSERT_TRUE(set) << set.error().reason;
+  const TrackingSettings now = set->applied_to({}).tracking;
+  EXPECT_EQ(now.tracker, TrackerKind::fit);
+  EXPECT_EQ(now.estimates, 2);
+  EXPECT_EQ(to_json(now).at("tracker"), "fit");
+  const auto with = SensorSet::decode({{"tracker", "matched"}, {"estimates", 4}});
+  EXPECT_EQ(with->applied_to({}).tracking.estimates, 4);
+  const auto sweep = decode<GainSweep>({{"arms", {{{"charge", 0}, {"tracker", "matched"}}}}});
+  ASSERT_TRUE(sweep);
+  EXPECT_EQ(sweep->arms[0], (SweepArm{0, {TrackerKind::fit}}));
+}
+
 /// Sweep arms that all differ in charge or tracker.
 json arms_of(std::size_t count) {
   json arms = json::array();
   for (std::size_t k = 0; k < count; ++k) {
-    arms.push_back({{"charge", int(k % 9)}, {"tracker", k < 9 ? "lg" : "matched"}});
+    arms.push_back({{"charge", int(k % 9)}, {"tracker", k < 9 ? "lg" : "fit"}});
   }
   return arms;
 }

@@ -134,32 +134,6 @@ TEST_P(Acquire, DoesNotAllocate) {
   EXPECT_EQ(found, 18);
 }
 
-/// Templates of its own make two of three spots much brighter; the others then count as faint.
-class UnevenTracker final : public SpotTracker {
- public:
-  explicit UnevenTracker(const SpotTracker& tracker) : tracker_(tracker) {}
-  int window_half_px() const override { return tracker_.window_half_px(); }
-  TrackScratch make_scratch() const override { return tracker_.make_scratch(); }
-  bool per_spot() const override { return true; }
-  SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch,
-                int spot) const override {
-    SpotFix fix = tracker_.track(image, start_px, scratch);
-    if (spot >= 0 && spot % 3 != 0) fix.level *= 1000.0F;
-    return fix;
-  }
-
- private:
-  const SpotTracker& tracker_;
-};
-
-TEST_P(Acquire, ReportsNoneIfFewerThanHalfRemain) {
-  const auto image = expose8(bench_.light({}, {0, 1, 2, 3, 4, 15, 16, 17, 18}), 200.0);
-  ASSERT_EQ(acquire(image), 10);
-  const UnevenTracker uneven(*tracker_);
-  EXPECT_EQ(acquisition_.acquire(view_of(image), uneven, scratch_, fixes_), 0);
-  for (const SpotFix& fix : fixes_) EXPECT_FALSE(fix.found());
-}
-
 std::string method_name(const testing::TestParamInfo<Method>& info) {
   const int charge = info.param.charge;
   return std::string(tracker_name(info.param.tracker)) + (charge < 0 ? "_minus_" : "_") +
@@ -167,10 +141,8 @@ std::string method_name(const testing::TestParamInfo<Method>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Methods, Acquire,
                          testing::Values(Method{1, TrackerKind::lg}, Method{-1, TrackerKind::lg},
-                                         Method{2, TrackerKind::lg},
-                                         Method{0, TrackerKind::thresholded},
-                                         Method{0, TrackerKind::matched},
-                                         Method{1, TrackerKind::matched}),
+                                         Method{2, TrackerKind::lg}, Method{0, TrackerKind::lg},
+                                         Method{0, TrackerKind::thresholded}),
                          method_name);
 
 }  // namespace

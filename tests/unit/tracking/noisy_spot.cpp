@@ -1,5 +1,6 @@
 #include "tests/unit/tracking/noisy_spot.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -7,7 +8,7 @@
 
 namespace ovws::test {
 
-Image<float> mean_electrons(const SpotShape& shape, Vec2 at) {
+Image<float> mean_electrons(const ModelShape& shape, Vec2 at) {
   Image<float> image(kNoisySide, kNoisySide);
   for (int y = 0; y < kNoisySide; ++y) {
     for (int x = 0; x < kNoisySide; ++x) {
@@ -15,6 +16,20 @@ Image<float> mean_electrons(const SpotShape& shape, Vec2 at) {
     }
   }
   return image;
+}
+
+double bound_px(const ModelShape& shape, Vec2 at, double read_noise_e) {
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  for (int y = 0; y < kNoisySide; ++y) {
+    for (int x = 0; x < kNoisySide; ++x) {
+      const ShapeSample s = shape.at(Vec2{double(x), double(y)} - at);
+      const Eigen::Vector4d slope = kNoisyPeak * Eigen::Vector4d(s.dx, s.dy, s.value, 1.0);
+      const double mean = kNoisyPeak * std::max(s.value, 0.0);
+      information += slope * slope.transpose() / (mean + read_noise_e * read_noise_e);
+    }
+  }
+  const Eigen::Matrix4d covariance = information.inverse();
+  return std::sqrt(0.5 * (covariance(0, 0) + covariance(1, 1)));
 }
 
 double read_noise_of(double snr) {

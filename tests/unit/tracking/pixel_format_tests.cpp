@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "core/spots/position_fit.hpp"
 #include "core/tracking/acquisition.hpp"
 #include "core/tracking/binned_image.hpp"
 #include "core/tracking/cell_centroid.hpp"
 #include "core/tracking/patch.hpp"
-#include "core/tracking/reference_shape.hpp"
 #include "tests/support/alloc_guard.hpp"
 #include "tests/unit/base/packed_picture.hpp"
 #include "tests/unit/tracking/sensor_image.hpp"
@@ -53,9 +53,8 @@ Image<std::uint16_t> spot_at(int charge, Vec2 at, int full) {
 }
 
 std::vector<TrackerKind> kinds_for(int charge) {
-  if (charge != 0) return {TrackerKind::lg, TrackerKind::lg_contour, TrackerKind::matched};
-  return {TrackerKind::lg, TrackerKind::matched, TrackerKind::centroid, TrackerKind::thresholded,
-          TrackerKind::weighted};
+  if (charge != 0) return {TrackerKind::lg, TrackerKind::lg_contour};
+  return {TrackerKind::lg, TrackerKind::centroid, TrackerKind::thresholded, TrackerKind::weighted};
 }
 
 void expect_same(const SpotFix& a, const SpotFix& b, const std::string& what) {
@@ -204,22 +203,17 @@ TEST_P(ColourCamera, FindsAllSpotsWithoutHistoryWhereACameraWithoutFiltersDoes) 
   EXPECT_LT(norm(sum) / double(found.size()), 0.01);
 }
 
-TEST_P(ColourCamera, MakesTemplatesOfItsLitPixels) {
-  const Vec2 at{62.27, 60.81};
-  const SpotModel spots{1, kLambdaD, lit()};
-  const auto dn = filtered(spot_at(1, at, full()), lit());
-  Image<float> average(dn.width, dn.height);
-  std::copy(dn.pixels.begin(), dn.pixels.end(), average.pixels.begin());
-  auto banks = reference_templates(spots, average, std::vector<Vec2>{at});
-  ASSERT_TRUE(banks[0]);
-  const auto tracker = make_tracker({TrackerKind::matched}, spots, std::move(banks)).value();
-  TrackScratch scratch = tracker->make_scratch();
-  const Vec2 now = at + Vec2{1.6, -2.3};
-  const Packed image(filtered(spot_at(1, now, full()), lit()), GetParam().format);
-  const SpotFix fix = tracker->track(image.view, at, scratch, 0);
-  ASSERT_TRUE(fix.found());
-  EXPECT_NEAR(fix.x, now.x, full() == 255 ? 0.05 : 0.02);
-  EXPECT_NEAR(fix.y, now.y, full() == 255 ? 0.05 : 0.02);
+TEST_P(ColourCamera, FitsPositionsToItsLitPixels) {
+  for (const int charge : {0, 1}) {
+    const Vec2 at{62.27, 60.81};
+    const auto tracker = make_position_fit({charge, kLambdaD, lit()}).value();
+    TrackScratch scratch = tracker->make_scratch();
+    const Packed image(filtered(spot_at(charge, at, full()), lit()), GetParam().format);
+    const SpotFix fix = tracker->track(image.view, at + Vec2{2.0, -3.0}, scratch);
+    ASSERT_TRUE(fix.found()) << charge;
+    EXPECT_NEAR(fix.x, at.x, full() == 255 ? 0.05 : 0.02);
+    EXPECT_NEAR(fix.y, at.y, full() == 255 ? 0.05 : 0.02);
+  }
 }
 
 TEST_P(ColourCamera, NeedsSpotsWideEnoughForItsLitPixels) {

@@ -5,6 +5,7 @@
 
 #include "core/tracking/spot.hpp"
 #include "core/tracking/spot_geometry.hpp"
+#include "core/tracking/spot_shape.hpp"
 #include "tests/support/alloc_guard.hpp"
 #include "tests/unit/tracking/synthetic_spot.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 TEST(TrackerNames, GoThereAndBack) {
   for (const TrackerKind kind :
        {TrackerKind::centroid, TrackerKind::thresholded, TrackerKind::weighted,
-        TrackerKind::lg_contour, TrackerKind::lg, TrackerKind::matched}) {
+        TrackerKind::lg_contour, TrackerKind::lg, TrackerKind::fit}) {
     EXPECT_EQ(tracker_from_name(tracker_name(kind)), kind);
   }
   EXPECT_EQ(tracker_name(TrackerKind::lg_contour), "lg_contour");
@@ -98,6 +99,21 @@ TEST(AllocGuard, SeesEveryKindOfAllocation) {
   std::free(raw);
   delete one;
   EXPECT_EQ(guard.allocations(), 3U);
+}
+
+TEST(ModelShape, IsTheSpotsProfileWithItsGradient) {
+  for (const int charge : {0, 1, -2}) {
+    const ModelShape shape({charge, 12.55}, 4.0);
+    const double peak = spot_intensity(charge, spot_geometry(charge).ring);
+    for (double r = 0.0; r < 4.0; r += 0.0713) {
+      const Vec2 at = r * 12.55 * Vec2{0.6, -0.8};
+      const ShapeSample s = shape.at(at);
+      EXPECT_NEAR(s.value, spot_intensity(charge, r) / peak, 2e-5) << r;
+      constexpr double kStep = 1e-4;
+      EXPECT_NEAR(s.dx, (shape.at(at + Vec2{kStep, 0}).value - s.value) / kStep, 1e-5) << r;
+      EXPECT_NEAR(s.dy, (shape.at(at + Vec2{0, kStep}).value - s.value) / kStep, 1e-5) << r;
+    }
+  }
 }
 
 }  // namespace

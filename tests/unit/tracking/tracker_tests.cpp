@@ -226,8 +226,6 @@ TEST_P(EveryFramePathTracker, DoesNotAllocate) {
 const auto kFramePath = testing::Values(
     Method{TrackerKind::lg, 1, 0.002}, Method{TrackerKind::lg, -1, 0.002},
     Method{TrackerKind::lg, 2, 0.004}, Method{TrackerKind::lg, -2, 0.004},
-    Method{TrackerKind::matched, 1, 0.003}, Method{TrackerKind::matched, -1, 0.003},
-    Method{TrackerKind::matched, 2, 0.003}, Method{TrackerKind::matched, 0, 0.003},
     Method{TrackerKind::lg, 0, 0.002}, Method{TrackerKind::thresholded, 0, 0.005},
     Method{TrackerKind::weighted, 0, 0.002}, Method{TrackerKind::centroid, 0, 0.05});
 const auto kOracle = testing::Values(Method{TrackerKind::lg_contour, 1, 0.002},

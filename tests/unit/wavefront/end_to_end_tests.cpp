@@ -148,9 +148,8 @@ INSTANTIATE_TEST_SUITE_P(
     Methods, EndToEnd,
     testing::Values(Method{1, {TrackerKind::lg, 0.4}}, Method{1, {TrackerKind::lg, 0.3}},
                     Method{-1, {TrackerKind::lg, 0.4}}, Method{0, {TrackerKind::thresholded, 0.4}},
-                    Method{0, {TrackerKind::weighted, 0.4}}, Method{0, {TrackerKind::lg, 0.4}},
-                    Method{0, {TrackerKind::matched, 0.4}}, Method{1, {TrackerKind::matched, 0.4}},
-                    Method{-1, {TrackerKind::matched, 0.4}}),
+                    Method{0, {TrackerKind::weighted, 0.4}}, Method{0, {TrackerKind::lg, 0.4}}),
+
     method_name);
 
 TEST(EndToEndPrinted, ThePlainCentroidAndChargeTwoAreShownNotJudged) {

@@ -19,9 +19,7 @@ const std::vector<SlopeModel> kModels{SlopeKind::gradient_tilt,
                                       SlopeKind::vortex_tilt,
                                       {SlopeKind::kernel_tilt, 1, 0.4},
                                       {SlopeKind::kernel_tilt, 2, 0.57},
-                                      {SlopeKind::kernel_tilt, 0, 0.5},
-                                      {SlopeKind::matched_tilt, 1, 1.84},
-                                      {SlopeKind::matched_tilt, 0, 1.5}};
+                                      {SlopeKind::kernel_tilt, 0, 0.5}};
 
 SensorConfig sensor() {
   return {};
@@ -182,10 +180,7 @@ TEST(SlopeModel, IsChosenByTheTrackerInUse) {
   EXPECT_EQ(lg.kind, SlopeKind::kernel_tilt);
   EXPECT_EQ(lg.charge, 1);
   EXPECT_EQ(lg.kernel_radius, 0.3);
-  const SlopeModel matched = slope_model(0, {TrackerKind::matched, 0.3});
-  EXPECT_EQ(matched.kind, SlopeKind::matched_tilt);
-  EXPECT_EQ(matched.charge, 0);
-  EXPECT_EQ(matched.kernel_radius, 1.5);
+  EXPECT_EQ(slope_model(1, {TrackerKind::fit, 0.3}).kind, SlopeKind::kernel_tilt);
   EXPECT_EQ(slope_kind(0), SlopeKind::gradient_tilt);
   EXPECT_EQ(slope_kind(-1), SlopeKind::vortex_tilt);
 }
