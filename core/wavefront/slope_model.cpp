@@ -1,80 +1,76 @@
 #include "core/wavefront/slope_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "core/optics/zernike.hpp"
 #include "core/tracking/centroid.hpp"
-#include "core/wavefront/radial_weight.hpp"
 
 namespace ovws {
 namespace {
 
-// The trapezoidal rule is exact for harmonics below the number of angles. The highest is 2n + 2,
-// for the highest radial order n = 20 and the first harmonic itself.
-constexpr int kAngles = 48;
+constexpr double kPi = std::numbers::pi;
+constexpr double kMinRadius = 0.1;  // a wide kernel reads almost the gradient at the centre
 
-struct Sample {
-  Vec2 at;      ///< in units of the subaperture's radius
-  Vec2 weight;  ///< of phi there, for x and y
-};
-
-/// Quadrature points and weights of phi, scaled so that a tilt phi = g . at gives the gradient g.
-std::vector<Sample> samples_of(const SlopeModel& model) {
-  std::vector<Sample> samples;
-  double tilt = 0.0;
-  for (const RadialNode& node : radial_nodes(model)) {
-    tilt += 0.5 * kAngles * node.weight * node.r;
-    for (int i = 0; i < kAngles; ++i) {
-      const double t = 2.0 * std::numbers::pi * i / kAngles;
-      const Vec2 direction{std::cos(t), std::sin(t)};
-      samples.push_back({node.r * direction, node.weight * direction});
+/// The ring of the zero of Psi. With the pupil field P = exp(i l t) and the kernel's transfer
+/// function g(a) = exp(-(pi w |a| / d)^2), Psi(0) = 0. A small phase phi shifts the zero by the
+/// mean of phi under q(a) = Re conj(P(a)) integral P(b) (a - b) g(a - b) db. By symmetry q points
+/// along a, so that a = (r, 0) suffices. `kernel_radius`: w, units of lambda/d.
+double kernel_ring(int charge, double kernel_radius) {
+  constexpr int kRings = 24, kAngles = 48;                  // midpoint rule
+  const double k = std::pow(0.5 * kPi * kernel_radius, 2);  // radius of the pupil = 1 = d/2
+  double of_tilt = 0.0, of_coma = 0.0;
+  for (int i = 0; i < kRings; ++i) {
+    const double r = (i + 0.5) / kRings;
+    double q = 0.0;
+    for (int n = 0; n < kRings * kAngles; ++n) {
+      const double b = (n / kAngles + 0.5) / kRings, t = 2.0 * kPi * (n % kAngles) / kAngles;
+      const double along = b * std::cos(t);
+      q +=
+          b * std::cos(charge * t) * (r - along) * std::exp(-k * (r * r + b * b - 2.0 * r * along));
     }
+    of_tilt += q * r * r;
+    of_coma += q * r * r * r * r;
   }
-  for (Sample& s : samples) s.weight = (1.0 / tilt) * s.weight;
-  return samples;
+  return std::sqrt(std::clamp(of_coma / of_tilt, kMinRadius * kMinRadius, 1.0));
 }
 
 }  // namespace
 
-SlopeKind slope_kind(int charge) {
-  return charge == 0 ? SlopeKind::gradient_tilt : SlopeKind::vortex_tilt;
-}
-
-SlopeModel slope_model(int charge, const TrackingConfig& tracking) {
+double tilt_radius(int charge, const TrackingConfig& tracking) {
   switch (tracking.tracker) {
     case TrackerKind::centroid:
-      return SlopeKind::gradient_tilt;
+      return kGradientTilt;
     case TrackerKind::thresholded:
-      return SlopeKind::zernike_tilt;
+      return kZernikeTilt;
     case TrackerKind::weighted:
-      return {SlopeKind::kernel_tilt, charge, WeightedTracker::kWindowRadius};
+      return kernel_ring(charge, WeightedTracker::kWindowRadius);
     case TrackerKind::lg_contour:
     case TrackerKind::lg:
     case TrackerKind::fit:
-      return {SlopeKind::kernel_tilt, charge, lg_kernel_radius(tracking, charge)};
+      return kernel_ring(charge, lg_kernel_radius(tracking, charge));
   }
-  return slope_kind(charge);
+  return kGradientTilt;
 }
 
 Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
-                             std::span<const int> modes_j, const SlopeModel& model,
+                             std::span<const int> modes_j, double tilt_radius,
                              const PxPerCycle& px_per_cycle) {
+  constexpr int kAngles = 48;  // exact for modes up to n = 20
   const double pupil_radius = 0.5 * sensor.pupil_diameter_px;
-  const double radius = 0.5 * lattice.diameter_px;
-  const std::vector<Sample> samples = samples_of(model);
-  Eigen::MatrixXd slopes =
-      Eigen::MatrixXd::Zero(2 * Eigen::Index(lattice.subapertures.size()), modes_j.size());
+  const double radius = tilt_radius * 0.5 * lattice.diameter_px;
+  Eigen::MatrixXd slopes(2 * Eigen::Index(lattice.subapertures.size()), modes_j.size());
   for (std::size_t i = 0; i < lattice.subapertures.size(); ++i) {
-    const Vec2 centre = lattice.subapertures[i].centre_px;
     for (std::size_t k = 0; k < modes_j.size(); ++k) {
       Vec2 sum;
-      for (const Sample& s : samples) {
-        const Vec2 at = (1.0 / pupil_radius) * (centre + radius * s.at);
-        sum = sum + zernike(modes_j[k], at) * s.weight;
+      for (int n = 0; n < kAngles; ++n) {
+        const double t = 2.0 * kPi * n / kAngles;
+        const Vec2 direction{std::cos(t), std::sin(t)};
+        const Vec2 at = lattice.subapertures[i].centre_px + radius * direction;
+        sum = sum + zernike(modes_j[k], (1.0 / pupil_radius) * at) * direction;
       }
-      const Vec2 moved = px_per_cycle * ((1.0 / radius) * sum);
+      const Vec2 moved = px_per_cycle * ((2.0 / (kAngles * radius)) * sum);
       slopes(2 * i, k) = moved.x;
       slopes(2 * i + 1, k) = moved.y;
     }

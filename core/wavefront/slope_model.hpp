@@ -10,43 +10,22 @@
 
 namespace ovws {
 
-/// The tilt that a tracker measures as a spot's displacement (camera pixels). To first order it is
-/// the first azimuthal harmonic of the phase phi (waves) inside a subaperture under a radial weight
-/// q(r) of the tracker: (dx, dy) = S/R integral phi q(r) (cos t, sin t) dA / (1/2 integral r q(r)
-/// dA). S: px_per_cycle. R: the subaperture's radius (SLM pixels). r: in units of R. A pure tilt
-/// gives exactly S * gradient.
-enum class SlopeKind {
-  gradient_tilt,  ///< G-tilt, the mean gradient, measured by the centroid of a whole bright spot;
-                  ///< all weight is on the rim (Gauss's theorem)
-  zernike_tilt,   ///< Z-tilt, q = r, the best-fitting plane: measured by the core of a bright spot
-  vortex_tilt,    ///< V-tilt, q = 1: measured by the very core of a vortex of charge +-1
-  kernel_tilt,    ///< measured by the zero of Psi for a charge and a kernel radius; tends to V-tilt
-                  ///< (charge +-1) and to Z-tilt (charge 0) for a small kernel
-};
+/// Every tracker measures the first azimuthal harmonic of the phase inside a subaperture under some
+/// radial weight, scaled so that a tilt gives its gradient. Modes are nearly cubic over a
+/// subaperture, so the weight acts like a ring: its radius, in units of the subaperture's, is the
+/// root of the tilt that the tracker reads from r^3 cos t.
+constexpr double kGradientTilt = 1.0;  ///< G-tilt: the mean gradient (Gauss's theorem)
+constexpr double kZernikeTilt = 0.81649658092772603;  ///< Z-tilt: the best-fitting plane
+constexpr double kVortexTilt = 0.77459666924148338;   ///< V-tilt: the very core of a vortex
 
-/// A tilt with its parameters.
-struct SlopeModel {
-  SlopeKind kind = SlopeKind::vortex_tilt;
-  int charge = 1;
-  double kernel_radius = 0.3;  ///< 1/e radius, units of lambda/d
-
-  SlopeModel() = default;
-  SlopeModel(SlopeKind k) : kind(k) {}  // NOLINT(google-explicit-constructor): a kind is a model
-  SlopeModel(SlopeKind k, int l, double w) : kind(k), charge(l), kernel_radius(w) {}
-};
-
-/// The slope model of a tracker: kernel_tilt for fit, lg, lg_contour and weighted, Z-tilt for
-/// thresholded, G-tilt for centroid.
-SlopeModel slope_model(int charge, const TrackingConfig& tracking);
-
-/// The textbook choice, regardless of the tracker: G-tilt for charge 0, V-tilt otherwise.
-SlopeKind slope_kind(int charge);
+/// The ring's radius for a tracker. `centroid` measures G-tilt and `thresholded` Z-tilt. Those
+/// with a Gaussian kernel tend to V-tilt (charge +-1) or Z-tilt (others) for a narrow one.
+double tilt_radius(int charge, const TrackingConfig& tracking);
 
 /// 2N x Z matrix, rows x_0, y_0, x_1, y_1, …, columns as `modes_j`: camera pixels per
-/// RMS-normalised wave. Integrals over each subaperture's circle by quadrature exact for the modes'
-/// degree.
+/// RMS-normalised wave. `tilt_radius`: of the ring, above 0.
 Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
-                             std::span<const int> modes_j, const SlopeModel& model,
+                             std::span<const int> modes_j, double tilt_radius,
                              const PxPerCycle& px_per_cycle);
 
 }  // namespace ovws

@@ -61,7 +61,7 @@ ScanFit::ScanFit(ScanGrid grid, const PxPerCycle& px_per_cycle)
   SensorConfig sensor;
   sensor.charge = 0;
   sensor.pupil_diameter_px = grid_.pupil_diameter_px;
-  slopes_ = slope_matrix(lattice_of(grid_), sensor, modes_j_, slope_model(0, kProbeTracking),
+  slopes_ = slope_matrix(lattice_of(grid_), sensor, modes_j_, tilt_radius(0, kProbeTracking),
                          px_per_cycle);
 }
 

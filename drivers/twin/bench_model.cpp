@@ -113,7 +113,9 @@ std::vector<Vec2> true_spots_px(const Config& config, const Truth& truth) {
   }
   // With a scale of 1 camera pixel per cycle, displacements are in cycles per SLM pixel.
   const Eigen::VectorXd moved_cpp =
-      slope_matrix(*lattice, config.sensor, modes_j, slope_kind(config.sensor.charge), 1.0) * waves;
+      slope_matrix(*lattice, config.sensor, modes_j,
+                   config.sensor.charge == 0 ? kGradientTilt : kVortexTilt, 1.0) *
+      waves;
   const CameraMap map = camera_map(config, truth.geometry);
   std::vector<Vec2> spots;
   for (const Subaperture& s : lattice->subapertures) {

@@ -33,11 +33,10 @@ OperatorTools::OperatorTools(int l)
       model(model_of(geometry, charge)),
       measurer(geometry, {"lg", charge, {TrackerKind::lg}}, model) {
   const SensorConfig sensor = sensor_of(*this);
-  const SlopeKind core = charge == 0 ? SlopeKind::zernike_tilt : SlopeKind::vortex_tilt;
-  for (const SlopeModel& kind : {SlopeModel(SlopeKind::gradient_tilt), SlopeModel(core),
-                                 slope_model(charge, measurer.method().tracking)}) {
+  for (const double radius : {kGradientTilt, charge == 0 ? kZernikeTilt : kVortexTilt,
+                              tilt_radius(charge, measurer.method().tracking)}) {
     slopes.push_back(
-        slope_matrix(model->lattice(), sensor, modes_j(), kind, model->px_per_cycle()));
+        slope_matrix(model->lattice(), sensor, modes_j(), radius, model->px_per_cycle()));
   }
   auto matrix = diffractive_matrix(*model, sensor, measurer.tracker(), modes_j());
   if (!matrix) throw std::logic_error(matrix.error().reason);

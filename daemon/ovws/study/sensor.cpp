@@ -134,7 +134,7 @@ Measurer::Measurer(const Geometry& geometry, const Method& method,
   sensor.charge = method.charge;
   const std::vector<int> modes_j = modes_of(geometry);
   slopes_ = slope_matrix(model_->lattice(), sensor, modes_j,
-                         slope_model(method.charge, method.tracking), model_->px_per_cycle());
+                         tilt_radius(method.charge, method.tracking), model_->px_per_cycle());
   Image<float> flat = value_of(model_->intensity({}));
   scale(flat, to_peak(*model_, flat, {}));
   reference_px_ = model_->spots_px();

@@ -58,7 +58,7 @@ class ByPositions {
   ByPositions(const SensorSnapshot& sensor, const SlmGeometry& slm, const Lattice& lattice,
               int cols, int rows)
       : reconstructor_(slope_matrix(lattice, sensor.sensor, sensor.position_modes_j,
-                                    slope_model(sensor.sensor.charge, sensor.tracking),
+                                    tilt_radius(sensor.sensor.charge, sensor.tracking),
                                     px_per_cycle(sensor.optics, slm)),
                        sensor.position_modes_j,
                        model_spots_px(lattice, sensor.sensor, slm, sensor.optics, cols, rows)),

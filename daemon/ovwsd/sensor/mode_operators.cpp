@@ -56,7 +56,7 @@ ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
                             const TrackingConfig& tracking, const PxPerCycle& map) {
   ModeOperator made{OperatorKind::slopes, reconstructed_modes(sensor), {}};
   made.slopes =
-      slope_matrix(lattice, sensor, made.modes_j, slope_model(sensor.charge, tracking), map);
+      slope_matrix(lattice, sensor, made.modes_j, tilt_radius(sensor.charge, tracking), map);
   made.modes_j.resize(std::size_t(determined_modes(made.slopes)));
   made.slopes.conservativeResize(Eigen::NoChange, Eigen::Index(made.modes_j.size()));
   return made;

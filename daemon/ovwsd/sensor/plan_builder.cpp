@@ -19,7 +19,7 @@ std::vector<Vec2> displacements(const PlanInputs& inputs, const std::vector<Mode
     waves[Eigen::Index(i)] = modes[i].waves;
   }
   const Eigen::VectorXd moved = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
-                                             slope_model(inputs.sensor.charge, inputs.tracking),
+                                             tilt_radius(inputs.sensor.charge, inputs.tracking),
                                              px_per_cycle(inputs.optics, inputs.slm)) *
                                 waves;
   std::vector<Vec2> result;
@@ -48,7 +48,7 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
 Eigen::MatrixXd slopes_of_positions(const PlanInputs& inputs, const ModeOperator& modes) {
   if (!modes.shapes) return modes.slopes;
   return slope_matrix(inputs.lattice, inputs.sensor, modes.modes_j,
-                      slope_model(inputs.sensor.charge, inputs.tracking),
+                      tilt_radius(inputs.sensor.charge, inputs.tracking),
                       px_per_cycle(inputs.optics, inputs.slm));
 }
 

@@ -40,7 +40,7 @@ Result<std::vector<double>> start_of(const SensorSnapshot& sensor, const SlmGeom
   if (!lattice) return fail(lattice.error());
   const Reconstructor by_model(
       slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
-                   slope_model(sensor.sensor.charge, sensor.tracking),
+                   tilt_radius(sensor.sensor.charge, sensor.tracking),
                    px_per_cycle(sensor.optics, slm)),
       sensor.position_modes_j,
       model_spots_px(*lattice, sensor.sensor, slm, sensor.optics, cols, rows));

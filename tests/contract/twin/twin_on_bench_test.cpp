@@ -116,9 +116,8 @@ TEST_F(TwinOnBench, MovingAirIsInEachFrameAsTheTruthSaysByItsNumber) {
         {{"rms_waves", 0.07}, {"speed_pupils_per_s", 100.0}, {"outer_scale_pupils", 100.0}}}});
   std::vector<int> modes_j(20);
   std::iota(modes_j.begin(), modes_j.end(), 1);
-  const Eigen::MatrixXd px_per_wave =
-      slope_matrix(*make_lattice(sensor, {}), sensor, modes_j, SlopeKind::vortex_tilt,
-                   camera_px_per_cycle({}, {}));
+  const Eigen::MatrixXd px_per_wave = slope_matrix(*make_lattice(sensor, {}), sensor, modes_j,
+                                                   kVortexTilt, camera_px_per_cycle({}, {}));
   double wrong = 0.0, moved = 0.0;
   for (int n = 0; n < 12; ++n) {
     const TakenFrame frame = bench.newer_frame();

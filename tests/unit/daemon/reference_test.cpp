@@ -140,7 +140,7 @@ class ReferenceSpotsTest : public testing::Test {
     const Lattice lattice = make_lattice(sensor, SlmGeometry{}).value();
     modes_.modes_j.resize(18);
     std::iota(modes_.modes_j.begin(), modes_.modes_j.end(), 1);
-    modes_.slopes = slope_matrix(lattice, sensor, modes_.modes_j, SlopeKind::vortex_tilt, 1928.3);
+    modes_.slopes = slope_matrix(lattice, sensor, modes_.modes_j, kVortexTilt, 1928.3);
     for (const Subaperture& one : lattice.subapertures) {
       model_px_.push_back(Vec2{256.0, 256.0} + 0.4 * one.centre_px);
     }

@@ -62,8 +62,9 @@ class SpotBench {
     lattice = *make_lattice(sensor, slm);
     model_px = model_spots_px(lattice, sensor, slm, optics, kSize, kSize);
     for (int j = 1; j <= optimal_mode_count(sensor.subapertures_across); ++j) modes_j.push_back(j);
-    slopes = slope_matrix(lattice, sensor, modes_j, slope_kind(sensor.charge),
-                          camera_px_per_cycle(optics, slm));
+    slopes =
+        slope_matrix(lattice, sensor, modes_j, sensor.charge == 0 ? kGradientTilt : kVortexTilt,
+                     camera_px_per_cycle(optics, slm));
   }
 
   int spots() const { return int(model_px.size()); }

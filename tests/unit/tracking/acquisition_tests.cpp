@@ -44,7 +44,7 @@ class Acquire : public testing::TestWithParam<Method> {
     for (const Mode& mode : modes) {
       const std::vector<int> j{mode.j};
       const auto slopes =
-          slope_matrix(bench_.lattice, bench_.sensor, j, slope_model(GetParam().charge, tracking_),
+          slope_matrix(bench_.lattice, bench_.sensor, j, tilt_radius(GetParam().charge, tracking_),
                        bench_.px_per_cycle);
       at = at + mode.waves * Vec2{slopes(2 * i, 0), slopes(2 * i + 1, 0)};
     }

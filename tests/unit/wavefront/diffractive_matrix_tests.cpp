@@ -23,7 +23,7 @@ class Diffractive : public testing::Test {
         modes_(18) {
     std::iota(modes_.begin(), modes_.end(), 1);
     geometric_ = slope_matrix(model_.lattice(), sensor_, modes_,
-                              slope_model(sensor_.charge, tracking_), model_.px_per_cycle());
+                              tilt_radius(sensor_.charge, tracking_), model_.px_per_cycle());
   }
 
   std::vector<SpotFix> fixes(Mode shown) {

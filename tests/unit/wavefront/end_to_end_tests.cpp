@@ -46,7 +46,7 @@ class Chain {
         acquisition_({method.charge, bench_.lambda_d}, bench_.model_px, 512, 512) {
     std::iota(modes_.begin(), modes_.end(), 1);
     slopes_ = slope_matrix(bench_.lattice, bench_.sensor, modes_,
-                           slope_model(method.charge, method.tracking), bench_.px_per_cycle);
+                           tilt_radius(method.charge, method.tracking), bench_.px_per_cycle);
     for (const SpotFix& fix : spots({})) reference_.push_back({double(fix.x), double(fix.y)});
   }
 

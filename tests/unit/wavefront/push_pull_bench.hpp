@@ -27,7 +27,7 @@ struct PushPullBench {
 
   PushPullBench() {
     std::iota(modes_j.begin(), modes_j.end(), 1);
-    model = slope_matrix(lattice, sensor, modes_j, slope_model(sensor.charge, {}),
+    model = slope_matrix(lattice, sensor, modes_j, tilt_radius(sensor.charge, {}),
                          px_per_cycle({}, {}));
     truth = model;
     rest_px = model_spots_px(lattice, sensor, {}, {}, 512, 512);

@@ -26,7 +26,7 @@ class Reconstruct : public testing::Test {
     sensor.subapertures_across = across;
     std::iota(modes_.begin(), modes_.end(), 1);
     const Lattice lattice = make_lattice(sensor, SlmGeometry{}).value();
-    slopes_ = slope_matrix(lattice, sensor, modes_, SlopeKind::vortex_tilt, 1928.3);
+    slopes_ = slope_matrix(lattice, sensor, modes_, kVortexTilt, 1928.3);
     for (const Subaperture& s : lattice.subapertures) {
       reference_.push_back(Vec2{300.25, 200.5} + 0.4 * s.centre_px);
     }
@@ -228,7 +228,7 @@ TEST_F(Reconstruct, OfMoreModesThanTheLatticeTellsDeterminesNothing) {
   const Lattice lattice = make_lattice(sensor, SlmGeometry{}).value();
   std::vector<int> many(45);
   std::iota(many.begin(), many.end(), 1);
-  const auto slopes = slope_matrix(lattice, sensor, many, SlopeKind::vortex_tilt, 1928.3);
+  const auto slopes = slope_matrix(lattice, sensor, many, kVortexTilt, 1928.3);
   const Reconstructor r(slopes, many, reference_);
   Reconstructor::Scratch scratch = r.make_scratch();
   std::vector<float> coefficients(45);
