@@ -18,7 +18,7 @@ class Range(case.StudyCase):
 
     def test_both_lights_and_charges_are_told_with_their_end(self):
         for light in ("equal peak", "equal photons"):
-            for method in ("vortex, lg", "vortex, matched", "vortex, fit", "Shack-Hartmann, thresholded", "Shack-Hartmann, matched", "Shack-Hartmann, fit"):
+            for method in ("vortex, lg", "vortex, fit", "Shack-Hartmann, thresholded", "Shack-Hartmann, fit"):
                 for row in self.rows(light=light, method=method):
                     self.assertIn(row["limited_by"], REASONS)
                     self.assertEqual(row["limited_by"] == "nothing", row["waves"] >= self.summary["most_waves"] - 1e-9, row)

@@ -8,8 +8,8 @@ class Trackers(case.StudyCase):
     study = "trackers"
     figures = ("trackers", "trackers-photons")
 
-    def test_matched_sits_at_the_bound(self):
-        for method in ("vortex, matched", "Shack-Hartmann, matched"):
+    def test_fit_sits_at_the_bound(self):
+        for method in ("vortex, fit", "Shack-Hartmann, fit"):
             for row in self.rows(method=method):
                 print(f"\n  {row['light']}, {method}, SNR {row['snr']:.0f}: {row['factor']:.2f} times the bound")
                 self.assertLess(row["rms_px"], 1.25 * row["bound_px"] + 2.0 * row["standard_error_px"])

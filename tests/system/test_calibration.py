@@ -2,7 +2,7 @@
 
     OVWS_CALIBRATION=full   one camera per geometric fault, every mode for each; default: one camera with all faults
     OVWS_AMPLITUDE=0.1      amplitude of the pokes, waves; default: the daemon's
-    OVWS_TRACKER=matched    tracker of both tests that measure modes
+    OVWS_TRACKER=fit    tracker of both tests that measure modes
 """
 import os
 import time
@@ -93,7 +93,7 @@ class Reading(CalibrationCase):
                 self.read_with(*case)
 
     def test_what_is_hidden_in_the_light_is_read(self):
-        self.use_tracker("matched")
+        self.use_tracker("fit")
         self.take_reference(50)
         self.calibrate(**self.amplitude())
         for j in ALL if FULL else (3, 7, 12, 14):
@@ -140,7 +140,7 @@ class Rules(CalibrationCase):
         self.call("camera.set", {"roi": {"x": 0}})
         self.assertEqual(self.in_use()[1], "measured")
         # Each key makes it stale.
-        self.call("sensor.set", {"tracker": "matched"})
+        self.call("sensor.set", {"tracker": "fit"})
         self.expect_fallback("tracker")
         second = self.quick()
         self.assertNotEqual(second["t_taken_ns"], first["t_taken_ns"])

@@ -94,19 +94,6 @@ class Formats(BenchCase):
         images.drain()
         self.assertEqual(int(self.picture(images, "Mono12").pixels.max()), peak)
 
-    def test_a_colour_camera_makes_templates_of_its_lit_pixels(self):
-        """Colour and mono formats of the same camera do not share reference templates."""
-        self.call("sensor.set", {"tracker": "matched", "template": "reference"})
-        self.call("camera.set", {"pixel_format": "BayerRG12"})
-        self.take_reference(4)
-        spots = self.stream("spots")
-        self.assertEqual(self.call("sensor.get")["own_templates"], 19)
-        # Templates exclude interfering light, which shifts some spots by 0.04 px, with Mono12 too.
-        self.assertLess(float(numpy.abs(self.spots(spots).displacements_px).max()), 0.06)
-        self.call("camera.set", {"pixel_format": "Mono12"})
-        wait_for(lambda: self.call("sensor.get")["own_templates"] == 0, 10.0, "templates of another camera to be given up")
-        self.assertLess(float(numpy.abs(self.spots(spots).displacements_px).max()), 0.06)  # with the model's templates
-
     def test_a_colour_camera_measures_what_is_shown(self):
         self.call("camera.set", {"pixel_format": "BayerRG12p"})
         self.take_reference(4)
@@ -129,7 +116,6 @@ class GreenLaser(Formats):
 
     test_numbers_justified_left_are_known_and_moved = None
     test_a_colour_camera_is_registered_and_calibrated = None
-    test_a_colour_camera_makes_templates_of_its_lit_pixels = None
 
 
 class SmallSpots(BenchCase):

@@ -235,7 +235,7 @@ class Hostile(BenchCase):
         clients = [self.dealer() for _ in range(3)]
         regions = [{"x": 0, "y": 0, "width": size, "height": size} for size in (480, 512)]
         changes = [("sensor.set", {"charge": charge, "tracker": tracker, "subapertures_across": across})
-                   for charge, tracker, across in itertools.product((1, 0, 2), ("matched", "lg", "weighted"), (5, 3))]
+                   for charge, tracker, across in itertools.product((1, 0, 2), ("fit", "lg", "weighted"), (5, 3))]
         self.fitted_frames(self.stream("wavefront"), 10)  # the templates' model is made
         before = self.allocator_mib()
         for number, change in enumerate(changes):

@@ -82,24 +82,14 @@ class Measure(unittest.TestCase):
         (line,) = self.measure(self.farfield("defocus.png", "2,0:0.2"))
         self.assert_mode(line, {4: 0.2})
 
-    def test_templates_of_the_reference_image_fit_its_spots_better(self):
+    def test_the_tracker_of_older_versions_is_fit(self):
         bench = "2,-2:0.4;3,3:0.15"
-        flat = self.farfield("bench.png", bench)
-        images = [self.farfield(f"{j}.png", f"{bench};{mode}") for j, mode in ((4, "2,0:0.08"), (7, "3,-1:0.05"))]
-        quality = {}
-        for template in ("model", "reference"):
-            lines = self.measure(*images, reference=flat, more=("--tracker", "matched", "--template", template))
-            quality[template] = np.mean([spot["quality"] for line in lines for spot in line["spots"]])
-            for line, (j, waves) in zip(lines, ((4, 0.08), (7, 0.05))):
-                found = line["coefficients"][j - 1]
-                print(f"\n  {template}: {waves} of j = {j} reads {found:.4f}, mean quality {quality[template]:.4f}")
-                self.assertEqual((line["template"], line["own_templates"], line["template_reason"]),
-                                 (template, 19 if template == "reference" else 0, None))
-                self.assertLess(abs(found - waves), 0.05 * waves + 0.005)
-        self.assertGreater(quality["reference"], quality["model"])
-        (line,) = self.measure(images[0], reference=flat, more=("--tracker", "lg", "--template", "reference"))
-        self.assertIn("matched", line["template_reason"])
-        (refused,) = self.ovws("measure", "--model-reference", "--template", "reference", images[0], status=2)
+        flat, image = self.farfield("bench.png", bench), self.farfield("7.png", f"{bench};3,-1:0.05")
+        (line,) = self.measure(image, reference=flat, more=("--tracker", "matched", "--template", "reference"))
+        self.assertEqual((line["tracker"], line["template"], line["own_templates"]), ("fit", "reference", 0))
+        self.assertIn("no effect", line["template_reason"])
+        self.assertAlmostEqual(line["coefficients"][6], 0.05, delta=0.003)
+        (refused,) = self.ovws("measure", "--model-reference", "--template", "reference", image, status=2)
         self.assertIn("template", str(refused))
 
     def operator_errors(self, operator, waves, tracker, modes):
@@ -116,13 +106,12 @@ class Measure(unittest.TestCase):
 
     def test_the_diffractive_operator_reads_small_modes_better_and_fit_reads_large_ones(self):
         modes = {3: "2,-2", 4: "2,0", 7: "3,-1", 9: "3,3", 12: "4,0", 14: "4,4"}
-        for tracker in ("lg", "matched"):
-            slopes = self.operator_errors("slopes", 0.05, tracker, modes)
-            diffractive = self.operator_errors("diffractive", 0.05, tracker, modes)
-            for error, before in zip(diffractive, slopes):
-                self.assertLess(error, 0.003)
-                self.assertLess(error, before)
-            self.assertLess(sum(diffractive), 0.6 * sum(slopes))
+        slopes = self.operator_errors("slopes", 0.05, "lg", modes)
+        diffractive = self.operator_errors("diffractive", 0.05, "lg", modes)
+        for error, before in zip(diffractive, slopes):
+            self.assertLess(error, 0.003)
+            self.assertLess(error, before)
+        self.assertLess(sum(diffractive), 0.6 * sum(slopes))
         for error in self.operator_errors("slopes", 0.3, "fit", modes):
             self.assertLess(error, 0.001)
 
@@ -178,7 +167,7 @@ class Measure(unittest.TestCase):
         config.write_text(json.dumps({"sensor": {"charge": 0}}))
         image = self.farfield("bright.png", "2,-2:0.2", 12, "--config", config)
         flat = self.farfield("flat.png", "", 12, "--config", config)
-        for tracker in ("centroid", "thresholded", "weighted", "lg", "lg_contour", "matched"):
+        for tracker in ("centroid", "thresholded", "weighted", "lg", "lg_contour", "fit"):
             with self.subTest(tracker):
                 (line,) = self.measure(image, reference=flat, more=("--config", config, "--tracker", tracker))
                 self.assertTrue(line["valid"])

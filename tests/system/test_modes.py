@@ -50,11 +50,11 @@ class Modes(BenchCase):
     def test_vortices_with_lg(self):
         self.check_all_modes(1, "lg")
 
-    def test_vortices_with_matched(self):
-        self.check_all_modes(1, "matched")
+    def test_vortices_with_fit(self):
+        self.check_all_modes(1, "fit")
 
-    def test_shack_hartmann_with_matched(self):
-        self.check_all_modes(0, "matched")
+    def test_shack_hartmann_with_fit(self):
+        self.check_all_modes(0, "fit")
 
     def test_shack_hartmann_with_thresholded_centroid(self):
         self.check_all_modes(0, "thresholded")

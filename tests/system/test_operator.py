@@ -8,7 +8,7 @@ FRAMES = 50
 
 
 class Operator(BenchCase):
-    daemon_config = {"tracking": {"tracker": "matched", "operator": "diffractive"}}
+    daemon_config = {"tracking": {"tracker": "lg", "operator": "diffractive"}}
 
     def in_use(self):
         sensor = self.call("system.status")["sensor"]

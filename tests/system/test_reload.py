@@ -55,7 +55,7 @@ class Reload(BenchCase):
         reference = self.call("reference.get")["sha256"]
         self.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": 0.1}]})
         hologram = self.call("system.status")["slm"]["hologram_id"]
-        event = self.reload({"camera": {"gain_db": 3.0, "exposure_us": 1500.0, "transfer_ms": 11.0}, "tracking": {"tracker": "matched"},
+        event = self.reload({"camera": {"gain_db": 3.0, "exposure_us": 1500.0, "transfer_ms": 11.0}, "tracking": {"tracker": "lg"},
                              "refine": {"rate_hz": 0.5}, "stream": {"image_rate_hz": 2.0}, "log": {"level": "debug"},
                              "slm": {"settle_ms": 25.0}, "state": {"directory": "state"}})
         print("\n ", event["text"])
@@ -65,7 +65,7 @@ class Reload(BenchCase):
         self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 3.0)
         used = self.call("config.get")
         self.assertEqual((used["tracking"]["tracker"], used["refine"]["rate_hz"], used["stream"]["image_rate_hz"], used["log"]["level"],
-                          used["slm"]["settle_ms"]), ("matched", 0.5, 2.0, "debug", 20.0))
+                          used["slm"]["settle_ms"]), ("lg", 0.5, 2.0, "debug", 20.0))
         status = self.wait_until("running")
         self.assertEqual(status["slm"]["hologram_id"], hologram, "the hologram stays, and the aberration with it")
         self.assertEqual(len(self.call("aberration.get")["modes"]), 1)
@@ -84,7 +84,7 @@ class Reload(BenchCase):
         self.assert_refused("{", "", "ovwsd.json")
         self.assert_refused({"camera": {"gain_db": 2.0}, "slm": {"driver": "none"}}, "slm.driver")
         # First the camera's own limit; then a sensor error that no camera setting precedes.
-        self.assert_refused({"camera": {"gain_db": 90.0}, "tracking": {"tracker": "matched"}}, "camera.gain_db")
+        self.assert_refused({"camera": {"gain_db": 90.0}, "tracking": {"tracker": "lg"}}, "camera.gain_db")
         self.assert_refused({"camera": {"gain_db": 2.0}, "tracking": {"operator": "measured"}}, "tracking.operator", "calibration")
         (self.bench.directory / "ovwsd.json").unlink()
         self.assert_frames(hologram)
@@ -92,7 +92,7 @@ class Reload(BenchCase):
     def test_saved_settings_are_laid_over_the_file(self):
         overlay = self.bench.directory / "state" / "config.json"
         self.call("camera.set", {"exposure_us": 1500.0, "gain_db": 3.0})
-        self.call("sensor.set", {"tracker": "matched"})
+        self.call("sensor.set", {"tracker": "lg"})
         self.assertEqual(self.call("config.save")["saved"], ["camera.exposure_us", "camera.gain_db", "tracking.tracker"])
         self.call("camera.set", {"exposure_us": 1600.0})
         file = {"camera": {"gain_db": 0.0}, "state": {"directory": "state"}}
@@ -108,7 +108,7 @@ class Reload(BenchCase):
         self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 1.0)
         self.call("config.save")  # keys that wait for a restart are not saved
         self.assertEqual(set(json.loads(overlay.read_text())["saved"]), {"camera.exposure_us", "tracking.tracker"})
-        for bad in ("{", overlay.read_text().replace('"matched"', '"best"')):
+        for bad in ("{", overlay.read_text().replace('"lg"', '"best"')):
             overlay.write_text(bad)
             event = self.reload(file)
             self.assertEqual((event["severity"], event["data"]["reloaded"], event["data"]["saved"]), ("warning", True, []), event)

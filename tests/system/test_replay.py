@@ -140,7 +140,7 @@ class Replay(BenchCase):
         self.settled_frames(stream, 10, hologram_id)
         self.call("camera.set", {"exposure_us": 1500.0})
         self.take_reference(20, allow_aberration=True)
-        self.call("sensor.set", {"tracker": "matched"})
+        self.call("sensor.set", {"tracker": "lg"})
         self.take_reference(10, allow_aberration=True)
         self.call("sensor.set", {"charge": 0, "tracker": "thresholded"})
         self.call("camera.set", {"exposure_us": 500.0})
