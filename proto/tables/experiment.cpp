@@ -90,6 +90,6 @@ CellVariance variance_of(const CellMeasured& cell) {
 }  // namespace
 
 CellSummary::CellSummary(CellMeasured measured)
-    : cell(std::move(measured)), variance(variance_of(cell)), levels(cell.levels) {}
+    : CellMeasured(std::move(measured)), variance(variance_of(*this)) {}
 
 }  // namespace ovws

@@ -236,10 +236,8 @@ inline constexpr auto kTable<CellVariance> = Fields{
     field<&CellVariance::lost_spots>("number of lost spots over all frames", Bounds::at_least(0))};
 
 /// Results of a cell without the values of single frames.
-struct CellSummary {
-  CellMeasured cell;
+struct CellSummary : CellMeasured {
   CellVariance variance;
-  SpotLevels levels;
 
   CellSummary() = default;
   explicit CellSummary(CellMeasured measured);
@@ -247,65 +245,54 @@ struct CellSummary {
 template <>
 inline constexpr auto kTable<CellSummary> = Fields{
     "CellSummary",
-    computed(
-        "cell", [](auto& s) { return s.cell.cell; },
+    field<&CellSummary::cell>(
         "number of the cell, from 0: arms change fastest, then gains, aberrations slowest",
         limits::kSweepCell),
     computed(
-        "arm", [](auto& s) { return s.cell.at.arm; }, "index in the request's arms"),
+        "arm", [](auto& s) { return s.at.arm; }, "index in the request's arms"),
     computed(
-        "charge", [](auto& s) { return s.cell.with.charge; },
+        "charge", [](auto& s) { return s.with.charge; },
         "topological charge; 0: the Shack-Hartmann sensor", limits::kCharge),
     computed(
-        "tracker", [](auto& s) { return s.cell.with.tracker; },
-        "tracker, as in experiment.gain_sweep"),
+        "tracker", [](auto& s) { return s.with.tracker; }, "tracker, as in experiment.gain_sweep"),
     computed(
-        "aberration", [](auto& s) { return s.cell.at.aberration; },
+        "aberration", [](auto& s) { return s.at.aberration; },
         "index in the request's aberrations"),
+    field<&CellSummary::gain_db>("gain as read back from the camera, dB"),
+    field<&CellSummary::exposure_us>("exposure time, microseconds"),
+    field<&CellSummary::frame_rate_hz>("frames per second"),
+    field<&CellSummary::t_begun_ns>(kTimeMeaning),
     computed(
-        "gain_db", [](auto& s) { return s.cell.gain_db; }, "gain as read back from the camera, dB"),
-    computed(
-        "exposure_us", [](auto& s) { return s.cell.exposure_us; }, "exposure time, microseconds"),
-    computed(
-        "frame_rate_hz", [](auto& s) { return s.cell.frame_rate_hz; }, "frames per second"),
-    computed(
-        "t_begun_ns", [](auto& s) { return s.cell.t_begun_ns; }, kTimeMeaning),
-    computed(
-        "frames", [](auto& s) { return s.cell.frames.size(); },
+        "frames", [](auto& s) { return s.frames.size(); },
         "number of settled frames, all of which count"),
     inlined(&CellSummary::variance),
     inlined(&CellSummary::levels)};
 
 /// Result of `experiment.cell`.
-struct CellReport {
-  CellSummary summary;
-
+struct CellReport : CellSummary {
   /// get(frame) of all frames, in order.
   template <class Get>
   auto of_frames(Get get) const {
-    std::vector<decltype(get(CellMeasured::Frame()))> all;
-    for (const CellMeasured::Frame& frame : summary.cell.frames) all.push_back(get(frame));
+    std::vector<decltype(get(Frame()))> all;
+    for (const Frame& frame : frames) all.push_back(get(frame));
     return all;
   }
 };
 template <>
 inline constexpr auto kTable<CellReport> = Fields{
     "CellReport",
-    inlined(&CellReport::summary),
-    computed(
-        "modes_j", [](auto& c) { return c.summary.cell.modes_j; },
+    based<CellSummary>(),
+    field<&CellReport::modes_j>(
         "OSA/ANSI indices of the modes, in the order of coefficients_waves"),
     computed(
         "variances_rad2",
-        [](auto& c) {
-          return c.of_frames([](const CellMeasured::Frame& f) { return f.variance_rad2; });
-        },
+        [](auto& c) { return c.of_frames([](auto& f) { return f.variance_rad2; }); },
         "residual phase variance of each frame, rad^2; null: too few spots")
         .with_nulls(),
     computed(
         "coefficients_waves",
         [](auto& c) {
-          return c.of_frames([](const CellMeasured::Frame& f) {
+          return c.of_frames([](auto& f) {
             std::vector<double> waves;
             for (const double one : f.coefficients) waves.push_back(to_millionth(one));
             return waves;
@@ -316,17 +303,13 @@ inline constexpr auto kTable<CellReport> = Fields{
         .with_nulls(),
     computed("saturated_fractions",
              [](auto& c) {
-               return c.of_frames(
-                   [](const CellMeasured::Frame& f) { return to_millionth(f.saturated_fraction); });
+               return c.of_frames([](auto& f) { return to_millionth(f.saturated_fraction); });
              },
              "fraction of spots with a saturated pixel in each frame", {0, 1}),
     computed(
-        "tracked",
-        [](auto& c) { return c.of_frames([](const CellMeasured::Frame& f) { return f.tracked; }); },
+        "tracked", [](auto& c) { return c.of_frames([](auto& f) { return f.tracked; }); },
         "number of spots found in each frame", Bounds::at_least(0)),
-    computed(
-        "picture", [](auto& c) { return c.summary.cell.picture; },
-        "an image of the cell, if one was stored")};
+    field<&CellReport::picture>("an image of the cell, if one was stored")};
 
 struct ExperimentReport {
   std::string run;  ///< name of the run, 16 hexadecimal digits
