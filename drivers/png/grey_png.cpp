@@ -12,8 +12,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "png_set_swap below assumes it");
 
-constexpr int kFastCompression = 1;
-
 struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
@@ -26,16 +24,6 @@ struct Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
   ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
-};
-
-struct Writer {
-  png_structp png = nullptr;
-  png_infop info = nullptr;
-
-  Writer() = default;
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-  ~Writer() { png_destroy_write_struct(&png, &info); }
 };
 
 [[noreturn]] void on_error(png_structp png, png_const_charp) {
@@ -57,23 +45,6 @@ bool read_pixels(png_structp png, png_bytepp rows) {
   png_set_swap(png);
   png_read_image(png, rows);
   png_read_end(png, nullptr);
-  return true;
-}
-
-void append(png_structp png, png_bytep bytes, std::size_t count) {
-  static_cast<std::string*>(png_get_io_ptr(png))
-      ->append(reinterpret_cast<const char*>(bytes), count);
-}
-
-bool write_image(png_structp png, png_infop info, const Image<std::uint8_t>& image) {
-  if (setjmp(png_jmpbuf(png))) return false;
-  png_set_IHDR(png, info, png_uint_32(image.width), png_uint_32(image.height), 8,
-               PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
-  png_set_compression_level(png, kFastCompression);
-  png_write_info(png, info);
-  for (int y = 0; y < image.height; ++y) png_write_row(png, image.row(y));
-  png_write_end(png, nullptr);
   return true;
 }
 
@@ -116,15 +87,19 @@ Result<Image<std::uint16_t>> read_grey16_png(const std::string& path, int width,
 }
 
 Result<std::string> encode_grey8_png(const Image<std::uint8_t>& image) {
-  std::string bytes;
-  Writer writer;
-  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
-  if (writer.png != nullptr) writer.info = png_create_info_struct(writer.png);
-  if (writer.info == nullptr) return fail(Errc::internal, "", "libpng cannot be initialised");
-  png_set_write_fn(writer.png, &bytes, append, nullptr);
-  if (!write_image(writer.png, writer.info, image)) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  header.width = png_uint_32(image.width);
+  header.height = png_uint_32(image.height);
+  header.format = PNG_FORMAT_GRAY;
+  header.flags = PNG_IMAGE_FLAG_FAST;
+  std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(header), '\0');
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), image.width,
+                                nullptr) == 0) {
     return fail(Errc::internal, "", "the image cannot be written as PNG");
   }
+  bytes.resize(size);
   return bytes;
 }
 
