@@ -1,4 +1,4 @@
-/// The daemon's state machine as tables: states, events, and the actions that each state permits.
+/// The daemon's state machine as tables: conditions, states, and the actions that each permits.
 #pragma once
 
 #include <array>
@@ -19,22 +19,6 @@ enum class DaemonState : std::uint8_t {
   waiting_for_display,  ///< a camera, but no display
   job_running,          ///< a job controls the sensor
   running,
-  count,
-};
-
-enum class DaemonEvent : std::uint8_t {
-  started,
-  camera_connected,
-  camera_lost,
-  display_connected,
-  display_lost,
-  job_begun,
-  job_ended,
-  loop_closed,
-  loop_opened,
-  fault_raised,
-  fault_cleared,
-  stop_requested,
   count,
 };
 
@@ -89,25 +73,6 @@ constexpr Table<DaemonState, StateRow> kStates{{
     {"waiting_for_display", &Conditions::display, false},
     {"job_running", &Conditions::job, true},
     {"running", nullptr, true},
-}};
-
-struct EventRow {
-  bool Conditions::*condition;
-  bool becomes;
-};
-constexpr Table<DaemonEvent, EventRow> kEvents{{
-    {&Conditions::started, true},   // started
-    {&Conditions::camera, true},    // camera_connected
-    {&Conditions::camera, false},   // camera_lost
-    {&Conditions::display, true},   // display_connected
-    {&Conditions::display, false},  // display_lost
-    {&Conditions::job, true},       // job_begun
-    {&Conditions::job, false},      // job_ended
-    {&Conditions::loop, true},      // loop_closed
-    {&Conditions::loop, false},     // loop_opened
-    {&Conditions::fault, true},     // fault_raised
-    {&Conditions::fault, false},    // fault_cleared
-    {&Conditions::stopping, true},  // stop_requested
 }};
 
 /// A condition that blocks actions, and the error that tells the client how to proceed.
@@ -167,12 +132,6 @@ constexpr DaemonState state_of(const Conditions& conditions) {
     if (row.condition == nullptr || conditions.*row.condition == row.when) return DaemonState(s);
   }
   return DaemonState::running;
-}
-
-constexpr Conditions after(Conditions conditions, DaemonEvent event) {
-  const control::EventRow& row = control::kEvents[std::size_t(event)];
-  conditions.*row.condition = row.becomes;
-  return conditions;
 }
 
 /// The first obstacle that blocks `action`; nullptr if it is allowed.

@@ -129,11 +129,11 @@ struct App::Parts {
     }
     recorder.camera_changed(now.settings, now.info);
     state.set_fault("camera", now.at_fault ? now.fault : "");
-    state.take(now.connected ? DaemonEvent::camera_connected : DaemonEvent::camera_lost);
+    state.set(&Conditions::camera, now.connected);
   }
   void display_changed(const SlmSnapshot& now) {
     state.set_fault("slm", now.at_fault ? now.fault : "");
-    state.take(now.healthy ? DaemonEvent::display_connected : DaemonEvent::display_lost);
+    state.set(&Conditions::display, now.healthy);
   }
 
   void thread_failed(const ThreadFailure& failure) {
@@ -162,14 +162,11 @@ Result<void> App::Parts::make_sensor() {
                                           }});
   if (!made) return fail(made.error());
   keeper = std::move(*made);
-  procedures = std::make_unique<Procedures>(ProceduresDeps{
-      {*keeper, camera, frames, slm, jobs, events},
-      [this](bool runs) { state.take(runs ? DaemonEvent::job_begun : DaemonEvent::job_ended); }});
+  procedures = std::make_unique<Procedures>(
+      ProceduresDeps{{*keeper, camera, frames, slm, jobs, events},
+                     [this](bool runs) { state.set(&Conditions::job, runs); }});
   loop = std::make_unique<ClosedLoop>(
-      ClosedLoopDeps{*keeper, events,
-                     [this](bool closed) {
-                       state.take(closed ? DaemonEvent::loop_closed : DaemonEvent::loop_opened);
-                     },
+      ClosedLoopDeps{*keeper, events, [this](bool closed) { state.set(&Conditions::loop, closed); },
                      [this] { return search->found_ns(); }});
   search = std::make_unique<WavefrontSearch>(config.slm.geometry, frames, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
@@ -284,7 +281,7 @@ Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
 
 Result<void> App::run(const std::atomic<bool>& stop) {
   if (auto started = parts_->start_threads(); !started) return started;
-  parts_->state.take(DaemonEvent::started);
+  parts_->state.set(&Conditions::started, true);
   service::notify_ready();
   spdlog::info("listening: control {}, streams {} and {}", parts_->config.control.endpoint,
                parts_->config.stream.endpoint, parts_->config.stream.image_endpoint);
@@ -355,7 +352,7 @@ void App::Parts::end_without_display() {
 Result<void> App::Parts::stop() {
   while (ending.exchange(true)) ::pause();  // the status thread is ending the process
   service::notify_stopping();
-  state.take(DaemonEvent::stop_requested);
+  state.set(&Conditions::stopping, true);
   procedures->end_soon();
   store.end_soon();
   refiner->end_soon();

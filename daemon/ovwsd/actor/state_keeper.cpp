@@ -2,9 +2,9 @@
 
 namespace ovws {
 
-void StateKeeper::take(DaemonEvent event) {
+void StateKeeper::set(bool Conditions::*condition, bool holds) {
   const std::lock_guard lock(mutex_);
-  move(event);
+  set_locked(condition, holds);
 }
 
 void StateKeeper::set_fault(const std::string& device, const std::string& cause) {
@@ -14,7 +14,7 @@ void StateKeeper::set_fault(const std::string& device, const std::string& cause)
   } else {
     causes_[device] = cause;
   }
-  move(causes_.empty() ? DaemonEvent::fault_cleared : DaemonEvent::fault_raised);
+  set_locked(&Conditions::fault, !causes_.empty());
 }
 
 std::optional<std::string> StateKeeper::fault() const {
@@ -28,9 +28,9 @@ std::optional<std::string> StateKeeper::fault() const {
 }
 
 /// Call with mutex_ locked, so that the events of two threads keep their order.
-void StateKeeper::move(DaemonEvent event) {
+void StateKeeper::set_locked(bool Conditions::*condition, bool holds) {
   const DaemonState before = state_of(conditions_);
-  conditions_ = after(conditions_, event);
+  conditions_.*condition = holds;
   const DaemonState now = state_of(conditions_);
   if (now == before) return;
   const std::string name(state_name(now));

@@ -1,4 +1,5 @@
-/// The daemon's state machine: takes device and job events, and decides which actions are allowed.
+/// The daemon's state machine: takes the conditions of devices and jobs, and decides which actions
+/// are allowed.
 #pragma once
 
 #include <map>
@@ -17,7 +18,8 @@ class StateKeeper {
  public:
   explicit StateKeeper(Events& events) : events_(events) {}
 
-  void take(DaemonEvent event);
+  /// Sets one of the conditions that determine the state.
+  void set(bool Conditions::*condition, bool holds);
   /// Sets the fault of `device`, which is present and cannot be used until a person fixes `cause`.
   /// An empty cause clears it.
   void set_fault(const std::string& device, const std::string& cause);
@@ -28,7 +30,7 @@ class StateKeeper {
   std::string name() const;
 
  private:
-  void move(DaemonEvent event);
+  void set_locked(bool Conditions::*condition, bool holds);
 
   Events& events_;
   mutable std::mutex mutex_;

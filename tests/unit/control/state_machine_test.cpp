@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,7 +11,24 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kEventCount = std::size_t(DaemonEvent::count);
+/// A change of one condition.
+struct Event {
+  bool Conditions::*condition;
+  bool becomes;
+};
+constexpr Event kStarted{&Conditions::started, true};
+constexpr Event kCameraConnected{&Conditions::camera, true},
+    kCameraLost{&Conditions::camera, false};
+constexpr Event kDisplayConnected{&Conditions::display, true};
+constexpr Event kDisplayLost{&Conditions::display, false};
+constexpr Event kJobBegun{&Conditions::job, true}, kJobEnded{&Conditions::job, false};
+constexpr Event kLoopClosed{&Conditions::loop, true}, kLoopOpened{&Conditions::loop, false};
+constexpr Event kFaultRaised{&Conditions::fault, true}, kFaultCleared{&Conditions::fault, false};
+constexpr Event kStopRequested{&Conditions::stopping, true};
+constexpr std::array kEvents{kStarted,     kCameraConnected, kCameraLost,   kDisplayConnected,
+                             kDisplayLost, kJobBegun,        kJobEnded,     kLoopClosed,
+                             kLoopOpened,  kFaultRaised,     kFaultCleared, kStopRequested};
+constexpr std::size_t kEventCount = kEvents.size();
 constexpr std::size_t kActionCount = std::size_t(Action::count);
 constexpr std::size_t kStateCount = std::size_t(DaemonState::count);
 
@@ -23,31 +41,36 @@ std::vector<Conditions> all_conditions() {
   return all;
 }
 
-Conditions by(std::initializer_list<DaemonEvent> events) {
+Conditions after(Conditions conditions, const Event& event) {
+  conditions.*event.condition = event.becomes;
+  return conditions;
+}
+
+Conditions by(std::initializer_list<Event> events) {
   Conditions conditions;
-  for (const DaemonEvent event : events) conditions = after(conditions, event);
+  for (const Event& event : events) conditions = after(conditions, event);
   return conditions;
 }
 
 Conditions up() {
-  return by({DaemonEvent::started, DaemonEvent::camera_connected, DaemonEvent::display_connected});
+  return by({kStarted, kCameraConnected, kDisplayConnected});
 }
 
 /// One set of conditions for each state, with everything else in order.
 Conditions example(DaemonState state) {
   switch (state) {
     case DaemonState::stopping:
-      return after(up(), DaemonEvent::stop_requested);
+      return after(up(), kStopRequested);
     case DaemonState::starting:
       return {};
     case DaemonState::fault:
-      return after(after(up(), DaemonEvent::display_lost), DaemonEvent::fault_raised);
+      return after(after(up(), kDisplayLost), kFaultRaised);
     case DaemonState::waiting_for_camera:
-      return after(up(), DaemonEvent::camera_lost);
+      return after(up(), kCameraLost);
     case DaemonState::waiting_for_display:
-      return after(up(), DaemonEvent::display_lost);
+      return after(up(), kDisplayLost);
     case DaemonState::job_running:
-      return after(up(), DaemonEvent::job_begun);
+      return after(up(), kJobBegun);
     case DaemonState::running:
     case DaemonState::count:
       break;
@@ -70,7 +93,7 @@ TEST(StateMachine, EveryStateHasANameOfItsOwnAndCanBeReached) {
 
 TEST(StateMachine, EveryStateTakesEveryEventAsOneTableSays) {
   using S = DaemonState;
-  // Rows as DaemonState, columns as DaemonEvent.
+  // Rows as DaemonState, columns as kEvents.
   constexpr S kNext[kStateCount][kEventCount] = {
       {S::stopping, S::stopping, S::stopping, S::stopping, S::stopping, S::stopping, S::stopping,
        S::stopping, S::stopping, S::stopping, S::stopping, S::stopping},
@@ -93,7 +116,7 @@ TEST(StateMachine, EveryStateTakesEveryEventAsOneTableSays) {
   };
   for (std::size_t s = 0; s < kStateCount; ++s) {
     for (std::size_t e = 0; e < kEventCount; ++e) {
-      EXPECT_EQ(state_of(after(example(S(s)), DaemonEvent(e))), kNext[s][e])
+      EXPECT_EQ(state_of(after(example(S(s)), kEvents[e])), kNext[s][e])
           << state_name(S(s)) << " with event " << e;
     }
   }
@@ -102,31 +125,31 @@ TEST(StateMachine, EveryStateTakesEveryEventAsOneTableSays) {
 TEST(StateMachine, AnEventChangesOneConditionAndRepeatingItChangesNothing) {
   for (const Conditions& conditions : all_conditions()) {
     for (std::size_t e = 0; e < kEventCount; ++e) {
-      const Conditions once = after(conditions, DaemonEvent(e));
+      const Conditions once = after(conditions, kEvents[e]);
       const int changed = (once.started != conditions.started) +
                           (once.camera != conditions.camera) +
                           (once.display != conditions.display) + (once.job != conditions.job) +
                           (once.loop != conditions.loop) + (once.fault != conditions.fault) +
                           (once.stopping != conditions.stopping);
       EXPECT_LE(changed, 1);
-      EXPECT_EQ(after(once, DaemonEvent(e)), once);
+      EXPECT_EQ(after(once, kEvents[e]), once);
     }
   }
 }
 
 TEST(StateMachine, WithBothMissingItWaitsForTheCameraFirst) {
-  const Conditions neither = by({DaemonEvent::started});
+  const Conditions neither = by({kStarted});
   EXPECT_EQ(state_of(neither), DaemonState::waiting_for_camera);
-  const Conditions camera_only = after(neither, DaemonEvent::camera_connected);
+  const Conditions camera_only = after(neither, kCameraConnected);
   EXPECT_EQ(state_of(camera_only), DaemonState::waiting_for_display);
-  EXPECT_EQ(state_of(after(camera_only, DaemonEvent::display_connected)), DaemonState::running);
+  EXPECT_EQ(state_of(after(camera_only, kDisplayConnected)), DaemonState::running);
 }
 
 TEST(StateMachine, StoppingIsFinal) {
   for (Conditions conditions : all_conditions()) {
     conditions.stopping = true;
     for (std::size_t e = 0; e < kEventCount; ++e) {
-      EXPECT_EQ(state_of(after(conditions, DaemonEvent(e))), DaemonState::stopping);
+      EXPECT_EQ(state_of(after(conditions, kEvents[e])), DaemonState::stopping);
     }
   }
 }
@@ -183,7 +206,7 @@ TEST(StateMachine, AMissingDeviceIsUnavailableAndSaidSo) {
 }
 
 TEST(StateMachine, WithBothMissingTheReasonIsTheDeviceThatTheActionNeeds) {
-  const Conditions neither = by({DaemonEvent::started});
+  const Conditions neither = by({kStarted});
   const Result<void> answer = permit(neither, Action::set_aberration);
   ASSERT_FALSE(answer);
   EXPECT_NE(answer.error().reason.find("the SLM's display is not in use"), std::string::npos);
@@ -197,7 +220,7 @@ TEST(StateMachine, ASensorIsNotChangedUnderARunningJob) {
 }
 
 TEST(StateMachine, WhatAClosedLoopSteersByIsNotChanged) {
-  const Conditions closed = after(up(), DaemonEvent::loop_closed);
+  const Conditions closed = after(up(), kLoopClosed);
   EXPECT_EQ(state_of(closed), DaemonState::running);
   for (const Action action :
        {Action::set_sensor, Action::show_pattern, Action::start_job, Action::clear_reference,

@@ -9,8 +9,8 @@ namespace {
 class StateKeeperTest : public testing::Test {
  protected:
   StateKeeperTest() {
-    state_.take(DaemonEvent::started);
-    state_.take(DaemonEvent::camera_connected);
+    state_.set(&Conditions::started, true);
+    state_.set(&Conditions::camera, true);
   }
   StreamQueue queue_;
   Events events_{queue_};
@@ -34,7 +34,7 @@ TEST_F(StateKeeperTest, EachChangeOfStateIsOneEventAndRepetitionIsNone) {
   }
   for (int i = 0; i < 3; ++i) state_.set_fault("slm", "the mode is wrong");
   state_.set_fault("slm", "");
-  state_.take(DaemonEvent::display_connected);
+  state_.set(&Conditions::display, true);
   std::string told;
   while (const auto message = queue_.take()) {
     told += std::get<EventMessage>(*message).data["state"].get<std::string>() + " ";
