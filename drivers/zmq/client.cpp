@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <zmq.hpp>
+#include <zmq_addon.hpp>
 
 #include "drivers/zmq/endpoint.hpp"
 
@@ -18,11 +20,7 @@ bool readable(zmq::socket_t& socket, std::chrono::milliseconds timeout) {
 
 std::vector<zmq::message_t> receive_parts(zmq::socket_t& socket) {
   std::vector<zmq::message_t> parts;
-  do {
-    zmq::message_t part;
-    if (!socket.recv(part, zmq::recv_flags::dontwait)) break;
-    parts.push_back(std::move(part));
-  } while (parts.back().more());
+  (void)zmq::recv_multipart(socket, std::back_inserter(parts), zmq::recv_flags::dontwait);
   return parts;
 }
 

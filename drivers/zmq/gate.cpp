@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
+#include <zmq_addon.hpp>
 
 #include "drivers/zmq/curve.hpp"
 #include "drivers/zmq/gate_parts.hpp"
@@ -27,11 +29,7 @@ using Frames = std::vector<zmq::message_t>;
 /// The next multipart message; empty if none is waiting.
 Frames receive(zmq::socket_t& socket) {
   Frames frames;
-  do {
-    zmq::message_t frame;
-    if (!socket.recv(frame, zmq::recv_flags::dontwait)) return {};
-    frames.push_back(std::move(frame));
-  } while (frames.back().more());
+  (void)zmq::recv_multipart(socket, std::back_inserter(frames), zmq::recv_flags::dontwait);
   return frames;
 }
 
@@ -123,11 +121,9 @@ bool Gate::Parts::answer_one() {
   const char* const refusal = reject ? "400" : "300";
   const std::array<std::string, 6> reply{
       "1.0", number, known ? "200" : refusal, known ? "OK" : "unknown key", known ? key : "", ""};
-  for (std::size_t k = 0; k < reply.size(); ++k) {
-    const auto flags = k + 1 < reply.size() ? zmq::send_flags::sndmore | zmq::send_flags::dontwait
-                                            : zmq::send_flags::dontwait;
-    (void)zap.send(zmq::buffer(reply[k]), flags);
-  }
+  std::vector<zmq::const_buffer> frames;
+  for (const std::string& text : reply) frames.push_back(zmq::buffer(text));
+  (void)zmq::send_multipart(zap, frames, zmq::send_flags::dontwait);
   return true;
 }
 

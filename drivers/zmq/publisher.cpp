@@ -1,8 +1,10 @@
 #include "drivers/zmq/publisher.hpp"
 
+#include <array>
 #include <chrono>
 #include <utility>
 #include <zmq.hpp>
+#include <zmq_addon.hpp>
 
 #include "drivers/zmq/endpoint.hpp"
 #include "drivers/zmq/gate_parts.hpp"
@@ -70,12 +72,6 @@ struct Publisher::Impl {
     failure_reported = !done;
     gate->parts().calls.rebound(endpoint, done);
   }
-
-  bool part(const void* data, std::size_t size, bool more) {
-    const auto flags =
-        more ? zmq::send_flags::sndmore | zmq::send_flags::dontwait : zmq::send_flags::dontwait;
-    return socket.send(zmq::const_buffer(data, size), flags).has_value();
-  }
 };
 
 Result<Publisher> Publisher::bind(const std::string& endpoint, int send_queue, Gate* gate) {
@@ -93,9 +89,11 @@ bool Publisher::send(std::string_view topic, std::string_view json,
   if (!impl_->is_bound()) return false;
   // A PUB socket drops per subscriber and only whole messages: once the first part is accepted, the
   // rest is, too.
-  return impl_->part(topic.data(), topic.size(), true) &&
-         impl_->part(json.data(), json.size(), !binary.empty()) &&
-         (binary.empty() || impl_->part(binary.data(), binary.size(), false));
+  const std::array parts{zmq::buffer(topic), zmq::buffer(json),
+                         zmq::buffer(binary.data(), binary.size())};
+  return zmq::send_multipart(impl_->socket, std::span(parts).first(binary.empty() ? 2 : 3),
+                             zmq::send_flags::dontwait)
+      .has_value();
 }
 
 }  // namespace ovws

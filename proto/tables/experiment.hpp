@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/vec2.hpp"
@@ -273,7 +274,7 @@ struct CellReport : CellSummary {
   /// get(frame) of all frames, in order.
   template <class Get>
   auto of_frames(Get get) const {
-    std::vector<decltype(get(Frame()))> all;
+    std::vector<decltype(get(std::declval<const Frame&>()))> all;
     for (const Frame& frame : frames) all.push_back(get(frame));
     return all;
   }
