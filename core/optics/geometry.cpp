@@ -21,7 +21,7 @@ Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm) 
   return fail(
       Errc::refused, "optics.px_per_cycle",
       "the camera is rotated or mirrored relative to the SLM, or its axes differ in scale: align "
-      "it with the SLM; the model of the diffractive operator supports no other geometry");
+      "it with the SLM; the model of studies and images supports no other geometry");
 }
 
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {

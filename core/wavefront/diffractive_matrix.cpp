@@ -2,85 +2,90 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
+#include <vector>
+
+#include "core/port/clock.hpp"
+#include "core/wavefront/reconstructor.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr double kPeak = 60000.0;  // DN of 16 bit: rounding shifts no spot by more than 1e-5 px
+constexpr float kPeak = 60000.0F;  // DN of 16 bit: rounding shifts no spot by more than 1e-5 px
 constexpr int kMinSpots = 3;
 
-std::vector<Vec2> predicted(const SensorModel& model, const SensorConfig& sensor,
-                            std::span<const Mode> modes) {
-  const double radius = 0.5 * sensor.pupil_diameter_px;
-  std::vector<Vec2> spots = model.spots_px();
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    const Vec2 at = (1.0 / radius) * model.lattice().subapertures[i].centre_px;
-    spots[i] = spots[i] + (model.px_per_cycle() / radius) * wavefront_gradient(modes, at);
+/// The image of the last propagation in DN of 16 bit, whatever its brightness.
+Image<std::uint16_t> image_of(const Image<std::complex<float>>& far) {
+  Image<std::uint16_t> image(far.width, far.height);
+  float brightest = std::numeric_limits<float>::min();
+  for (const std::complex<float>& value : far.pixels) {
+    brightest = std::max(brightest, std::norm(value));
   }
-  return spots;
-}
-
-Image<std::uint16_t> rounded(const Image<float>& intensity) {
-  Image<std::uint16_t> image(intensity.width, intensity.height);
-  const float scale =
-      float(kPeak) / *std::max_element(intensity.pixels.begin(), intensity.pixels.end());
-  std::transform(intensity.pixels.begin(), intensity.pixels.end(), image.pixels.begin(),
-                 [scale](float value) { return std::uint16_t(std::lround(value * scale)); });
+  std::transform(far.pixels.begin(), far.pixels.end(), image.pixels.begin(),
+                 [scale = kPeak / brightest](const std::complex<float>& value) {
+                   return std::uint16_t(std::lround(scale * std::norm(value)));
+                 });
   return image;
 }
 
 }  // namespace
 
-Result<std::vector<SpotFix>> model_fixes(SensorModel& model, const SensorConfig& sensor,
-                                         const SpotTracker& tracker, std::span<const Mode> modes) {
-  const auto intensity = model.intensity(modes);
-  if (!intensity) return fail(intensity.error());
-  const Image<std::uint16_t> image = rounded(*intensity);
-  const ImageView view = view_of(image, PixelFormat::mono16);
+Result<ModeOperator> diffractive_operator(SensorField& field, const SpotTracker& tracker,
+                                          const ModeOperator& slopes,
+                                          std::span<const Vec2> spots_px, double limit_s) {
+  const std::int64_t begun_ns = monotonic_ns();
   TrackScratch scratch = tracker.make_scratch();
-  std::vector<SpotFix> fixes;
-  for (const Vec2 start : predicted(model, sensor, modes)) {
-    fixes.push_back(tracker.track(view, start, scratch));
-  }
-  return fixes;
-}
-
-Result<DiffractiveMatrix> diffractive_matrix(SensorModel& model, const SensorConfig& sensor,
-                                             const SpotTracker& tracker,
-                                             std::span<const int> modes_j, double step_waves,
-                                             const std::atomic<bool>* stop) {
-  const auto flat = model_fixes(model, sensor, tracker, {});
-  if (!flat) return fail(flat.error());
-  DiffractiveMatrix matrix;
-  matrix.slopes = Eigen::MatrixXd::Zero(2 * Eigen::Index(flat->size()), modes_j.size());
-  for (const SpotFix& fix : *flat) matrix.reference_px.push_back({double(fix.x), double(fix.y)});
-  for (std::size_t k = 0; k < modes_j.size(); ++k) {
-    if (stop != nullptr && *stop) return fail(Errc::refused, "tracking", "cancelled");
-    const Mode up{modes_j[k], step_waves}, down{modes_j[k], -step_waves};
-    const auto above = model_fixes(model, sensor, tracker, {&up, 1});
-    if (!above) return fail(above.error());
-    const auto below = model_fixes(model, sensor, tracker, {&down, 1});
-    if (!below) return fail(below.error());
-    for (std::size_t i = 0; i < flat->size(); ++i) {
-      const SpotFix &a = (*above)[i], &b = (*below)[i];
-      if (!a.found() || !b.found()) matrix.reference_px[i] = {NAN, NAN};
-      matrix.slopes(2 * i, k) = double(a.x - b.x) / (2.0 * step_waves);
-      matrix.slopes(2 * i + 1, k) = double(a.y - b.y) / (2.0 * step_waves);
+  // The spots with one mode of `slopes`: x and y of each; NaN: lost.
+  const auto tracked = [&](Eigen::Index column, double waves) {
+    const Mode mode{slopes.modes_j[std::size_t(column)], waves};
+    field.propagate({&mode, 1}, {});
+    const Image<std::uint16_t> image = image_of(field.far());
+    const ImageView view = view_of(image, PixelFormat::mono16);
+    Eigen::VectorXd at_px(slopes.slopes.rows());
+    for (std::size_t i = 0; i < spots_px.size(); ++i) {
+      const auto moved = slopes.slopes.col(column).segment<2>(2 * Eigen::Index(i)) * waves;
+      const SpotFix fix =
+          tracker.track(view, spots_px[i] + Vec2{moved.x(), moved.y()}, scratch);
+      at_px.segment<2>(2 * Eigen::Index(i)) << double(fix.x), double(fix.y);
     }
+    return at_px;
+  };
+  ModeOperator made{OperatorKind::diffractive, slopes.modes_j, slopes.slopes};
+  const Eigen::VectorXd flat = tracked(0, 0.0);
+  for (Eigen::Index k = 0; k < made.slopes.cols(); ++k) {
+    if (1e-9 * double(monotonic_ns() - begun_ns) > limit_s) {
+      return fail(Errc::refused, "tracking",
+                  "the diffractive operator of so many spots takes too long to compute: choose "
+                  "operator slopes");
+    }
+    made.slopes.col(k) = tracked(k, kDiffractiveStep) - tracked(k, -kDiffractiveStep);
   }
-  int tracked = 0;
-  for (std::size_t i = 0; i < flat->size(); ++i) {
-    const bool always_found = std::isfinite(matrix.reference_px[i].x);
-    tracked += always_found ? 1 : 0;
-    if (!always_found) matrix.slopes.middleRows(2 * i, 2).setZero();
+  made.slopes /= 2.0 * kDiffractiveStep;
+  int always_found = 0;
+  for (std::size_t i = 0; i < spots_px.size(); ++i) {
+    auto rows = made.slopes.middleRows(2 * Eigen::Index(i), 2);
+    const bool found = rows.allFinite() && std::isfinite(flat[2 * Eigen::Index(i)]);
+    always_found += found ? 1 : 0;
+    if (!found) rows.setZero();
+    made.flat_px.push_back(found ? Vec2{flat[2 * Eigen::Index(i)], flat[2 * Eigen::Index(i) + 1]}
+                                 : Vec2{NAN, NAN});
   }
-  if (tracked >= kMinSpots) return matrix;
-  return fail(
-      Errc::refused, "tracking",
-      "the tracker finds only " + std::to_string(tracked) + " of " + std::to_string(flat->size()) +
-          " spots in the image that is computed for the diffractive operator: set camera.roi so "
-          "that it contains the spots, choose another tracker, or choose operator slopes");
+  if (always_found < kMinSpots) {
+    return fail(Errc::refused, "tracking",
+                "the tracker finds only " + std::to_string(always_found) + " of " +
+                    std::to_string(spots_px.size()) +
+                    " spots in the image that is computed for the diffractive operator: set "
+                    "camera.roi so that it contains the spots, choose another tracker, or choose "
+                    "operator slopes");
+  }
+  if (determined_modes(made.slopes) < int(made.modes_j.size())) {
+    return fail(Errc::refused, "tracking",
+                "the spots that the tracker finds in the model do not determine every mode: move "
+                "the camera's region to the spots, or use another tracker");
+  }
+  return made;
 }
 
 }  // namespace ovws

@@ -88,7 +88,6 @@ struct App::Parts {
   Pipeline pipeline;
   Recorder recorder;
   FrameBroker frames;
-  OperatorMaker operators;
   Jobs jobs{events};
   SlmLoop slm;
   CameraActor camera;
@@ -112,7 +111,6 @@ struct App::Parts {
         state_lock(std::move(lock)),
         pipeline(config.pipeline, {counters, shown, settings}),
         recorder(config, pipeline, events),
-        operators(config.slm.geometry),
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
         camera(config.camera, {pipeline, settings, counters, events,
@@ -156,10 +154,10 @@ struct App::Parts {
 };
 
 Result<void> App::Parts::make_sensor() {
-  auto made = SensorKeeper::make(config, {pipeline, slm, operators, events, store,
-                                          [this](const MeasurementPlan& plan, SensorView now) {
-                                            recorder.add_plan(plan, std::move(now));
-                                          }});
+  auto made = SensorKeeper::make(
+      config, {pipeline, slm, events, store, [this](const MeasurementPlan& plan, SensorView now) {
+                 recorder.add_plan(plan, std::move(now));
+               }});
   if (!made) return fail(made.error());
   keeper = std::move(*made);
   procedures = std::make_unique<Procedures>(
@@ -235,17 +233,11 @@ Result<void> App::Parts::start_threads() {
     Agent& agent;
   };
   // Started first, so joined last: a fit takes a fraction of a second to end.
-  std::vector<Start> starts{{ThreadRole::refine, *refiner},
-                            {ThreadRole::search, *search},
-                            {ThreadRole::model, operators},
-                            {ThreadRole::publish, *stream},
-                            {ThreadRole::disk, disk},
-                            {ThreadRole::write, recorder},
-                            {ThreadRole::record, recorder.taker()},
-                            {ThreadRole::images, *images},
-                            {ThreadRole::control, *control},
-                            {ThreadRole::prepare, *keeper},
-                            {ThreadRole::status, *status}};
+  std::vector<Start> starts{{ThreadRole::refine, *refiner}, {ThreadRole::search, *search},
+                            {ThreadRole::publish, *stream}, {ThreadRole::disk, disk},
+                            {ThreadRole::write, recorder},  {ThreadRole::record, recorder.taker()},
+                            {ThreadRole::images, *images},  {ThreadRole::control, *control},
+                            {ThreadRole::prepare, *keeper}, {ThreadRole::status, *status}};
   if (config.pipeline.workers > 0)
     starts.push_back({ThreadRole::reconstruct, pipeline.reconstruction()});
   for (int k = 0; k < config.pipeline.workers; ++k) {
@@ -356,7 +348,6 @@ Result<void> App::Parts::stop() {
   procedures->end_soon();
   store.end_soon();
   refiner->end_soon();
-  operators.end_soon();
   slm.close();
   threads.end_soon({ThreadRole::procedure, ThreadRole::loop, ThreadRole::write});
   (void)threads.wait_for_end({ThreadRole::procedure, ThreadRole::loop}, kStopTimeoutS);

@@ -275,7 +275,6 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
           }(),
           events_),
       pipeline_(config_.pipeline, {counters_, shown_, settings_}),
-      operators_(config_.slm.geometry),
       slm_(config_.slm, {shown_, counters_, events_, [](const SlmSnapshot&) {}}) {
   std::filesystem::remove_all(folder_);
   own_agents_.push_back(std::make_unique<Display>(slm_));
@@ -287,13 +286,12 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
                         if (now.connected) keeper_->camera_changed(now.settings, now.info);
                       }});
   start(*own_agents_[0]);
-  auto made = SensorKeeper::make(config_, {pipeline_, slm_, operators_, events_, store_,
-                                           [](const MeasurementPlan&, SensorView) {}});
+  auto made = SensorKeeper::make(
+      config_, {pipeline_, slm_, events_, store_, [](const MeasurementPlan&, SensorView) {}});
   if (!made) throw std::runtime_error(made.error().field + " " + made.error().reason);
   keeper_ = std::move(*made);
   procedures_ = std::make_unique<Procedures>(
       ProceduresDeps{{*keeper_, *camera_, frames_, slm_, jobs_, events_}, [](bool) {}});
-  start(operators_);
   start(*own_agents_[1]);
   start(pipeline_.acquisition());
   start(*keeper_);
@@ -304,7 +302,6 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
 /// Ends threads in reverse order of their start, because later ones use earlier ones.
 SimulatedBench::~SimulatedBench() {
   procedures_->end_soon();
-  operators_.end_soon();
   while (!threads_.empty()) threads_.pop_back();
   std::filesystem::remove_all(folder_);
 }

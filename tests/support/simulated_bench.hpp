@@ -16,7 +16,6 @@
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
-#include "daemon/ovwsd/sensor/operator_maker.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
@@ -89,7 +88,6 @@ class SimulatedBench {
   LatestValue<AppliedSettings> settings_;
   Pipeline pipeline_;
   FrameBroker frames_;
-  OperatorMaker operators_;
   Jobs jobs_{events_};
   SlmLoop slm_;
   std::unique_ptr<CameraActor> camera_;

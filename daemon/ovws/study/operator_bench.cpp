@@ -38,9 +38,12 @@ OperatorTools::OperatorTools(int l)
     slopes.push_back(
         slope_matrix(model->lattice(), sensor, modes_j(), radius, model->px_per_cycle()));
   }
-  auto matrix = diffractive_matrix(*model, sensor, measurer.tracker(), modes_j());
-  if (!matrix) throw std::logic_error(matrix.error().reason);
-  slopes.push_back(matrix->slopes);
+  SensorField field =
+      SensorField::make(sensor, geometry.slm, geometry.optics, kImagePx, kImagePx).value();
+  const ModeOperator own{OperatorKind::slopes, modes_j(), slopes.back()};
+  const auto made = diffractive_operator(field, measurer.tracker(), own, model->spots_px());
+  if (!made) throw std::logic_error(made.error().reason);
+  slopes.push_back(made->slopes);
 }
 
 OperatorBench::OperatorBench(const OperatorTools& tools)

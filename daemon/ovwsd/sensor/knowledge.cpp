@@ -114,20 +114,25 @@ std::shared_ptr<const Calibration> calibration_for(const SensorState& state,
   return found == all.rend() ? nullptr : *found;
 }
 
-OperatorKey operator_key(const SensorState& state, const BenchOptics& bench) {
-  return operator_key(state.sensor, state.tracking, optics_of(state, bench), state.roi);
-}
-
 Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench) {
   Bound bound;
   bound.reference = find_reference(state, knowledge, bench);
   bound.calibration = calibration_for(state, knowledge, bench);
-  if (state.tracking.mode_operator == OperatorKind::measured && bound.calibration) {
-    bound.mode_operator = {bound.calibration, &bound.calibration->mode_operator};
+  if (state.tracking.mode_operator == OperatorKind::measured) {
+    if (bound.calibration) {
+      bound.mode_operator = {bound.calibration, &bound.calibration->mode_operator};
+    } else {
+      bound.operator_reason = missing_calibration_reason(state, knowledge, bench);
+    }
   }
   if (state.tracking.mode_operator == OperatorKind::diffractive) {
-    const auto made = knowledge.operators->find(operator_key(state, bench));
-    if (made && *made) bound.mode_operator = {made, &**made};
+    const auto made = knowledge.diffractive->of(
+        operator_key(state.sensor, state.tracking, optics_of(state, bench), state.roi), bench.slm);
+    if (*made) {
+      bound.mode_operator = {made, &**made};
+    } else {
+      bound.operator_reason = made->error().reason;
+    }
   }
   return bound;
 }

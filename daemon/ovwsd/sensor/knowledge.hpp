@@ -20,8 +20,8 @@ struct Knowledge {
   std::vector<std::shared_ptr<const Reference>> references;      ///< oldest first
   std::vector<std::shared_ptr<const Calibration>> calibrations;  ///< oldest first
   std::optional<CameraInfo> camera;                              ///< none: unknown
-  /// Cache of computed diffractive operators, shared by all copies.
-  std::shared_ptr<OperatorCache> operators = std::make_shared<OperatorCache>();
+  /// Shared by all copies.
+  std::shared_ptr<LastOperator> diffractive = std::make_shared<LastOperator>();
 };
 
 /// The reference, calibration and operator that apply to a state.
@@ -29,7 +29,9 @@ struct Bound {
   std::shared_ptr<const Reference> reference;
   std::shared_ptr<const Calibration> calibration;
   std::shared_ptr<const ModeOperator> mode_operator;  ///< as requested; null: use slope_operator
+  std::string operator_reason;  ///< why slope_operator is used instead of the requested; or empty
 };
+/// Makes a diffractive operator if it is requested and the last one is another.
 Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);
 
 CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowledge,
@@ -38,7 +40,6 @@ CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowle
 std::shared_ptr<const Calibration> calibration_for(const SensorState& state,
                                                    const Knowledge& knowledge,
                                                    const BenchOptics& bench);
-OperatorKey operator_key(const SensorState& state, const BenchOptics& bench);
 
 /// Whether the reference was taken with this state's sensor, tracking, region and SLM, and with the
 /// same camera, if both cameras are known.

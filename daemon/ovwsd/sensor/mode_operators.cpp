@@ -1,44 +1,18 @@
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 
-#include <algorithm>
-#include <memory>
 #include <new>
 #include <numeric>
-#include <optional>
 
-#include "core/optics/sensor_model.hpp"
+#include "core/optics/sensor_field.hpp"
 #include "core/spots/measured_spots.hpp"
 #include "core/spots/spot_renderer.hpp"
 #include "core/spots/spot_templates.hpp"
 #include "core/wavefront/diffractive_matrix.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "daemon/ovwsd/sensor/reference.hpp"
 
 namespace ovws {
-namespace {
-
-Result<ModeOperator> by_diffraction(const OperatorKey& key, const SlmGeometry& slm,
-                                    const std::atomic<bool>* stop) {
-  auto model = SensorModel::make(key.sensor, slm, key.optics, key.cols, key.rows);
-  if (!model) return fail(model.error());
-  const auto tracker = make_tracker(key.tracking, {key.sensor.charge, model->lambda_d_px()});
-  if (!tracker) return fail(tracker.error());
-  std::vector<int> modes_j =
-      slope_operator(model->lattice(), key.sensor, key.tracking, model->px_per_cycle()).modes_j;
-  auto matrix = diffractive_matrix(*model, key.sensor, **tracker, modes_j, kDiffractiveStep, stop);
-  if (!matrix) return fail(matrix.error());
-  if (determined_modes(matrix->slopes) < int(modes_j.size())) {
-    return fail(
-        Errc::refused, "tracking",
-        "the spots that the tracker finds in the model do not determine every mode: move the "
-        "camera's region to the spots, or use another tracker");
-  }
-  return ModeOperator{OperatorKind::diffractive, std::move(modes_j), std::move(matrix->slopes),
-                      std::move(matrix->reference_px)};
-}
-
-}  // namespace
-
 std::vector<int> reconstructed_modes(const SensorConfig& sensor) {
   std::vector<int> modes_j(std::size_t(optimal_mode_count(sensor.subapertures_across)));
   std::iota(modes_j.begin(), modes_j.end(), 1);
@@ -88,9 +62,19 @@ OperatorKey operator_key(const SensorConfig& sensor, const TrackingSettings& tra
 }
 
 Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeometry& slm,
-                                          const std::atomic<bool>* stop) {
+                                          double limit_s) {
   try {
-    return by_diffraction(key, slm, stop);
+    const auto lattice = make_lattice(key.sensor, slm);
+    if (!lattice) return fail(lattice.error());
+    auto field = SensorField::make(key.sensor, slm, key.optics, key.cols, key.rows);
+    if (!field) return fail(field.error());
+    const auto tracker =
+        make_tracker(key.tracking, {key.sensor.charge, lambda_d_px(key.optics, slm, key.sensor)});
+    if (!tracker) return fail(tracker.error());
+    return diffractive_operator(
+        *field, **tracker,
+        slope_operator(*lattice, key.sensor, key.tracking, px_per_cycle(key.optics, slm)),
+        model_spots_px(*lattice, key.sensor, slm, key.optics, key.cols, key.rows), limit_s);
   } catch (const std::bad_alloc&) {
     return fail(
         Errc::unavailable, "tracking",
@@ -98,24 +82,13 @@ Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeome
   }
 }
 
-OperatorCache::Made OperatorCache::find(const OperatorKey& key) const {
-  const auto at = std::find_if(made_.begin(), made_.end(),
-                               [&](const auto& entry) { return entry.first == key; });
-  return at == made_.end() ? nullptr : at->second;
-}
-
-void OperatorCache::forget_shortages(const OperatorKey* except) {
-  std::erase_if(made_, [&](const auto& entry) {
-    const auto& [key, made] = entry;
-    return !*made && made->error().code == Errc::unavailable &&
-           !(except != nullptr && key == *except);
-  });
-}
-
-void OperatorCache::put(const OperatorKey& key, Result<ModeOperator> made) {
-  std::erase_if(made_, [&](const auto& entry) { return entry.first == key; });
-  if (made_.size() == kCapacity) made_.pop_front();
-  made_.emplace_back(key, std::make_shared<const Result<ModeOperator>>(std::move(made)));
+LastOperator::Made LastOperator::of(const OperatorKey& key, const SlmGeometry& slm) {
+  const bool shortage = made_ && !*made_ && made_->error().code == Errc::unavailable;
+  if (!made_ || shortage || !(key_ == key)) {
+    made_ = std::make_shared<const Result<ModeOperator>>(diffractive_operator(key, slm, kLimitS));
+    key_ = key;
+  }
+  return made_;
 }
 
 }  // namespace ovws

@@ -275,7 +275,7 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->sensor = state_.sensor;
   now->tracking = state_.tracking;
   now->templates = template_report(state_.tracking);
-  now->mode_operator = report_operator(*plan);
+  now->mode_operator = {plan->mode_operator, bound.operator_reason};
   now->pattern = state_.pattern;
   now->aberration = state_.aberration;
   now->correction = state_.correction;
@@ -298,42 +298,6 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   snapshot_.set(now);
   plans_.use(std::move(plan));
   events_.publish_stale(bound.reference.get(), bench_.camera);
-}
-
-/// Reports which operator the active plan uses, and requests a diffractive one if it is missing.
-OperatorReport SensorKeeper::report_operator(const MeasurementPlan& plan) {
-  const OperatorKind asked = state_.tracking.mode_operator;
-  const OperatorKey key = operator_key(state_, bench_.optics);
-  const bool diffractive = asked == OperatorKind::diffractive;
-  knowledge_.operators->forget_shortages(diffractive ? &key : nullptr);
-  if (plan.mode_operator == asked || !diffractive) {
-    deps_.operators.cancel();
-    if (plan.mode_operator == asked) return {asked, ""};
-    return {plan.mode_operator, missing_calibration_reason(state_, knowledge_, bench_.optics)};
-  }
-  if (const auto made = knowledge_.operators->find(key)) {
-    return {plan.mode_operator, made->error().reason};
-  }
-  deps_.operators.request(key, [this](const OperatorKey& of, Result<ModeOperator> made) {
-    mailbox_.post(
-        [this, of, made = std::move(made)]() mutable { store_operator(of, std::move(made)); });
-  });
-  return {plan.mode_operator, "its matrix is being computed, which takes some seconds"};
-}
-
-/// Caches the operator, and activates a plan with it if it is still requested. Positions do not
-/// depend on the operator, so a running measurement continues.
-void SensorKeeper::store_operator(const OperatorKey& key, Result<ModeOperator> made) {
-  if (!made) {
-    deps_.events.emit("sensor", Severity::warning,
-                      "the diffractive operator cannot be computed: " + made.error().reason,
-                      {{"operator", "diffractive"}});
-  }
-  knowledge_.operators->put(key, std::move(made));
-  const bool wanted = state_.tracking.mode_operator == OperatorKind::diffractive &&
-                      key == operator_key(state_, bench_.optics);
-  if (!wanted) return;
-  plan_again(new_edit());
 }
 
 /// Writes or removes the files of an active change, then calls `done`. A change whose file cannot

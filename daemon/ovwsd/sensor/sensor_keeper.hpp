@@ -15,7 +15,6 @@
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
 #include "daemon/ovwsd/sensor/hold.hpp"
-#include "daemon/ovwsd/sensor/operator_maker.hpp"
 #include "daemon/ovwsd/sensor/plans.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "daemon/ovwsd/sensor/sensor_events.hpp"
@@ -28,7 +27,6 @@ namespace ovws {
 struct SensorKeeperDeps {
   Pipeline& pipeline;
   SlmLoop& slm;
-  OperatorMaker& operators;
   Events& events;
   DaemonStore& store;
   /// Called before the plan becomes active: in the prepare thread, except for the first plan.
@@ -89,8 +87,6 @@ class SensorKeeper : public Agent {
   void adopt(SensorEdit edit, const Bound& bound, std::unique_ptr<MeasurementPlan> plan);
   bool load_for_slm(const ActiveSlm& slm, Knowledge& knowledge);
   void plan_again(SensorEdit edit);
-  OperatorReport report_operator(const MeasurementPlan& plan);
-  void store_operator(const OperatorKey& key, Result<ModeOperator> made);
   void restore_lease();
   void discard_for_camera(const std::optional<CameraInfo>& info);
   void update_files(SensorEdit edit, SensorView changed, Done done);

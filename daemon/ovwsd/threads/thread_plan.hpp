@@ -34,7 +34,6 @@ enum class ThreadRole {
   disk,
   search,
   refine,
-  model,
   status,
   replay,
   display,
@@ -63,7 +62,7 @@ struct ThreadRow {
   OnException on_exception = OnException::go_on;
 };
 
-constexpr std::array<ThreadRow, 19> kThreadTable{{
+constexpr std::array<ThreadRow, 18> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart, 0,
      OnException::restart},
     {ThreadRole::track, "track", 75, "its ring buffer", 2.0, OnHang::restart, 0,
@@ -90,8 +89,6 @@ constexpr std::array<ThreadRow, 19> kThreadTable{{
      "the next frame with its pixels; renderings take up to a second", 30.0, OnHang::report, 5},
     {ThreadRole::refine, "refine", 0,
      "the next frame with its pixels; renderings take up to a second", 120.0, OnHang::report, 15},
-    {ThreadRole::model, "model", 0, "a request; a diffractive matrix takes seconds", 300.0,
-     OnHang::report, 15},
     {ThreadRole::status, "status", 0, "the clock", 5.0, OnHang::restart},
     {ThreadRole::replay, "replay", 0, "the next frame of ovws replay", 5.0, OnHang::report},
     {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report, 0,

@@ -98,9 +98,9 @@ class Keeper : public testing::Test {
       while (running_) parts_->slm.do_work();
       parts_->slm.close();
     });
-    auto made = SensorKeeper::make(
-        config_, {parts_->pipeline, parts_->slm, parts_->operators, parts_->events, parts_->store,
-                  [](const MeasurementPlan&, SensorView) {}});
+    auto made =
+        SensorKeeper::make(config_, {parts_->pipeline, parts_->slm, parts_->events, parts_->store,
+                                     [](const MeasurementPlan&, SensorView) {}});
     ASSERT_TRUE(made) << made.error().reason;
     keeper_ = std::move(*made);
   }
@@ -138,7 +138,6 @@ class Keeper : public testing::Test {
                            [this](const SlmSnapshot& now) {
                              if (now.healthy) opened_with_id = now.hologram_id;
                            }}),
-          operators(config.slm.geometry),
           pipeline(config.pipeline, {counters, shown, settings}),
           store(config.state, events) {}
     Counters counters;
@@ -148,7 +147,6 @@ class Keeper : public testing::Test {
     LatestValue<ShownHologram> shown;
     LatestValue<AppliedSettings> settings;
     SlmLoop slm;
-    OperatorMaker operators;
     Pipeline pipeline;
     DaemonStore store;
   };
