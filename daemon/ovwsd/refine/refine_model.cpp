@@ -3,10 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
-#include "core/wavefront/slope_model.hpp"
-#include "daemon/ovwsd/sensor/reference_spots.hpp"
 #include "daemon/ovwsd/sensor/spots_model.hpp"
 
 namespace ovws {
@@ -52,30 +49,6 @@ Key key_of(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSet
           settings};
 }
 
-/// The linear estimate against the model, from positions; 0 for modes that they do not tell.
-class ByPositions {
- public:
-  ByPositions(const SensorSnapshot& sensor, const SlmGeometry& slm, const Lattice& lattice,
-              int cols, int rows)
-      : reconstructor_(slope_matrix(lattice, sensor.sensor, sensor.position_modes_j,
-                                    tilt_radius(sensor.sensor.charge, sensor.tracking),
-                                    px_per_cycle(sensor.optics, slm)),
-                       sensor.position_modes_j,
-                       model_spots_px(lattice, sensor.sensor, slm, sensor.optics, cols, rows)),
-        scratch_(reconstructor_.make_scratch()) {}
-
-  std::optional<std::vector<double>> modes_of(std::span<const SpotFix> spots, std::size_t count) {
-    std::vector<float> waves(count);
-    const auto leading = std::span(waves).first(reconstructor_.modes_j().size());
-    if (!reconstructor_.solve(spots, scratch_, leading).determined) return std::nullopt;
-    return std::vector<double>(waves.begin(), waves.end());
-  }
-
- private:
-  Reconstructor reconstructor_;
-  Reconstructor::Scratch scratch_;
-};
-
 }  // namespace
 
 /// The model of one sensor, image size and reference. A failure is kept, too: the same reference
@@ -83,7 +56,6 @@ class ByPositions {
 struct RefineModel::Bench {
   Key key;
   Result<PointModel> model;
-  ByPositions by_positions;
 };
 
 RefineModel::RefineModel(const SlmGeometry& slm) : slm_(slm) {}
@@ -108,7 +80,8 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   }
   std::vector<double> start(frame.coefficients.begin(), frame.coefficients.end());
   if (!out.against_reference) {
-    auto absolute = bench_->by_positions.modes_of(frame.spots, sensor.modes_j.size());
+    auto absolute =
+        modes_against_model(sensor, slm_, frame.image.width, frame.image.height, frame.spots);
     if (!absolute) return refused("too few spots were found to start the fit");
     start = std::move(*absolute);
   }
@@ -132,8 +105,6 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
   Key key = key_of(frame, sensor, settings);
   if (bench_ && bench_->key == key) return {};
   bench_.reset();
-  const auto lattice = make_lattice(sensor.sensor, slm_);
-  if (!lattice) return fail(lattice.error());
   const ReferencePicture* const picture =
       key.reference_taken_ns != 0 ? sensor.reference->picture.get() : nullptr;
   if (picture != nullptr && std::isnan(picture->gain_db)) {
@@ -149,9 +120,7 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
     return std::pair(pixel_noise(refine_camera(settings, picture->format, picture->gain_db)),
                      picture->format);
   });
-  ByPositions by_positions(sensor, slm_, *lattice, key.cols, key.rows);
-  bench_ =
-      std::make_unique<Bench>(Bench{std::move(key), std::move(model), std::move(by_positions)});
+  bench_ = std::make_unique<Bench>(Bench{std::move(key), std::move(model)});
   return {};
 }
 

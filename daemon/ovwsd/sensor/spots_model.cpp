@@ -33,31 +33,6 @@ struct MeanImage {
   ImageView view() const { return view_of(dn, PixelFormat::mono16); }
 };
 
-/// The wavefront of the reference by its positions; 0 for modes that they do not tell.
-Result<std::vector<double>> start_of(const SensorSnapshot& sensor, const SlmGeometry& slm, int cols,
-                                     int rows) {
-  const auto lattice = make_lattice(sensor.sensor, slm);
-  if (!lattice) return fail(lattice.error());
-  const Reconstructor by_model(
-      slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
-                   tilt_radius(sensor.sensor.charge, sensor.tracking),
-                   px_per_cycle(sensor.optics, slm)),
-      sensor.position_modes_j,
-      model_spots_px(*lattice, sensor.sensor, slm, sensor.optics, cols, rows));
-  std::vector<SpotFix> spots;
-  for (const Vec2 at : known_positions(*sensor.reference)) {
-    spots.push_back({float(at.x), float(at.y)});
-  }
-  auto scratch = by_model.make_scratch();
-  std::vector<float> leading(by_model.modes_j().size());
-  if (!by_model.solve(spots, scratch, leading).determined) {
-    return fail(Errc::refused, "reference", "too few spots of the reference are known");
-  }
-  std::vector<double> waves(leading.begin(), leading.end());
-  waves.resize(sensor.modes_j.size(), 0.0);
-  return waves;
-}
-
 Result<MeasuredModel> measured_model(const SensorSnapshot& sensor,
                                      std::span<const ImageView> images) {
   const MeasuredShapes& shapes = *sensor.calibration->shapes;
@@ -88,6 +63,25 @@ std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<
   return fixed;
 }
 
+std::optional<std::vector<double>> modes_against_model(const SensorSnapshot& sensor,
+                                                       const SlmGeometry& slm, int cols, int rows,
+                                                       std::span<const SpotFix> spots) {
+  const auto lattice = make_lattice(sensor.sensor, slm);
+  if (!lattice) return std::nullopt;
+  const Reconstructor by_model(
+      slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
+                   tilt_radius(sensor.sensor.charge, sensor.tracking),
+                   px_per_cycle(sensor.optics, slm)),
+      sensor.position_modes_j,
+      model_spots_px(*lattice, sensor.sensor, slm, sensor.optics, cols, rows));
+  auto scratch = by_model.make_scratch();
+  std::vector<float> leading(by_model.modes_j().size());
+  if (!by_model.solve(spots, scratch, leading).determined) return std::nullopt;
+  std::vector<double> waves(leading.begin(), leading.end());
+  waves.resize(sensor.modes_j.size(), 0.0);
+  return waves;
+}
+
 Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm, int cols,
                                   int rows, const FrameNoise& frame_noise) {
   auto renderer =
@@ -99,8 +93,12 @@ Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometr
     return model;
   }
   if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoPicture);
-  const auto start = start_of(sensor, slm, cols, rows);
-  if (!start) return fail(start.error());
+  std::vector<SpotFix> spots;
+  for (const Vec2 at : known_positions(*sensor.reference)) {
+    spots.push_back({float(at.x), float(at.y)});
+  }
+  const auto start = modes_against_model(sensor, slm, cols, rows, spots);
+  if (!start) return fail(Errc::refused, "reference", "too few spots of the reference are known");
   const auto [noise, format] = frame_noise(model);
   const MeanImage mean(*sensor.reference->picture, in_16_bits(noise, format));
   auto used = model.use_reference(mean.view(), mean.noise, *start,

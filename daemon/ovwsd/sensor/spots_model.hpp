@@ -19,6 +19,12 @@ namespace ovws {
 /// The noise of a frame, DN of the format.
 using FrameNoise = std::function<std::pair<PixelNoise, PixelFormat>(PointModel&)>;
 
+/// The wavefront of these spots against the model, by the slopes of their positions, for the modes
+/// of the plan; 0 for modes that positions do not tell. None: too few spots are found.
+std::optional<std::vector<double>> modes_against_model(const SensorSnapshot& sensor,
+                                                       const SlmGeometry& slm, int cols, int rows,
+                                                       std::span<const SpotFix> spots);
+
 /// The diffraction model of the sensor's spots, and of its reference. Errors: those of
 /// SpotRenderer::make and PointModel::use_reference; Errc::refused, field "reference": it has no
 /// mean image, or too few of its spots are known.
