@@ -10,7 +10,13 @@
 namespace ovws {
 namespace {
 
-/// Displacement of every spot by `modes` according to the slope model, camera pixels.
+Eigen::MatrixXd slopes_of(const PlanInputs& inputs, const std::vector<int>& modes_j) {
+  return slope_matrix(inputs.lattice, inputs.sensor, modes_j,
+                      tilt_radius(inputs.sensor.charge, inputs.tracking),
+                      px_per_cycle(inputs.optics, inputs.slm));
+}
+
+/// Displacement of every spot by `modes` according to the slopes, camera pixels.
 std::vector<Vec2> displacements(const PlanInputs& inputs, const std::vector<Mode>& modes) {
   std::vector<int> modes_j;
   Eigen::VectorXd waves(Eigen::Index(modes.size()));
@@ -18,10 +24,7 @@ std::vector<Vec2> displacements(const PlanInputs& inputs, const std::vector<Mode
     modes_j.push_back(modes[i].j);
     waves[Eigen::Index(i)] = modes[i].waves;
   }
-  const Eigen::VectorXd moved = slope_matrix(inputs.lattice, inputs.sensor, modes_j,
-                                             tilt_radius(inputs.sensor.charge, inputs.tracking),
-                                             px_per_cycle(inputs.optics, inputs.slm)) *
-                                waves;
+  const Eigen::VectorXd moved = slopes_of(inputs, modes_j) * waves;
   std::vector<Vec2> result;
   for (Eigen::Index i = 0; i + 1 < moved.size(); i += 2) result.push_back({moved[i], moved[i + 1]});
   return result;
@@ -42,14 +45,6 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
   add(spots, displacements(inputs, inputs.aberration), 1.0);
   add(spots, displacements(inputs, inputs.reference->aberration), -1.0);
   return spots;
-}
-
-/// Shapes come with displacements of whole spots, which are not the tracker's positions.
-Eigen::MatrixXd slopes_of_positions(const PlanInputs& inputs, const ModeOperator& modes) {
-  if (!modes.shapes) return modes.slopes;
-  return slope_matrix(inputs.lattice, inputs.sensor, modes.modes_j,
-                      tilt_radius(inputs.sensor.charge, inputs.tracking),
-                      px_per_cycle(inputs.optics, inputs.slm));
 }
 
 /// Those of positions first, then those that only templates tell.
@@ -126,8 +121,10 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->modes_j = measured_modes(inputs.tracking, inputs.format, modes);
   plan->fits_shapes = inputs.tracking.tracker == TrackerKind::fit && can_fit(inputs.format) &&
                       (modes.kind != OperatorKind::measured || modes.shapes);
+  // Shapes come with displacements of whole spots, which are not the tracker's positions.
   plan->reconstructor = std::make_unique<Reconstructor>(
-      slopes_of_positions(inputs, modes), modes.modes_j, plan->reference_px,
+      modes.shapes ? slopes_of(inputs, modes.modes_j) : modes.slopes, modes.modes_j,
+      plan->reference_px,
       rotation_column(inputs.lattice, inputs.sensor, px_per_cycle(inputs.optics, inputs.slm),
                       inputs.reference));
   return plan;
