@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/optics/circle_columns.hpp"
+#include "core/optics/hologram_row.hpp"
 #include "core/optics/identify_picture.hpp"
-#include "core/optics/phase_rows.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
 namespace ovws {
@@ -166,9 +166,8 @@ Result<HologramRenderer> HologramRenderer::make(const HologramConfig& config) {
   const std::vector<std::uint16_t> no_modes(config.slm.width_px, 0);
   renderer.base_grey_ = {config.slm.width_px, config.slm.height_px};
   for (int y = 0; y < config.slm.height_px; ++y) {
-    hologram_row_kernels().back().greys(&renderer.base_phase_[std::size_t(y) * config.slm.width_px],
-                                        no_modes.data(), config.lut.data(), config.slm.width_px,
-                                        renderer.base_grey_.row(y));
+    look_up_greys(&renderer.base_phase_[std::size_t(y) * config.slm.width_px], no_modes.data(),
+                  config.lut.data(), config.slm.width_px, renderer.base_grey_.row(y));
   }
   return renderer;
 }
@@ -186,13 +185,20 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
   const int width = sized(grey).width;
   if (kind == HologramKind::identify) return draw_identify_picture(grey);
   if (kind != HologramKind::sensor && kind != HologramKind::grating) modes = {};
-  const PhaseRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px, width,
-                        grey.height);
-  const HologramRowKernels& kernels = hologram_row_kernels().back();
+  const Vec2 centre = pupil_centre(config_.slm);
+  const double diameter_px = config_.sensor.pupil_diameter_px;
+  const WavefrontRows added(modes, centre, diameter_px);
+  WavefrontRows::Polynomial along_row;
+  const int right = int(std::ceil(centre.x)), left = int(std::floor(centre.x));
+  std::vector<double> from_centre(width / 2 + 1 + kSparePixels);  // pupil radii
+  for (std::size_t k = 0; k < from_centre.size(); ++k) {
+    from_centre[k] = (right + double(k) - centre.x) / added.radius_px();
+  }
   std::vector<double> waves(width);
   std::vector<std::uint16_t> pattern(width);
   const std::vector<std::uint16_t> none(width, 0);
-  std::vector<std::uint16_t> phase(added.row_size());
+  std::vector<std::uint16_t> with_spare(width + 2 * kSparePixels);
+  std::uint16_t* const phase = with_spare.data() + kSparePixels;
   std::vector<std::uint8_t> without_modes(width);
   for (int y = 0; y < grey.height; ++y) {
     const std::uint16_t* base = &base_phase_[std::size_t(y) * width];
@@ -200,13 +206,18 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
     if (kind != HologramKind::sensor) {
       pattern_row(kind, y, waves, pattern.data());
       base = pattern.data();
-      kernels.greys(base, none.data(), config_.lut.data(), width, without_modes.data());
+      look_up_greys(base, none.data(), config_.lut.data(), width, without_modes.data());
       plain = without_modes.data();
     }
-    const Columns shown = modes.empty() ? Columns{} : added.row(y, kernels, phase, waves);
+    Columns shown;
+    if (!modes.empty()) shown = columns_in_circle(centre, diameter_px, y, width);
+    added.along_row(y, along_row);
+    mirrored_phases(along_row, from_centre.data(),
+                    std::max(shown.end - right, left + 1 - shown.begin), phase + right,
+                    phase + left);
     std::uint8_t* out = grey.row(y);
     std::copy(plain, plain + shown.begin, out);
-    kernels.greys(base + shown.begin, phase.data() + shown.begin, config_.lut.data(),
+    look_up_greys(base + shown.begin, phase + shown.begin, config_.lut.data(),
                   shown.end - shown.begin, out + shown.begin);
     std::copy(plain + shown.end, plain + width, out + shown.end);
   }
@@ -238,8 +249,7 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
     added.waves(y, lit.begin, part);
     for (std::size_t k = 0; k < part.size(); ++k) waves[std::size_t(lit.begin) + k] += part[k];
     add_flatness_and_wrap(config_, y, waves, phase.data());
-    hologram_row_kernels().back().greys(phase.data(), none.data(), config_.lut.data(), width,
-                                        grey.row(y));
+    look_up_greys(phase.data(), none.data(), config_.lut.data(), width, grey.row(y));
   }
 }
 

@@ -1,11 +1,10 @@
 /// The hologram: phase -> + aberration - correction -> + flatness -> wrap -> LUT -> grey levels.
 ///
 /// Exact rounding: pattern plus flatness, and the sum of the modes, are each rounded to the nearest
-/// 1/65536 wave (pattern plus flatness: ties to even) and added modulo one wave. The top 8 of the
-/// 16 bits index the LUT. The sum of the modes is accurate to 1/1024 of such a step; closer than
-/// that to a tie it may round either way. Where double precision does not suffice (strong modes of
-/// high order), it is as accurate as a power sum in double. The grey levels do not depend on the
-/// CPU's instruction set.
+/// 1/65536 wave (ties to even) and added modulo one wave. The top 8 of the 16 bits index the LUT.
+/// The sum of the modes is as accurate as a power sum in double precision: for modes of moderate
+/// strength and order it errs by less than 1/1024 of such a step; closer than that to a tie it may
+/// round either way. The grey levels do not depend on the CPU's instruction set.
 #pragma once
 
 #include <array>
@@ -72,7 +71,7 @@ class HologramRenderer {
   /// (aberration - correction); `check_sampling` must accept it. It is added inside the pupil only:
   /// outside, where high orders diverge, the light stays in the zeroth order. `flat`, `identify`
   /// and `test` ignore it; `test` shows flat. Takes a fraction of a millisecond per megapixel for
-  /// any number of modes, or several milliseconds where the fixed-point path lacks precision.
+  /// any number of modes.
   void render(HologramKind kind, std::span<const Mode> modes, Image<std::uint8_t>& grey) const;
   /// Renders a single subaperture. Requires a frequency of at most 0.5 in x and y and valid modes.
   void render_probe(const Probe& probe, Image<std::uint8_t>& grey) const;

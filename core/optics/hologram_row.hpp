@@ -1,35 +1,39 @@
-/// SIMD kernels for a hologram's rows: phase of the modes, and look-up of the grey levels.
+/// SIMD loops over a row of a hologram (Highway): phase of the modes, and look-up of the grey
+/// levels. All instruction sets give bit-identical results.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <span>
-#include <string_view>
 
 namespace ovws {
 
-/// Number of SIMD lanes: lane L of a row segment computes its pixels L, L + 16, L + 32, ...
-constexpr int kPhaseLanes = 16;
-/// Maximum degree of a row's polynomial.
-constexpr int kMaxPhaseDegree = 20;
-/// Steps that `phases` may write beyond the requested ones.
-constexpr int kSpareSteps = 1;
+constexpr double kPhasesPerWave = 65536.0;
+/// Adding 1.5 * 2^52 to a double leaves the rounded integer in its low bits, without a branch and
+/// without an undefined conversion.
+constexpr double kRounder = 0x1.8p52;
 
-/// One SIMD build of the kernels. All builds give bit-identical results.
-struct HologramRowKernels {
-  std::string_view name;
-  /// Evaluates a polynomial by forward differences: the 16-bit phase (65536 = 2 pi) of
-  /// steps * kPhaseLanes pixels, rounded to nearest, ties upwards. In each lane the k-th difference
-  /// per step is a polynomial in `y` of degree `degree` - k, with a value below 2^51 waves in
-  /// magnitude. `terms` holds the coefficients in waves, by k, then rising power of y, then lane.
-  /// The differences are summed as 64-bit integers, where 2^64 is one wave.
-  void (*phases)(const double* terms, int degree, double y, int steps, std::uint16_t* phase);
-  /// grey = lut[top 8 bits of (base + added)], modulo 65536, for `count` pixels. `lut` has 256
-  /// levels.
-  void (*greys)(const std::uint16_t* base, const std::uint16_t* added, const std::uint8_t* lut,
-                int count, std::uint8_t* grey);
-};
+/// Converts waves to 16-bit phase (65536 = 2 pi): rounds to the nearest 1/65536 wave (ties to even)
+/// and drops whole waves. Never undefined behaviour, but meaningless for very large values.
+inline std::uint16_t phase16(double waves) {
+  return std::uint16_t(std::bit_cast<std::uint64_t>(waves * kPhasesPerWave + kRounder));
+}
 
-/// The builds that this CPU can run, the fastest last.
-std::span<const HologramRowKernels> hologram_row_kernels();
+/// Highest number of coefficients of a row's polynomial.
+constexpr int kMaxPhasePowers = 21;
+/// Elements that `mirrored_phases` may use beyond the ends of its rows.
+constexpr int kSparePixels = 32;
+
+/// Evaluates a polynomial at mirrored pixels, for which the same sums of the even and of the odd
+/// powers serve: right[k] and left[-k], k = 0 .. count - 1, are the phase16 of its value at x[k]
+/// and -x[k]. `waves`: 1 to kMaxPhasePowers coefficients by rising power. As accurate as a power
+/// sum in double precision.
+void mirrored_phases(std::span<const double> waves, const double* x, int count,
+                     std::uint16_t* right, std::uint16_t* left);
+
+/// grey = lut[top 8 bits of (base + added)], modulo 65536, for `count` pixels. `lut` has 256
+/// levels.
+void look_up_greys(const std::uint16_t* base, const std::uint16_t* added, const std::uint8_t* lut,
+                   int count, std::uint8_t* grey);
 
 }  // namespace ovws

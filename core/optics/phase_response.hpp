@@ -1,5 +1,5 @@
 /// SLM phase response: phase against grey level, from fringe measurements (grey_fringe.hpp), and
-/// the look-up table that linearises it. HologramRowKernels (hologram_row.hpp) applies the table.
+/// the look-up table that linearises it. HologramRenderer applies the table.
 #pragma once
 
 #include <array>

@@ -91,16 +91,9 @@ WavefrontRows::WavefrontRows(std::span<const Mode> modes, Vec2 centre_px, double
   if (turn != PxPerCycle(turn.scale())) terms_ = turned(terms_, turn);
 }
 
-WavefrontRows::Polynomial WavefrontRows::along_row(double y) const {
-  Polynomial p;
-  for (const Polynomial& in_y : terms_) p.push_back(horner(in_y, y));
-  return p;
-}
-
-WavefrontRows::Polynomial WavefrontRows::slope_along_row(double y) const {
-  Polynomial p;
-  for (const Polynomial& in_y : terms_) p.push_back(horner(derivative(in_y), y));
-  return p;
+void WavefrontRows::along_row(int y, Polynomial& p) const {
+  p.clear();
+  for (const Polynomial& in_y : terms_) p.push_back(horner(in_y, (y - centre_px_.y) / radius_px_));
 }
 
 void WavefrontRows::evaluate(const Polynomial& p, int first_x, std::span<double> out) const {
@@ -114,18 +107,25 @@ void WavefrontRows::evaluate(const Polynomial& p, int first_x, std::span<double>
 }
 
 void WavefrontRows::waves(int y, int first_x, std::span<double> out) const {
-  evaluate(along_row((y - centre_px_.y) / radius_px_), first_x, out);
+  Polynomial p;
+  along_row(y, p);
+  evaluate(p, first_x, out);
 }
 
 void WavefrontRows::slopes_x(int y, int first_x, std::span<double> out) const {
-  Polynomial p = derivative(along_row((y - centre_px_.y) / radius_px_));
+  Polynomial p;
+  along_row(y, p);
+  p = derivative(p);
   for (double& term : p) term /= radius_px_;
   evaluate(p, first_x, out);
 }
 
 void WavefrontRows::slopes_y(int y, int first_x, std::span<double> out) const {
-  Polynomial p = slope_along_row((y - centre_px_.y) / radius_px_);
-  for (double& term : p) term /= radius_px_;
+  Polynomial p;
+  const double in_pupil = (y - centre_px_.y) / radius_px_;
+  for (const Polynomial& in_y : terms_) {
+    p.push_back(horner(derivative(in_y), in_pupil) / radius_px_);
+  }
   evaluate(p, first_x, out);
 }
 

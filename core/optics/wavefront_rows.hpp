@@ -25,22 +25,16 @@ class WavefrontRows {
   void slopes_y(int y, int first_x, std::span<double> out) const;
 
   using Polynomial = std::vector<double>;  ///< by rising power
-  /// terms()[a]: the polynomial in y that multiplies x^a, both in pupil radii; degree + 1 elements.
-  const std::vector<Polynomial>& terms() const { return terms_; }
+  /// Waves along row y as a polynomial of the position from the centre in pupil radii.
+  void along_row(int y, Polynomial& p) const;
   double radius_px() const { return radius_px_; }
-  /// Converts a grid position to pupil coordinates: pupil radii from the pupil's centre.
-  Vec2 in_pupil(Vec2 at_px) const {
-    return {(at_px.x - centre_px_.x) / radius_px_, (at_px.y - centre_px_.y) / radius_px_};
-  }
 
  private:
-  Polynomial along_row(double y) const;  ///< in x, pupil radii
-  Polynomial slope_along_row(double y) const;
   void evaluate(const Polynomial& p, int first_x, std::span<double> out) const;
 
   Vec2 centre_px_;
   double radius_px_;
-  std::vector<Polynomial> terms_;
+  std::vector<Polynomial> terms_;  ///< terms_[a]: the polynomial in y that multiplies x^a
 };
 
 }  // namespace ovws
