@@ -157,12 +157,12 @@ def functions_too_long(text):
             begin = at + 1
 
 
-def misplaced_methods(name, text):
-    """A method `prefix.verb` of the control socket belongs to daemon/ovwsd/control/PREFIX.cpp; its constant is kPrefixVerb."""
+def misplaced_methods(name, text, homes):
+    """The methods `prefix.verb` of the control socket stand in one file of daemon/ovwsd/control; their constants are kPrefixVerb."""
     for constant in re.findall(r"\brow<k(\w+)", text):
         prefix = re.match(r"[A-Z][a-z]+", constant)[0].lower()
-        if Path(name).stem != prefix:
-            yield f"method k{constant} belongs to {prefix}.cpp"
+        if homes.setdefault(prefix, name) != name:
+            yield f"method k{constant} belongs to {homes[prefix]}, as all of {prefix}.*"
 
 
 def too_wide(lines):
@@ -175,14 +175,14 @@ def too_wide(lines):
 
 
 def main():
-    found = []
+    found, homes = [], {}
     code = [n for n in tracked(*CODE) if room_of(n) in MAY_INCLUDE]
     for name in code:
         text = (ROOT / name).read_text()
         for number, line in enumerate(text.splitlines(), 1):
             found += [f"{name}:{number}: {rule}" for rule in check_code_line(name, line)]
         if name.startswith("daemon/ovwsd/control/"):
-            found += [f"{name}:1: {rule}" for rule in misplaced_methods(name, text)]
+            found += [f"{name}:1: {rule}" for rule in misplaced_methods(name, text, homes)]
         found += [f"{name}:{n}: function of {length} lines, at most {MOST_FUNCTION_LINES}" for n, length in functions_too_long(text)]
     for name in tracked():
         path = ROOT / name

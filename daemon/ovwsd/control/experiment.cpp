@@ -5,14 +5,10 @@
 #include <memory>
 
 #include "config/config.hpp"
-#include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/camera/camera_limits.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
-#include "daemon/ovwsd/procedures/experiment_archive.hpp"
 #include "daemon/ovwsd/procedures/gain_sweep.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
-#include "daemon/ovwsd/procedures/sweep_bench.hpp"
-#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/experiment.hpp"
 
 namespace ovws {

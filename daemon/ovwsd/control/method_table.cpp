@@ -1,5 +1,7 @@
 #include "daemon/ovwsd/control/method_table.hpp"
 
+#include <algorithm>
+
 #include "core/rt/counters.hpp"
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "proto/reader.hpp"
@@ -7,21 +9,12 @@
 namespace ovws {
 namespace {
 
-std::array<std::span<const MethodRow>, 17> all_methods() {
-  return {system_methods(),       camera_methods(),      sensor_methods(),    aberration_methods(),
-          correction_methods(),   loop_methods(),        reference_methods(), job_methods(),
-          registration_methods(), calibration_methods(), lut_methods(),       flatness_methods(),
-          slm_methods(),          refine_methods(),      record_methods(),    config_methods(),
-          experiment_methods()};
-}
-
-const MethodRow* find_method(const std::string& name) {
-  for (const auto& table : all_methods()) {
-    for (const MethodRow& method : table) {
-      if (name == method.name) return &method;
-    }
+std::vector<const MethodRow*> all_methods() {
+  std::vector<const MethodRow*> all;
+  for (const auto& table : {sensor_methods(), experiment_methods(), system_methods()}) {
+    for (const MethodRow& method : table) all.push_back(&method);
   }
-  return nullptr;
+  return all;
 }
 
 RpcFailure unknown_method(const std::string& name) {
@@ -29,7 +22,9 @@ RpcFailure unknown_method(const std::string& name) {
       RpcCode::method,
       "there is no method \"" + name + "\"",
       {{"field", "method"}, {"reason", "unknown; system.describe lists all methods"}}};
-  if (const auto nearest = nearest_name(name, method_names())) {
+  std::vector<std::string> names;
+  for (const MethodRow* const method : all_methods()) names.emplace_back(method->name);
+  if (const auto nearest = nearest_name(name, names)) {
     failure.message += ", did you mean \"" + *nearest + "\"?";
     failure.data["nearest"] = *nearest;
   }
@@ -43,20 +38,10 @@ RpcAnswer forbidden(const std::string& field, const std::string& reason) {
 
 }  // namespace
 
-std::vector<std::string> method_names() {
-  std::vector<std::string> names;
-  for (const auto& table : all_methods()) {
-    for (const MethodRow& method : table) names.emplace_back(method.name);
-  }
-  return names;
-}
-
 std::vector<std::pair<std::string, Role>> method_roles() {
   std::vector<std::pair<std::string, Role>> roles;
-  for (const auto& table : all_methods()) {
-    for (const MethodRow& method : table) {
-      roles.emplace_back(method.name, method.role);
-    }
+  for (const MethodRow* const method : all_methods()) {
+    roles.emplace_back(method->name, method->role);
   }
   return roles;
 }
@@ -70,13 +55,16 @@ void dispatch(Services& services, const std::string& key, const std::string& met
   };
   const auto role = services.clients.role_of(key);
   if (!role) return counted(forbidden("", role.error().reason));
-  const MethodRow* const found = find_method(method);
-  if (found == nullptr) return counted(tl::make_unexpected(unknown_method(method)));
-  if (found->role == Role::control && *role == Role::read) {
+  static const std::vector<const MethodRow*> kAll = all_methods();
+  const auto at = std::find_if(kAll.begin(), kAll.end(),
+                               [&](const MethodRow* one) { return method == one->name; });
+  if (at == kAll.end()) return counted(tl::make_unexpected(unknown_method(method)));
+  const MethodRow& found = **at;
+  if (found.role == Role::control && *role == Role::read) {
     return counted(forbidden("method", method + " needs the role \"control\"; the role of this "
                                                 "client in security.clients is \"read\""));
   }
-  found->call(*found, services, params, std::move(counted));
+  found.call(found, services, params, std::move(counted));
 }
 
 }  // namespace ovws

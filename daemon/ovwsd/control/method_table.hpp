@@ -51,15 +51,6 @@ inline auto with_job_number(Reply<JobNumber> reply) {
   };
 }
 
-/// Replies with `report` of the sensor after a change, or with the change's error.
-template <class R, class Report>
-auto with_report(Reply<R> reply, Report report) {
-  return [reply = std::move(reply), report = std::move(report)](const auto& changed) {
-    if (!changed) return reply(changed.error());
-    reply(report(**changed));
-  };
-}
-
 struct MethodRow {
   const char* name;
   Role role;  ///< the client needs at least this role
@@ -93,32 +84,17 @@ constexpr MethodRow row(Role role, Action action) {
       }};
 }
 
-// One file for each prefix of the methods' names, with a table; a new method is one function and
-// one row.
-std::span<const MethodRow> system_methods();
-std::span<const MethodRow> camera_methods();
+// One file for each part of the daemon; a new method is one function and one row.
 std::span<const MethodRow> sensor_methods();
-std::span<const MethodRow> aberration_methods();
-std::span<const MethodRow> correction_methods();
-std::span<const MethodRow> loop_methods();
-std::span<const MethodRow> reference_methods();
-std::span<const MethodRow> job_methods();
-std::span<const MethodRow> registration_methods();
-std::span<const MethodRow> calibration_methods();
-std::span<const MethodRow> lut_methods();
-std::span<const MethodRow> flatness_methods();
-std::span<const MethodRow> slm_methods();
-std::span<const MethodRow> refine_methods();
-std::span<const MethodRow> record_methods();
-std::span<const MethodRow> config_methods();
 std::span<const MethodRow> experiment_methods();
+std::span<const MethodRow> system_methods();
 
 /// Calls a method for a client. Checks the client's key (empty without `security`) and role, then
 /// the params, then the daemon's state: a typo is reported even if the state does not allow the
 /// call. The error for an unknown method names the nearest known one.
 void dispatch(Services& services, const std::string& key, const std::string& method,
               const nlohmann::json& params, RpcReply reply);
-std::vector<std::string> method_names();
+/// All methods by name, with the role that each needs.
 std::vector<std::pair<std::string, Role>> method_roles();
 
 }  // namespace ovws

@@ -1,20 +1,212 @@
-/// Methods sensor.*: the sensor's layout and how its spots are tracked.
-#include "proto/tables/sensor.hpp"
+/// Methods that change or measure the sensor and its hologram: aberration, calibration, correction,
+/// flatness, lut, reference, registration, sensor, slm.
+#include <spdlog/fmt/fmt.h>
+
+#include "config/config.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "daemon/ovwsd/slm/slm_loop.hpp"
+#include "proto/tables/calibration.hpp"
+#include "proto/tables/sensor.hpp"
 #include "proto/tables/set.hpp"
+#include "proto/tables/slm.hpp"
 
 namespace ovws {
 namespace {
 
-void get(Services& services, Reply<SensorReport> reply) {
-  const SensorView sensor = services.keeper.snapshot();
-  reply(SensorReport{{sensor->sensor, sensor->tracking},
-                     sensor->templates,
-                     sensor->mode_operator,
-                     sensor->subapertures,
-                     sensor->modes_j,
-                     sensor->hologram_id});
+/// `report(services, sensor)` makes the result of a method.
+template <auto report>
+using ReportOf = std::invoke_result_t<decltype(report), const Services&, const SensorSnapshot&>;
+
+template <auto report>
+void get(Services& services, Reply<ReportOf<report>> reply) {
+  reply(report(services, *services.keeper.snapshot()));
+}
+
+/// Changes the sensor, and replies with the report of the changed one.
+template <auto report>
+void edit(Services& services, Hold as, SensorChange change, Reply<ReportOf<report>> reply) {
+  services.keeper.edit(as, std::move(change),
+                       [&services, reply = std::move(reply)](const Result<SensorView>& changed) {
+                         if (!changed) return reply(changed.error());
+                         reply(report(services, **changed));
+                       });
+}
+
+template <auto report, auto change>
+void clear(Services& services, Reply<ReportOf<report>> reply) {
+  edit<report>(services, Hold::unheld(), change(), std::move(reply));
+}
+
+/// Starts the job of a method, whose result `measure(services, bench, params)` returns.
+template <const auto& method, auto measure>
+void run(Services& services, const typename std::remove_cvref_t<decltype(method)>::Params& params,
+         Reply<JobNumber> reply) {
+  services.procedures.start(
+      method.name, [&services, params](Bench& bench) { return measure(services, bench, params); },
+      with_job_number(std::move(reply)));
+}
+
+/// Activates what a job has measured. Returns the report of the sensor: the job's result.
+template <auto report>
+Result<Json> use(const Services& services, Bench& bench, SensorChange change) {
+  if (auto used = bench.use(std::move(change)); !used) return fail(used.error());
+  return to_json(report(services, *bench.sensor()));
+}
+
+template <auto modes>
+ModesReport modes_of(const Services& /*services*/, const SensorSnapshot& now) {
+  return {now.*modes, now.hologram_id};
+}
+constexpr auto aberration_of = modes_of<&SensorSnapshot::aberration>;
+constexpr auto correction_of = modes_of<&SensorSnapshot::correction>;
+
+// Allowed with the loop closed, too: the loop then corrects the aberration.
+void introduce(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
+  edit<aberration_of>(services, Hold::of_loop(), set_aberration(change.modes), std::move(reply));
+}
+
+void introduce_none(Services& services, Reply<ModesReport> reply) {
+  introduce(services, {}, std::move(reply));
+}
+
+void correct(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
+  edit<correction_of>(services, Hold::unheld(), set_correction(change.modes), std::move(reply));
+}
+
+void correct_nothing(Services& services, Reply<ModesReport> reply) {
+  correct(services, {}, std::move(reply));
+}
+
+KnownCalibration calibration_of(const Services& /*services*/, const SensorSnapshot& now) {
+  if (!now.calibration) return {};
+  const Calibration& c = *now.calibration;
+  return {now.mode_operator.in_force == OperatorKind::measured,
+          CalibrationReport{c.amplitude_waves,
+                            c.frames,
+                            c.t_taken_ns,
+                            c.matrix,
+                            c.comparison,
+                            c.shapes ? c.shapes->modes_j : std::vector<int>{},
+                            c.sha256,
+                            {*c.origin}}};
+}
+
+/// Warns of a calibration without some spots or modes: it is usable, but a person must know.
+void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
+  std::vector<int> dropped_j;
+  for (const DroppedMode& mode : matrix.dropped) dropped_j.push_back(mode.j);
+  if (dropped_j.empty() && matrix.lost_spots.empty()) return;
+  std::string text = "the calibration";
+  if (!matrix.lost_spots.empty()) {
+    text += fmt::format(" lacks spots {}", listed_spots(matrix.lost_spots));
+  }
+  if (!dropped_j.empty()) {
+    text += fmt::format(
+        "{} does not measure modes j = {} ({}): their aberration appears as other modes",
+        matrix.lost_spots.empty() ? "" : " and", listed_spots(dropped_j), matrix.dropped[0].reason);
+  }
+  bench.warn("calibration", text,
+             {{"lost_spots", matrix.lost_spots}, {"dropped_modes", dropped_j}});
+}
+
+Result<Json> calibrate(const Services& services, Bench& bench, const CalibrationRun& run) {
+  const std::uint64_t epoch = bench.sensor()->sensor_epoch;
+  const auto measured = measure_calibration(bench, services.config.slm.geometry, run);
+  if (!measured) return fail(measured.error());
+  auto result = use<calibration_of>(services, bench, use_calibration(epoch, *measured));
+  if (result) warn_of_dropped(bench, measured->matrix);
+  return result;
+}
+
+void run_calibration(Services& services, const CalibrationRun& params, Reply<JobNumber> reply) {
+  if (auto can = check_shows_sensor(*services.keeper.snapshot()); !can) return reply(can.error());
+  run<kCalibrationRun, calibrate>(services, params, std::move(reply));
+}
+
+FlatnessReport flatness_of(const Services& services, const SensorSnapshot& now) {
+  FlatnessReport report{services.config.slm.flatness, std::nullopt};
+  const auto& f = now.slm->flatness;
+  if (!f) return report;
+  report.measured =
+      FlatnessMeasured{f->t_taken_ns,         f->frames, f->iterations, f->pupil_diameter_px, {},
+                       f->residual_rms_waves, f->sha256, {f->origin}};
+  for (std::size_t k = 0; k < f->modes.size(); ++k) {
+    report.measured->modes.push_back(
+        {f->modes[k].j, f->modes[k].waves, f->standard_error_waves[k]});
+  }
+  return report;
+}
+
+Result<Json> flatten(const Services& services, Bench& bench, const FlatnessRun& run) {
+  const std::uint64_t epoch = bench.sensor()->sensor_epoch;
+  auto flatness = measure_flatness(bench, services.config.slm.geometry, run.frames);
+  if (!flatness) return fail(flatness.error());
+  return use<flatness_of>(services, bench, use_flatness(epoch, std::move(*flatness)));
+}
+
+LutReport lut_of(const Services& services, const SensorSnapshot& now) {
+  LutReport report{now.slm->hologram.lut, services.config.slm.lut, std::nullopt};
+  if (const auto& lut = now.slm->lut) {
+    report.measured = LutMeasured{lut->t_taken_ns, lut->frames, lut->response,
+                                  lut->table,      lut->sha256, {lut->origin}};
+  }
+  return report;
+}
+
+Result<Json> linearise(const Services& services, Bench& bench, const LutRun& run) {
+  auto lut = measure_lut(bench, services.config.slm.geometry, run);
+  if (!lut) return fail(lut.error());
+  return use<lut_of>(services, bench, use_lut(std::move(*lut)));
+}
+
+KnownReference reference_of(const Services& services, const SensorSnapshot& now) {
+  if (!now.reference) return {};
+  const Reference& r = *now.reference;
+  return {ReferenceReport{r.frames,
+                          r.key.sensor.charge,
+                          r.key.tracking.tracker,
+                          r.t_taken_ns,
+                          r.positions_px,
+                          r.standard_error_px,
+                          std::string(reference_source_name(r.source)),
+                          r.sha256,
+                          stale_fields(r, services.camera.snapshot().settings),
+                          {*r.origin},
+                          rms_waves(r.introduced)}};
+}
+
+Result<Json> refer(const Services& /*services*/, Bench& bench, const ReferenceTake& take) {
+  return take_reference(bench, take);
+}
+
+void run_reference(Services& services, const ReferenceTake& params, Reply<JobNumber> reply) {
+  if (auto can = can_take_reference(*services.keeper.snapshot(), params); !can) {
+    return reply(can.error());
+  }
+  run<kReferenceTake, refer>(services, params, std::move(reply));
+}
+
+void use_model(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> reply) {
+  edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
+}
+
+KnownRegistration known_registration(const Services& /*services*/, const SensorSnapshot& now) {
+  return {now.registration};
+}
+
+Result<Json> register_camera(const Services& services, Bench& bench, const RegistrationRun& run) {
+  const auto found = measure_registration(bench, services.config.slm.geometry, run.frames);
+  if (!found) return fail(found.error());
+  return use<known_registration>(services, bench, use_registration(*found));
+}
+
+SensorReport sensor_of(const Services& /*services*/, const SensorSnapshot& now) {
+  return {{now.sensor, now.tracking}, now.templates, now.mode_operator,
+          now.subapertures,           now.modes_j,   now.hologram_id};
 }
 
 /// Removes "sensor." and "tracking." from the error's field: the core names configuration keys,
@@ -26,7 +218,7 @@ Error in_params(Error error) {
   return error;
 }
 
-void set(Services& services, const SensorSet& change, Reply<SensorSetReport> reply) {
+void change_sensor(Services& services, const SensorSet& change, Reply<SensorSetReport> reply) {
   const auto done = [change, reply](const Result<SensorView>& applied) {
     if (!applied) return reply(in_params(applied.error()));
     const SensorSnapshot& now = **applied;
@@ -35,9 +227,59 @@ void set(Services& services, const SensorSet& change, Reply<SensorSetReport> rep
   services.keeper.edit(Hold::unheld(), set_sensor(change), done);
 }
 
+ShowReport shown_pattern(const Services& /*services*/, const SensorSnapshot& now) {
+  return {now.pattern, now.hologram_id};
+}
+
+void show(Services& services, const SlmShow& what, Reply<ShowReport> reply) {
+  edit<shown_pattern>(services, Hold::unheld(), show_pattern(what.pattern), std::move(reply));
+}
+
+Result<Json> settle(const Services& services, Bench& bench, const SettleRun& run) {
+  const auto time = measure_settle(bench, services.config.slm.geometry, run);
+  if (!time) return fail(time.error());
+  return to_json(SettleReport{*time, run.repetitions, services.config.slm.settle_ms});
+}
+
+void verify(Services& services, Reply<VerifyReport> reply) {
+  services.slm.verify([reply](Result<SlmVerdict> seen) {
+    if (!seen) return reply(seen.error());
+    reply(VerifyReport{seen->hologram_id, seen->crc32, seen->crc32_shown, seen->differing_pixels});
+  });
+}
+
 constexpr std::array kRows{
-    row<kSensorGet, get>(Role::read, Action::read),
-    row<kSensorSet, set>(Role::control, Action::set_sensor),
+    row<kAberrationGet, get<aberration_of>>(Role::read, Action::read),
+    row<kAberrationSet, introduce>(Role::control, Action::set_aberration),
+    row<kAberrationClear, introduce_none>(Role::control, Action::set_aberration),
+    row<kCalibrationRun, run_calibration>(Role::control, Action::start_job),
+    row<kCalibrationGet, get<calibration_of>>(Role::read, Action::read),
+    row<kCalibrationClear, clear<calibration_of, forget_calibration>>(Role::control,
+                                                                      Action::clear_reference),
+    row<kCorrectionGet, get<correction_of>>(Role::read, Action::read),
+    row<kCorrectionSet, correct>(Role::control, Action::set_correction),
+    row<kCorrectionClear, correct_nothing>(Role::control, Action::set_correction),
+    row<kFlatnessRun, run<kFlatnessRun, flatten>>(Role::control, Action::start_job),
+    row<kFlatnessGet, get<flatness_of>>(Role::read, Action::read),
+    row<kFlatnessClear, clear<flatness_of, forget_flatness>>(Role::control,
+                                                             Action::clear_reference),
+    row<kLutRun, run<kLutRun, linearise>>(Role::control, Action::start_job),
+    row<kLutGet, get<lut_of>>(Role::read, Action::read),
+    row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Action::clear_reference),
+    row<kReferenceTake, run_reference>(Role::control, Action::start_job),
+    row<kReferenceGet, get<reference_of>>(Role::read, Action::read),
+    row<kReferenceSet, use_model>(Role::control, Action::clear_reference),
+    row<kReferenceClear, clear<reference_of, forget_reference>>(Role::control,
+                                                                Action::clear_reference),
+    row<kRegistrationRun, run<kRegistrationRun, register_camera>>(Role::control, Action::start_job),
+    row<kRegistrationGet, get<known_registration>>(Role::read, Action::read),
+    row<kRegistrationClear, clear<known_registration, forget_registration>>(
+        Role::control, Action::clear_reference),
+    row<kSensorGet, get<sensor_of>>(Role::read, Action::read),
+    row<kSensorSet, change_sensor>(Role::control, Action::set_sensor),
+    row<kSlmShow, show>(Role::control, Action::show_pattern),
+    row<kSlmSettle, run<kSlmSettle, settle>>(Role::control, Action::start_job),
+    row<kSlmVerify, verify>(Role::read, Action::read),
 };
 
 }  // namespace

@@ -1,13 +1,116 @@
+/// Methods of the daemon's other parts: camera, config, job, loop, record, refine, system.
+#include "config/config.hpp"
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/control/status_reporter.hpp"
 #include "daemon/ovwsd/devices/versions.hpp"
+#include "daemon/ovwsd/procedures/procedures.hpp"
+#include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
+#include "proto/json_text.hpp"
 #include "proto/tables/description.hpp"
+#include "proto/tables/loop.hpp"
+#include "proto/tables/record.hpp"
+#include "proto/tables/set.hpp"
 #include "proto/tables/status.hpp"
 
 namespace ovws {
 namespace {
+
+void get_camera(Services& services, Reply<CameraReport> reply) {
+  const CameraSnapshot camera = services.camera.snapshot();
+  reply(CameraReport{camera.info, camera.settings, camera.limits});
+}
+
+void set_camera(Services& services, const CameraSet& change, Reply<CameraSetReport> reply) {
+  if (change.gives(&CameraSettings::pixel_format)) {
+    const auto suits = can_measure(*services.keeper.snapshot(), services.config.slm.geometry,
+                                   change.applied_to({}).pixel_format);
+    if (!suits) return reply(suits.error());
+  }
+  services.camera.change(change, [&services, change, reply](Result<CameraSnapshot> applied) {
+    if (!applied) return reply(applied.error());
+    services.keeper.after_changes([change, reply, camera = *applied] {
+      reply(CameraSetReport{change, camera.settings, camera.limits});
+    });
+  });
+}
+
+Config in_use(const Services& services) {
+  return config_in_use(services.config, services.loaded.get(), services.camera, services.keeper,
+                       services.refiner);
+}
+
+void get_config(Services& services, Reply<Config> reply) {
+  // In the format of the file: 0 for a gain in dB that the camera does not have.
+  reply(JsonOf<Config>{json_of(dump_config(in_use(services)))});
+}
+
+void save_config(Services& services, Reply<SavedReport> reply) {
+  const LoadedConfig loaded = services.loaded.get();
+  if (!loaded.overlay) {
+    return reply(Error{Errc::refused, "state.directory",
+                       "there is no folder to save to: set state.directory in the configuration "
+                       "file, or $STATE_DIRECTORY, and restart the daemon"});
+  }
+  Config now = in_use(services);
+  now.camera.settings = as_in_file(now.camera.settings, services.camera.snapshot().asked,
+                                   loaded.file.camera.settings);
+  const auto asked =
+      services.disk.request([path = *loaded.overlay, values = values_to_save(loaded, now), reply] {
+        const auto saved = write_saved(path, values);
+        if (!saved) return reply(saved.error());
+        reply(SavedReport{path, values.keys});
+      });
+  if (!asked) reply(asked.error());
+}
+
+void get_job(Services& services, const JobNumber& which, Reply<JobReport> reply) {
+  reply(services.jobs.get(which.job));
+}
+
+void cancel_job(Services& services, const JobNumber& which, Reply<JobReport> reply) {
+  const bool ran = services.jobs.runs(which.job);
+  const auto cancelled = services.jobs.cancel(which.job);
+  if (!ran || services.jobs.runs(which.job)) return reply(cancelled);
+  // Replies when the sensor is free again, so that the client can start the next job at once.
+  services.procedures.when_free([&services, reply, cancelled] {
+    services.keeper.after_changes([reply, cancelled] { reply(cancelled); });
+  });
+}
+
+void close_loop(Services& services, const LoopSettings& settings, Reply<LoopReport> reply) {
+  services.loop.close(settings, reply);
+}
+
+void open_loop(Services& services, const LoopOpen& how, Reply<LoopReport> reply) {
+  services.loop.open(how.keep, reply);
+}
+
+void start_recording(Services& services, const RecordStart& asked, Reply<RecordReport> reply) {
+  const Config now = in_use(services);
+  services.recorder.start({asked, dump_config(now), now.camera.settings,
+                           services.camera.snapshot().info, "ovwsd " OVWS_VERSION},
+                          reply);
+}
+
+void stop_recording(Services& services, Reply<RecordReport> reply) {
+  services.recorder.stop(reply);
+}
+
+PixelFormat camera_format(const Services& services) {
+  return services.camera.snapshot().settings.pixel_format;
+}
+
+void get_refine(Services& services, Reply<RefineReport> reply) {
+  reply(RefineReport{in_format(services.refiner.settings(), camera_format(services))});
+}
+
+void set_refine(Services& services, const RefineSet& change, Reply<RefineSetReport> reply) {
+  const auto applied = services.refiner.change(change, camera_format(services));
+  if (!applied) return reply(applied.error());
+  reply(RefineSetReport{change, {*applied}});
+}
 
 Json make_description() {
   Description all;
@@ -34,7 +137,29 @@ void status(Services& services, Reply<StatusMessage> reply) {
   reply(services.status.current());
 }
 
+void get_loop(Services& services, Reply<LoopReport> reply) {
+  reply(services.loop.report());
+}
+
+void get_recording(Services& services, Reply<RecordReport> reply) {
+  reply(services.recorder.report());
+}
+
 constexpr std::array kRows{
+    row<kCameraGet, get_camera>(Role::read, Action::read),
+    row<kCameraSet, set_camera>(Role::control, Action::set_camera),
+    row<kConfigGet, get_config>(Role::read, Action::read),
+    row<kConfigSave, save_config>(Role::control, Action::save_config),
+    row<kJobGet, get_job>(Role::read, Action::read),
+    row<kJobCancel, cancel_job>(Role::control, Action::cancel_job),
+    row<kLoopClose, close_loop>(Role::control, Action::close_loop),
+    row<kLoopOpen, open_loop>(Role::control, Action::open_loop),
+    row<kLoopGet, get_loop>(Role::read, Action::read),
+    row<kRecordStart, start_recording>(Role::control, Action::record),
+    row<kRecordStop, stop_recording>(Role::control, Action::record),
+    row<kRecordGet, get_recording>(Role::read, Action::read),
+    row<kRefineGet, get_refine>(Role::read, Action::read),
+    row<kRefineSet, set_refine>(Role::control, Action::set_refine),
     row<kSystemDescribe, describe>(Role::read, Action::read),
     row<kSystemStatus, status>(Role::read, Action::read),
 };

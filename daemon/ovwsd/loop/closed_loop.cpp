@@ -45,10 +45,7 @@ std::string reason_of(LoopEnd end, const LoopSettings& settings) {
 /// Checks that the sensor is shown, that there is a reference, that each mode to correct is
 /// measured, and that the present correction is within the limit.
 Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& sensor) {
-  if (sensor.pattern != HologramKind::sensor) {
-    return fail(Errc::refused, "",
-                "the SLM does not show the sensor: call slm.show with \"sensor\" first");
-  }
+  if (auto shown = check_shows_sensor(sensor); !shown) return shown;
   if (!sensor.reference) {
     return fail(Errc::refused, "reference",
                 "there is no reference for the loop: take one with reference.take first");
@@ -68,12 +65,6 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
                             mode.waves, mode.j, settings.limit_waves));
   }
   return {};
-}
-
-double rms_of(const std::vector<Mode>& modes) {
-  double squares = 0.0;
-  for (const Mode& mode : modes) squares += mode.waves * mode.waves;
-  return std::sqrt(squares);
 }
 
 /// Whether an invalid frame is good enough to steer by: at most one of kMinSpotsPerLost spots is
@@ -176,7 +167,7 @@ Result<LoopReport> ClosedLoop::end(bool keep) {
 
 LoopReport ClosedLoop::report() const {
   LoopReport report = report_.get();
-  report.correction_rms_waves = rms_of(deps_.keeper.snapshot()->correction);
+  report.correction_rms_waves = rms_waves(deps_.keeper.snapshot()->correction);
   return report;
 }
 

@@ -10,6 +10,7 @@
 namespace ovws {
 
 using nlohmann::json;
+using Part = ExperimentFiles::Part;
 
 void ExperimentArchive::load() {
   if (const auto run = files_.latest()) read(*run);
@@ -79,7 +80,7 @@ void ExperimentArchive::put_reference(int arm, json reference) {
     run = *run_;
     references_[std::size_t(arm)] = reference;
   }
-  remember_failure(files_.put_reference(run, arm, std::move(reference)));
+  remember_failure(files_.put(run, Part::reference, arm, std::move(reference)));
 }
 
 /// Writes the cell to disk before publishing it, so that a published cell survives a restart.
@@ -89,12 +90,12 @@ void ExperimentArchive::put_cell(int cell, json measured) {
   if (picture.is_object()) {
     std::string base64 = std::move(picture["base64"].get_ref<std::string&>());
     picture.erase("base64");
-    if (!remember_failure(files_.put_picture(run, cell, base64))) {
+    if (!remember_failure(files_.put(run, Part::picture, cell, {{"base64", base64}}))) {
       const std::lock_guard lock(mutex_);
       pictures_[cell] = std::move(base64);
     }
   }
-  remember_failure(files_.put_cell(run, cell, measured));
+  remember_failure(files_.put(run, Part::cell, cell, measured));
   const std::lock_guard lock(mutex_);
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;

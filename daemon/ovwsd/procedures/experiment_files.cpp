@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "core/port/clock.hpp"
+#include "daemon/shared/encoding.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws {
 namespace {
@@ -14,29 +16,20 @@ using nlohmann::json;
 
 constexpr const char* kKind = "experiment";
 
-std::string kind_of(const std::string& run) {
-  return fmt::format("{}-{}", kKind, run);
-}
-
 /// Key that identifies the execution of a run that a file belongs to. After `anew`, files of an
 /// earlier execution are ignored even if they could not be deleted.
 constexpr const char* kStamp = "run_t_begun_ns";
 
+using Part = ExperimentFiles::Part;
+
 /// Images have a kind of their own: they take many megabytes and are read only on request.
-std::string picture_kind_of(const std::string& run) {
-  return fmt::format("{}-picture-{}", kKind, run);
+std::string kind_of(const ExperimentRun& run, Part part = Part::cell) {
+  return fmt::format("{}{}-{}", kKind, part == Part::picture ? "-picture" : "", run.name);
 }
 
-std::string reference_name(std::size_t arm) {
-  return fmt::format("reference-{:02}", arm);
-}
-
-std::string cell_name(std::size_t cell) {
-  return fmt::format("cell-{:05}", cell);
-}
-
-std::string picture_name(std::size_t cell) {
-  return fmt::format("picture-{:05}", cell);
+std::string name_of(Part part, std::size_t number) {
+  if (part == Part::reference) return fmt::format("reference-{:02}", number);
+  return fmt::format("{}-{:05}", part == Part::picture ? "picture" : "cell", number);
 }
 
 /// The header of a run.
@@ -58,6 +51,19 @@ std::optional<Header> header_of(const StateItem& item) {
                 opened.get<std::int64_t>()};
 }
 
+/// The image of a cell, as base64.
+std::optional<std::string> picture_of(const DaemonStore& store, const ExperimentRun& run,
+                                      int cell) {
+  const auto kept =
+      store.find(kind_of(run, Part::picture), name_of(Part::picture, std::size_t(cell)));
+  if (!kept || !kept->content.is_object()) return std::nullopt;
+  const json base64 = kept->content.value("base64", json());
+  if (kept->content.value(kStamp, json()) != run.t_begun_ns || !base64.is_string()) {
+    return std::nullopt;
+  }
+  return base64.get<std::string>();
+}
+
 /// All headers, the run opened longest ago first.
 std::vector<Header> headers(const DaemonStore& store) {
   std::vector<Header> all;
@@ -70,6 +76,13 @@ std::vector<Header> headers(const DaemonStore& store) {
 }
 
 }  // namespace
+
+ExperimentRun experiment_run(const GainSweepRun& asked, json bench) {
+  constexpr std::size_t kNameDigits = 16;
+  const std::string all = json_text(json{{"request", to_json(asked.sweep)}, {"bench", bench}});
+  return {sha256_hex(all).substr(0, kNameDigits), asked.sweep, std::move(bench), utc_ns(),
+          asked.anew};
+}
 
 std::optional<ExperimentRun> ExperimentFiles::latest() const {
   const auto stored = headers(store_);
@@ -86,64 +99,43 @@ std::optional<ExperimentRun> ExperimentFiles::find(const std::string& name) cons
 
 ExperimentFiles::Measured ExperimentFiles::measured(const ExperimentRun& run) const {
   Measured kept{std::vector<json>(run.request.arms.size()), std::vector<json>(run.request.cells())};
-  store_.load(kind_of(run.name), [&](StateItem item) {
+  store_.load(kind_of(run), [&](StateItem item) {
     if (!item.content.is_object() || item.content.value(kStamp, json()) != run.t_begun_ns) return;
     item.content.erase(kStamp);
     const json number = item.content.value("cell", item.content.value("arm", json()));
     if (!number.is_number_unsigned()) return;
     const auto k = number.get<std::size_t>();
-    if (k < kept.cells.size() && item.name == cell_name(k)) kept.cells[k] = std::move(item.content);
-    if (k < kept.references.size() && item.name == reference_name(k)) {
-      kept.references[k] = std::move(item.content);
-    }
+    const auto take = [&](Part part, std::vector<json>& all) {
+      if (k < all.size() && item.name == name_of(part, k)) all[k] = std::move(item.content);
+    };
+    take(Part::cell, kept.cells);
+    take(Part::reference, kept.references);
   });
   return kept;
 }
 
-std::optional<std::string> ExperimentFiles::picture(const ExperimentRun& run, int cell) const {
-  auto kept = store_.find(picture_kind_of(run.name), picture_name(std::size_t(cell)));
-  if (!kept || !kept->content.is_object()) return std::nullopt;
-  const json base64 = kept->content.value("base64", json());
-  if (kept->content.value(kStamp, json()) != run.t_begun_ns || !base64.is_string()) {
-    return std::nullopt;
-  }
-  return base64.get<std::string>();
-}
-
-Result<void> ExperimentFiles::put(const std::string& kind, const std::string& name,
-                                  const json& content) {
+Result<void> ExperimentFiles::put_file(const std::string& kind, const std::string& name,
+                                       const json& content) {
   const auto kept = store_.put_and_wait(kind, name, content);
   if (kept || store_.is_queued(kind, name)) return {};
   return fail(kept.error());
 }
 
 Result<void> ExperimentFiles::put_header(const ExperimentRun& run) {
-  return put(kKind, run.name,
-             {{"request", to_json(run.request)},
-              {"bench", run.bench},
-              {"t_begun_ns", run.t_begun_ns},
-              {"t_opened_ns", utc_ns()}});
+  return put_file(kKind, run.name,
+                  {{"request", to_json(run.request)},
+                   {"bench", run.bench},
+                   {"t_begun_ns", run.t_begun_ns},
+                   {"t_opened_ns", utc_ns()}});
 }
 
-Result<void> ExperimentFiles::put_reference(const ExperimentRun& run, int arm, json reference) {
-  reference[kStamp] = run.t_begun_ns;
-  return put(kind_of(run.name), reference_name(std::size_t(arm)), reference);
-}
-
-Result<void> ExperimentFiles::put_cell(const ExperimentRun& run, int cell, json measured) {
-  measured[kStamp] = run.t_begun_ns;
-  return put(kind_of(run.name), cell_name(std::size_t(cell)), measured);
-}
-
-Result<void> ExperimentFiles::put_picture(const ExperimentRun& run, int cell,
-                                          const std::string& base64) {
-  return put(picture_kind_of(run.name), picture_name(std::size_t(cell)),
-             {{kStamp, run.t_begun_ns}, {"base64", base64}});
+Result<void> ExperimentFiles::put(const ExperimentRun& run, Part part, int number, json content) {
+  content[kStamp] = run.t_begun_ns;
+  return put_file(kind_of(run, part), name_of(part, std::size_t(number)), content);
 }
 
 std::optional<std::string> ExperimentFiles::why_not_kept(const ExperimentRun& run) const {
-  for (const std::string& kind :
-       {std::string(kKind), kind_of(run.name), picture_kind_of(run.name)}) {
+  for (const std::string& kind : {std::string(kKind), kind_of(run), kind_of(run, Part::picture)}) {
     if (auto why = store_.why_queued(kind)) return why;
   }
   return std::nullopt;
@@ -151,19 +143,21 @@ std::optional<std::string> ExperimentFiles::why_not_kept(const ExperimentRun& ru
 
 Result<void> ExperimentFiles::request_picture(
     const ExperimentRun& run, int cell, std::function<void(std::optional<std::string>)> then) {
-  return store_.request([this, run, cell, then = std::move(then)] { then(picture(run, cell)); });
+  return store_.request(
+      [this, run, cell, then = std::move(then)] { then(picture_of(store_, run, cell)); });
 }
 
 Result<void> ExperimentFiles::drop_measured(const ExperimentRun& run) {
-  const std::string kind = kind_of(run.name), pictures = picture_kind_of(run.name);
-  for (std::size_t k = 0; k < run.request.arms.size(); ++k) {
-    if (auto dropped = store_.drop_and_wait(kind, reference_name(k)); !dropped) return dropped;
-  }
-  for (std::size_t k = 0; k < run.request.cells(); ++k) {
-    if (auto dropped = store_.drop_and_wait(kind, cell_name(k)); !dropped) return dropped;
-    if (auto dropped = store_.drop_and_wait(pictures, picture_name(k)); !dropped) return dropped;
-  }
-  return {};
+  const auto drop = [&](Part part, std::size_t count) -> Result<void> {
+    for (std::size_t k = 0; k < count; ++k) {
+      auto dropped = store_.drop_and_wait(kind_of(run, part), name_of(part, k));
+      if (!dropped) return dropped;
+    }
+    return {};
+  };
+  if (auto dropped = drop(Part::reference, run.request.arms.size()); !dropped) return dropped;
+  if (auto dropped = drop(Part::cell, run.request.cells()); !dropped) return dropped;
+  return drop(Part::picture, run.request.cells());
 }
 
 /// `current` is excluded by name, because the clock may have been set back and it may not look the

@@ -1,16 +1,28 @@
 /// Files of gain sweeps: for each run one header, and one file for each reference, cell and image.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "daemon/ovwsd/procedures/experiment_run.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
+#include "proto/tables/experiment.hpp"
 
 namespace ovws {
+
+/// One run of a gain sweep on a bench.
+struct ExperimentRun {
+  std::string name;  ///< hash of request and bench, 16 hexadecimal digits
+  GainSweep request;
+  nlohmann::json bench;  ///< bench settings, see sweep_bench; must not change during the run
+  std::int64_t t_begun_ns = 0;
+  bool anew = false;  ///< delete earlier results and start over
+};
+/// A run that begins now.
+ExperimentRun experiment_run(const GainSweepRun& asked, nlohmann::json bench);
 
 /// Thread-safe. Waits for the disk unless stated otherwise. Errors are those of DaemonStore, which
 /// retries failed writes.
@@ -32,13 +44,11 @@ class ExperimentFiles {
   /// Results of this execution of the run, identified by t_begun_ns. Ignores leftovers of earlier
   /// ones.
   Measured measured(const ExperimentRun& run) const;
-  std::optional<std::string> picture(const ExperimentRun& run, int cell) const;
 
+  enum class Part { reference, cell, picture };  ///< numbered by arm or by cell
   /// Errors: the file was neither written nor queued for writing.
   Result<void> put_header(const ExperimentRun& run);
-  Result<void> put_reference(const ExperimentRun& run, int arm, nlohmann::json reference);
-  Result<void> put_cell(const ExperimentRun& run, int cell, nlohmann::json measured);
-  Result<void> put_picture(const ExperimentRun& run, int cell, const std::string& base64);
+  Result<void> put(const ExperimentRun& run, Part part, int number, nlohmann::json content);
 
   /// Retries failed writes once.
   void try_again() { store_.try_again_and_wait(); }
@@ -54,7 +64,8 @@ class ExperimentFiles {
   void drop_oldest(const std::string& current);
 
  private:
-  Result<void> put(const std::string& kind, const std::string& name, const nlohmann::json& content);
+  Result<void> put_file(const std::string& kind, const std::string& name,
+                        const nlohmann::json& content);
 
   DaemonStore& store_;
 };

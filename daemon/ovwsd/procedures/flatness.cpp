@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/procedures/flatness.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
 
 #include <spdlog/fmt/fmt.h>
 

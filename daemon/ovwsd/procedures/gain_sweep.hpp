@@ -1,4 +1,4 @@
-/// The procedure of `experiment.gain_sweep`.
+/// The procedure of `experiment.gain_sweep`, and the bench settings that its results depend on.
 #pragma once
 
 #include "core/optics/geometry.hpp"
@@ -6,6 +6,15 @@
 #include "daemon/ovwsd/procedures/experiment_archive.hpp"
 
 namespace ovws {
+
+/// Field `bench` of experiment.get: all settings that the sweep itself does not change. `optics`:
+/// as configured.
+nlohmann::json sweep_bench(const SensorSnapshot& sensor, const CameraSnapshot& camera,
+                           nlohmann::json optics);
+
+/// Errc::refused: the message names the settings that have changed. A disconnected camera counts as
+/// unchanged.
+Result<void> check_same_bench(const nlohmann::json& before, const nlohmann::json& now);
 
 /// Measures the missing references and cells of `run` and stores them in the archive: first the
 /// reference of each arm, without an aberration, then the cells. Modes are reconstructed with the

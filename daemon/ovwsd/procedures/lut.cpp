@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/procedures/lut.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/procedures/reference.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -46,10 +46,7 @@ void warn_of_introduced(Bench& bench, double rms_waves) {
 }  // namespace
 
 Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take) {
-  if (sensor.pattern != HologramKind::sensor) {
-    return fail(Errc::refused, "",
-                "the SLM does not show the sensor: call slm.show with \"sensor\" first");
-  }
+  if (auto shown = check_shows_sensor(sensor); !shown) return shown;
   const double introduced = rms_waves(sensor.aberration);
   if (take.allow_aberration || introduced == 0.0) return {};
   return fail(

@@ -1,5 +1,7 @@
 #include "daemon/ovwsd/procedures/sweep_frames.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +9,32 @@
 
 namespace ovws {
 namespace {
+
+constexpr double kStandardErrors =
+    4.0;  // rarely exceeded by chance, even by the worst of 100 spots
+constexpr const char* kHowToContinue =
+    "the cells measured so far are kept: restore the alignment and call again, or start a new run "
+    "with \"anew\": true";
+
+/// Standard deviation of a single frame's position along one axis, and the number of frames with
+/// the spot.
+struct Scatter {
+  double deviation_px = 0.0;
+  int found = 0;
+};
+
+Scatter scatter_of(const std::vector<SeriesFrame>& frames, std::size_t spot, Vec2 mean_px) {
+  Scatter scatter;
+  double squares = 0.0;
+  for (const SeriesFrame& frame : frames) {
+    const SpotFix& fix = frame.spots[spot];
+    if (!fix.found()) continue;
+    ++scatter.found;
+    squares += std::pow(double(fix.x) - mean_px.x, 2) + std::pow(double(fix.y) - mean_px.y, 2);
+  }
+  scatter.deviation_px = std::sqrt(0.5 * squares / std::max(1, scatter.found - 1));
+  return scatter;
+}
 
 double median(std::vector<float> values) {
   if (values.empty()) return NAN;
@@ -70,6 +98,62 @@ std::vector<CellMeasured::Frame> judge_frames(const std::vector<SeriesFrame>& fr
     judged.push_back(std::move(one));
   }
   return judged;
+}
+
+SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
+                       const std::vector<SeriesFrame>& frames) {
+  SpotMotion motion;
+  int compared = 0;
+  const std::vector<Vec2> now_px = mean_positions(frames);
+  for (std::size_t i = 0; i < before_px.size(); ++i) {
+    if (std::isnan(before_px[i].x)) continue;
+    if (i >= now_px.size() || std::isnan(now_px[i].x)) {
+      ++motion.lost;
+      continue;
+    }
+    const Vec2 moved = now_px[i] - before_px[i];
+    const double length_px = std::hypot(moved.x, moved.y);
+    if (length_px > motion.largest_px) {
+      motion.largest_px = length_px;
+      motion.largest_at = int(i);
+    }
+    motion.mean_px = motion.mean_px + moved;
+    ++compared;
+    const Scatter scatter = scatter_of(frames, i, now_px[i]);
+    const double error_px =
+        scatter.deviation_px * std::sqrt(1.0 / scatter.found + 1.0 / std::max(1, frames_before));
+    motion.standard_error_px = std::fmax(motion.standard_error_px, error_px);
+  }
+  if (compared > 0) motion.mean_px = (1.0 / compared) * motion.mean_px;
+  return motion;
+}
+
+Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std::string& arm) {
+  if (motion.lost > 0) {
+    return fail(
+        Errc::refused, "anew",
+        fmt::format("{} spots of the run's reference ({}) are no longer found: the bench moved, "
+                    "or the intensity fell; {}",
+                    motion.lost, arm, kHowToContinue));
+  }
+  const double uncertainty_px = kStandardErrors * motion.standard_error_px;
+  if (motion.largest_px > std::fmax(limit_px, uncertainty_px)) {
+    return fail(Errc::refused, "anew",
+                fmt::format("the bench moved since the run's reference ({}) was taken: the spot of "
+                            "subaperture {} by {:.2f} px, all spots by ({:+.2f}, {:+.2f}) px on "
+                            "average, and {:.2f} px (lambda/(20 d)) are allowed; {}",
+                            arm, motion.largest_at, motion.largest_px, motion.mean_px.x,
+                            motion.mean_px.y, limit_px, kHowToContinue));
+  }
+  if (uncertainty_px <= limit_px) return {};
+  return fail(
+      Errc::refused, "reference_frames",
+      fmt::format(
+          "the spots are too noisy to tell whether the bench moved since the run's "
+          "reference ({}) was taken: four standard errors of a spot's motion are {:.2f} px, "
+          "more than the limit of {:.2f} px (lambda/(20 d)); start a new run with more "
+          "reference_frames or a higher intensity. The cells measured so far are kept",
+          arm, uncertainty_px, limit_px));
 }
 
 }  // namespace ovws

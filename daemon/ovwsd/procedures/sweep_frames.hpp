@@ -1,8 +1,12 @@
-/// Evaluates the frames of one cell of a gain sweep. Pure functions.
+/// Evaluates the frames of a gain sweep: of one cell, and whether the bench has moved since the
+/// sweep took its references. Pure functions.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "core/base/result.hpp"
+#include "core/base/vec2.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/frames/frame_series.hpp"
@@ -18,5 +22,29 @@ SpotLevels levels_of(const std::vector<SeriesFrame>& frames);
 std::vector<CellMeasured::Frame> judge_frames(const std::vector<SeriesFrame>& frames,
                                               const Reconstructor& reconstructor,
                                               const std::vector<Mode>& introduced);
+
+/// Motion between two mean positions of the spots, camera pixels. Includes the common tilt.
+struct SpotMotion {
+  int lost = 0;  ///< spots found in fewer than half of the frames; the other fields leave them out
+  Vec2 mean_px;  ///< mean over the spots
+  double largest_px = 0.0;  ///< largest distance that a single spot moved
+  int largest_at = 0;       ///< subaperture of that spot
+  /// Largest standard error of a spot's motion along one axis, from the scatter in `frames`. The
+  /// earlier frames are assumed to have the same scatter.
+  double standard_error_px = 0.0;
+};
+
+/// Motion from `before_px`, the mean of `frames_before` frames, to the mean of `frames`. Spots with
+/// NaN in `before_px` are ignored.
+SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
+                       const std::vector<SeriesFrame>& frames);
+
+/// Largest allowed motion of a spot, in lambda/d: 1/20.
+constexpr double kMaxMotion = 0.05;
+
+/// Errc::refused, field "anew": a spot is lost, or has moved by more than `limit_px`.
+/// Errc::refused, field "reference_frames": four standard errors exceed the limit, so motion cannot
+/// be excluded. `arm`: its name, for the message.
+Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std::string& arm);
 
 }  // namespace ovws

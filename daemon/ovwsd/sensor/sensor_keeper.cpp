@@ -352,6 +352,12 @@ void SensorKeeper::set_checksum(SensorEdit& edit, const std::string& sha256) {
   snapshot_.set(std::move(updated));
 }
 
+Result<void> check_shows_sensor(const SensorSnapshot& sensor) {
+  if (sensor.pattern == HologramKind::sensor) return {};
+  return fail(Errc::refused, "",
+              "the SLM does not show the sensor: call slm.show with \"sensor\" first");
+}
+
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format) {
   if (traits_of(format).filter == ColourFilter::none) return {};
   const auto tracker =

@@ -108,6 +108,9 @@ class SensorKeeper : public Agent {
   Guarded<SensorView> snapshot_;
 };
 
+/// Errc::refused: the SLM shows another pattern than the sensor.
+Result<void> check_shows_sensor(const SensorSnapshot& sensor);
+
 /// Errc::refused (field "pixel_format"): the spots are too small for the lit pixels of a colour
 /// camera.
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format);

@@ -7,7 +7,6 @@
 
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
-#include "daemon/ovwsd/settings/config_in_use.hpp"
 #include "daemon/shared/log.hpp"
 #include "daemon/shared/service_notify.hpp"
 

@@ -11,7 +11,7 @@
 #include "core/wavefront/residual_variance.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/procedures/experiment_archive.hpp"
-#include "daemon/ovwsd/procedures/sweep_bench.hpp"
+#include "daemon/ovwsd/procedures/gain_sweep.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "tests/support/own_folder.hpp"

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/procedures/sweep_motion.hpp"
+#include "daemon/ovwsd/procedures/sweep_frames.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,10 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "daemon/ovwsd/procedures/calibration.hpp"
-#include "daemon/ovwsd/procedures/lut.hpp"
-#include "daemon/ovwsd/procedures/reference.hpp"
-#include "daemon/ovwsd/procedures/registration.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "tests/support/simulated_bench.hpp"
 
