@@ -25,7 +25,6 @@
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
-#include "daemon/ovwsd/store/folder_lock.hpp"
 #include "daemon/ovwsd/streams/image_publisher.hpp"
 #include "daemon/ovwsd/streams/stream_publisher.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
@@ -143,7 +142,6 @@ struct App::Parts {
   }
 
   Result<void> make_sensor();
-  Result<void> make_guard();
   Result<void> bind_streams();
   Result<void> bind_control();
   Result<void> start_threads();
@@ -169,13 +167,6 @@ Result<void> App::Parts::make_sensor() {
   search = std::make_unique<WavefrontSearch>(config.slm.geometry, frames, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
                                           *keeper, queue);
-  return {};
-}
-
-Result<void> App::Parts::make_guard() {
-  auto made = ClientGuard::make(config.security, counters, events, disk);
-  if (!made) return fail(made.error());
-  clients = std::move(*made);
   return {};
 }
 
@@ -265,7 +256,10 @@ Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
   auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
   if (auto made = parts->make_sensor(); !made) return fail(made.error());
   parts->experiments.load();
-  if (auto made = parts->make_guard(); !made) return fail(made.error());
+  auto clients =
+      ClientGuard::make(parts->config.security, parts->counters, parts->events, parts->disk);
+  if (!clients) return fail(clients.error());
+  parts->clients = std::move(*clients);
   if (auto bound = parts->bind_streams(); !bound) return fail(bound.error());
   if (auto bound = parts->bind_control(); !bound) return fail(bound.error());
   return std::unique_ptr<App>(new App(std::move(parts)));

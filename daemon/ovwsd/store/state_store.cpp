@@ -1,5 +1,7 @@
 #include "daemon/ovwsd/store/state_store.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,22 +34,17 @@ tl::unexpected<Error> damaged(const std::string& reason) {
   return fail(Errc::invalid, "", reason);
 }
 
-/// Reads a file; if that fails, returns an empty text and sets `reason`.
-std::string read_text(const fs::path& path, std::string& reason) {
+Result<std::string> read_text(const fs::path& path) {
   std::error_code unknown;
   const std::uintmax_t size = fs::file_size(path, unknown);
   if (!unknown && size > kMaxFileBytes) {
-    reason = "it is larger than 1 GiB, so it was not written by the daemon";
-    return {};
+    return damaged("it is larger than 1 GiB, so it was not written by the daemon");
   }
   std::ifstream file(path, std::ios::binary);
   std::string text(unknown ? 0 : std::size_t(size), '\0');
   file.read(text.data(), std::streamsize(text.size()));
-  if (unknown || !file) {
-    reason = std::string("it cannot be read: ") + std::strerror(errno);
-    return {};
-  }
-  return text;
+  if (!unknown && file) return text;
+  return damaged(std::string("it cannot be read: ") + std::strerror(errno));
 }
 
 /// The checksum that a sealed text ends with.
@@ -89,6 +86,22 @@ Result<Unsealed> unseal(std::string_view schema, std::string_view text) {
   }
   if (!parsed->contains("content")) return damaged("its content is missing");
   return Unsealed{std::move((*parsed)["content"]), std::string(sum)};
+}
+
+Result<FolderLock> lock_folder(const std::string& folder) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  const int fd = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return FolderLock();
+  FolderLock lock(new int(fd), [](const int* held) {
+    ::close(*held);
+    delete held;
+  });
+  if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return lock;
+  if (errno != EWOULDBLOCK) return FolderLock();
+  return fail(
+      Errc::unavailable, "state.directory",
+      "another daemon uses " + folder + ": stop it, or give each daemon its own state.directory");
 }
 
 Result<StateStore> StateStore::open(const std::string& directory) {
@@ -168,44 +181,39 @@ StateItem StateStore::item_of(std::string_view kind, std::string_view name,
           sum_of(text)};
 }
 
-std::optional<StateItem> StateStore::find(std::string_view kind, std::string_view name) const {
+Result<StateItem> StateStore::read(std::string_view kind, std::string name) const {
   const std::string path = path_of(kind, name);
-  std::string reason;
-  const std::string text = read_text(path, reason);
-  if (!reason.empty()) return std::nullopt;
-  auto whole = unseal(schema_of(kind), text);
-  if (!whole) return std::nullopt;
-  return StateItem{std::string(name), path, std::move(whole->content), std::move(whole->sha256)};
+  auto text = read_text(path);
+  if (!text) return fail(text.error());
+  auto whole = unseal(schema_of(kind), *text);
+  if (!whole) return fail(whole.error());
+  return StateItem{std::move(name), path, std::move(whole->content), std::move(whole->sha256)};
+}
+
+std::optional<StateItem> StateStore::find(std::string_view kind, std::string_view name) const {
+  auto item = read(kind, std::string(name));
+  return item ? std::optional(std::move(*item)) : std::nullopt;
 }
 
 std::vector<BadState> StateStore::load(std::string_view kind,
                                        const std::function<void(StateItem)>& take) const {
-  std::vector<std::string> files;
-  const std::string prefix = std::string(kind) + ".";
+  std::vector<std::string> names;
+  const std::string prefix = std::string(kind) + ".", suffix = ".json";
   std::error_code failed;
   for (fs::directory_iterator at(directory_, failed), end; !failed && at != end;
        at.increment(failed)) {
     const std::string file = at->path().filename();
-    if (file.starts_with(prefix) && file.ends_with(".json")) files.push_back(file);
+    if (!file.starts_with(prefix) || !file.ends_with(suffix)) continue;
+    names.push_back(file.substr(prefix.size(), file.size() - prefix.size() - suffix.size()));
   }
-  std::sort(files.begin(), files.end());
+  std::sort(names.begin(), names.end());
   std::vector<BadState> all_bad;
-  for (const std::string& file : files) {
-    const std::string path = directory_ + "/" + file;
-    std::string reason;
-    const std::string text = read_text(path, reason);
-    if (!reason.empty()) {
-      all_bad.push_back({path, reason});
-      continue;
+  for (const std::string& name : names) {
+    if (auto item = read(kind, name)) {
+      take(std::move(*item));
+    } else {
+      all_bad.push_back({path_of(kind, name), item.error().reason});
     }
-    auto whole = unseal(schema_of(kind), text);
-    if (!whole) {
-      all_bad.push_back({path, whole.error().reason});
-      continue;
-    }
-    const std::size_t name_size = file.size() - prefix.size() - std::string_view(".json").size();
-    take({file.substr(prefix.size(), name_size), path, std::move(whole->content),
-          std::move(whole->sha256)});
   }
   return all_bad;
 }

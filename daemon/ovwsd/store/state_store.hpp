@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -35,6 +36,14 @@ struct StateItem {
 struct BadState {
   std::string path, reason;
 };
+
+/// The lock (flock), held while a copy lives, at most until the process ends. Null where nothing
+/// can be locked: the folder cannot be made or opened, or its file system has no locks.
+using FolderLock = std::shared_ptr<const int>;
+
+/// Makes the folder if there is none, and locks it. Errc::unavailable (field "state.directory") if
+/// another process holds it.
+Result<FolderLock> lock_folder(const std::string& folder);
 
 /// The files of a state directory. Thread-safe, but two threads may not write the same item at
 /// once. All calls block on the disk.
@@ -79,6 +88,7 @@ class StateStore {
  private:
   explicit StateStore(std::string directory) : directory_(std::move(directory)) {}
   std::string path_of(std::string_view kind, std::string_view name) const;
+  Result<StateItem> read(std::string_view kind, std::string name) const;
 
   std::string directory_;
   int leftovers_ = 0;

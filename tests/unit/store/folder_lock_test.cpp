@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/store/folder_lock.hpp"
+#include "daemon/ovwsd/store/state_store.hpp"
 
 #include <gtest/gtest.h>
 
