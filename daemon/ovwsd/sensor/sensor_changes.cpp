@@ -74,10 +74,7 @@ SensorChange show_request(ShowRequest what) {
 SensorChange restore_previous() {
   return [](SensorEdit& edit) -> Result<void> {
     if (!edit.lease) return {};
-    edit.state.sensor = edit.lease->sensor;
-    edit.state.tracking = edit.lease->tracking;
-    edit.state.pattern = edit.lease->pattern;
-    edit.state.aberration = edit.lease->aberration;
+    static_cast<SensorShown&>(edit.state) = *edit.lease;
     edit.state.painted.reset();
     return {};
   };

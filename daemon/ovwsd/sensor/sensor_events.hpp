@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/port/camera.hpp"
@@ -30,14 +31,8 @@ class SensorEvents {
   const std::string& layout_fault(const SensorState& state);
 
  private:
-  struct LayoutKey {
-    SensorConfig sensor;
-    TrackingSettings tracking;
-    std::optional<PxPerCycle> registered;
-    std::optional<Vec2> centre_px;
-    Roi roi;
-    friend bool operator==(const LayoutKey&, const LayoutKey&) = default;
-  };
+  using LayoutKey = std::tuple<SensorConfig, TrackingSettings, std::optional<PxPerCycle>,
+                               std::optional<Vec2>, Roi>;
 
   BenchOptics bench_;
   Events& events_;

@@ -106,7 +106,7 @@ void SensorKeeper::hold(Hold by) {
   hold_ = by;
   held_by_job_.store(by.by == Hold::By::job);
   if (by.by != Hold::By::job) return;
-  lease_ = Lease{state_.sensor, state_.tracking, state_.pattern, state_.aberration};
+  lease_ = state_;
   state_.by_positions = true;
   if (state_.tracking.tracker == TrackerKind::fit) plan_again(new_edit());
 }
@@ -272,12 +272,9 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   knowledge_ = std::move(edit.knowledge);
   if (lease_) lease_ = std::move(edit.lease);
   auto now = std::make_shared<SensorSnapshot>();
-  now->sensor = state_.sensor;
-  now->tracking = state_.tracking;
+  static_cast<SensorShown&>(*now) = state_;
   now->templates = template_report(state_.tracking);
   now->mode_operator = {plan->mode_operator, bound.operator_reason};
-  now->pattern = state_.pattern;
-  now->aberration = state_.aberration;
   now->correction = state_.correction;
   now->hologram_id = bench_.hologram_id;
   now->sensor_epoch = state_.sensor_epoch;

@@ -102,7 +102,7 @@ class SensorKeeper : public Agent {
   SensorEvents events_;
   Hold hold_;
   std::atomic<bool> held_by_job_{false};  ///< of hold_, for other threads
-  std::optional<Lease> lease_;            ///< of the job that holds the sensor
+  std::optional<SensorShown> lease_;      ///< what to restore when the job ends
   Mailbox mailbox_;
   std::uint64_t next_hologram_id_ = 1;
   Guarded<SensorView> snapshot_;

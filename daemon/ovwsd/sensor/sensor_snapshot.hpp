@@ -17,14 +17,18 @@
 
 namespace ovws {
 
-/// Immutable and shared by all readers.
-struct SensorSnapshot {
+/// What a job may change for its duration: the previous values are restored when it ends.
+struct SensorShown {
   SensorConfig sensor;
   TrackingSettings tracking;
-  TemplateReport templates;      ///< how much of tracking.templates is active
-  OperatorReport mode_operator;  ///< the operator of plan `plan_id`
   HologramKind pattern = HologramKind::sensor;
   std::vector<Mode> aberration;  ///< introduced, RMS-normalised waves
+};
+
+/// Immutable and shared by all readers.
+struct SensorSnapshot : SensorShown {
+  TemplateReport templates;      ///< how much of tracking.templates is active
+  OperatorReport mode_operator;  ///< the operator of plan `plan_id`
   std::vector<Mode> correction;  ///< subtracted from the hologram
   std::uint64_t hologram_id = 0;
   std::uint64_t sensor_epoch = 0;  ///< of plan `plan_id`

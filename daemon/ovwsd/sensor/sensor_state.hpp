@@ -13,6 +13,7 @@
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/sensor/active_templates.hpp"
 #include "daemon/ovwsd/sensor/registration_file.hpp"
+#include "daemon/ovwsd/sensor/sensor_snapshot.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
 
 namespace ovws {
@@ -23,11 +24,7 @@ struct BenchOptics {
   SlmGeometry slm;
 };
 
-struct SensorState {
-  SensorConfig sensor;
-  TrackingSettings tracking;
-  HologramKind pattern = HologramKind::sensor;
-  std::vector<Mode> aberration;                        ///< introduced, RMS-normalised waves
+struct SensorState : SensorShown {
   std::vector<Mode> correction;                        ///< subtracted from the hologram
   std::shared_ptr<const Image<std::uint8_t>> painted;  ///< image of a job, for pattern `test`
   Roi roi;
