@@ -114,10 +114,6 @@ Result<EncodedMatrices> read_fields(const json& content, Calibration& calibratio
 
 }  // namespace
 
-std::string title_of(const Calibration& calibration) {
-  return "the calibration of " + utc_text(calibration.t_taken_ns);
-}
-
 std::string CalibrationKind::name(const Calibration& calibration) const {
   const json& origin = *calibration.origin;
   return sha256_hex(identity_of(origin) + json_text(origin["registration"])).substr(0, 16);

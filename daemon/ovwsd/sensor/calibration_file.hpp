@@ -18,17 +18,13 @@ namespace ovws {
 nlohmann::json calibration_content(const Calibration& calibration);
 Result<Calibration> calibration_from(const nlohmann::json& content, const Config& config);
 
-/// "the calibration of 2026-01-31T12:00:00.000Z"
-std::string title_of(const Calibration& calibration);
-
 /// Calibrations as a Kind of Kept. `bench` must outlive it.
 struct CalibrationKind {
   using Item = Calibration;
-  static constexpr const char *kKind = "calibration", *kEvent = "calibration",
+  static constexpr const char *kKind = "calibration", *kEvent = kKind, *kTitle = kKind,
                               *kMethod = "calibration.run";
   const ReferenceBench* bench;
 
-  std::string title(const Item& calibration) const { return title_of(calibration); }
   /// Hash of bench, camera, sensor, tracking, region and registration: calibrations that agree in
   /// these share one file.
   std::string name(const Item& calibration) const;
@@ -38,12 +34,6 @@ struct CalibrationKind {
   }
   /// See Kept. Also compares the matrix with the current model, and stores the result.
   std::string obstacle(Item& calibration) const;
-  bool needs_other_slm(const Item& calibration) const {
-    return bench->has_other_slm_only(*calibration.origin);
-  }
-  bool fits_slm(const Item& calibration) const {
-    return (*calibration.origin)["slm"] == bench->slm();
-  }
 };
 using KeptCalibrations = Kept<CalibrationKind>;
 

@@ -168,8 +168,8 @@ std::string missing_calibration_reason(const SensorState& state, const Knowledge
     closest_differences = std::move(other);
   }
   if (closest == nullptr) return "there is no calibration: run calibration.run";
-  return fmt::format("{} was measured with another {}: run calibration.run", title_of(*closest),
-                     fmt::join(closest_differences, ", "));
+  return fmt::format("{} was measured with another {}: run calibration.run",
+                     title_of<CalibrationKind>(*closest), fmt::join(closest_differences, ", "));
 }
 
 std::vector<std::shared_ptr<const Reference>> remove_references(Knowledge& knowledge,

@@ -101,10 +101,6 @@ Result<void> check_sizes(const Reference& reference) {
 
 }  // namespace
 
-std::string title_of(const Reference& reference) {
-  return "the reference of " + utc_text(reference.t_taken_ns);
-}
-
 json reference_content(const Reference& reference) {
   return {{"source", reference_source_name(reference.source)},
           {"frames", reference.frames},

@@ -15,25 +15,17 @@ namespace ovws {
 nlohmann::json reference_content(const Reference& reference);
 Result<Reference> reference_from(const nlohmann::json& content);
 
-/// "the reference of 2026-01-31T12:00:00.000Z"
-std::string title_of(const Reference& reference);
-
 /// References as a Kind of Kept. `bench` must outlive it.
 struct ReferenceKind {
   using Item = Reference;
-  static constexpr const char *kKind = "reference", *kEvent = "reference",
+  static constexpr const char *kKind = "reference", *kEvent = kKind, *kTitle = kKind,
                               *kMethod = "reference.take";
   const ReferenceBench* bench;
 
-  std::string title(const Item& reference) const { return title_of(reference); }
   std::string name(const Item& reference) const { return identity_of(*reference.origin); }
   nlohmann::json content(const Item& reference) const { return reference_content(reference); }
   Result<Item> read(const nlohmann::json& content) const { return reference_from(content); }
   std::string obstacle(const Item& reference) const { return bench->obstacle(reference); }
-  bool needs_other_slm(const Item& reference) const {
-    return bench->has_other_slm_only(*reference.origin);
-  }
-  bool fits_slm(const Item& reference) const { return (*reference.origin)["slm"] == bench->slm(); }
 };
 using KeptReferences = Kept<ReferenceKind>;
 

@@ -53,10 +53,6 @@ Result<Registration> registration_from(const json& content) {
 
 }  // namespace
 
-std::string RegistrationKind::title(const MeasuredRegistration& registration) const {
-  return "the registration of " + utc_text(registration.t_taken_ns);
-}
-
 json RegistrationKind::content(const MeasuredRegistration& registration) const {
   json numbers = to_json(KnownRegistration{registration});
   numbers["base_grating_cpp"] = to_json(registration.base_cpp);

@@ -19,17 +19,14 @@ struct MeasuredRegistration : Registration {
 /// Registrations of one SLM as a Kind of Kept.
 struct RegistrationKind {
   using Item = MeasuredRegistration;
-  static constexpr const char *kKind = "registration", *kEvent = "registration",
+  static constexpr const char *kKind = "registration", *kEvent = kKind, *kTitle = kKind,
                               *kMethod = "registration.run";
   SlmGeometry slm;
 
-  std::string title(const Item& registration) const;
   std::string name(const Item&) const { return "camera"; }
   nlohmann::json content(const Item& registration) const;
   Result<Item> read(const nlohmann::json& content) const;
   std::string obstacle(const Item&) const { return {}; }
-  bool needs_other_slm(const Item&) const { return false; }
-  bool fits_slm(const Item&) const { return false; }
 };
 using KeptRegistration = Kept<RegistrationKind>;
 

@@ -18,7 +18,7 @@
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "daemon/ovwsd/sensor/registration_file.hpp"
 #include "daemon/ovwsd/sensor/sensor_state.hpp"
-#include "daemon/ovwsd/slm/slm_kept.hpp"
+#include "daemon/ovwsd/slm/slm_measured.hpp"
 
 namespace ovws {
 

@@ -28,7 +28,8 @@ void SensorEvents::publish_unused(const Reference& reference, const SensorState&
                                   const Knowledge& knowledge) {
   const std::string why = unused_reason(reference, state, knowledge, bench_);
   if (why.empty()) return;
-  events_.emit("reference", Severity::warning, title_of(reference) + " is not used: " + why,
+  events_.emit("reference", Severity::warning,
+               title_of<ReferenceKind>(reference) + " is not used: " + why,
                {{"t_taken_ns", reference.t_taken_ns}, {"used", false}});
 }
 
@@ -47,10 +48,10 @@ void SensorEvents::publish_stale(const Reference* reference,
   if (reference == nullptr) return;
   const std::string how = words.empty() ? "the camera's settings are those that it was taken with"
                                         : fmt::format("{}", fmt::join(words, "; "));
-  events_.emit(
-      "reference", fields.empty() ? Severity::info : Severity::warning,
-      title_of(*reference) + (fields.empty() ? " is active: " : " is active, but stale: ") + how,
-      {{"t_taken_ns", reference->t_taken_ns}, {"stale", fields}});
+  events_.emit("reference", fields.empty() ? Severity::info : Severity::warning,
+               title_of<ReferenceKind>(*reference) +
+                   (fields.empty() ? " is active: " : " is active, but stale: ") + how,
+               {{"t_taken_ns", reference->t_taken_ns}, {"stale", fields}});
 }
 
 const std::string& SensorEvents::layout_fault(const SensorState& state) {

@@ -1,4 +1,5 @@
-/// Measured LUT and flatness of the SLM, and the hologram settings that follow from them.
+/// Measured LUT and flatness of the SLM, their files, and the hologram settings that follow from
+/// them.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include "config/config.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/phase_response.hpp"
+#include "daemon/ovwsd/store/kept.hpp"
 
 namespace ovws {
 
@@ -60,5 +62,34 @@ nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut);
 std::shared_ptr<const ActiveSlm> active_slm(const Config& config, const HologramConfig& configured,
                                             std::shared_ptr<const MeasuredLut> lut,
                                             std::shared_ptr<const MeasuredFlatness> flatness);
+
+/// Measured LUTs as a Kind of Kept. One can be used with an SLM of the same size and pitch at the
+/// same wavelength.
+struct LutKind {
+  using Item = MeasuredLut;
+  static constexpr const char *kKind = "lut", *kEvent = "slm", *kTitle = "LUT",
+                              *kMethod = "lut.run";
+  Config config;
+
+  std::string name(const Item&) const { return "slm"; }
+  nlohmann::json content(const Item& lut) const;
+  Result<Item> read(const nlohmann::json& content) const;
+  std::string obstacle(const Item& lut) const;
+};
+
+/// Measured flatnesses as a Kind of Kept. One can be used with the same SLM and optics, and with
+/// the same configured flatness map, to which it is added.
+struct FlatnessKind {
+  using Item = MeasuredFlatness;
+  static constexpr const char *kKind = "flatness", *kEvent = "slm", *kTitle = kKind,
+                              *kMethod = "flatness.run";
+  Config config;
+  nlohmann::json configured_sha256;  ///< of the map of slm.flatness; null: there is none
+
+  std::string name(const Item&) const { return "slm"; }
+  nlohmann::json content(const Item& flatness) const;
+  Result<Item> read(const nlohmann::json& content) const;
+  std::string obstacle(const Item& flatness) const;
+};
 
 }  // namespace ovws

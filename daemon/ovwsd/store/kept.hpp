@@ -16,24 +16,28 @@
 
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
+#include "proto/tables/time.hpp"
 
 namespace ovws {
+
+/// "the reference of 2026-01-31T12:00:00.000Z"
+template <class Kind>
+std::string title_of(const typename Kind::Item& item) {
+  return fmt::format("the {} of {}", Kind::kTitle, utc_text(item.t_taken_ns));
+}
 
 /// `Kind` describes its items, which have `t_taken_ns`, and `sha256`, the checksum of their file:
 ///
 ///     using Item = …;
-///     static constexpr const char *kKind = …, *kEvent = …;  // of the files, of the events
-///     static constexpr const char* kMethod = …;             // that measures such an item
-///     std::string title(const Item&) const;                 // "the reference of 2026-01-31T…"
-///     std::string name(const Item&) const;                  // of its file, [a-z0-9_-]
-///     nlohmann::json content(const Item&) const;            // of its file
-///     Result<Item> read(const nlohmann::json&) const;       // errors: what is inconsistent
+///     static constexpr const char *kKind = …, *kEvent = …;   // of the files, of the events
+///     static constexpr const char *kTitle = …, *kMethod = …; // what it is, and what measures it
+///     std::string name(const Item&) const;                   // of its file, [a-z0-9_-]
+///     nlohmann::json content(const Item&) const;             // of its file
+///     Result<Item> read(const nlohmann::json&) const;        // errors: what is inconsistent
 ///     // Why this bench cannot use the item; empty: it can. May complete the item.
 ///     std::string obstacle(Item&) const;
-///     // The obstacle is another LUT or flatness, and nothing else.
-///     bool needs_other_slm(const Item&) const;
-///     // It was measured with the LUT and flatness that are active.
-///     bool fits_slm(const Item&) const;
+///     // Only of kinds that depend on LUT and flatness; the items have their `origin`.
+///     const ReferenceBench* bench;
 ///
 /// One thread at a time. Only `load` blocks on the disk.
 template <class Kind>
@@ -64,7 +68,7 @@ class Kept {
   Items load_again() {
     Items usable;
     for (auto& [name, found] : std::exchange(waiting_for_slm_, {})) {
-      if (!kind_.fits_slm(found.item)) {
+      if (!fits_slm(found.item)) {
         waiting_for_slm_.emplace(name, std::move(found));
       } else if (auto item = use(std::move(found))) {
         usable.push_back(std::move(item));
@@ -88,7 +92,7 @@ class Kept {
       if (done) done(sha256);
     };
     store_.put(Kind::kKind, name, kind_.content(item), DaemonStore::Older::set_aside,
-               store_.reporting(Kind::kEvent, kind_.title(item), item.t_taken_ns, then));
+               store_.reporting(Kind::kEvent, title_of<Kind>(item), item.t_taken_ns, then));
     drop_oldest();
   }
 
@@ -110,6 +114,19 @@ class Kept {
     std::string name, path;
     Item item;
   };
+
+  static constexpr bool kOfSlm = requires(const Kind& kind) { kind.bench; };
+
+  /// Whether the obstacle is another LUT or flatness, and nothing else.
+  bool needs_other_slm(const Item& item) const {
+    if constexpr (kOfSlm) return kind_.bench->has_other_slm_only(*item.origin);
+    return false;
+  }
+  /// Whether it was measured with the LUT and flatness that are active.
+  bool fits_slm(const Item& item) const {
+    if constexpr (kOfSlm) return (*item.origin)["slm"] == kind_.bench->slm();
+    return false;
+  }
 
   static Items by_age(Items items) {
     std::sort(items.begin(), items.end(),
@@ -151,14 +168,14 @@ class Kept {
                                      ? kind_.obstacle(item)
                                      : "its file name does not match its content";
     events_.emit(Kind::kEvent, obstacle.empty() ? Severity::info : Severity::warning,
-                 fmt::format("{} ({}, sha256 {}) {}", kind_.title(item), found.path, item.sha256,
+                 fmt::format("{} ({}, sha256 {}) {}", title_of<Kind>(item), found.path, item.sha256,
                              obstacle.empty() ? "is loaded" : "is not used: " + obstacle + remedy),
                  {{"path", found.path},
                   {"sha256", item.sha256},
                   {"used", obstacle.empty()},
                   {"t_taken_ns", item.t_taken_ns}});
     if (obstacle.empty()) return std::make_shared<const Item>(std::move(item));
-    if (kind_.needs_other_slm(item)) {
+    if (needs_other_slm(item)) {
       const std::string name = found.name;
       waiting_for_slm_.insert_or_assign(name, std::move(found));
     }

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/slm/slm_kept.hpp"
+#include "daemon/ovwsd/slm/slm_measured.hpp"
 
 #include <gtest/gtest.h>
 
