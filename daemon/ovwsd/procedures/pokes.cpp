@@ -31,15 +31,8 @@ std::vector<Mode> with_poke(std::vector<Mode> shown, int j, double waves) {
   return shown;
 }
 
-/// A spot that is found in fewer than half of the frames is lost.
 SpotMeans means_of(const SpotAverage& average) {
-  SpotMeans means{average.mean_px, average.standard_error_px};
-  for (std::size_t i = 0; i < average.found.size(); ++i) {
-    if (average.found[i] < 2 || 2 * average.found[i] < average.frames) {
-      means.at_px[i] = {NAN, NAN};
-    }
-  }
-  return means;
+  return {found_positions(average), average.standard_error_px};
 }
 
 /// Mean light of the cells above the darkest, DN.

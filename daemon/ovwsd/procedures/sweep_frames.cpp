@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/wavefront/residual_variance.hpp"
+#include "daemon/ovwsd/sensor/spot_average.hpp"
 
 namespace ovws {
 namespace {
@@ -16,24 +18,13 @@ constexpr const char* kHowToContinue =
     "the cells measured so far are kept: restore the alignment and call again, or start a new run "
     "with \"anew\": true";
 
-/// Standard deviation of a single frame's position along one axis, and the number of frames with
-/// the spot.
-struct Scatter {
-  double deviation_px = 0.0;
-  int found = 0;
-};
-
-Scatter scatter_of(const std::vector<SeriesFrame>& frames, std::size_t spot, Vec2 mean_px) {
-  Scatter scatter;
-  double squares = 0.0;
+SpotAverage average_of(const std::vector<SeriesFrame>& frames) {
+  const std::size_t spots = frames.empty() ? 0 : frames.front().spots.size();
+  SpotAverager averager(int(frames.size()), int(spots));
   for (const SeriesFrame& frame : frames) {
-    const SpotFix& fix = frame.spots[spot];
-    if (!fix.found()) continue;
-    ++scatter.found;
-    squares += std::pow(double(fix.x) - mean_px.x, 2) + std::pow(double(fix.y) - mean_px.y, 2);
+    averager.add(frame.spots, std::numeric_limits<double>::infinity());
   }
-  scatter.deviation_px = std::sqrt(0.5 * squares / std::max(1, scatter.found - 1));
-  return scatter;
+  return averager.average();
 }
 
 double median(std::vector<float> values) {
@@ -46,21 +37,7 @@ double median(std::vector<float> values) {
 }  // namespace
 
 std::vector<Vec2> mean_positions(const std::vector<SeriesFrame>& frames) {
-  std::vector<Vec2> sums(frames.empty() ? 0 : frames.front().spots.size());
-  std::vector<int> found(sums.size(), 0);
-  for (const SeriesFrame& frame : frames) {
-    for (std::size_t i = 0; i < std::min(sums.size(), frame.spots.size()); ++i) {
-      const SpotFix& spot = frame.spots[i];
-      if (!spot.found()) continue;
-      sums[i] = sums[i] + Vec2{double(spot.x), double(spot.y)};
-      ++found[i];
-    }
-  }
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    const bool enough = found[i] > 0 && 2 * std::size_t(found[i]) >= frames.size();
-    sums[i] = enough ? (1.0 / found[i]) * sums[i] : Vec2{NAN, NAN};
-  }
-  return sums;
+  return found_positions(average_of(frames));
 }
 
 SpotLevels levels_of(const std::vector<SeriesFrame>& frames) {
@@ -104,7 +81,8 @@ SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
                        const std::vector<SeriesFrame>& frames) {
   SpotMotion motion;
   int compared = 0;
-  const std::vector<Vec2> now_px = mean_positions(frames);
+  const SpotAverage now = average_of(frames);
+  const std::vector<Vec2> now_px = found_positions(now);
   for (std::size_t i = 0; i < before_px.size(); ++i) {
     if (std::isnan(before_px[i].x)) continue;
     if (i >= now_px.size() || std::isnan(now_px[i].x)) {
@@ -119,10 +97,11 @@ SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
     }
     motion.mean_px = motion.mean_px + moved;
     ++compared;
-    const Scatter scatter = scatter_of(frames, i, now_px[i]);
-    const double error_px =
-        scatter.deviation_px * std::sqrt(1.0 / scatter.found + 1.0 / std::max(1, frames_before));
-    motion.standard_error_px = std::fmax(motion.standard_error_px, error_px);
+    // Along one axis; the earlier mean has the same scatter.
+    const Vec2 error = now.standard_error_px[i];
+    const double more = 1.0 + double(now.found[i]) / std::max(1, frames_before);
+    motion.standard_error_px =
+        std::fmax(motion.standard_error_px, std::sqrt(0.5 * more) * std::hypot(error.x, error.y));
   }
   if (compared > 0) motion.mean_px = (1.0 / compared) * motion.mean_px;
   return motion;

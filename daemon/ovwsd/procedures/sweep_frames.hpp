@@ -14,7 +14,7 @@
 
 namespace ovws {
 
-/// Mean position of each spot; NaN if it is found in fewer than half of the frames.
+/// Mean position of each spot; NaN if it is found in fewer than half of the frames, or once only.
 std::vector<Vec2> mean_positions(const std::vector<SeriesFrame>& frames);
 /// Median level and noise of the found spots, and the brightest pixel.
 SpotLevels levels_of(const std::vector<SeriesFrame>& frames);

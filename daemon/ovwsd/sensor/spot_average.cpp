@@ -48,12 +48,16 @@ SpotAverager::SpotAverager(int frames, int subapertures)
     : frames_(frames), sums_(std::size_t(subapertures)) {}
 
 bool SpotAverager::add(const FrameRecord& record) {
-  if (std::size_t(record.spot_count) != sums_.size()) return false;
-  const double full = full_scale_dn(record.frame.image.format);
+  return add(std::span(record.spots).first(std::size_t(record.spot_count)),
+             full_scale_dn(record.frame.image.format));
+}
+
+bool SpotAverager::add(std::span<const SpotFix> spots, double full_dn) {
+  if (spots.size() != sums_.size()) return false;
   for (std::size_t i = 0; i < sums_.size(); ++i) {
-    const SpotFix& spot = record.spots[i];
+    const SpotFix& spot = spots[i];
     Sums& sums = sums_[i];
-    sums.saturated += spot.peak >= full ? 1 : 0;
+    sums.saturated += spot.peak >= full_dn ? 1 : 0;
     if (spot.found()) add_position(sums, {spot.x, spot.y}, 2 * used_ < frames_);
   }
   ++used_;
@@ -112,6 +116,15 @@ void SpotAverager::measure_motion(SpotAverage& average) const {
   average.noise_px = rms(noise, spots);
   average.drift_px = rms(drift, halved);
   average.drift_noise_px = rms(drift_noise, halved);
+}
+
+std::vector<Vec2> found_positions(const SpotAverage& average) {
+  std::vector<Vec2> positions = average.mean_px;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const int found = average.found[i];
+    if (found < 2 || 2 * found < average.frames) positions[i] = {NAN, NAN};
+  }
+  return positions;
 }
 
 std::string listed_spots(const std::vector<int>& numbers) {

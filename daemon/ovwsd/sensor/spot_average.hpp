@@ -2,6 +2,7 @@
 /// motion.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ class SpotAverager {
   SpotAverager(int frames, int subapertures);
   /// False: the frame has another number of spots, and is not used.
   bool add(const FrameRecord& record);
+  /// The same; a spot whose brightest pixel reaches `full_dn` is saturated.
+  bool add(std::span<const SpotFix> spots, double full_dn);
   SpotAverage average() const;
 
  private:
@@ -49,6 +52,8 @@ class SpotAverager {
   std::vector<Sums> sums_;
 };
 
+/// Mean positions; NaN for spots that were found in fewer than half of the frames, or once only.
+std::vector<Vec2> found_positions(const SpotAverage& average);
 /// Checks that the averaged frames can serve as a reference. Errc::refused: more than a tenth of
 /// all spots in all frames are saturated (field "camera.exposure_us"), or the spots moved by more
 /// than `max_motion_px`: drift_px or scatter_px, after allowing for noise.
