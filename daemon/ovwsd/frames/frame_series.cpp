@@ -20,8 +20,6 @@ bool FrameSeries::add(const FrameRecord& record) {
   const std::vector<Vec2>& windows_px = from_.windows_px;
   if (!windows_px.empty() && windows_px.size() != subapertures_) return false;
   SeriesFrame& frame = frames_[count_++];
-  frame.frame_id = record.frame.frame_id;
-  frame.t_arrival_ns = record.frame.t_arrival_ns;
   frame.saturated_fraction = record.saturated_fraction;
   frame.spots.assign(record.spots.begin(), record.spots.begin() + record.spot_count);
   const int half_px = windows_px.empty() ? 0 : cell_half_px(windows_px);

@@ -1,4 +1,4 @@
-/// Frame by frame what was measured in a number of frames.
+/// Frame by frame what was measured in a number of frames, and which frames a measurement uses.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,42 @@
 
 #include "core/base/vec2.hpp"
 #include "core/pipeline/frame_record.hpp"
+#include "core/pipeline/plan.hpp"
 #include "core/tracking/tracker.hpp"
 
 namespace ovws {
 
+/// Frames of one state of the sensor: its epoch and its hologram.
+struct MeasuredUnder {
+  std::uint64_t sensor_epoch = 0;
+  std::uint64_t hologram_id = 0;
+
+  /// Measured after the hologram had settled: for spots.
+  bool settled(const FrameRecord& record) const { return record.settled && fits(record); }
+  /// Exposed after the hologram had settled, with known settings: for images.
+  bool still(const FrameRecord& record) const {
+    return record.still && record.settings_known && fits(record);
+  }
+
+ private:
+  bool fits(const FrameRecord& record) const {
+    return record.plan->sensor_epoch == sensor_epoch && record.hologram_id == hologram_id;
+  }
+};
+
+/// And of one tracker at one gain.
+struct MeasuredWith {
+  MeasuredUnder under;
+  TrackerKind tracker = TrackerKind::lg;
+  double gain_db = 0.0;  ///< as read back; see CameraSettings
+
+  bool settled(const FrameRecord& record) const {
+    return record.settings_known && same_number(record.gain_db, gain_db) &&
+           record.plan->tracker_kind == tracker && under.settled(record);
+  }
+};
+
 struct SeriesFrame {
-  std::uint64_t frame_id = 0;
-  std::int64_t t_arrival_ns = 0;    ///< UNIX epoch UTC
   float saturated_fraction = 0.0F;  ///< of the spots
   std::vector<SpotFix> spots;       ///< one a subaperture
 };

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/port/clock.hpp"
-#include "daemon/ovwsd/frames/measured_under.hpp"
 
 namespace ovws {
 namespace {
@@ -29,10 +28,6 @@ double patience_s(const CameraSettings& camera) {
 
 MeasuredUnder measured_under(const SensorSnapshot& sensor) {
   return {sensor.sensor_epoch, sensor.hologram_id};
-}
-
-Result<void> no_check(const FrameBroker::Request& /*request*/) {
-  return {};
 }
 
 }  // namespace
@@ -164,11 +159,11 @@ void Bench::restore_gain() {
   done.wait();  // also if the camera thread has ended: the promise is then broken
 }
 
-Result<void> Bench::wait_watching(const IntensityWatch& watch, double min_ms, int frames) {
+Result<void> Bench::wait_watching(const FrameBroker::Request& watch, double min_ms, int frames) {
   const std::int64_t begin_ns = monotonic_ns();
   const double patient_s = patience_s(camera().settings);
-  const int enough = watch.count() + frames;
-  while (1e-6 * double(monotonic_ns() - begin_ns) < min_ms || watch.count() < enough) {
+  const int enough = watch.used() + frames;
+  while (1e-6 * double(monotonic_ns() - begin_ns) < min_ms || watch.used() < enough) {
     if (stopped()) return fail(stopped_error());
     if (watch.idle_s() > patient_s) return fail(no_frame(patient_s));
     std::this_thread::sleep_for(kPollInterval / 10);
@@ -184,15 +179,11 @@ void Bench::report_progress(double progress) {
 Result<void> Bench::wait_for(const FrameBroker::Request& request, const Check& check) const {
   const double patient_s = patience_s(camera().settings);
   while (!stopped() && !request.wait_for(kPollInterval)) {
-    if (auto good = check(request); !good) return good;
+    if (auto good = check ? check(request) : Result<void>(); !good) return good;
     if (request.idle_s() > patient_s) return fail(no_frame(patient_s));
   }
   if (stopped()) return fail(stopped_error());
   return {};
-}
-
-Result<SpotAverage> Bench::spots(int frames) {
-  return spots(frames, no_check);
 }
 
 Result<SpotAverage> Bench::spots(int frames, const Check& check) {
@@ -235,7 +226,7 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, FromPixels from) {
   const auto request = deps_.frames.request(needs, frames, [&](const FrameRecord& record) {
     return with.settled(record) && taken.add(record);
   });
-  if (auto all = wait_for(*request, no_check); !all) return fail(all.error());
+  if (auto all = wait_for(*request); !all) return fail(all.error());
   return taken.take();
 }
 
@@ -250,7 +241,7 @@ std::unique_ptr<FrameBroker::Request> Bench::request_pictures(int frames, Pictur
 Result<Image<float>> Bench::picture(int frames) {
   PictureMean picture;
   const auto request = request_pictures(frames, picture);
-  if (auto all = wait_for(*request, no_check); !all) return fail(all.error());
+  if (auto all = wait_for(*request); !all) return fail(all.error());
   return picture.mean()->mean_dn;
 }
 

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <future>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -16,7 +17,6 @@
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/frames/frame_series.hpp"
-#include "daemon/ovwsd/frames/intensity.hpp"
 #include "daemon/ovwsd/procedures/pending_files.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/sensor/reference_picture.hpp"
@@ -70,8 +70,10 @@ class Bench {
   /// Records the next `frames` settled frames of the current hologram at the current gain. For
   /// `from` see FrameSeries.
   Result<std::vector<SeriesFrame>> series(int frames, FromPixels from = {});
+  /// Called periodically while frames are awaited; an error ends the wait.
+  using Check = std::function<Result<void>(const FrameBroker::Request&)>;
   /// Averages the spots of the next `frames` settled frames of the current hologram.
-  Result<SpotAverage> spots(int frames);
+  Result<SpotAverage> spots(int frames, const Check& check = nullptr);
   /// The same with the mean image of some of these frames; reports the progress. Errc::refused,
   /// field "camera": the camera's settings changed during the job.
   Result<TakenReference> reference(int frames);
@@ -79,12 +81,13 @@ class Bench {
   /// saturated.
   Result<Image<float>> picture(int frames);
 
-  /// Starts to record the intensity at two places in every frame; see IntensityWatch.
-  IntensityWatch watch(std::array<Vec2, 2> places_px, double radius_px) {
-    return {deps_.frames, places_px, radius_px};
+  /// Hands every frame with its pixels to `take` while the request lives, settled or not.
+  [[nodiscard]] std::unique_ptr<FrameBroker::Request> watch(FrameBroker::Take take) {
+    return deps_.frames.request(FrameBroker::Needs::pixels, std::numeric_limits<int>::max(),
+                                std::move(take));
   }
-  /// Waits for at least `min_ms`, and until `frames` more frames have been recorded.
-  Result<void> wait_watching(const IntensityWatch& watch, double min_ms, int frames);
+  /// Waits for at least `min_ms`, and until `frames` more frames have been used.
+  Result<void> wait_watching(const FrameBroker::Request& watch, double min_ms, int frames);
   /// Fails if the display was lost after it presented the current hologram at that time.
   Result<void> check_shown(std::int64_t presented_mono_ns) const;
   /// When the display presented the current hologram, CLOCK_MONOTONIC ns.
@@ -98,18 +101,14 @@ class Bench {
   bool stopped() const { return stop_.load(); }
 
  private:
-  /// Called periodically while frames are awaited; an error ends the wait.
-  using Check = std::function<Result<void>(const FrameBroker::Request&)>;
-
   template <class T>
   Result<T> wait_for(std::future<Result<T>> future);
   Result<double> try_gain(double gain_db);
   Result<void> check_display() const;
   Error no_frame(double waited_s) const;
   Result<void> edit(SensorChange change);
-  Result<SpotAverage> spots(int frames, const Check& check);
   std::unique_ptr<FrameBroker::Request> request_pictures(int frames, PictureMean& to) const;
-  Result<void> wait_for(const FrameBroker::Request& request, const Check& check) const;
+  Result<void> wait_for(const FrameBroker::Request& request, const Check& check = nullptr) const;
 
   int job_;
   BenchDeps deps_;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
+#include "core/base/pixels.hpp"
 #include "core/optics/lattice.hpp"
 
 namespace ovws {
@@ -14,9 +16,11 @@ constexpr double kRadius = 1.5;          // lambda/d: of the light that counts
 constexpr int kMaxCharge = 2;            // of a probe
 constexpr int kBefore = 3, kAfter = 24;  // frames of each picture, at least
 
+constexpr std::size_t kMaxFrames = 100'000;  // after each change
+
 struct ToAndFro {
   std::array<Vec2, 2> frequencies_cpp, places_px;
-  double radius_px = 0.0;
+  double radius_px = 0.0;  ///< half-width of the square about each place whose light counts
   int charge = 0;
 };
 
@@ -37,9 +41,39 @@ ToAndFro to_and_fro(const SensorSnapshot& now, const SlmGeometry& slm, const Roi
   return moves;
 }
 
+struct Seen {
+  std::int64_t t_device_ns = 0;
+  std::int64_t t_arrival_mono_ns = 0;
+  double exposure_us = 0.0;
+  std::array<double, 2> mean_dn{};  ///< of the pixels around each place
+};
+
+double mean_around(const ImageView& image, Vec2 place, double radius_px) {
+  const int left = std::max(0, int(std::ceil(place.x - radius_px)));
+  const int right = std::min(image.width - 1, int(std::floor(place.x + radius_px)));
+  const int top = std::max(0, int(std::ceil(place.y - radius_px)));
+  const int bottom = std::min(image.height - 1, int(std::floor(place.y + radius_px)));
+  double sum = 0.0;
+  const int columns = std::max(0, right - left + 1), rows = std::max(0, bottom - top + 1);
+  visit_rows(image, left, top, columns, rows, [&](int, int, const auto* pixels, int count) {
+    for (int i = 0; i < count; ++i) sum += double(pixels[i]);
+  });
+  const int count = columns * rows;
+  return count > 0 ? sum / count : 0.0;
+}
+
+Seen look_at(const FrameRecord& record, const ToAndFro& moves) {
+  const GrabbedFrame& frame = record.frame;
+  Seen seen{frame.t_device_ns, frame.t_arrival_mono_ns, record.exposure_us, {}};
+  for (std::size_t k = 0; k < 2; ++k) {
+    seen.mean_dn[k] = mean_around(frame.image, moves.places_px[k], moves.radius_px);
+  }
+  return seen;
+}
+
 /// Exposures by the camera's own clock, which knows no queue: the frame that came soonest after its
 /// stamp came at the end of its exposure.
-std::vector<StepFrame> after(const std::vector<IntensityFrame>& seen, std::int64_t presented_ns) {
+std::vector<StepFrame> after(const std::vector<Seen>& seen, std::int64_t presented_ns) {
   std::int64_t soonest_ns = std::numeric_limits<std::int64_t>::max();
   bool stamped = true;
   for (const auto& one : seen) {
@@ -70,14 +104,21 @@ Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const Se
   std::vector<StepTime> steps;
   for (int k = 1; k <= run.repetitions; ++k) {
     bench.report_progress(double(k) / (run.repetitions + 1));
-    IntensityWatch watch = bench.watch(moves.places_px, moves.radius_px);
-    if (auto seen = bench.wait_watching(watch, 0.0, kBefore); !seen) return fail(seen.error());
+    std::vector<Seen> seen;
+    auto watch = bench.watch([&](const FrameRecord& record) {
+      if (!record.settings_known || seen.size() == kMaxFrames) return false;
+      seen.push_back(look_at(record, moves));
+      return true;
+    });
+    if (auto some = bench.wait_watching(*watch, 0.0, kBefore); !some) return fail(some.error());
     if (auto shown = show(std::size_t(k % 2)); !shown) return fail(shown.error());
     const std::int64_t presented_ns = bench.presented_mono_ns();
-    if (auto seen = bench.wait_watching(watch, run.watch_ms, kAfter); !seen)
-      return fail(seen.error());
+    if (auto all = bench.wait_watching(*watch, run.watch_ms, kAfter); !all) {
+      return fail(all.error());
+    }
     if (auto stands = bench.check_shown(presented_ns); !stands) return fail(stands.error());
-    const auto frames = after(watch.end(), presented_ns);
+    watch.reset();
+    const auto frames = after(seen, presented_ns);
     // The first one: a camera that stamps late may place the last one before the change behind it.
     const auto step = step_time(frames, frames.front().light);
     if (!step) return fail(step.error());

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
-#include "daemon/ovwsd/frames/measured_under.hpp"
+#include "daemon/ovwsd/frames/frame_series.hpp"
 
 namespace ovws {
 namespace {
