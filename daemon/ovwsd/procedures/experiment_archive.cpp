@@ -6,19 +6,154 @@
 #include <utility>
 
 #include "core/port/clock.hpp"
+#include "daemon/shared/encoding.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws {
+namespace {
 
 using nlohmann::json;
-using Part = ExperimentFiles::Part;
+
+constexpr const char* kKind = "experiment";
+
+/// Key that identifies the execution of a run that a file belongs to. After `anew`, files of an
+/// earlier execution are ignored even if they could not be deleted.
+constexpr const char* kStamp = "run_t_begun_ns";
+
+/// Parts of a run that have a file each. References are numbered by arm, the others by cell.
+enum class Part { reference, cell, picture };
+
+/// Images have a kind of their own: they take many megabytes and are read only on request.
+std::string kind_of(const ExperimentRun& run, Part part = Part::cell) {
+  return fmt::format("{}{}-{}", kKind, part == Part::picture ? "-picture" : "", run.name);
+}
+
+std::string name_of(Part part, std::size_t number) {
+  if (part == Part::reference) return fmt::format("reference-{:02}", number);
+  return fmt::format("{}-{:05}", part == Part::picture ? "picture" : "cell", number);
+}
+
+/// The header of a run.
+struct Header {
+  ExperimentRun run;
+  std::int64_t t_opened_ns = 0;
+};
+/// None: the file is not a valid header.
+std::optional<Header> header_of(const StateItem& item) {
+  const json& content = item.content;
+  if (!content.is_object() || !content.contains("request") || !content.contains("bench")) {
+    return std::nullopt;
+  }
+  const auto request = decode<GainSweep>(content["request"]);
+  const json begun = content.value("t_begun_ns", json()),
+             opened = content.value("t_opened_ns", json());
+  if (!request || !begun.is_number_integer() || !opened.is_number_integer()) return std::nullopt;
+  return Header{{item.name, *request, content["bench"], begun.get<std::int64_t>(), false},
+                opened.get<std::int64_t>()};
+}
+
+/// The image of a cell, as base64.
+std::optional<std::string> picture_of(const DaemonStore& store, const ExperimentRun& run,
+                                      int cell) {
+  const auto kept =
+      store.find(kind_of(run, Part::picture), name_of(Part::picture, std::size_t(cell)));
+  if (!kept || !kept->content.is_object()) return std::nullopt;
+  const json base64 = kept->content.value("base64", json());
+  if (kept->content.value(kStamp, json()) != run.t_begun_ns || !base64.is_string()) {
+    return std::nullopt;
+  }
+  return base64.get<std::string>();
+}
+
+/// All headers, the run opened longest ago first.
+std::vector<Header> headers(const DaemonStore& store) {
+  std::vector<Header> all;
+  store.load(kKind, [&all](const StateItem& item) {
+    if (auto header = header_of(item)) all.push_back(std::move(*header));
+  });
+  std::sort(all.begin(), all.end(),
+            [](const Header& a, const Header& b) { return a.t_opened_ns < b.t_opened_ns; });
+  return all;
+}
+
+struct Measured {
+  std::vector<json> references;  ///< one for each arm; null: none is stored
+  std::vector<json> cells;       ///< the same for cells, without the images' pixels
+};
+/// Results of this execution of the run, identified by t_begun_ns. Ignores leftovers of earlier
+/// ones.
+Measured measured_in(const DaemonStore& store, const ExperimentRun& run) {
+  Measured kept{std::vector<json>(run.request.arms.size()), std::vector<json>(run.request.cells())};
+  store.load(kind_of(run), [&](StateItem item) {
+    if (!item.content.is_object() || item.content.value(kStamp, json()) != run.t_begun_ns) return;
+    item.content.erase(kStamp);
+    const json number = item.content.value("cell", item.content.value("arm", json()));
+    if (!number.is_number_unsigned()) return;
+    const auto k = number.get<std::size_t>();
+    const auto take = [&](Part part, std::vector<json>& all) {
+      if (k < all.size() && item.name == name_of(part, k)) all[k] = std::move(item.content);
+    };
+    take(Part::cell, kept.cells);
+    take(Part::reference, kept.references);
+  });
+  return kept;
+}
+
+/// Errors: the file was neither written nor queued for writing.
+Result<void> put_file(DaemonStore& store, const std::string& kind, const std::string& name,
+                      const json& content) {
+  const auto kept = store.put_and_wait(kind, name, content);
+  if (kept || store.is_queued(kind, name)) return {};
+  return fail(kept.error());
+}
+
+Result<void> put(DaemonStore& store, const ExperimentRun& run, Part part, int number,
+                 json content) {
+  content[kStamp] = run.t_begun_ns;
+  return put_file(store, kind_of(run, part), name_of(part, std::size_t(number)), content);
+}
+
+/// Deletes all files of the run but the header.
+Result<void> drop_measured(DaemonStore& store, const ExperimentRun& run) {
+  const auto drop = [&](Part part, std::size_t count) -> Result<void> {
+    for (std::size_t k = 0; k < count; ++k) {
+      auto dropped = store.drop_and_wait(kind_of(run, part), name_of(part, k));
+      if (!dropped) return dropped;
+    }
+    return {};
+  };
+  if (auto dropped = drop(Part::reference, run.request.arms.size()); !dropped) return dropped;
+  if (auto dropped = drop(Part::cell, run.request.cells()); !dropped) return dropped;
+  return drop(Part::picture, run.request.cells());
+}
+
+/// Deletes all but the latest runs. `current` is excluded by name, because the clock may have been
+/// set back and it may not look the latest.
+void drop_oldest(DaemonStore& store, const std::string& current) {
+  auto stored = headers(store);
+  std::erase_if(stored, [&current](const Header& one) { return one.run.name == current; });
+  for (std::size_t k = 0; k + ExperimentArchive::kMaxRuns <= stored.size(); ++k) {
+    // The header is deleted last, so that an interrupted deletion can be continued.
+    if (drop_measured(store, stored[k].run)) (void)store.drop_and_wait(kKind, stored[k].run.name);
+  }
+}
+
+}  // namespace
+
+ExperimentRun experiment_run(const GainSweepRun& asked, json bench) {
+  constexpr std::size_t kNameDigits = 16;
+  const std::string all = json_text(json{{"request", to_json(asked.sweep)}, {"bench", bench}});
+  return {sha256_hex(all).substr(0, kNameDigits), asked.sweep, std::move(bench), utc_ns(),
+          asked.anew};
+}
 
 void ExperimentArchive::load() {
-  if (const auto run = files_.latest()) read(*run);
+  if (const auto stored = headers(store_); !stored.empty()) read(stored.back().run);
 }
 
 /// Loads the stored results of the run.
 void ExperimentArchive::read(const ExperimentRun& run) {
-  auto kept = files_.measured(run);
+  auto kept = measured_in(store_, run);
   const std::lock_guard lock(mutex_);
   run_ = run;
   references_ = std::move(kept.references);
@@ -37,12 +172,16 @@ Result<void> ExperimentArchive::open(bool anew) {
   }
   load_if_stored(current_run());
   const ExperimentRun opened = current_run();
-  files_.try_again();
-  remember_failure(files_.put_header(opened));
+  store_.try_again_and_wait();
+  remember_failure(put_file(store_, kKind, opened.name,
+                            {{"request", to_json(opened.request)},
+                             {"bench", opened.bench},
+                             {"t_begun_ns", opened.t_begun_ns},
+                             {"t_opened_ns", utc_ns()}}));
   if (anew) {
-    if (auto dropped = files_.drop_measured(opened); !dropped) return dropped;
+    if (auto dropped = drop_measured(store_, opened); !dropped) return dropped;
   }
-  files_.drop_oldest(opened.name);
+  drop_oldest(store_, opened.name);
   return {};
 }
 
@@ -52,10 +191,11 @@ void ExperimentArchive::load_if_stored(ExperimentRun run) {
     const std::lock_guard lock(mutex_);
     if (!std::exchange(load_pending_, false)) return;
   }
-  const auto stored = files_.find(run.name);
-  if (!stored) return;
-  run.t_begun_ns = stored->t_begun_ns;
-  read(run);
+  for (const Header& stored : headers(store_)) {
+    if (stored.run.name != run.name) continue;
+    run.t_begun_ns = stored.run.t_begun_ns;
+    return read(run);
+  }
 }
 
 bool ExperimentArchive::remember_failure(const Result<void>& kept) {
@@ -80,7 +220,7 @@ void ExperimentArchive::put_reference(int arm, json reference) {
     run = *run_;
     references_[std::size_t(arm)] = reference;
   }
-  remember_failure(files_.put(run, Part::reference, arm, std::move(reference)));
+  remember_failure(put(store_, run, Part::reference, arm, std::move(reference)));
 }
 
 /// Writes the cell to disk before publishing it, so that a published cell survives a restart.
@@ -90,12 +230,12 @@ void ExperimentArchive::put_cell(int cell, json measured) {
   if (picture.is_object()) {
     std::string base64 = std::move(picture["base64"].get_ref<std::string&>());
     picture.erase("base64");
-    if (!remember_failure(files_.put(run, Part::picture, cell, {{"base64", base64}}))) {
+    if (!remember_failure(put(store_, run, Part::picture, cell, {{"base64", base64}}))) {
       const std::lock_guard lock(mutex_);
       pictures_[cell] = std::move(base64);
     }
   }
-  remember_failure(files_.put(run, Part::cell, cell, measured));
+  remember_failure(put(store_, run, Part::cell, cell, measured));
   const std::lock_guard lock(mutex_);
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;
@@ -144,7 +284,11 @@ std::optional<double> ExperimentArchive::time_left_s() const {
 
 std::optional<std::string> ExperimentArchive::why_not_kept() const {
   if (not_kept_reason_) return not_kept_reason_;
-  return files_.why_not_kept(*run_);
+  for (const std::string& kind :
+       {std::string(kKind), kind_of(*run_), kind_of(*run_, Part::picture)}) {
+    if (auto why = store_.why_queued(kind)) return why;
+  }
+  return std::nullopt;
 }
 
 json ExperimentArchive::result() const {
@@ -189,12 +333,14 @@ void ExperimentArchive::cell(int number, std::function<void(Result<json>)> done)
     cell["picture"]["base64"] = std::move(*base64);
     return done(std::move(cell));
   }
-  const auto with = [cell = std::move(cell), done](std::optional<std::string> base64) mutable {
-    if (base64) cell["picture"]["base64"] = std::move(*base64);
-    if (!base64) cell["picture"] = nullptr;
-    done(std::move(cell));
-  };
-  if (auto asked = files_.request_picture(run, number, with); !asked) done(fail(asked.error()));
+  const auto asked =
+      store_.request([&store = store_, run, number, cell = std::move(cell), done]() mutable {
+        auto base64 = picture_of(store, run, number);
+        if (base64) cell["picture"]["base64"] = std::move(*base64);
+        if (!base64) cell["picture"] = nullptr;
+        done(std::move(cell));
+      });
+  if (!asked) done(fail(asked.error()));
 }
 
 }  // namespace ovws

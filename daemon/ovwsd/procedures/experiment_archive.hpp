@@ -1,5 +1,5 @@
 /// Archive of gain sweeps. Stores each cell as it is measured, so that an interrupted sweep can be
-/// continued.
+/// continued: for each run one file with its header, and one for each reference, cell and image.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,29 @@
 #include <string>
 #include <vector>
 
-#include "daemon/ovwsd/procedures/experiment_files.hpp"
+#include "daemon/ovwsd/store/daemon_store.hpp"
+#include "proto/tables/experiment.hpp"
 
 namespace ovws {
 
-/// Holds the most recently requested run in memory; earlier runs stay on disk (ExperimentFiles).
+/// One run of a gain sweep on a bench.
+struct ExperimentRun {
+  std::string name;  ///< hash of request and bench, 16 hexadecimal digits
+  GainSweep request;
+  nlohmann::json bench;  ///< bench settings, see sweep_bench; must not change during the run
+  std::int64_t t_begun_ns = 0;
+  bool anew = false;  ///< delete earlier results and start over
+};
+/// A run that begins now.
+ExperimentRun experiment_run(const GainSweepRun& asked, nlohmann::json bench);
+
+/// Holds the most recently requested run in memory; earlier runs stay on disk.
 /// Thread-safe.
 class ExperimentArchive {
  public:
-  explicit ExperimentArchive(DaemonStore& store) : files_(store) {}
+  static constexpr std::size_t kMaxRuns = 4;  ///< on disk; the oldest is deleted first
+
+  explicit ExperimentArchive(DaemonStore& store) : store_(store) {}
 
   /// At the daemon's start: loads the most recently requested run. Waits for the disk.
   void load();
@@ -65,7 +79,7 @@ class ExperimentArchive {
   std::optional<std::string> why_not_kept() const;  // call with mutex_ locked
   std::optional<double> time_left_s() const;        // call with mutex_ locked
 
-  ExperimentFiles files_;
+  DaemonStore& store_;
   mutable std::mutex mutex_;  ///< never held during disk access
   std::optional<ExperimentRun> run_;
   bool load_pending_ = false;  ///< the stored results have not been loaded yet

@@ -199,7 +199,7 @@ TEST_F(Experiments, ARunIsItsParamsOnItsBench) {
 
 TEST_F(Experiments, TheOldestRunGoesWithAllItsFiles) {
   Started daemon(folder_);
-  for (int frames = 10; frames <= 10 + int(ExperimentFiles::kMaxRuns); ++frames) {
+  for (int frames = 10; frames <= 10 + int(ExperimentArchive::kMaxRuns); ++frames) {
     ASSERT_TRUE(daemon.begin(run_of(frames), false));
     daemon.archive.put_cell(0, cell_of(run_of(frames), 0));
   }
@@ -208,12 +208,12 @@ TEST_F(Experiments, TheOldestRunGoesWithAllItsFiles) {
     EXPECT_EQ(file.path().string().find(run_of(10).name), std::string::npos);
     ++files;
   }
-  EXPECT_EQ(files, 2 * ExperimentFiles::kMaxRuns);
+  EXPECT_EQ(files, 2 * ExperimentArchive::kMaxRuns);
 }
 
 TEST_F(Experiments, AreKeptWhileMeasuredThoughTheClockWasSetBack) {
   Started daemon(folder_);
-  for (int frames = 10; frames < 10 + int(ExperimentFiles::kMaxRuns); ++frames) {
+  for (int frames = 10; frames < 10 + int(ExperimentArchive::kMaxRuns); ++frames) {
     ASSERT_TRUE(daemon.begin(run_of(frames), false));
     const std::string name = run_of(frames).name;
     ASSERT_TRUE(
@@ -230,7 +230,7 @@ TEST_F(Experiments, AreKeptWhileMeasuredThoughTheClockWasSetBack) {
     headers += file.path().filename().string().starts_with("experiment.") ? 1 : 0;
     own += file.path().string().find(run_of(20).name) != std::string::npos ? 1 : 0;
   }
-  EXPECT_EQ(headers, ExperimentFiles::kMaxRuns);
+  EXPECT_EQ(headers, ExperimentArchive::kMaxRuns);
   EXPECT_EQ(own, 2U);
 }
 
