@@ -78,11 +78,19 @@ struct WavefrontSearch::Key {
   friend bool operator==(const Key&, const Key&) = default;
 };
 
-/// The model of one sensor and its reference.
+/// The model of one sensor and its reference. A failure is kept for some time, too: the same
+/// reference would fail again.
 struct WavefrontSearch::Model {
   Key key;
-  SpotsModel spots;
-  std::vector<double> last{};  ///< coefficients of the last operating point that was rendered
+  Result<SpotsModel> spots = fail(Errc::refused, "reference", "");
+  std::int64_t failed_until_ns = 0;  ///< when another frame may be tried
+  std::vector<double> last{};        ///< coefficients of the last operating point that was rendered
+
+  bool has_failed() const { return !spots && monotonic_ns() < failed_until_ns; }
+  void set_failed(Error why) {
+    spots = fail(std::move(why));
+    failed_until_ns = monotonic_ns() + kTryAgainNs;
+  }
 };
 
 WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
@@ -122,10 +130,10 @@ bool WavefrontSearch::do_work() {
     if (!take_frame(*sensor) || !begin_if_due(frames_.back(), *sensor)) return false;
     report(render(frames_, *sensor), began_ns);
   } catch (const std::bad_alloc&) {
-    model_.reset();
-    report(
-        fail(Errc::refused, "camera.roi", "there is not enough memory for a model of this image"),
-        began_ns);
+    const Error why{Errc::refused, "camera.roi",
+                    "there is not enough memory for a model of this image"};
+    if (model_) model_->set_failed(why);
+    report(fail(why), began_ns);
   }
   frames_.clear();
   return true;
@@ -174,7 +182,7 @@ bool WavefrontSearch::begin_if_due(const FrameCopy& frame, const SensorSnapshot&
 /// Frames that rendered templates describe may have come near the calibration, whose are better.
 bool WavefrontSearch::looks_for_calibration() const {
   const bool described = described_.load(std::memory_order_relaxed);
-  return described && !measured_ && model_ && model_->spots.has_measured() &&
+  return described && !measured_ && model_ && model_->spots && model_->spots->has_measured() &&
          monotonic_ns() > look_again_ns_;
 }
 
@@ -183,20 +191,14 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   const FrameCopy& frame = frames.back();
   std::vector<ImageView> images;
   for (const FrameCopy& one : frames) images.push_back(one.image);
-  auto next = std::make_unique<Key>(frame, sensor);
-  if (!key_ || !(*next == *key_)) failing_since_ns_ = 0;
-  key_ = std::move(next);
-  const Key& key = *key_;
-  if (!model_ || !(model_->key == key)) {
-    model_.reset();
-    if (is_unusable()) return fail(Errc::refused, "reference", unusable_reason_);
-    if (auto made = make_model(key, images, sensor); !made) {
-      unusable_ = std::make_unique<Key>(key);  // the same reference would fail again
-      unusable_reason_ = made.error().reason;
-      unusable_until_ns_ = monotonic_ns() + kTryAgainNs;
-      return made;
-    }
+  Key next(frame, sensor);
+  if (!model_ || !(model_->key == next)) {
+    failing_since_ns_ = 0;
+    model_ = std::make_unique<Model>(Model{std::move(next)});
   }
+  const Key& key = model_->key;
+  if (!model_->spots && !model_->has_failed()) make_model(images, sensor);
+  if (!model_->spots) return fail(model_->spots.error());
   look_again_ns_ = monotonic_ns() + kLookAgainNs;
   auto fit = found(images, frame, sensor);
   if (!fit) return fail(fit.error());
@@ -208,19 +210,14 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   return {};
 }
 
-/// Whether no model could be made for the present key, not long ago.
-bool WavefrontSearch::is_unusable() const {
-  return unusable_ && key_ && *unusable_ == *key_ && monotonic_ns() < unusable_until_ns_;
-}
-
 /// Null: the present ones do as well.
 Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const ImageView> images,
                                                                const FrameCopy& frame,
                                                                const SensorSnapshot& sensor) {
-  if (!wanted_.load(std::memory_order_relaxed)) return model_->spots.measured_near(images);
+  if (!wanted_.load(std::memory_order_relaxed)) return model_->spots->measured_near(images);
   auto fit =
-      model_->spots.templates(images, starts(frame), fixed_modes(shown_by(sensor), sensor.modes_j),
-                              frame.valid ? kFewRenderings : kManyRenderings);
+      model_->spots->templates(images, starts(frame), fixed_modes(shown_by(sensor), sensor.modes_j),
+                               frame.valid ? kFewRenderings : kManyRenderings);
   const bool described = described_.load(std::memory_order_relaxed);
   const bool same = fit && (*fit)->point().measured && measured_ && described;
   if (!same) return fit;
@@ -244,18 +241,14 @@ std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame)
   return all;
 }
 
-Result<void> WavefrontSearch::make_model(const Key& key, std::span<const ImageView> images,
-                                         const SensorSnapshot& sensor) {
+void WavefrontSearch::make_model(std::span<const ImageView> images, const SensorSnapshot& sensor) {
   measured_ = false;
-  auto spots = SpotsModel::make(sensor, slm_, images);
-  if (!spots) return fail(spots.error());
-  if (!spots->unmeasured().empty()) {
-    events_.emit("templates", Severity::warning,
-                 "templates of the calibration are not used: " + spots->unmeasured(),
-                 {{"rendered", true}});
-  }
-  model_ = std::make_unique<Model>(Model{key, std::move(*spots)});
-  return {};
+  model_->spots = SpotsModel::make(sensor, slm_, images);
+  if (!model_->spots) return model_->set_failed(model_->spots.error());
+  const std::string& why = model_->spots->unmeasured();
+  if (why.empty()) return;
+  events_.emit("templates", Severity::warning, "templates of the calibration are not used: " + why,
+               {{"rendered", true}});
 }
 
 /// Rests after a failure for as long as it took, because images of moving air never look alike, and
@@ -270,9 +263,10 @@ void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns
   policy_.end(now_ns);
   validity_.search_failed(policy_.next_ns());
   if (failing_since_ns_ == 0) failing_since_ns_ = began_ns;
-  if (key_ && (is_unusable() || now_ns - failing_since_ns_ > kGiveUpNs)) {
+  if (model_ && (model_->has_failed() || now_ns - failing_since_ns_ > kGiveUpNs)) {
+    const Key& key = model_->key;
     keeper_.use_templates(
-        {key_->sensor_epoch, key_->reference_taken_ns, key_->calibration_taken_ns, nullptr, true});
+        {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, nullptr, true});
   }
   if (rendered.error().reason == failure_) return;
   failure_ = rendered.error().reason;

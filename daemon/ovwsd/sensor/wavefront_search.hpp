@@ -50,14 +50,12 @@ class WavefrontSearch : public Agent {
  private:
   struct Key;
   struct Model;
-  Result<void> make_model(const Key& key, std::span<const ImageView> images,
-                          const SensorSnapshot& sensor);
+  void make_model(std::span<const ImageView> images, const SensorSnapshot& sensor);
   Result<void> render(std::span<const FrameCopy> frames, const SensorSnapshot& sensor);
   Result<std::shared_ptr<const FrameFit>> found(std::span<const ImageView> images,
                                                 const FrameCopy& frame,
                                                 const SensorSnapshot& sensor);
   bool looks_for_calibration() const;
-  bool is_unusable() const;
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
   bool take_frame(const SensorSnapshot& sensor);
   bool begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor);
@@ -68,7 +66,7 @@ class WavefrontSearch : public Agent {
   SensorKeeper& keeper_;
   Events& events_;
   FrameInbox inbox_;
-  std::unique_ptr<Model> model_;
+  std::unique_ptr<Model> model_;  ///< of the frame tried last
   std::atomic<bool> wanted_{false};
   std::atomic<bool> described_{false};  ///< the newest frame, by its plan's templates
   std::atomic<std::int64_t> found_ns_{0};
@@ -80,11 +78,7 @@ class WavefrontSearch : public Agent {
   std::int64_t failing_since_ns_ = 0;  ///< 0: not failing
   std::optional<BinnedImage> tried_;   ///< the image tried last
   std::uint64_t tried_plan_id_ = 0;
-  std::string failure_;            ///< announced
-  std::unique_ptr<Key> key_;       ///< of the frame tried last
-  std::unique_ptr<Key> unusable_;  ///< a model of it could not be made
-  std::string unusable_reason_;
-  std::int64_t unusable_until_ns_ = 0;
+  std::string failure_;             ///< announced
   bool measured_ = false;           ///< the templates given last are of the calibration
   std::int64_t look_again_ns_ = 0;  ///< whether frames are near the calibration: not before
 };
