@@ -112,7 +112,8 @@ bool ClosedLoop::do_work() {
     return true;
   }
   const LoopEnd end = integrator_->wait(monotonic_ns(), deps_.spots_found_ns());
-  if (end != LoopEnd::none) give_up(reason_of(end, report_.get().settings));
+  if (end != LoopEnd::none)
+    set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
   return asked;
 }
 
@@ -173,9 +174,11 @@ LoopReport ClosedLoop::report() const {
 
 void ClosedLoop::act() {
   const LoopEnd end = integrator_->step(taken_.modes_j, taken_.residual_waves, monotonic_ns());
-  if (end != LoopEnd::none) return give_up(reason_of(end, report_.get().settings));
+  if (end != LoopEnd::none)
+    return set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
   if (auto shown = show(integrator_->correction()); !shown) {
-    return give_up("the correction cannot be shown: " + shown.error().reason);
+    return set_closed(false, "the correction cannot be shown: " + shown.error().reason,
+                      Severity::warning);
   }
   report_step();
 }
@@ -200,10 +203,6 @@ Result<SensorView> ClosedLoop::ask(const std::function<void(SensorKeeper::Done)>
   } catch (const std::future_error&) {  // the prepare thread has ended
     return fail(Errc::unavailable, "", "the daemon is stopping");
   }
-}
-
-void ClosedLoop::give_up(const std::string& reason) {
-  set_closed(false, reason, Severity::warning);
 }
 
 void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severity) {

@@ -72,7 +72,6 @@ class ClosedLoop : public Agent {
   Result<void> show(const std::vector<Mode>& correction);
   Result<SensorView> hold(const LoopSettings& settings);
   Result<SensorView> ask(const std::function<void(SensorKeeper::Done)>& what);
-  void give_up(const std::string& reason);
   void set_closed(bool closed, const std::string& why, Severity severity);
   void report_step();
 
