@@ -2,12 +2,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
 #include <thread>
 
 #include "core/port/clock.hpp"
-#include "daemon/ovwsd/devices/versions.hpp"
 #include "daemon/shared/service_notify.hpp"
 #include "proto/names.hpp"
 
@@ -74,6 +74,12 @@ std::string status_line(const StatusMessage& status) {
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, std::string>> versions() {
+  return {{"ovws", OVWS_VERSION},
+          {"eigen",
+           fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)}};
+}
 
 StatusReporter::StatusReporter(StatusDeps deps)
     : deps_(std::move(deps)), started_ns_(monotonic_ns()) {}

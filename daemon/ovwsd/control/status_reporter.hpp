@@ -5,6 +5,8 @@
 #include <functional>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/control/state_machine.hpp"
 #include "core/pipeline/pipeline.hpp"
@@ -27,6 +29,9 @@
 #include "proto/status_message.hpp"
 
 namespace ovws {
+
+/// The versions of ovws and of its numerical library, Eigen, by name.
+std::vector<std::pair<std::string, std::string>> versions();
 
 struct StatusDeps {
   const StateKeeper& state;

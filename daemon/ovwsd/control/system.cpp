@@ -3,7 +3,6 @@
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/control/status_reporter.hpp"
-#include "daemon/ovwsd/devices/versions.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
