@@ -35,7 +35,7 @@ GaussianWindow::Axis GaussianWindow::axis(double c, int first, float* out) const
                           float(std::exp(2.0 * f / w2)), float(first - c)};
   float* const dg = out + from.padded;
   float* const ddg = dg + from.padded;
-  const float sum = patch_kernels().axis(from, out, dg, ddg);
+  const float sum = gaussian_axis(from, out, dg, ddg);
   return {{out, dg, ddg, 2 * half_ + 1, from.padded}, double(sum)};
 }
 
@@ -51,7 +51,7 @@ Moments GaussianWindow::at(const Patch& patch, Vec2 c, Centre centre,
   const Axis across = axis(c.x, left, scratch.data());
   const Axis down = axis(c.y, top, scratch.data() + 3 * table_.size());
   const WindowSums sums =
-      patch_kernels().window(patch.at(left, top), patch.side, across.weights, down.weights);
+      window_sums(patch.at(left, top), patch.side, across.weights, down.weights);
   return {sums.one, sums.x, sums.y, sums.xx, sums.xy, sums.yy, across.sum * down.sum};
 }
 

@@ -15,12 +15,11 @@ namespace {
 // let the compiler vectorise.
 constexpr int kBlock = 16;
 
-float load_run(const PatchKernels& kernels, const PixelRect& run, const std::uint8_t*, float* out) {
-  return kernels.load8(run, out);
+float load_run(const PixelRect& run, const std::uint8_t*, float* out) {
+  return load8(run, out);
 }
-float load_run(const PatchKernels& kernels, const PixelRect& run, const std::uint16_t*,
-               float* out) {
-  return kernels.load16(run, out);
+float load_run(const PixelRect& run, const std::uint16_t*, float* out) {
+  return load16(run, out);
 }
 
 /// Destination of a copy: a rectangle of floats, and the image pixels that it stands for.
@@ -45,7 +44,6 @@ struct Span {
 
 /// Returns the darkest pixel. Pixels outside the image repeat its edge.
 float load(const ImageView& image, const Target& to) {
-  const PatchKernels& kernels = patch_kernels();
   const Span across(to.left, to.columns, image.width), down(to.top, to.rows, image.height);
   float darkest = std::numeric_limits<float>::max();
   const auto place = [](int at, int begin, int size) {
@@ -56,7 +54,7 @@ float load(const ImageView& image, const Target& to) {
                float* const out = to.row(place(y, to.top, to.rows)) + place(x, to.left, to.columns);
                if (count >= kPatchBlock) {
                  const PixelRect run{reinterpret_cast<const std::byte*>(pixels), 0, count, 1};
-                 darkest = std::min(darkest, load_run(kernels, run, pixels, out));
+                 darkest = std::min(darkest, load_run(run, pixels, out));
                  return;
                }
                for (int i = 0; i < count; ++i) {
@@ -84,7 +82,7 @@ float load_patch_pixels(const ImageView& image, const Target& to) {
   const int bytes = bytes_in_place(image);
   const PixelRect rect{image.row<std::byte>(to.top) + std::ptrdiff_t(to.left) * bytes,
                        image.stride_bytes, to.columns, to.rows};
-  return bytes == 1 ? patch_kernels().load8(rect, to.out) : patch_kernels().load16(rect, to.out);
+  return bytes == 1 ? load8(rect, to.out) : load16(rect, to.out);
 }
 
 template <class T>
@@ -121,7 +119,7 @@ float Patch::brightest(Vec2 centre, int half) const {
   const int top = std::max(cy - half, y0), bottom = std::min(cy + half + 1, y0 + side);
   if (left >= right || top >= bottom) return 0.0F;
   if (right - left >= kPatchBlock) {
-    return patch_kernels().brightest({at(left, top), side, right - left, bottom - top});
+    return ovws::brightest({at(left, top), side, right - left, bottom - top});
   }
   float most = 0.0F;
   for (int y = top; y < bottom; ++y) {

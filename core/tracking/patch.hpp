@@ -31,7 +31,7 @@ struct Patch {
 /// none of it is inside. RT-safe.
 float brightest_pixel(const ImageView& image, Vec2 centre, int half) OVWS_NONBLOCKING;
 
-/// Minimum half-width of a patch: PatchKernels need a block and 4 neighbours in each row.
+/// Minimum half-width of a patch: the kernels need a block and 4 neighbours in each row.
 constexpr int kMinPatchHalf = (kPatchBlock + 4) / 2;
 
 /// Number of floats that a patch of half-width `half` needs.

@@ -1,9 +1,7 @@
-/// SIMD pixel kernels of the trackers, with run-time dispatch to the CPU's instruction set.
+/// SIMD pixel kernels of the trackers, for the CPU that runs them (Highway). All are RT-safe.
 #pragma once
 
 #include <cstddef>
-#include <span>
-#include <string_view>
 
 namespace ovws {
 
@@ -47,28 +45,17 @@ struct WindowSums {
   float one = 0.0F, x = 0.0F, y = 0.0F, xx = 0.0F, xy = 0.0F, yy = 0.0F;
 };
 
-/// The kernels built for one instruction set, all RT-safe. The builds agree to rounding, which is
-/// 1e-6 of the sum of the terms' magnitudes.
-struct PatchKernels {
-  std::string_view name;
-  /// Convert 8-bit or 16-bit pixels to floats, rows contiguous, and return the darkest.
-  float (*load8)(const PixelRect& from, float* out);
-  float (*load16)(const PixelRect& from, float* out);
-  float (*brightest)(const FloatRect& of);  ///< returns at least 0
-  /// Returns the sum of the squared fourth differences (1 -4 6 -4 1) along the rows. Requires at
-  /// least kPatchBlock + 4 columns.
-  float (*fourth_differences)(const FloatRect& of);
-  /// Writes g, d g and d^2 g, `padded` floats each; returns the sum of g.
-  float (*axis)(const GaussianAxis& from, float* g, float* dg, float* ddg);
-  /// Returns the moments of a window. `first`: its first pixel; `stride`: row stride in floats.
-  WindowSums (*window)(const float* first, std::ptrdiff_t stride, const WindowAxis& across,
+/// Convert 8-bit or 16-bit pixels to floats, rows contiguous, and return the darkest.
+float load8(const PixelRect& from, float* out);
+float load16(const PixelRect& from, float* out);
+float brightest(const FloatRect& of);  ///< returns at least 0
+/// Returns the sum of the squared fourth differences (1 -4 6 -4 1) along the rows. Requires at
+/// least kPatchBlock + 4 columns.
+float fourth_differences(const FloatRect& of);
+/// Writes g, d g and d^2 g, `padded` floats each; returns the sum of g.
+float gaussian_axis(const GaussianAxis& from, float* g, float* dg, float* ddg);
+/// Returns the moments of a window. `first`: its first pixel; `stride`: row stride in floats.
+WindowSums window_sums(const float* first, std::ptrdiff_t stride, const WindowAxis& across,
                        const WindowAxis& down);
-};
-
-/// The builds that this CPU can run, fastest last.
-std::span<const PatchKernels> all_patch_kernels();
-
-/// The fastest build that this CPU can run.
-const PatchKernels& patch_kernels();
 
 }  // namespace ovws

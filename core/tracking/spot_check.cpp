@@ -44,7 +44,7 @@ int outer_limit_px(const SpotModel& spots, const SpotGeometry& geometry) {
 /// and suppresses a diffraction-limited spot.
 double noise_of(const Patch& patch) {
   const int rows = (patch.side + kNoiseRowStep - 1) / kNoiseRowStep;
-  const float sum = patch_kernels().fourth_differences(
+  const float sum = fourth_differences(
       {patch.pixels, std::ptrdiff_t(kNoiseRowStep) * patch.side, patch.side, rows});
   return std::sqrt(double(sum) / (70.0 * rows * (patch.side - 4)) + kQuantisation);
 }

@@ -1,6 +1,7 @@
 // SIMD pixel kernels against plain sums in double, for every available instruction set and for rows
 // that are not a multiple of the block.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -61,25 +62,36 @@ struct PatchLoops : testing::TestWithParam<int> {
   }
 };
 
-TEST_P(PatchLoops, LoadEveryPixelAndTellTheDarkest) {
-  for (const PatchKernels& kernel : all_patch_kernels()) {
-    SCOPED_TRACE(kernel.name);
-    expect_loaded<std::uint8_t>(kernel.load8);
-    expect_loaded<std::uint16_t>(kernel.load16);
+/// Calls `check` with every build of the kernels that this CPU can run.
+template <class Check>
+void with_every_build(Check check) {
+  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    check();
   }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
+}
+
+TEST_P(PatchLoops, LoadEveryPixelAndTellTheDarkest) {
+  with_every_build([&] {
+    expect_loaded<std::uint8_t>(load8);
+    expect_loaded<std::uint16_t>(load16);
+  });
 }
 
 TEST_P(PatchLoops, FindTheBrightestWhereverItIs) {
   std::vector<float> values = floats();
-  for (const PatchKernels& kernel : all_patch_kernels()) {
+  with_every_build([&] {
     for (const int bright : {0, columns / 2, columns - 1}) {
       float& value = values[std::size_t(2 * columns + bright)];
       const float before = std::exchange(value, 5000.0F);
-      EXPECT_EQ(kernel.brightest({values.data(), columns, columns, kRows}), 5000.0F)
-          << kernel.name << " at " << bright;
+      EXPECT_EQ(brightest({values.data(), columns, columns, kRows}), 5000.0F) << "at " << bright;
       value = before;
     }
-  }
+  });
 }
 
 TEST_P(PatchLoops, SumFourthDifferencesOfWholeRowsOnly) {
@@ -93,10 +105,10 @@ TEST_P(PatchLoops, SumFourthDifferencesOfWholeRowsOnly) {
                         2);
     }
   }
-  for (const PatchKernels& kernel : all_patch_kernels()) {
-    const float sum = kernel.fourth_differences({values.data(), columns, columns, kRows});
-    EXPECT_NEAR(double(sum) / truth, 1.0, 1e-5) << kernel.name;
-  }
+  with_every_build([&] {
+    const float squares = fourth_differences({values.data(), columns, columns, kRows});
+    EXPECT_NEAR(double(squares) / truth, 1.0, 1e-5);
+  });
 }
 
 TEST_P(PatchLoops, SumUnderAGaussian) {
@@ -120,19 +132,18 @@ TEST_P(PatchLoops, SumUnderAGaussian) {
     }
   }
   for (int x = 0; x < columns; ++x) sum += std::exp(-std::pow((x - half - f) / w, 2));
-  for (const PatchKernels& kernel : all_patch_kernels()) {
-    SCOPED_TRACE(kernel.name);
+  with_every_build([&] {
     std::vector<float> g(std::size_t(3 * padded));
-    EXPECT_NEAR(double(kernel.axis(from, g.data(), g.data() + padded, g.data() + 2 * padded)), sum,
-                1e-5 * sum);
+    EXPECT_NEAR(double(gaussian_axis(from, g.data(), g.data() + padded, g.data() + 2 * padded)),
+                sum, 1e-5 * sum);
     const WindowAxis axis{g.data(), g.data() + padded, g.data() + 2 * padded, columns, padded};
     WindowAxis down = axis;
     down.count = kRows;
-    const WindowSums sums = kernel.window(values.data(), columns, axis, down);
+    const WindowSums sums = window_sums(values.data(), columns, axis, down);
     EXPECT_NEAR(sums.one, truth.one, 1e-5 * truth.one);
     EXPECT_NEAR(sums.x, truth.x, 1e-5 * truth.one * float(half));
     EXPECT_NEAR(sums.yy, truth.yy, 1e-5 * truth.yy);
-  }
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Columns, PatchLoops, testing::Values(20, 21, 31, 32, 33, 49, 91));
