@@ -9,7 +9,6 @@
 namespace ovws::doctor {
 namespace {
 
-constexpr const char* kName = "configuration";
 constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
 
 std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
@@ -19,6 +18,44 @@ std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
     return fmt::format("in {}: \"{}\" in place of \"{}\"", facts.path, error.nearest, key);
   }
   return "sudoedit " + (facts.path.empty() ? std::string(kServicePath) : facts.path);
+}
+
+Finding judge_configuration(const ConfigurationFacts& facts) {
+  if (facts.error) {
+    return fault("a daemon does not start with this configuration: " + text_of(*facts.error),
+                 fix_of(facts, *facts.error));
+  }
+  if (const auto& keys = facts.keys; keys.error) {
+    return fault("a daemon does not start with this configuration: " + text_of(*keys.error),
+                 keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix);
+  }
+  if (facts.unseen) {
+    return fault("the sensor cannot measure with this configuration: " + text_of(*facts.unseen),
+                 fix_of(facts, *facts.unseen));
+  }
+  if (facts.path.empty()) {
+    return warning(fmt::format("no file is named and {} does not exist: the checks use the "
+                               "defaults, which are the demonstration's",
+                               kServicePath),
+                   "ovws doctor --config FILE");
+  }
+  const std::string good = facts.path + " is valid";
+  if (facts.saved_is_unused) {
+    return warning(good + "; " + facts.saved, "ovws call config.save");
+  }
+  if (!facts.rejected.empty()) {
+    return warning(good + "; the file of saved settings could not be used and was renamed to " +
+                       facts.rejected +
+                       ": set the missing ones again, save them with config.save, and remove "
+                       "that file",
+                   "sudo rm " + facts.rejected);
+  }
+  if (!facts.keys.read) {
+    return not_here(
+        good + "; the daemon's secret key was not checked, because this user cannot read it",
+        "sudo -u " + facts.keys.user + " ovws doctor --config " + facts.path);
+  }
+  return ok(facts.saved.empty() ? good : good + "; " + facts.saved);
 }
 
 }  // namespace
@@ -44,45 +81,7 @@ ConfigurationFacts read_configuration(const std::string& path) {
 }
 
 Findings judge(const ConfigurationFacts& facts) {
-  if (facts.error) {
-    return {fault(kName,
-                  "a daemon does not start with this configuration: " + text_of(*facts.error),
-                  fix_of(facts, *facts.error))};
-  }
-  if (const auto& keys = facts.keys; keys.error) {
-    return {fault(kName, "a daemon does not start with this configuration: " + text_of(*keys.error),
-                  keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix)};
-  }
-  if (facts.unseen) {
-    return {fault(kName,
-                  "the sensor cannot measure with this configuration: " + text_of(*facts.unseen),
-                  fix_of(facts, *facts.unseen))};
-  }
-  if (facts.path.empty()) {
-    return {warning(kName,
-                    fmt::format("no file is named and {} does not exist: the checks use the "
-                                "defaults, which are the demonstration's",
-                                kServicePath),
-                    "ovws doctor --config FILE")};
-  }
-  const std::string good = facts.path + " is valid";
-  if (facts.saved_is_unused) {
-    return {warning(kName, good + "; " + facts.saved, "ovws call config.save")};
-  }
-  if (!facts.rejected.empty()) {
-    return {warning(kName,
-                    good + "; the file of saved settings could not be used and was renamed to " +
-                        facts.rejected +
-                        ": set the missing ones again, save them with config.save, and remove "
-                        "that file",
-                    "sudo rm " + facts.rejected)};
-  }
-  if (!facts.keys.read) {
-    return {not_here(
-        kName, good + "; the daemon's secret key was not checked, because this user cannot read it",
-        "sudo -u " + facts.keys.user + " ovws doctor --config " + facts.path)};
-  }
-  return {ok(kName, facts.saved.empty() ? good : good + "; " + facts.saved)};
+  return run_checks<ConfigurationFacts>({{"configuration", judge_configuration}}, facts);
 }
 
 }  // namespace ovws::doctor

@@ -15,6 +15,16 @@ namespace {
 using sdl::DisplayProbe;
 using sdl::Output;
 
+constexpr const char* kNoServer = "the X server cannot be queried";
+constexpr const char* kNoOutput = "the output was not found";
+
+/// The SLM's output; null: the server cannot be queried, or has no such output.
+const Output* output_of(const DisplayFacts& facts) {
+  if (!facts.probe) return nullptr;
+  const auto found = sdl::find_output(facts.probe->outputs, facts.config.output);
+  return found ? *found : nullptr;
+}
+
 /// Suggests an output for the SLM: connected, not primary, preferably of the configured size.
 std::string likely_output(const DisplayProbe& probe, const SdlConfig& config) {
   std::string likely = "NAME";
@@ -36,116 +46,115 @@ std::string other_output(const DisplayProbe& probe, const Output& slm) {
 }
 
 Finding judge_server(const DisplayFacts& facts) {
-  constexpr const char* kName = "slm.server";
   if (!facts.probe) {
     const Error& error = facts.probe.error();
-    if (error.code == Errc::refused) return not_here(kName, error.reason);
-    return fault(
-        kName, error.reason,
-        facts.server_named ? "sudo systemctl restart display-manager" : "export DISPLAY=:0");
+    if (error.code == Errc::refused) return not_here(error.reason);
+    return fault(error.reason, facts.server_named ? "sudo systemctl restart display-manager"
+                                                  : "export DISPLAY=:0");
   }
   if (facts.probe->colour_depth_bits == sdl::kExactDepthBits) {
-    return ok(kName, "the X server answers and uses 8 bits per colour");
+    return ok("the X server answers and uses 8 bits per colour");
   }
   return fault(
-      kName,
       fmt::format("the X server's colour depth is {} bits: grey levels on the SLM are not exact",
                   facts.probe->colour_depth_bits),
       fmt::format("DefaultDepth {} in section \"Screen\" of /etc/X11/xorg.conf",
                   sdl::kExactDepthBits));
 }
 
-Finding judge_mode(const Output& output, const DisplayFacts& facts) {
+Finding judge_mode(const DisplayFacts& facts) {
+  const Output* const found = output_of(facts);
+  if (found == nullptr) return not_here(facts.probe ? kNoOutput : kNoServer);
+  const Output& output = *found;
   const SdlConfig& config = facts.config;
-  constexpr const char* kName = "slm.mode";
   const auto fits = sdl::check_mode(output, config);
   const std::string set_mode =
       fmt::format("xrandr --output {} --mode {}x{}", output.name, config.width, config.height);
   if (fits) {
-    return ok(kName, fmt::format("{} shows {}x{} at {:.1f} Hz, pixel for pixel", output.name,
-                                 output.mode_width, output.mode_height, output.refresh_hz));
+    return ok(fmt::format("{} shows {}x{} at {:.1f} Hz, pixel for pixel", output.name,
+                          output.mode_width, output.mode_height, output.refresh_hz));
   }
   if (!output.on()) {
     const std::string other = other_output(*facts.probe, output);
-    return fault(kName,
-                 output.connected ? "output " + output.name + " is switched off"
+    return fault(output.connected ? "output " + output.name + " is switched off"
                                   : "nothing is connected to " + output.name,
                  set_mode + (other.empty() ? "" : " --right-of " + other));
   }
   if (output.mode_width != config.width || output.mode_height != config.height) {
-    return fault(kName,
-                 fmt::format("{} sends {}x{}, but the configured SLM has {}x{}: hologram pixels do "
+    return fault(fmt::format("{} sends {}x{}, but the configured SLM has {}x{}: hologram pixels do "
                              "not match SLM pixels",
                              output.name, output.mode_width, output.mode_height, config.width,
                              config.height),
                  set_mode);
   }
   return fault(
-      kName,
       output.name + " is scaled, rotated or mirrored: hologram pixels do not match SLM pixels",
       fmt::format("xrandr --output {} --scale 1x1 --rotate normal --reflect normal", output.name));
 }
 
 /// Checks that the output can be used for the SLM. judge_mode checks its mode.
-Finding judge_output(const Output& output, const DisplayFacts& facts) {
-  constexpr const char* kName = "slm.output";
+Finding judge_output(const DisplayFacts& facts) {
+  if (!facts.probe) return not_here(kNoServer);
+  const std::string choose =
+      fmt::format("\"slm\": {{\"display\": \"{}\"}}", likely_output(*facts.probe, facts.config));
+  const auto found = sdl::find_output(facts.probe->outputs, facts.config.output);
+  if (!found) return fault(found.error().reason, choose);
+  const Output& output = **found;
   const auto chosen = sdl::choose_output(facts.probe->outputs, facts.config);
   const bool is_desktop = output.primary && !facts.config.allow_primary;
   if (chosen || (!is_desktop && !sdl::check_mode(output, facts.config))) {
-    return ok(kName, "output " + output.name + " exists");
+    return ok("output " + output.name + " exists");
   }
   const std::string& reason = chosen.error().reason;
   if (is_desktop) {
-    return fault(
-        kName, reason,
-        fmt::format("\"slm\": {{\"display\": \"{}\"}}", likely_output(*facts.probe, facts.config)));
+    return fault(reason, choose);
   }
   const std::string other = other_output(*facts.probe, output);
-  if (other.empty()) return fault(kName, reason, "\"slm\": {\"allow_primary\": true}");
-  return fault(kName, reason, fmt::format("xrandr --output {} --right-of {}", output.name, other));
+  if (other.empty()) return fault(reason, "\"slm\": {\"allow_primary\": true}");
+  return fault(reason, fmt::format("xrandr --output {} --right-of {}", output.name, other));
 }
 
-Finding judge_gamma(const Output& output) {
-  constexpr const char* kName = "slm.gamma";
-  if (!output.on()) return not_here(kName, output.name + " is switched off");
-  if (output.linear_gamma) return ok(kName, "the gamma ramp of " + output.name + " is linear");
+Finding judge_gamma(const DisplayFacts& facts) {
+  const Output* const found = output_of(facts);
+  if (found == nullptr) return not_here(facts.probe ? kNoOutput : kNoServer);
+  const Output& output = *found;
+  if (!output.on()) return not_here(output.name + " is switched off");
+  if (output.linear_gamma) return ok("the gamma ramp of " + output.name + " is linear");
   return fault(
-      kName,
       "the gamma ramp of " + output.name +
           " is not linear, so that the SLM gets wrong grey levels; stop the night light or "
           "colour management that sets it",
       fmt::format("xrandr --output {} --gamma 1:1:1", output.name));
 }
 
-Finding judge_power(const DisplayProbe& probe) {
-  constexpr const char* kName = "slm.power";
-  if (probe.asleep) {
-    return fault(kName, "the screens are powered down", "xset dpms force on && xset -dpms");
+Finding judge_power(const DisplayFacts& facts) {
+  if (!facts.probe) return not_here(kNoServer);
+  if (facts.probe->asleep) {
+    return fault("the screens are powered down", "xset dpms force on && xset -dpms");
   }
-  if (!probe.power_saving) return ok(kName, "DPMS does not power the screens down");
-  return warning(kName,
-                 "DPMS powers the screens down when the desktop is idle; a daemon prevents it only "
-                 "while it shows a hologram",
-                 "xset -dpms");
+  if (!facts.probe->power_saving) return ok("DPMS does not power the screens down");
+  return warning(
+      "DPMS powers the screens down when the desktop is idle; a daemon prevents it only "
+      "while it shows a hologram",
+      "xset -dpms");
 }
 
-Finding judge_screen_saver(const DisplayProbe& probe) {
-  constexpr const char* kName = "slm.screen_saver";
-  if (probe.screen_saver_s == 0) return ok(kName, "the X server's screen saver is off");
-  return warning(kName,
-                 fmt::format("the screen saver blanks the screens after {} s without input; a "
+Finding judge_screen_saver(const DisplayFacts& facts) {
+  if (!facts.probe) return not_here(kNoServer);
+  if (facts.probe->screen_saver_s == 0) return ok("the X server's screen saver is off");
+  return warning(fmt::format("the screen saver blanks the screens after {} s without input; a "
                              "daemon prevents it only while it shows a hologram",
-                             probe.screen_saver_s),
+                             facts.probe->screen_saver_s),
                  "xset s off");
 }
 
-Finding judge_compositor(const DisplayProbe& probe) {
-  constexpr const char* kName = "slm.compositor";
-  if (!probe.composited) return ok(kName, "no compositing manager is running");
-  return warning(kName,
-                 "a compositing manager is running and may delay holograms by one or two frames; "
-                 "switch it off, or measure the delay and set slm.settle_ms",
-                 "ovws call --wait slm.settle");
+Finding judge_compositor(const DisplayFacts& facts) {
+  if (!facts.probe) return not_here(kNoServer);
+  if (!facts.probe->composited) return ok("no compositing manager is running");
+  return warning(
+      "a compositing manager is running and may delay holograms by one or two frames; "
+      "switch it off, or measure the delay and set slm.settle_ms",
+      "ovws call --wait slm.settle");
 }
 
 /// Probes the display with a timeout. Xlib blocks forever on a server that hangs, so the probe runs
@@ -172,31 +181,14 @@ DisplayFacts read_display(const SlmConfig& config) {
 }
 
 Findings judge(const DisplayFacts& facts) {
-  Findings found{judge_server(facts)};
-  if (!facts.probe) {
-    const char* why = "the X server cannot be queried";
-    for (const char* name : {"slm.output", "slm.mode", "slm.gamma", "slm.power", "slm.screen_saver",
-                             "slm.compositor"}) {
-      found.push_back(not_here(name, why));
-    }
-    return found;
-  }
-  const auto output = sdl::find_output(facts.probe->outputs, facts.config.output);
-  if (output) {
-    found.push_back(judge_output(**output, facts));
-    found.push_back(judge_mode(**output, facts));
-    found.push_back(judge_gamma(**output));
-  } else {
-    found.push_back(fault("slm.output", output.error().reason,
-                          fmt::format("\"slm\": {{\"display\": \"{}\"}}",
-                                      likely_output(*facts.probe, facts.config))));
-    found.push_back(not_here("slm.mode", "the output was not found"));
-    found.push_back(not_here("slm.gamma", "the output was not found"));
-  }
-  found.push_back(judge_power(*facts.probe));
-  found.push_back(judge_screen_saver(*facts.probe));
-  found.push_back(judge_compositor(*facts.probe));
-  return found;
+  return run_checks<DisplayFacts>({{"slm.server", judge_server},
+                                   {"slm.output", judge_output},
+                                   {"slm.mode", judge_mode},
+                                   {"slm.gamma", judge_gamma},
+                                   {"slm.power", judge_power},
+                                   {"slm.screen_saver", judge_screen_saver},
+                                   {"slm.compositor", judge_compositor}},
+                                  facts);
 }
 
 }  // namespace ovws::doctor

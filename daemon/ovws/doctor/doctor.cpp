@@ -30,7 +30,8 @@ Findings examine(const std::string& path, const std::string& endpoint, const Ask
     add(found, judge(read_state(config.state)));
   } else {
     for (const char* name : {"camera", "slm", "state"}) {
-      found.push_back(not_here(name, "the configuration could not be loaded"));
+      found.push_back(not_here("the configuration could not be loaded"));
+      found.back().name = name;
     }
   }
   add(found, judge(read_host(config.realtime)));

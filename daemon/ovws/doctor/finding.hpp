@@ -1,6 +1,7 @@
 /// Finding: the result of one check of the bench.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,25 +16,43 @@ enum class Verdict {
 };
 
 struct Finding {
-  std::string name;  ///< "camera.packets"
   Verdict verdict = Verdict::ok;
   std::string meaning;  ///< one sentence; for `not_here` the reason
   std::string fix;      ///< a shell command or a line of the configuration; never empty for a
                         ///< warning or a fault
+  std::string name{};   ///< "camera.packets"; set by run_checks
 };
 using Findings = std::vector<Finding>;
 
-inline Finding ok(std::string name, std::string meaning) {
-  return {std::move(name), Verdict::ok, std::move(meaning), {}};
+inline Finding ok(std::string meaning) {
+  return {Verdict::ok, std::move(meaning), {}};
 }
-inline Finding warning(std::string name, std::string meaning, std::string fix) {
-  return {std::move(name), Verdict::warning, std::move(meaning), std::move(fix)};
+inline Finding warning(std::string meaning, std::string fix) {
+  return {Verdict::warning, std::move(meaning), std::move(fix)};
 }
-inline Finding fault(std::string name, std::string meaning, std::string fix) {
-  return {std::move(name), Verdict::fault, std::move(meaning), std::move(fix)};
+inline Finding fault(std::string meaning, std::string fix) {
+  return {Verdict::fault, std::move(meaning), std::move(fix)};
 }
-inline Finding not_here(std::string name, std::string why, std::string fix = {}) {
-  return {std::move(name), Verdict::not_here, std::move(why), std::move(fix)};
+inline Finding not_here(std::string why, std::string fix = {}) {
+  return {Verdict::not_here, std::move(why), std::move(fix)};
+}
+
+/// A check of these facts, and the name of its finding.
+template <class Facts>
+struct Check {
+  const char* name;
+  Finding (*judge)(const Facts&);
+};
+
+/// The finding of every check, in this order.
+template <class Facts>
+Findings run_checks(std::initializer_list<Check<Facts>> checks, const Facts& facts) {
+  Findings found;
+  for (const Check<Facts>& check : checks) {
+    found.push_back(check.judge(facts));
+    found.back().name = check.name;
+  }
+  return found;
 }
 
 }  // namespace ovws::doctor

@@ -16,8 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kServiceFolder = "/var/lib/ovws";
-constexpr const char* kName = "state.directory";
-constexpr const char* kSpaceName = "state.room";
 
 std::optional<std::string> folder_of(const StateConfig& config) {
   if (auto named = state_directory_of(config)) return named;
@@ -41,46 +39,48 @@ std::string other_owner(const struct stat& status) {
 }
 
 Finding judge_folder(const StateFacts& facts) {
+  if (!facts.directory) {
+    return warning(
+        "no state folder is configured: references and calibrations are lost at a restart",
+        "\"state\": {\"directory\": \"/var/lib/ovws\"}");
+  }
   const std::string& folder = *facts.directory;
   if (facts.there && !facts.is_folder) {
-    return fault(kName, folder + " is not a folder: no measurement survives a restart",
+    return fault(folder + " is not a folder: no measurement survives a restart",
                  "\"state\": {\"directory\": \"/var/lib/ovws\"}");
   }
   if (!facts.disk_writable) {
-    return fault(kName,
-                 folder + " is on a read-only file system: new measurements cannot be stored",
+    return fault(folder + " is on a read-only file system: new measurements cannot be stored",
                  fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"", folder));
   }
   if (facts.writable) {
-    return ok(kName,
-              folder + (facts.there ? " is writable" : " will be created when the daemon starts"));
+    return ok(folder + (facts.there ? " is writable" : " will be created when the daemon starts"));
   }
   if (!facts.there) {
-    return fault(kName, folder + " does not exist and this user cannot create it",
+    return fault(folder + " does not exist and this user cannot create it",
                  fmt::format("sudo install -d -o ovws -g ovws {}", folder));
   }
   if (!facts.owner.empty()) {
     return not_here(
-        kName,
         folder + " belongs to " + facts.owner + ": only that user can check whether it is writable",
         fmt::format("sudo -u {} ovws doctor", facts.owner));
   }
-  return fault(kName, folder + " is not writable: new measurements do not survive a restart",
+  return fault(folder + " is not writable: new measurements do not survive a restart",
                "chmod u+rwx " + folder);
 }
 
 Finding judge_space(const StateFacts& facts) {
+  if (!facts.directory) return not_here("no state folder is configured");
   constexpr std::uint64_t kMiB = 1 << 20;
   constexpr std::uint64_t kMinBytes = 16 * kMiB;           // several references with their images
   constexpr std::uint64_t kRecommendedBytes = 256 * kMiB;  // gain sweeps
   const std::string says =
       fmt::format("the disk of {} has {} MiB left", *facts.directory, facts.free_bytes / kMiB);
   const std::string fix = fmt::format("du -xhd1 \"$(findmnt -no TARGET -T {})\"", *facts.directory);
-  if (facts.free_bytes < kMinBytes)
-    return fault(kSpaceName, says + ": too little to store references", fix);
+  if (facts.free_bytes < kMinBytes) return fault(says + ": too little to store references", fix);
   if (facts.free_bytes < kRecommendedBytes)
-    return warning(kSpaceName, says + ": too little to store gain sweeps", fix);
-  return ok(kSpaceName, says);
+    return warning(says + ": too little to store gain sweeps", fix);
+  return ok(says);
 }
 
 }  // namespace
@@ -108,14 +108,8 @@ StateFacts read_state(const StateConfig& config) {
 }
 
 Findings judge(const StateFacts& facts) {
-  if (!facts.directory) {
-    return {warning(kName,
-                    "no state folder is configured: references and calibrations are lost at a "
-                    "restart",
-                    "\"state\": {\"directory\": \"/var/lib/ovws\"}"),
-            not_here(kSpaceName, "no state folder is configured")};
-  }
-  return {judge_folder(facts), judge_space(facts)};
+  return run_checks<StateFacts>({{"state.directory", judge_folder}, {"state.room", judge_space}},
+                                facts);
 }
 
 }  // namespace ovws::doctor
