@@ -41,6 +41,9 @@ double wavefront_max_age_s(const json& status) {
   return std::max(kStatusMaxAgeS, kMaxAgeFrames / std::max(rate_hz, 1e-6));
 }
 
+}  // namespace
+
+/// The newest messages, from which every scrape makes its metrics. Thread-safe.
 class Newest : public prometheus::Collectable {
  public:
   std::vector<prometheus::MetricFamily> Collect() const override {
@@ -66,16 +69,8 @@ class Newest : public prometheus::Collectable {
   Received status_, wavefront_;
 };
 
-}  // namespace
-
-struct Exporter::Impl {
-  std::shared_ptr<Newest> newest = std::make_shared<Newest>();
-  std::unique_ptr<prometheus::Exposer> exposer;
-};
-
-Exporter::Exporter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Exporter::Exporter() : newest_(std::make_shared<Newest>()) {}
 Exporter::Exporter(Exporter&&) noexcept = default;
-Exporter& Exporter::operator=(Exporter&&) noexcept = default;
 Exporter::~Exporter() = default;
 
 Result<void> check_address(const std::string& address) {
@@ -94,21 +89,21 @@ Result<void> check_address(const std::string& address) {
 
 Result<Exporter> Exporter::serve(const std::string& address) {
   if (auto right = check_address(address); !right) return fail(right.error());
-  auto impl = std::make_unique<Impl>();
+  Exporter exporter;
   try {
     // The request timeout limits how long an idle connection occupies a thread.
-    impl->exposer = std::make_unique<prometheus::Exposer>(std::vector<std::string>{
+    exporter.exposer_ = std::make_unique<prometheus::Exposer>(std::vector<std::string>{
         "listening_ports", address, "num_threads", "16", "request_timeout_ms", "2000"});
-    impl->exposer->RegisterCollectable(impl->newest);
+    exporter.exposer_->RegisterCollectable(exporter.newest_);
   } catch (const std::exception&) {
     return fail(Errc::unavailable, kField,
                 "cannot listen on " + address + ": is the address in use by another program?");
   }
-  return Exporter(std::move(impl));
+  return exporter;
 }
 
 void Exporter::take(const std::string& topic, std::string message) {
-  impl_->newest->take(topic, {std::move(message), Clock::now()});
+  newest_->take(topic, {std::move(message), Clock::now()});
 }
 
 }  // namespace ovws::metrics

@@ -6,7 +6,13 @@
 
 #include "core/base/result.hpp"
 
+namespace prometheus {
+class Exposer;
+}
+
 namespace ovws::metrics {
+
+class Newest;
 
 /// Checks that metrics may be served at this "ADDRESS:PORT". Errors: Errc::invalid (field
 /// "--listen") for a malformed address and for one that other machines can reach, because metrics
@@ -19,7 +25,6 @@ class Exporter {
   /// Errors: as check_address; Errc::unavailable if the address is not available.
   static Result<Exporter> serve(const std::string& address);
   Exporter(Exporter&&) noexcept;
-  Exporter& operator=(Exporter&&) noexcept;
   ~Exporter();
 
   /// Stores the JSON of a status or wavefront message, received now; ignores other topics. A status
@@ -27,9 +32,10 @@ class Exporter {
   void take(const std::string& topic, std::string message);
 
  private:
-  struct Impl;
-  explicit Exporter(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  Exporter();
+
+  std::shared_ptr<Newest> newest_;
+  std::unique_ptr<prometheus::Exposer> exposer_;
 };
 
 }  // namespace ovws::metrics

@@ -1,7 +1,9 @@
 #include "daemon/ovws/metrics/families.hpp"
 
+#include <array>
 #include <cctype>
 #include <string>
+#include <utility>
 
 #include "core/control/state_machine.hpp"
 #include "core/optics/zernike.hpp"
@@ -57,33 +59,63 @@ constexpr GaugeRow kWavefrontGauges[]{
     {"/saturated", "ovws_spots_saturated_ratio", "Fraction of spots with a saturated pixel."},
 };
 
+constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kCounters{{
+    {"frames_grabbed", "Complete frames received from the camera in order."},
+    {"frames_lost", "Frame numbers missing in the camera's sequence."},
+    {"frames_incomplete", "Frames with missing packets."},
+    {"frames_duplicated", "Frames received a second time."},
+    {"frames_out_of_order", "Frames received after a later one."},
+    {"frames_late", "Frames that arrived too late, published as not valid."},
+    {"frames_left_justified", "Frames with MSB-aligned pixels, which were shifted right."},
+    {"frames_unplanned", "Frames not measured because there was no measurement plan."},
+    {"frames_unexpected", "Frames not measured because of an unexpected size or format."},
+    {"frames_dropped", "Frames dropped because the daemon was too slow."},
+    {"frames_unsettled",
+     "Frames published as not settled: the hologram was changing or was not the sensor's, the "
+     "region had just changed, the display had a fault, or the frame was late."},
+    {"frames_invalid", "Frames published without a valid wavefront."},
+    {"frames_unexplained", "Invalid frames whose spot positions no wavefront explains."},
+    {"frames_published", "Frames published."},
+    {"spots_lost", "Spots not found, summed over all frames."},
+    {"acquisitions", "Searches for spots in the whole image."},
+    {"messages_dropped", "Stream messages dropped because a queue of the daemon was full."},
+    {"deadline_missed", "Frames published more than one frame period after their arrival."},
+    {"camera_reconnects", "Reconnections of the camera."},
+    {"display_faults", "Faults of the display."},
+    {"requests", "Requests on the control socket."},
+    {"requests_refused", "Requests that were refused."},
+    {"clients_rejected", "Connection attempts without a known key."},
+}};
+
+/// The part of a message at this JSON pointer; null if there is none.
+const json& part_of(const json& message, const std::string& path) {
+  static const json kNone;
+  const json::json_pointer pointer(path);
+  return message.contains(pointer) ? message.at(pointer) : kNone;
+}
+
 /// The number at this JSON pointer, a bool as 0 or 1; none for anything else.
 std::optional<double> number_at(const json& message, const std::string& path) {
-  const json::json_pointer pointer(path);
-  if (!message.contains(pointer)) return std::nullopt;
-  const json& value = message.at(pointer);
+  const json& value = part_of(message, path);
   if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
 std::string text_at(const json& message, const char* path) {
-  const json::json_pointer pointer(path);
-  if (!message.contains(pointer) || !message.at(pointer).is_string()) return {};
-  return message.at(pointer).get<std::string>();
+  const json& value = part_of(message, path);
+  return value.is_string() ? value.get<std::string>() : std::string();
 }
 
-/// The part of a message at this path if it is an object, else an empty one.
+/// The object at this path, else an empty one.
 json object_at(const json& message, const char* path) {
-  const json::json_pointer pointer(path);
-  const bool there = message.contains(pointer) && message.at(pointer).is_object();
-  return there ? message.at(pointer) : json::object();
+  const json& value = part_of(message, path);
+  return value.is_object() ? value : json::object();
 }
 
 /// The array at this path, else an empty one.
 json array_at(const json& message, const char* path) {
-  const json::json_pointer pointer(path);
-  const bool there = message.contains(pointer) && message.at(pointer).is_array();
-  return there ? message.at(pointer) : json::array();
+  const json& value = part_of(message, path);
+  return value.is_array() ? value : json::array();
 }
 
 ClientMetric gauge(double value, Labels labels = {}) {
@@ -232,6 +264,13 @@ void add_wavefront(Families& out, const json& wavefront) {
 }
 
 }  // namespace
+
+std::string_view counter_help(std::string_view counter) {
+  for (const auto& [name, help] : kCounters) {
+    if (name == counter) return help;
+  }
+  return {};
+}
 
 std::vector<MetricFamily> families(const std::optional<json>& status,
                                    const std::optional<json>& wavefront) {
