@@ -69,19 +69,6 @@ char32_t take_character(std::string_view& utf8) {
   return takes_one_column(glyph) ? glyph : U'?';
 }
 
-void append_utf8(std::string& out, char32_t glyph) {
-  if (glyph < 0x80) {
-    out += char(glyph);
-  } else if (glyph < 0x800) {
-    out += char(0xc0 | (glyph >> 6));
-    out += char(0x80 | (glyph & 0x3f));
-  } else {
-    out += char(0xe0 | (glyph >> 12));
-    out += char(0x80 | ((glyph >> 6) & 0x3f));
-    out += char(0x80 | (glyph & 0x3f));
-  }
-}
-
 }  // namespace
 
 Canvas::Canvas(int width, int height, bool unicode)
@@ -109,12 +96,6 @@ void Canvas::fill(Rect rect, Cell cell) {
   for (int y = rect.y; y < rect.y + rect.height; ++y) {
     for (int x = rect.x; x < rect.x + rect.width; ++x) put(x, y, cell.glyph, cell.style);
   }
-}
-
-std::string Canvas::row(int y) const {
-  std::string out;
-  for (int x = 0; x < width_; ++x) append_utf8(out, at(x, y).glyph);
-  return out;
 }
 
 }  // namespace ovws::screen

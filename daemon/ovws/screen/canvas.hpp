@@ -39,8 +39,6 @@ class Canvas {
   /// UTF-8 become "?". Returns the number of characters written.
   int text(int x, int y, int width, std::string_view utf8, Style style = Style::normal);
   void fill(Rect rect, Cell cell);
-  /// One row as UTF-8.
-  std::string row(int y) const;
 
  private:
   int width_, height_;

@@ -3,17 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/screen/row.hpp"
+
 namespace ovws::screen {
 namespace {
 
-std::string drawn(std::string_view text, bool unicode = true) {
+std::string drawn(std::string_view words, bool unicode = true) {
   Canvas canvas(12, 1, unicode);
-  const int used = canvas.text(0, 0, 10, text);
+  const int used = canvas.text(0, 0, 10, words);
   EXPECT_LE(used, 10);
   EXPECT_EQ(canvas.at(11, 0), Cell{}) << "beyond its width";
-  std::string row = canvas.row(0);
-  row.erase(row.find_last_not_of(' ') + 1);
-  return row;
+  std::string text = row(canvas, 0);
+  text.erase(text.find_last_not_of(' ') + 1);
+  return text;
 }
 
 TEST(Canvas, CutsTextAndSaysSo) {
@@ -52,8 +54,8 @@ TEST(Canvas, LeavesOutWhatIsOutsideOfThePage) {
   for (const int y : {-1, 2}) canvas.put(0, y, U'x');
   canvas.fill({-5, -5, 6, 6}, {U'f', Style::normal});
   canvas.text(2, 1, 10, "text");
-  EXPECT_EQ(canvas.row(0), "f  ");
-  EXPECT_EQ(canvas.row(1), "  t");
+  EXPECT_EQ(row(canvas, 0), "f  ");
+  EXPECT_EQ(row(canvas, 1), "  t");
   EXPECT_EQ(Canvas(-1, 5, true).width(), 0);
 }
 

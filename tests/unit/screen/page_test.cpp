@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "daemon/shared/schemas/schemas.hpp"
+#include "tests/unit/screen/row.hpp"
 
 namespace ovws::screen {
 namespace {
@@ -29,7 +30,7 @@ std::string page(const View& view, int width = 80, int height = 24, Choice choic
   Canvas canvas(width, height, true);
   draw(canvas, view, choice);
   std::string text;
-  for (int y = 0; y < height; ++y) text += canvas.row(y) + "\n";
+  for (int y = 0; y < height; ++y) text += row(canvas, y) + "\n";
   return text;
 }
 
@@ -45,7 +46,7 @@ std::string signs(const std::vector<SpotRow>& spots, int width = 21, int height 
   draw_spots(canvas, canvas.all(), view);
   std::string text;
   for (int y = 1; y < height; ++y) {
-    for (const char c : canvas.row(y)) text += c == ' ' ? "" : std::string(1, c);
+    for (const char c : row(canvas, y)) text += c == ' ' ? "" : std::string(1, c);
   }
   return text;
 }
