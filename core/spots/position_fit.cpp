@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kWindowOfDark = 0.98;  // half the width, of the dark ring's radius
+constexpr double kWindowOfDark = 0.92;  // half the width, of the dark ring's radius
 constexpr double kMinWindow = 1.5;      // lambda/d
 constexpr double kCapture = 1.0;        // lambda/d
 constexpr double kMaxStep = 0.2;        // lambda/d, of one rendering

@@ -137,7 +137,7 @@ SpotCheck::SpotCheck(const SpotModel& spots, const SpotGeometry& geometry, int p
   const ModelShape shape(spots, geometry.dark);
   int bright = 0;
   for (const int offset : disc_) {
-    const int y = (offset + side * side / 2 + side / 2) / side - side / 2;
+    const int y = (offset + patch_half * (side + 1)) / side - patch_half;
     const double value = shape.at({double(offset - y * side), double(y)}).value;
     ideal_.push_back(float(value));
     ideal_mean_ += value / double(disc_.size());

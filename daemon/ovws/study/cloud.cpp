@@ -3,7 +3,6 @@
 #include <cmath>
 #include <random>
 
-#include "core/spots/measured_spots.hpp"
 #include "core/spots/spot_templates.hpp"
 
 namespace ovws::study {
@@ -74,15 +73,23 @@ Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, st
 }
 
 double bound_px(const SpotBench& bench, double read_noise_e) {
-  const int side = 2 * kBoundHalfPx + 1;
-  const std::vector<SpotWindow> window{{int(std::lround(bench.at_px.x)) - kBoundHalfPx,
-                                        int(std::lround(bench.at_px.y)) - kBoundHalfPx, side, 1}};
-  const std::vector<Vec2> places{bench.at_px};
-  const auto spots = measured_spots(window, places, cells_in(bench.light_e, window), {});
-  const double peak_e = double(cells_in(bench.light_e, window).maxCoeff());
-  const std::vector<CellLevel> level{{peak_e}};
-  const PixelNoise noise{read_noise_e * read_noise_e, 1.0};
-  return make_templates(spots, level, noise, 2).front().px_error / peak_e;
+  const int left = int(std::lround(bench.at_px.x)) - kBoundHalfPx;
+  const int top = int(std::lround(bench.at_px.y)) - kBoundHalfPx;
+  RenderedSpot spot;
+  spot.window = {left, top, 2 * kBoundHalfPx + 1, 1};
+  spot.light.resize(spot.window.cells());
+  spot.per_px.resize(spot.window.cells(), 2);
+  for (int c = 0; c < spot.window.cells(); ++c) {
+    const int x = left + c % spot.window.side, y = top + c / spot.window.side;
+    const auto value = [&](int dx, int dy) { return bench.light_e.at(x + dx, y + dy); };
+    // Fourth-order central differences suffice: the image has no detail finer than lambda/d.
+    spot.light(c) = value(0, 0);
+    spot.per_px(c, 0) = (8 * (value(-1, 0) - value(1, 0)) - (value(-2, 0) - value(2, 0))) / 12;
+    spot.per_px(c, 1) = (8 * (value(0, -1) - value(0, 1)) - (value(0, -2) - value(0, 2))) / 12;
+  }
+  spot.per_wave = spot.per_px;
+  const std::vector<CellLevel> level{{1.0}};
+  return make_templates({&spot, 1}, level, {read_noise_e * read_noise_e, 1.0}, 2).front().px_error;
 }
 
 }  // namespace ovws::study
