@@ -24,7 +24,7 @@ class BrightestPixelTracker final : public SpotTracker {
   int window_half_px() const override { return kReach; }
   TrackScratch make_scratch() const override { return {std::vector<float>(1), {}}; }
 
-  SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch, int) const override {
+  SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch) const override {
     scratch.samples[0] += 1.0F;  // two threads with one scratch would be seen by a sanitizer
     const int cx = int(std::lround(start_px.x));
     const int cy = int(std::lround(start_px.y));
