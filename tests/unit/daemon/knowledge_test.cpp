@@ -171,5 +171,21 @@ TEST_F(Known, WhatIsShownIsTheAberrationLessTheCorrection) {
   EXPECT_EQ(shown_epoch(state_), 0U) << "there is nothing to measure";
 }
 
+TEST_F(Known, TheDiffractiveOperatorIsMadeAgainOnlyForWhatItDependsOn) {
+  state_.tracking.mode_operator = OperatorKind::diffractive;
+  const Bound bound = bind(state_, known_, optics_);
+  ASSERT_TRUE(bound.mode_operator) << bound.operator_reason;
+  EXPECT_EQ(bound.mode_operator->kind, OperatorKind::diffractive);
+  EXPECT_EQ(bound.operator_reason, "");
+  state_.aberration = {{4, 0.1}};
+  EXPECT_EQ(bind(state_, Knowledge(known_), optics_).mode_operator, bound.mode_operator);
+  state_.roi.width = state_.roi.height = 64;
+  const Bound without = bind(state_, known_, optics_);
+  EXPECT_FALSE(without.mode_operator);
+  EXPECT_NE(without.operator_reason.find("finds only"), std::string::npos);
+  state_.tracking.mode_operator = OperatorKind::slopes;
+  EXPECT_EQ(bind(state_, known_, optics_).operator_reason, "");
+}
+
 }  // namespace
 }  // namespace ovws
