@@ -1,5 +1,9 @@
 #include "drivers/twin/twin.hpp"
 
+#include <functional>
+#include <string_view>
+#include <utility>
+
 namespace ovws::twin {
 
 Twin::Twin(const Config& config, const std::string& x_display)
@@ -10,8 +14,20 @@ Twin::Twin(const Config& config, const std::string& x_display)
 
 Result<std::unique_ptr<Twin>> Twin::start(const Config& config, const std::string& x_display) {
   std::unique_ptr<Twin> twin(new Twin(config, x_display));
-  auto control = Control::bind(config.control_endpoint);
-  if (!control) return fail(control.error());
+  Twin* const t = twin.get();
+  const auto answer = [t](std::string_view request, const std::string&,
+                          std::function<void(std::string)> reply) {
+    const auto call = [t](const std::string& method, const Json& params, const RpcReply& answered) {
+      answered(t->methods_->call(method, params));
+    };
+    handle_rpc_frame(request, call, std::move(reply));
+  };
+  auto control = ControlServer::bind(
+      config.control_endpoint, {kMaxRequestBytes, oversize_reply(), overload_reply()}, answer);
+  if (!control) {
+    control.error().field = "control.endpoint";
+    return fail(control.error());
+  }
   auto camera = FakeCamera::plug_in(config.camera,
                                     {twin->screen_, twin->bench_, twin->frames_, twin->faults_});
   if (!camera) return fail(camera.error());
@@ -21,16 +37,13 @@ Result<std::unique_ptr<Twin>> Twin::start(const Config& config, const std::strin
       config,
       Methods::Deps{twin->bench_, twin->frames_, twin->faults_, twin->screen_, *twin->camera_});
 
-  Twin* const t = twin.get();
   t->bench_thread_ = std::jthread([t](const std::stop_token& stop) { t->bench_.work(stop); });
   t->noise_thread_ = std::jthread([t](const std::stop_token& stop) { t->frames_.work(stop); });
   t->screen_thread_ = std::jthread([t](const std::stop_token& stop) { t->screen_.work(stop); });
   t->camera_thread_ = std::jthread([t](const std::stop_token& stop) { t->camera_->work(stop); });
   t->control_thread_ = std::jthread([t](const std::stop_token& stop) {
-    t->control_->work(stop,
-                      [t](const std::string& method, const Json& params, const RpcReply& reply) {
-                        reply(t->methods_->call(method, params));
-                      });
+    while (!stop.stop_requested()) t->control_->do_work();
+    t->control_->on_close();
   });
   return twin;
 }
@@ -44,7 +57,7 @@ Twin::~Twin() {
 }
 
 std::string Twin::addresses() const {
-  return "camera=" + config_.camera.address + ":3956/udp control=" + control_->endpoint() +
+  return "camera=" + config_.camera.address + ":3956/udp control=" + config_.control_endpoint +
          " slm=" + config_.slm.display;
 }
 

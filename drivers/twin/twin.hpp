@@ -7,20 +7,20 @@
 
 #include "core/base/result.hpp"
 #include "drivers/twin/bench.hpp"
-#include "drivers/twin/control.hpp"
 #include "drivers/twin/fake_camera.hpp"
 #include "drivers/twin/faults.hpp"
 #include "drivers/twin/frame_source.hpp"
 #include "drivers/twin/methods.hpp"
 #include "drivers/twin/screen.hpp"
 #include "drivers/twin/twin_config.hpp"
+#include "drivers/zmq/control_server.hpp"
 
 namespace ovws::twin {
 
 class Twin {
  public:
   /// Starts the twin. Camera and control socket answer when this returns; the display may appear
-  /// later. Errors as in FakeCamera::plug_in and Control::bind.
+  /// later. Errors as in FakeCamera::plug_in and ControlServer::bind.
   static Result<std::unique_ptr<Twin>> start(const Config& config, const std::string& x_display);
   ~Twin();
   Twin(const Twin&) = delete;
@@ -37,7 +37,7 @@ class Twin {
   Faults faults_;
   Screen screen_;
   std::unique_ptr<FakeCamera> camera_;
-  std::unique_ptr<Control> control_;
+  std::unique_ptr<ControlServer> control_;
   std::unique_ptr<Methods> methods_;
 
   // Declared last, so that they end before the parts that they use. Aravis adds a thread of its

@@ -23,7 +23,7 @@ VENDORS = {
     r"arv\.h|aravis": ("drivers/aravis/", "drivers/twin/"),
     r"SDL": ("drivers/sdl/",),
     r"X11/": ("drivers/sdl/", "drivers/twin/"),
-    r"zmq": ("drivers/zmq/", "drivers/twin/"),
+    r"zmq": ("drivers/zmq/",),
     r"hdf5\.h": ("drivers/hdf5/",),
     r"libdeflate": ("drivers/record/", "drivers/replay/"),
     r"nlohmann/": ("proto/", "config/", "daemon/", "drivers/twin/"),
@@ -36,7 +36,7 @@ VENDORS = {
     r"n?curses": ("daemon/ovws/screen/",),
     r"boost/": ("daemon/web/",),
 }
-SHARED_BY_DRIVERS = "hdf5"  # not a driver, but shared by two drivers
+USERS_OF_DRIVER = {"hdf5": ("record", "replay"), "zmq": ("twin",)}  # drivers that other drivers use
 # Each program creates threads in one place only.
 THREAD_OWNERS = ("daemon/ovwsd/threads/thread_plan.", "daemon/ovws/doctor/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
 CODE = ("*.hpp", "*.cpp", "*.inc")
@@ -93,8 +93,10 @@ def check_include(name, included):
     own, others = targets_of(name), targets_of(included)
     if other in MAY_INCLUDE and not any(others.keys() & usable(target, {target}) for target in own):
         yield f"{included} belongs to a target that {' or '.join(own)} does not link"
-    if room == "drivers" and other == "drivers" and included.split("/")[1] not in (name.split("/")[1], SHARED_BY_DRIVERS):
-        yield f"a driver must not include another driver: {included}"
+    if room == "drivers" and other == "drivers":
+        user, used = name.split("/")[1], included.split("/")[1]
+        if user != used and user not in USERS_OF_DRIVER.get(used, ()):
+            yield f"a driver must not include another driver: {included}"
     for vendor, homes in VENDORS.items():
         if re.match(vendor, included) and not name.startswith(homes):
             yield f"{included} may be included only in {' and '.join(homes)}"

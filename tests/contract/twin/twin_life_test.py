@@ -64,7 +64,7 @@ class TwinLife(unittest.TestCase):
 
     def test_says_which_port_is_taken(self):
         self.bench.start_twin()
-        self.assertIn("tcp://127.0.0.1:7790 is taken", self.refused())
+        self.assertIn("tcp://127.0.0.1:7790 is in use", self.refused())
         self.assertIn("UDP 127.0.0.1:3956 is taken",
                       self.refused("--control", "tcp://127.0.0.1:7791"))
 
