@@ -1,13 +1,11 @@
 #include "drivers/twin/methods_json.hpp"
 
+#include "proto/tables/camera.hpp"
+
 namespace ovws::twin {
 namespace {
 
 const std::vector<std::string> kNoises{"fresh", "pool", "none"};
-
-Json json_of(const Roi& roi) {
-  return {{"x", roi.x}, {"y", roi.y}, {"width", roi.width}, {"height", roi.height}};
-}
 
 Json json_of(const CameraGeometry& geometry) {
   return {{"rotation_deg", geometry.rotation_deg},
@@ -90,14 +88,11 @@ Json json_of(const std::optional<Verdict>& verdict) {
 }
 
 Json json_of(const CameraStatus& camera) {
-  const CameraSettings& s = camera.settings;
-  return {{"plugged", camera.plugged},
-          {"streaming", camera.streaming},
-          {"gain_db", s.gain_db},
-          {"exposure_us", s.exposure_us},
-          {"frame_rate_hz", s.frame_rate_hz},
-          {"pixel_format", pixel_format_name(s.pixel_format)},
-          {"roi", json_of(s.roi)}};
+  Json json = to_json(camera.settings);
+  json.erase("gain_raw");
+  json["plugged"] = camera.plugged;
+  json["streaming"] = camera.streaming;
+  return json;
 }
 
 Json json_of(const FrameTally& tally, const FrameCounts& frames) {

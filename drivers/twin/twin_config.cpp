@@ -1,7 +1,5 @@
 #include "drivers/twin/twin_config.hpp"
 
-#include <array>
-#include <cmath>
 #include <fstream>
 #include <numbers>
 #include <sstream>
@@ -12,6 +10,8 @@
 #include "proto/names.hpp"
 #include "proto/requests.hpp"
 #include "proto/strict_json.hpp"
+#include "proto/tables/optics.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -45,11 +45,8 @@ void read(ObjectReader& r, CameraConfig& camera, CameraGeometry& geometry) {
 }
 
 void read(ObjectReader& r, SlmConfig& slm) {
-  using namespace limits;
   r.string("display", slm.display);
-  r.integer("width", slm.geometry.width_px, kSlmSizePx.min, kSlmSizePx.max);
-  r.integer("height", slm.geometry.height_px, kSlmSizePx.min, kSlmSizePx.max);
-  r.number("pitch_um", slm.geometry.pitch_um, kSlmPitchUm.min, kSlmPitchUm.max);
+  detail::decode_fields(r, slm.geometry);
   r.number("gamma", slm.gamma, 0.1, 10.0);
   r.number("depth_waves", slm.depth_waves, -4.0, 4.0);
   r.number("flatness_rms_waves", slm.flatness_rms_waves, 0.0, 10.0);
@@ -66,22 +63,6 @@ void read(ObjectReader& r, OpticsConfig& optics, CameraGeometry& geometry) {
   r.number("camera_pitch_um", optics.camera_pitch_um, kCameraPitchUm.min, kCameraPitchUm.max);
 }
 
-void read(ObjectReader& r, SensorConfig& sensor) {
-  using namespace limits;
-  int grid = int(sensor.grid);
-  std::vector<double> grooves(sensor.grooves.begin(), sensor.grooves.end());
-  r.integer("charge", sensor.charge, kCharge.min, kCharge.max);
-  r.choice("grid", grid, kNames<Grid>());
-  r.integer("subapertures_across", sensor.subapertures_across, kSubaperturesAcross.min,
-            kSubaperturesAcross.max);
-  r.number("pupil_diameter_px", sensor.pupil_diameter_px, kPupilDiameterPx.min,
-           kPupilDiameterPx.max);
-  r.numbers("grooves", grooves, 2, 2, kGrooves.min, kGrooves.max);
-  r.number("spacing", sensor.spacing, kSpacing.min, kSpacing.max);
-  sensor.grid = Grid(grid);
-  sensor.grooves = {grooves[0], grooves[1]};
-}
-
 void read(ObjectReader& r, LightConfig& light, Truth& truth) {
   int shape = int(light.shape);
   r.choice("shape", shape, {"uniform", "gaussian"});
@@ -94,7 +75,7 @@ void read(ObjectReader& r, Config& c) {
   r.object("camera", [&](ObjectReader& in) { read(in, c.camera, c.truth.geometry); });
   r.object("slm", [&](ObjectReader& in) { read(in, c.slm); });
   r.object("optics", [&](ObjectReader& in) { read(in, c.optics, c.truth.geometry); });
-  r.object("sensor", [&](ObjectReader& in) { read(in, c.sensor); });
+  r.object("sensor", [&](ObjectReader& in) { detail::decode_fields(in, c.sensor); });
   r.object("light", [&](ObjectReader& in) { read(in, c.light, c.truth); });
   r.object("detector", [&](ObjectReader& in) { read_detector(in, c.truth); });
   r.object("control", [&](ObjectReader& in) { in.string("endpoint", c.control_endpoint); });
