@@ -28,7 +28,8 @@ FarFieldWindow far_field_window(const SensorConfig& sensor, const SlmGeometry& s
 /// per geometry; `propagate` is for one thread at a time.
 class FarField {
  public:
-  FarField(SlmGeometry slm, FarFieldWindow window);
+  /// `workers`: threads that may call transform_rows or transform_columns at once.
+  FarField(SlmGeometry slm, FarFieldWindow window, int workers = 1);
   ~FarField();
   FarField(FarField&&) noexcept;
   FarField& operator=(FarField&&) noexcept;
@@ -37,6 +38,10 @@ class FarField {
 
   /// `field`: width x height of the SLM. Result: cols x rows of the window.
   void propagate(const Image<std::complex<float>>& field, Image<std::complex<float>>& out);
+  /// The two steps of `propagate` for parts of the images: first the SLM's rows [first, end) for
+  /// all rows, then the window's columns. `worker`: 0 .. workers - 1. `out` has the window's size.
+  void transform_rows(const Image<std::complex<float>>& field, int first, int end, int worker);
+  void transform_columns(int first, int end, int worker, Image<std::complex<float>>& out);
 
  private:
   struct Impl;

@@ -9,6 +9,7 @@
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/hologram_row.hpp"
 #include "core/optics/identify_picture.hpp"
+#include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
 namespace ovws {

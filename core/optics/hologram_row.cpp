@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/optics/phasors.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/optics/hologram_row.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep

@@ -2,22 +2,10 @@
 /// levels. All instruction sets give bit-identical results.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <span>
 
 namespace ovws {
-
-constexpr double kPhasesPerWave = 65536.0;
-/// Adding 1.5 * 2^52 to a double leaves the rounded integer in its low bits, without a branch and
-/// without an undefined conversion.
-constexpr double kRounder = 0x1.8p52;
-
-/// Converts waves to 16-bit phase (65536 = 2 pi): rounds to the nearest 1/65536 wave (ties to even)
-/// and drops whole waves. Never undefined behaviour, but meaningless for very large values.
-inline std::uint16_t phase16(double waves) {
-  return std::uint16_t(std::bit_cast<std::uint64_t>(waves * kPhasesPerWave + kRounder));
-}
 
 /// Highest number of coefficients of a row's polynomial.
 constexpr int kMaxPhasePowers = 21;
@@ -25,9 +13,9 @@ constexpr int kMaxPhasePowers = 21;
 constexpr int kSparePixels = 32;
 
 /// Evaluates a polynomial at mirrored pixels, for which the same sums of the even and of the odd
-/// powers serve: right[k] and left[-k], k = 0 .. count - 1, are the phase16 of its value at x[k]
-/// and -x[k]. `waves`: 1 to kMaxPhasePowers coefficients by rising power. As accurate as a power
-/// sum in double precision.
+/// powers serve: right[k] and left[-k], k = 0 .. count - 1, are the phase16 (phasors.hpp) of its
+/// value at x[k] and -x[k]. `waves`: 1 to kMaxPhasePowers coefficients by rising power. As accurate
+/// as a power sum in double precision.
 void mirrored_phases(std::span<const double> waves, const double* x, int count,
                      std::uint16_t* right, std::uint16_t* left);
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/optics/circle_columns.hpp"
+#include "core/optics/phasors.hpp"
 
 namespace ovws {
 namespace {
@@ -146,17 +147,6 @@ void append(PupilCells& cells, int piece, const PieceBox& box) {
 }
 
 }  // namespace
-
-const std::vector<std::complex<float>>& unit_phasors() {
-  static const auto table = [] {
-    std::vector<std::complex<float>> made(65536);
-    for (std::size_t k = 0; k < made.size(); ++k) {
-      made[k] = std::complex<float>(std::polar(1.0, 2.0 * std::numbers::pi * double(k) / 65536.0));
-    }
-    return made;
-  }();
-  return table;
-}
 
 PupilCells cut_pupil(const Lattice& lattice, double pupil_diameter_px, const PxPerCycle& turn,
                      const FarFieldWindow& window, const Image<std::uint8_t>& grey) {

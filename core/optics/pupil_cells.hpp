@@ -69,7 +69,4 @@ struct PupilCells {
 PupilCells cut_pupil(const Lattice& lattice, double pupil_diameter_px, const PxPerCycle& turn,
                      const FarFieldWindow& window, const Image<std::uint8_t>& grey);
 
-/// exp(2 pi i k / 65536).
-const std::vector<std::complex<float>>& unit_phasors();
-
 }  // namespace ovws

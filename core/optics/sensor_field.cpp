@@ -7,7 +7,7 @@
 
 #include "core/base/complex_product.hpp"
 #include "core/optics/hologram.hpp"
-#include "core/optics/hologram_row.hpp"
+#include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
 namespace ovws {

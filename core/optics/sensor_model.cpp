@@ -1,23 +1,12 @@
 #include "core/optics/sensor_model.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
+#include "core/optics/phasors.hpp"
+
 namespace ovws {
-namespace {
-
-std::array<std::complex<float>, 256> phasors() {
-  std::array<std::complex<float>, 256> table;
-  for (std::size_t k = 0; k < table.size(); ++k) {
-    table[k] = std::polar(1.0F, 2.0F * std::numbers::pi_v<float> * float(k) / 256.0F);
-  }
-  return table;
-}
-
-}  // namespace
 
 Result<SensorModel> SensorModel::make(const SensorConfig& sensor, const SlmGeometry& slm,
                                       const OpticsConfig& optics, int cols, int rows) {
@@ -38,13 +27,12 @@ Result<SensorModel> SensorModel::make(const SensorConfig& sensor, const SlmGeome
 
 Result<Image<float>> SensorModel::intensity(std::span<const Mode> modes) {
   if (auto sampled = renderer_.check_sampling(modes); !sampled) return fail(sampled.error());
-  static const auto kPhasors = phasors();
   renderer_.render(HologramKind::sensor, modes, grey_);
   field_.width = grey_.width;
   field_.height = grey_.height;
   field_.pixels.resize(grey_.pixels.size());
   std::transform(grey_.pixels.begin(), grey_.pixels.end(), field_.pixels.begin(),
-                 [](std::uint8_t level) { return kPhasors[level]; });
+                 [](std::uint8_t level) { return unit_phasors()[std::size_t{level} << 8]; });
   far_field_.propagate(field_, far_);
   Image<float> result(far_.width, far_.height);
   std::transform(far_.pixels.begin(), far_.pixels.end(), result.pixels.begin(),

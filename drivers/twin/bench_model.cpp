@@ -17,77 +17,39 @@ double vortex_peak_intensity(const SensorConfig& sensor) {
   return peak * peak;
 }
 
-std::complex<float> phasor(double turns) {
-  const double angle = 2.0 * std::numbers::pi * std::remainder(turns, 1.0);
-  return {float(std::cos(angle)), float(std::sin(angle))};
-}
-
-/// Runs work(0) and work(1) in parallel.
+/// Runs work(first, end, worker) for both halves of 0 .. count - 1 in parallel.
 template <class Work>
-void in_parallel(const Work& work) {
-  const std::jthread helper([&] { work(1); });
-  work(0);
+void in_halves(int count, const Work& work) {
+  const std::jthread helper([&] { work(count / 2, count, 1); });
+  work(0, count / 2, 0);
 }
 
 }  // namespace
 
 BenchModel::BenchModel(const Config& config)
-    : config_(config), slm_(config), unit_(vortex_peak_intensity(config.sensor)) {}
+    : config_(config),
+      slm_(config),
+      unit_(vortex_peak_intensity(config.sensor)),
+      slm_field_(config.slm.geometry.width_px, config.slm.geometry.height_px) {}
 
 void BenchModel::set_window(const Roi& window, const CameraGeometry& geometry) {
   const SlmGeometry& slm = config_.slm.geometry;
   view_.emplace(camera_map(config_, geometry), slm, window);
-  const FarFieldWindow& grid = view_->grid();
-  SlmGeometry upper = slm, lower = slm;
-  upper.height_px = slm.height_px / 2;
-  lower.height_px = slm.height_px - upper.height_px;
-  halves_.clear();
-  halves_.push_back({0, FarField(upper, grid), {slm.width_px, upper.height_px}, {}, {}});
-  halves_.push_back(
-      {upper.height_px, FarField(lower, grid), {slm.width_px, lower.height_px}, {}, {}});
-  const double step_y = grid.step_y_cpp != 0.0 ? grid.step_y_cpp : grid.step_cpp;
-  for (Half& half : halves_) {
-    const double middle = half.first_row + (half.field.height - slm.height_px) / 2.0;
-    for (int r = 0; r < grid.rows; ++r) {
-      half.phase_factors.push_back(phasor(-(grid.origin_cpp.y + r * step_y) * middle));
-    }
-  }
-  whole_ = {grid.cols, grid.rows};
+  far_field_.emplace(slm, view_->grid(), 2);
+  far_ = {view_->grid().cols, view_->grid().rows};
   pixel_field_ = {window.width, window.height};
 }
 
-void BenchModel::propagate(const Image<std::uint8_t>& grey, Half& half) const {
-  slm_.modulate(grey, half.first_row, half.field);
-  half.far_field.propagate(half.field, half.far);
-}
-
-/// Adds the fields of both halves, with phases relative to the SLM's centre.
-void BenchModel::collect(int first_row, int end_row) {
-  const Half &upper = halves_.front(), &lower = halves_.back();
-  for (int r = first_row; r < end_row; ++r) {
-    const std::complex<float> a = upper.phase_factors[std::size_t(r)],
-                              b = lower.phase_factors[std::size_t(r)];
-    const std::complex<float>*up = upper.far.row(r), *low = lower.far.row(r);
-    std::complex<float>* out = whole_.row(r);
-    for (int c = 0; c < whole_.width; ++c) {
-      // Written out, as in `product`.
-      out[c] = {a.real() * up[c].real() - a.imag() * up[c].imag() + b.real() * low[c].real() -
-                    b.imag() * low[c].imag(),
-                a.real() * up[c].imag() + a.imag() * up[c].real() + b.real() * low[c].imag() +
-                    b.imag() * low[c].real()};
-    }
-  }
-}
-
 const Image<std::complex<float>>& BenchModel::field(const Image<std::uint8_t>& grey) {
-  in_parallel([&](int half) { propagate(grey, halves_[std::size_t(half)]); });
-  const auto share = [](int rows, int half) { return half * rows / 2; };
-  in_parallel(
-      [&](int half) { collect(share(whole_.height, half), share(whole_.height, half + 1)); });
-  in_parallel([&](int half) {
-    view_->read(whole_, share(pixel_field_.height, half), share(pixel_field_.height, half + 1),
-                pixel_field_);
+  in_halves(slm_field_.height, [&](int first, int end, int worker) {
+    slm_.modulate(grey, first, end, slm_field_);
+    far_field_->transform_rows(slm_field_, first, end, worker);
   });
+  in_halves(far_.width, [&](int first, int end, int worker) {
+    far_field_->transform_columns(first, end, worker, far_);
+  });
+  in_halves(pixel_field_.height,
+            [&](int first, int end, int) { view_->read(far_, first, end, pixel_field_); });
   return pixel_field_;
 }
 

@@ -40,22 +40,9 @@ class BenchModel {
   Config config_;
   SlmModel slm_;
   double unit_;  ///< |far field|^2 in the brightest pixel of an ideal charge-1 spot
-  /// One half of the SLM, upper or lower. Propagation is linear, so both run in parallel and are
-  /// added.
-  struct Half {
-    int first_row = 0;
-    FarField far_field;
-    Image<std::complex<float>> field, far;
-    /// From the half's centre to the SLM's, by row.
-    std::vector<std::complex<float>> phase_factors;
-  };
-  void propagate(const Image<std::uint8_t>& grey, Half& half) const;
-
-  void collect(int first_row, int end_row);
-
   std::optional<CameraView> view_;
-  std::vector<Half> halves_;
-  Image<std::complex<float>> whole_, pixel_field_;
+  std::optional<FarField> far_field_;
+  Image<std::complex<float>> slm_field_, far_, pixel_field_;
 };
 
 /// Expected spot positions of the configured sensor, in pixels of the camera's sensor, for the

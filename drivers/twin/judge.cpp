@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "drivers/twin/phasor_table.hpp"
+#include "core/base/complex_product.hpp"
 #include "drivers/twin/wavefront_fit.hpp"
 
 namespace ovws::twin {
@@ -68,7 +68,7 @@ std::optional<Verdict> Judge::judge(Pattern pattern, const Image<std::uint8_t>& 
   aberration_ = aberration;
   slm_.set_turbulence(turbulence, t_ns);
   Image<std::complex<float>> field(grey.width, grey.height);
-  slm_.modulate(grey, 0, field);
+  slm_.modulate(grey, 0, grey.height, field);
   for (std::size_t i = 0; i < field.pixels.size(); ++i) {
     field.pixels[i] = product(field.pixels[i], std::conj(ideal.pixels[i]));
   }

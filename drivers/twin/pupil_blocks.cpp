@@ -4,9 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/complex_product.hpp"
 #include "core/optics/circle_columns.hpp"
+#include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
-#include "drivers/twin/phasor_table.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -80,7 +81,7 @@ std::size_t PupilBlocks::bin(int x, int y) const {
 
 Eigen::VectorXcd PupilBlocks::sums(const Image<std::complex<float>>* field,
                                    std::span<const Mode> modes) const {
-  static const PhasorTable kPhasor;
+  const std::vector<std::complex<float>>& phasors = unit_phasors();
   const WavefrontRows wavefront(modes, centre_px_, diameter_px_);
   std::vector<double> waves(std::size_t(amplitude_.width));
   Eigen::VectorXcd sums = Eigen::VectorXcd::Zero(weights_.size());
@@ -91,8 +92,7 @@ Eigen::VectorXcd PupilBlocks::sums(const Image<std::complex<float>>* field,
     for (int x = pupil.begin; x < pupil.end; ++x) {
       const int block = number_[bin(x, y)];
       if (block < 0) continue;
-      const double turns = waves[std::size_t(x)];
-      const std::complex<float> conjugate = kPhasor(float(std::remainder(-turns, 1.0)));
+      const std::complex<float> conjugate = phasors[phase16(-waves[std::size_t(x)])];
       const std::complex<float> value = field ? field->at(x, y) : amplitude_.at(x, y);
       sums[block] += std::complex<double>(product(value, conjugate));
     }

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/complex_product.hpp"
 #include "core/optics/circle_columns.hpp"
-#include "drivers/twin/phasor_table.hpp"
+#include "core/optics/phasors.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -50,14 +51,14 @@ void PupilScreen::modulate(int y, int width, std::complex<float>* row) const {
   const Taps& across = taps_[std::size_t(below % step_px_)];
   const Eigen::Map<const Eigen::Matrix<float, kTaps, 1>> weights(across.data());
   const Eigen::VectorXf line = points_.middleCols(below / step_px_, kTaps) * weights;
-  static const PhasorTable kPhasor;
+  const std::vector<std::complex<float>>& phasors = unit_phasors();
   for (int x = pupil.begin; x < pupil.end; ++x) {
     const int right = x - first_x_px_;
     const Taps& along = taps_[std::size_t(right % step_px_)];
     const float* from = line.data() + right / step_px_;
     float turns = 0.0F;
     for (std::size_t k = 0; k < kTaps; ++k) turns += along[k] * from[k];
-    row[x] = product(row[x], kPhasor(turns));
+    row[x] = product(row[x], phasors[phase16(turns)]);
   }
 }
 

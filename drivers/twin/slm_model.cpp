@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
+#include "core/base/complex_product.hpp"
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/wavefront_rows.hpp"
-#include "drivers/twin/phasor_table.hpp"
 
 namespace ovws::twin {
 
@@ -121,16 +121,14 @@ void SlmModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
   screen_.emplace(*turbulence, t_ns, centre, config_.sensor.pupil_diameter_px);
 }
 
-void SlmModel::modulate(const Image<std::uint8_t>& grey, int first_row,
+void SlmModel::modulate(const Image<std::uint8_t>& grey, int first_row, int end_row,
                         Image<std::complex<float>>& field) const {
-  const std::uint8_t* from = grey.row(first_row);
-  const std::complex<float>* incident = incident_.row(first_row);
-  for (std::size_t i = 0; i < field.pixels.size(); ++i) {
-    field.pixels[i] = product(incident[i], phasor_of_grey_[from[i]]);
-  }
-  if (!screen_) return;
-  for (int y = 0; y < field.height; ++y) {
-    screen_->modulate(first_row + y, field.width, field.row(y));
+  for (int y = first_row; y < end_row; ++y) {
+    std::transform(incident_.row(y), incident_.row(y) + field.width, grey.row(y), field.row(y),
+                   [&](std::complex<float> light, std::uint8_t level) {
+                     return product(light, phasor_of_grey_[level]);
+                   });
+    if (screen_) screen_->modulate(y, field.width, field.row(y));
   }
 }
 

@@ -28,10 +28,10 @@ class SlmModel {
   /// Sets the turbulence at this moment, which adds to the aberration; null: none.
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);
 
-  /// Computes the field behind the SLM. `grey`: width x height of the SLM. `field`: as wide, filled
-  /// with the SLM's rows from `first_row` on; amplitude 1 at the beam's centre. May be called in
-  /// several threads at once.
-  void modulate(const Image<std::uint8_t>& grey, int first_row,
+  /// Computes rows [first_row, end_row) of the field behind the SLM. `grey` and `field`: width x
+  /// height of the SLM; amplitude 1 at the beam's centre. May be called in several threads at once,
+  /// for different rows.
+  void modulate(const Image<std::uint8_t>& grey, int first_row, int end_row,
                 Image<std::complex<float>>& field) const;
 
   /// Amplitude of the beam, 1 at its centre.

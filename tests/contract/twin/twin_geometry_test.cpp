@@ -84,7 +84,7 @@ double field_error(const CameraGeometry& geometry, const Image<std::uint8_t>& gr
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   SlmModel slm(config);
   Image<std::complex<float>> field(1280, 768);
-  slm.modulate(grey, 0, field);
+  slm.modulate(grey, 0, grey.height, field);
   std::mt19937 random(17);
   double error = 0.0, peak = 0.0;
   for (const std::complex<float> value : seen.pixels) {

@@ -11,6 +11,7 @@
 
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/hologram.hpp"
+#include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
 #include "core/optics/zernike_terms.hpp"
 
