@@ -85,12 +85,7 @@ Findings acquisition(const Settings& settings) {
                 "Spots refused or wrong in a search of one image: 2 waves of one mode, 0.5 wave "
                 "RMS of random "
                 "modes",
-                "peak SNR",
-                "fraction of spots",
-                false,
-                false,
-                false,
-                {}};
+                "peak SNR", "fraction of spots"};
   const auto model = model_of(default_bench(), 1);
   for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::fit}) {
     const Measurer measurer(default_bench(), {"", 1, {kind}}, model);
@@ -100,8 +95,8 @@ Findings acquisition(const Settings& settings) {
       counts[k] =
           acquire(measurer, all[k / snrs.size()], snrs[k % snrs.size()], settings.seed + 1000 * k);
     });
-    Series refused{std::string(tracker_name(kind)) + ", refused", snrs, {}, {}};
-    Series gross{std::string(tracker_name(kind)) + ", wrong", snrs, {}, {}};
+    Series refused{.name = fmt::format("{}, refused", tracker_name(kind))};
+    Series gross{.name = fmt::format("{}, wrong", tracker_name(kind))};
     for (std::size_t s = 0; s < snrs.size(); ++s) {
       Counts sum;
       for (std::size_t c = 0; c < all.size(); ++c) {
@@ -116,8 +111,8 @@ Findings acquisition(const Settings& settings) {
                                    {"refused", one.refused},
                                    {"gross", one.gross}});
       }
-      refused.y.push_back(double(sum.refused) / sum.spots);
-      gross.y.push_back(double(sum.gross) / sum.spots);
+      refused.add(snrs[s], double(sum.refused) / sum.spots);
+      gross.add(snrs[s], double(sum.gross) / sum.spots);
     }
     figure.series.push_back(std::move(refused));
     figure.series.push_back(std::move(gross));

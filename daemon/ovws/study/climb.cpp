@@ -1,14 +1,65 @@
-#include "daemon/ovws/study/climb.hpp"
+/// Study `range`: the largest amplitude of each mode with all spots found without history. The
+/// amplitude grows in steps, and each image is acquired without history.
+#include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 
+#include "daemon/ovws/study/figure.hpp"
+#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/searcher.hpp"
 #include "daemon/ovws/study/statistics.hpp"
+#include "daemon/ovws/study/studies.hpp"
 
 namespace ovws::study {
 namespace {
+
+/// What ended the ramp.
+enum class Limit {
+  nothing,   ///< the last step was reached
+  sampling,  ///< the SLM cannot sample a larger amplitude
+  leaving,   ///< a spot is within lambda/d of the image's edge
+  crossing,  ///< two spots are within lambda/d of each other
+  wrong,     ///< a spot was found at a wrong place
+  refused    ///< an existing spot was not found
+};
+const char* name_of(Limit limit) {
+  constexpr const char* kNames[]{"nothing",        "sampling of the SLM", "spots leaving the image",
+                                 "spots crossing", "wrong spots",         "refused spots"};
+  return kNames[int(limit)];
+}
+
+struct Climb {
+  double waves = 0.0;  ///< RMS, unsigned: up to this amplitude every spot was found at its place
+  Limit limited_by = Limit::nothing;  ///< `nothing`: it goes on
+};
+
+struct ClimbSteps {
+  double step_waves = 0.05;
+  double max_waves = 2.0;  ///< RMS
+  double snr = 10.0;       ///< peak SNR; sets the read noise by read_noise_of_snr
+  int realisations = 1;
+};
+
+/// A method at one light level, and the amplitude that it reached in each realisation.
+struct Climber {
+  Method method;
+  Light light;
+  std::vector<Climb> climbs{};
+
+  bool ended() const {
+    return std::none_of(climbs.begin(), climbs.end(),
+                        [](const Climb& one) { return one.limited_by == Limit::nothing; });
+  }
+};
+
+/// The amplitudes at which geometry alone ends the ramp, at any light level: RMS waves, unsigned;
+/// NaN if it is above max_waves.
+struct GeometricLimit {
+  double leaving_waves, crossing_waves;
+};
 
 constexpr double kGross = 0.5;   ///< lambda/d: a larger error counts as a wrong spot
 constexpr double kMargin = 1.0;  ///< lambda/d: the size of a vortex ring
@@ -28,13 +79,6 @@ bool cross(const std::vector<Vec2>& spots_px, double apart_px) {
   }
   return false;
 }
-
-/// The image of one amplitude step, scaled to kPeakE, and the factor that rescales it to equal
-/// photons.
-struct Step {
-  Image<float> light_e;
-  double to_equal_photons = 1.0;
-};
 
 /// Acquires spots with one method and compares them with the positions predicted by the slopes.
 class Judge {
@@ -64,65 +108,8 @@ class Judge {
   Searcher searcher_;
 };
 
-/// The state of one climber: which realisations have ended.
-struct ClimbState {
-  Climber* climber;
-  std::unique_ptr<Judge> judge;
-  std::vector<bool> ended;
-
-  void take(const Step& step, std::span<const Mode> modes, const ClimbSteps& steps,
-            std::uint64_t seed) {
-    Image<float> light_e = step.light_e;
-    if (climber->light == Light::equal_photons) scale(light_e, step.to_equal_photons);
-    for (std::size_t r = 0; r < ended.size(); ++r) {
-      if (ended[r]) continue;
-      Climb& reached = climber->climbs[r];
-      const double read_noise_e = read_noise_of_snr(steps.snr);
-      reached.limited_by =
-          judge->judge(expose(light_e, read_noise_e, seed + 1000 * r), read_noise_e, modes);
-      ended[r] = reached.limited_by != Limit::nothing;
-      if (!ended[r]) reached.waves = std::abs(modes.front().waves);
-    }
-  }
-
-  bool all_ended() const {
-    return std::all_of(ended.begin(), ended.end(), [](bool one) { return one; });
-  }
-
-  void end(Limit limit) {
-    for (std::size_t r = 0; r < ended.size(); ++r) {
-      if (!ended[r]) climber->climbs[r].limited_by = limit;
-    }
-  }
-};
-
-Step step_of(const SensorModel& model, Image<float> light, std::span<const Mode> modes,
-             double photons_scale) {
-  const double to_peak = kPeakE / model.peak_of_spots(light, modes);
-  scale(light, to_peak);
-  return {std::move(light), photons_scale / to_peak};
-}
-
-}  // namespace
-
-const char* name_of(Limit limit) {
-  switch (limit) {
-    case Limit::nothing:
-      return "nothing";
-    case Limit::sampling:
-      return "sampling of the SLM";
-    case Limit::leaving:
-      return "spots leaving the image";
-    case Limit::crossing:
-      return "spots crossing";
-    case Limit::wrong:
-      return "wrong spots";
-    case Limit::refused:
-      break;
-  }
-  return "refused spots";
-}
-
+/// Both charges at both light levels (the vortex is the same at either), with the daemon's
+/// trackers.
 std::vector<Climber> all_climbers() {
   std::vector<Climber> all;
   for (const Light light : {Light::equal_peak, Light::equal_photons}) {
@@ -136,37 +123,40 @@ std::vector<Climber> all_climbers() {
   return all;
 }
 
-std::vector<Climber> climb(std::vector<Climber> climbers, int j, double sign,
-                           const ClimbSteps& steps, std::uint64_t seed) {
+/// Ramps mode j in direction `sign` for all climbers. The same seed gives the same numbers.
+std::vector<Climber> climb(int j, double sign, const ClimbSteps& steps, std::uint64_t seed) {
   const Geometry geometry = default_bench();
   const auto vortex = model_of(geometry, 1), bright = model_of(geometry, 0);
-  std::vector<ClimbState> states;
+  const double read_noise_e = read_noise_of_snr(steps.snr);
+  std::vector<Climber> climbers = all_climbers();
+  std::vector<std::unique_ptr<Judge>> judges;
   for (Climber& climber : climbers) {
-    climber.climbs.assign(std::size_t(steps.realisations), {});
-    states.push_back({&climber,
-                      std::make_unique<Judge>(geometry, climber.method,
-                                              climber.method.charge == 0 ? bright : vortex),
-                      std::vector<bool>(climber.climbs.size(), false)});
+    climber.climbs.resize(std::size_t(steps.realisations));
+    const auto& model = climber.method.charge == 0 ? bright : vortex;
+    judges.push_back(std::make_unique<Judge>(geometry, climber.method, model));
   }
   const int last = int(std::lround(steps.max_waves / steps.step_waves));
   for (int k = 1; k <= last; ++k, ++seed) {
-    const double waves = k * steps.step_waves;
-    const std::vector<Mode> modes{{j, sign * waves}};
-    const auto ring = vortex->intensity(modes), spot = bright->intensity(modes);
-    if (!ring || !spot) {
-      for (ClimbState& state : states) state.end(Limit::sampling);
-      break;
+    const std::vector<Mode> modes{{j, sign * k * steps.step_waves}};
+    const bool sampled = vortex->intensity(modes) && bright->intensity(modes);
+    for (std::size_t c = 0; c < climbers.size(); ++c) {
+      Climber& climber = climbers[c];
+      if (climber.ended()) continue;
+      Image<float> light_e;
+      if (sampled) {
+        light_e = electrons(climber.method.charge == 0 ? *bright : *vortex, *vortex, modes,
+                            climber.light);
+      }
+      for (std::size_t r = 0; r < climber.climbs.size(); ++r) {
+        Climb& reached = climber.climbs[r];
+        if (reached.limited_by != Limit::nothing) continue;
+        reached.limited_by = sampled
+                                 ? judges[c]->judge(expose(light_e, read_noise_e, seed + 1000 * r),
+                                                    read_noise_e, modes)
+                                 : Limit::sampling;
+        if (reached.limited_by == Limit::nothing) reached.waves = k * steps.step_waves;
+      }
     }
-    const double to_photons = kPeakE / vortex->peak_of_spots(*ring, modes);
-    const Step ring_step = step_of(*vortex, *ring, modes, to_photons);
-    const Step spot_step = step_of(*bright, *spot, modes, to_photons);
-    bool all_ended = true;
-    for (ClimbState& state : states) {
-      if (state.all_ended()) continue;
-      state.take(state.climber->method.charge == 0 ? spot_step : ring_step, modes, steps, seed);
-      all_ended = all_ended && state.all_ended();
-    }
-    if (all_ended) break;
   }
   return climbers;
 }
@@ -186,6 +176,131 @@ GeometricLimit geometric_limit(const Measurer& measurer, int j, double sign,
     }
   }
   return limit;
+}
+
+/// Results for one mode and sign: the amplitude that each climber reached, and the geometric
+/// limits.
+struct Way {
+  int j = 0;
+  double sign = 1.0;
+  std::vector<Climber> climbers{};
+  GeometricLimit geometry{};
+};
+
+/// Whether the climber belongs to this light level. The vortex belongs to both: its image is the
+/// same.
+bool counts_at(const Climber& climber, Light light) {
+  return climber.light == light || climber.method.charge != 0;
+}
+
+Mean reached(const Climber& climber) {
+  std::vector<double> waves;
+  for (const Climb& one : climber.climbs) waves.push_back(one.waves);
+  return mean_of(waves);
+}
+
+/// The most frequent limit over the realisations.
+Limit limited_by(const Climber& climber) {
+  std::map<Limit, int> counts;
+  for (const Climb& one : climber.climbs) ++counts[one.limited_by];
+  return std::max_element(counts.begin(), counts.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+nlohmann::json rows_of(const std::vector<Way>& ways) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+    for (const Way& way : ways) {
+      for (const Climber& climber : way.climbers) {
+        if (!counts_at(climber, light)) continue;
+        const Mean waves = reached(climber);
+        rows.push_back({{"light", name_of(light)},
+                        {"method", climber.method.name},
+                        {"j", way.j},
+                        {"name", zernike_name(way.j)},
+                        {"sign", way.sign > 0.0 ? 1 : -1},
+                        {"waves", waves.value},
+                        {"standard_error_waves", waves.standard_error},
+                        {"unit_waves", waves.value * zernike_rms_factor(way.j)},
+                        {"limited_by", name_of(limited_by(climber))},
+                        {"leaving_waves", way.geometry.leaving_waves},
+                        {"crossing_waves", way.geometry.crossing_waves}});
+      }
+    }
+  }
+  return rows;
+}
+
+Series series_of(std::size_t c, const std::vector<Way>& ways) {
+  Series series{ways.front().climbers[c].method.name, {}, {}, {}, Series::Style::points};
+  for (const Way& way : ways) {
+    const Mean waves = reached(way.climbers[c]);
+    series.add(way.j, Mean{way.sign * waves.value, waves.standard_error, waves.count});
+  }
+  return series;
+}
+
+/// The points of a limit set by geometry, independent of the method.
+Series geometric_series(const char* name, double GeometricLimit::*limit,
+                        const std::vector<Way>& ways) {
+  Series series{name, {}, {}, {}, Series::Style::points, Series::kBlack};
+  for (const Way& way : ways) {
+    series.add(way.j, way.sign * way.geometry.*limit);
+  }
+  return series;
+}
+
+Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& steps) {
+  Figure figure{light == Light::equal_peak ? "range" : "range-photons",
+                fmt::format("Largest amplitude with all spots found without history, peak SNR {}, "
+                            "{} (tried up to {})",
+                            steps.snr, name_of(light), steps.max_waves),
+                "OSA index j", "amplitude of either sign (waves RMS)"};
+  figure.y_from = -steps.max_waves - 0.1;
+  figure.y_to = steps.max_waves + 0.1;
+  figure.x_step = 1.0;
+  for (std::size_t c = 0; c < ways.front().climbers.size(); ++c) {
+    if (!counts_at(ways.front().climbers[c], light)) continue;
+    figure.series.push_back(series_of(c, ways));
+    figure.series.back().shift_x = 0.16 * (double(figure.series.size()) - 2.5);
+  }
+  figure.series.push_back(
+      geometric_series("a spot leaves the image", &GeometricLimit::leaving_waves, ways));
+  figure.series.push_back(
+      geometric_series("two spots meet", &GeometricLimit::crossing_waves, ways));
+  return figure;
+}
+
+}  // namespace
+
+Findings range(const Settings& settings) {
+  const ClimbSteps steps =
+      settings.quick ? ClimbSteps{0.15, 1.5, 10.0, 1} : ClimbSteps{0.1, 2.0, 10.0, 4};
+  const std::vector<int> modes_j =
+      settings.quick ? std::vector<int>{3, 4}
+                     : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
+  std::vector<Way> ways;
+  for (const double sign : {1.0, -1.0}) {
+    for (const int j : modes_j) ways.push_back({j, sign});
+  }
+  const Measurer geometric(default_bench(), {"", 1, {TrackerKind::lg}},
+                           model_of(default_bench(), 1));
+  parallel_for("range", ways.size(), settings.threads, [&](std::size_t k) {
+    Way& way = ways[k];
+    way.climbers = climb(way.j, way.sign, steps, settings.seed + 1'000'000 * k);
+    way.geometry = geometric_limit(geometric, way.j, way.sign, steps);
+  });
+  nlohmann::json summary{{"study", "range"},
+                         {"unit", "waves, RMS-normalised"},
+                         {"snr", steps.snr},
+                         {"step_waves", steps.step_waves},
+                         {"most_waves", steps.max_waves},
+                         {"realisations", steps.realisations},
+                         {"rows", rows_of(ways)}};
+  return {
+      std::move(summary),
+      {figure_of(Light::equal_peak, ways, steps), figure_of(Light::equal_photons, ways, steps)}};
 }
 
 }  // namespace ovws::study

@@ -20,14 +20,6 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
-Result<void> write(const std::string& text, const std::filesystem::path& path) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (file) return {};
-  return fail(Errc::unavailable, "output", path.string() + " cannot be written");
-}
-
 std::string csv_of(const Figure& figure) {
   std::string text = "series,x,y,error\n";
   for (const Series& series : figure.series) {
@@ -148,9 +140,17 @@ std::string script_of(const Figure& figure) {
 
 }  // namespace
 
+Result<void> write_text(const std::string& text, const std::filesystem::path& path) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (file) return {};
+  return fail(Errc::unavailable, "output", path.string() + " cannot be written");
+}
+
 Result<void> write_numbers(const Figure& figure, const std::filesystem::path& folder) {
-  if (auto done = write(csv_of(figure), folder / (figure.name + ".csv")); !done) return done;
-  return write(script_of(figure), folder / (figure.name + ".gnuplot"));
+  if (auto done = write_text(csv_of(figure), folder / (figure.name + ".csv")); !done) return done;
+  return write_text(script_of(figure), folder / (figure.name + ".gnuplot"));
 }
 
 Result<void> draw(const Figure& figure, const std::filesystem::path& folder) {

@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "core/base/result.hpp"
+#include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
 
 struct Series {
   std::string name;
-  std::vector<double> x, y;
-  std::vector<double> error;  ///< one standard error of each y; empty: none is drawn
+  std::vector<double> x{}, y{};
+  std::vector<double> error{};  ///< one standard error of each y; empty: none is drawn
   /// `line` is dashed; `solid` is a line without points.
   enum class Style { line_points, line, points, solid } style = Style::line_points;
   /// Uses the colour of this series of the figure, counted from 1; 0: its own colour.
@@ -21,6 +22,16 @@ struct Series {
   static constexpr int kBlack = -1;
   bool in_legend = true;
   double shift_x = 0.0;  ///< horizontal offset, so that points do not cover each other
+
+  /// Appends a point; a Mean with its standard error.
+  void add(double at_x, double value) {
+    x.push_back(at_x);
+    y.push_back(value);
+  }
+  void add(double at_x, const Mean& value) {
+    add(at_x, value.value);
+    error.push_back(value.standard_error);
+  }
 };
 
 struct Figure {
@@ -34,6 +45,9 @@ struct Figure {
   double y_to = std::numeric_limits<double>::quiet_NaN();
   double x_step = std::numeric_limits<double>::quiet_NaN();  ///< distance of tics; NaN: automatic
 };
+
+/// Writes a text file. Errors (Errc::unavailable, field "output"): it cannot be written.
+Result<void> write_text(const std::string& text, const std::filesystem::path& path);
 
 /// Writes NAME.csv (series,x,y,error) and NAME.gnuplot, which draws NAME.png in the current folder.
 /// Errors (Errc::unavailable): the folder cannot be written.

@@ -1,7 +1,6 @@
 #include "daemon/ovws/study/fitting.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "core/spots/wavefront_fit.hpp"
 #include "daemon/ovws/study/statistics.hpp"
@@ -13,13 +12,12 @@ constexpr double kMaxStepWaves = 0.4;  // RMS: the derivatives say nothing beyon
 
 }  // namespace
 
-SpotRenderer renderer_of(const Geometry& geometry, int charge, const std::vector<int>& modes_j) {
+SpotRenderer renderer_of(const Geometry& geometry, int charge, const std::vector<int>& modes_j,
+                         const SpotRenderer::Options& options) {
   SensorConfig sensor = geometry.sensor;
   sensor.charge = charge;
-  auto renderer =
-      SpotRenderer::make(sensor, geometry.slm, geometry.optics, kImagePx, kImagePx, modes_j, {});
-  if (!renderer) throw std::logic_error(renderer.error().reason);
-  return std::move(*renderer);
+  return value_of(SpotRenderer::make(sensor, geometry.slm, geometry.optics, kImagePx, kImagePx,
+                                     modes_j, options));
 }
 
 PixelNoise noise_of(const Exposure& exposure, double read_noise_e) {

@@ -9,7 +9,8 @@
 namespace ovws::study {
 
 /// A SpotRenderer for the study's image size and these modes; for one thread at a time.
-SpotRenderer renderer_of(const Geometry& geometry, int charge, const std::vector<int>& modes_j);
+SpotRenderer renderer_of(const Geometry& geometry, int charge, const std::vector<int>& modes_j,
+                         const SpotRenderer::Options& options = {});
 
 /// The noise of an exposure's pixels, DN.
 PixelNoise noise_of(const Exposure& exposure, double read_noise_e);

@@ -99,17 +99,15 @@ Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vecto
   for (const Curve& curve : curves) {
     if (curve.beam->light != light) continue;
     const char* sensor = curve.beam->charge == 0 ? "Shack-Hartmann" : "vortex";
-    Series series{fmt::format("{}, SNR {}", sensor, curve.snr), radii, {}, {}};
-    for (const Mean& rms : curve.rms_px) {
-      series.y.push_back(rms.value);
-      series.error.push_back(rms.standard_error);
-    }
+    Series series{.name = fmt::format("{}, SNR {}", sensor, curve.snr)};
+    for (std::size_t r = 0; r < radii.size(); ++r) series.add(radii[r], curve.rms_px[r]);
     figure.series.push_back(std::move(series));
-    Series bound{
-        fmt::format("bound, {}, SNR {}", sensor, curve.snr), radii, {}, {}, Series::Style::line};
-    bound.y.assign(radii.size(), curve.bound_px);
-    bound.colour = int(figure.series.size());
-    bound.in_legend = false;
+    Series bound{.name = fmt::format("bound, {}, SNR {}", sensor, curve.snr),
+                 .x = radii,
+                 .y = std::vector<double>(radii.size(), curve.bound_px),
+                 .style = Series::Style::line,
+                 .colour = int(figure.series.size()),
+                 .in_legend = false};
     bounds.push_back(std::move(bound));
   }
   figure.series.insert(figure.series.end(), bounds.begin(), bounds.end());

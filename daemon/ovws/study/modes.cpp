@@ -1,18 +1,176 @@
-/// Study `modes`: how many modes a lattice of spots tells, and how exactly, against the bound.
+/// Study `modes`: how many modes a lattice of spots tells, and how exactly, by the spots'
+/// positions, by their shapes, and at most.
 #include <spdlog/fmt/fmt.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "core/optics/lattice.hpp"
+#include "core/spots/wavefront_fit.hpp"
 #include "daemon/ovws/study/figure.hpp"
-#include "daemon/ovws/study/mode_bench.hpp"
+#include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/sensor.hpp"
+#include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
+#include "daemon/ovws/study/wavefront_bound.hpp"
 
 namespace ovws::study {
 namespace {
+
+/// Normalisation of the light at which lattices and charges are compared.
+enum class Budget {
+  peak,    ///< kPeakE in the brightest pixel: the camera's full well is the limit
+  photons  ///< kPhotonsE in all spots together: the laser is the limit
+};
+constexpr double kPhotonsE = 19 * 20'000.0;
+constexpr double kModesReadNoiseE = 5.0;
+
+struct ModeCase {
+  int subapertures = 19;  ///< 19, 37 or 61
+  int charge = 1;
+  int modes = 18;  ///< j = 1 to this
+  Budget budget = Budget::peak;
+};
+
+/// Errors for a flat wavefront: root sum square over all modes but the tilts, waves.
+struct ModeErrors {
+  double bound = kUnknown;               ///< Cramer-Rao bound of all pixels of the image
+  Mean shapes;                           ///< measured, by templates of every spot
+  double shapes_expected = kUnknown;     ///< from their covariance
+  Mean positions;                        ///< measured, by the same pixels' positions only
+  double positions_expected = kUnknown;  ///< NaN: positions do not determine the modes
+};
+
+constexpr int kTilts = 2;               // the first modes, which errors leave out
+constexpr double kConditioning = 1e-9;  // of normal equations that determine the modes
+
+/// The default bench with more subapertures, as bright and as far apart as its own, in units of
+/// lambda/d; a smaller magnification keeps them in the image.
+Geometry bench_of(int subapertures, int charge) {
+  Geometry geometry = default_bench();
+  geometry.sensor.charge = charge;
+  if (subapertures == 37) {
+    geometry.sensor.subapertures_across = 7;
+    geometry.sensor.spacing = 0.49;
+    geometry.sensor.grooves = {300.0, 25.0};
+    geometry.optics.magnification = 0.6;
+  } else if (subapertures == 61) {
+    geometry.sensor.subapertures_across = 9;
+    geometry.sensor.spacing = 0.81;
+    geometry.sensor.grooves = {340.0, 130.0};
+    geometry.optics.magnification = 0.36;
+  }
+  return geometry;
+}
+
+/// |F|^2 of all subapertures together, summed over the camera's pixels, by Parseval's theorem.
+double light_of_all(const Geometry& geometry, int subapertures) {
+  const double d_px = geometry.sensor.pupil_diameter_px / geometry.sensor.subapertures_across;
+  const double px_per_cycle = camera_px_per_cycle(geometry.optics, geometry.slm);
+  return subapertures * 0.25 * std::numbers::pi * d_px * d_px * px_per_cycle * px_per_cycle;
+}
+
+Image<float> flat_light_e(const Geometry& geometry, const ModeCase& one) {
+  const auto model = model_of(geometry, one.charge);
+  if (int(model->spots_px().size()) != one.subapertures) {
+    throw std::logic_error("the study has no lattice of so many subapertures");
+  }
+  Image<float> light = value_of(model->intensity({}));
+  scale(light, one.budget == Budget::peak ? kPeakE / model->peak_of_spots(light, {})
+                                          : kPhotonsE / light_of_all(geometry, one.subapertures));
+  return light;
+}
+
+double without_tilts(const Eigen::MatrixXd& covariance) {
+  return std::sqrt(covariance.diagonal().tail(covariance.rows() - kTilts).sum());
+}
+
+double bound_of(const Geometry& geometry, const Image<float>& light_e,
+                const std::vector<int>& modes_j) {
+  SpotRenderer renderer = bound_renderer_of(geometry, geometry.sensor.charge, modes_j);
+  return without_tilts(pixel_covariance(renderer, {}, light_e, kModesReadNoiseE));
+}
+
+/// What a wave of each mode does to the position that a spot's templates tell: 2 x modes.
+Eigen::MatrixXd moved_by(const SpotTemplates& spot, const RenderedSpot& rendered) {
+  const auto rows = spot.rows.middleRows(SpotTemplates::kX, 2).leftCols(rendered.light.size());
+  return rows.cast<double>() * rendered.per_wave.cast<double>();
+}
+
+/// Covariance of that position, times the squared level of the cells.
+Eigen::Matrix2d scatter_of(const SpotTemplates& spot) {
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (Eigen::Index c = 0; c < spot.weights.size(); ++c) {
+    if (!(spot.weights(c) > 0.0F)) continue;
+    const Eigen::Vector2d row = spot.rows.col(c).segment<2>(SpotTemplates::kX).cast<double>();
+    scatter += row * row.transpose() / double(spot.weights(c));
+  }
+  return scatter;
+}
+
+/// Weighted least squares of the modes over the spots' positions. None if they are too few.
+std::optional<WavefrontStep> step_from_positions(const SpotPass& pass,
+                                                 std::span<const RenderedSpot> rendered) {
+  const Eigen::Index modes = rendered.front().per_wave.cols();
+  if (2 * Eigen::Index(rendered.size()) < modes) return std::nullopt;
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(modes, modes);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(modes);
+  for (std::size_t i = 0; i < rendered.size(); ++i) {
+    const SpotEstimates& found = pass.found[i];
+    const SpotTemplates& spot = pass.templates[i];
+    if (!(found.level > 0.0F)) continue;
+    const Eigen::MatrixXd moved = moved_by(spot, rendered[i]);
+    const double level = double(found.level) * spot.window.bin * spot.window.bin;
+    const Eigen::Matrix2d weight = level * level * scatter_of(spot).inverse();
+    const Eigen::Vector2d at(double(found.x) - spot.place_px.x, double(found.y) - spot.place_px.y);
+    normal += moved.transpose() * weight * moved;
+    right += moved.transpose() * weight * at;
+  }
+  const Eigen::LLT<Eigen::MatrixXd> solver(normal);
+  if (solver.info() != Eigen::Success || !(solver.rcond() > kConditioning)) return std::nullopt;
+  return WavefrontStep{solver.solve(right), solver.solve(Eigen::MatrixXd::Identity(modes, modes))};
+}
+
+void take(const std::optional<WavefrontStep>& step, std::vector<double>& squares,
+          double& expected) {
+  if (!step) return;
+  squares.push_back(step->waves.tail(step->waves.size() - kTilts).squaredNorm());
+  expected = without_tilts(step->covariance);
+}
+
+const char* name_of(Budget budget) {
+  return budget == Budget::peak ? "equal peak" : "equal photons";
+}
+
+/// Measures `images` noisy images. The same seed gives the same numbers.
+ModeErrors measure_modes(const ModeCase& one, int images, std::uint64_t seed) {
+  const Geometry geometry = bench_of(one.subapertures, one.charge);
+  const std::vector<int> modes_j = first_modes_j(one.modes);
+  const Image<float> light_e = flat_light_e(geometry, one);
+  ModeErrors errors;
+  errors.bound = bound_of(geometry, light_e, modes_j);
+  SpotRenderer renderer = renderer_of(geometry, one.charge, modes_j);
+  const std::vector<double> flat(modes_j.size(), 0.0);
+  const std::vector<RenderedSpot> rendered = renderer.render(flat);
+  std::vector<double> shapes, positions;
+  for (int k = 0; k < images; ++k) {
+    const Exposure exposure = expose(light_e, kModesReadNoiseE, seed + unsigned(k));
+    const SpotPass pass = fit_spots(exposure.view(), rendered, noise_of(exposure, kModesReadNoiseE),
+                                    kMaxSpotEstimates);
+    take(step_from(pass), shapes, errors.shapes_expected);
+    take(step_from_positions(pass, rendered), positions, errors.positions_expected);
+  }
+  errors.shapes = root_of(shapes);
+  errors.positions = root_of(positions);
+  return errors;
+}
 
 constexpr std::array<int, 4> kModes{18, 27, 35, 44};
 constexpr std::array<Budget, 2> kBudgets{Budget::peak, Budget::photons};
@@ -34,30 +192,19 @@ std::string sensor_name(int charge) {
   return charge == 0 ? "Shack-Hartmann" : charge == 1 ? "vortex" : "vortex of charge 2";
 }
 
-nlohmann::json value_of(double value) {
-  return std::isnan(value) ? nlohmann::json() : nlohmann::json(value);
-}
-
 nlohmann::json row_of(const ModeCase& one, const ModeErrors& errors) {
   return {{"subapertures", one.subapertures},
           {"charge", one.charge},
           {"modes", one.modes},
           {"light", name_of(one.budget)},
-          {"bound_waves", value_of(errors.bound)},
-          {"shapes_waves", value_of(errors.shapes.value)},
+          {"bound_waves", errors.bound},
+          {"shapes_waves", errors.shapes.value},
           {"shapes_standard_error_waves", errors.shapes.standard_error},
-          {"shapes_expected_waves", value_of(errors.shapes_expected)},
-          {"positions_waves", value_of(errors.positions.value)},
+          {"shapes_expected_waves", errors.shapes_expected},
+          {"positions_waves", errors.positions.value},
           {"positions_standard_error_waves", errors.positions.standard_error},
-          {"positions_expected_waves", value_of(errors.positions_expected)},
+          {"positions_expected_waves", errors.positions_expected},
           {"images", errors.shapes.count}};
-}
-
-void add_point(Series& series, int modes, const Mean& error) {
-  if (std::isnan(error.value)) return;
-  series.x.push_back(modes);
-  series.y.push_back(error.value);
-  series.error.push_back(error.standard_error);
 }
 
 /// One lattice in one light: every charge by shapes and by positions, and its bound.
@@ -75,10 +222,10 @@ Figure figure_of(int subapertures, Budget budget, const std::vector<ModeCase>& c
       const ModeCase& one = cases[k];
       if (one.subapertures != subapertures || one.budget != budget || one.charge != charge)
         continue;
-      add_point(shapes, one.modes, errors[k].shapes);
-      add_point(positions, one.modes, errors[k].positions);
-      bound.x.push_back(one.modes);
-      bound.y.push_back(errors[k].bound);
+      const ModeErrors& found = errors[k];
+      if (found.shapes.count > 0) shapes.add(one.modes, found.shapes);
+      if (found.positions.count > 0) positions.add(one.modes, found.positions);
+      bound.add(one.modes, found.bound);
     }
     for (Series* series : {&shapes, &positions, &bound}) {
       if (!series->x.empty()) figure.series.push_back(std::move(*series));

@@ -67,8 +67,7 @@ Findings oracle(const Settings& settings) {
   for (const Pair& pair : pairs) {
     if (!pair.both()) continue;
     ++both;
-    apart.x.push_back(pair.snr);
-    apart.y.push_back(std::max(pair.apart_px(), 1e-7));
+    apart.add(pair.snr, std::max(pair.apart_px(), 1e-7));
     pair.apart_px() <= kAgreePx ? void(++agree) : summary["rows"].push_back(json_of(pair));
   }
   summary["both_found"] = both;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
 #include "core/optics/detector.hpp"
 #include "core/spots/position_fit.hpp"
@@ -13,19 +12,6 @@
 namespace ovws::study {
 namespace {
 
-/// Unwraps a result. A study's own configuration is always valid, so an error is a bug and thrown.
-template <class T>
-T value_of(Result<T> result) {
-  if (!result) throw std::logic_error(text_of(result.error()));
-  return std::move(*result);
-}
-
-std::vector<int> modes_of(const Geometry& geometry) {
-  std::vector<int> j(std::size_t(optimal_mode_count(geometry.sensor.subapertures_across)));
-  std::iota(j.begin(), j.end(), 1);
-  return j;
-}
-
 /// The factor that scales the model's image to kPeakE in the spots' brightest pixel.
 double to_peak(const SensorModel& model, const Image<float>& intensity,
                std::span<const Mode> modes) {
@@ -33,6 +19,12 @@ double to_peak(const SensorModel& model, const Image<float>& intensity,
 }
 
 }  // namespace
+
+std::vector<int> first_modes_j(int count) {
+  std::vector<int> modes_j(static_cast<std::size_t>(count));
+  std::iota(modes_j.begin(), modes_j.end(), 1);
+  return modes_j;
+}
 
 Geometry default_bench() {
   return {};
@@ -132,7 +124,8 @@ Measurer::Measurer(const Geometry& geometry, const Method& method,
     position_fit_ = value_of(make_position_fit(spots));
   SensorConfig sensor = geometry.sensor;
   sensor.charge = method.charge;
-  const std::vector<int> modes_j = modes_of(geometry);
+  const std::vector<int> modes_j =
+      first_modes_j(optimal_mode_count(geometry.sensor.subapertures_across));
   slopes_ = slope_matrix(model_->lattice(), sensor, modes_j,
                          tilt_radius(method.charge, method.tracking), model_->px_per_cycle());
   Image<float> flat = value_of(model_->intensity({}));

@@ -4,9 +4,12 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "core/base/image.hpp"
+#include "core/base/result.hpp"
 #include "core/optics/sensor_model.hpp"
 #include "core/tracking/tracker.hpp"
 #include "core/wavefront/reconstructor.hpp"
@@ -14,6 +17,16 @@
 namespace ovws::study {
 
 constexpr int kImagePx = 512;  ///< width and height of the camera image
+
+/// Unwraps a result. A study's own configuration is always valid, so an error is a bug and thrown.
+template <class T>
+T value_of(Result<T> result) {
+  if (!result) throw std::logic_error(text_of(result.error()));
+  return std::move(*result);
+}
+
+/// OSA indices 1 to `count`.
+std::vector<int> first_modes_j(int count);
 
 /// Configuration of the simulated bench.
 struct Geometry {

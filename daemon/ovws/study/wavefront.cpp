@@ -187,9 +187,7 @@ Findings wavefront(const Settings& settings) {
           const Outcome& outcome = outcomes[b * snrs.size() + s];
           if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // not tried
           const Mean variance = mean_of(outcome.variances);
-          series.x.push_back(snrs[s]);
-          series.y.push_back(variance.value);
-          series.error.push_back(variance.standard_error);
+          series.add(snrs[s], variance);
           summary["rows"].push_back(row_of(all[b], snrs[s], variance, outcome));
         }
         figure.series.push_back(std::move(series));

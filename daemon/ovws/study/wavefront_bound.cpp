@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
-#include <stdexcept>
 
+#include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
@@ -32,12 +31,7 @@ Eigen::VectorXd cells_of(const Image<float>& light_e, const SpotWindow& window) 
 
 SpotRenderer bound_renderer_of(const Geometry& geometry, int charge,
                                const std::vector<int>& modes_j) {
-  SensorConfig sensor = geometry.sensor;
-  sensor.charge = charge;
-  auto renderer = SpotRenderer::make(sensor, geometry.slm, geometry.optics, kImagePx, kImagePx,
-                                     modes_j, {kHalfWidth});
-  if (!renderer) throw std::logic_error(renderer.error().reason);
-  return std::move(*renderer);
+  return renderer_of(geometry, charge, modes_j, {kHalfWidth});
 }
 
 Eigen::MatrixXd pixel_covariance(SpotRenderer& renderer, std::span<const Mode> modes,
@@ -76,9 +70,8 @@ Eigen::MatrixXd pixel_covariance(SpotRenderer& renderer, std::span<const Mode> m
 
 double wavefront_bound_rad2(const Geometry& geometry, int charge, std::span<const Mode> modes,
                             const Image<float>& light_e, double read_noise_e) {
-  std::vector<int> modes_j(std::size_t(optimal_mode_count(geometry.sensor.subapertures_across)));
-  std::iota(modes_j.begin(), modes_j.end(), 1);
-  SpotRenderer renderer = bound_renderer_of(geometry, charge, modes_j);
+  SpotRenderer renderer = bound_renderer_of(
+      geometry, charge, first_modes_j(optimal_mode_count(geometry.sensor.subapertures_across)));
   const double trace = pixel_covariance(renderer, modes, light_e, read_noise_e).trace();
   return 4.0 * std::numbers::pi * std::numbers::pi * trace;
 }
