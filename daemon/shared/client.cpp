@@ -1,11 +1,11 @@
 #include "daemon/shared/client.hpp"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <chrono>
 #include <string_view>
 
 #include "daemon/shared/key_file.hpp"
+#include "proto/endpoint.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {
@@ -30,16 +30,7 @@ std::string host_of(const std::string& endpoint) {
 /// Empty for "tcp://HOST:PORT" and "ipc://PATH", otherwise an error text. ZeroMQ accepts more
 /// forms, but no daemon ever answers there.
 std::string check_endpoint(const std::string& endpoint) {
-  constexpr std::string_view kIpc = "ipc://";
-  if (endpoint.starts_with(kIpc) && endpoint.size() > kIpc.size()) return {};
-  const std::string host = host_of(endpoint);
-  if (!host.empty()) {
-    const std::string_view port = std::string_view(endpoint).substr(endpoint.rfind(':') + 1);
-    int number = 0;
-    const auto read = std::from_chars(port.data(), port.data() + port.size(), number);
-    const bool whole = read.ec == std::errc{} && read.ptr == port.data() + port.size();
-    if (whole && number >= 1 && number <= 65535) return {};
-  }
+  if (!endpoint_fault(endpoint)) return {};
   return endpoint + " is not an endpoint: use tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
 }
 

@@ -14,12 +14,6 @@ constexpr std::size_t kTokenBytes = 16;
 constexpr std::size_t kMaxLoggedBytes = 80;
 constexpr std::string_view kBearer = "Bearer ";
 
-struct RefusalRow {
-  std::string_view name;
-  std::string_view reason;
-  int status;
-};
-
 constexpr std::array<RefusalRow, kRefusals> kRows{{
     {"malformed", "the HTTP request is malformed or not supported", 400},
     {"host", "unknown host name: add it with ovws-web --allow-host", 421},
@@ -32,10 +26,6 @@ constexpr std::array<RefusalRow, kRefusals> kRows{{
     {"command", "the page may not call this method: use ovws call", 403},
     {"full", "the maximum number of browsers is connected: close another page", 503},
 }};
-
-const RefusalRow& row_of(Refusal refusal) {
-  return kRows[std::size_t(refusal)];
-}
 
 std::string random_token() {
   std::array<unsigned char, kTokenBytes> bytes{};
@@ -62,16 +52,8 @@ std::string loggable(std::string_view text) {
 
 }  // namespace
 
-std::string_view refusal_name(Refusal refusal) {
-  return row_of(refusal).name;
-}
-
-std::string_view refusal_reason(Refusal refusal) {
-  return row_of(refusal).reason;
-}
-
-int refusal_status(Refusal refusal) {
-  return row_of(refusal).status;
+const RefusalRow& row_of(Refusal refusal) {
+  return kRows[std::size_t(refusal)];
 }
 
 Tokens make_tokens(bool control) {
@@ -135,7 +117,7 @@ void RefusalLog::add(Refusal refusal, const RequestHead& head, const std::string
     kind.last_logged = now;
     unlogged = std::exchange(kind.unlogged, 0);
   }
-  spdlog::warn("refused ({}): {} {} from {}, host \"{}\", origin \"{}\"{}", refusal_name(refusal),
+  spdlog::warn("refused ({}): {} {} from {}, host \"{}\", origin \"{}\"{}", row_of(refusal).name,
                loggable(head.method), loggable(head.target), peer, loggable(head.host),
                loggable(head.origin),
                unlogged == 0 ? "" : fmt::format("; {} similar refusals not logged", unlogged));

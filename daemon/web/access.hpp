@@ -20,11 +20,12 @@ enum class Right { page, look, control };  ///< each includes those before it
 
 enum class Refusal { malformed, host, origin, method, path, size, token, right, command, full };
 constexpr std::size_t kRefusals = 10;
-std::string_view refusal_name(Refusal refusal);
-/// The reason, and what to do about it.
-std::string_view refusal_reason(Refusal refusal);
-/// The HTTP status code of the refusal.
-int refusal_status(Refusal refusal);
+struct RefusalRow {
+  std::string_view name;
+  std::string_view reason;  ///< and what to do about it
+  int status;               ///< HTTP status code
+};
+const RefusalRow& row_of(Refusal refusal);
 
 /// The checked fields of a request header; empty if the request lacks them.
 struct RequestHead {

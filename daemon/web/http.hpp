@@ -1,4 +1,4 @@
-/// Aliases for Boost.Asio and Boost.Beast, used only by server.cpp, session.cpp and callers.cpp.
+/// Aliases for Boost.Asio and Boost.Beast, used only by server.cpp and session.cpp.
 #pragma once
 
 #include <utility>  // Boost 1.74 uses it in its coroutines and does not include it

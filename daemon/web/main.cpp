@@ -28,7 +28,7 @@ int report_error(const Error& error) {
 
 Result<Tokens> tokens_of(const Options& options) {
   if (options.links_path.empty()) return make_tokens(options.control);
-  return keep_links(options.links_path, options.host(), options.control);
+  return keep_links(options.links_path, options.listen, options.control);
 }
 
 /// Forces the exit after kExitTimeoutS, so that pending calls to the daemon do not delay it.
@@ -54,8 +54,8 @@ int serve(Options options) {
   polling.timeout_s = kPollTimeoutS;
   Feeds running(polling, board, [&] { return ServerFacts{browsers, refusals.counts()}; });
   feeds = &running;
-  if (options.links_path.empty()) std::printf("%s", links_text(options.host(), *tokens).c_str());
-  std::printf("ready http://%s/\n", options.host().c_str());
+  if (options.links_path.empty()) std::printf("%s", links_text(options.listen, *tokens).c_str());
+  std::printf("ready http://%s/\n", options.listen.c_str());
   std::fflush(stdout);
   service::notify_ready();
   (*server)->run();

@@ -1,26 +1,17 @@
 #include "daemon/web/options.hpp"
 
-#include <charconv>
+#include "proto/endpoint.hpp"
 
 namespace ovws::web {
 namespace {
 
 constexpr double kAnswerTimeoutS = 10.0;  ///< a camera may take seconds to change
 
-/// Whether the address, in URL notation, is [::1] or 127.x.x.x.
-bool is_loopback(const std::string& address) {
-  return address == "[::1]" || address.starts_with("127.");
-}
-
 std::string without_brackets(const std::string& address) {
   return address.starts_with('[') ? address.substr(1, address.size() - 2) : address;
 }
 
 }  // namespace
-
-std::string Options::host() const {
-  return listen;
-}
 
 std::vector<std::string> Options::hosts() const {
   std::vector<std::string> hosts{listen, "localhost:" + std::to_string(port)};
@@ -48,17 +39,14 @@ void add_options(CLI::App& app, Options& options) {
 }
 
 Result<void> check_options(Options& options) {
-  const auto colon = options.listen.rfind(':');
-  const std::string number = options.listen.substr(colon == std::string::npos ? 0 : colon + 1);
-  const auto [end, error] =
-      std::from_chars(number.data(), number.data() + number.size(), options.port);
-  if (colon == std::string::npos || colon == 0 || error != std::errc{} ||
-      end != number.data() + number.size() || options.port == 0) {
+  const std::string endpoint = "tcp://" + options.listen;
+  if (endpoint_fault(endpoint)) {
     return fail(Errc::invalid, "--listen",
                 "must be ADDRESS:PORT with a port from 1 to 65535, e.g. 127.0.0.1:7704");
   }
+  const auto colon = options.listen.rfind(':');
   const std::string address = options.listen.substr(0, colon);
-  if (!is_loopback(address) && !options.cleartext) {
+  if (!is_reached_from_here_only(endpoint) && !options.cleartext) {
     return fail(Errc::invalid, "--listen",
                 address +
                     " is reachable from other machines, and others on the network could read the "
@@ -66,6 +54,7 @@ Result<void> check_options(Options& options) {
                     "(--allow-host), or accept it with --cleartext");
   }
   options.address = without_brackets(address);
+  options.port = static_cast<unsigned short>(std::stoi(options.listen.substr(colon + 1)));
   return {};
 }
 

@@ -12,9 +12,9 @@ namespace ovws::web {
 
 struct Options {
   cli::Common common;
-  std::string listen = "127.0.0.1:7704";
-  std::vector<std::string> more_hosts;  ///< further accepted host names
-  std::string links_path;               ///< empty: new tokens at each start, printed
+  std::string listen = "127.0.0.1:7704";  ///< also the host of the links
+  std::vector<std::string> more_hosts;    ///< further accepted host names
+  std::string links_path;                 ///< empty: new tokens at each start, printed
   bool control = false;
   bool cleartext = false;
 
@@ -22,8 +22,6 @@ struct Options {
   std::string address;
   unsigned short port = 0;
 
-  /// The host of the links, e.g. "127.0.0.1:7704".
-  std::string host() const;
   /// All accepted values of the Host header.
   std::vector<std::string> hosts() const;
 };

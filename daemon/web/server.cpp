@@ -9,20 +9,18 @@ namespace ovws::web {
 namespace {
 
 constexpr std::chrono::milliseconds kNoDescriptors{100};
+constexpr std::size_t kCalls = 4;  ///< concurrent calls to the daemon
 
 }  // namespace
 
 struct Server::Impl {
   ServerParts parts;
-  Callers callers;
   std::list<Session*> sessions;  ///< oldest first
   net::io_context io{1};
   tcp::acceptor acceptor{io};
+  net::thread_pool callers{kCalls};  ///< drops the calls that wait, and ends first
 
   explicit Impl(ServerParts given) : parts(std::move(given)) {}
-  ~Impl() { callers.join(); }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
 
   Task<void> serve(tcp::socket socket) {
     Session session(std::move(socket), parts, callers);

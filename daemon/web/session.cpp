@@ -1,11 +1,12 @@
 #include "daemon/web/session.hpp"
 
+#include <poll.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <future>
 #include <limits>
 
-#include "daemon/web/commands.hpp"
 #include "daemon/web/page_files.hpp"
 #include "proto/json_text.hpp"
 
@@ -17,7 +18,7 @@ using std::chrono::milliseconds;
 constexpr std::size_t kMaxHeadBytes = 8 * 1024;
 constexpr milliseconds kRequestTimeout{5000};
 constexpr milliseconds kWriteTimeout{10'000};
-constexpr milliseconds kPollInterval{5};   ///< polling interval of the board
+constexpr milliseconds kPollInterval{5};   ///< of the board, and of a call
 constexpr milliseconds kSendInterval{33};  ///< minimum interval of messages to a browser
 /// Small, because messages in the kernel's buffer for a slow browser are stale when it reads them.
 constexpr int kSendBufferBytes = 256 * 1024;
@@ -57,6 +58,12 @@ RequestHead head_of(const http::request_parser<http::string_body>& parser) {
   return head;
 }
 
+/// Whether the browser closed its side of the connection (POLLRDHUP), even with data left unread.
+bool has_disconnected(tcp::socket& browser) {
+  pollfd look{browser.native_handle(), POLLRDHUP, 0};
+  return ::poll(&look, 1, 0) != 0;
+}
+
 /// Scope guard that increments a counter.
 class Counted {
  public:
@@ -71,7 +78,7 @@ class Counted {
 
 }  // namespace
 
-Session::Session(tcp::socket socket, const ServerParts& parts, Callers& callers)
+Session::Session(tcp::socket socket, const ServerParts& parts, net::thread_pool& callers)
     : parts_(parts),
       callers_(callers),
       connection_(std::move(socket)),
@@ -147,10 +154,10 @@ Task<void> Session::answer(http::status status, std::string_view type, std::stri
 
 Task<void> Session::refuse(Refusal why, const RequestHead& head) {
   parts_.refusals.add(why, head, peer_);
-  const nlohmann::json body{{"refused", refusal_name(why)}, {"reason", refusal_reason(why)}};
+  const RefusalRow& row = row_of(why);
+  const nlohmann::json body{{"refused", row.name}, {"reason", row.reason}};
   std::string text = json_text(body);
-  co_await answer(http::int_to_status(unsigned(refusal_status(why))), "application/json",
-                  std::move(text));
+  co_await answer(http::int_to_status(unsigned(row.status)), "application/json", std::move(text));
 }
 
 Task<void> Session::stream(const RequestHead& head, Right right) {
@@ -186,14 +193,33 @@ Task<void> Session::pump(Right right) {
   }
 }
 
+Task<std::optional<std::string>> Session::reply_to(const Command& command) {
+  const auto left = std::make_shared<std::atomic<bool>>(false);
+  const auto call =
+      std::make_shared<std::packaged_task<std::string()>>([&common = parts_.common, command, left] {
+        return *left ? std::string() : carry_out(common, command);
+      });
+  std::future<std::string> reply = call->get_future();
+  net::post(callers_, [call] { (*call)(); });
+  net::steady_timer timer(co_await net::this_coro::executor);
+  while (reply.wait_for(milliseconds(0)) != std::future_status::ready) {
+    if (has_disconnected(connection_.socket())) {
+      *left = true;
+      co_return std::nullopt;
+    }
+    timer.expires_after(kPollInterval);
+    co_await timer.async_wait(net::use_awaitable);
+  }
+  co_return reply.get();
+}
+
 Task<void> Session::rpc(Request& parser, const RequestHead& head) {
   connection_.expires_after(kRequestTimeout);
   co_await http::async_read(connection_, buffer_, parser, net::use_awaitable);
   const auto request = parse_command(parser.get().body());
   if (!request) co_return co_await refuse(request.error(), head);
   connection_.expires_never();
-  const Callers::Call call = [&] { return carry_out(parts_.common, *request); };
-  auto reply = co_await callers_.carry_out(connection_.socket(), call);
+  auto reply = co_await reply_to(*request);
   if (!reply) co_return;
   connection_.expires_after(kWriteTimeout);
   co_await answer(http::status::ok, "application/json", std::move(*reply));

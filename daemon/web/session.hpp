@@ -1,9 +1,10 @@
 /// One HTTP connection: a request and its response.
 #pragma once
 
+#include <optional>
 #include <string>
 
-#include "daemon/web/callers.hpp"
+#include "daemon/web/commands.hpp"
 #include "daemon/web/http.hpp"
 #include "daemon/web/server.hpp"
 
@@ -12,7 +13,8 @@ namespace ovws::web {
 /// State of one connection; lives as long as its coroutine.
 class Session {
  public:
-  Session(tcp::socket socket, const ServerParts& parts, Callers& callers);
+  /// `callers`: threads for calls to the daemon.
+  Session(tcp::socket socket, const ServerParts& parts, net::thread_pool& callers);
 
   /// Serves the request. Connection errors close the connection and are not reported.
   Task<void> run();
@@ -31,11 +33,14 @@ class Session {
   Task<void> refuse(Refusal why, const RequestHead& head);
   Task<void> stream(const RequestHead& head, Right right);
   Task<void> pump(Right right);
+  /// Carries out a command in a thread of the pool, first come, first served. None if the browser
+  /// disconnects first; a call that has not begun is then not made.
+  Task<std::optional<std::string>> reply_to(const Command& command);
   Task<void> rpc(Request& parser, const RequestHead& head);
   Task<void> hologram();
 
   ServerParts parts_;
-  Callers& callers_;
+  net::thread_pool& callers_;
   beast::tcp_stream connection_;
   beast::flat_buffer buffer_;
   std::string peer_;
