@@ -60,27 +60,15 @@ json reference_of(json reference) {
   return reference;
 }
 
-bool same(const HologramSources& a, const HologramSources& b) {
-  return a.sensor == b.sensor && a.aberration == b.aberration && a.correction == b.correction &&
-         a.lut == b.lut && a.flatness == b.flatness && a.pattern == b.pattern &&
-         a.config == b.config;
-}
-
 }  // namespace
-
-HologramPicturePtr BenchView::hologram() const {
-  const std::scoped_lock lock(mutex_);
-  return hologram_;
-}
 
 json BenchView::hologram_of(const HologramSources& sources) {
   const auto now = Clock::now();
-  if (!same(sources, drawn_) && now - drawn_at_ > kDrawPeriod) {
+  if (sources != drawn_ && now - drawn_at_ > kDrawPeriod) {
     drawn_ = sources;
     drawn_at_ = now;
     auto picture = draw_hologram(sources);
-    const std::scoped_lock lock(mutex_);
-    hologram_ = picture ? *picture : nullptr;
+    hologram_.set(picture ? *picture : nullptr);
     if (!picture) return {{"hologram_id", nullptr}, {"reason", picture.error().reason}};
   }
   const HologramPicturePtr shown = hologram();

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <chrono>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "daemon/shared/client.hpp"
+#include "daemon/shared/guarded.hpp"
 #include "daemon/web/hologram_picture.hpp"
 
 namespace ovws::web {
@@ -22,7 +22,7 @@ class BenchView {
 
   /// The hologram image drawn last; null: none yet, or the present one cannot be drawn (the message
   /// of look says why). Thread-safe.
-  HologramPicturePtr hologram() const;
+  HologramPicturePtr hologram() const { return hologram_.get(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -34,8 +34,7 @@ class BenchView {
   HologramSources drawn_;
   Clock::time_point drawn_at_{};
   nlohmann::json last_;
-  mutable std::mutex mutex_;
-  HologramPicturePtr hologram_;
+  Guarded<HologramPicturePtr> hologram_;
 };
 
 }  // namespace ovws::web

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "daemon/shared/stream_follower.hpp"
 #include "daemon/web/picture.hpp"
 #include "proto/json_text.hpp"
 
@@ -70,49 +71,25 @@ void Feeds::sleep_unless_stopped(milliseconds time) const {
   while (!stop_ && Clock::now() < end) std::this_thread::sleep_for(milliseconds(20));
 }
 
-/// Subscribes again when the daemon is silent: it may have restarted with other endpoints.
 void Feeds::take_numbers() {
+  cli::StreamFollower stream(common_, "endpoint",
+                             {"wavefront", "refined", "spots", "status", "event"}, kNumbersQueue);
   while (!stop_) {
     publish_health();
-    const auto endpoint = cli::stream_endpoint(common_, "endpoint");
-    auto stream =
-        cli::subscribe(common_, endpoint.value_or(std::string{}),
-                       {"wavefront", "refined", "spots", "status", "event"}, kNumbersQueue);
-    if (!endpoint || !stream) {
-      sleep_unless_stopped(kHealthPeriod);
-      continue;
-    }
-    auto heard = Clock::now();
-    while (!stop_ && Clock::now() - heard < kSilence) {
-      if (const auto message = stream->receive(kReceiveTimeout)) {
-        heard = Clock::now();
-        take(*message);
-      }
-      publish_health();
-    }
+    if (const auto message = stream.receive(kReceiveTimeout)) take(*message);
   }
 }
 
-/// Subscribes only while a browser is connected. Silence is normal here: the image rate may be 0.
+/// Subscribes only while a browser is connected.
 void Feeds::take_pictures() {
   while (!stop_) {
     if (!watched()) {
       sleep_unless_stopped(kReceiveTimeout);
       continue;
     }
-    const auto endpoint = cli::stream_endpoint(common_, "image_endpoint");
-    auto stream = cli::subscribe(common_, endpoint.value_or(std::string{}), {"image", "phase"},
-                                 kPicturesQueue);
-    if (!endpoint || !stream) {
-      sleep_unless_stopped(kHealthPeriod);
-      continue;
-    }
-    auto heard = Clock::now();
-    while (!stop_ && watched() && Clock::now() - heard < kSilence) {
-      if (const auto message = stream->receive(kReceiveTimeout)) {
-        heard = Clock::now();
-        take(*message);
-      }
+    cli::StreamFollower stream(common_, "image_endpoint", {"image", "phase"}, kPicturesQueue);
+    while (!stop_ && watched()) {
+      if (const auto message = stream.receive(kReceiveTimeout)) take(*message);
     }
   }
 }
@@ -130,13 +107,9 @@ void Feeds::poll_bench() {
     }
     polled_change = change;
     polled_at = Clock::now();
-    std::string pattern;
-    {
-      const std::scoped_lock lock(pattern_mutex_);
-      pattern = pattern_;
-    }
     try {
-      if (const auto view = view_.look(pattern)) board_.put(Slot::bench, framed(json_text(*view)));
+      const auto view = view_.look(pattern_.get());
+      if (view) board_.put(Slot::bench, framed(json_text(*view)));
     } catch (const json::exception& error) {
       spdlog::warn("a reply of the daemon has an unknown format: {}", error.what());
       sleep_unless_stopped(kPollPeriod);
@@ -175,10 +148,7 @@ void Feeds::take_status(const StreamMessage& message) {
   for (const char* part : {"slm", "camera", "sensor", "loop"}) {
     if (facts_.status.is_null() || facts_.status[part] != status[part]) ++hologram_change_;
   }
-  {
-    const std::scoped_lock lock(pattern_mutex_);
-    pattern_ = status.at("slm").at("pattern").get<std::string>();
-  }
+  pattern_.set(status.at("slm").at("pattern").get<std::string>());
   board_.put(Slot::status, framed(message.json));
   facts_.status = std::move(status);
   status_at_ = Clock::now();

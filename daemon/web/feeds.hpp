@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "daemon/shared/client.hpp"
+#include "daemon/shared/guarded.hpp"
 #include "daemon/web/bench_view.hpp"
 #include "daemon/web/board.hpp"
 #include "daemon/web/health.hpp"
@@ -91,8 +93,7 @@ class Feeds {
   std::atomic<std::int64_t> hologram_change_{0};  ///< counts changes seen in `status`
   std::atomic<Clock::rep> last_picture_{0};
 
-  std::mutex pattern_mutex_;
-  std::string pattern_;
+  Guarded<std::string> pattern_;  ///< that the SLM shows
 
   // Used only by the thread numbers_.
   BenchFacts facts_;

@@ -27,6 +27,7 @@ struct HologramSources {
   nlohmann::json lut;         ///< lut.get
   nlohmann::json flatness;    ///< flatness.get
   std::string pattern;        ///< status: slm.pattern
+  friend bool operator==(const HologramSources&, const HologramSources&) = default;
 };
 
 /// Renders the hologram and encodes it as PNG; takes tens of milliseconds. Errors:

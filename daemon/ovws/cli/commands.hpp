@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,12 +36,16 @@ struct WatchOptions {
 };
 
 int watch(const Common& common, const WatchOptions& options);
+/// Whether input and output are a terminal that can show the full screen (TERM is not "dumb").
+bool can_show_screen();
+/// Shows the full screen of `watch` until q, Ctrl-C or the end of the terminal.
+int show_screen(Common common);
 
 /// `prefix`: of the files to write, or a folder.
 int save_snapshot(const Common& common, const std::string& prefix);
 
 /// Serves HTTP at `address`, "ADDRESS:PORT", until a signal.
-int serve_metrics(const Common& common, const std::string& address);
+int serve_metrics(Common common, const std::string& address);
 
 /// `endpoint`: of the daemon; empty: the configuration's.
 int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint);
@@ -116,5 +121,19 @@ struct StudyOptions {
 };
 
 int study_command(const Common& common, const StudyOptions& options);
+
+/// The paper's gain sweep on a daemon's bench. Starts experiment.gain_sweep with these params, or
+/// joins a running one. Writes each cell as soon as it is measured, and table, figures and summary
+/// at the end. The first cell replaces the study's earlier files in the folder. Ctrl-C cancels the
+/// job, an error here does not; the same call continues the sweep.
+int run_experiment(const Common& common, const nlohmann::json& params,
+                   const std::filesystem::path& folder);
+
+/// The closed loop's disturbance rejection on a daemon's bench. Records the wavefront for `seconds`
+/// with the loop open, closes the loop with these params of loop.close, and records for `seconds`
+/// again. Writes rejection-spectra, rejection and summary. On return, also after Ctrl-C, the loop
+/// is open and has its previous correction.
+int run_rejection(const Common& common, const nlohmann::json& params, double seconds,
+                  const std::filesystem::path& folder);
 
 }  // namespace ovws::cli

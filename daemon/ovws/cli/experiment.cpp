@@ -1,15 +1,24 @@
-#include "daemon/ovws/cli/experiment.hpp"
+/// ovws study experiment: the paper's gain sweep on a daemon's bench.
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <fstream>
+#include <map>
+#include <opencv2/imgproc.hpp>
+#include <optional>
 #include <thread>
+#include <vector>
 
-#include "daemon/ovws/cli/experiment_pictures.hpp"
+#include "core/wavefront/phase_map.hpp"
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/picture_file.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/gain_sweep_report.hpp"
 #include "daemon/shared/client.hpp"
+#include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {
@@ -21,6 +30,9 @@ using nlohmann::json;
 constexpr auto kPollInterval = 300ms;
 constexpr int kStartTries = 10;  // a cancelled job may still be ending
 constexpr int kRefusedCode = -32000;
+
+/// Results of experiment.cell by number.
+using SweepCells = std::map<int, json>;
 
 volatile std::sig_atomic_t interrupted = 0;
 
@@ -160,35 +172,170 @@ Answer follow(const Common& common, Fetched& fetched) {
   }
 }
 
-Result<void> write_text(const std::string& text, const std::filesystem::path& path) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (file) return {};
-  return fail(Errc::unavailable, "output", path.string() + " cannot be written");
+constexpr int kPanelPx = 320, kTextPx = 52, kGapPx = 10;
+constexpr double kResidualGainDb = 36.0;
+const cv::Scalar kPaper(255, 255, 255), kInk(0, 0, 0);
+
+/// Joins panels side by side, each below two lines of text.
+class Row {
+ public:
+  void add(const cv::Mat& picture, const std::string& title, const std::string& more) {
+    cv::Mat panel(kPanelPx + kTextPx, kPanelPx + kGapPx, CV_8UC3, kPaper);
+    cv::Mat scaled;
+    cv::resize(picture, scaled, {kPanelPx, kPanelPx}, 0, 0, cv::INTER_AREA);
+    scaled.copyTo(panel(cv::Rect(0, kTextPx, kPanelPx, kPanelPx)));
+    const auto write = [&panel](const std::string& text, int y) {
+      cv::putText(panel, text, {4, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1, cv::LINE_AA);
+    };
+    write(title, 18);
+    write(more, 40);
+    if (all_.empty()) {
+      all_ = panel;
+    } else {
+      cv::hconcat(all_, panel, all_);
+    }
+  }
+  const cv::Mat& picture() const { return all_; }
+
+ private:
+  cv::Mat all_;
+};
+
+cv::Mat coloured(const Image<float>& waves, double scale) {
+  const cv::Mat raw(waves.height, waves.width, CV_32FC1, const_cast<float*>(waves.pixels.data()));
+  return phase_colours(raw, scale, kPaper);
 }
 
-/// Writes summary, table, figures and images. Images come last, so that an error in drawing does
-/// not lose the numbers.
-Result<void> write_findings(const json& experiment, const SweepCells& cells,
-                            const std::filesystem::path& folder) {
-  json summary = study::sweep_summary(experiment);
-  summary["version"] = OVWS_VERSION;
-  if (auto done = write_text(json_text(summary, 2) + "\n", folder / "summary.json"); !done)
-    return done;
-  if (auto done = write_text(study::sweep_table(experiment), folder / "table.txt"); !done) {
-    return done;
+double largest(const Image<float>& waves) {
+  double most = 1e-4;
+  for (const float w : waves.pixels) most = std::fmax(most, std::abs(double(w)));
+  return most;
+}
+
+/// Index of the frame with the median variance; none if no frame has coefficients.
+std::optional<std::size_t> median_frame(const json& cell) {
+  std::vector<std::pair<double, std::size_t>> valid_frames;
+  const json& variances = cell.at("variances_rad2");
+  for (std::size_t k = 0; k < variances.size(); ++k) {
+    if (variances[k].is_number()) valid_frames.emplace_back(variances[k].get<double>(), k);
   }
-  const auto figures = study::sweep_figures(experiment);
-  for (const study::Figure& figure : figures) {
-    if (auto done = study::write_numbers(figure, folder); !done) return done;
+  if (valid_frames.empty()) return std::nullopt;
+  std::sort(valid_frames.begin(), valid_frames.end());
+  return valid_frames[valid_frames.size() / 2].second;
+}
+
+std::size_t next_gain(const json& request) {
+  const auto gains = request.at("gains_db").get<std::vector<double>>();
+  const auto next = std::min_element(gains.begin(), gains.end(), [](double a, double b) {
+    return std::abs(a - kResidualGainDb) < std::abs(b - kResidualGainDb);
+  });
+  return std::size_t(next - gains.begin());
+}
+
+std::vector<float> introduced_waves(const json& aberration, const std::vector<int>& modes_j) {
+  std::vector<float> waves(modes_j.size(), 0.0F);
+  for (const json& mode : aberration.at("modes")) {
+    const auto at = std::find(modes_j.begin(), modes_j.end(), mode.at("j").get<int>());
+    if (at != modes_j.end())
+      waves[std::size_t(at - modes_j.begin())] = mode.at("waves").get<float>();
   }
-  if (auto done = draw_camera_frames(cells, folder); !done) return done;
-  if (auto done = draw_residuals(experiment.at("request"), cells, folder); !done) return done;
-  for (const study::Figure& figure : figures) {
-    if (auto done = study::draw(figure, folder); !done) return done;
+  return waves;
+}
+
+struct Residual {
+  Image<float> waves;
+  std::string title, more;
+};
+
+/// The residual wavefront of the cell's median frame; none if no frame has coefficients.
+std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
+                                    const std::vector<float>& introduced) {
+  const auto frame = median_frame(cell);
+  if (!frame) return std::nullopt;
+  auto left = cell.at("coefficients_waves").at(*frame).get<std::vector<float>>();
+  for (std::size_t i = 0; i < left.size(); ++i) left[i] = introduced[i] - left[i];
+  Residual residual;
+  map.render(left, residual.waves);
+  residual.title = study::arm_name(cell) + ", residual";
+  residual.more =
+      fmt::format("{:.3g} rad^2, +-{:.3f} wave", cell.at("variances_rad2").at(*frame).get<double>(),
+                  largest(residual.waves));
+  return residual;
+}
+
+/// Writes experiment-images-charge-L.png for each charge with kept frames: the frames side by side,
+/// with unscaled grey levels. Errors: a file cannot be written.
+Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::path& folder) {
+  std::map<int, Row> rows;
+  for (const auto& [number, cell] : cells) {
+    const json& kept = cell.at("picture");
+    if (kept.is_null()) continue;
+    const int width = kept.at("width").get<int>(), height = kept.at("height").get<int>();
+    auto bytes = bytes_of(kept.at("base64").get_ref<const std::string&>(),
+                          std::size_t(width) * std::size_t(height));
+    if (!bytes) return fail(Errc::internal, "picture", "the daemon's image is incomplete");
+    const cv::Mat grey(height, width, CV_8UC1, bytes->data());
+    cv::Mat picture;
+    cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
+    picture.setTo(cv::Scalar(60, 60, 255), grey == 255);
+    rows[cell.at("charge").get<int>()].add(
+        picture,
+        fmt::format("charge {}, {:g} dB", cell.at("charge").get<int>(),
+                    cell.at("gain_db").get<double>()),
+        fmt::format("brightest {:g} DN; red: full scale", cell.at("peak_dn").get<double>()));
+  }
+  for (const auto& [charge, row] : rows) {
+    auto written = write_picture(folder / fmt::format("experiment-images-charge-{}.png", charge),
+                                 row.picture());
+    if (!written) return written;
   }
   return {};
+}
+
+/// Writes experiment-residual.png, as in the paper, at the measured gain nearest to 36 dB. It shows
+/// the second aberration (or the only one) and each arm's residual wavefront for the frame with the
+/// cell's median variance, on the same colour scale. Writes nothing if no cell was measured there.
+Result<void> draw_residuals(const json& request, const SweepCells& cells,
+                            const std::filesystem::path& folder) {
+  const std::size_t aberration = std::min<std::size_t>(1, request.at("aberrations").size() - 1);
+  const std::size_t arms = request.at("arms").size(), gain = next_gain(request);
+  const std::size_t first = (aberration * request.at("gains_db").size() + gain) * arms;
+  const json& introduced = request.at("aberrations").at(aberration);
+  Row row;
+  for (std::size_t k = 0; k < arms; ++k) {
+    const auto cell = cells.find(int(first + k));
+    if (cell == cells.end()) continue;
+    const auto modes_j = cell->second.at("modes_j").get<std::vector<int>>();
+    const PhaseMap map(modes_j, kPanelPx);
+    const std::vector<float> waves = introduced_waves(introduced, modes_j);
+    Image<float> shown;
+    map.render(waves, shown);
+    const double scale = largest(shown);  // of all panels
+    if (row.picture().empty()) {
+      row.add(coloured(shown, scale),
+              fmt::format("introduced, {:g} dB", request.at("gains_db").at(gain).get<double>()),
+              fmt::format("+-{:.3f} wave", scale));
+    }
+    const auto residual = residual_of(cell->second, map, waves);
+    if (!residual) continue;
+    row.add(coloured(residual->waves, scale), residual->title, residual->more);
+  }
+  if (row.picture().empty()) return {};
+  return write_picture(folder / "experiment-residual.png", row.picture());
+}
+
+/// Writes summary, table, figures and images.
+Result<void> write_all(const json& experiment, const SweepCells& cells,
+                       const std::filesystem::path& folder) {
+  json summary = study::sweep_summary(experiment);
+  summary["version"] = OVWS_VERSION;
+  const auto draw_pictures = [&]() -> Result<void> {
+    if (auto done = draw_camera_frames(cells, folder); !done) return done;
+    return draw_residuals(experiment.at("request"), cells, folder);
+  };
+  auto done = study::write_text(study::sweep_table(experiment), folder / "table.txt");
+  if (!done) return done;
+  return write_findings(summary, study::sweep_figures(experiment), folder, draw_pictures);
 }
 
 void print_bench(const json& experiment) {
@@ -212,7 +359,7 @@ int write_and_print_findings(const Common& common, Fetched& fetched,
                            "another gain sweep has started since: repeat this command when it has "
                            "ended to fetch this one"});
   }
-  auto written = write_findings(*experiment, fetched.cells(), folder);
+  auto written = write_all(*experiment, fetched.cells(), folder);
   if (!fetched.write_in_order()) {
     written = no_csv();
   }

@@ -1,4 +1,4 @@
-/// Writes image files; the error says why a file could not be written.
+/// Writes image files, with an error that says why a file could not be written; colours of phases.
 #pragma once
 
 #include <cerrno>
@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,16 @@ inline Result<void> write_picture(const std::filesystem::path& path, const cv::M
   const bool closed = std::fclose(file) == 0;
   if (!written || !closed) return cannot_write(path, std::strerror(errno));
   return {};
+}
+
+/// Maps -scale to +scale waves (CV_32FC1) to the viridis colours; NaN shows `background`.
+inline cv::Mat phase_colours(const cv::Mat& waves, double scale, const cv::Scalar& background) {
+  cv::Mat levels, colours;
+  waves.convertTo(levels, CV_8U, 127.5 / scale, 127.5);
+  cv::applyColorMap(levels, colours, cv::COLORMAP_VIRIDIS);
+  cv::Mat picture(waves.size(), CV_8UC3, background);
+  colours.copyTo(picture, waves == waves);  // NaN is not equal to itself
+  return picture;
 }
 
 }  // namespace ovws::cli

@@ -155,23 +155,13 @@ cv::Mat camera_picture(const Messages& messages, const std::string& warning) {
   return picture;
 }
 
-/// Maps -scale to +scale waves to the viridis colours; NaN shows the background.
-cv::Mat colour_map(const cv::Mat& waves, double scale) {
-  cv::Mat scaled;
-  waves.convertTo(scaled, CV_8U, 127.5 / scale, 127.5);
-  cv::Mat coloured;
-  cv::applyColorMap(scaled, coloured, cv::COLORMAP_VIRIDIS);
-  cv::Mat picture(waves.size(), CV_8UC3, kBackground);
-  coloured.copyTo(picture, waves == waves);  // NaN is not equal to itself
-  return picture;
-}
-
 /// Draws the colour bar below the map, labelled from -scale to +scale waves.
 void draw_colour_bar(cv::Mat& picture, double scale) {
   cv::Mat ramp(1, 256, CV_32FC1);
   for (int i = 0; i < ramp.cols; ++i) ramp.at<float>(0, i) = float(scale * (i / 127.5 - 1.0));
   const cv::Rect place(kMapPlace.x, kMapPlace.y + kMapPlace.height + 8, kMapPlace.width, 14);
-  cv::resize(colour_map(ramp, scale), picture(place), place.size(), 0, 0, cv::INTER_NEAREST);
+  cv::resize(phase_colours(ramp, scale, kBackground), picture(place), place.size(), 0, 0,
+             cv::INTER_NEAREST);
   const int line = place.y + place.height + 18;
   const auto label = [&](double at, const std::string& text) {
     const int width = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, 0.5, 1, nullptr).width;
@@ -195,7 +185,7 @@ cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
   cv::minMaxLoc(waves, &low, &high, nullptr, nullptr, waves == waves);
   const double scale = std::max({std::abs(low), std::abs(high), 1e-3});
   cv::Mat picture(kPhasePictureSize, CV_8UC3, kBackground);
-  cv::resize(colour_map(waves, scale), picture(kMapPlace), kMapPlace.size(), 0, 0,
+  cv::resize(phase_colours(waves, scale, kBackground), picture(kMapPlace), kMapPlace.size(), 0, 0,
              cv::INTER_NEAREST);
   write_line(picture, 0,
              fmt::format("wavefront, frame {}", header.at("frame_id").get<std::uint64_t>()));

@@ -8,8 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/experiment.hpp"
-#include "daemon/ovws/cli/rejection.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/studies.hpp"
@@ -83,7 +81,8 @@ int study_command(const Common& common, const StudyOptions& options) {
   }
   const study::Findings found = run_study(options);
   print_step(options.name + ": drawing the figures");
-  const auto written = write_findings(options.name, found.summary, found.figures, options.folder);
+  auto written = remove_findings(options.name, options.folder);
+  if (written) written = write_findings(found.summary, found.figures, options.folder);
   print_step("");
   if (common.json) {
     print("{}\n", json_text(found.summary));

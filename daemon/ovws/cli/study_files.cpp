@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <fstream>
 #include <system_error>
 
 #include "proto/json_text.hpp"
@@ -58,23 +57,18 @@ Result<void> remove_findings(const std::string& study, const fs::path& folder) {
   return {};
 }
 
-Result<void> write_findings(const std::string& study, const nlohmann::json& summary,
-                            const std::vector<study::Figure>& figures, const fs::path& folder) {
-  if (auto done = remove_findings(study, folder); !done) return done;
-  std::ofstream file(folder / "summary.json");
-  file << json_text(summary, 2) << "\n";
-  file.close();
-  if (!file) {
-    return fail(Errc::unavailable, "output",
-                (folder / "summary.json").string() + " cannot be written");
-  }
+Result<void> write_findings(const nlohmann::json& summary,
+                            const std::vector<study::Figure>& figures, const fs::path& folder,
+                            const std::function<Result<void>()>& draw_pictures) {
+  auto done = study::write_text(json_text(summary, 2) + "\n", folder / "summary.json");
   for (const study::Figure& figure : figures) {
-    if (auto done = study::write_numbers(figure, folder); !done) return done;
+    if (done) done = study::write_numbers(figure, folder);
   }
+  if (done) done = draw_pictures();
   for (const study::Figure& figure : figures) {
-    if (auto done = study::draw(figure, folder); !done) return done;
+    if (done) done = study::draw(figure, folder);
   }
-  return {};
+  return done;
 }
 
 }  // namespace ovws::cli

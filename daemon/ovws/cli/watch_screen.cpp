@@ -1,4 +1,4 @@
-#include "daemon/ovws/cli/watch_screen.hpp"
+/// ovws watch on a terminal: a full-screen view of the bench, updated live.
 
 #include <unistd.h>
 
@@ -8,9 +8,10 @@
 #include <exception>
 #include <string_view>
 
-#include "daemon/ovws/cli/stream_follower.hpp"
+#include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/screen/page.hpp"
 #include "daemon/ovws/screen/terminal.hpp"
+#include "daemon/shared/stream_follower.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -18,8 +19,9 @@ namespace {
 using screen::Clock;
 using screen::Key;
 
-constexpr std::chrono::milliseconds kPeriod{50};        ///< from one drawing to the next
-constexpr std::chrono::milliseconds kCallTimeout{300};  ///< longest wait for a missing daemon
+constexpr std::chrono::milliseconds kPeriod{50};  ///< from one drawing to the next
+constexpr double kCallTimeoutS = 0.3;             ///< longest wait for a missing daemon
+constexpr int kQueue = 1000;
 constexpr int kPage = 10;
 
 std::atomic<bool> stop_requested{false};
@@ -37,7 +39,7 @@ class WatchScreen {
  public:
   WatchScreen(const Common& common, screen::Terminal terminal)
       : terminal_(std::move(terminal)),
-        stream_(common, {"wavefront", "spots", "status", "event"}, kCallTimeout),
+        stream_(common, "endpoint", {"wavefront", "spots", "status", "event"}, kQueue),
         gatherer_(Clock::now()) {}
 
   int run() {
@@ -103,7 +105,7 @@ bool can_show_screen() {
          *term != '\0' && std::string_view(term) != "dumb";
 }
 
-int show_screen(const Common& common) {
+int show_screen(Common common) {
   // Report a missing daemon at once, like every other command.
   if (const auto there = stream_endpoint(common, "endpoint"); !there) {
     return report_failure(common, there.error());
@@ -114,6 +116,7 @@ int show_screen(const Common& common) {
   auto terminal = screen::Terminal::open();
   if (!terminal) return report(common, terminal.error());
   try {
+    common.timeout_s = kCallTimeoutS;
     return WatchScreen(common, std::move(*terminal)).run();
   } catch (const std::exception& error) {  // the terminal is restored here
     return report(common, {Errc::internal, "watch", error.what()});

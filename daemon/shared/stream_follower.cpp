@@ -1,0 +1,40 @@
+#include "daemon/shared/stream_follower.hpp"
+
+#include <thread>
+#include <utility>
+
+namespace ovws::cli {
+namespace {
+
+constexpr std::chrono::seconds kRetryInterval{1};  ///< between requests to a missing daemon
+constexpr std::chrono::seconds kSilence{3};  ///< before the next request; status comes every second
+
+}  // namespace
+
+StreamFollower::StreamFollower(Common common, const char* key, std::vector<std::string> topics,
+                               int queue)
+    : common_(std::move(common)), key_(key), topics_(std::move(topics)), queue_(queue) {}
+
+void StreamFollower::subscribe_again() {
+  if (Clock::now() < next_request_) return;
+  const auto endpoint = stream_endpoint(common_, key_);
+  next_request_ = Clock::now() + kRetryInterval;
+  if (!endpoint) return;
+  auto stream = subscribe(common_, *endpoint, topics_, queue_);
+  if (!stream) return;
+  stream_.emplace(std::move(*stream));
+  next_request_ = Clock::now() + kSilence;
+}
+
+std::optional<StreamMessage> StreamFollower::receive(std::chrono::milliseconds timeout) {
+  subscribe_again();
+  if (!stream_) {
+    std::this_thread::sleep_for(timeout);
+    return std::nullopt;
+  }
+  auto message = stream_->receive(timeout);
+  if (message) next_request_ = Clock::now() + kSilence;
+  return message;
+}
+
+}  // namespace ovws::cli
