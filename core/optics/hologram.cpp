@@ -1,14 +1,15 @@
 #include "core/optics/hologram.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/hologram_row.hpp"
-#include "core/optics/identify_picture.hpp"
 #include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
@@ -62,6 +63,38 @@ void add_flatness_and_wrap(const HologramConfig& config, int y, std::span<double
   const float* flatness = config.flatness_waves ? config.flatness_waves->row(y) : nullptr;
   for (std::size_t x = 0; x < waves.size(); ++x) {
     phase[x] = phase16(waves[x] + (flatness ? static_cast<double>(flatness[x]) : 0.0));
+  }
+}
+
+constexpr int kPictureCols = 30;
+constexpr std::array<std::string_view, 18> kPicture{"##############################",  //
+                                                    "#                            #",  //
+                                                    "#  ###  #   # #   #  ####    #",  //
+                                                    "# #   # #   # #   # #        #",  //
+                                                    "# #   # #   # #   # #        #",  //
+                                                    "# #   # #   # # # #  ###     #",  //
+                                                    "# #   #  # #  # # #     #    #",  //
+                                                    "# #   #  # #  ## ##     #    #",  //
+                                                    "#  ###    #   #   # ####     #",  //
+                                                    "#                            #",  //
+                                                    "#   #              #         #",  //
+                                                    "#   #   # #         #  #   # #",  //
+                                                    "# # # # # #  #########  # #  #",  //
+                                                    "#  ###   #          #    #   #",  //
+                                                    "#   #    #         #    # #  #",  //
+                                                    "#       #              #   # #",  //
+                                                    "#                            #",  //
+                                                    "##############################"};
+
+/// Shows a person which screen is the SLM and how it is oriented: a frame, "OVWS" upright, and
+/// arrows towards +x and +y, white on black, without the LUT.
+void draw_identify_picture(Image<std::uint8_t>& grey) {
+  const int rows = static_cast<int>(kPicture.size());
+  for (int y = 0; y < grey.height; ++y) {
+    const std::string_view line = kPicture[std::int64_t{y} * rows / grey.height];
+    for (int x = 0; x < grey.width; ++x) {
+      grey.at(x, y) = line[std::int64_t{x} * kPictureCols / grey.width] == '#' ? 255 : 0;
+    }
   }
 }
 
