@@ -20,7 +20,7 @@ enum class TemplateKind : std::uint8_t { model, reference };
 /// The operator that reconstructs modes from spot displacements.
 enum class OperatorKind : std::uint8_t {
   slopes,       ///< geometric: each mode's tilt as the tracker weights it (slope_matrix)
-  diffractive,  ///< each mode poked in the diffraction model and tracked (diffractive_matrix)
+  diffractive,  ///< each mode poked in the diffraction model and tracked (diffractive_operator)
   measured,     ///< each mode poked on the bench and tracked (interaction_matrix)
 };
 

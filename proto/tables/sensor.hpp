@@ -90,8 +90,7 @@ inline constexpr auto kTable<OperatorReport> =
            field("operator_in_force", &OperatorReport::in_force,
                  "active matrix from displacements to modes"),
            field("operator_reason", &OperatorReport::reason,
-                 "why the requested operator is not active: it is being computed, or why it cannot "
-                 "be; null: it is active")
+                 "why the requested operator is not active; null: it is active")
                .or_null()};
 
 /// Result of `sensor.get`.
