@@ -11,9 +11,42 @@ namespace {
 
 constexpr double kMaxNoise = 0.1;  // of a column's signal
 constexpr std::size_t kMinSpots = 3;
+constexpr double kModelError = 0.2;  // relative error of a displacement taken from the model
 
 bool found(const SpotMeans& spots, std::size_t i) {
   return std::isfinite(spots.at_px[i].x) && std::isfinite(spots.at_px[i].y);
+}
+
+/// Measured over modelled displacement, by least squares over the spots found in both images.
+double factor_of(const PushPull& poke, const Eigen::Ref<const Eigen::VectorXd>& model) {
+  double both = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < poke.plus.at_px.size(); ++i) {
+    if (!found(poke.plus, i) || !found(poke.minus, i)) continue;
+    const Vec2 moved = poke.plus.at_px[i] - poke.minus.at_px[i];
+    const auto row = 2 * Eigen::Index(i);
+    const double x = 2.0 * poke.amplitude_waves * model[row];
+    const double y = 2.0 * poke.amplitude_waves * model[row + 1];
+    both += moved.x * x + moved.y * y;
+    squares += x * x + y * y;
+  }
+  return squares > 0.0 ? both / squares : 1.0;
+}
+
+/// Lost in one image: the position in the other image, mirrored about the resting position.
+void mirror(const SpotMeans& seen, const SpotMeans& resting, std::size_t i, SpotMeans& lost) {
+  const Vec2 &a = seen.standard_error_px[i], &b = resting.standard_error_px[i];
+  lost.at_px[i] = 2.0 * resting.at_px[i] - seen.at_px[i];
+  lost.standard_error_px[i] = {std::hypot(a.x, 2.0 * b.x), std::hypot(a.y, 2.0 * b.y)};
+}
+
+/// Lost in both images: the displacement of the model, with a standard error of a fifth of it.
+void follow_model(const SpotMeans& resting, const Eigen::Vector2d& px_per_wave, std::size_t i,
+                  PushPull& poke) {
+  const Vec2 moved = poke.amplitude_waves * Vec2{px_per_wave.x(), px_per_wave.y()};
+  poke.plus.at_px[i] = resting.at_px[i] + moved;
+  poke.minus.at_px[i] = resting.at_px[i] - moved;
+  const double error_px = kModelError * norm(moved);
+  poke.plus.standard_error_px[i] = poke.minus.standard_error_px[i] = {error_px, error_px};
 }
 
 std::string listed(const std::vector<int>& numbers) {
@@ -67,19 +100,14 @@ Column column_of(const PushPull& poke, const std::vector<std::size_t>& spots, st
   return c;
 }
 
-double min_singular_value(const Eigen::MatrixXd& slopes) {
-  const Eigen::MatrixXd normal = slopes.transpose() * slopes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()[0]));
-}
-
 /// Appends the column unless the modes would then no longer be determined.
 bool append(InteractionMatrix& matrix, const Column& column) {
   const Eigen::Index before = matrix.slopes.cols();
   Eigen::MatrixXd with(column.slopes.size(), before + 1);
   with << matrix.slopes, column.slopes.cast<double>();
   if (determined_modes(with) != int(with.cols())) return false;
-  if (double(column.standard_error.norm()) > kMaxNoise * min_singular_value(with)) return false;
+  if (double(column.standard_error.norm()) > kMaxNoise * singular_values(with).tail(1)[0])
+    return false;
   matrix.slopes = std::move(with);
   matrix.standard_error.conservativeResize(Eigen::NoChange, before + 1);
   matrix.standard_error.col(before) = column.standard_error.cast<double>();
@@ -123,6 +151,25 @@ std::vector<int> lost_by(const PushPull& poke, const SpotMeans& resting) {
     if (found(resting, i) && !there) lost.push_back(int(i));
   }
   return lost;
+}
+
+void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
+               PushPull& poke) {
+  const std::vector<int> lost = lost_by(poke, resting);
+  std::size_t spots = 0;
+  for (std::size_t i = 0; i < resting.at_px.size(); ++i) spots += found(resting, i) ? 1 : 0;
+  if (double(lost.size()) > kMaxLostByMode * double(spots)) return;
+  const double factor = factor_of(poke, model);
+  for (const int spot : lost) {
+    const auto i = std::size_t(spot);
+    if (found(poke.plus, i)) {
+      mirror(poke.plus, resting, i, poke.minus);
+    } else if (found(poke.minus, i)) {
+      mirror(poke.minus, resting, i, poke.plus);
+    } else {
+      follow_model(resting, factor * model.segment<2>(2 * spot), i, poke);
+    }
+  }
 }
 
 SpotDrift drift_between(const SpotMeans& first, const SpotMeans& second) {
@@ -197,18 +244,14 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_
                                                        ": " + matrix.dropped[0].reason));
 }
 
-Eigen::VectorXd singular_values(const InteractionMatrix& matrix) {
-  const Eigen::MatrixXd normal = matrix.slopes.transpose() * matrix.slopes;
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& slopes) {
+  const Eigen::MatrixXd normal = slopes.transpose() * slopes;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
   return eigen.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
 }
 
 double relative_noise(const InteractionMatrix& matrix, Eigen::Index k) {
   return matrix.standard_error.col(k).norm() / matrix.slopes.col(k).norm();
-}
-
-ModeOperator mode_operator_of(const InteractionMatrix& matrix) {
-  return {OperatorKind::measured, matrix.modes_j, matrix.slopes};
 }
 
 }  // namespace ovws

@@ -8,7 +8,6 @@
 
 #include "core/base/result.hpp"
 #include "core/base/vec2.hpp"
-#include "core/wavefront/mode_operator.hpp"
 
 namespace ovws {
 
@@ -75,12 +74,17 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_
 /// Resting spots that one of the poke's images lost; a smaller amplitude may keep them.
 std::vector<int> lost_by(const PushPull& poke, const SpotMeans& resting);
 
+/// Fills in the resting spots that a poke's images lost. A spot lost in one image is mirrored from
+/// the other image about its resting position. A spot lost in both images moves as in the model's
+/// column (2N camera pixels per wave), scaled to the measured motion of the other spots. Otherwise
+/// the spot could not be used for any mode. Nothing is filled in if more than kMaxLostByMode of
+/// the spots are lost: interaction_matrix then drops the mode.
+void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
+               PushPull& poke);
+
 /// Singular values, largest first, camera pixels per RMS-normalised wave.
-Eigen::VectorXd singular_values(const InteractionMatrix& matrix);
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& slopes);
 /// Noise-to-signal ratio of column `k`: norm of its standard errors over its own norm.
 double relative_noise(const InteractionMatrix& matrix, Eigen::Index k);
-
-/// The matrix as an operator for a plan, kind `measured`.
-ModeOperator mode_operator_of(const InteractionMatrix& matrix);
 
 }  // namespace ovws

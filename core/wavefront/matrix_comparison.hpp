@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/wavefront/interaction_matrix.hpp"
+#include "core/wavefront/mode_operator.hpp"
 
 namespace ovws {
 

@@ -124,7 +124,7 @@ std::vector<CalibratedMode> calibrated_modes(const CalibrationReport& report) {
 }
 
 std::vector<double> singular_values_of(const CalibrationReport& report) {
-  const Eigen::VectorXd values = singular_values(report.matrix);
+  const Eigen::VectorXd values = singular_values(report.matrix.slopes);
   return {values.begin(), values.end()};
 }
 

@@ -7,7 +7,6 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
-#include "core/wavefront/lost_pokes.hpp"
 #include "core/wavefront/matrix_comparison.hpp"
 #include "daemon/ovwsd/procedures/pokes.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"

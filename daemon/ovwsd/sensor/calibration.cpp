@@ -42,9 +42,8 @@ CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& c
 }
 
 ModeOperator mode_operator_of(const MeasuredCalibration& measured) {
-  ModeOperator made = mode_operator_of(measured.matrix);
-  made.shapes = measured.shapes;
-  return made;
+  const InteractionMatrix& matrix = measured.matrix;
+  return {OperatorKind::measured, matrix.modes_j, matrix.slopes, {}, measured.shapes};
 }
 
 std::vector<std::string> differences(const CalibrationKey& a, const CalibrationKey& b) {

@@ -13,6 +13,7 @@
 #include "daemon/ovwsd/sensor/reference.hpp"
 
 namespace ovws {
+
 std::vector<int> reconstructed_modes(const SensorConfig& sensor) {
   std::vector<int> modes_j(std::size_t(optimal_mode_count(sensor.subapertures_across)));
   std::iota(modes_j.begin(), modes_j.end(), 1);

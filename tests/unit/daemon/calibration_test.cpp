@@ -119,7 +119,7 @@ class Calibrations : public testing::Test {
     matrix.drift_px = 0.25;
     matrix.drift_noise_px = 0.125;
     calibration.comparison = compare(matrix, model);
-    calibration.mode_operator = mode_operator_of(matrix);
+    calibration.mode_operator = mode_operator_of(calibration);
     const std::optional<CameraSettings> settings = config.camera.settings;
     const std::optional<CameraInfo> camera = kCamera;
     const std::vector<Mode> aberration{{3, 0.05}};

@@ -1,5 +1,5 @@
 /// Spots lost in push-pull pokes are filled in from the other image, or from the model.
-#include "core/wavefront/lost_pokes.hpp"
+#include "core/wavefront/interaction_matrix.hpp"
 
 #include <gtest/gtest.h>
 
