@@ -52,9 +52,19 @@ const std::vector<std::string>& texts() {
   return all;
 }
 
+namespace detail {
+
+template <class E>
+const std::vector<std::string>& names_are_missing() {
+  static_assert(sizeof(E) == 0, "specialise kNames for this enumeration");
+  return texts<>();
+}
+
+}  // namespace detail
+
 /// Specialised for each enumeration on the wire: its names in the order of the values.
 template <class E>
-inline constexpr NamesOf kNames = nullptr;
+inline constexpr NamesOf kNames = detail::names_are_missing<E>;
 template <class E>
 std::string_view wire_name(E value) {
   return kNames<E>()[std::size_t(value)];

@@ -46,8 +46,7 @@ Result<ModeOperator> diffractive_operator(SensorField& field, const SpotTracker&
     Eigen::VectorXd at_px(slopes.slopes.rows());
     for (std::size_t i = 0; i < spots_px.size(); ++i) {
       const auto moved = slopes.slopes.col(column).segment<2>(2 * Eigen::Index(i)) * waves;
-      const SpotFix fix =
-          tracker.track(view, spots_px[i] + Vec2{moved.x(), moved.y()}, scratch);
+      const SpotFix fix = tracker.track(view, spots_px[i] + Vec2{moved.x(), moved.y()}, scratch);
       at_px.segment<2>(2 * Eigen::Index(i)) << double(fix.x), double(fix.y);
     }
     return at_px;

@@ -48,9 +48,10 @@ struct OperatorKey {
 OperatorKey operator_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                          const OpticsConfig& optics, const Roi& roi);
 
-/// Diffractive operator (see core/wavefront/diffractive_matrix.hpp) of the configured tracker. Takes 0.3 s for 18 modes of the default bench, some
-/// seconds for 91 spots: not for the frame path. Errors: those of the core's function, of
-/// make_tracker and of SensorField::make; Errc::unavailable if memory runs out.
+/// Diffractive operator (see core/wavefront/diffractive_matrix.hpp) of the configured tracker.
+/// Takes 0.3 s for 18 modes of the default bench, some seconds for 91 spots: not for the frame
+/// path. Errors: those of the core's function, of make_tracker and of SensorField::make;
+/// Errc::unavailable if memory runs out.
 Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeometry& slm,
                                           double limit_s = std::numeric_limits<double>::infinity());
 

@@ -15,7 +15,7 @@ void SensorEvents::publish_changes(const SensorSnapshot& before, const SensorSna
       why_not != before.mode_operator.reason) {
     events_.emit("sensor", Severity::warning,
                  "the diffractive operator cannot be computed: " + why_not,
-                 {{"operator", operator_name(OperatorKind::diffractive)}});
+                 {{"operator", wire_name(OperatorKind::diffractive)}});
   }
   const OperatorKind in_use = now.mode_operator.in_force;
   if (in_use == before.mode_operator.in_force) return;
