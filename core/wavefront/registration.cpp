@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/spots/position_fit.hpp"
+
 namespace ovws {
 namespace {
 
@@ -140,7 +142,7 @@ std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots
     const float value = std::isfinite(light.pixels[k]) ? light.pixels[k] : brightest;
     whole.pixels[k] = std::uint16_t(std::lround((value - darkest) * per_dn));
   }
-  const auto tracker = make_tracker(kProbeTracking, spots);
+  const auto tracker = make_position_fit(spots);
   if (!tracker) return std::nullopt;
   TrackScratch scratch = (*tracker)->make_scratch();
   const SpotFix fix = (*tracker)->track(view_of(whole, PixelFormat::mono16), start_px, scratch);

@@ -43,10 +43,7 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights);
 /// Accurate to a fraction of lambda/d: a start for find_probe.
 std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots);
 
-/// How find_probe tracks it.
-constexpr TrackingConfig kProbeTracking{TrackerKind::lg, 0.4};
-
-/// The same position with the precision of a tracker, which starts at `start_px`. None if it does
+/// The same position with the precision of PositionFit, which starts at `start_px`. None if it does
 /// not find the spot there.
 std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px);
 
