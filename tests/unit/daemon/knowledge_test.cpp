@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 
 namespace ovws {
@@ -171,20 +172,15 @@ TEST_F(Known, WhatIsShownIsTheAberrationLessTheCorrection) {
   EXPECT_EQ(shown_epoch(state_), 0U) << "there is nothing to measure";
 }
 
-TEST_F(Known, TheDiffractiveOperatorIsMadeAgainOnlyForWhatItDependsOn) {
-  state_.tracking.mode_operator = OperatorKind::diffractive;
-  const Bound bound = bind(state_, known_, optics_);
-  ASSERT_TRUE(bound.mode_operator) << bound.operator_reason;
-  EXPECT_EQ(bound.mode_operator->kind, OperatorKind::diffractive);
-  EXPECT_EQ(bound.operator_reason, "");
-  state_.aberration = {{4, 0.1}};
-  EXPECT_EQ(bind(state_, Knowledge(known_), optics_).mode_operator, bound.mode_operator);
-  state_.roi.width = state_.roi.height = 64;
-  const Bound without = bind(state_, known_, optics_);
-  EXPECT_FALSE(without.mode_operator);
-  EXPECT_NE(without.operator_reason.find("finds only"), std::string::npos);
-  state_.tracking.mode_operator = OperatorKind::slopes;
-  EXPECT_EQ(bind(state_, known_, optics_).operator_reason, "");
+TEST(LastOperatorTest, IsMadeAgainWhenWhatItDependsOnHasChanged) {
+  const Config config;
+  OperatorKey key = operator_key(config.sensor, config.tracking, config.optics, {0, 0, 24, 24});
+  LastOperator last;
+  const auto made = last.of(key, config.slm.geometry);
+  EXPECT_FALSE(*made) << "an image without spots";
+  EXPECT_EQ(last.of(key, config.slm.geometry), made) << "errors are kept, too";
+  key.optics.centre_px = {3.0, 4.0};
+  EXPECT_NE(last.of(key, config.slm.geometry), made);
 }
 
 }  // namespace
