@@ -11,26 +11,27 @@
 namespace ovws {
 namespace {
 
-constexpr double kWindowOfDark = 0.92;  // half the width, of the dark ring's radius
-constexpr double kMinWindow = 1.5;      // lambda/d
-constexpr double kCapture = 1.0;        // lambda/d
-constexpr double kMaxStep = 0.2;        // lambda/d, of one rendering
+// Radius of the pixels that tell the position, of the dark ring's: beyond are the neighbours.
+constexpr double kDisc = 0.98;
+constexpr double kCapture = 1.0;  // lambda/d
+constexpr double kMaxStep = 0.2;  // lambda/d, of one rendering
 constexpr double kConvergedPx = 3e-4;
 constexpr double kConvergedShare = 0.03;  // of the position's standard error
 constexpr int kMaxRenderings = 16, kMovedWindows = 4;
 // Light that the ideal spot may leave, of its own: aberrations within the subaperture change it.
 constexpr double kMaxExcess = 1.0;
 
-double half_width(int charge) {
-  return std::max(kMinWindow, kWindowOfDark * spot_geometry(charge).dark);
+/// Radius of the disc, units of lambda/d: half the window's width.
+double disc_radius(int charge) {
+  return kDisc * spot_geometry(charge).dark;
 }
 
 }  // namespace
 
 PositionFit::PositionFit(const SpotModel& spots, std::unique_ptr<const SpotTracker> lg)
     : spots_(spots),
-      shape_(spots, 2.0 * half_width(spots.charge) + 1.0),
-      window_(window_of(spots.lambda_d_px, half_width(spots.charge))),
+      shape_(spots, 2.0 * disc_radius(spots.charge) + 1.0),
+      window_(window_of(spots.lambda_d_px, disc_radius(spots.charge))),
       lg_(std::move(lg)) {}
 
 RenderedSpot PositionFit::rendered(Vec2 at_px, const SpotWindow& window) const {
@@ -41,11 +42,14 @@ RenderedSpot PositionFit::rendered(Vec2 at_px, const SpotWindow& window) const {
   spot.per_px.setZero(window.cells(), 2);
   const PixelBox box = window.pixels();
   const float share = 1.0F / float(window.bin * window.bin);
+  const double disc_px = disc_radius(spots_.charge) * spots_.lambda_d_px;
   for (int y = 0; y < box.height; ++y) {
     for (int x = 0; x < box.width; ++x) {
-      const ShapeSample sample = shape_.at(Vec2{double(box.x + x), double(box.y + y)} - at_px);
+      const Vec2 from_spot = Vec2{double(box.x + x), double(box.y + y)} - at_px;
+      const ShapeSample sample = shape_.at(from_spot);
       const Eigen::Index cell = y / window.bin * window.side + x / window.bin;
       spot.light(cell) += share * float(sample.value);
+      if (norm(from_spot) > disc_px) continue;
       spot.per_px(cell, 0) -= share * float(sample.dx);
       spot.per_px(cell, 1) -= share * float(sample.dy);
     }
