@@ -29,7 +29,8 @@ struct LoopSettings {
   double floor_waves = 0.05;  ///< residual RMS below which it never counts as growing; >= 0
 };
 
-/// Why the loop opened by itself.
+/// Why the loop opened by itself. too_few_spots: no usable frame for `patience_s`. at_limit: a mode
+/// stayed at its correction limit. growing: the residual RMS kept growing.
 enum class LoopEnd { none, too_few_spots, at_limit, growing };
 
 /// Leaky integrator, one step per usable frame: c <- (1 - leak) c + gain r, where r is the residual

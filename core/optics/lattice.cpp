@@ -39,8 +39,8 @@ Result<void> check_pupil(const SensorConfig& sensor, const SlmGeometry& slm) {
   const int fits = std::min(slm.width_px, slm.height_px);
   if (!(sensor.pupil_diameter_px > 0.0 && sensor.pupil_diameter_px <= fits)) {
     return fail(Errc::invalid, "sensor.pupil_diameter_px",
-                "the pupil must fit on the SLM: more than 0 and at most " + std::to_string(fits) +
-                    " pixels");
+                "the pupil does not fit on the SLM: set more than 0 and at most " +
+                    std::to_string(fits) + " pixels");
   }
   if (sensor.subapertures_across < 1 || sensor.subapertures_across > kMaxSubapertures) {
     return fail(Errc::invalid, "sensor.subapertures_across",

@@ -1,6 +1,6 @@
 /// Frame validity rules: which hologram and settings a frame belongs to (from its times), and
 /// whether a wavefront explains its spots (from the fit residual). Ingest sets `settled` by them,
-/// and ReconstructStage `valid`.
+/// Pipeline sets `valid`.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@
 
 namespace ovws {
 
-/// For one stream and one thread.
+/// Detects MSB-aligned pixel data. One object per camera stream; not thread-safe.
 class MsbAlignmentDetector {
  public:
   /// Right shift that makes the pixels LSB-aligned. It is 0 until a pixel exceeds the format's full

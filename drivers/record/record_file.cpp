@@ -290,7 +290,9 @@ Result<void> RecordFile::add_document(std::string_view kind, std::string_view sh
   if (m.text.rows() + text.size() > kMaxRecordedTextBytes ||
       m.documents.rows() + m.new_documents.size() >= kMaxRecordedDocuments) {
     return fail(Errc::refused, "path",
-                m.path + ": the recording holds its maximum of documents: start another one");
+                m.path +
+                    ": the recording has reached its maximum of plans and events: start another "
+                    "one with record.start");
   }
   RecordedDocument row;
   kind.copy(row.kind.data(), row.kind.size() - 1);

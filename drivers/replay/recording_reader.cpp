@@ -264,7 +264,9 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
     return fail(Errc::unavailable, "path", path + ": " + open_failure(path));
   }
   if (!impl->read_header()) {
-    return fail(Errc::invalid, "path", path + " is not a recording of schema " + kRecordingSchema);
+    return fail(Errc::invalid, "path",
+                path + " is not a recording of schema " + kRecordingSchema +
+                    ": give a file that record.start wrote");
   }
   // Frames first: in a recording that is still being written, all that they refer to exists by
   // then.

@@ -79,10 +79,12 @@ Result<void> check_mode(const Output& output, const SdlConfig& config) {
   const std::string remedy = "; set the output's mode with: xrandr --output " + output.name +
                              " --mode " + size_text(config.width, config.height);
   if (!output.on()) {
-    return output.connected ? fail(Errc::refused, "slm.display",
-                                   "output " + output.name + " is switched off" + remedy)
-                            : fail(Errc::unavailable, "slm.display",
-                                   "nothing is connected to output " + output.name);
+    return output.connected
+               ? fail(Errc::refused, "slm.display",
+                      "output " + output.name + " is switched off" + remedy)
+               : fail(Errc::unavailable, "slm.display",
+                      "nothing is connected to output " + output.name +
+                          ": connect and switch on the SLM, or set slm.display to another output");
   }
   if (output.mode_width != config.width || output.mode_height != config.height) {
     return fail(Errc::refused, output.mode_width != config.width ? "slm.width" : "slm.height",

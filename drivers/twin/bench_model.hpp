@@ -26,7 +26,7 @@ class BenchModel {
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
     slm_.set_turbulence(turbulence, t_ns);
   }
-  /// Sets the camera's window, sensor pixels; it may lie anywhere.
+  /// Sets the camera's region, in sensor pixels. It may extend beyond the sensor.
   void set_window(const Roi& window, const CameraGeometry& geometry);
 
   /// |far field|^2 in the window, in units of the brightest pixel of an ideal charge-1 spot.

@@ -6,9 +6,10 @@
 
 namespace ovws::twin {
 
-/// pixel = centre + S R(rotation) M(mirror) (u - u_base), x right, y down: u in cycles per SLM
-/// pixel, u_base the frequency of the base grating, S = camera_px_per_cycle. A positive angle turns
-/// +x towards +y; the mirror comes first: "x" changes the sign of u's x, "y" that of its y.
+/// Affine map from spatial frequency u to camera pixels: pixel = centre + S R M (u - u_base), x
+/// right, y down. u is in cycles per SLM pixel; u_base is the frequency of the base grating; S is
+/// camera_px_per_cycle. M mirrors first: "x" changes the sign of the x component, "y" that of the y
+/// component. R then rotates; a positive angle turns +x towards +y.
 struct CameraMap {
   Vec2 centre_px;    ///< pixel of u_base, relative to the sensor or (relative_to) a window
   Vec2 base_cpp;     ///< u_base

@@ -132,7 +132,10 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   if (reference) {
     if (reference->width != like.width || reference->height != like.height) {
       return fail(Errc::invalid, "reference",
-                  "the reference image differs in size from the image: both must be equal");
+                  "the reference image has " + std::to_string(reference->width) + " x " +
+                      std::to_string(reference->height) + " pixels, the image " +
+                      std::to_string(like.width) + " x " + std::to_string(like.height) +
+                      ": use images of the same camera region");
     }
     auto from_model = plan_for(config, like, taken);
     if (!from_model) return fail(from_model.error());

@@ -302,8 +302,10 @@ std::optional<Recorder::Ending> Recorder::flush() {
 std::optional<Recorder::Ending> Recorder::write(const TakenFrame& frame) {
   Running& r = *running_;
   if (r.file->frames() >= kMaxRecordedFrames) {
-    return Ending{"the recording has reached its maximum number of frames: start another one",
-                  Rest::after};
+    return Ending{
+        "the recording has reached its maximum number of frames: start another one with "
+        "record.start",
+        Rest::after};
   }
   while (!r.camera_documents.empty() &&
          r.camera_documents.front().first < frame.row.t_arrival_mono_ns) {

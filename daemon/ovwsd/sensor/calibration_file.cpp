@@ -122,7 +122,7 @@ std::string CalibrationKind::name(const Calibration& calibration) const {
 std::string CalibrationKind::obstacle(Calibration& calibration) const {
   const ReferenceKey& key = calibration.key.sensor;
   if (calibration.origin->value("/tracking/tracker"_json_pointer, "") == kFormerTracker) {
-    return "it was measured by the tracker matched of an older version: run calibration.run again";
+    return "it was measured by the tracker matched of an older version";
   }
   std::string why =
       bench->obstacle(*calibration.origin, key, std::size_t(calibration.matrix.spots()));

@@ -17,7 +17,7 @@
 
 namespace ovws {
 
-/// What a job may change for its duration: the previous values are restored when it ends.
+/// Settings that a job may change temporarily. They are restored when the job ends.
 struct SensorShown {
   SensorConfig sensor;
   TrackingSettings tracking;

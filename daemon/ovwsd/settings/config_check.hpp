@@ -6,8 +6,9 @@
 
 namespace ovws {
 
-/// The check of the daemon's start: drivers, processors, LUT and flatness files, lattice, tracker.
-/// Endpoints and keys are checked by check_security. Opens no device.
+/// Validates what parsing cannot: driver names, CPU numbers, LUT and flatness files, lattice and
+/// tracker settings. Called at start, at reload and by `ovws doctor`; opens no device. Endpoints
+/// and keys: see check_security.
 Result<void> check_usable(const Config& config);
 /// Errc::invalid (field "sensor.spacing" or "camera.roi") if, by this configuration alone, the
 /// spots fall outside the camera's region or are too close for the tracker; see spot_layout.hpp.
