@@ -55,7 +55,7 @@ Result<ModeOperator> diffractive_operator(SensorField& field, const SpotTracker&
   const Eigen::VectorXd flat = tracked(0, 0.0);
   for (Eigen::Index k = 0; k < made.slopes.cols(); ++k) {
     if (1e-9 * double(monotonic_ns() - begun_ns) > limit_s) {
-      return fail(Errc::refused, "tracking",
+      return fail(Errc::unavailable, "tracking",
                   "the diffractive operator of so many spots takes too long to compute: choose "
                   "operator slopes");
     }

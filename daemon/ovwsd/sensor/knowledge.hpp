@@ -21,7 +21,7 @@ struct Knowledge {
   std::vector<std::shared_ptr<const Calibration>> calibrations;  ///< oldest first
   std::optional<CameraInfo> camera;                              ///< none: unknown
   /// Shared by all copies.
-  std::shared_ptr<LastOperator> diffractive = std::make_shared<LastOperator>();
+  std::shared_ptr<LastOperators> diffractive = std::make_shared<LastOperators>();
 };
 
 /// The reference, calibration and operator that apply to a state.

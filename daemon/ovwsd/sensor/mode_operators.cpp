@@ -1,9 +1,11 @@
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 
+#include <algorithm>
 #include <new>
 #include <numeric>
 
 #include "core/optics/sensor_field.hpp"
+#include "core/port/clock.hpp"
 #include "core/spots/measured_spots.hpp"
 #include "core/spots/spot_renderer.hpp"
 #include "core/spots/spot_templates.hpp"
@@ -29,9 +31,13 @@ std::vector<int> with_shapes(const TrackingSettings& tracking, std::vector<int> 
 
 ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
                             const TrackingConfig& tracking, const PxPerCycle& map) {
+  return slope_operator(lattice, sensor, tilt_radius(sensor.charge, tracking), map);
+}
+
+ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor, double tilt_radius,
+                            const PxPerCycle& map) {
   ModeOperator made{OperatorKind::slopes, reconstructed_modes(sensor), {}};
-  made.slopes =
-      slope_matrix(lattice, sensor, made.modes_j, tilt_radius(sensor.charge, tracking), map);
+  made.slopes = slope_matrix(lattice, sensor, made.modes_j, tilt_radius, map);
   made.modes_j.resize(std::size_t(determined_modes(made.slopes)));
   made.slopes.conservativeResize(Eigen::NoChange, Eigen::Index(made.modes_j.size()));
   return made;
@@ -83,13 +89,19 @@ Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeome
   }
 }
 
-LastOperator::Made LastOperator::of(const OperatorKey& key, const SlmGeometry& slm) {
-  const bool shortage = made_ && !*made_ && made_->error().code == Errc::unavailable;
-  if (!made_ || shortage || !(key_ == key)) {
-    made_ = std::make_shared<const Result<ModeOperator>>(diffractive_operator(key, slm, kLimitS));
-    key_ = key;
+LastOperators::Made LastOperators::of(const OperatorKey& key, const SlmGeometry& slm) {
+  const auto known = std::find_if(last_.begin(), last_.end(),
+                                  [&](const Entry& entry) { return entry.key == key; });
+  if (known != last_.end()) {
+    const bool may_succeed = !*known->made && known->made->error().code == Errc::unavailable &&
+                             monotonic_ns() > known->t_made_ns + kRetryNs;
+    if (!may_succeed) return known->made;
+    last_.erase(known);
   }
-  return made_;
+  auto made = std::make_shared<const Result<ModeOperator>>(diffractive_operator(key, slm, kLimitS));
+  last_.push_front({key, std::move(made), monotonic_ns()});
+  if (last_.size() > kCapacity) last_.pop_back();
+  return last_.front().made;
 }
 
 }  // namespace ovws

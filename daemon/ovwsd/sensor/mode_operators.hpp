@@ -1,6 +1,7 @@
 /// Mode operators (matrices between modes and spot displacements) of the model.
 #pragma once
 
+#include <deque>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -24,6 +25,9 @@ std::vector<int> with_shapes(const TrackingSettings& tracking, std::vector<int> 
 /// only modes that the lattice determines. Fast.
 ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
                             const TrackingConfig& tracking, const PxPerCycle& map);
+/// The same for a ring of this radius (slope_model.hpp).
+ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor, double tilt_radius,
+                            const PxPerCycle& map);
 
 /// How far the spots of a flat wavefront move by the model, as SpotMeter measures it in mean
 /// images: by least squares of their pixels, all weighed the same. Errors: those of
@@ -55,17 +59,25 @@ OperatorKey operator_key(const SensorConfig& sensor, const TrackingSettings& tra
 Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeometry& slm,
                                           double limit_s = std::numeric_limits<double>::infinity());
 
-/// The last diffractive operator, or why there is none. One thread at a time.
-class LastOperator {
+/// The last diffractive operators, or why there is none: that of the active sensor is still there
+/// after a change that was refused. One thread at a time.
+class LastOperators {
  public:
   using Made = std::shared_ptr<const Result<ModeOperator>>;
-  /// Makes it if `key` has changed, or if memory had run out, and gives up after kLimitS.
+  /// Makes it unless it is one of the last, and gives up after kLimitS. A failure for want of
+  /// memory or time (Errc::unavailable) is tried again after kRetryNs.
   Made of(const OperatorKey& key, const SlmGeometry& slm);
 
  private:
   static constexpr double kLimitS = 10.0;  // of the prepare thread's 30 s
-  OperatorKey key_;
-  Made made_;
+  static constexpr std::int64_t kRetryNs = 60'000'000'000;
+  static constexpr std::size_t kCapacity = 2;
+  struct Entry {
+    OperatorKey key;
+    Made made;
+    std::int64_t t_made_ns = 0;
+  };
+  std::deque<Entry> last_;  ///< newest first
 };
 
 }  // namespace ovws
