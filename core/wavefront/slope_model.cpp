@@ -1,7 +1,9 @@
 #include "core/wavefront/slope_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include "core/optics/zernike.hpp"
@@ -52,6 +54,11 @@ double tilt_radius(int charge, const TrackingConfig& tracking) {
       return kernel_ring(charge, lg_kernel_radius(tracking, charge));
   }
   return kGradientTilt;
+}
+
+double position_fit_tilt_radius(int charge) {
+  constexpr std::array<double, 4> kOfCharge{0.787, 0.826, 0.850, 0.867};
+  return kOfCharge[std::size_t(std::min(std::abs(charge), 3))];
 }
 
 Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,

@@ -19,9 +19,6 @@ constexpr int kModes = kOrder * (kOrder + 3) / 2;
 constexpr double kPrior = 1e-3;
 constexpr double kPriorOrder = 4.0;
 constexpr double kMinFoundShare = 0.9;
-/// The ring (see slope_model.hpp) of PositionFit on a bright spot at a medium noise level: other
-/// levels change what it reads from cubic phase by 1.8 %.
-constexpr double kProbeTilt = 0.787;
 
 Lattice lattice_of(const ScanGrid& grid) {
   Lattice lattice;
@@ -63,7 +60,8 @@ ScanFit::ScanFit(ScanGrid grid, const PxPerCycle& px_per_cycle)
   SensorConfig sensor;
   sensor.charge = 0;
   sensor.pupil_diameter_px = grid_.pupil_diameter_px;
-  slopes_ = slope_matrix(lattice_of(grid_), sensor, modes_j_, kProbeTilt, px_per_cycle);
+  slopes_ =
+      slope_matrix(lattice_of(grid_), sensor, modes_j_, position_fit_tilt_radius(0), px_per_cycle);
 }
 
 Result<ScanFit::Found> ScanFit::fit(const std::vector<std::optional<Vec2>>& at_px,

@@ -8,6 +8,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "core/spots/position_fit.hpp"
+#include "core/wavefront/slope_model.hpp"
 #include "daemon/ovwsd/procedures/sweep_frames.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
@@ -56,8 +57,12 @@ Result<Reconstructor> reconstructor_of(const SensorSnapshot& sensor, const SlmGe
   if (lattice->subapertures.size() != reference_px.size()) {
     return fail(Errc::internal, "", "the reference belongs to another lattice");
   }
+  const int charge = sensor.sensor.charge;
+  const double tilt = sensor.tracking.tracker == TrackerKind::fit
+                          ? position_fit_tilt_radius(charge)
+                          : tilt_radius(charge, sensor.tracking);
   const ModeOperator model =
-      slope_operator(*lattice, sensor.sensor, sensor.tracking, px_per_cycle(sensor.optics, slm));
+      slope_operator(*lattice, sensor.sensor, tilt, px_per_cycle(sensor.optics, slm));
   return Reconstructor(model.slopes, model.modes_j, reference_px);
 }
 
