@@ -132,7 +132,7 @@ bool WavefrontSearch::do_work() {
   } catch (const std::bad_alloc&) {
     const Error why{Errc::refused, "camera.roi",
                     "there is not enough memory for a model of this image"};
-    if (model_) model_->set_failed(why);
+    if (model_) model_->spots = fail(why);  // the next frame may find memory
     report(fail(why), began_ns);
   }
   frames_.clear();
