@@ -85,11 +85,13 @@ Result<Range<double>> GenicamDevice::range(const char* feature) {
     // A missing increment is no error: most float features have none.
     if (real) {
       arv_device_get_float_feature_bounds(device_.get(), feature, &range.min, &range.max, error);
+      if (*error != nullptr) return range;
       const double step = arv_device_get_float_feature_increment(device_.get(), feature, nullptr);
       range.increment = step > G_MINDOUBLE ? step : 0.0;
     } else {
       gint64 min = 0, max = 0;
       arv_device_get_integer_feature_bounds(device_.get(), feature, &min, &max, error);
+      if (*error != nullptr) return range;
       range = {double(min), double(max),
                double(arv_device_get_integer_feature_increment(device_.get(), feature, nullptr))};
     }

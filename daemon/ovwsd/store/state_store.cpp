@@ -204,6 +204,7 @@ std::vector<BadState> StateStore::load(std::string_view kind,
        at.increment(failed)) {
     const std::string file = at->path().filename();
     if (!file.starts_with(prefix) || !file.ends_with(suffix)) continue;
+    if (file.size() < prefix.size() + suffix.size()) continue;
     names.push_back(file.substr(prefix.size(), file.size() - prefix.size() - suffix.size()));
   }
   std::sort(names.begin(), names.end());
