@@ -18,7 +18,7 @@ constexpr double kMaxStep = 0.2;  // lambda/d, of one rendering
 constexpr double kConvergedPx = 3e-4;
 constexpr double kConvergedShare = 0.03;  // of the position's standard error
 constexpr int kMaxRenderings = 16, kMovedWindows = 4;
-// Light that the ideal spot may leave, of its own: aberrations within the subaperture change it.
+// Unexplained intensity over that of the ideal spot: aberrations within the subaperture add some.
 constexpr double kMaxExcess = 1.0;
 
 /// Radius of the disc, units of lambda/d: half the window's width.

@@ -222,10 +222,6 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
     return Error{Errc::invalid, "reference",
                  "the reference is missing: give --reference FILE, or --model-reference"};
   }
-  if (options.templates == "reference" && options.reference.empty()) {
-    return Error{Errc::invalid, "template",
-                 "templates of the reference need an image: give --reference FILE"};
-  }
   const bool other_tracker =
       !options.tracker.empty() && options.tracker != "fit" && options.tracker != kFormerTracker;
   if (options.refine && other_tracker) {
