@@ -12,7 +12,7 @@ namespace ovws {
 namespace {
 
 // Radius of the pixels that tell the position, of the dark ring's: beyond are the neighbours.
-constexpr double kDisc = 0.98;
+constexpr double kDisc = 0.9;
 constexpr double kCapture = 1.0;  // lambda/d
 constexpr double kMaxStep = 0.2;  // lambda/d, of one rendering
 constexpr double kConvergedPx = 3e-4;
@@ -49,9 +49,10 @@ RenderedSpot PositionFit::rendered(Vec2 at_px, const SpotWindow& window) const {
       const ShapeSample sample = shape_.at(from_spot);
       const Eigen::Index cell = y / window.bin * window.side + x / window.bin;
       spot.light(cell) += share * float(sample.value);
-      if (norm(from_spot) > disc_px) continue;
-      spot.per_px(cell, 0) -= share * float(sample.dx);
-      spot.per_px(cell, 1) -= share * float(sample.dy);
+      // Pixels at its edge count in part: if they came and went, the position could not converge.
+      const float inside = share * float(std::clamp(disc_px + 0.5 - norm(from_spot), 0.0, 1.0));
+      spot.per_px(cell, 0) -= inside * float(sample.dx);
+      spot.per_px(cell, 1) -= inside * float(sample.dy);
     }
   }
   spot.per_wave = spot.per_px;
