@@ -17,6 +17,7 @@
 #include "daemon/ovws/cli/picture_file.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/gain_sweep_report.hpp"
+#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/shared/client.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
@@ -126,9 +127,8 @@ void print_progress(const Common& common, const json& experiment) {
     const int seconds = int(experiment.at("time_left_s").get<double>());
     left = fmt::format(", {}:{:02} min left", seconds / 60, seconds % 60);
   }
-  fmt::print(stderr, "\r{} of {} cells{}      ", experiment.at("cells_done").get<int>(),
-             experiment.at("cells_total").get<int>(), left);
-  std::fflush(stderr);
+  study::print_progress(fmt::format("{} of {} cells{}", experiment.at("cells_done").get<int>(),
+                                    experiment.at("cells_total").get<int>(), left));
 }
 
 /// Fetches the cells of this run that are new since the last call. Returns experiment.get's result.
@@ -399,7 +399,7 @@ int run_experiment(const Common& common, const json& params, const std::filesyst
   if (!started) return report_failure(common, started.error());
   Fetched fetched(started->at("job").get<int>(), folder);
   const Answer ended = follow(common, fetched);
-  if (!common.json) fmt::print(stderr, "\n");
+  if (!common.json) study::print_progress("");
   if (!ended) return report_failure(common, ended.error());
   const std::string state = ended->at("state").get<std::string>();
   if (state == "done") return write_and_print_findings(common, fetched, folder);

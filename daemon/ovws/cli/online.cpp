@@ -1,6 +1,4 @@
 /// ovws status, describe and call: requests to a daemon.
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <thread>
 
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/json_text.hpp"
 
@@ -144,29 +143,22 @@ int call_and_print(const Common& common, const std::string& method, const json& 
   return kOk;
 }
 
-/// A progress line on standard error. Prints nothing if that is not a terminal.
+/// The progress line of a job, removed at the end.
 class ProgressLine {
  public:
   ProgressLine() = default;
-  ~ProgressLine() {
-    if (drawn_) fmt::print(stderr, "\r\033[K");
-  }
+  ~ProgressLine() { study::print_progress(""); }
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   /// `job`: a result of job.get.
   void show(const json& job) {
-    if (!is_terminal_) return;
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
-    fmt::print(stderr, "\r{}: {:.0f} %, {:.0f} s\033[K", text_or(job, "kind", "job"),
-               100.0 * job.at("progress").get<double>(), passed.count());
-    std::fflush(stderr);
-    drawn_ = true;
+    study::print_progress(fmt::format("{}: {:.0f} %, {:.0f} s", text_or(job, "kind", "job"),
+                                      100.0 * job.at("progress").get<double>(), passed.count()));
   }
 
  private:
-  bool is_terminal_ = isatty(STDERR_FILENO) != 0;
-  bool drawn_ = false;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 

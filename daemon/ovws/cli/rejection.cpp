@@ -9,6 +9,7 @@
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
+#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/rejection.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
@@ -149,9 +150,9 @@ class Recorder {
 
 void print_progress(const RecordTask& task, int frames, double seconds_left) {
   const int left = int(std::lround(std::fmax(0.0, seconds_left) + task.seconds_after));
-  fmt::print(stderr, "\rloop {}: {} frames, {}:{:02} min left      ",
-             task.loop_closed ? "closed" : "open", frames, left / 60, left % 60);
-  std::fflush(stderr);
+  study::print_progress(fmt::format("loop {}: {} frames, {}:{:02} min left",
+                                    task.loop_closed ? "closed" : "open", frames, left / 60,
+                                    left % 60));
 }
 
 /// Records valid, settled frames with device time stamps, or arrival times if the camera has none.
@@ -345,7 +346,7 @@ int run_rejection(const Common& common, const json& params, double seconds,
   std::signal(SIGINT, [](int) { interrupted = true; });
   std::signal(SIGTERM, [](int) { interrupted = true; });
   const Measured measured = measure(common, params, seconds);
-  if (!common.json) fmt::print(stderr, "\n");
+  if (!common.json) study::print_progress("");
   if (!measured) return report_failure(common, measured.error());
   const study::RejectionFound found = study::find_rejection(*measured);
   if (found.rejection.empty()) {

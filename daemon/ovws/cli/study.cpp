@@ -28,13 +28,6 @@ Result<void> check_folder(const std::filesystem::path& folder) {
               folder.string() + " is not writable: " + error.message());
 }
 
-/// Prints the current step on standard error, like study::Progress only on a terminal.
-void print_step(const std::string& what) {
-  if (::isatty(STDERR_FILENO) == 0) return;
-  fmt::print(stderr, "\r\033[K{}", what);
-  std::fflush(stderr);
-}
-
 study::Findings run_study(const StudyOptions& options) {
   study::Settings settings;
   settings.quick = options.quick;
@@ -44,7 +37,7 @@ study::Findings run_study(const StudyOptions& options) {
       std::find_if(study::kStudies.begin(), study::kStudies.end(),
                    [&](const study::Study& one) { return one.name == options.name; });
   const auto started = std::chrono::steady_clock::now();
-  print_step(options.name + ": preparing");
+  study::print_progress(options.name + ": preparing");
   study::Findings found = chosen->run(settings);
   found.summary["quick"] = options.quick;
   found.summary["seed"] = options.seed;
@@ -80,10 +73,10 @@ int study_command(const Common& common, const StudyOptions& options) {
     return bench_command(common, options);
   }
   const study::Findings found = run_study(options);
-  print_step(options.name + ": drawing the figures");
+  study::print_progress(options.name + ": drawing the figures");
   auto written = remove_findings(options.name, options.folder);
   if (written) written = write_findings(found.summary, found.figures, options.folder);
-  print_step("");
+  study::print_progress("");
   if (common.json) {
     print("{}\n", json_text(found.summary));
   } else {

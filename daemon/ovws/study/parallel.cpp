@@ -13,23 +13,26 @@ namespace ovws::study {
 
 using Clock = std::chrono::steady_clock;
 
+void print_progress(std::string_view text) {
+  if (::isatty(STDERR_FILENO) == 0) return;
+  fmt::print(stderr, "\r{}\033[K", text);
+  std::fflush(stderr);
+}
+
 Progress::Progress(std::string what, std::size_t total)
-    : what_(std::move(what)),
-      total_(total),
-      visible_(::isatty(STDERR_FILENO) != 0),
-      started_(Clock::now()) {
-  if (visible_) show();  // the first item may take long
+    : what_(std::move(what)), total_(total), started_(Clock::now()) {
+  show();  // the first item may take long
 }
 
 Progress::~Progress() {
-  if (visible_) fmt::print(stderr, "\r\033[K");
+  print_progress("");
 }
 
 void Progress::tick() {
   const std::lock_guard lock(mutex_);
   ++done_;
   constexpr std::chrono::milliseconds kPace(100);
-  if (!visible_ || Clock::now() - shown_ < kPace) return;
+  if (Clock::now() - shown_ < kPace) return;
   shown_ = Clock::now();
   show();
 }
@@ -37,13 +40,13 @@ void Progress::tick() {
 void Progress::show() {
   constexpr std::size_t kWidth = 40;
   const std::size_t filled = kWidth * done_ / std::max<std::size_t>(total_, 1);
-  fmt::print(stderr, "\r\033[K{:<24} [{}{}] {}/{}", what_, std::string(filled, '#'),
-             std::string(kWidth - filled, ' '), done_, total_);
+  std::string line = fmt::format("{:<24} [{}{}] {}/{}", what_, std::string(filled, '#'),
+                                 std::string(kWidth - filled, ' '), done_, total_);
   if (done_ > 0) {
     const double spent_s = std::chrono::duration<double>(Clock::now() - started_).count();
-    fmt::print(stderr, "  {:.0f} s left", spent_s * double(total_ - done_) / double(done_));
+    line += fmt::format("  {:.0f} s left", spent_s * double(total_ - done_) / double(done_));
   }
-  std::fflush(stderr);
+  print_progress(line);
 }
 
 int all_cores() {

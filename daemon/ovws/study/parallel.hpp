@@ -1,4 +1,4 @@
-/// Parallel loop with a progress bar.
+/// Parallel loop with a progress bar, and the line that shows progress.
 #pragma once
 
 #include <atomic>
@@ -6,10 +6,15 @@
 #include <functional>
 #include <mutex>
 #include <string>
+#include <string_view>
 
 namespace ovws::study {
 
-/// Progress bar with the remaining time on standard error; silent if that is not a terminal.
+/// Replaces the progress line on standard error; an empty `text` removes it. Prints nothing if
+/// standard error is not a terminal.
+void print_progress(std::string_view text);
+
+/// Progress bar with the remaining time on standard error; see print_progress.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);
@@ -23,7 +28,6 @@ class Progress {
 
   std::string what_;
   std::size_t total_;
-  bool visible_;
   std::chrono::steady_clock::time_point started_;
   std::mutex mutex_;
   std::size_t done_ = 0;
