@@ -128,6 +128,10 @@ class BenchCase(unittest.TestCase):
         self.assertEqual(ended["state"], "done", ended)
         return ended
 
+    def recorded_frames(self, count, timeout_s=20.0):
+        """Waits until the recording has at least `count` frames; record.get reports them four times a second."""
+        return wait_for(lambda: (report := self.call("record.get"))["frames"] >= count and report, timeout_s, f"a recording of {count} frames")
+
     def take_reference(self, frames=50, **params):
         return self.run_job("reference.take", {"frames": frames} | params)
 

@@ -31,7 +31,10 @@ class CameraFaults(BenchCase):
 
     def fault(self, counter, fault, least):
         """Injects the fault and waits for its counter; returns the increase of each counter."""
-        time.sleep(1.2)  # more than 100 frames, after which missing numbers are no longer searched
+        self.wavefront.drain()
+        first = wait_for(lambda: self.wavefront.next(5.0), what="a frame")["frame_id"]
+        # The daemon looks for a missing number among 100 frames.
+        wait_for(lambda: (message := self.wavefront.next(5.0)) and message["frame_id"] > first + 100, what="100 frames")
         self.wavefront.drain()
         before = self.counters()
         self.twin.call("twin.fault", fault)
@@ -65,7 +68,7 @@ class CameraFaults(BenchCase):
                 message = self.wavefront.next(5.0)
                 self.assertEqual(message["frame_id"], last["frame_id"] + 1 + message["gap"])
                 last = message
-            time.sleep(0.5)
+            wait_for(lambda: self.twin.call("twin.get")["fault"]["kind"] == "none", what="the end of the fault")
             self.wavefront.drain()
 
     def test_late_frames_are_neither_settled_nor_valid(self):
@@ -73,12 +76,12 @@ class CameraFaults(BenchCase):
         self.assertGreaterEqual(rose["frames_unsettled"], rose["frames_late"])
         self.assertGreaterEqual(rose["frames_invalid"], rose["frames_late"])
         self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 150, "seconds": 5.0})
-        time.sleep(0.5)
-        self.wavefront.drain()
+        delayed_at_ns = time.time_ns()
+        message = wait_for(lambda: (m := self.wavefront.next(2.0)) and m["t_device_ns"] > delayed_at_ns and m, what="a frame exposed after that")
         for _ in range(20):
-            message = self.wavefront.next(2.0)
             self.assertFalse(message["settled"] or message["valid"])
             self.assertEqual(set(message["coefficients"]), {None})
+            message = self.wavefront.next(2.0)
         held_up_us = wait_for(lambda: (us := self.call("system.status")["latency"]["arrived"]["max_us"]) > 100e3 and us, what="the delay in the status")
         self.assertLess(held_up_us, 10e6)
         self.twin.call("twin.fault", {"kind": "none"})

@@ -113,7 +113,7 @@ class Replay(BenchCase):
     def test_the_same_numbers_come_out_bit_for_bit(self):
         self.take_reference(20)
         self.call("record.start", {"name": "still"})
-        time.sleep(1.0)
+        self.recorded_frames(100)
         lacking = self.call("record.stop")["pictures_dropped"]  # a busy machine may have dropped some
         still = self.replayed("still")
         self.assertGreater(still["frames"], 50)
@@ -160,7 +160,7 @@ class Replay(BenchCase):
         self.call("sensor.set", {"tracker": "lg"})  # templates are rendered about whatever frame comes first
         self.take_reference(20)
         self.call("record.start", {"name": "camera"})
-        time.sleep(1.5)
+        self.recorded_frames(150)
         self.call("record.stop")
         self.bench.stop("ovwsd")
         self.client.close()
@@ -190,7 +190,7 @@ class Replay(BenchCase):
     def test_other_programs_read_it(self):
         self.take_reference(20)
         self.call("record.start", {"name": "out"})
-        time.sleep(0.5)
+        self.recorded_frames(50)
         self.call("record.stop")
         run, folder = self.open("out"), self.bench.directory
         coefficients = run.coefficients().copy()
@@ -216,7 +216,7 @@ class Replay(BenchCase):
     def test_fits_has_no_place_for_some(self):
         self.take_reference(20)
         self.call("record.start", {"name": "every_third", "pictures_every": 3})
-        time.sleep(0.3)
+        self.recorded_frames(20)
         self.call("record.stop")
         out = self.bench.directory / "third.fits"
         self.export("every_third", "--fits", out, "--pictures")
@@ -227,25 +227,32 @@ class Replay(BenchCase):
             self.assertEqual(list(times["FRAME_NUMBERS"][1]), list(run.frames["frame_id"][run.frames["picture"] >= 0]))
             self.assertEqual((len(times["FRAME_NUMBERS"][1]), hdus["PICTURES"].header["TIME_UID"]), (len(hdus["PICTURES"].data), "ROWREF<pictures>"))
         self.call("record.start", {"name": "two"})
-        self.call("sensor.set", {"charge": 2})
-        time.sleep(0.3)
+        self.recorded_frames(1)
+        self.record_sensor({"charge": 2})
         self.call("record.stop")
         self.assertIn("charge: changed", self.export("two", "--fits", out, status=1).stderr)
         good = self.bench.directory / "good.csv"
         self.export("every_third", "--csv", good)
         kept = good.read_text()
         self.call("record.start", {"name": "wider"})
-        self.call("sensor.set", {"charge": 1, "subapertures_across": 7})
-        time.sleep(0.3)
+        self.recorded_frames(1)
+        self.record_sensor({"charge": 1, "subapertures_across": 7})
         self.call("record.stop")
         self.assertIn("read them frame by frame", self.export("wider", "--csv", good, status=1).stderr)
         self.assertEqual(good.read_text(), kept)
         self.assertIn("No such file", self.export("nothing", "--csv", good, status=1).stderr)
         self.assertIn("give at least one of", self.export("two", status=2).stderr)
         self.call("record.start", {"name": "none", "pictures_every": 0})
-        time.sleep(0.2)
+        self.recorded_frames(10)
         self.call("record.stop")
         self.assertIn("pictures: the recording has none", self.export("none", "--fits", out, "--pictures", status=1).stderr)
+
+    def record_sensor(self, params):
+        """Changes the sensor and waits for 10 settled frames of it, which the recording then contains."""
+        hologram_id = self.call("sensor.set", params)["hologram_id"]
+        stream = self.stream("wavefront")
+        for _ in range(10):
+            wait_for(lambda: (m := stream.next(1.0)) and m["settled"] and m["hologram_id"] == hologram_id, what=f"a frame with {params}")
 
     def export(self, name, *arguments, status=0):
         done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=bench_module.find_programs().parent / "python",
@@ -257,7 +264,7 @@ class Replay(BenchCase):
         """The checksums are correct; only the values are wrong."""
         self.take_reference(20)
         self.call("record.start", {"name": "honest"})
-        time.sleep(0.3)
+        self.recorded_frames(20)
         self.call("record.stop")
         absurd = self.bench.directory / "absurd.h5"
         tried, statuses = 0, set()
@@ -277,7 +284,7 @@ class Replay(BenchCase):
 
     def test_a_plan_of_another_region_is_told_at_once(self):
         self.call("record.start", {"name": "region"})
-        wait_for(lambda: self.call("record.get")["frames"] > 20, what="the frames")
+        self.recorded_frames(21)
         self.call("record.stop")
         plans = [place for place in places(next(self.open("region").documents("plan"))) if place[-1] == "width" and "roi" in place]
         other = self.bench.directory / "region.h5"
@@ -293,7 +300,7 @@ class Replay(BenchCase):
 
     def test_export_of_a_damaged_recording_says_what_is_damaged(self):
         self.call("record.start", {"name": "whole"})
-        wait_for(lambda: self.call("record.get")["frames"] > 20, what="the frames")
+        self.recorded_frames(21)
         self.call("record.stop")
         damaged, out = self.bench.directory / "damaged.h5", self.bench.directory / "damaged"
         wanted = ["--csv", f"{out}.csv", "--npz", f"{out}.npz", "--fits", f"{out}.fits", "--pictures"]
@@ -311,7 +318,7 @@ class Replay(BenchCase):
 
     def test_what_is_no_recording_is_told(self):
         self.call("record.start", {"name": "short"})
-        time.sleep(0.3)
+        self.recorded_frames(20)
         self.call("record.stop")
         whole = self.path("short").read_bytes()
         broken = self.bench.directory / "broken.h5"
