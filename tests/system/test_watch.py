@@ -49,20 +49,34 @@ class Watch(BenchCase):
         self.check_pace(terminal)
 
     def check_modes(self, terminal, message):
-        """Scrolls the paused screen and checks every mode and the side of its bar."""
-        seen = {}
-        for key in ["\x1b[A"] * 2 + ["\x1b[B"] * 10:
-            for row in terminal.rows()[4:19]:
-                found = re.match(r" *(\d+) (\S.*?) +([-+]\d\.\d{4})(.*?)│(.{0,8})", row)
-                if found:
-                    seen[int(found[1])] = (float(found[3]), "█" in found[4] or "▐" in found[4], "█" in found[5][:6] or "▌" in found[5][:6])
-            terminal.press(key)
-            time.sleep(0.1)
-        self.assertEqual(sorted(seen), message["j"])
-        for j, waves in zip(message["j"], message["coefficients"]):
-            value, left, right = seen[j]
-            self.assertAlmostEqual(value, waves, delta=0.0000501)
-            self.assertEqual((left, right), (waves < -0.04, waves > 0.04), j)
+        """Scrolls the paused screen, and waits each time until it shows the modes that it should, with their values and bars."""
+        wanted = list(zip(message["j"], message["coefficients"]))
+        rows = int(self.wait_for_text(terminal, rf"modes 1-(\d+) of {len(wanted)}")[1])
+        last = len(wanted) - rows
+        self.assertGreater(last, 0, "there is something to scroll")
+        for key, pages in (("\x1b[B", range(1, last + 1)), ("\x1b[A", range(last - 1, -1, -1))):
+            for first in pages:
+                terminal.press(key)
+                self.wait_for_modes(terminal, wanted[first:first + rows])
+            terminal.press(2 * key)  # there is no further mode
+            for text in ("scroll the modes", f"of {len(wanted)}"):  # each `?` is seen once the keys before it have been read
+                terminal.press("?")
+                self.wait_for_text(terminal, text)
+            self.wait_for_modes(terminal, wanted[first:first + rows])
+
+    def wait_for_modes(self, terminal, modes):
+        try:
+            wait_for(lambda: self.shows(terminal, modes))
+        except AssertionError:
+            self.fail(f"not {modes} on\n{terminal.text()}")
+
+    @staticmethod
+    def shows(terminal, modes):
+        """Whether the screen shows exactly these modes (j, waves), each with its bar on the side of its sign."""
+        found = [re.match(r" *(\d+) (\S.*?) +([-+]\d\.\d{4})(.*?)│(.{0,8})", row) for row in terminal.rows()[4:19]]
+        seen = [(int(row[1]), float(row[3]), "█" in row[4] or "▐" in row[4], "█" in row[5][:6] or "▌" in row[5][:6]) for row in found if row]
+        return [j for j, *_ in seen] == [j for j, _ in modes] and all(
+            abs(value - waves) <= 0.0000501 and (left, right) == (waves < -0.04, waves > 0.04) for (_, value, left, right), (_, waves) in zip(seen, modes))
 
     def check_map(self, rows, message):
         signs = "".join(row[45:] for row in rows[4:12])

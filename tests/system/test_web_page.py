@@ -26,6 +26,9 @@ Promise.all([
 </script>"""
 
 
+CANVASES = ("#camera-canvas", "#map-canvas", "#strip-canvas")
+
+
 class Hostile(http.server.BaseHTTPRequestHandler):
     def do_GET(self):
         self.send_response(200)
@@ -68,6 +71,13 @@ class Page(WebCase):
         return self.browser.run("""const c = document.querySelector(arguments[0]);
             return new Set(new Uint32Array(c.getContext("2d").getImageData(0, 0, c.width, c.height).data.buffer)).size""", selector)
 
+    def resize(self, width):
+        """Resizes the page and waits until every canvas was drawn at its new size."""
+        self.browser.resize(width, 1000)
+        drawn = """return innerWidth === arguments[0] && arguments[1].map((name) => document.querySelector(name)).every((canvas) =>
+            canvas.width === Math.round(canvas.clientWidth * devicePixelRatio) && canvas.height === Math.round(canvas.clientHeight * devicePixelRatio))"""
+        wait_for(lambda: self.browser.run(drawn, width, CANVASES), what=f"canvases drawn at a width of {width} px")
+
     def map_peak(self):
         return float(self.browser.wait_text("#map-caption", lambda text: "valley" in text).split()[3])
 
@@ -92,10 +102,9 @@ class Page(WebCase):
         wait_for(lambda: self.browser.run("return document.querySelector('#hologram').naturalWidth") == 1280, what="the hologram's picture")
         for width in (400, 1024, 1440, 3840):
             with self.subTest(width=width):
-                self.browser.resize(width, 1000)
-                time.sleep(0.4)
+                self.resize(width)
                 self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
-                for canvas in ("#camera-canvas", "#map-canvas", "#strip-canvas"):
+                for canvas in CANVASES:
                     self.assertGreater(self.colours(canvas), 10 if canvas != "#strip-canvas" else 2, canvas)
         wait_for(lambda: self.median_age_ms() < 100, 30.0, what="an age on screen below 100 ms")  # other programs may delay it
         self.check_console()
@@ -111,8 +120,7 @@ class Page(WebCase):
         self.browser.run((PACKAGES_AT / "node_modules" / "axe-core" / "axe.min.js").read_text())
         for theme, width in (("light", 400), ("dark", 1440)):
             self.browser.run("document.documentElement.dataset.theme = arguments[0]", theme)
-            self.browser.resize(width, 1000)
-            time.sleep(0.3)
+            self.resize(width)
             found = self.browser.run("return (await axe.run()).violations")
             grave = [(v["id"], v["impact"], v["nodes"][0]["html"]) for v in found if v["impact"] in ("serious", "critical")]
             self.assertEqual(grave, [], f"{theme}, {width} px")
