@@ -71,20 +71,26 @@ class Manager:
 
     def __init__(self):
         self._cgroups = []
-        for hierarchy in ("systemd", "unified"):
-            if not (CGROUPS / hierarchy).is_dir():
-                continue
-            folder = CGROUPS / hierarchy / f"ovws-test-{os.getpid()}"
+        for hierarchy in self._hierarchies():
+            folder = hierarchy / f"ovws-test-{os.getpid()}"
             try:
                 folder.mkdir()
             except OSError as error:
                 raise NoManager(f"no cgroup of its own: {error}") from error
             self._cgroups.append(folder)
-        if not self._cgroups:
-            raise NoManager(f"no systemd cgroup hierarchies in {CGROUPS}")
         for target in TARGETS:
             (UNITS / f"{target}.target").write_text(f"[Unit]\nDescription={target}\n")
         self.environment = {"PATH": os.environ["PATH"], "HOME": "/run", "XDG_RUNTIME_DIR": str(RUNTIME), "SYSTEMD_UNIT_PATH": str(UNITS)}
+
+    @staticmethod
+    def _hierarchies():
+        """The mounted cgroup hierarchies in which systemd counts its processes: the only one of version 2, or those beside version 1."""
+        if (CGROUPS / "cgroup.controllers").is_file():
+            return [CGROUPS]
+        found = [CGROUPS / name for name in ("systemd", "unified") if (CGROUPS / name).is_dir()]
+        if not found:
+            raise NoManager(f"neither cgroup v2 ({CGROUPS}/cgroup.controllers) nor systemd's v1 hierarchy ({CGROUPS}/systemd) is mounted")
+        return found
 
     def start(self):
         self.popen = subprocess.Popen(["/usr/lib/systemd/systemd", "--user"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
