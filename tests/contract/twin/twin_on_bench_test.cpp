@@ -394,9 +394,15 @@ TEST_F(TwinOnBench, ComesBackAfterItWasUnplugged) {
     timeouts += status == GrabStatus::timeout ? 1 : 0;
   }
   EXPECT_GT(timeouts, 5);
-  EXPECT_FALSE(bench.call("twin.get").at("camera").at("plugged").get<bool>());
+  const auto plugged = [&] {
+    return bench.call("twin.get").at("camera").at("plugged").get<bool>();
+  };
+  EXPECT_FALSE(plugged());
   bench.stop();
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (!plugged() && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   bench.open_camera();
   bench.start(settings);
   bench.newer_frame();
