@@ -44,7 +44,9 @@ void Gatherer::take(const std::string& topic, std::string text, std::vector<std:
     spots_ = std::move(text);
     spots_binary_ = std::move(binary);
   } else if (topic == "status") {
-    read_status(read(text));
+    json status = read(text);
+    if (!status.is_object()) return;
+    read_status(std::move(status));
     last_status_ = now;
   } else if (topic == "event") {
     if (json event = read(text); event.is_object()) view_.events.push_back(std::move(event));

@@ -37,7 +37,8 @@ struct View {
   std::deque<nlohmann::json> events;  ///< the newest last
 };
 
-/// Keeps the newest messages and ignores those of an unknown format.
+/// Keeps the newest messages. Ignores a status or event that is not a JSON object, and unknown
+/// topics; after such a wavefront there is none to show.
 class Gatherer {
  public:
   explicit Gatherer(Clock::time_point begin) : last_(begin) {}

@@ -114,12 +114,44 @@ TEST_F(GathererTest, EventsAreKeptUpToFifty) {
   EXPECT_EQ(view().events.back().at("seq"), 59);
 }
 
-TEST_F(GathererTest, OddMessagesAreNothing) {
-  for (const char* text : {"", "{", "[]", "3", "{\"counters\": 5}", "{\"camera\": []}"}) {
-    for (const char* topic : {"status", "wavefront", "spots", "event", "what"}) {
+TEST_F(GathererTest, AMessageThatIsNoJsonObjectOrOfAnUnknownTopicChangesNothing) {
+  take("status", example("status"));
+  take("wavefront", example("wavefront"));
+  take("event", example("event"));
+  for (const char* text : {"", "{", "[]", "3"}) {
+    for (const char* topic : {"status", "event", "what"}) {
+      SCOPED_TRACE(std::string(topic) + " " + text);
+      now_ += 200ms;
       gatherer_.take(topic, text, {}, now_);
-      view();
+      EXPECT_TRUE(view().status_is_current);
+      EXPECT_TRUE(view().status == example("status"));
+      EXPECT_TRUE(view().wavefront == example("wavefront"));
+      EXPECT_EQ(view().events.size(), 1U);
     }
+  }
+  now_ += 700ms;
+  gatherer_.take("status", "{", {}, now_);
+  EXPECT_FALSE(view().status_is_current) << "3.1 s after the last one";
+}
+
+TEST_F(GathererTest, AWavefrontThatIsNoJsonObjectLeavesNoneToShow) {
+  for (const char* text : {"{", "[]", "3"}) {
+    take("status", example("status"));
+    take("wavefront", example("wavefront"));
+    gatherer_.take("wavefront", text, {}, now_);
+    EXPECT_TRUE(view().status == example("status")) << text;
+    EXPECT_TRUE(view().wavefront.is_null()) << text;
+  }
+}
+
+TEST_F(GathererTest, AStatusOfAnotherStructureIsKeptWithoutLosses) {
+  for (const char* text : {R"({"counters": 5})", R"({"camera": []})"}) {
+    take_counter("frames_lost", 7);
+    take("wavefront", example("wavefront"));
+    gatherer_.take("status", text, {}, now_);
+    EXPECT_EQ(view().status, json::parse(text));
+    EXPECT_EQ(view().wavefront, example("wavefront")) << text;
+    EXPECT_TRUE(view().losses.empty()) << text;
   }
 }
 
