@@ -87,13 +87,20 @@ TEST(ReplyBox, GivesAClientRoomForOneRequestWhateverOthersHaveOutstanding) {
   EXPECT_FALSE(box->has_room(*one));
 }
 
-TEST(ReplyBox, LivesAsLongAsAReplyMayCome) {
-  std::function<void(std::string)> late;
-  {
-    const auto box = std::make_shared<ReplyBox>();
-    late = box->reply_to({"a"}, someone(), 10);
-  }
+TEST(ReplyBox, LivesAsLongAsAReplyMayComeAndThenEndsWithIt) {
+  auto box = std::make_shared<ReplyBox>();
+  const std::weak_ptr<ReplyBox> observed = box;
+  const auto client = someone();
+  auto late = box->reply_to({"a"}, client, 10);
+  box.reset();
+  ASSERT_FALSE(observed.expired());
   late("no server listens");
+  EXPECT_EQ(client->requests, 0u);
+  EXPECT_EQ(client->request_bytes, 0u);
+  EXPECT_FALSE(observed.expired());
+  late = nullptr;
+  EXPECT_TRUE(observed.expired());
+  EXPECT_EQ(client.use_count(), 1) << "an uncollected reply is discarded";
 }
 
 TEST(ReplyBox, LosesNothingBetweenThreads) {
