@@ -69,6 +69,9 @@ class SimulatedBench {
   SensorView sensor() const { return keeper_->snapshot(); }
   CameraSnapshot camera() const { return camera_->snapshot(); }
   SimulatedOptics& optics() { return optics_; }
+  SensorKeeper& keeper() { return *keeper_; }
+  FrameBroker& frames() { return frames_; }
+  Events& events() { return events_; }
   const Config& config() const { return config_; }
 
  private:

@@ -1,0 +1,156 @@
+/// ClosedLoop on the simulated bench: a hidden wavefront is corrected, and the loop opens on
+/// request or by itself. The bench's open_display and open_camera replace those of the driver
+/// table.
+#include "daemon/ovwsd/loop/closed_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <future>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/sensor/sensor_changes.hpp"
+#include "tests/support/simulated_bench.hpp"
+
+namespace ovws {
+namespace {
+
+using namespace std::chrono_literals;
+
+class ClosedLoopTest : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(bench_.is_running()); }
+  ~ClosedLoopTest() override {
+    end_ = true;
+    thread_.join();
+    feed_.reset();
+  }
+
+  void take_reference_frames() {
+    const auto taken = bench_.run("reference.take", [](Bench& on) {
+      return take_reference(on, {10, false});
+    });
+    ASSERT_TRUE(taken) << taken.error().reason;
+  }
+  /// The light's own aberration, which only the simulated optics know.
+  void hide(std::vector<Mode> aberration) {
+    twin::Truth truth = bench_.optics().truth();
+    truth.aberration = std::move(aberration);
+    bench_.optics().set_truth(truth);
+  }
+  Result<LoopReport> close(const LoopSettings& settings = {}) {
+    return answer_of([&](auto reply) { loop_.close(settings, std::move(reply)); });
+  }
+  Result<LoopReport> open(bool keep) {
+    return answer_of([&](auto reply) { loop_.open(keep, std::move(reply)); });
+  }
+  template <class Request>
+  static Result<LoopReport> answer_of(Request request) {
+    const auto answer = std::make_shared<std::promise<Result<LoopReport>>>();
+    request([answer](Result<LoopReport> now) { answer->set_value(std::move(now)); });
+    auto future = answer->get_future();
+    if (future.wait_for(10s) == std::future_status::ready) return future.get();
+    return fail(Errc::unavailable, "", "no answer within 10 s");
+  }
+  bool wait_for(const std::function<bool()>& condition) {
+    for (int k = 0; k < 10'000 && !condition(); ++k) std::this_thread::sleep_for(1ms);
+    return condition();
+  }
+  /// Waits until the loop has opened by itself.
+  void expect_opens(const std::string& reason) {
+    ASSERT_TRUE(wait_for([&] { return !is_closed_; }));
+    EXPECT_EQ(loop_.report().opened_because.substr(0, reason.size()), reason);
+  }
+  double correction_of(int j) {
+    const SensorView sensor = bench_.sensor();
+    double waves = 0.0;
+    for (const Mode& mode : sensor->correction) waves += mode.j == j ? mode.waves : 0.0;
+    return waves;
+  }
+
+  test::SimulatedBench bench_;
+  ClosedLoop loop_{{bench_.keeper(), bench_.events(), [this](bool closed) { is_closed_ = closed; },
+                    [] { return std::int64_t{0}; }}};
+  std::atomic<bool> is_closed_{false};  ///< as on_change last said
+  std::atomic<bool> end_{false};
+
+ private:
+  std::shared_ptr<FrameBroker::Request> feed_ =
+      bench_.frames().request(FrameBroker::Needs::numbers, 1, [this](const FrameRecord& record) {
+        loop_.add(record);
+        return false;
+      });
+  std::thread thread_{[this] {
+    while (!end_) loop_.do_work();
+    loop_.on_close();
+  }};
+};
+
+TEST_F(ClosedLoopTest, CorrectsAHiddenWavefrontAndKeepsOrDropsTheCorrectionWhenOpened) {
+  take_reference_frames();
+  hide({{3, -0.05}, {4, 0.08}});
+  ASSERT_TRUE(close());
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 12; }));
+  const auto kept = open(true);
+  ASSERT_TRUE(kept);
+  EXPECT_FALSE(kept->closed);
+  EXPECT_EQ(kept->opened_because, "loop.open was called");
+  EXPECT_LT(*kept->residual_rms_waves, 0.02);
+  EXPECT_FALSE(is_closed_);
+  EXPECT_NEAR(correction_of(3), -0.05, 0.01);
+  EXPECT_NEAR(correction_of(4), 0.08, 0.01);
+  for (const double waves : bench_.mean_waves(10)) EXPECT_NEAR(waves, 0.0, 0.01);
+  ASSERT_TRUE(close());
+  ASSERT_TRUE(open(false));
+  EXPECT_TRUE(bench_.sensor()->correction.empty());
+  const auto uncorrected = bench_.mean_waves(10);
+  ASSERT_GE(uncorrected.size(), 4U);
+  EXPECT_NEAR(uncorrected[3], 0.08, 0.01);
+}
+
+TEST_F(ClosedLoopTest, HoldsTheSensorWhileItIsClosed) {
+  const auto early = close();
+  ASSERT_FALSE(early);
+  EXPECT_EQ(early.error().field, "reference");
+  take_reference_frames();
+  ASSERT_TRUE(close());
+  EXPECT_EQ(close().error().code, Errc::refused);
+  EXPECT_EQ(bench_.edit(set_correction({{4, 0.1}})).error().code, Errc::refused);
+  ASSERT_TRUE(open(true));
+  EXPECT_TRUE(bench_.edit(set_correction({{4, 0.1}})));
+  EXPECT_EQ(close({.limit_waves = 0.09}).error().field, "limit_waves");
+  EXPECT_EQ(close({.modes = {4, 60}}).error().field, "modes");
+}
+
+/// Mode 4 is measured and not corrected, so that its residual stays as large as it becomes.
+TEST_F(ClosedLoopTest, OpensByItselfWhenTheResidualGrowsAndKeepsTheCorrection) {
+  take_reference_frames();
+  hide({{3, -0.05}});
+  ASSERT_TRUE(close({.gains = {{4, 0.0}}, .patience_s = 2.0}));
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 15; }));
+  hide({{3, -0.05}, {4, 0.2}});
+  expect_opens("the residual was 3 times its previous level for 2 s");
+  EXPECT_NEAR(correction_of(3), -0.05, 0.02);
+  EXPECT_TRUE(bench_.edit(set_correction({}))) << "the sensor is free again";
+}
+
+TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
+  take_reference_frames();
+  ASSERT_TRUE(close({.patience_s = 1.0}));
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
+  ASSERT_TRUE(is_closed_);
+  twin::Truth dark = bench_.optics().truth();
+  dark.peak_electrons = 1.0;
+  bench_.optics().set_truth(dark);
+  ASSERT_TRUE(wait_for([&] { return !is_closed_; }));
+  EXPECT_NE(loop_.report().opened_because.find("no usable frame came for 1 s"), std::string::npos)
+      << loop_.report().opened_because;
+}
+
+}  // namespace
+}  // namespace ovws
