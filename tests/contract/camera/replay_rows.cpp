@@ -139,7 +139,7 @@ TEST(ReplayCamera, OtherRegionsAndFormatsAreRefused) {
   EXPECT_EQ((*camera)->apply(wanted)->gain_db, 0.0);
 }
 
-TEST(ReplayCamera, WhatCannotBePlayedIsToldWithItsPath) {
+TEST(ReplayCamera, AFileThatCannotBePlayedIsRefusedWithItsPath) {
   const std::string path = make_recording("bare", -1, false);
   for (const std::string& file : {path, std::string("/nowhere.h5"), std::string("/dev/null")}) {
     auto camera = open_replay_camera(file);

@@ -38,14 +38,14 @@ TEST(StrayFrames, AnIncompleteFrameLeavesNoNumberOut) {
   expect(strays.discarded(kPackets), 1, 0);
 }
 
-TEST(StrayFrames, WhatIsMissingFor100FramesDoesNotComeAnyMore) {
+TEST(StrayFrames, AFrameMissingFor100FramesIsNoLongerExpected) {
   StrayFrames strays(kPackets);
   strays.delivered(1);
   for (std::uint64_t id = 3; id <= 103; ++id) strays.delivered(id);
   expect(strays.discarded(kPackets), 1, 0);
 }
 
-TEST(StrayFrames, AFrameMayBeThrownAwayBitByBit) {
+TEST(StrayFrames, DiscardedPacketsAddUpToAFrame) {
   StrayFrames strays(kPackets);
   strays.delivered(7);
   expect(strays.discarded(kPackets - 10), 0, 0);

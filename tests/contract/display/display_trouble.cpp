@@ -87,7 +87,7 @@ TEST_F(DisplayTrouble, AnUnknownOutputIsUnavailableAndThoseThereAreListed) {
   EXPECT_FALSE(has(error.reason, "DUMMY2")) << error.reason;
 }
 
-TEST_F(DisplayTrouble, AnIndexIsNoName) {
+TEST_F(DisplayTrouble, AnIndexIsNotAcceptedAsAnOutputsName) {
   auto config = slm_config();
   config.output = "1";
   EXPECT_EQ(refused(config).code, Errc::unavailable);

@@ -123,7 +123,7 @@ TEST(Gate, TellsAClientWhyItIsNotLetIn) {
   EXPECT_NE(reason(ClientKeys{good, new_pair().public_key}).find("server key"), std::string::npos);
 }
 
-TEST(Gate, EndsTheStreamsOfWhoIsNoLongerKnownOnly) {
+TEST(Gate, EndsOnlyTheStreamsOfClientsThatWereRemoved) {
   Guarded guarded("streams");
   const KeyPair stays = guarded.let_in(), goes = guarded.let_in();
   const std::string& server_key = guarded.daemon.public_key;
@@ -139,7 +139,7 @@ TEST(Gate, EndsTheStreamsOfWhoIsNoLongerKnownOnly) {
   EXPECT_FALSE(guarded.reaches(second, 1s));
 }
 
-TEST(Gate, TellsOfAStreamThatCannotBeBoundAnewAndOfItsEnd) {
+TEST(Gate, ReportsAStreamThatCannotBeReboundAndItsRecovery) {
   const std::string folder = test::ipc_endpoint("folder").substr(std::strlen("ipc://"));
   std::filesystem::create_directory(folder);
   Guarded guarded("folder/stream");
@@ -164,7 +164,7 @@ TEST(Gate, TellsOfAStreamThatCannotBeBoundAnewAndOfItsEnd) {
   EXPECT_EQ(guarded.rebound[1], "");
 }
 
-TEST(Gate, TakesNoKeyThatIsNone) {
+TEST(Gate, RefusesMalformedKeys) {
   EXPECT_EQ(Gate::make("short", {}).error().field, "security.secret_key");
   const KeyPair pair = new_pair();
   EXPECT_EQ(public_key_of(pair.secret_key), pair.public_key);

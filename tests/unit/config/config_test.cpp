@@ -235,7 +235,7 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of("[]").code, Errc::invalid);
 }
 
-TEST(ParseConfig, RefusesARefinementThatCannotBe) {
+TEST(ParseConfig, RefusesInvalidSettingsOfTheRefinement) {
   EXPECT_EQ(error_of(R"({"refine": {"enabled": true}})").field, "refine.electrons_per_dn");
   EXPECT_EQ(error_of(R"({"refine": {"rate_hz": 0}})").field, "refine.rate_hz");
   EXPECT_EQ(error_of(R"({"refine": {"electrons_per_dn": "39"}})").field, "refine.electrons_per_dn");

@@ -172,7 +172,7 @@ TEST_F(Calibrations, BelongToAllThatMovesTheirSpots) {
   EXPECT_TRUE(differences(key, camera).empty());
 }
 
-TEST_F(Calibrations, DoNotCareForTheNoiseOfARegistration) {
+TEST_F(Calibrations, AreTheSameWithinTheNoiseOfARegistration) {
   const CalibrationKey key = key_of(config_, turned());
   Registration again = turned(20.05);
   again.px_per_cycle = {0.3, -900.3, 899.8, -0.2};

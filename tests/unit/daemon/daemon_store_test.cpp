@@ -149,7 +149,7 @@ TEST_F(Store, ADropThatFailsLosesNoWriteThatWaits) {
 }
 
 /// Not tested here: a read-only folder, which root can write to, and a full disk.
-TEST_F(Store, AFolderThatWasRemovedIsMadeAgain) {
+TEST_F(Store, ARemovedFolderIsCreatedAgain) {
   Answers a;
   fs::remove_all(folder_);
   put("a", 1, a);
@@ -225,7 +225,7 @@ TEST_F(Store, MoreThanItsMemoryIsNotKept) {
   EXPECT_EQ(store_.queued(), 1);
 }
 
-TEST_F(Store, WhatIsOutdatedIsNotLoadedAlsoIfTheNewIsTooMuch) {
+TEST_F(Store, AnOutdatedItemIsNotLoadedEvenIfTheNewOneIsTooLarge) {
   Answers first, second, third;
   put("a", 1, first);
   ASSERT_EQ(first.kept, 1);
@@ -265,7 +265,7 @@ TEST(Disk, TwoDropsThatFailLoseNoWriteThatWaits) {
 }
 
 /// The disk thread waits for a disk that does not answer until the test releases it.
-TEST(Disk, HoldsUpNobodyButWhoWaitsForIt) {
+TEST(Disk, ABlockedDiskDelaysOnlyCallersThatWaitForIt) {
   const std::string folder = own_folder("standing_disk");
   StreamQueue queue;
   Events events{queue};

@@ -70,7 +70,7 @@ TEST_F(KeyFiles, OfTheServiceManagerMayBeReadByTheGroup) {
   ::unsetenv("CREDENTIALS_DIRECTORY");
 }
 
-TEST_F(KeyFiles, ThatAreThereStayUnlessTheyAreToBeReplaced) {
+TEST_F(KeyFiles, AreNotOverwrittenUnlessRequested) {
   put("precious");
   const auto written = write_key_file(path_, keys_, false);
   ASSERT_FALSE(written);

@@ -94,7 +94,7 @@ TEST_F(SlmFiles, FlatnessAsAPictureCounts65536AsOneWave) {
             std::string::npos);
 }
 
-TEST_F(SlmFiles, APictureThatIsNoneIsAnError) {
+TEST_F(SlmFiles, AFlatnessFileThatIsNoPngIsAnError) {
   const std::string path = folder_ + "/map.png";
   std::ofstream(path) << "not a picture";
   EXPECT_EQ(load_flatness(path, 3, 2).error().field, "slm.flatness");

@@ -194,7 +194,7 @@ TEST(ThreadPlan, SomeEndBeforeTheOthers) {
   EXPECT_FALSE(status.closed);
 }
 
-TEST(ThreadPlan, WhoTakesSecondsGivesWayToAllOthers) {
+TEST(ThreadPlan, ThreadsOfLongComputationsRunAtALowerPriority) {
   class Asking : public Agent {
    public:
     bool do_work() override {
@@ -227,7 +227,7 @@ class Where : public Agent {
   std::atomic<int> first{0};
 };
 
-TEST(ThreadPlan, TheFramePathKeepsToItsProcessorsAndNobodyElseDoes) {
+TEST(ThreadPlan, OnlyTheFramePathIsBoundToTheConfiguredCpus) {
   cpu_set_t ours;
   CPU_ZERO(&ours);
   ASSERT_EQ(sched_getaffinity(0, sizeof(ours), &ours), 0);
@@ -242,7 +242,7 @@ TEST(ThreadPlan, TheFramePathKeepsToItsProcessorsAndNobodyElseDoes) {
   wait_for([&] { return other.count == CPU_COUNT(&ours); });
 }
 
-TEST(ThreadPlan, AProcessorThatThereIsNotIsNamedWithThoseThatThereAre) {
+TEST(ThreadPlan, AMissingCpuIsRefusedWithTheListOfUsableOnes) {
   EXPECT_TRUE(check_cpus({}));
   cpu_set_t ours;
   CPU_ZERO(&ours);

@@ -33,7 +33,7 @@ CameraFacts nothing_found(const std::string& id) {
   return facts;
 }
 
-TEST(DoctorCamera, AGoodOneHasNoFaultOfEitherKind) {
+TEST(DoctorCamera, AHealthyGigeOrUsbCameraHasNoFinding) {
   for (const auto& facts : {gige(), usb()}) {
     for (const Finding& one : judge(facts)) {
       EXPECT_TRUE(one.verdict == Verdict::ok || one.verdict == Verdict::not_here) << one.meaning;
@@ -55,7 +55,7 @@ TEST(DoctorCamera, IsFoundOrNot) {
   expect(deaf, "camera.found", Verdict::fault, "ip address add 192.168.7.1/24");
 }
 
-TEST(DoctorCamera, IsInTheRightHands) {
+TEST(DoctorCamera, AnotherProgramThatControlsItIsReported) {
   expect(gige(), "camera.control", Verdict::ok);
   auto taken = gige();
   taken.answer->controlled = true;
@@ -97,7 +97,7 @@ TEST(DoctorCamera, ItsLinkCarriesTheConfiguredFrames) {
   expect(old_port, "camera.link", Verdict::fault);
 }
 
-TEST(DoctorCamera, ItsPacketsPassTheInterface) {
+TEST(DoctorCamera, PacketsLargerThanTheInterfacesMtuAreReported) {
   auto facts = gige();
   expect(facts, "camera.packets", Verdict::ok);
   facts.path->mtu_bytes = 1500;

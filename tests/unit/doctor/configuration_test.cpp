@@ -5,7 +5,7 @@
 namespace ovws::doctor {
 namespace {
 
-TEST(DoctorConfiguration, ReadsWellOrNamesTheKeyAndTheOneThatWasMeant) {
+TEST(DoctorConfiguration, AnInvalidFileIsAFaultThatNamesTheKeyAndTheNearestOne) {
   ConfigurationFacts facts;
   facts.path = "/etc/ovws/ovwsd.json";
   facts.config = Config{};
@@ -27,7 +27,7 @@ TEST(DoctorConfiguration, ThatSeesNoSpotsIsAFault) {
             std::string::npos);
 }
 
-TEST(DoctorConfiguration, NoneIsSaid) {
+TEST(DoctorConfiguration, NoFileIsAWarning) {
   ConfigurationFacts facts;
   facts.config = Config{};
   expect(facts, "configuration", Verdict::warning, "ovws doctor --config FILE");

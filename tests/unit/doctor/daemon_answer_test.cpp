@@ -20,12 +20,12 @@ DaemonFacts running() {
   return facts;
 }
 
-TEST(DoctorDaemon, AGoodOneIsAllRight) {
+TEST(DoctorDaemon, AHealthyDaemonHasNoFinding) {
   for (const Finding& one : judge(running())) EXPECT_EQ(one.verdict, Verdict::ok) << one.meaning;
   EXPECT_EQ(camera_of(running()), DaemonsCamera::with);
 }
 
-TEST(DoctorDaemon, NoneIsNoFault) {
+TEST(DoctorDaemon, ADaemonThatDoesNotAnswerIsNoFault) {
   DaemonFacts facts;
   facts.why = "no reply within 3 s";
   for (const Finding& one : judge(facts)) EXPECT_EQ(one.verdict, Verdict::not_here) << one.name;
@@ -36,7 +36,7 @@ TEST(DoctorDaemon, NoneIsNoFault) {
   expect(facts, "daemon.answer", Verdict::warning);
 }
 
-TEST(DoctorDaemon, TellsWhatTheDaemonTells) {
+TEST(DoctorDaemon, FaultsOfTheStatusAreReported) {
   auto facts = running();
   (*facts.status)["versions"]["ovws"] = "1.2.2";
   expect(facts, "daemon.version", Verdict::warning, "restart ovwsd");
@@ -60,7 +60,7 @@ TEST(DoctorDaemon, TellsWhatTheDaemonTells) {
             std::string::npos);
 }
 
-TEST(DoctorDaemon, AnAnswerWithoutTheseKeysIsNoMishap) {
+TEST(DoctorDaemon, AStatusOfAnotherStructureIsJudgedWithoutItsKeys) {
   auto facts = running();
   facts.status = nlohmann::json::array();
   expect(facts, "daemon.version", Verdict::warning);

@@ -32,7 +32,7 @@ TEST(DoctorDisplay, AGoodBenchIsAllRight) {
   for (const Finding& one : judge(bench())) EXPECT_EQ(one.verdict, Verdict::ok) << one.meaning;
 }
 
-TEST(DoctorDisplay, AServerThatDoesNotAnswerIsAFaultAndOneThatTellsNothingIsNot) {
+TEST(DoctorDisplay, AnUnresponsiveServerIsAFaultAndWaylandIsNotJudged) {
   auto facts = bench();
   facts.probe = fail(Errc::unavailable, "slm.display", "does not answer");
   expect(facts, "slm.server", Verdict::fault, "restart display-manager");
@@ -65,7 +65,7 @@ TEST(DoctorDisplay, TheOutputIsThereAndNotTheDesktop) {
   expect(facts, "slm.output", Verdict::fault, "\"allow_primary\": true");
 }
 
-TEST(DoctorDisplay, TheModeIsTheSlmsOwn) {
+TEST(DoctorDisplay, AModeThatDiffersFromTheSlmsSizeIsAFault) {
   auto facts = bench();
   slm(facts).mode_width = slm(facts).width = 1024;
   expect(facts, "slm.mode", Verdict::fault, "xrandr --output HDMI-1 --mode 1280x768");
@@ -84,7 +84,7 @@ TEST(DoctorDisplay, TheModeIsTheSlmsOwn) {
   expect(facts, "slm.mode", Verdict::fault);
 }
 
-TEST(DoctorDisplay, NothingBendsGreyLevelsOrSwitchesTheScreenOff) {
+TEST(DoctorDisplay, GammaPowerSavingAndScreenSaverAreReported) {
   auto facts = bench();
   slm(facts).linear_gamma = false;
   expect(facts, "slm.gamma", Verdict::fault, "xrandr --output HDMI-1 --gamma 1:1:1");

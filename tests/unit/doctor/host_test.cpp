@@ -22,11 +22,11 @@ HostFacts tuned() {
   return facts;
 }
 
-TEST(DoctorHost, ATunedOneIsAllRight) {
+TEST(DoctorHost, ATunedHostHasNoFinding) {
   for (const Finding& one : judge(tuned())) EXPECT_EQ(one.verdict, Verdict::ok) << one.meaning;
 }
 
-TEST(DoctorHost, OneThatTellsNothingIsNotJudged) {
+TEST(DoctorHost, AHostWithoutFactsIsNotJudged) {
   for (const Finding& one : judge(HostFacts{})) {
     EXPECT_EQ(one.verdict, Verdict::not_here) << one.meaning;
   }

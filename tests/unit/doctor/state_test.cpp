@@ -17,7 +17,7 @@ StateFacts good() {
   return facts;
 }
 
-TEST(DoctorState, AFolderIsThereOrWillBe) {
+TEST(DoctorState, AMissingFolderIsAFaultOnlyIfItCannotBeCreated) {
   expect(good(), "state.directory", Verdict::ok);
   expect(good(), "state.room", Verdict::ok);
   auto facts = good();
@@ -29,7 +29,7 @@ TEST(DoctorState, AFolderIsThereOrWillBe) {
   expect(StateFacts{}, "state.room", Verdict::not_here);
 }
 
-TEST(DoctorState, AFolderThatCannotBeWrittenIsAFaultOfWhoOwnsIt) {
+TEST(DoctorState, AnUnwritableFolderIsAFaultWithTheRepairForItsOwner) {
   auto facts = good();
   facts.writable = false;
   expect(facts, "state.directory", Verdict::fault, "chmod u+rwx /var/lib/ovws");
@@ -50,7 +50,7 @@ TEST(DoctorState, ADiskThatFillsUpIsTold) {
   expect(facts, "state.room", Verdict::fault);
 }
 
-TEST(DoctorState, LookingMakesNothing) {
+TEST(DoctorState, ReadStateCreatesNothing) {
   namespace fs = std::filesystem;
   const fs::path folder = own_folder("doctor_state");
   fs::remove_all(folder);

@@ -188,7 +188,7 @@ TEST(Detector, NoiseOfSuccessivePicturesIsIndependent) {
   EXPECT_NEAR(covariance / 1e4, 0.0, 5.0 / std::sqrt(kPixels));
 }
 
-TEST(Detector, TakesLightThatIsNoneAsDarkness) {
+TEST(Detector, TreatsNegativeAndNanLightAsDarkness) {
   DetectorConfig config = ideal();
   config.shot_noise = true;
   for (const float none : {-5.0F, std::numeric_limits<float>::quiet_NaN()}) {

@@ -197,7 +197,7 @@ TEST(Hologram, IdentifyPictureTellsEachWayOfTurningTheScreen) {
   EXPECT_GT(differing([&](int x, int y) { return picture.at(1279 - x, 767 - y); }), 100000);
 }
 
-TEST(Hologram, ExtremeModesRenderWithoutHarm) {
+TEST(Hologram, RendersExtremeAndNonFiniteModes) {
   // check_sampling refuses such modes, but rendering them must not be undefined behaviour.
   for (const double waves : {1e300, -1e300, std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::quiet_NaN()}) {

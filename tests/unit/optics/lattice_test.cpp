@@ -28,7 +28,7 @@ TEST(Geometry, GivesTheScaleOfThePapersBench) {
   EXPECT_NEAR(lambda_d_px({}, {}, {}), 12.554, 1e-3);
 }
 
-TEST(Geometry, TakesARegistrationAtItsWord) {
+TEST(Geometry, ARegistrationReplacesTheConfiguredScaleAndRotation) {
   OpticsConfig optics;
   optics.registered = PxPerCycle{0.0, 1900.0, 2000.0, 0.0};  // x and y exchanged: a mirror
   EXPECT_NEAR(camera_px_per_cycle(optics, {}), std::sqrt(1900.0 * 2000.0), 1e-9);

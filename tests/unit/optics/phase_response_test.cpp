@@ -231,7 +231,7 @@ TEST(PhaseResponse, IsThatOfAnSlmSeenInAnyDirection) {
   EXPECT_LT(rms_error(found->phase_rad, truth), 0.01);
 }
 
-TEST(PhaseResponse, RefusesWhatNoTableCanMend) {
+TEST(PhaseResponse, RefusesAPhaseThatReversesIsNoisyOrTooShallow) {
   Phases falling = gamma_curve(1.0, 1.0);
   for (std::size_t g = 128; g < 180; ++g) falling[g] -= 0.015 * double(g - 127);
   for (std::size_t g = 180; g < 256; ++g) falling[g] = falling[179] + 0.03 * double(g - 179);

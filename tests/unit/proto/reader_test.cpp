@@ -17,7 +17,7 @@ Error first_error(ObjectReader& reader) {
   return done ? Error{} : done.error();
 }
 
-TEST(NearestName, FindsWhatASlipOfThePenMeant) {
+TEST(NearestName, FindsTheNameThatWasMisspelt) {
   const std::vector<std::string> known{"gain_db", "exposure_us", "frame_rate_hz", "roi"};
   EXPECT_EQ(nearest_name("exposure_su", known), "exposure_us");  // letters swapped
   EXPECT_EQ(nearest_name("exposure", known), "exposure_us");     // without unit
@@ -27,7 +27,7 @@ TEST(NearestName, FindsWhatASlipOfThePenMeant) {
   EXPECT_EQ(nearest_name("rio", known), "roi");
 }
 
-TEST(NearestName, SaysNothingIfNoneIsNear) {
+TEST(NearestName, IsNoneIfNoNameIsSimilar) {
   const std::vector<std::string> known{"gain_db", "roi", "x"};
   EXPECT_EQ(nearest_name("temperature", known), std::nullopt);
   EXPECT_EQ(nearest_name("y", known), std::nullopt);
@@ -154,7 +154,7 @@ TEST(ObjectReader, TellsWhatIsMissing) {
   EXPECT_EQ(error.reason, "is missing");
 }
 
-TEST(ObjectReader, TellsOfAMisspeltKeyRatherThanOfTheMissingOne) {
+TEST(ObjectReader, ReportsAMisspeltKeyRatherThanTheMissingOne) {
   const json object{{"patern", "flat"}};
   std::string pattern;
   ObjectReader r(object, "");

@@ -227,7 +227,7 @@ TEST(Rpc, RefusesEmptyAndHugeBatchesWithOneError) {
   EXPECT_EQ(d.code(many + "]"), -32600);
 }
 
-TEST(Rpc, RefusesTheMembersOfABatchThatItsReplyHasNoPlaceForUncalled) {
+TEST(Rpc, RefusesMembersOfABatchBeyondTheLimitOfItsReplyWithoutACall) {
   Daemon d;
   d.large = Json(std::string(kMaxBatchReplyBytes / 2, 'x'));
   const Json a = d.answer(R"([{"jsonrpc":"2.0","method":"large","id":1},
@@ -312,7 +312,7 @@ TEST(Rpc, MakesAForgottenReplyAnInternalError) {
   ASSERT_EQ(d.sent.size(), 1u);
 }
 
-TEST(Rpc, LetsNoNanAndNoWrongUtf8Out) {
+TEST(Rpc, RepliesHoldNeitherNanNorInvalidUtf8) {
   std::string sent;
   handle_rpc_frame(R"({"jsonrpc":"2.0","method":"m","id":1})",
                    [](const std::string&, const Json&, const RpcReply& reply) {
