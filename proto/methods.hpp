@@ -199,8 +199,9 @@ inline constexpr auto kRegistrationClear = method<Nothing, KnownRegistration>(
     "Deletes the registration; the configuration then defines where the camera sees which slope.");
 inline constexpr auto kRegistrationGet =
     method<Nothing, KnownRegistration>("registration.get",
-                                       "Returns the measured registration, the map from slopes to "
-                                       "camera pixels; or nulls, if the configuration defines it.");
+                                       "Returns the measured registration (the map from slopes to "
+                                       "camera pixels). All values are null if none was measured "
+                                       "and the configuration's geometry is used.");
 inline constexpr auto kRegistrationRun = method<RegistrationRun, JobNumber>(
     "registration.run",
     "Measures the registration, the map from slopes to camera pixels: the base subaperture alone "

@@ -289,8 +289,8 @@ Result<PhaseResponse> with_sign(PhaseResponse response, const BlazedLight& risin
                                  std::abs(falling.first_dn - falling.second_dn));
   if (std::abs(up - down) <= std::max(kMinBlaze * std::max(up, down), kBlazeNoises * spread)) {
     return fail(Errc::refused, "camera.exposure_us",
-                "cannot tell whether the phase rises or falls with the grey level: a blazed "
-                "grating brings " +
+                "cannot determine whether the phase rises or falls with the grey level: a "
+                "blazed grating brings " +
                     two_decimals(up) + " DN to the base spot if it rises and " +
                     two_decimals(down) +
                     " DN if it falls; run registration.run, raise the exposure, or average more "

@@ -52,7 +52,7 @@ Result<ModeErrors> most_modes(const ModeBench& bench, int below) {
   for (int above = below; most && most->modes < above;) {
     auto middle = mode_errors(bench, (most->modes + above + 1) / 2);
     if (!middle) return middle;
-    if (middle->are_told()) {
+    if (middle->are_determined()) {
       most = middle;
     } else {
       above = middle->modes - 1;

@@ -1,4 +1,4 @@
-/// How many modes the spots of a sensor tell.
+/// How many modes the spots of a sensor determine.
 #pragma once
 
 #include "core/base/result.hpp"
@@ -23,17 +23,17 @@ struct ModeErrors {
   double worst_waves = 0.0;  ///< largest standard error of a mode
   double tilt_waves = 0.0;   ///< standard error of a tilt if it were the only mode
 
-  /// Modes are told as long as none has more than twice that error. Beyond, the error
-  /// grows steeply: 19 vortices of charge 1 tell 47 modes, 19 bright spots 26.
-  bool are_told() const { return worst_waves <= 2.0 * tilt_waves; }
+  /// Modes are determined as long as none has more than twice that error. Beyond, the error grows
+  /// steeply: 19 vortices of charge 1 determine 47 modes, 19 bright spots 26.
+  bool are_determined() const { return worst_waves <= 2.0 * tilt_waves; }
 };
 
 /// Estimates that do not determine the modes have infinite errors. Renders the spots, some 20 ms on
 /// the default bench. Errors: those of SpotRenderer::make.
 Result<ModeErrors> mode_errors(const ModeBench& bench, int modes);
 
-/// The largest number of modes that are told, at most `below`; some ten renderings. Errors: those
-/// of SpotRenderer::make.
+/// The largest number of modes that are determined, at most `below`; some ten renderings. Errors:
+/// those of SpotRenderer::make.
 Result<ModeErrors> most_modes(const ModeBench& bench, int below);
 
 }  // namespace ovws

@@ -99,8 +99,8 @@ inline constexpr auto kTable<CalibrationReport> = Fields{
         Bounds::at_least(1)),
     computed(
         "drift_px", [](auto& c) { return c.matrix.drift_px; },
-        "drift of the spots without a poke from the beginning to the end, RMS over the spots, x "
-        "and y, camera pixels",
+        "drift of the unpoked spots from the start to the end of the calibration, RMS over spots "
+        "and both axes, camera pixels",
         Bounds::at_least(0)),
     computed(
         "drift_noise_px", [](auto& c) { return c.matrix.drift_noise_px; },

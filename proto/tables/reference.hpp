@@ -106,7 +106,7 @@ inline constexpr auto kTable<Registration> = Fields{
     field<&Registration::residual_px>(
         "RMS residual of the map at the positions where the spot was found, camera pixels",
         Bounds::at_least(0)),
-    field<&Registration::sights>("number of slopes for which the spot was found",
+    field<&Registration::sights>("number of test gratings (slopes) at which the spot was found",
                                  Bounds::at_least(0))};
 
 /// Result of `registration.get`, `registration.clear` and the `registration.run` job.

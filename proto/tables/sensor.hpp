@@ -38,20 +38,19 @@ inline constexpr auto kTable<TrackingSettings> =
     Fields{"TrackingSettings",
            field<&TrackingSettings::tracker>("algorithm that finds the spots"),
            field("template", &TrackingSettings::templates,
-                 "no effect: of the tracker matched of older versions, which is read as fit with 2 "
-                 "estimates"),
+                 "no effect; accepted for compatibility with older versions (tracker matched)"),
            field("operator", &TrackingSettings::mode_operator,
                  "matrix from displacements to modes: slopes, from each mode's local tilt as the "
                  "tracker measures it; diffractive, from the diffraction model of each mode, exact "
                  "for aberrations up to about 0.1 wave, beyond which slopes is better; measured, "
                  "the interaction (poke) matrix of calibration.run"),
            field<&TrackingSettings::mode_count>(
-               "number of modes, j = 1 to this; null: as many as the positions of the spots tell. "
-               "The tracker fit measures more, as far as the spots tell them; frames are then "
-               "valid only while templates describe them",
+               "number of modes, j = 1 to this; null: as many as the positions of the spots "
+               "determine. The tracker fit measures more, as far as the shapes of the spots "
+               "determine them; frames are then valid only while templates describe them",
                {1, kMaxZernikeIndex}),
            field<&TrackingSettings::estimates>("numbers that the tracker fit takes from each spot: "
-                                               "2 tell its position, 4 its astigmatism, too",
+                                               "2 give its position, 4 also its astigmatism",
                                                limits::kEstimates)};
 template <>
 struct Rules<TrackingSettings> {

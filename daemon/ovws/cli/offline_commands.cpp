@@ -96,7 +96,7 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->check(CLI::IsMember(kNames<TrackerKind>()));
   command
       ->add_option("--template", options->templates,
-                   "no effect: of older versions, whose tracker matched used it")
+                   "no effect; accepted for compatibility with older versions (tracker matched)")
       ->check(CLI::IsMember(kNames<TemplateKind>()));
   command
       ->add_option("--operator", options->mode_operator,
@@ -105,7 +105,7 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->check(CLI::IsMember(kNames<OperatorKind>()));
   auto* refine =
       command->add_flag("--refine", options->refine,
-                        "fit all pixels of the spots with this camera's noise, and tell how "
+                        "fit all pixels of the spots with this camera's noise, and report how "
                         "well the model explains them");
   command
       ->add_option("--electrons-per-dn", options->camera.electrons_per_dn,
@@ -130,7 +130,7 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->capture_default_str();
   command
       ->add_flag("--spot-amplitudes", options->spot_amplitudes,
-                 "for --refine: tell each subaperture's amplitude, too")
+                 "for --refine: also report each subaperture's amplitude")
       ->needs(refine);
   command->add_option("images", options->images, "image files, each a camera frame")->required();
   command->callback([&common, &status, options] { status = measure_images(common, *options); });

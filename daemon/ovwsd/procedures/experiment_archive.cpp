@@ -327,7 +327,7 @@ void ExperimentArchive::cell(int number, std::function<void(Result<json>)> done)
   lock.unlock();
   if (cell.is_null())
     return done(fail(Errc::refused, "cell",
-                     "it has not been measured yet: experiment.get tells the progress"));
+                     "it has not been measured yet: experiment.get reports the progress"));
   if (!cell["picture"].is_object()) return done(std::move(cell));
   if (auto base64 = picture_in_memory(run, number)) {
     cell["picture"]["base64"] = std::move(*base64);

@@ -108,7 +108,9 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
     return fail(Errc::unavailable, "",
                 "there is not enough memory: choose a smaller region of interest");
   } catch (const std::exception& error) {  // the job fails and releases the sensor
-    return fail(Errc::internal, "", std::string("internal error of the daemon: ") + error.what());
+    return fail(Errc::internal, "",
+                std::string("internal error of the daemon: ") + error.what() +
+                    "; run the job again, and report this message if it recurs");
   }
 }
 

@@ -190,13 +190,13 @@ Result<void> check_mode_count(const SpotBench& bench) {
   };
   const bool by_shapes = tracking.tracker == TrackerKind::fit;
   if (requested < by_positions || !by_shapes) {
-    return refuse(fmt::format("positions of these spots tell {} modes: set null{}", by_positions,
-                              by_shapes ? ", or more" : ", or use the tracker fit"));
+    return refuse(fmt::format("positions of these spots determine {} modes: set null{}",
+                              by_positions, by_shapes ? ", or more" : ", or use the tracker fit"));
   }
   if (!can_fit(bench.format)) {
     return refuse(
-        fmt::format("positions of these spots tell {} modes, and with a colour camera "
-                    "only positions are measured: set null",
+        fmt::format("positions of these spots determine {} modes, and with a colour camera only "
+                    " positions are measured: set null",
                     by_positions));
   }
   OpticsConfig centred = bench.optics;  // wherever the region is, which may be moved next
@@ -206,12 +206,12 @@ Result<void> check_mode_count(const SpotBench& bench) {
                         int(region.x), int(region.y), tracking.estimates};
   const auto errors = mode_errors(modes, requested);
   if (!errors) return fail(errors.error());
-  if (errors->are_told()) return {};
+  if (errors->are_determined()) return {};
   const auto most = most_modes(modes, requested - 1);
   if (!most) return fail(most.error());
   return refuse(
-      fmt::format("{} {} with {} estimates each tell {} modes (their expected error together is "
-                  "{:.4f} wave at 500 electrons in the brightest pixel), not {} ({:.4f} wave)",
+      fmt::format("{} {} with {} estimates each determine {} modes (their expected error together "
+                  "is {:.4f} wave at 500 electrons in the brightest pixel), not {} ({:.4f} wave)",
                   bench.lattice.subapertures.size(), spot_name(bench.sensor.charge),
                   tracking.estimates, most->modes, most->rms_waves, requested, errors->rms_waves));
 }

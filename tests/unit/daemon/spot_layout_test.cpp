@@ -128,7 +128,7 @@ TEST(SpotLayout, MoreModesThanTheSpotsTellAreRefusedWithTheNumberThatIsPossible)
     const std::string reason = refusal(config);
     SCOPED_TRACE(reason);
     ASSERT_TRUE(reason.starts_with("tracking.mode_count: 19 "));
-    const int possible = int(number_after(reason, "each tell"));
+    const int possible = int(number_after(reason, "each determine"));
     ASSERT_GE(possible, 18);
     EXPECT_GT(number_after(reason, "error together is"), 0.0);
     config.tracking.mode_count = possible;
