@@ -35,9 +35,9 @@ enum class LoopEnd { none, too_few_spots, at_limit, growing };
 
 /// Leaky integrator, one step per usable frame: c <- (1 - leak) c + gain r, where r is the residual
 /// measured with the correction c subtracted from the hologram. Clamping c itself prevents
-/// integrator windup. Growth is relative to a low-pass filtered residual RMS, whose time constant
-/// is `patience_s` downwards and ten times that upwards. Times are CLOCK_MONOTONIC ns. Not
-/// thread-safe.
+/// integrator windup. The loop ends if the residual RMS grows. Growth is measured against a
+/// low-pass filtered residual RMS, whose time constant is `patience_s` downwards and ten times that
+/// upwards. Times are CLOCK_MONOTONIC ns. Not thread-safe.
 class Integrator {
  public:
   /// Starts from `correction`, RMS-normalised waves; modes that are not corrected keep their value.

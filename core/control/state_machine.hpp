@@ -75,7 +75,7 @@ constexpr Table<DaemonState, StateRow> kStates{{
     {"running", nullptr, true},
 }};
 
-/// A condition that blocks actions, and the error that tells the client how to proceed.
+/// A condition that blocks actions, and the error that says what the client must do.
 struct Obstacle {
   bool Conditions::*condition;
   bool when;

@@ -13,7 +13,7 @@ namespace {
 constexpr int kTilePx = 64;     // side of the pieces outside the subapertures
 constexpr int kMinAcross = 64;  // cells in the diameter of a subaperture
 constexpr int kMaxBinPx = 4;
-constexpr double kMaxBand = 0.6;  // of the frequencies that the cells tell apart
+constexpr double kMaxBand = 0.6;  // of the frequencies that the cells resolve
 constexpr double kTie = 1e-6;     // cells: pixels of an SLM of odd size lie between two cells
 constexpr int kOutside = -2;      // outside the pupil: modes are not applied
 constexpr int kUnowned = -1;      // in the pupil, outside the subapertures

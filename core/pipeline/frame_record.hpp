@@ -76,7 +76,7 @@ struct FrameRecord {
   int tracked = 0;
   bool searched = false;            ///< the whole image was searched for spots, too
   float saturated_fraction = 0.0F;  ///< fraction of the spots with a saturated pixel
-  /// RMS-normalised waves, order of plan->modes_j; NaN: neither positions nor templates tell it.
+  /// RMS-normalised waves, order of plan->modes_j; NaN: neither positions nor templates give it.
   std::vector<float> coefficients;
   /// Standard errors of the coefficients, waves; NaN unless it is measured by templates.
   std::vector<float> sigma_waves;
@@ -88,7 +88,7 @@ struct FrameRecord {
   bool follows = false;
   Reconstruction reconstruction;
   /// A wavefront explains the spots, but the plan has or awaits templates and the frame does not
-  /// follow, or positions do not tell all modes.
+  /// follow, or positions do not determine all modes.
   bool unconfirmed = false;
   bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or the
                           ///< frame is unconfirmed

@@ -20,7 +20,7 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
   const std::vector<int>& leading = plan.reconstructor->modes_j();
   demand(leading.size() <= plan.modes_j.size() &&
              std::equal(leading.begin(), leading.end(), plan.modes_j.begin()),
-         "measurement plan whose positions tell other modes");
+         "measurement plan whose positions determine other modes");
   demand(!plan.fit || plan.fit->modes_j() == plan.modes_j,
          "measurement plan whose templates have other modes");
   demand(plan.modes_j.size() <= std::size_t(kMaxModes), "measurement plan with too many modes");

@@ -38,7 +38,7 @@ struct MeasurementPlan {
   bool fits_shapes = false;  ///< frames are to be measured by templates
   std::unique_ptr<const SpotTracker> tracker;
   std::vector<int> modes_j;  ///< that frames are measured in
-  /// Of the leading modes that positions tell: of all of them, unless templates tell more.
+  /// For the leading modes, which positions determine: all, unless templates determine more.
   std::unique_ptr<const Reconstructor> reconstructor;
   /// Templates about an operating point, of `modes_j`: measures a frame near that point from all
   /// its pixels, without the tracker. Null: none yet.
@@ -46,7 +46,7 @@ struct MeasurementPlan {
 
   int subapertures() const { return int(predicted_px.size()); }
   bool referenced() const { return !reference_px.empty(); }
-  /// Whether the spots' positions tell all modes.
+  /// Whether the spots' positions determine all modes.
   bool positions_suffice() const { return reconstructor->modes_j().size() == modes_j.size(); }
   bool wants_templates() const { return fits_shapes && referenced(); }
 };

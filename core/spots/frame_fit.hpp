@@ -46,7 +46,7 @@ class FrameFit {
   /// more than noise of the estimates, or less than `max_residual_px`. Call before any other thread
   /// uses this object.
   const FittedFrame& check(const ImageView& image, double max_residual_px);
-  /// What all spots of one image tell; allocates.
+  /// The modes from all spots of one image; allocates.
   struct Measured {
     FittedFrame frame;
     std::vector<float> coefficients, sigma_waves;  ///< of modes_j, see `solve`

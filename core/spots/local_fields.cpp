@@ -37,7 +37,7 @@ Field field_of(const Eigen::VectorXd& numbers) {
   return field;
 }
 
-/// What the fit of a spot tells about its cells.
+/// Results of the fit of a spot for its cells.
 struct Cells {
   double chi2, background_dn, ceiling_dn;
 };

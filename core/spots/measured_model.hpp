@@ -24,7 +24,7 @@ class MeasuredModel {
   /// too far from the wavefront of the calibration.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise);
 
-  /// Templates for the light of the last of `images`; those before it tell the noise (noise_of).
+  /// Templates for the last of `images`; those before it give the noise (noise_of).
   /// Errc::refused, field "image": the spots do not look as measured.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images) const;
 

@@ -12,7 +12,7 @@ namespace ovws {
 struct PixelNoise {
   double constant_dn2 = 1.0;  ///< of one camera pixel
   double per_dn = 0.0;        ///< DN of variance for each DN of light: DN per electron
-  double saturated_dn = std::numeric_limits<double>::infinity();  ///< pixels tell nothing from here
+  double saturated_dn = std::numeric_limits<double>::infinity();  ///< brighter pixels are not used
 
   /// Variance of a cell of `pixels` camera pixels that holds `light_dn` in all.
   double variance(double light_dn, int pixels) const {

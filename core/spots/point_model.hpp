@@ -41,7 +41,7 @@ class PointModel {
   }
 
   /// Templates about the wavefront of the last of `images`, found from `coefficients`, which count
-  /// from the reference, in at most `renderings`. The images before it tell the noise (noise_of).
+  /// from the reference, in at most `renderings`. The images before it give the noise (noise_of).
   /// From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18).
   /// Errc::refused, field "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,

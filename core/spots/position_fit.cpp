@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-// Radius of the pixels that tell the position, of the dark ring's: beyond are the neighbours.
+// Radius of the fitted pixels, units of the dark ring's radius: beyond are the neighbours.
 constexpr double kDisc = 0.9;
 constexpr double kCapture = 1.0;  // lambda/d
 constexpr double kMaxStep = 0.2;  // lambda/d, of one rendering

@@ -25,7 +25,7 @@ struct SpotWindow {
 /// nothing, from lambda/d of 10 pixels on. `half_width` in units of lambda/d.
 SpotWindow window_of(double lambda_d_px, double half_width);
 /// Half the width of windows for j = 1 to `modes`, units of lambda/d: 2.0, or 2.3 for more modes
-/// than positions tell, which change the light farther out.
+/// than positions determine, which change the intensity farther out.
 double window_half_width(int modes, int subapertures_across);
 /// The same window around `place_px`, inside an image of at least its size.
 SpotWindow moved_to(Vec2 place_px, SpotWindow window, int cols, int rows);

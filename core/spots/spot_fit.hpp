@@ -14,7 +14,7 @@ namespace ovws {
 
 constexpr int kMaxSpotEstimates = 8;
 
-/// What the pixels of one spot tell.
+/// Estimates from the pixels of one spot.
 struct SpotEstimates {
   float level = 0.0F;       ///< DN of a camera pixel where the rendered light is 1; 0: no spot
   float background = 0.0F;  ///< DN of a camera pixel

@@ -1,4 +1,4 @@
-/// The templates of one spot: linear estimators of what its pixels tell about the wavefront.
+/// The templates of one spot: linear estimators of the wavefront from its pixels.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,10 +13,10 @@ namespace ovws {
 
 /// The pixels y of a spot near its rendering are level * (light + per_wave * waves) + background.
 /// Level and background are fitted to each spot. The derivatives, weighted by the noise, are
-/// projected orthogonally to level and background. What they tell is weighed by what it is worth:
-/// by the covariance of the modes from all spots. The leading singular vectors of the product are
-/// the estimates: their number loses least of the modes' exactness. They are uncorrelated, and have
-/// an error of 1 in pixels of the assumed noise.
+/// projected orthogonally to level and background, and weighted by the covariance of the modes from
+/// all spots. The leading singular vectors of the product are the estimates: no other set of as
+/// many loses less of the modes' accuracy. They are uncorrelated, and have an error of 1 in pixels
+/// of the assumed noise.
 ///
 /// Estimates = level * per_wave * waves, waves counted from the rendering.
 struct SpotTemplates {
@@ -46,7 +46,7 @@ struct CellLevel {
   double ceiling_dn = std::numeric_limits<double>::infinity();
 };
 
-/// Of all spots together. `levels` and `noise` give the weights; a spot of level 0 tells nothing.
+/// Of all spots together. `levels` and `noise` give the weights; a spot of level 0 is not used.
 /// `estimates`: of each spot, at least 1, at most the number of modes. A spot without light, or
 /// with too few cells below the ceiling, gets no rows.
 std::vector<SpotTemplates> make_templates(std::span<const RenderedSpot> spots,

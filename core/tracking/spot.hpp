@@ -27,8 +27,8 @@ struct SpotFix {
 
 /// Marks faint spots as lost: those whose level is below a tenth of the median level of the
 /// `expected` brightest ones. Returns how many remain. In a subaperture without light, stray light
-/// of the other spots forms genuine but faint vortices; only their level tells them from a spot.
-/// RT-safe; the median takes at most 4096 spots into account.
+/// of the other spots forms genuine but faint vortices; only their level distinguishes them from a
+/// spot. RT-safe; the median takes at most 4096 spots into account.
 int drop_faint(std::span<SpotFix> spots, int expected) OVWS_NONBLOCKING;
 
 enum class TrackerKind : std::uint8_t {

@@ -25,8 +25,8 @@ namespace ovws {
 /// annulus must be dark on every azimuth.
 ///
 /// The difference between bright and dark must also be significant against the pixel noise, which
-/// is measured in the same patch. In noise that makes such small areas inconclusive, the ideal spot
-/// is fitted to all pixels within the dark ring, and decides.
+/// is measured in the same patch. If noise makes these small areas inconclusive, a fit of the ideal
+/// spot to all pixels within the dark ring decides.
 class SpotCheck {
  public:
   struct Verdict {

@@ -28,7 +28,7 @@ enum class OperatorKind : std::uint8_t {
 struct TrackingSettings : TrackingConfig {
   TemplateKind templates = TemplateKind::model;
   OperatorKind mode_operator = OperatorKind::slopes;
-  /// Modes to measure, j = 1 to this; none: as many as positions tell. Only templates tell more.
+  /// Modes to measure, j = 1 to this; none: as many as positions determine. Templates allow more.
   std::optional<int> mode_count = std::nullopt;
   int estimates = 8;  ///< of each spot, tracker `fit`
 

@@ -12,7 +12,7 @@ void notify_ready() {
   sd_notify(0, "READY=1");
 }
 void notify_reloading() {
-  // systemd requires the time, to tell several reloads apart.
+  // systemd requires the time, to distinguish several reloads.
   sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRIi64, monotonic_ns() / 1000);
 }
 void notify_stopping() {

@@ -268,8 +268,8 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
                 path + " is not a recording of schema " + kRecordingSchema +
                     ": give a file that record.start wrote");
   }
-  // Frames first: in a recording that is still being written, all that they refer to exists by
-  // then.
+  // Read the frame rows first. While a recording is still being written, the data that these rows
+  // refer to are then already in the file.
   if (!impl->read_frames()) return impl->unreadable("its frames");
   if (!impl->open_pictures()) return impl->unreadable("its images");
   if (!impl->open_tables()) return impl->unreadable("its tables");

@@ -44,7 +44,7 @@ constexpr int kHandshakeEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
 
-/// Why a CURVE handshake failed, as far as the client can tell.
+/// Why a CURVE handshake failed, as far as the client can determine it.
 std::string rejection_reason(int event, bool has_keys) {
   if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
     return "the daemon does not know this client's key: add its public key to the daemon's file of "

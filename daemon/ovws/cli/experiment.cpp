@@ -69,7 +69,7 @@ class Fetched {
     return !run_.is_null() && experiment.at("run") == run_;
   }
   void set_run(const json& name) { run_ = name; }
-  /// Whether this measurement of the cell was fetched (same number and start time).
+  /// Whether the cell is already fetched: same number, same start time.
   bool has(const json& summary) const {
     const auto found = cells_.find(summary.at("cell").get<int>());
     return found != cells_.end() && is_same(found->second, summary);

@@ -97,8 +97,8 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   return line;
 }
 
-/// Adds what a known camera tells. An image that is not explained has no coefficients, and
-/// `refined.reason` says why.
+/// Adds the results that need the camera's noise. An image that is not explained has no
+/// coefficients, and `refined.reason` says why.
 void put_refined(json& line, const Measured& measured, bool amplitudes) {
   const std::vector<int> modes_j = line["j"];
   const bool valid = measured.valid && measured.refined;

@@ -26,7 +26,7 @@ constexpr int kPage = 10;
 
 std::atomic<bool> stop_requested{false};
 
-/// Why the frame is not valid; empty if the messages lack the fields to tell.
+/// Why the frame is not valid; empty if the messages lack the fields for it.
 std::string reason_of(const screen::View& view) {
   for (const char* key : {"settled", "fit_residual_px", "tracked", "subapertures"}) {
     if (!view.wavefront.contains(key)) return {};

@@ -43,7 +43,7 @@ std::vector<SpotBench> all_spot_benches() {
   std::vector<SpotBench> all;
   for (const Light light : {Light::equal_peak, Light::equal_photons}) {
     for (const Method& method : all_methods()) {
-      if (method.fixed_cell) continue;  // an isolated spot has no fixed window
+      if (method.fixed_cell) continue;  // one cropped spot has no fixed window
       all.push_back(spot_bench(method, light, method.charge == 0 ? bright : vortex, vortex));
     }
   }

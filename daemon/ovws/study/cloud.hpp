@@ -1,4 +1,5 @@
-/// Monte-Carlo localisation errors of one isolated spot.
+/// Monte-Carlo localisation errors of one spot of the lattice, cropped with its neighbours'
+/// diffraction ripple.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,8 @@
 
 namespace ovws::study {
 
-/// An isolated spot at one light level, measured by one method.
+/// One spot of the lattice at one intensity, cropped with its neighbours' diffraction ripple and
+/// measured by one method.
 struct SpotBench {
   Light light = Light::equal_peak;
   Method method;

@@ -1,5 +1,5 @@
-/// Study `modes`: how many modes a lattice of spots tells, and how exactly, by the spots'
-/// positions, by their shapes, and at most.
+/// Study `modes`: how many modes a lattice of spots determines, and how accurately: by the spots'
+/// positions, by their shapes, and by the Cramer-Rao bound.
 #include <spdlog/fmt/fmt.h>
 
 #include <Eigen/Cholesky>
@@ -98,7 +98,7 @@ double bound_of(const Geometry& geometry, const Image<float>& light_e,
   return without_tilts(pixel_covariance(renderer, {}, light_e, kModesReadNoiseE));
 }
 
-/// What a wave of each mode does to the position that a spot's templates tell: 2 x modes.
+/// How far a wave of each mode moves the position that a spot's templates give: 2 x modes.
 Eigen::MatrixXd moved_by(const SpotTemplates& spot, const RenderedSpot& rendered) {
   const auto rows = spot.rows.middleRows(SpotTemplates::kX, 2).leftCols(rendered.light.size());
   return rows.cast<double>() * rendered.per_wave.cast<double>();

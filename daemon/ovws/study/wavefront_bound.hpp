@@ -22,7 +22,7 @@ SpotRenderer bound_renderer_of(const Geometry& geometry, int charge,
 Eigen::MatrixXd pixel_covariance(SpotRenderer& renderer, std::span<const Mode> modes,
                                  const Image<float>& light_e, double read_noise_e);
 
-/// Its trace for all modes that positions tell, rad^2.
+/// Its trace for all modes that positions determine, rad^2.
 double wavefront_bound_rad2(const Geometry& geometry, int charge, std::span<const Mode> modes,
                             const Image<float>& light_e, double read_noise_e);
 

@@ -1,4 +1,4 @@
-/// Frame by frame what was measured in a number of frames, and which frames a measurement uses.
+/// Per-frame results of a series of frames, and the rules for which frames a measurement uses.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +17,10 @@ struct MeasuredUnder {
   std::uint64_t sensor_epoch = 0;
   std::uint64_t hologram_id = 0;
 
-  /// Measured after the hologram had settled: for spots.
+  /// Whether spots of this frame may be used: it was measured after the hologram had settled.
   bool settled(const FrameRecord& record) const { return record.settled && fits(record); }
-  /// Exposed after the hologram had settled, with known settings: for images.
+  /// Whether pixels of this frame may be used: exposed after the hologram had settled, with known
+  /// camera settings.
   bool still(const FrameRecord& record) const {
     return record.still && record.settings_known && fits(record);
   }

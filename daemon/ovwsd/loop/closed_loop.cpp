@@ -94,7 +94,7 @@ void ClosedLoop::add(const FrameRecord& record) {
   {
     const std::lock_guard lock(mutex_);
     newest_.hologram_id = record.hologram_id;
-    // A frame of positions tells the leading modes only.
+    // A frame measured by positions gives the leading modes only.
     newest_.modes_j =
         record.templates.credible ? record.plan->modes_j : record.plan->reconstructor->modes_j();
     newest_.residual_waves.assign(record.coefficients.begin(),

@@ -50,7 +50,7 @@ Result<void> check_complete(const InteractionMatrix& matrix, bool all) {
 
 /// What the pokes of all modes showed.
 struct Measured {
-  PushPullRun places;             ///< of modes that positions tell
+  PushPullRun places;             ///< of modes that positions determine
   std::vector<PokedSpots> cells;  ///< of `cells_j`; empty: measured by positions
   std::vector<int> cells_j;
   SpotCells resting;
@@ -58,7 +58,7 @@ struct Measured {
   bool any_lost = false;
 };
 
-/// Adds a poke to those of positions, if they tell its mode, and of shapes.
+/// Adds a poke to those of positions, if they determine its mode, and of shapes.
 void add(Poke poke, const ModeOperator& model, Measured& measured) {
   const int j = poke.places.j;
   if (poke.cells.plus.size() > 0) {
@@ -96,7 +96,7 @@ Result<Measured> measure_all(Bench& bench, Pokes& pokes, const std::vector<int>&
   return measured;
 }
 
-/// The modes of the matrix first, then those that only shapes tell.
+/// The modes of the matrix first, then those that only shapes determine.
 std::shared_ptr<const MeasuredShapes> shapes_of(const SpotMeter& meter, const Measured& measured,
                                                 const std::vector<int>& matrix_j,
                                                 const std::vector<int>& by_positions_j) {

@@ -97,7 +97,8 @@ SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
     }
     motion.mean_px = motion.mean_px + moved;
     ++compared;
-    // Along one axis; the earlier mean has the same scatter.
+    // Standard error of the motion per axis. It assumes that single frames of the earlier mean
+    // scatter as much as these.
     const Vec2 error = now.standard_error_px[i];
     const double more = 1.0 + double(now.found[i]) / std::max(1, frames_before);
     motion.standard_error_px =
@@ -128,7 +129,7 @@ Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std:
   return fail(
       Errc::refused, "reference_frames",
       fmt::format(
-          "the spots are too noisy to tell whether the bench moved since the run's "
+          "the spots are too noisy to determine whether the bench moved since the run's "
           "reference ({}) was taken: four standard errors of a spot's motion are {:.2f} px, "
           "more than the limit of {:.2f} px (lambda/(20 d)); start a new run with more "
           "reference_frames or a higher intensity. The cells measured so far are kept",

@@ -29,7 +29,7 @@ struct PlanFacts {
   double reference_introduced_rms_waves = 0.0;
   OperatorKind mode_operator = OperatorKind::slopes;
   std::vector<int> modes_j;           ///< of the coefficients
-  std::vector<int> position_modes_j;  ///< the first of them, which `slopes` tells
+  std::vector<int> position_modes_j;  ///< the first of them, which `slopes` determines
   Eigen::MatrixXd slopes;
   SensorView sensor;                    ///< as it was when the plan was adopted
   Eigen::MatrixXd nuisance;             ///< see Reconstructor

@@ -8,12 +8,12 @@
 
 namespace ovws {
 
-/// They stay right while the sensor's epoch, its reference and the calibration in force stay: the
-/// wavefront may move away from their operating point, and frames tell by how much.
+/// They stay valid while the sensor's epoch, its reference and the active calibration stay the
+/// same. The wavefront may move away from their operating point; frames show by how much.
 struct ActiveTemplates {
   std::uint64_t sensor_epoch = 0;
   std::int64_t reference_taken_ns = 0;
-  std::int64_t calibration_taken_ns = 0;  ///< 0: no shapes are in force
+  std::int64_t calibration_taken_ns = 0;  ///< 0: no measured templates are active
   std::shared_ptr<const FrameFit> fit;
   bool given_up = false;  ///< none are to come soon: positions count
 

@@ -18,7 +18,7 @@ namespace ovws {
 /// fewer.
 std::vector<int> reconstructed_modes(const SensorConfig& sensor);
 
-/// These modes, which positions tell, and those up to `mode_count` that only shapes tell.
+/// These modes, which positions determine, and those up to `mode_count` that only shapes determine.
 std::vector<int> with_shapes(const TrackingSettings& tracking, std::vector<int> modes_j);
 
 /// Slope operator: the tilt of each mode over each subaperture, as the tracker weights it. Contains

@@ -47,7 +47,7 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
   return spots;
 }
 
-/// Those of positions first, then those that only templates tell.
+/// Those of positions first, then those that only templates determine.
 std::vector<int> measured_modes(const TrackingSettings& tracking, PixelFormat format,
                                 const ModeOperator& positions) {
   if (!can_fit(format)) return positions.modes_j;

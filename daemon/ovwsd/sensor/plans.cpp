@@ -5,8 +5,8 @@
 namespace ovws {
 namespace {
 
-/// When the calibration was taken whose shapes are in force; 0: none.
-std::int64_t shapes_in_force(const Bound& bound) {
+/// When the calibration was taken whose measured templates are active; 0: none.
+std::int64_t active_shapes_ns(const Bound& bound) {
   const bool shapes = bound.mode_operator && bound.mode_operator->shapes && bound.calibration;
   return shapes ? bound.calibration->t_taken_ns : 0;
 }
@@ -15,7 +15,7 @@ std::int64_t shapes_in_force(const Bound& bound) {
 bool are_of(const ActiveTemplates& templates, const SensorState& state, const Bound& bound) {
   return templates.sensor_epoch == state.sensor_epoch &&
          templates.reference_taken_ns == bound.reference->t_taken_ns &&
-         templates.calibration_taken_ns == shapes_in_force(bound);
+         templates.calibration_taken_ns == active_shapes_ns(bound);
 }
 
 bool fits(const FrameFit& fit, const SensorState& state, const MeasurementPlan& plan) {

@@ -37,7 +37,7 @@ struct SensorSnapshot : SensorShown {
   std::uint64_t plan_id = 0;  ///< the active plan, built from the settings of this snapshot
   int subapertures = 0;
   std::vector<int> modes_j;
-  std::vector<int> position_modes_j;  ///< the first of them, which positions alone tell
+  std::vector<int> position_modes_j;  ///< the first of them, which positions determine
   /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
   /// problem.
   std::string layout_fault;

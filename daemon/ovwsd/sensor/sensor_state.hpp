@@ -60,8 +60,8 @@ double lambda_d_of(const SensorState& state, const BenchOptics& bench);
 Result<void> renew_renderer(SensorState& state);
 /// Errors: the SLM's pixels cannot sample the phase of these modes.
 Result<void> check_sampling(const SensorState& state);
-/// Errors: neighbouring spots are too close for the tracker, or do not tell as many modes as are
-/// requested.
+/// Errors: neighbouring spots are too close for the tracker, or do not determine as many modes as
+/// are requested.
 Result<void> check_spots(const SensorState& state, const BenchOptics& bench);
 /// Errors: those of check_spots; too many spots fall outside the camera's region.
 Result<void> check_layout(const SensorState& state, const BenchOptics& bench);

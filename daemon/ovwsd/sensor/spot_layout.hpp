@@ -34,9 +34,10 @@ struct SpotBench {
 /// The message proposes values that work.
 Result<void> check_spots_apart(const SpotBench& bench);
 
-/// Errc::invalid, field "tracking.mode_count": not as many modes as requested are told, or fewer
-/// are requested than positions tell, or more with a colour camera. The message says how many are
-/// told, with which error. Renders the spots if more are requested than positions tell.
+/// Errc::invalid, field "tracking.mode_count": the spots do not determine as many modes as
+/// requested, or fewer are requested than positions determine, or more with a colour camera. The
+/// message says how many are possible, with which error. Renders the spots if more are requested
+/// than positions determine.
 Result<void> check_mode_count(const SpotBench& bench);
 
 /// Errc::invalid, field "camera.roi": so many spots fall outside the camera's region, or across its

@@ -48,7 +48,7 @@ Result<MeasuredModel> measured_model(const SensorSnapshot& sensor,
 
 }  // namespace
 
-std::int64_t calibration_in_force(const SensorSnapshot& sensor) {
+std::int64_t active_calibration_ns(const SensorSnapshot& sensor) {
   const bool measured =
       sensor.mode_operator.in_force == OperatorKind::measured && sensor.calibration;
   return measured && sensor.calibration->shapes ? sensor.calibration->t_taken_ns : 0;
@@ -111,7 +111,7 @@ Result<SpotsModel> SpotsModel::make(const SensorSnapshot& sensor, const SlmGeome
                                     std::span<const ImageView> images) {
   if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoPicture);
   SpotsModel made;
-  if (calibration_in_force(sensor) != 0) {
+  if (active_calibration_ns(sensor) != 0) {
     auto measured = measured_model(sensor, images);
     if (measured) {
       made.measured_ = std::move(*measured);

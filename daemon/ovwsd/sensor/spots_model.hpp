@@ -20,7 +20,7 @@ namespace ovws {
 using FrameNoise = std::function<std::pair<PixelNoise, PixelFormat>(PointModel&)>;
 
 /// The wavefront of these spots against the model, by the slopes of their positions, for the modes
-/// of the plan; 0 for modes that positions do not tell. None: too few spots are found.
+/// of the plan; 0 for modes that positions do not determine. None: too few spots are found.
 std::optional<std::vector<double>> modes_against_model(const SensorSnapshot& sensor,
                                                        const SlmGeometry& slm, int cols, int rows,
                                                        std::span<const SpotFix> spots);
@@ -35,8 +35,8 @@ Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometr
 /// measured at; rendered ones follow any wavefront, and are as exact as the model of the bench.
 class SpotsModel {
  public:
-  /// Of the sensor's reference, and of its calibration if that is in force. `images`: present
-  /// frames, which tell the noise. Errors, if neither can be used: those of SpotRenderer::make,
+  /// Of the sensor's reference, and of its calibration if that is active. `images`: present frames,
+  /// which give the noise. Errors, if neither can be used: those of SpotRenderer::make,
   /// PointModel::use_reference and MeasuredModel::use_reference; Errc::refused, field "reference":
   /// it has no mean image, or too few of its spots are known; field "calibration": its spots lie
   /// outside the image.
@@ -46,11 +46,11 @@ class SpotsModel {
   /// Those that the calibration measured, if the last of `images` is within their reach; else null.
   std::shared_ptr<const FrameFit> measured_near(std::span<const ImageView> images) const;
   bool has_measured() const { return measured_.has_value(); }
-  /// Why a calibration in force is not used; empty: it is, or there is none.
+  /// Why an active calibration is not used; empty: it is used, or there is none.
   const std::string& unmeasured() const { return unmeasured_; }
 
   /// Templates about the wavefront of the last of `images`, looked for from each of `starts` in
-  /// turn; the images before it tell the noise. Those of the calibration, if they are near, or if
+  /// turn; the images before it give the noise. Those of the calibration, if they are near, or if
   /// nothing else describes the image. `fixed`: modes shown that are not measured. Errors: those of
   /// PointModel::templates and MeasuredModel::templates.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
@@ -65,8 +65,8 @@ class SpotsModel {
   std::string unmeasured_;
 };
 
-/// When the calibration was taken whose shapes are in force; 0: none.
-std::int64_t calibration_in_force(const SensorSnapshot& sensor);
+/// When the calibration was taken whose measured templates are active; 0: none.
+std::int64_t active_calibration_ns(const SensorSnapshot& sensor);
 
 /// Modes on the SLM that are not measured.
 std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<int>& measured);

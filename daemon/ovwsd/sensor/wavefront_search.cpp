@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kTurn(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
-constexpr int kFrames = 3;  // that tell the noise; the last is measured
+constexpr int kFrames = 3;  // the first ones give the noise; the last is measured
 constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
 constexpr double kMaxResidual = 1.5;                     // standard errors
 constexpr double kMoreResidual = 1.3;                    // over that at the operating point
@@ -25,7 +25,7 @@ constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, 
 constexpr std::int64_t kRestNs = 30'000'000;             // between looks at frames
 constexpr std::int64_t kGiveUpNs = 3'000'000'000;
 constexpr std::int64_t kLookAgainNs = 1'000'000'000;
-constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // another frame tells the noise better
+constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // another frame gives a better noise estimate
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
 /// Whether templates about this frame's wavefront would measure it better: it has drifted away, or
@@ -65,7 +65,7 @@ struct WavefrontSearch::Key {
   std::vector<int> modes_j;
   int estimates = 0;  ///< of each spot
   std::int64_t reference_taken_ns = 0;
-  std::int64_t calibration_taken_ns = 0;  ///< whose shapes are in force; 0: none
+  std::int64_t calibration_taken_ns = 0;  ///< of the active measured templates; 0: none
 
   Key(const FrameCopy& frame, const SensorSnapshot& sensor)
       : sensor_epoch(sensor.sensor_epoch),
@@ -74,7 +74,7 @@ struct WavefrontSearch::Key {
         modes_j(sensor.modes_j),
         estimates(sensor.tracking.estimates),
         reference_taken_ns(sensor.reference->t_taken_ns),
-        calibration_taken_ns(calibration_in_force(sensor)) {}
+        calibration_taken_ns(active_calibration_ns(sensor)) {}
   friend bool operator==(const Key&, const Key&) = default;
 };
 
@@ -179,7 +179,8 @@ bool WavefrontSearch::begin_if_due(const FrameCopy& frame, const SensorSnapshot&
   return true;
 }
 
-/// Frames that rendered templates describe may have come near the calibration, whose are better.
+/// Whether to try the calibration's measured templates, which are more accurate than the active
+/// rendered ones: the wavefront may have come near the calibration's.
 bool WavefrontSearch::looks_for_calibration() const {
   const bool described = described_.load(std::memory_order_relaxed);
   return described && !measured_ && model_ && model_->spots && model_->spots->has_measured() &&
@@ -226,8 +227,8 @@ Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const I
 }
 
 /// Where to look for the wavefront of a frame: where it was measured, with 0 for modes that
-/// positions do not tell. If it is not valid, first at the reference, from where most are found,
-/// and last where it was before.
+/// positions do not determine. If it is not valid, first at the reference, from where most are
+/// found, and last where it was before.
 std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame) const {
   std::vector<std::vector<double>> all;
   if (std::isfinite(frame.coefficients.front())) {

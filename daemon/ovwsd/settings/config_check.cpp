@@ -52,7 +52,7 @@ Result<void> check_sees_spots(const Config& config) {
   const SpotBench bench{*lattice,      config.sensor,       config.tracking,
                         config.optics, config.slm.geometry, config.camera.settings.roi};
   if (auto apart = check_spots_apart(bench); !apart) return apart;
-  if (auto told = check_mode_count(bench); !told) return told;
+  if (auto checked = check_mode_count(bench); !checked) return checked;
   return check_spots_in_region(bench);
 }
 

@@ -121,7 +121,7 @@ Result<StateStore> StateStore::open(const std::string& directory) {
   StateStore store(directory);
   // Done first: the leftovers may be what fills the disk.
   store.leftovers_ = remove_leftovers(directory);
-  // Tests with a real write, because permissions do not tell whether one succeeds. A full disk
+  // Tests with a real write, because permissions do not show whether one succeeds. A full disk
   // would still take an empty file.
   constexpr std::size_t kProbeBytes = 4096;
   const std::string probe = directory + "/.write-test";
