@@ -5,6 +5,7 @@
     OVWS_TRACKER=fit    tracker of both tests that measure modes
 """
 import os
+import subprocess
 import time
 
 from case import BenchCase, Client, main, wait_for
@@ -122,10 +123,12 @@ class Rules(CalibrationCase):
         return self.calibrate(frames=3, modes=[1, 2, 3, 4, 5], **params)
 
     def expect_fallback(self, field):
-        asked, in_force, reason = self.in_use()
-        self.assertEqual((asked, in_force), ("measured", "slopes"))
+        requested, active, reason = self.in_use()
+        self.assertEqual((requested, active), ("measured", "slopes"))
         self.assertRegex(reason, f"was measured with another {field}: run calibration.run")
         self.assertEqual(self.call("calibration.get")["calibrated"], False)
+        status = subprocess.run([self.bench.programs / "ovws", "status"], capture_output=True, text=True, timeout=30)
+        self.assertIn(f"operator_reason: {reason}\n", status.stdout)
 
     def test_it_is_used_with_what_it_was_measured_with_only(self):
         refused = self.refused("sensor.set", {"operator": "measured"})

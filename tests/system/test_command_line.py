@@ -9,7 +9,7 @@ import threading
 
 import numpy
 import zmq
-from case import BenchCase, main, wait_for
+from case import BenchCase, Client, main, wait_for
 from PIL import Image
 
 
@@ -45,7 +45,18 @@ class CommandLine(BenchCase):
         self.call("camera.set", {"exposure_us": 9000, "gain_db": 24})
         self.assertIn("lower the exposure or the gain", self.ovws("call", "--wait", "reference.take", '{"frames": 5}', code=1))
 
-    def test_status_tells_the_loop_and_the_last_failure(self):
+    def test_status_reports_why_frames_are_not_valid(self):
+        self.take_reference(10)
+        self.assertNotRegex(self.ovws("status"), r"(?m)^sensor +(layout_fault|operator_reason|invalid): ")
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        peak_electrons = twin.call("twin.get")["peak_electrons"]
+        twin.call("twin.set", {"peak_electrons": 10.0})
+        wait_for(lambda: re.search(r"(?m)^sensor +invalid: .+; .+", self.ovws("status")), what="why no frame is valid")
+        twin.call("twin.set", {"peak_electrons": peak_electrons})
+        wait_for(lambda: "invalid:" not in self.ovws("status"), what="valid frames")
+
+    def test_status_reports_the_loop_and_the_last_failure(self):
         self.assertRegex(self.ovws("status"), r"(?m)^loop +open$")
         self.assertNotIn("failed", self.ovws("status"))
         self.take_reference(10)

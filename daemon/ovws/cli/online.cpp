@@ -75,6 +75,19 @@ std::string aberration_text(const json& aberration) {
   return text.empty() ? "" : fmt::format("{:.4f} wave RMS introduced{}", std::sqrt(square), text);
 }
 
+/// Prints what is wrong with the sensor's layout, operator and frames; nothing for null.
+void print_sensor_faults(const json& sensor) {
+  for (const char* key : {"layout_fault", "operator_reason"}) {
+    if (sensor.contains(key) && sensor.at(key).is_string()) {
+      print("sensor     {}: {}\n", key, text_or(sensor, key, ""));
+    }
+  }
+  if (!sensor.contains("invalid") || !sensor.at("invalid").is_object()) return;
+  const json& invalid = sensor.at("invalid");
+  print("sensor     invalid: {}; {}\n", text_or(invalid, "reason", ""),
+        text_or(invalid, "action", ""));
+}
+
 void print_status(const json& status, const json& loop, const json& aberration) {
   const json& camera = status.at("camera");
   const json& slm = status.at("slm");
@@ -95,6 +108,7 @@ void print_status(const json& status, const json& loop, const json& aberration) 
   print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
         sensor.at("charge").get<int>(), sensor.at("subapertures").get<int>(),
         sensor.at("modes").get<int>(), text_or(sensor, "tracker", ""), reference_text(sensor));
+  print_sensor_faults(sensor);
   const std::string introduced = aberration_text(aberration);
   if (!introduced.empty()) print("aberration {}\n", introduced);
   print("loop       {}\n", loop_text(loop));
