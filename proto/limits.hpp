@@ -48,7 +48,7 @@ constexpr Numbers kLoopGain{0.001, 1.0};
 constexpr Numbers kLoopLeak{0.0, 0.99};
 constexpr Numbers kLoopLimitWaves{0.001, 100.0};
 constexpr Numbers kLoopPatienceS{0.1, 3600.0};
-constexpr Integers kPictureFrames{1, 100};
+constexpr Integers kImageFrames{1, 100};
 constexpr Integers kGreyLevels{9, 256};  ///< measured by lut.run
 constexpr Integers kSettleRepetitions{3, 200};
 constexpr Numbers kWatchMs{20.0, 10'000.0};  ///< after each change, by slm.settle
@@ -57,7 +57,7 @@ constexpr Integers kPokeFrames{2, 10000};    ///< averaged for each poke
 constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< of a cell and of a reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most
-constexpr std::size_t kSweepPictures = 8;  ///< gains with stored images of 12 MB each
+constexpr std::size_t kSweepImages = 8;  ///< gains with stored images of 12 MB each
 constexpr Integers kSweepCell{0, 16383};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};
@@ -66,7 +66,7 @@ constexpr Numbers kReadNoiseE{0.0, 1e6};
 constexpr Numbers kBlackLevelDn{0.0, 65535.0};
 constexpr Numbers kSaturationDn{1.0, 65535.0};
 
-constexpr Integers kPicturesEvery{0, 1'000'000};  ///< of a recording; 0: none
+constexpr Integers kImagesEvery{0, 1'000'000};  ///< of a recording; 0: none
 constexpr Numbers kRecordS{0.1, 1e7};
 constexpr Numbers kRecordMib{1.0, 1e9};
 constexpr std::size_t kRecordName = 100;  ///< characters, at most

@@ -13,7 +13,7 @@ namespace ovws {
 
 constexpr const char* kRecordingSchema = "ovws.recording/1";
 /// Limit of one image: a reader allocates memory by the size stated in the file.
-constexpr std::size_t kMaxRecordedPictureBytes = 128 << 20;
+constexpr std::size_t kMaxRecordedImageBytes = 128 << 20;
 /// Limits that both the recorder and the reader enforce.
 constexpr std::uint64_t kMaxRecordedFrames = 1 << 24;     // nine hours at 500 a second
 constexpr std::uint64_t kMaxRecordedDocuments = 1 << 20;  // 20 hours of a closed loop at 14 steps/s
@@ -155,12 +155,12 @@ inline constexpr std::array kSummaryFields{
 #undef OVWS_FIELD
 
 /// Bytes of an element of an image in `pictures`: 1 or 2.
-inline int picture_word_bytes(PixelFormat format) {
+inline int image_word_bytes(PixelFormat format) {
   return traits_of(format).layout == PixelLayout::words ? 2 : 1;
 }
 /// Elements in one line of such an image: pixels, or bytes for packed formats.
-inline int picture_columns(PixelFormat format, int width) {
-  return int(row_bytes(format, width)) / picture_word_bytes(format);
+inline int image_columns(PixelFormat format, int width) {
+  return int(row_bytes(format, width)) / image_word_bytes(format);
 }
 
 }  // namespace ovws

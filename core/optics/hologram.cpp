@@ -66,7 +66,7 @@ void add_flatness_and_wrap(const HologramConfig& config, int y, std::span<double
   }
 }
 
-constexpr int kPictureCols = 30;
+constexpr int kImageCols = 30;
 constexpr std::array<std::string_view, 18> kPicture{"##############################",  //
                                                     "#                            #",  //
                                                     "#  ###  #   # #   #  ####    #",  //
@@ -88,12 +88,12 @@ constexpr std::array<std::string_view, 18> kPicture{"###########################
 
 /// Shows a person which screen is the SLM and how it is oriented: a frame, "OVWS" upright, and
 /// arrows towards +x and +y, white on black, without the LUT.
-void draw_identify_picture(Image<std::uint8_t>& grey) {
+void draw_identify_image(Image<std::uint8_t>& grey) {
   const int rows = static_cast<int>(kPicture.size());
   for (int y = 0; y < grey.height; ++y) {
     const std::string_view line = kPicture[std::int64_t{y} * rows / grey.height];
     for (int x = 0; x < grey.width; ++x) {
-      grey.at(x, y) = line[std::int64_t{x} * kPictureCols / grey.width] == '#' ? 255 : 0;
+      grey.at(x, y) = line[std::int64_t{x} * kImageCols / grey.width] == '#' ? 255 : 0;
     }
   }
 }
@@ -217,7 +217,7 @@ void HologramRenderer::pattern_row(HologramKind kind, int y, std::span<double> w
 void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
                               Image<std::uint8_t>& grey) const {
   const int width = sized(grey).width;
-  if (kind == HologramKind::identify) return draw_identify_picture(grey);
+  if (kind == HologramKind::identify) return draw_identify_image(grey);
   if (kind != HologramKind::sensor && kind != HologramKind::grating) modes = {};
   const Vec2 centre = pupil_centre(config_.slm);
   const double diameter_px = config_.sensor.pupil_diameter_px;

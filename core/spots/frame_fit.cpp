@@ -97,19 +97,19 @@ const FittedFrame& FrameFit::check(const ImageView& image, double max_residual_p
   return at_point_;
 }
 
-/// What the templates leave of the light, weighted, is compared with what noise leaves.
+/// What the templates leave of the intensity, weighted, is compared with what noise leaves.
 bool FrameFit::describes(std::size_t i, const SpotEstimates& found, double brightness) const {
   if (rows_[i].rows() == 0 ||
       !(double(found.level) > kMinLevel * brightness * point_.levels_dn[i])) {
     return false;
   }
   const SpotTemplates& spot = spots_.spots()[i];
-  if (double(found.level) * spot.brightest_light > kMaxOverCeiling * point_.ceiling_dn) {
+  if (double(found.level) * spot.brightest_intensity > kMaxOverCeiling * point_.ceiling_dn) {
     return false;  // cells may be saturated that were not at the operating point
   }
-  const double light = cell_level(spot, double(found.level)) * spot.light_norm;
+  const double light = cell_level(spot, double(found.level)) * spot.intensity_norm;
   const double scatter = std::sqrt(2.0 * spot.window.cells()) / (light * light);  // by noise
-  return excess_light(spot, found) < point_.max_excess + 4.0 * scatter;
+  return excess_intensity(spot, found) < point_.max_excess + 4.0 * scatter;
 }
 
 /// Marks the spots that the templates describe, and returns how bright the frame is, relative to

@@ -15,7 +15,7 @@ namespace ovws {
 using SpotCells = Eigen::MatrixXf;
 SpotCells cells_in(const Image<float>& mean_dn, std::span<const SpotWindow> windows);
 
-/// Derivative of the cells with respect to a displacement along x and y: the gradient of the light.
+/// Derivative of the cells with respect to a displacement along x and y: the intensity gradient.
 Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& window);
 
 /// Mean images of a mode with either sign.
@@ -25,7 +25,7 @@ struct PokedSpots {
 };
 
 /// The spots at rest, with their measured derivatives, one for each of `pokes`. The derivative with
-/// respect to a displacement is the gradient of the light. Without pokes, these two displacements
+/// respect to a displacement is the intensity gradient. Without pokes, these two displacements
 /// count as modes. A spot has no light if a pixel is saturated, if it is at the image's edge or
 /// beyond, or if there is almost none.
 std::vector<RenderedSpot> measured_spots(std::span<const SpotWindow> windows,

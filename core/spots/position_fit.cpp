@@ -86,7 +86,7 @@ SpotFix PositionFit::track(const ImageView& image, Vec2 start_px, TrackScratch& 
     const SpotTemplates& made = pass.templates.front();
     const double error_px = made.px_error / (double(found.level) * window_.bin * window_.bin);
     if (length > std::max(kConvergedPx, kConvergedShare * error_px)) continue;
-    const double excess = std::max(excess_light(made, found), 0.0);
+    const double excess = std::max(excess_intensity(made, found), 0.0);
     if (excess > kMaxExcess) return lost;
     fix.x = float(at.x), fix.y = float(at.y);
     fix.quality = float(1.0 / (1.0 + excess));

@@ -14,7 +14,7 @@ namespace ovws {
 /// it does not. The RMS error of a spot of ideal shape is within a few percent of the Cramer-Rao
 /// bound. Lost: a fit that does not converge or whose level is not significant, a position farther
 /// than lambda/d from the start or at the image's edge, and a spot that looks like none. `quality`
-/// is the ideal spot's share of the light. Some 0.3 ms, off the frame path: it allocates.
+/// is the ideal spot's share of the intensity. Some 0.3 ms, off the frame path: it allocates.
 class PositionFit final : public SpotTracker {
  public:
   /// `lg`: a tracker of the same spots.

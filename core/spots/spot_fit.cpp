@@ -51,9 +51,9 @@ float square_sum(std::span<const float> values) {
 
 }  // namespace
 
-double excess_light(const SpotTemplates& spot, const SpotEstimates& found) {
+double excess_intensity(const SpotTemplates& spot, const SpotEstimates& found) {
   const double cell_level = double(found.level) * spot.window.bin * spot.window.bin;
-  const double light = cell_level * spot.light_norm;
+  const double light = cell_level * spot.intensity_norm;
   const double free = spot.used - 2 - spot.estimates();
   return free * (double(found.chi2_per_cell) - 1.0) / (light * light);
 }
@@ -83,12 +83,12 @@ SpotEstimates SpotFit::fit(const ImageView& image, std::size_t number, Scratch& 
                           square_sum({sums + SpotTemplates::kFixed, std::size_t(count)});
   const double background = double(sums[SpotTemplates::kBackground]) / spot.even_norm;
   const double level =
-      (double(sums[SpotTemplates::kLevel]) - background * spot.overlap) / spot.light_norm;
+      (double(sums[SpotTemplates::kLevel]) - background * spot.overlap) / spot.intensity_norm;
   const double pixels = spot.window.bin * spot.window.bin;
   found.peak = loaded.brightest;
   found.chi2_per_cell = (squares - explained) / float(spot.used - 2 - count);
   found.background = loaded.offset + float(background / pixels);
-  if (!(level * spot.light_norm > kMinSignal)) return found;
+  if (!(level * spot.intensity_norm > kMinSignal)) return found;
   found.level = float(level / pixels);
   found.x = float(spot.place_px.x + double(sums[SpotTemplates::kX]) / level);
   found.y = float(spot.place_px.y + double(sums[SpotTemplates::kY]) / level);

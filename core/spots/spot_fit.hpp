@@ -16,7 +16,7 @@ constexpr int kMaxSpotEstimates = 8;
 
 /// Estimates from the pixels of one spot.
 struct SpotEstimates {
-  float level = 0.0F;       ///< DN of a camera pixel where the rendered light is 1; 0: no spot
+  float level = 0.0F;       ///< DN of a camera pixel where the rendered intensity is 1; 0: no spot
   float background = 0.0F;  ///< DN of a camera pixel
   float x = 0.0F;           ///< position, camera pixels
   float y = 0.0F;
@@ -32,7 +32,7 @@ inline bool can_fit(PixelFormat format) {
 }
 
 /// Fraction of the spot's weighted light that the templates leave beyond noise.
-double excess_light(const SpotTemplates& spot, const SpotEstimates& found);
+double excess_intensity(const SpotTemplates& spot, const SpotEstimates& found);
 
 /// Templates of all spots. Immutable; one object serves all threads, each with its own scratch.
 class SpotFit {

@@ -106,7 +106,7 @@ SpotRenderer::SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWind
   for (const RenderedSpot& spot : render(flat)) {
     brightest = std::max(brightest, spot.light.maxCoeff());
   }
-  if (brightest > 0.0F) to_light_ = 1.0 / double(brightest);
+  if (brightest > 0.0F) to_intensity_ = 1.0 / double(brightest);
 }
 
 std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
@@ -131,7 +131,7 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
     spot.per_wave.setZero(spot.window.cells(), Eigen::Index(modes_j_.size()));
     spot.per_px.setZero(spot.window.cells(), 2);
     if (!is_inside(spot)) continue;
-    add_light(spot);
+    add_intensity(spot);
     const Eigen::MatrixXcf far = field_of_cells(spot, field_.cells().pieces[i].centre_px);
     for (const int piece : pieces) {
       const bool own = piece == int(i);
@@ -180,7 +180,7 @@ std::vector<Eigen::MatrixXf> SpotRenderer::per_field(std::span<const RenderedSpo
     Eigen::MatrixXf& change = all.emplace_back(window.cells(), 2 * kCount);
     for (Eigen::Index k = 0; k < kCount; ++k) {
       const Eigen::ArrayXcf both =
-          float(2.0 * to_light_) * field.conjugate() * moments.col(k).array();
+          float(2.0 * to_intensity_) * field.conjugate() * moments.col(k).array();
       change.col(k) = both.real();
       change.col(kCount + k) = -both.imag();
     }
@@ -195,12 +195,12 @@ FarPoints SpotRenderer::middles_of(const SpotWindow& window) const {
           double(window.bin)};
 }
 
-void SpotRenderer::add_light(RenderedSpot& spot) const {
+void SpotRenderer::add_intensity(RenderedSpot& spot) const {
   const PixelBox box = spot.window.pixels();
   Eigen::ArrayXf pixels(Eigen::Index(box.width) * box.height);
   for (int y = 0; y < box.height; ++y) {
     const Eigen::Map<const Eigen::ArrayXcf> far(field_.far().row(box.y + y) + box.x, box.width);
-    pixels.segment(Eigen::Index(y) * box.width, box.width) = float(to_light_) * far.abs2();
+    pixels.segment(Eigen::Index(y) * box.width, box.width) = float(to_intensity_) * far.abs2();
   }
   bin_into(spot.window, pixels, spot.light);
 }
@@ -234,7 +234,7 @@ void SpotRenderer::add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& f
                                    bool own) {
   const SpotWindow& window = spot.window;
   const Eigen::MatrixXcf& moments = moments_.at(piece, middles_of(window));
-  const auto factor = float(-4.0 * std::numbers::pi * to_light_);
+  const auto factor = float(-4.0 * std::numbers::pi * to_intensity_);
   const Eigen::Map<const Eigen::ArrayXcf> field(far.data(), far.size());
   const Eigen::ArrayXf re = factor * field.real(), im = factor * field.imag();
   Eigen::MatrixXf cells(moments.rows(), moments.cols());

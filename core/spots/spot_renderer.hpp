@@ -47,9 +47,9 @@ class SpotRenderer {
   void set_deviations(SpotDeviations deviations) { deviations_ = std::move(deviations); }
   const SpotDeviations& deviations() const { return deviations_; }
 
-  /// How the light of each cell changes with the field over the spot's own subaperture: with the
-  /// real, then with the imaginary part of each coefficient of its LocalField. About `rendered`,
-  /// the last rendering, of `waves` and `fixed`.
+  /// How the intensity of each cell changes with the field over the spot's own subaperture: with
+  /// the real, then with the imaginary part of each coefficient of its LocalField. About
+  /// `rendered`, the last rendering, of `waves` and `fixed`.
   std::vector<Eigen::MatrixXf> per_field(std::span<const RenderedSpot> rendered,
                                          std::span<const double> waves,
                                          std::span<const Mode> fixed);
@@ -62,7 +62,7 @@ class SpotRenderer {
   SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWindow window, double reach_px);
   void propagate(std::span<const Mode> modes, std::span<const SensorField::LocalField> fields);
   FarPoints middles_of(const SpotWindow& window) const;
-  void add_light(RenderedSpot& spot) const;
+  void add_intensity(RenderedSpot& spot) const;
   Eigen::MatrixXcf field_of_cells(const RenderedSpot& spot, Vec2 centre_px) const;
   void add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& far, int piece, bool own);
 
@@ -72,7 +72,7 @@ class SpotRenderer {
   PieceMoments moments_;
   SpotWindow window_;  ///< its size
   double reach_px_;
-  double to_light_ = 1.0;  ///< |F|^2 of a camera pixel to light
+  double to_intensity_ = 1.0;  ///< |F|^2 of a camera pixel to light
 };
 
 }  // namespace ovws

@@ -33,15 +33,15 @@ Basis make_basis(const RenderedSpot& spot, const CellLevel& level, const PixelNo
   Basis basis;
   basis.root.resize(cells);
   for (Eigen::Index c = 0; c < cells; ++c) {
-    const double light_dn = level.light_dn * double(spot.light(c));
-    const bool used = light_dn < level.ceiling_dn;
-    basis.root(c) = used ? 1.0 / std::sqrt(noise.variance(light_dn, pixels)) : 0.0;
+    const double intensity_dn = level.intensity_dn * double(spot.light(c));
+    const bool used = intensity_dn < level.ceiling_dn;
+    basis.root(c) = used ? 1.0 / std::sqrt(noise.variance(intensity_dn, pixels)) : 0.0;
     made.used += used ? 1 : 0;
-    if (used) made.brightest_light = std::max(made.brightest_light, double(spot.light(c)));
+    if (used) made.brightest_intensity = std::max(made.brightest_intensity, double(spot.light(c)));
   }
   basis.level = basis.root.cwiseProduct(spot.light.cast<double>());
-  made.light_norm = basis.level.norm();
-  basis.level /= made.light_norm;
+  made.intensity_norm = basis.level.norm();
+  basis.level /= made.intensity_norm;
   made.overlap = basis.root.dot(basis.level);
   basis.background = basis.root - made.overlap * basis.level;
   made.even_norm = basis.background.norm();
@@ -76,7 +76,8 @@ Eigen::MatrixXd covariance_of(std::span<const Weighted> spots, std::span<const C
     const Eigen::MatrixXd& modes = spots[i].modes;
     if (modes.size() == 0) continue;
     if (information.size() == 0) information.setZero(modes.cols(), modes.cols());
-    information.noalias() += levels[i].light_dn * levels[i].light_dn * modes.transpose() * modes;
+    information.noalias() +=
+        levels[i].intensity_dn * levels[i].intensity_dn * modes.transpose() * modes;
   }
   const double most = information.size() > 0 ? information.diagonal().maxCoeff() : 0.0;
   if (!(most > 0.0)) return Eigen::MatrixXd::Identity(information.rows(), information.cols());

@@ -25,12 +25,12 @@ struct SpotTemplates {
 
   SpotWindow window;
   Vec2 place_px;
-  int used = 0;                  ///< cells with a weight
-  double brightest_light = 0.0;  ///< of these, as rendered
+  int used = 0;                      ///< cells with a weight
+  double brightest_intensity = 0.0;  ///< of these, as rendered
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows;  ///< x padded cells
-  Eigen::VectorXf weights;   ///< 1 / variance of each cell, padded with 0
-  Eigen::MatrixXd per_wave;  ///< estimates x Z
-  double light_norm = 0.0;   ///< the level part is level * light_norm + background * overlap
+  Eigen::VectorXf weights;      ///< 1 / variance of each cell, padded with 0
+  Eigen::MatrixXd per_wave;     ///< estimates x Z
+  double intensity_norm = 0.0;  ///< the level part is level * intensity_norm + background * overlap
   double overlap = 0.0;
   double px_error =
       0.0;  ///< standard error of a position, RMS over x and y, times the cells' level
@@ -41,7 +41,7 @@ struct SpotTemplates {
 
 /// How bright a spot is, DN of a cell above the background.
 struct CellLevel {
-  double light_dn = 0.0;  ///< where the rendered light is 1
+  double intensity_dn = 0.0;  ///< where the rendered intensity is 1
   /// Brighter cells may hold saturated pixels and are not used.
   double ceiling_dn = std::numeric_limits<double>::infinity();
 };

@@ -69,7 +69,7 @@ double SpotPass::chi2() const {
 double SpotPass::excess() const {
   std::vector<double> all;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (found[i].level > 0.0F) all.push_back(excess_light(templates[i], found[i]));
+    if (found[i].level > 0.0F) all.push_back(excess_intensity(templates[i], found[i]));
   }
   return all.empty() ? 1.0 : median(std::move(all));
 }
@@ -155,7 +155,7 @@ std::optional<WavefrontStep> damped_step(const SpotPass& pass) {
 
 namespace {
 
-/// Squares of what noise leaves, as a straight line over the light.
+/// Squares of what noise leaves, as a straight line over the intensity.
 struct NoiseSums {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
 

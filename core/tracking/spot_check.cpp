@@ -230,9 +230,9 @@ SpotCheck::Verdict SpotCheck::whole(const float* centre, double core, const Mean
   if (charge_ == 0) return verdict;
   const double sector_error = noise * std::sqrt(kSectors / (2.0 * double(around_.offsets.size())));
   for (int k = 0; k < kSectors; k += 2) {
-    const double light_there = 0.5 * (ring[k] + ring[k + 1]) - background;
-    verdict.passed = verdict.passed &&
-                     light_there > kMinSectorOfRing * verdict.level - kNoiseErrors * sector_error;
+    const double intensity_there = 0.5 * (ring[k] + ring[k + 1]) - background;
+    verdict.passed = verdict.passed && intensity_there > kMinSectorOfRing * verdict.level -
+                                                             kNoiseErrors * sector_error;
   }
   const double core_error = noise / std::sqrt(double(core_.size()));
   verdict.passed =

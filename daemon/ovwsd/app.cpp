@@ -173,8 +173,8 @@ Result<void> App::Parts::make_sensor() {
 Result<void> App::Parts::bind_streams() {
   auto measurement = Publisher::bind(config.stream.endpoint, kMeasurementQueue, clients->gate());
   if (!measurement) return fail(measurement.error());
-  auto picture_socket = Publisher::bind(config.stream.image_endpoint, kImageQueue, clients->gate());
-  if (!picture_socket) return fail(picture_socket.error());
+  auto image_socket = Publisher::bind(config.stream.image_endpoint, kImageQueue, clients->gate());
+  if (!image_socket) return fail(image_socket.error());
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
@@ -182,7 +182,7 @@ Result<void> App::Parts::bind_streams() {
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
-  images = std::make_unique<ImagePublisher>(std::move(*picture_socket), image_config, pipeline,
+  images = std::make_unique<ImagePublisher>(std::move(*image_socket), image_config, pipeline,
                                             counters, frames);
   reloader = std::make_unique<Reloader>(
       ReloadDeps{config, loaded, state, camera, *keeper, *refiner, *images, events, disk});

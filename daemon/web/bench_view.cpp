@@ -71,7 +71,7 @@ json BenchView::hologram_of(const HologramSources& sources) {
     hologram_.set(picture ? *picture : nullptr);
     if (!picture) return {{"hologram_id", nullptr}, {"reason", picture.error().reason}};
   }
-  const HologramPicturePtr shown = hologram();
+  const HologramImagePtr shown = hologram();
   if (!shown) return last_.value("hologram", json{{"hologram_id", nullptr}, {"reason", nullptr}});
   return {{"hologram_id", shown->hologram_id}, {"crc32", shown->crc32}, {"reason", nullptr}};
 }

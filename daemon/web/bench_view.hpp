@@ -8,7 +8,7 @@
 
 #include "daemon/shared/client.hpp"
 #include "daemon/shared/guarded.hpp"
-#include "daemon/web/hologram_picture.hpp"
+#include "daemon/web/hologram_image.hpp"
 
 namespace ovws::web {
 
@@ -22,7 +22,7 @@ class BenchView {
 
   /// The hologram image drawn last; null: none yet, or the present one cannot be drawn (the message
   /// of look says why). Thread-safe.
-  HologramPicturePtr hologram() const { return hologram_.get(); }
+  HologramImagePtr hologram() const { return hologram_.get(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -34,7 +34,7 @@ class BenchView {
   HologramSources drawn_;
   Clock::time_point drawn_at_{};
   nlohmann::json last_;
-  Guarded<HologramPicturePtr> hologram_;
+  Guarded<HologramImagePtr> hologram_;
 };
 
 }  // namespace ovws::web

@@ -18,7 +18,7 @@ constexpr milliseconds kHealthPeriod{250};
 constexpr milliseconds kPollPeriod{2000};
 constexpr milliseconds kMinPollInterval{150};  ///< minimum interval of requests after changes
 constexpr int kNumbersQueue = 1000;
-constexpr int kPicturesQueue = 4;
+constexpr int kImagesQueue = 4;
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -58,7 +58,7 @@ Feeds::Feeds(const cli::Common& common, Board& board, std::function<ServerFacts(
       server_facts_(std::move(server_facts)),
       view_(common),
       numbers_([this] { take_numbers(); }),
-      pictures_([this] { take_pictures(); }),
+      pictures_([this] { take_images(); }),
       polling_([this] { poll_bench(); }) {}
 
 Feeds::~Feeds() {
@@ -81,13 +81,13 @@ void Feeds::take_numbers() {
 }
 
 /// Subscribes only while a browser is connected.
-void Feeds::take_pictures() {
+void Feeds::take_images() {
   while (!stop_) {
     if (!watched()) {
       sleep_unless_stopped(kReceiveTimeout);
       continue;
     }
-    cli::StreamFollower stream(common_, "image_endpoint", {"image", "phase"}, kPicturesQueue);
+    cli::StreamFollower stream(common_, "image_endpoint", {"image", "phase"}, kImagesQueue);
     while (!stop_ && watched()) {
       if (const auto message = stream.receive(kReceiveTimeout)) take(*message);
     }
@@ -123,7 +123,7 @@ void Feeds::take(const StreamMessage& message) {
     if (message.topic == "wavefront") take_wavefront(message);
     if (message.topic == "status") take_status(message);
     if (message.topic == "spots") take_spots(message);
-    if (message.topic == "image" || message.topic == "phase") take_picture(message);
+    if (message.topic == "image" || message.topic == "phase") take_image(message);
     if (message.topic == "refined") board_.put(Slot::refined, framed(message.json));
     if (message.topic == "event") board_.append(Series::event, framed(message.json));
   } catch (const json::exception& error) {
@@ -157,12 +157,12 @@ void Feeds::take_status(const StreamMessage& message) {
 void Feeds::take_spots(const StreamMessage& message) {
   const auto frame_id = json_of(message.json)["frame_id"].get<std::uint64_t>();
   std::string packet = framed(message.json, message.binary);
-  const Clock::duration last_picture(last_picture_.load());
-  if (Clock::now().time_since_epoch() - last_picture > kSilence) board_.put(Slot::spots, packet);
+  const Clock::duration last_image(last_image_.load());
+  if (Clock::now().time_since_epoch() - last_image > kSilence) board_.put(Slot::spots, packet);
   spots_.add(frame_id, std::move(packet));
 }
 
-void Feeds::take_picture(const StreamMessage& message) {
+void Feeds::take_image(const StreamMessage& message) {
   if (message.topic == "phase") {
     const bool valid = json_of(message.json)["valid"].get<bool>();
     if (valid_phase_.shows(valid)) board_.put(Slot::phase, framed(message.json, message.binary));
@@ -173,7 +173,7 @@ void Feeds::take_picture(const StreamMessage& message) {
   const auto frame_id = json_of(image->json)["frame_id"].get<std::uint64_t>();
   if (auto spots = spots_.of_frame(frame_id)) board_.put(Slot::spots, std::move(*spots));
   board_.put(Slot::image, framed(image->json, image->binary));
-  last_picture_ = Clock::now().time_since_epoch().count();
+  last_image_ = Clock::now().time_since_epoch().count();
 }
 
 void Feeds::publish_health() {

@@ -67,19 +67,19 @@ class Feeds {
 
   /// The newest hologram image. Thread-safe. Images and polled data are fetched only while a
   /// browser is connected, because they cost the daemon time.
-  HologramPicturePtr hologram() const { return view_.hologram(); }
+  HologramImagePtr hologram() const { return view_.hologram(); }
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void take_numbers();
-  void take_pictures();
+  void take_images();
   void poll_bench();
   void take(const StreamMessage& message);
   void take_wavefront(const StreamMessage& message);
   void take_status(const StreamMessage& message);
   void take_spots(const StreamMessage& message);
-  void take_picture(const StreamMessage& message);
+  void take_image(const StreamMessage& message);
   void publish_health();
   bool watched() const { return server_facts_().browsers > 0; }
   void sleep_unless_stopped(std::chrono::milliseconds time) const;
@@ -91,7 +91,7 @@ class Feeds {
   SpotShelf spots_;
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> hologram_change_{0};  ///< counts changes seen in `status`
-  std::atomic<Clock::rep> last_picture_{0};
+  std::atomic<Clock::rep> last_image_{0};
 
   Guarded<std::string> pattern_;  ///< that the SLM shows
 

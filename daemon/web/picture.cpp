@@ -47,7 +47,7 @@ std::optional<StreamMessage> reduced_image(const StreamMessage& image) {
   const bool wide = header.at("dtype") == "<u2";
   const std::size_t bytes = std::size_t(size.rows) * size.cols * (wide ? 2 : 1);
   if (size.rows < 1 || size.cols < 1 || image.binary.size() != bytes) return std::nullopt;
-  const int step = (std::max(size.rows, size.cols) + kMaxPictureSide - 1) / kMaxPictureSide;
+  const int step = (std::max(size.rows, size.cols) + kMaxImageSide - 1) / kMaxImageSide;
   header["reduced_by"] = step;
   StreamMessage reduced{image.topic, {}, {}};
   if (step == 1) {

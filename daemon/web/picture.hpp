@@ -8,9 +8,9 @@
 
 namespace ovws::web {
 
-constexpr int kMaxPictureSide = 1024;
+constexpr int kMaxImageSide = 1024;
 
-/// Bins an `image` message to at most kMaxPictureSide pixels per side. Each pixel is the mean of
+/// Bins an `image` message to at most kMaxImageSide pixels per side. Each pixel is the mean of
 /// `reduced_by` x `reduced_by` camera pixels; the JSON gets that key. None if the message does not
 /// conform to WIRE.md.
 std::optional<StreamMessage> reduced_image(const StreamMessage& image);

@@ -11,7 +11,7 @@
 #include "daemon/shared/client.hpp"
 #include "daemon/web/access.hpp"
 #include "daemon/web/board.hpp"
-#include "daemon/web/hologram_picture.hpp"
+#include "daemon/web/hologram_image.hpp"
 
 namespace ovws::web {
 
@@ -26,7 +26,7 @@ struct ServerParts {
   const Access& access;
   RefusalLog& refusals;
   const Board& board;
-  std::function<HologramPicturePtr()> hologram;
+  std::function<HologramImagePtr()> hologram;
   std::atomic<int>& browsers;  ///< number of open streams
 };
 

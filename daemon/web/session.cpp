@@ -226,7 +226,7 @@ Task<void> Session::rpc(Request& parser, const RequestHead& head) {
 }
 
 Task<void> Session::hologram() {
-  const HologramPicturePtr picture = parts_.hologram();
+  const HologramImagePtr picture = parts_.hologram();
   auto status = http::status::no_content;
   std::string png;
   if (picture) {

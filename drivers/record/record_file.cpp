@@ -130,15 +130,15 @@ bool write_units(hid_t file, const char* table, std::span<const RecordedField> f
   return true;
 }
 
-bool create_pictures(hid_t file, const RecordingHeader& header) {
+bool create_images(hid_t file, const RecordingHeader& header) {
   const std::array<hsize_t, 3> none{0, hsize_t(header.height),
-                                    hsize_t(picture_columns(header.format, header.width))};
+                                    hsize_t(image_columns(header.format, header.width))};
   const std::array<hsize_t, 3> most{H5S_UNLIMITED, none[1], none[2]};
   const std::array<hsize_t, 3> chunk{1, none[1], none[2]};
   const Handle space(H5Screate_simple(3, none.data(), most.data()), H5Sclose);
   const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   if (H5Pset_chunk(layout, 3, chunk.data()) < 0 || H5Pset_deflate(layout, 1) < 0) return false;
-  const hid_t type = picture_word_bytes(header.format) == 2 ? H5T_STD_U16LE : H5T_STD_U8LE;
+  const hid_t type = image_word_bytes(header.format) == 2 ? H5T_STD_U16LE : H5T_STD_U8LE;
   const Handle set(H5Dcreate2(file, "pictures", type, space, H5P_DEFAULT, layout, H5P_DEFAULT),
                    H5Dclose);
   return set && write_attribute(set, "unit", "DN");
@@ -163,8 +163,8 @@ struct RecordFile::Impl {
   Table frames, spots, coefficients, documents, text;
   std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor;
   std::vector<std::byte> packed;
-  hsize_t picture_count = 0;
-  std::uint64_t flushed_frames = 0, flushed_pictures = 0;
+  hsize_t image_count = 0;
+  std::uint64_t flushed_frames = 0, flushed_images = 0;
   struct stat created {};
   hsize_t height = 0, columns = 0;
   std::uint64_t first_spot = 0, first_coefficient = 0;
@@ -178,7 +178,7 @@ struct RecordFile::Impl {
         compressor(libdeflate_alloc_compressor(kDeflateLevel)),
         packed(row_bytes(header.format, header.width) * std::size_t(header.height)),
         height(hsize_t(header.height)),
-        columns(hsize_t(picture_columns(header.format, header.width))) {}
+        columns(hsize_t(image_columns(header.format, header.width))) {}
 
   std::span<const std::byte> pack(std::span<const std::byte> picture);
   bool create(const RecordingHeader& header);
@@ -206,7 +206,7 @@ bool RecordFile::Impl::create_tables(const RecordingHeader& header) {
       H5Dclose);
   const RecordedSummary nothing;
   return made && H5Dwrite(made, summary_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &nothing) >= 0 &&
-         create_pictures(file, header) && Table::create(file, "frames", frame_type, kTableChunk) &&
+         create_images(file, header) && Table::create(file, "frames", frame_type, kTableChunk) &&
          Table::create(file, "spots", spot_type, kNumberChunk) &&
          Table::create(file, "coefficients", H5T_IEEE_F32LE, kNumberChunk) &&
          Table::create(file, "documents", document_type, kTableChunk) &&
@@ -254,20 +254,20 @@ Result<std::unique_ptr<RecordFile>> RecordFile::create(const std::string& path,
   return std::unique_ptr<RecordFile>(new RecordFile(std::move(impl)));
 }
 
-Result<std::int64_t> RecordFile::add_picture(std::span<const std::byte> pixels, bool compress) {
+Result<std::int64_t> RecordFile::add_image(std::span<const std::byte> pixels, bool compress) {
   Impl& m = *impl_;
   errno = 0;
   if (m.broken) return m.mark_broken("an earlier write failed");
   const auto packed = compress ? m.pack(pixels) : std::span<const std::byte>{};
   const auto chunk = packed.empty() ? pixels : packed;
-  const std::array<hsize_t, 3> extent{m.picture_count + 1, m.height, m.columns};
-  const std::array<hsize_t, 3> at{m.picture_count, 0, 0};
+  const std::array<hsize_t, 3> extent{m.image_count + 1, m.height, m.columns};
+  const std::array<hsize_t, 3> at{m.image_count, 0, 0};
   if (H5Dset_extent(m.pictures, extent.data()) < 0 ||
       H5Dwrite_chunk(m.pictures, H5P_DEFAULT, packed.empty() ? kUncompressed : kDeflated, at.data(),
                      chunk.size(), chunk.data()) < 0) {
     return m.mark_broken("an image cannot be written");
   }
-  return std::int64_t(m.picture_count++);
+  return std::int64_t(m.image_count++);
 }
 
 void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
@@ -313,7 +313,7 @@ std::uint64_t RecordFile::frames() const {
   return m.broken ? m.flushed_frames : m.frames.rows() + m.new_frames.size();
 }
 std::uint64_t RecordFile::pictures() const {
-  return impl_->broken ? impl_->flushed_pictures : impl_->picture_count;
+  return impl_->broken ? impl_->flushed_images : impl_->image_count;
 }
 std::uint64_t RecordFile::bytes() const {
   std::error_code failed;  // works for a closed file, too
@@ -346,17 +346,17 @@ Result<void> RecordFile::flush(std::uint64_t frames_dropped, std::uint64_t pictu
   m.new_spots.clear();
   m.new_coefficients.clear();
   m.new_frames.clear();
-  RecordedSummary now{m.frames.rows(), frames_dropped, m.picture_count, pictures_dropped, utc_ns()};
+  RecordedSummary now{m.frames.rows(), frames_dropped, m.image_count, pictures_dropped, utc_ns()};
   if (!m.write_summary(now)) return m.mark_broken("the recording cannot be written");
   m.flushed_frames = now.frames;
-  m.flushed_pictures = now.pictures;
+  m.flushed_images = now.pictures;
   return {};
 }
 
 Result<void> RecordFile::close(std::uint64_t frames_dropped, std::uint64_t pictures_dropped) {
   if (auto flushed = flush(frames_dropped, pictures_dropped); !flushed) return flushed;
   Impl& m = *impl_;
-  RecordedSummary last{m.frames.rows(),  frames_dropped, m.picture_count,
+  RecordedSummary last{m.frames.rows(),  frames_dropped, m.image_count,
                        pictures_dropped, utc_ns(),       1};
   errno = 0;
   const bool closed = m.write_summary(last) && m.pictures.close() && m.summary.close() &&

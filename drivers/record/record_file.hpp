@@ -25,7 +25,7 @@ class RecordFile {
 
   /// Writes an image without padding and returns its row in `pictures`. `compress` false: stored
   /// uncompressed, which takes no CPU time.
-  Result<std::int64_t> add_picture(std::span<const std::byte> pixels, bool compress);
+  Result<std::int64_t> add_image(std::span<const std::byte> pixels, bool compress);
   /// Buffered until the next flush. Fills in first_spot, spots, first_coefficient and coefficients.
   void add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
                  std::span<const float> coefficients);

@@ -144,7 +144,7 @@ struct RecordingReader::Impl {
   Handle summary_type = hdf5::row_type(kSummaryFields, sizeof(RecordedSummary));
   Handle file;
   Handle pictures;
-  hsize_t picture_count = 0;
+  hsize_t image_count = 0;
   Rows spots, coefficients, text, documents;
   RecordingHeader header;
   RecordedSummary summary;
@@ -158,7 +158,7 @@ struct RecordingReader::Impl {
   }
   bool open_file();
   bool read_header();
-  bool open_pictures();
+  bool open_images();
   bool open_tables();
   bool read_frames();
   bool is_complete(const RecordedFrame& frame) const;
@@ -197,17 +197,17 @@ bool RecordingReader::Impl::read_header() {
   return header.width > 0 && header.width <= kMaxSidePx && header.height > 0 &&
          header.height <= kMaxSidePx && header.width % pixels_per_group(header.format) == 0 &&
          row_bytes(header.format, header.width) * std::size_t(header.height) <=
-             kMaxRecordedPictureBytes &&
+             kMaxRecordedImageBytes &&
          header.frame_rate_hz > 0.0 && header.frame_rate_hz < 1e6;
 }
 
-bool RecordingReader::Impl::open_pictures() {
+bool RecordingReader::Impl::open_images() {
   pictures = Handle(H5Dopen2(file, "pictures", H5P_DEFAULT), H5Dclose);
   if (!pictures) return false;
   const Handle stored(H5Dget_type(pictures), H5Tclose);
   const Handle space(H5Dget_space(pictures), H5Sclose);
   const Handle layout(H5Dget_create_plist(pictures), H5Pclose);
-  const hid_t type = picture_word_bytes(header.format) == 2 ? H5T_STD_U16LE : H5T_STD_U8LE;
+  const hid_t type = image_word_bytes(header.format) == 2 ? H5T_STD_U16LE : H5T_STD_U8LE;
   if (!stored || !space || !layout || H5Tequal(stored, type) <= 0 ||
       H5Sget_simple_extent_ndims(space) != 3 || H5Pget_layout(layout) != H5D_CHUNKED) {
     return false;
@@ -217,9 +217,9 @@ bool RecordingReader::Impl::open_pictures() {
       H5Pget_chunk(layout, 3, chunk.data()) != 3) {
     return false;
   }
-  picture_count = size[0];
+  image_count = size[0];
   const std::array<hsize_t, 3> one{1, hsize_t(header.height),
-                                   hsize_t(picture_columns(header.format, header.width))};
+                                   hsize_t(image_columns(header.format, header.width))};
   return chunk == one && size[1] == one[1] && size[2] == one[2];
 }
 
@@ -242,7 +242,7 @@ bool RecordingReader::Impl::is_complete(const RecordedFrame& frame) const {
   };
   return fits(frame.first_spot, frame.spots, spots.count) &&
          fits(frame.first_coefficient, frame.coefficients, coefficients.count) &&
-         frame.picture >= -1 && frame.picture < std::int64_t(picture_count) &&
+         frame.picture >= -1 && frame.picture < std::int64_t(image_count) &&
          frame.left_justified_bits < 16;
 }
 
@@ -271,7 +271,7 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
   // Read the frame rows first. While a recording is still being written, the data that these rows
   // refer to are then already in the file.
   if (!impl->read_frames()) return impl->unreadable("its frames");
-  if (!impl->open_pictures()) return impl->unreadable("its images");
+  if (!impl->open_images()) return impl->unreadable("its images");
   if (!impl->open_tables()) return impl->unreadable("its tables");
   const bool whole = std::all_of(impl->frames.begin(), impl->frames.end(),
                                  [&](const RecordedFrame& one) { return impl->is_complete(one); });
@@ -285,7 +285,7 @@ const RecordingHeader& RecordingReader::header() const {
 const std::vector<RecordedFrame>& RecordingReader::frames() const {
   return impl_->frames;
 }
-std::size_t RecordingReader::picture_bytes() const {
+std::size_t RecordingReader::image_bytes() const {
   return row_bytes(impl_->header.format, impl_->header.width) * std::size_t(impl_->header.height);
 }
 
@@ -311,7 +311,7 @@ Result<void> RecordingReader::picture(const RecordedFrame& frame, std::span<std:
   const std::array<hsize_t, 3> at{hsize_t(std::max<std::int64_t>(frame.picture, 0)), 0, 0};
   hsize_t bytes = 0;
   std::uint32_t left_out = 0;
-  if (frame.picture < 0 || out.size() != picture_bytes() ||
+  if (frame.picture < 0 || out.size() != image_bytes() ||
       H5Dget_chunk_storage_size(m.pictures, at.data(), &bytes) < 0 || bytes == 0 ||
       bytes > out.size()) {
     return m.unreadable("an image is missing");

@@ -29,11 +29,11 @@ class RecordingReader {
   const RecordingHeader& header() const;
   /// All frames. The rows that they refer to exist.
   const std::vector<RecordedFrame>& frames() const;
-  std::size_t picture_bytes() const;
+  std::size_t image_bytes() const;
 
   Result<std::vector<RecordedSpot>> spots(const RecordedFrame& frame);
   Result<std::vector<float>> coefficients(const RecordedFrame& frame);
-  /// Reads the image of a frame that has one: picture_bytes() into `out`.
+  /// Reads the image of a frame that has one: image_bytes() into `out`.
   Result<void> picture(const RecordedFrame& frame, std::span<std::byte> out);
   /// The JSON documents of the recording (plans, and what they refer to: proto/RECORDING.md) in
   /// file order. The caller must compare each text with its checksum.

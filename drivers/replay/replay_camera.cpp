@@ -49,7 +49,7 @@ class ReplayCamera final : public Camera {
                  header.format,
                  {header.x, header.y, header.width, header.height},
                  first.gain_raw};
-    for (auto& buffer : buffers_) buffer.resize(reader_->picture_bytes());
+    for (auto& buffer : buffers_) buffer.resize(reader_->image_bytes());
   }
 
   const CameraInfo& info() const override { return info_; }
@@ -71,7 +71,7 @@ class ReplayCamera final : public Camera {
   std::unique_ptr<RecordingReader> reader_;
   CameraInfo info_;
   CameraSettings settings_;
-  std::vector<RecordedFrame> frames_;  ///< those with pictures; never empty
+  std::vector<RecordedFrame> frames_;  ///< those with images; never empty
   std::vector<std::uint64_t> ids_;     ///< frame numbers of frames_
   std::array<std::vector<std::byte>, kBuffers> buffers_;
   std::array<std::atomic<bool>, kBuffers> lent_{};

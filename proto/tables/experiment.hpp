@@ -100,7 +100,7 @@ inline constexpr auto kTable<GainSweep> = Fields{
     field<&GainSweep::picture_gains_db>(
         "gains at which one image per charge is stored, with the first aberration, dB",
         limits::kGainDb)
-        .sized(0, limits::kSweepPictures)
+        .sized(0, limits::kSweepImages)
         .unlike()};
 
 struct GainSweepRun {

@@ -61,7 +61,7 @@ struct RegistrationRun {
 template <>
 inline constexpr auto kTable<RegistrationRun> = Fields{
     "RegistrationRun", field<&RegistrationRun::frames>("number of frames to average for each image",
-                                                       limits::kPictureFrames)};
+                                                       limits::kImageFrames)};
 
 struct FlatnessRun {
   int frames = 5;
@@ -70,7 +70,7 @@ template <>
 inline constexpr auto kTable<FlatnessRun> = Fields{
     "FlatnessRun", field<&FlatnessRun::frames>(
                        "number of settled frames to average at each position of the aperture",
-                       limits::kPictureFrames)};
+                       limits::kImageFrames)};
 
 struct LutRun {
   int levels = 33;
@@ -83,7 +83,7 @@ inline constexpr auto kTable<LutRun> = Fields{
         "number of grey levels from 0 to 255 to measure, each twice; more are added where the "
         "phase changes by more than 1/24 of a turn from one to the next",
         limits::kGreyLevels),
-    field<&LutRun::frames>("number of frames to average for each image", limits::kPictureFrames)};
+    field<&LutRun::frames>("number of frames to average for each image", limits::kImageFrames)};
 
 struct SettleRun {
   int repetitions = 20;

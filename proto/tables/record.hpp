@@ -53,7 +53,7 @@ inline constexpr auto kTable<RecordStart> = Fields{
         .mandatory()
         .checked(not_plain),
     field<&RecordStart::pictures_every>("record the camera image of every n-th frame; 0: no images",
-                                        limits::kPicturesEvery),
+                                        limits::kImagesEvery),
     field<&RecordStart::limit_s>(
         "duration after which the recording ends by itself, seconds; null: no limit",
         limits::kRecordS),

@@ -40,7 +40,7 @@ std::vector<char> whole_recording() {
   (void)(*file)->add_document("plan", std::string(64, 'a'), "{\"plan_id\": 1}");
   for (int i = 0; i < kFrames; ++i) {
     RecordedFrame frame;
-    frame.picture = *(*file)->add_picture(pixels, i != 1);
+    frame.picture = *(*file)->add_image(pixels, i != 1);
     (*file)->add_frame(frame, spots, coefficients);
   }
   if (!(*file)->close(0, 0)) std::abort();
@@ -53,8 +53,8 @@ std::vector<char> whole_recording() {
 void read_all(const std::string& path) {
   auto reader = RecordingReader::open(path);
   if (!reader) return;
-  if ((*reader)->picture_bytes() > 1 << 20) return;
-  std::vector<std::byte> pixels((*reader)->picture_bytes());
+  if ((*reader)->image_bytes() > 1 << 20) return;
+  std::vector<std::byte> pixels((*reader)->image_bytes());
   for (const RecordedFrame& frame : (*reader)->frames()) {
     (void)(*reader)->spots(frame);
     (void)(*reader)->coefficients(frame);

@@ -1,4 +1,4 @@
-"""Modes study: 19 vortices tell 44 modes by their shapes, near the bound of all pixels."""
+"""Modes study: 19 vortices determine 44 modes by their shapes, near the bound of all pixels."""
 import unittest
 
 import case
@@ -29,7 +29,7 @@ class Modes(case.StudyCase):
     def test_44_modes_of_19_vortices_at_20000_photons_each(self):
         self.assertLess(self.row(charge=1, modes=44, light="equal photons")["shapes_waves"], 0.012)
 
-    def test_positions_do_not_tell_them(self):
+    def test_positions_do_not_determine_them(self):
         for charge in (0, 1):
             for light in LIGHTS:
                 self.assertIsNone(self.row(charge=charge, modes=44, light=light)["positions_waves"])

@@ -29,7 +29,7 @@ class Oracle(case.StudyCase):
             self.assertEqual(sorted(path.name for path in Path(folder).iterdir()), ["oracle.csv", "oracle.gnuplot", "summary.json"])
             self.assertEqual(json.loads((Path(folder) / "summary.json").read_text())["agree"], self.summary["agree"])
 
-    def test_a_terminal_is_told_of_the_progress_and_a_used_folder_is_cleared(self):
+    def test_a_terminal_shows_the_progress_and_a_used_folder_is_cleared(self):
         with tempfile.TemporaryDirectory() as folder:
             own = [Path(folder) / name for name in ("oracle-old.png", "oracle-old.csv", "oracle-old.gnuplot", "summary.json")]
             others = [Path(folder) / name for name in ("oracle-notes.csv", "oracles.png", "kernel.gnuplot", "kernel.png", "cells.csv")]
@@ -40,13 +40,13 @@ class Oracle(case.StudyCase):
             self.addCleanup(study.wait)
             self.addCleanup(study.kill)
             os.close(stderr)
-            told = ""
+            shown = ""
             while part := self.read(terminal):
-                told += part
+                shown += part
             os.close(terminal)
-            self.assertEqual(study.wait(60), 0, told)
+            self.assertEqual(study.wait(60), 0, shown)
             for earlier, later in itertools.pairwise(("oracle: preparing", "] 0/", "s left", "oracle: drawing")):
-                self.assertLess(told.index(earlier), told.index(later), (earlier, later))
+                self.assertLess(shown.index(earlier), shown.index(later), (earlier, later))
             for path in others:
                 self.assertEqual(path.read_text(), "of before", path)
             self.assertEqual({path.name for path in Path(folder).iterdir()} - {path.name for path in others},

@@ -16,7 +16,7 @@ class Range(case.StudyCase):
                 print(f"\n  {row['method']}, {row['name']}, {row['sign']:+}: {row['unit_waves']:.2f} waves unit amplitude ({row['waves']:.2f} RMS), limited by {row['limited_by']}")
                 self.assertGreaterEqual(row["unit_waves"], 2.0, row)
 
-    def test_both_lights_and_charges_are_told_with_their_end(self):
+    def test_both_intensities_and_charges_are_reported_with_their_limit(self):
         for light in ("equal peak", "equal photons"):
             for method in ("vortex, lg", "vortex, fit", "Shack-Hartmann, thresholded", "Shack-Hartmann, fit"):
                 for row in self.rows(light=light, method=method):

@@ -74,9 +74,9 @@ class DiskCase(BenchCase):
             with self.subTest(method):
                 events.drain()
                 self.run_job(method, params, 60.0)
-                told = wait_for(lambda: (e := events.next(1.0)) and "will not survive a restart" in e["text"] and e, what=f"the event of {method}")
-                self.assertEqual(told["severity"], "error")
-                self.assertRegex(told["text"], why)
+                event = wait_for(lambda: (e := events.next(1.0)) and "will not survive a restart" in e["text"] and e, what=f"the event of {method}")
+                self.assertEqual(event["severity"], "error")
+                self.assertRegex(event["text"], why)
                 store = self.call("system.status")["store"]
                 self.assertEqual(store["directory"], "state")
                 self.assertRegex(store["reason"], why)

@@ -25,9 +25,9 @@ class CameraKilled(BenchCase):
 
     def wait_for_fault(self, since):
         """Seconds until the camera counts as gone by its event; checks status and frames too."""
-        told = wait_for(lambda: (m := self.events.next(1.0)) and m["kind"] == "camera" and m["severity"] == "error" and m, 10.0, "the event")
+        event = wait_for(lambda: (m := self.events.next(1.0)) and m["kind"] == "camera" and m["severity"] == "error" and m, 10.0, "the event")
         seconds = time.monotonic() - since
-        self.assertIn("frames", told["text"])
+        self.assertIn("frames", event["text"])
         camera = self.call("system.status")["camera"]
         self.assertFalse(camera["connected"])
         self.assertTrue(camera["fault"])
@@ -41,11 +41,11 @@ class CameraKilled(BenchCase):
         registers = twin.call("twin.get")["camera"]
         settings = self.call("camera.get")["settings"]
         for key, value in CAMERA.items():
-            for told in (registers[key], settings[key]):
+            for reported in (registers[key], settings[key]):
                 if isinstance(value, float):
-                    self.assertAlmostEqual(told, value, delta=0.01 * value, msg=key)
+                    self.assertAlmostEqual(reported, value, delta=0.01 * value, msg=key)
                 else:
-                    self.assertEqual(told, value, key)
+                    self.assertEqual(reported, value, key)
 
     def come_back(self):
         """Restarts the camera; returns the seconds until valid coefficients, and the first frame."""

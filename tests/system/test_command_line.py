@@ -171,7 +171,7 @@ class CommandLine(BenchCase):
         self.assertEqual(json.loads(self.ovws("--json", "watch", "phase", "-n", 1))["schema"], "ovws.phase/1")
         self.ovws("watch", "-n", -1, code=2)
 
-    def is_told_of_a_change(self, watch, waves):
+    def reports_the_change(self, watch, waves):
         """Whether `watch` reports this change of the hologram. On a busy machine it may be over before watch sees it."""
         hologram = self.call("aberration.set", {"modes": [{"n": 2, "m": 0, "waves": waves}]})["hologram_id"]
         for line in watch.stdout:
@@ -187,19 +187,19 @@ class CommandLine(BenchCase):
         self.addCleanup(watch.wait)
         self.addCleanup(watch.kill)
         self.assertTrue(any(line.endswith(" valid\n") for line in itertools.islice(watch.stdout, 2000)))
-        self.assertTrue(any(self.is_told_of_a_change(watch, 0.01 * k) for k in range(1, 40)))
+        self.assertTrue(any(self.reports_the_change(watch, 0.01 * k) for k in range(1, 40)))
         self.client.call("sensor.set", {"charge": 2})
         self.assertTrue(any("NOT VALID: no reference" in line for line in itertools.islice(watch.stdout, 2000)))
 
-    def test_a_grating_is_told_from_a_change(self):
+    def test_a_grating_is_distinguished_from_a_change(self):
         self.take_reference(10)
         self.call("slm.show", {"pattern": "grating"})
-        told = "NOT VALID: the SLM shows a grating: no wavefront is measured"
-        wait_for(lambda: told in self.ovws("watch", "-n", 1), what="the grating in watch")
+        warning = "NOT VALID: the SLM shows a grating: no wavefront is measured"
+        wait_for(lambda: warning in self.ovws("watch", "-n", 1), what="the grating in watch")
         done = subprocess.run([self.bench.programs / "ovws", "--timeout", "1", "snapshot", "-o", self.bench.directory / "shot"],
                               capture_output=True, text=True, timeout=30)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn(told, done.stderr)
+        self.assertIn(warning, done.stderr)
 
     def test_snapshot(self):
         self.take_reference(10)

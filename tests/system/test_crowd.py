@@ -54,9 +54,9 @@ class Crowd(BenchCase):
             self.assertIsNotNone(message, "the stream stopped")
             self.assertTrue(last is None or message["seq"] == last + 1, "a message was lost")
             last, heard = message["seq"], heard + 1
-            while (told := self.status.next(0.0)) is not None:
-                if told["latency"]["published"]["count"]:
-                    p99.append([told["latency"][stage]["p99_us"] for stage in ("reconstructed", "published")])
+            while (status := self.status.next(0.0)) is not None:
+                if status["latency"]["published"]["count"]:
+                    p99.append([status["latency"][stage]["p99_us"] for stage in ("reconstructed", "published")])
             each()
         self.assertGreater(heard, 50 * seconds)
         return [statistics.median(column) for column in zip(*p99)]

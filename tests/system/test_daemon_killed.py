@@ -13,7 +13,7 @@ TIMES = 20 if os.environ.get("OVWS_LONG_ABSENCE") else 5
 READY_S, FRAMES_S = 4.0, 15.0
 
 
-def told(name, seconds):
+def text_of(name, seconds):
     return f"{name} {statistics.median(seconds):.2f} s (at most {max(seconds):.2f} s)"
 
 
@@ -47,7 +47,7 @@ class DaemonKilled(BenchCase):
                 self.assertLess(seconds[1], READY_S)
                 self.assertLess(seconds[2], FRAMES_S)
         ready, answers, frame = zip(*all_s)
-        print(f"\n  killed {TIMES} times, from the next start: {told('ready', ready)}, {told('answers', answers)}, {told('a frame', frame)}")
+        print(f"\n  killed {TIMES} times, from the next start: {text_of('ready', ready)}, {text_of('answers', answers)}, {text_of('a frame', frame)}")
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ class DisplayFaults(BenchCase):
         self.take_reference()
         self.call("aberration.set", {"modes": [{"j": MODE, "waves": WAVES}]})
         self.frames = self.stream("wavefront")
-        self.told = self.stream("event")
+        self.events = self.stream("event")
         self.check_measures()
         self.pid = self.bench.process("ovwsd").pid
 
@@ -56,7 +56,7 @@ class DisplayFaults(BenchCase):
         print("\n ", status["slm"]["fault"])
         for word in words:
             self.assertIn(word, status["slm"]["fault"])
-        wait_for(lambda: (event := self.told.next(1.0)) and event["kind"] == "slm" and event["severity"] == "error", PATIENCE_S, "the event")
+        wait_for(lambda: (event := self.events.next(1.0)) and event["kind"] == "slm" and event["severity"] == "error", PATIENCE_S, "the event")
         self.frames.drain()
         seen = [frame for _ in range(20) if (frame := self.frames.next(0.5))]
         self.assertTrue(seen)
@@ -106,10 +106,10 @@ class DisplayFaults(BenchCase):
             self.start_daemon()
             self.wait_until("running", 20.0)
 
-    def test_a_window_on_top_is_told_and_covered(self):
+    def test_a_window_on_top_is_reported_and_covered(self):
         before = self.call("system.status")["counters"]["display_faults"]
         window = WindowOnTop(self.bench.display)
-        event = wait_for(lambda: (told := self.told.next(1.0)) and "letter" in told["text"] and told, PATIENCE_S, "the event")
+        event = wait_for(lambda: (found := self.events.next(1.0)) and "letter" in found["text"] and found, PATIENCE_S, "the event")
         print("\n ", event["text"])
         self.assertEqual((event["kind"], event["severity"]), ("slm", "error"))
         self.check_over()  # now the SLM's window is on top

@@ -117,7 +117,7 @@ class Well(DoctorCase):
         self.check(findings, "daemon.answer", "not_here", "tcp://127.0.0.1:7999", "systemctl start ovwsd")
         self.check(findings, "camera.control", "warning", "a program controls the camera")
 
-    def test_what_the_daemon_says_is_told(self):
+    def test_what_the_daemon_says_is_reported(self):
         subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", "--off"], check=True, capture_output=True)
         wait_for(lambda: self.call("system.status")["slm"]["fault"], what="the fault")
         findings = self.examine()

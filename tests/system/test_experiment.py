@@ -193,9 +193,9 @@ class Experiment(BenchCase):
                 ended = self.job_ended(self.call("experiment.gain_sweep", QUICK)["job"])
                 self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "anew"), ended)
                 message = ended["error"]["message"]
-                told = re.search(r"subaperture \d+ by ([\d.]+) px, all spots by \(([-+\d.]+), ([-+\d.]+)\) px on average, and ([\d.]+) px", message)
-                self.assertIsNotNone(told, message)
-                largest, *mean, limit = map(float, told.groups())
+                figures = re.search(r"subaperture \d+ by ([\d.]+) px, all spots by \(([-+\d.]+), ([-+\d.]+)\) px on average, and ([\d.]+) px", message)
+                self.assertIsNotNone(figures, message)
+                largest, *mean, limit = map(float, figures.groups())
                 print(f"\n  {move}: truth ({truth[0]:+.2f}, {truth[1]:+.2f}) px; {message}")
                 for axis in (0, 1):
                     self.assertAlmostEqual(mean[axis], truth[axis], delta=0.1)

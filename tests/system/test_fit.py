@@ -60,7 +60,7 @@ class Fit(BenchCase):
                 self.assertEqual({frame["tracked"] for frame in late}, {19})
                 self.assertLess(max(error(frame, modes) for frame in before + frames), 0.15)
 
-    def test_spots_tell_more_modes_than_their_positions(self):
+    def test_spots_determine_more_modes_than_their_positions(self):
         refusal = self.refused("sensor.set", {"mode_count": 65}).data
         print(f"\n  {refusal['reason']}")
         self.assertEqual(refusal["field"], "mode_count")
@@ -74,7 +74,7 @@ class Fit(BenchCase):
                 frames, before = self.fitted(stream, 40, self.show(modes))
                 median = statistics.median(error(frame, modes) for frame in frames[20:])
                 print(f"\n  {rms:.2f} wave over 44 modes: error {median:.5f} wave")
-                self.assertEqual(before, [])  # positions do not tell them
+                self.assertEqual(before, [])  # positions do not determine them
                 self.assertLess(median, 0.015)
         self.assert_replays_the_same("44", [draw(rng, 0.05, 44)])
         self.call("sensor.set", {"mode_count": None})

@@ -54,8 +54,8 @@ class Flatness(SlmCase):
         """Another camera means other optics: results measured with the previous one are not used until it returns."""
         events = self.stream("event")
         self.exchange_camera({"serial": "TWIN0002"})
-        told = wait_for(lambda: (e := events.next(1.0)) and e["kind"] == "slm" and "another camera" in e["text"] and e, 20.0, "an event")
-        self.assertEqual((told["severity"], told["data"]["used"]), ("warning", False))
+        event = wait_for(lambda: (e := events.next(1.0)) and e["kind"] == "slm" and "another camera" in e["text"] and e, 20.0, "an event")
+        self.assertEqual((event["severity"], event["data"]["used"]), ("warning", False))
         wait_for(lambda: not self.call("flatness.get")["measured"], what="another camera's")
         self.assertTrue((self.bench.directory / "state" / "flatness.slm.json").exists())
         self.restart()

@@ -180,9 +180,9 @@ class Loop(BenchCase):
         self.twin.call("twin.set", {"peak_electrons": 10.0})
         wait_for(lambda: not self.call("loop.get")["closed"], 20.0, "the loop to open without spots")
         self.assertIn("usable", self.call("loop.get")["opened_because"])
-        told = []
-        wait_for(lambda: (message := events.next(0.5)) and message.get("kind") == "loop" and (told.append(message), len(told))[1] >= 4, 10.0, "four events")
-        self.assertEqual([m["severity"] for m in told], ["info", "warning", "info", "warning"])
+        received = []
+        wait_for(lambda: (message := events.next(0.5)) and message.get("kind") == "loop" and (received.append(message), len(received))[1] >= 4, 10.0, "four events")
+        self.assertEqual([m["severity"] for m in received], ["info", "warning", "info", "warning"])
 
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ class Measure(unittest.TestCase):
         for j, value in zip(line["j"], line["coefficients"]):
             self.assertAlmostEqual(value, wanted.get(j, 0.0), delta=0.02, msg=f"j = {j}")
 
-    def test_png_tiff_and_pgm_of_8_and_16_bit_tell_the_same(self):
+    def test_png_tiff_and_pgm_of_8_and_16_bit_give_the_same(self):
         wide = self.farfield("wide.png", "2,-2:0.3")
         pixels = np.asarray(Image.open(wide)).astype(np.uint16)
         files = [wide, self.save("wide.tiff", pixels), self.farfield("narrow.png", "2,-2:0.3", 8)]

@@ -105,8 +105,8 @@ class Metrics(BenchCase):
             self.assertRegex(name, r"^ovws_[a-z][a-z0-9_]*$")
             self.assertEqual(name.endswith("_total"), kind == "counter", name)
             self.assertNotRegex(name, r"_(us|ms|ns|milliseconds|microseconds|db|px|hz)\b")
-        told = {name for name in scrape.types if name.endswith(UNITS)}
-        self.assertLessEqual({"ovws_frame_latency_seconds", "ovws_uptime_seconds", "ovws_camera_frame_rate_hertz"}, told)
+        exposed = {name for name in scrape.types if name.endswith(UNITS)}
+        self.assertLessEqual({"ovws_frame_latency_seconds", "ovws_uptime_seconds", "ovws_camera_frame_rate_hertz"}, exposed)
         self.assertFalse([s for s in scrape.samples() if math.isnan(s.value)], "what is not known is left out")
 
     def check_latencies(self, scrape):
@@ -139,7 +139,7 @@ class Metrics(BenchCase):
 
     def test_a_daemon_that_goes_and_comes(self):
         first = self.serve()
-        self.scrape_when(lambda s: s.value("ovws_up") == 1, "a daemon that tells")
+        self.scrape_when(lambda s: s.value("ovws_up") == 1, "a daemon that answers")
         os.kill(self.bench.process("ovwsd").pid, signal.SIGKILL)
         gone = self.scrape_when(lambda s: s.value("ovws_up") == 0, "its end")
         self.assertEqual(set(gone.types), {"ovws_up"}, "nothing old looks new")

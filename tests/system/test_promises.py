@@ -52,7 +52,7 @@ class Promises(BenchCase):
         self.call("camera.set", {"exposure_us": 2000.0})
         self.assertEqual(self.call("reference.get"), before)
 
-    def test_one_saturated_spot_is_borne_and_told(self):
+    def test_one_saturated_spot_is_accepted_and_reported(self):
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
         twin.call("twin.set", {"noise": "none"})
@@ -61,8 +61,8 @@ class Promises(BenchCase):
         events = self.stream("event")
         saturated = self.take_reference(20)["result"]["saturated_spots"]
         self.assertEqual(len(saturated), 1)
-        told = wait_for(lambda: (message := events.next(1.0)) and message["kind"] == "reference" and message, what="the event")
-        self.assertEqual((told["severity"], told["data"]["saturated_spots"]), ("warning", saturated))
+        event = wait_for(lambda: (message := events.next(1.0)) and message["kind"] == "reference" and message, what="the event")
+        self.assertEqual((event["severity"], event["data"]["saturated_spots"]), ("warning", saturated))
 
     def test_no_reference_of_a_bench_that_moves_meanwhile(self):
         twin = Client("tcp://127.0.0.1:7790")
@@ -106,7 +106,7 @@ class Promises(BenchCase):
         self.call("reference.clear")
         self.assertIsNone(self.call("reference.get")["frames"])
 
-    def test_every_lattice_has_as_many_modes_as_it_can_tell(self):
+    def test_every_lattice_has_as_many_modes_as_it_determines(self):
         self.call("camera.set", {"exposure_us": 700.0})  # with 4 across, subapertures are larger and spots 2.4 times as bright
         for grid, across in (("hexagonal", 4), ("hexagonal", 6), ("square", 4)):
             with self.subTest(grid=grid, across=across):
@@ -118,14 +118,14 @@ class Promises(BenchCase):
                 frames = self.settled_frames(self.stream("wavefront"), 10)
                 self.assertEqual(len(frames[0]["coefficients"]), modes)
 
-    def test_a_job_tells_its_quarters(self):
+    def test_a_job_reports_its_quarters(self):
         stream = self.stream("event")
         self.run_job("reference.take", {"frames": 100})
-        told = []
+        reported = []
         while (message := stream.next(1.0)) is not None:
             if message["kind"] == "job":
-                told.append((message["data"]["state"], message["data"]["progress"]))
-        self.assertEqual(told, [("running", 0.0), ("running", 0.25), ("running", 0.5), ("running", 0.75), ("done", 1.0)])
+                reported.append((message["data"]["state"], message["data"]["progress"]))
+        self.assertEqual(reported, [("running", 0.0), ("running", 0.25), ("running", 0.5), ("running", 0.75), ("done", 1.0)])
 
     def test_every_request_on_its_way_is_answered_when_the_daemon_ends(self):
         requests = 40

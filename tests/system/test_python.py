@@ -101,9 +101,9 @@ class Scripts(BenchCase):
         self.take_reference(100)
         self.fitted_frames(self.stream("wavefront"), 50)  # the first ones are measured by positions, with more noise
         before = self.call("camera.get")["settings"]
-        told = re.findall(r"([\d.]+) dB, +([\d.]+) us: ([\d.]+) milliwaves", self.example("gain_sweep.py"))
-        self.assertEqual([(float(gain_db), float(exposure_us)) for gain_db, exposure_us, _ in told], [(0, 2000), (6, 1002), (12, 502)])
-        scatter = [float(milliwaves) for *_, milliwaves in told]
+        printed = re.findall(r"([\d.]+) dB, +([\d.]+) us: ([\d.]+) milliwaves", self.example("gain_sweep.py"))
+        self.assertEqual([(float(gain_db), float(exposure_us)) for gain_db, exposure_us, _ in printed], [(0, 2000), (6, 1002), (12, 502)])
+        scatter = [float(milliwaves) for *_, milliwaves in printed]
         self.assertEqual(scatter, sorted(scatter), "less light, more noise")
         self.assertGreater(scatter[2], 1.3 * scatter[0])
         self.assertEqual(self.call("camera.get")["settings"], before)
@@ -123,8 +123,8 @@ class Scripts(BenchCase):
         self.take_reference(100)
         self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.2}, {"j": 3, "waves": 0.1}]})
         self.settled_frames(self.stream("wavefront"), 5)
-        told = re.findall(r"x\^(\d) y\^(\d): ([-+.\d]+) waves", self.example("own_basis.py"))
-        waves = {(int(a), int(b)): float(value) for a, b, value in told}
+        printed = re.findall(r"x\^(\d) y\^(\d): ([-+.\d]+) waves", self.example("own_basis.py"))
+        waves = {(int(a), int(b)): float(value) for a, b, value in printed}
         # 0.2 sqrt(3) (2 x^2 + 2 y^2 - 1) + 0.1 sqrt(6) 2 x y
         for power, value in {(2, 0): 0.693, (0, 2): 0.693, (1, 1): 0.490, (1, 0): 0.0, (0, 1): 0.0}.items():
             self.assertAlmostEqual(waves[power], value, delta=0.03)
@@ -234,8 +234,8 @@ class Keys(BenchCase):
             with self.assertRaises(Refused) as caught:
                 client.camera_set(gain_db=1.0)
             self.assertEqual((caught.exception.code, caught.exception.field), (-32003, "method"))
-        state, told = asyncio.run(awaited(20.0, **self.keys))
-        self.assertEqual(state, told)
+        state, reported = asyncio.run(awaited(20.0, **self.keys))
+        self.assertEqual(state, reported)
         with Client(timeout_s=1.0) as client, self.assertRaisesRegex(NoAnswer, "does it require a key"):
             client.system_status()
         with Subscription(ovws_client.Status, timeout_s=2.5) as stream, self.assertRaisesRegex(NoAnswer, "does it require a key"):

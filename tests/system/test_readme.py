@@ -88,9 +88,9 @@ class Readme(BenchCase):
         self.assertGreater(len(named), 15)
         for name in named:
             self.assertTrue((ROOT / "tests" / "system" / f"test_{name}.py").exists(), name)
-        told = self.run_here([self.bench.programs / "ovws", "study", "--help"])
+        printed = self.run_here([self.bench.programs / "ovws", "study", "--help"])
         for name in re.findall(r"`ovws study (\w+)`", accuracy):
-            self.assertIn(name, told)
+            self.assertIn(name, printed)
 
 
 if __name__ == "__main__":

@@ -260,7 +260,7 @@ class Replay(BenchCase):
         self.assertEqual(done.returncode, status, done.stderr)
         return done
 
-    def test_plans_with_absurd_numbers_are_told(self):
+    def test_plans_with_absurd_numbers_are_reported(self):
         """The checksums are correct; only the values are wrong."""
         self.take_reference(20)
         self.call("record.start", {"name": "honest"})
@@ -282,7 +282,7 @@ class Replay(BenchCase):
         print(f"\n  {tried // 7} changes")
         self.assertIn(1, statuses)
 
-    def test_a_plan_of_another_region_is_told_at_once(self):
+    def test_a_plan_of_another_region_is_reported_at_once(self):
         self.call("record.start", {"name": "region"})
         self.recorded_frames(21)
         self.call("record.stop")
@@ -292,10 +292,10 @@ class Replay(BenchCase):
         change_document(other, "plan", plans[0], 320)
         begun = time.monotonic()
         done = self.replay(other)
-        told = json.loads(done.stdout.splitlines()[-1])
-        self.assertEqual((done.returncode, told["replayed"]), (1, 0), told)
-        self.assertRegex(told["first_not_replayed"], "its plan is for an image of 320 x .*; the recording's are")
-        print(f"\n  {told['frames']} frames in {time.monotonic() - begun:.1f} s")
+        report = json.loads(done.stdout.splitlines()[-1])
+        self.assertEqual((done.returncode, report["replayed"]), (1, 0), report)
+        self.assertRegex(report["first_not_replayed"], "its plan is for an image of 320 x .*; the recording's are")
+        print(f"\n  {report['frames']} frames in {time.monotonic() - begun:.1f} s")
         self.assertLess(time.monotonic() - begun, 30.0, "one frame that no plan measures took 5 s")
 
     def test_export_of_a_damaged_recording_says_what_is_damaged(self):
@@ -316,7 +316,7 @@ class Replay(BenchCase):
                 self.assertRegex(said.getvalue(), "^.*damaged.h5: .+")
                 out.with_suffix(".fits").unlink(missing_ok=True)
 
-    def test_what_is_no_recording_is_told(self):
+    def test_what_is_no_recording_is_reported(self):
         self.call("record.start", {"name": "short"})
         self.recorded_frames(20)
         self.call("record.stop")

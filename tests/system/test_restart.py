@@ -93,7 +93,7 @@ class Restart(BenchCase):
         self.assertFalse(self.call("registration.get")["registered"])
         self.assertEqual(self.reference_state(), "none")
 
-    def test_what_only_makes_it_stale_is_told_and_what_makes_it_another_ones_too(self):
+    def test_what_only_makes_it_stale_is_reported_and_what_makes_it_another_ones_too(self):
         self.take_reference(20)
         before = self.call("reference.get")
         self.call("camera.set", {"gain_db": 6.0})

@@ -293,9 +293,9 @@ class Files(BenchCase):
         self.assertIn("a.json", again.stderr)
         self.assertEqual(path.read_text(), text)
         path.chmod(0o644)
-        told = json.loads(self.ovws("--json", "keygen", "-o", "a.json", "--replace", "--server-key", first.stdout.strip()).stdout)
+        printed = json.loads(self.ovws("--json", "keygen", "-o", "a.json", "--replace", "--server-key", first.stdout.strip()).stdout)
         written = json.loads(path.read_text())
-        self.assertEqual((written["public_key"], written["server_key"]), (told["public_key"], first.stdout.strip()))
+        self.assertEqual((written["public_key"], written["server_key"]), (printed["public_key"], first.stdout.strip()))
         self.assertNotIn(written["public_key"], text)
         self.assertEqual(stat.S_IMODE(path.stat().st_mode), 0o600)
 

@@ -33,20 +33,20 @@ class Service(unittest.TestCase):
 
     def messages(self, seconds):
         """(time, line) of each notification within `seconds`."""
-        told, end = [], time.monotonic() + seconds
+        received, end = [], time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             self.notify.settimeout(left)
             try:
                 data = self.notify.recv(65536).decode()
             except TimeoutError:
                 break
-            told += [(time.monotonic(), line) for line in data.splitlines()]
-        return told
+            received += [(time.monotonic(), line) for line in data.splitlines()]
+        return received
 
     def test_ready_status_watchdog_and_a_quick_end(self):
         self.start(WATCHDOG_USEC="1000000")
-        told = self.messages(4.0)
-        lines = [line for _, line in told]
+        received = self.messages(4.0)
+        lines = [line for _, line in received]
         self.assertEqual(lines.count("READY=1"), 1)
         status = [line for line in lines if line.startswith("STATUS=")]
         print("\n ", status[-1])
@@ -54,7 +54,7 @@ class Service(unittest.TestCase):
         opened = [os.readlink(fd) for fd in pathlib.Path(f"/proc/{self.daemon.pid}/fd").iterdir()]
         if os.access("/dev/cpu_dma_latency", os.W_OK):
             self.assertIn("/dev/cpu_dma_latency", opened, "held while it runs")
-        fed = [t for t, line in told if line == "WATCHDOG=1"]
+        fed = [t for t, line in received if line == "WATCHDOG=1"]
         self.assertGreaterEqual(len(fed), 8)
         self.assertLess(max(b - a for a, b in zip(fed, fed[1:])), 1.0, "fed within each watchdog interval")
         asked = time.monotonic()

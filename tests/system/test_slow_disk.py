@@ -80,17 +80,17 @@ class Standing(SlowDisk):
         wait_for(lambda: self.call("reference.get")["t_taken_ns"] != before["t_taken_ns"], what="the new reference")
         self.wait_until("running")
         saved = self.in_background("config.save")
-        slowest_s, hologram, told = 0.0, 0, ""
+        slowest_s, hologram, reason = 0.0, 0, ""
         while time.monotonic() - began < STANDS_S:
             asked = time.monotonic()
             status = self.call("system.status")
             hologram = self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.02 * (hologram % 2)}]})["hologram_id"]
             slowest_s = max(slowest_s, time.monotonic() - asked)
-            told = status["store"]["reason"] or told
+            reason = status["store"]["reason"] or reason
             self.assertEqual(status["state"], "running")
             self.settled_frames(frames, 1, hologram)
         self.assertEqual((saved, self.call("job.get", {"job": job})["state"], self.call("reference.get")["sha256"]), ([], "running", None))
-        self.assertRegex(told, "the disk has not answered for [0-9]+ s: check it; items waiting to be written: 1$")
+        self.assertRegex(reason, "the disk has not answered for [0-9]+ s: check it; items waiting to be written: 1$")
         self.speed(None)
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the job's end")
         self.assertEqual(ended["state"], "done")

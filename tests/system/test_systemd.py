@@ -141,10 +141,10 @@ class Systemd(unittest.TestCase):
         self.assertEqual(started.returncode, 0, started.stderr + self.log())
 
     def wait_for_metrics(self, up):
-        def told():
+        def up_is_scraped():
             with contextlib.suppress(OSError), urllib.request.urlopen("http://127.0.0.1:7705/metrics", timeout=5) as page:
                 return f"\novws_up {up}\n" in page.read().decode()
-        wait_for(told, 20.0, f"ovws_up {up}")
+        wait_for(up_is_scraped, 20.0, f"ovws_up {up}")
 
     def test_the_metrics_take_their_key_from_systemd(self):
         self.start_metrics()  # no key exists yet
@@ -169,15 +169,15 @@ class Systemd(unittest.TestCase):
         began = time.monotonic()
         with thread_holder.held(pid, name) as ended:
             wait_for(lambda: f"thread {name} has not run for" in self.log()[seen:], longest_turn_s + 15.0, f"the log's word on {name}")
-            told_s = time.monotonic() - began
-            self.assertEqual(self.pid(), pid, "told before the watchdog acts")
+            reported_s = time.monotonic() - began
+            self.assertEqual(self.pid(), pid, "reported before the watchdog acts")
             wait_for(ended, 30.0, "the watchdog")
             killed_s = time.monotonic() - began
         wait_for(lambda: self.show("Result") == "watchdog", 5.0, "the manager's word on why")
         wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", 30.0, "the restart")
-        print(f"\n  {name}: told after {told_s:.1f} s, ended after {killed_s:.1f} s")
+        print(f"\n  {name}: reported after {reported_s:.1f} s, ended after {killed_s:.1f} s")
         # The last keep-alive was sent at the latest when the log reported the thread.
-        self.assertLess(killed_s - told_s, self.watchdog_s + 5.0)
+        self.assertLess(killed_s - reported_s, self.watchdog_s + 5.0)
 
     def test_a_hanging_acquire_thread_ends_in_a_restart(self):
         self.hang("acquire", 2.0)

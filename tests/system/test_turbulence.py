@@ -55,7 +55,7 @@ class Turbulence(BenchCase):
             judged += 1
         print(f"  {judged} bands are far enough below {steps_hz:.1f} steps/s")
         if judged == 0:
-            self.assertGreaterEqual(steps_hz, 1.0, "too few steps to tell anything")
+            self.assertGreaterEqual(steps_hz, 1.0, "too few steps to measure anything")
 
     def test_rejection_by_frequency(self):
         refused = self.study(5)

@@ -95,7 +95,7 @@ class Watch(BenchCase):
         self.assertLessEqual(drawn, 2 * 22)
         self.assertGreaterEqual(drawn, 2 * 8)
 
-    def test_lost_spots_and_losses_are_told(self):
+    def test_lost_spots_and_losses_are_shown(self):
         self.take_reference(30)
         terminal = self.open(columns=120, lines=40)
         self.wait_for_text(terminal, r"\bvalid\b")

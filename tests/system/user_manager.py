@@ -113,8 +113,8 @@ class Manager:
 
     def show(self, unit, *properties):
         """The unit's properties as a dictionary of strings."""
-        told = self.systemctl("show", unit, "--property=" + ",".join(properties)).stdout
-        return dict(line.split("=", 1) for line in told.splitlines() if "=" in line)
+        shown = self.systemctl("show", unit, "--property=" + ",".join(properties)).stdout
+        return dict(line.split("=", 1) for line in shown.splitlines() if "=" in line)
 
     def close(self):
         """Ends the manager and every process in its cgroups, which are its own."""

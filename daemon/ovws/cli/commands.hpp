@@ -52,17 +52,17 @@ int check_bench(const Common& common, const std::string& config_path, const std:
 
 // Offline.
 
-struct PictureOptions {
+struct ImageOptions {
   std::string config_path;
   std::string modes;
   std::string norm = "rms";
   std::string output;
 };
 
-int save_hologram(const Common& common, const PictureOptions& options);
+int save_hologram(const Common& common, const ImageOptions& options);
 
 struct FarFieldOptions {
-  PictureOptions picture;
+  ImageOptions picture;
   std::optional<double> peak_e;
   std::optional<double> total_e;
   double read_noise_e = 5.0;

@@ -14,7 +14,7 @@
 
 #include "core/wavefront/phase_map.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/picture_file.hpp"
+#include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/gain_sweep_report.hpp"
 #include "daemon/ovws/study/parallel.hpp"
@@ -285,8 +285,8 @@ Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::
         fmt::format("brightest {:g} DN; red: full scale", cell.at("peak_dn").get<double>()));
   }
   for (const auto& [charge, row] : rows) {
-    auto written = write_picture(folder / fmt::format("experiment-images-charge-{}.png", charge),
-                                 row.picture());
+    auto written =
+        write_image(folder / fmt::format("experiment-images-charge-{}.png", charge), row.picture());
     if (!written) return written;
   }
   return {};
@@ -321,7 +321,7 @@ Result<void> draw_residuals(const json& request, const SweepCells& cells,
     row.add(coloured(residual->waves, scale), residual->title, residual->more);
   }
   if (row.picture().empty()) return {};
-  return write_picture(folder / "experiment-residual.png", row.picture());
+  return write_image(folder / "experiment-residual.png", row.picture());
 }
 
 /// Writes summary, table, figures and images.
@@ -329,13 +329,13 @@ Result<void> write_all(const json& experiment, const SweepCells& cells,
                        const std::filesystem::path& folder) {
   json summary = study::sweep_summary(experiment);
   summary["version"] = OVWS_VERSION;
-  const auto draw_pictures = [&]() -> Result<void> {
+  const auto draw_images = [&]() -> Result<void> {
     if (auto done = draw_camera_frames(cells, folder); !done) return done;
     return draw_residuals(experiment.at("request"), cells, folder);
   };
   auto done = study::write_text(study::sweep_table(experiment), folder / "table.txt");
   if (!done) return done;
-  return write_findings(summary, study::sweep_figures(experiment), folder, draw_pictures);
+  return write_findings(summary, study::sweep_figures(experiment), folder, draw_images);
 }
 
 void print_bench(const json& experiment) {

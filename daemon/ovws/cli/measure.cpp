@@ -167,14 +167,14 @@ class ImageMeasurer {
   /// Reads the image of the reference, if there is one; call it first.
   Result<void> read_reference() {
     if (options_.reference.empty()) return {};
-    auto read = read_picture(options_.reference);
+    auto read = read_image(options_.reference);
     if (!read) return fail(Errc::invalid, "reference", read.error().reason);
     reference_ = std::move(*read);
     return {};
   }
 
   Result<json> line_of_file(const std::string& path) {
-    const auto picture = read_picture(path);
+    const auto picture = read_image(path);
     if (!picture) return fail(picture.error());
     const ImageView image = picture->view();
     Instrument& instrument = instrument_for(image);

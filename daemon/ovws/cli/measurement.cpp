@@ -85,7 +85,7 @@ ImageView Picture::view() const {
   return narrow.pixels.empty() ? view_of(wide, PixelFormat::mono16) : view_of(narrow);
 }
 
-Result<Picture> read_picture(const std::string& path) {
+Result<Picture> read_image(const std::string& path) {
   if (std::error_code none; !std::filesystem::exists(path, none)) {
     return fail(unreadable(path, "does not exist"));
   }

@@ -26,7 +26,7 @@ struct Picture {
 };
 /// Reads a PNG, TIFF or PGM file. Errors (Errc::invalid, field "image"): unreadable, or not
 /// greyscale with 8 or 16 bits.
-Result<Picture> read_picture(const std::string& path);
+Result<Picture> read_image(const std::string& path);
 
 /// The measurement of one image.
 struct Measured {

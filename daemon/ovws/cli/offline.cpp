@@ -8,8 +8,8 @@
 #include "core/optics/hologram.hpp"
 #include "core/optics/sensor_model.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/ovws/cli/modes_text.hpp"
-#include "daemon/ovws/cli/picture_file.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/json_text.hpp"
 #include "proto/limits.hpp"
@@ -17,7 +17,7 @@
 namespace ovws::cli {
 namespace {
 
-Result<Config> config_of(const PictureOptions& options) {
+Result<Config> config_of(const ImageOptions& options) {
   if (options.config_path.empty()) return Config{};
   return load_config(options.config_path);
 }
@@ -25,17 +25,17 @@ Result<Config> config_of(const PictureOptions& options) {
 template <class Pixel>
 Result<void> write_png(const std::string& path, const Image<Pixel>& image) {
   const int type = sizeof(Pixel) == 1 ? CV_8UC1 : CV_16UC1;
-  // cv::Mat has no constructor for const pixels; write_picture does not change them.
+  // cv::Mat has no constructor for const pixels; write_image does not change them.
   const cv::Mat mat(image.height, image.width, type, const_cast<Pixel*>(image.pixels.data()));
-  return write_picture(path, mat);
+  return write_image(path, mat);
 }
 
-Result<std::vector<Mode>> modes_of(const PictureOptions& options) {
+Result<std::vector<Mode>> modes_of(const ImageOptions& options) {
   return parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
 }
 
 /// The hologram's grey levels with the requested modes. Fails if the SLM cannot sample it.
-Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const PictureOptions& options) {
+Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const ImageOptions& options) {
   const auto modes = modes_of(options);
   if (!modes) return fail(modes.error());
   auto renderer = HologramRenderer::make(hologram);
@@ -46,7 +46,7 @@ Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const Picture
   return grey;
 }
 
-Result<void> make_hologram(const PictureOptions& options) {
+Result<void> make_hologram(const ImageOptions& options) {
   const auto config = config_of(options);
   if (!config) return fail(config.error());
   const auto hologram = load_hologram_config(*config);
@@ -107,7 +107,7 @@ int finish(const Common& common, const std::string& output, const Result<void>& 
 
 }  // namespace
 
-int save_hologram(const Common& common, const PictureOptions& options) {
+int save_hologram(const Common& common, const ImageOptions& options) {
   return finish(common, options.output, make_hologram(options));
 }
 

@@ -18,7 +18,7 @@ constexpr const char* kConfigHelp =
     "the daemon's configuration file (default: every key's default); saved settings are ignored: "
     "ovwsd --check-config --config FILE > NEW prints a file that includes them";
 
-void add_picture_options(CLI::App& command, PictureOptions& options) {
+void add_image_options(CLI::App& command, ImageOptions& options) {
   command.add_option("--config,-c", options.config_path, kConfigHelp);
   command
       .add_option("--modes", options.modes,
@@ -40,8 +40,8 @@ void add_hologram(CLI::App& app, const Common& common, int& status) {
       "hologram",
       "write the sensor's hologram for a configuration as PNG: the SLM's grey levels pixel by "
       "pixel, with the configuration's LUT and flatness; works offline");
-  auto options = std::make_shared<PictureOptions>();
-  add_picture_options(*command, *options);
+  auto options = std::make_shared<ImageOptions>();
+  add_image_options(*command, *options);
   command->callback([&common, &status, options] { status = save_hologram(common, *options); });
 }
 
@@ -51,7 +51,7 @@ void add_farfield(CLI::App& app, const Common& common, int& status) {
                                      "PNG, computed with noise; works "
                                      "offline");
   auto options = std::make_shared<FarFieldOptions>();
-  add_picture_options(*command, options->picture);
+  add_image_options(*command, options->picture);
   auto* peak =
       command
           ->add_option("--peak", options->peak_e,

@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/picture_file.hpp"
+#include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/shared/client.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
@@ -28,7 +28,7 @@ const cv::Scalar kReferenceColour(0, 190, 255);
 const cv::Scalar kTextColour(255, 255, 255);
 const cv::Scalar kWarningColour(90, 90, 255);
 const cv::Scalar kBackground(40, 40, 40);
-const cv::Size kPhasePictureSize(512, 512);
+const cv::Size kPhaseImageSize(512, 512);
 const cv::Rect kMapPlace(64, 72, 384, 384);
 
 /// The newest message of each topic, by name.
@@ -42,7 +42,7 @@ class Collector {
     spots_by_frame_[frame] = std::move(message);
     if (spots_by_frame_.size() > 1000) spots_by_frame_.erase(spots_by_frame_.begin());
   }
-  void add_picture(StreamMessage message) { found_[message.topic] = std::move(message); }
+  void add_image(StreamMessage message) { found_[message.topic] = std::move(message); }
 
   /// Image, phase and spots of one frame; none if they are not complete.
   std::optional<Messages> of_one_frame() {
@@ -73,7 +73,7 @@ std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, doubl
       collector.add_spots(std::move(*message));
     }
     if (auto message = pictures.receive(std::chrono::milliseconds(5))) {
-      collector.add_picture(std::move(*message));
+      collector.add_image(std::move(*message));
     }
     auto together = collector.of_one_frame();
     if (!together) continue;
@@ -83,7 +83,7 @@ std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, doubl
   return last;
 }
 
-cv::Mat grey_picture(const StreamMessage& message, const json& header) {
+cv::Mat grey_image(const StreamMessage& message, const json& header) {
   const int rows = header.at("shape").at(0).get<int>();
   const int cols = header.at("shape").at(1).get<int>();
   const int bits = header.at("significant_bits").get<int>();
@@ -137,10 +137,10 @@ void write_line(cv::Mat& picture, int line, const std::string& text,
   write_text(picture, {8, 20 + 20 * line}, text, colour);
 }
 
-cv::Mat camera_picture(const Messages& messages, const std::string& warning) {
+cv::Mat camera_image(const Messages& messages, const std::string& warning) {
   const json header = json_of(messages.at("image").json);
   const json spots = json_of(messages.at("spots").json);
-  cv::Mat grey = grey_picture(messages.at("image"), header);
+  cv::Mat grey = grey_image(messages.at("image"), header);
   cv::Mat large;
   cv::resize(grey, large, {}, kZoom, kZoom, cv::INTER_NEAREST);
   cv::Mat picture;
@@ -173,7 +173,7 @@ void draw_colour_bar(cv::Mat& picture, double scale) {
   label(1.0, fmt::format("{:+.3f} wave", scale));
 }
 
-cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
+cv::Mat phase_image(const Messages& messages, const std::string& warning) {
   const StreamMessage& phase = messages.at("phase");
   const json header = json_of(phase.json);
   const json spots = json_of(messages.at("spots").json);
@@ -184,7 +184,7 @@ cv::Mat phase_picture(const Messages& messages, const std::string& warning) {
   double high = 0.0;
   cv::minMaxLoc(waves, &low, &high, nullptr, nullptr, waves == waves);
   const double scale = std::max({std::abs(low), std::abs(high), 1e-3});
-  cv::Mat picture(kPhasePictureSize, CV_8UC3, kBackground);
+  cv::Mat picture(kPhaseImageSize, CV_8UC3, kBackground);
   cv::resize(phase_colours(waves, scale, kBackground), picture(kMapPlace), kMapPlace.size(), 0, 0,
              cv::INTER_NEAREST);
   write_line(picture, 0,
@@ -206,12 +206,12 @@ std::string file_name(const std::string& prefix, const std::string& what) {
                    : prefix + "-" + what;
 }
 
-int write_pictures(const Common& common, const Messages& messages, const std::string& warning,
-                   const std::string& prefix) {
+int write_images(const Common& common, const Messages& messages, const std::string& warning,
+                 const std::string& prefix) {
   const std::string camera = file_name(prefix, "camera.png");
   const std::string phase = file_name(prefix, "phase.png");
-  auto written = write_picture(camera, camera_picture(messages, warning));
-  if (written) written = write_picture(phase, phase_picture(messages, warning));
+  auto written = write_image(camera, camera_image(messages, warning));
+  if (written) written = write_image(phase, phase_image(messages, warning));
   if (!written) return report(common, written.error());
   if (!warning.empty()) fmt::print(stderr, "ovws: {}\n", warning);
   if (common.json) {
@@ -239,7 +239,7 @@ int save_snapshot(const Common& common, const std::string& prefix) {
   }
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
-  return write_pictures(common, *messages, warning_of(messages->at("spots"), *status), prefix);
+  return write_images(common, *messages, warning_of(messages->at("spots"), *status), prefix);
 }
 
 }  // namespace ovws::cli

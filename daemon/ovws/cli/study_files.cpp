@@ -59,12 +59,12 @@ Result<void> remove_findings(const std::string& study, const fs::path& folder) {
 
 Result<void> write_findings(const nlohmann::json& summary,
                             const std::vector<study::Figure>& figures, const fs::path& folder,
-                            const std::function<Result<void>()>& draw_pictures) {
+                            const std::function<Result<void>()>& draw_images) {
   auto done = study::write_text(json_text(summary, 2) + "\n", folder / "summary.json");
   for (const study::Figure& figure : figures) {
     if (done) done = study::write_numbers(figure, folder);
   }
-  if (done) done = draw_pictures();
+  if (done) done = draw_images();
   for (const study::Figure& figure : figures) {
     if (done) done = study::draw(figure, folder);
   }

@@ -18,12 +18,12 @@ namespace ovws::cli {
 /// Errors (Errc::unavailable): a file cannot be removed.
 Result<void> remove_findings(const std::string& study, const std::filesystem::path& folder);
 
-/// Writes summary.json and the figures. Pictures and figures are drawn last, so that an error in
+/// Writes summary.json and the figures. Images and figures are drawn last, so that an error in
 /// drawing does not lose the numbers. Errors (Errc::unavailable): a file cannot be written, or
-/// those of `draw_pictures` and study::draw.
+/// those of `draw_images` and study::draw.
 Result<void> write_findings(
     const nlohmann::json& summary, const std::vector<study::Figure>& figures,
     const std::filesystem::path& folder,
-    const std::function<Result<void>()>& draw_pictures = [] { return Result<void>(); });
+    const std::function<Result<void>()>& draw_images = [] { return Result<void>(); });
 
 }  // namespace ovws::cli

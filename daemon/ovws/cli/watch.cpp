@@ -180,8 +180,8 @@ bool is_for_screen(const Common& common, const WatchOptions& options) {
 
 int watch(const Common& common, const WatchOptions& options) {
   if (is_for_screen(common, options)) return show_screen(common);
-  const bool is_picture = options.topic == "image" || options.topic == "phase";
-  const auto endpoint = stream_endpoint(common, is_picture ? "image_endpoint" : "endpoint");
+  const bool is_image = options.topic == "image" || options.topic == "phase";
+  const auto endpoint = stream_endpoint(common, is_image ? "image_endpoint" : "endpoint");
   if (!endpoint) return report_failure(common, endpoint.error());
   std::vector<std::string> topics{options.topic};
   if (options.topic == "wavefront")

@@ -205,8 +205,8 @@ Result<TakenReference> Bench::reference(int frames) {
     return fail(Errc::refused, "camera",
                 "the camera's settings changed during the job; start it again");
   };
-  PictureMean picture;
-  auto pictures = request_pictures(PictureMean::kMaxFrames, picture);
+  ImageMean picture;
+  auto pictures = request_images(ImageMean::kMaxFrames, picture);
   auto average = spots(frames, [&](const FrameBroker::Request& request) {
     report_progress(double(request.used()) / frames);
     return same_camera();
@@ -231,7 +231,7 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, FromPixels from) {
 }
 
 /// Averages images into `to`, which must outlive the request.
-std::unique_ptr<FrameBroker::Request> Bench::request_pictures(int frames, PictureMean& to) const {
+std::unique_ptr<FrameBroker::Request> Bench::request_images(int frames, ImageMean& to) const {
   return deps_.frames.request(FrameBroker::Needs::pixels, frames,
                               [&to, under = measured_under(*sensor())](const FrameRecord& record) {
                                 return under.still(record) && to.add(record);
@@ -239,8 +239,8 @@ std::unique_ptr<FrameBroker::Request> Bench::request_pictures(int frames, Pictur
 }
 
 Result<Image<float>> Bench::picture(int frames) {
-  PictureMean picture;
-  const auto request = request_pictures(frames, picture);
+  ImageMean picture;
+  const auto request = request_images(frames, picture);
   if (auto all = wait_for(*request); !all) return fail(all.error());
   return picture.mean()->mean_dn;
 }

@@ -19,7 +19,7 @@
 #include "daemon/ovwsd/frames/frame_series.hpp"
 #include "daemon/ovwsd/procedures/pending_files.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
-#include "daemon/ovwsd/sensor/reference_picture.hpp"
+#include "daemon/ovwsd/sensor/reference_image.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/spot_average.hpp"
 
@@ -107,7 +107,7 @@ class Bench {
   Result<void> check_display() const;
   Error no_frame(double waited_s) const;
   Result<void> edit(SensorChange change);
-  std::unique_ptr<FrameBroker::Request> request_pictures(int frames, PictureMean& to) const;
+  std::unique_ptr<FrameBroker::Request> request_images(int frames, ImageMean& to) const;
   Result<void> wait_for(const FrameBroker::Request& request, const Check& check = nullptr) const;
 
   int job_;

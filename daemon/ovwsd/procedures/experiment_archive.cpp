@@ -53,8 +53,8 @@ std::optional<Header> header_of(const StateItem& item) {
 }
 
 /// The image of a cell, as base64.
-std::optional<std::string> picture_of(const DaemonStore& store, const ExperimentRun& run,
-                                      int cell) {
+std::optional<std::string> image_of_cell(const DaemonStore& store, const ExperimentRun& run,
+                                         int cell) {
   const auto kept =
       store.find(kind_of(run, Part::picture), name_of(Part::picture, std::size_t(cell)));
   if (!kept || !kept->content.is_object()) return std::nullopt;
@@ -205,8 +205,8 @@ bool ExperimentArchive::remember_failure(const Result<void>& kept) {
   return false;
 }
 
-std::optional<std::string> ExperimentArchive::picture_in_memory(const ExperimentRun& run,
-                                                                int cell) const {
+std::optional<std::string> ExperimentArchive::image_in_memory(const ExperimentRun& run,
+                                                              int cell) const {
   const std::lock_guard lock(mutex_);
   const auto found = pictures_.find(cell);
   if (run_->name != run.name || found == pictures_.end()) return std::nullopt;
@@ -329,13 +329,13 @@ void ExperimentArchive::cell(int number, std::function<void(Result<json>)> done)
     return done(fail(Errc::refused, "cell",
                      "it has not been measured yet: experiment.get reports the progress"));
   if (!cell["picture"].is_object()) return done(std::move(cell));
-  if (auto base64 = picture_in_memory(run, number)) {
+  if (auto base64 = image_in_memory(run, number)) {
     cell["picture"]["base64"] = std::move(*base64);
     return done(std::move(cell));
   }
   const auto asked =
       store_.request([&store = store_, run, number, cell = std::move(cell), done]() mutable {
-        auto base64 = picture_of(store, run, number);
+        auto base64 = image_of_cell(store, run, number);
         if (base64) cell["picture"]["base64"] = std::move(*base64);
         if (!base64) cell["picture"] = nullptr;
         done(std::move(cell));

@@ -75,7 +75,7 @@ class ExperimentArchive {
   ExperimentRun current_run() const;
   /// False: the write failed, and the reason is remembered.
   bool remember_failure(const Result<void>& kept);
-  std::optional<std::string> picture_in_memory(const ExperimentRun& run, int cell) const;
+  std::optional<std::string> image_in_memory(const ExperimentRun& run, int cell) const;
   std::optional<std::string> why_not_kept() const;  // call with mutex_ locked
   std::optional<double> time_left_s() const;        // call with mutex_ locked
 

@@ -22,8 +22,8 @@ namespace {
 using nlohmann::json;
 using Places = std::vector<Vec2>;
 
-constexpr int kMaxFramesToFind = 20;                  // the frame path searches at least every 16th
-constexpr std::size_t kMaxPicturePixels = 9'000'000;  // keeps a reply with the image below 16 MiB
+constexpr int kMaxFramesToFind = 20;                // the frame path searches at least every 16th
+constexpr std::size_t kMaxImagePixels = 9'000'000;  // keeps a reply with the image below 16 MiB
 constexpr double kExposureTolerance = 1e-3;  // relative: a reopened camera may round differently
 
 bool is_same(const std::string& name, const json& before, const json& now) {
@@ -93,10 +93,10 @@ Result<void> check_reference(const SweepArm& arm, const ReferenceMeasured& measu
 }
 
 /// One frame, reduced to 8 bits. None: it is too large for a reply.
-Result<std::optional<CellMeasured::Picture>> take_picture(Bench& bench) {
+Result<std::optional<CellMeasured::Picture>> take_image(Bench& bench) {
   const auto seen = bench.picture(1);
   if (!seen) return fail(seen.error());
-  if (seen->pixels.size() > kMaxPicturePixels) return std::nullopt;
+  if (seen->pixels.size() > kMaxImagePixels) return std::nullopt;
   const int shift = significant_bits(bench.camera().settings.pixel_format) - 8;
   std::vector<std::uint8_t> bytes;
   bytes.reserve(seen->pixels.size());
@@ -109,7 +109,7 @@ Result<std::optional<CellMeasured::Picture>> take_picture(Bench& bench) {
 
 /// Whether to store an image: at the requested gains, for the first aberration and the first arm of
 /// each charge.
-bool wants_picture(const GainSweep& sweep, const GainSweep::Cell& at) {
+bool wants_image(const GainSweep& sweep, const GainSweep::Cell& at) {
   const auto first = std::find_if(sweep.arms.begin(), sweep.arms.end(), [&](const SweepArm& arm) {
     return arm.charge == sweep.arms[at.arm].charge;
   });
@@ -246,8 +246,8 @@ Result<void> Sweep::measure_cell(int number) {
       series(sweep_.arms[at.arm], sweep_.frames,
              reference_places(reference, int(at.arm), "cells_px").value_or(Places{}));
   if (!frames) return fail(frames.error());
-  if (wants_picture(sweep_, at)) {
-    auto picture = take_picture(bench_);
+  if (wants_image(sweep_, at)) {
+    auto picture = take_image(bench_);
     if (!picture) return fail(picture.error());
     cell.picture = std::move(*picture);
   }

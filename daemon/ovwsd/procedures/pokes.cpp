@@ -36,7 +36,7 @@ SpotMeans means_of(const SpotAverage& average) {
 }
 
 /// Mean light of the cells above the darkest, DN.
-double light_of(const SpotCells& cells) {
+double intensity_of(const SpotCells& cells) {
   double sum = 0.0;
   int known = 0;
   for (Eigen::Index i = 0; i < cells.cols(); ++i) {
@@ -48,7 +48,7 @@ double light_of(const SpotCells& cells) {
 }
 
 /// The same noise in all pixels, as large as on average: positions are then found as by
-/// displacement_operator, whatever the light.
+/// displacement_operator, whatever the intensity.
 PixelNoise even(const PixelNoise& noise, double mean_dn) {
   return {noise.constant_dn2 + noise.per_dn * mean_dn, 0.0};
 }
@@ -118,9 +118,9 @@ Result<SpotMeter> SpotMeter::of_images(Bench& bench, const SlmGeometry& slm, int
   const auto first = in_16_bits(pictures[0], meter.format_),
              second = in_16_bits(pictures[1], meter.format_);
   const std::array views{view_of(first, PixelFormat::mono16), view_of(second, PixelFormat::mono16)};
-  const double mean_light =
-      to_16_bits(meter.format_) * light_of(resting) / (window.bin * window.bin);
-  meter.noise_ = even(noise_of(views, meter.resting_), mean_light);
+  const double mean_intensity =
+      to_16_bits(meter.format_) * intensity_of(resting) / (window.bin * window.bin);
+  meter.noise_ = even(noise_of(views, meter.resting_), mean_intensity);
   return meter;
 }
 

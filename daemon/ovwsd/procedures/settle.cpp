@@ -12,9 +12,9 @@ namespace ovws {
 namespace {
 
 constexpr double kStep = 3.0;            // lambda/d to each side of the base spot
-constexpr double kRadius = 1.5;          // lambda/d: of the light that counts
+constexpr double kRadius = 1.5;          // lambda/d: of the intensity that counts
 constexpr int kMaxCharge = 2;            // of a probe
-constexpr int kBefore = 3, kAfter = 24;  // frames of each picture, at least
+constexpr int kBefore = 3, kAfter = 24;  // frames of each hologram, at least
 
 constexpr std::size_t kMaxFrames = 100'000;  // after each change
 

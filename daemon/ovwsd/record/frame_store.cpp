@@ -40,21 +40,21 @@ RecordedFrame row_of(const FrameRecord& record) {
 
 }  // namespace
 
-FrameStore::FrameStore(std::size_t pictures, std::size_t picture_bytes)
+FrameStore::FrameStore(std::size_t pictures, std::size_t image_bytes)
     : frames_(kMaxFrames),
       pictures_(pictures),
-      picture_bytes_(picture_bytes),
+      image_bytes_(image_bytes),
       free_frames_(kMaxFrames),
       full_(kMaxFrames),
-      free_pictures_(std::max<std::size_t>(pictures, 1)) {
+      free_images_(std::max<std::size_t>(pictures, 1)) {
   for (TakenFrame& frame : frames_) (void)free_frames_.try_push(&frame);
   for (std::size_t p = 0; p < pictures; ++p) {
-    memory_.push_back(std::make_unique<std::byte[]>(picture_bytes));
-    (void)free_pictures_.try_push(memory_.back().get());
+    memory_.push_back(std::make_unique<std::byte[]>(image_bytes));
+    (void)free_images_.try_push(memory_.back().get());
   }
 }
 
-void FrameStore::take(const FrameRecord& record, bool with_picture) {
+void FrameStore::take(const FrameRecord& record, bool with_image) {
   if (first_number_ == 0) first_number_ = record.number;
   last_number_ = record.number;
   TakenFrame* frame = nullptr;
@@ -71,18 +71,18 @@ void FrameStore::take(const FrameRecord& record, bool with_picture) {
   frame->coefficients.assign(record.coefficients.begin(),
                              record.coefficients.begin() + record.mode_count);
   frame->pixels = {};
-  if (with_picture) copy_picture(record.frame.image, *frame);
+  if (with_image) copy_image(record.frame.image, *frame);
   frame->row.picture_dropped =
-      record.pixels_missed || (with_picture && frame->pixels.empty()) ? 1 : 0;
+      record.pixels_missed || (with_image && frame->pixels.empty()) ? 1 : 0;
   (void)full_.try_push(frame);  // has room for all frames
 }
 
-void FrameStore::copy_picture(const ImageView& image, TakenFrame& to) {
+void FrameStore::copy_image(const ImageView& image, TakenFrame& to) {
   const std::size_t bytes = row_bytes(image.format, image.width);
   std::byte* picture = nullptr;
-  if (bytes * std::size_t(image.height) != picture_bytes_) return;  // not the file's size
-  if (!free_pictures_.try_pop(picture)) return;
-  to.pixels = {picture, picture_bytes_};
+  if (bytes * std::size_t(image.height) != image_bytes_) return;  // not the file's size
+  if (!free_images_.try_pop(picture)) return;
+  to.pixels = {picture, image_bytes_};
   for (int y = 0; y < image.height; ++y) {
     std::memcpy(picture + std::size_t(y) * bytes, image.row<std::byte>(y), bytes);
   }
@@ -99,7 +99,7 @@ std::uint64_t FrameStore::taken_after(std::uint64_t number) const {
 }
 
 void FrameStore::give_back(TakenFrame* frame) {
-  if (!frame->pixels.empty()) (void)free_pictures_.try_push(frame->pixels.data());
+  if (!frame->pixels.empty()) (void)free_images_.try_push(frame->pixels.data());
   (void)free_frames_.try_push(frame);
 }
 

@@ -29,13 +29,13 @@ class FrameStore {
  public:
   static constexpr std::size_t kMaxFrames = 4096;  ///< without their images
 
-  /// Allocates room for `pictures` images of `picture_bytes` each, and for kMaxFrames frames.
+  /// Allocates room for `pictures` images of `image_bytes` each, and for kMaxFrames frames.
   /// Throws std::bad_alloc.
-  FrameStore(std::size_t pictures, std::size_t picture_bytes);
+  FrameStore(std::size_t pictures, std::size_t image_bytes);
 
   /// Taking thread, frames in the order of their numbers: copies a frame. Without room for it the
   /// frame is dropped, or only its image.
-  void take(const FrameRecord& record, bool with_picture);
+  void take(const FrameRecord& record, bool with_image);
 
   // Writing thread.
   TakenFrame* next(int timeout_us);  ///< nullptr: none came
@@ -43,16 +43,16 @@ class FrameStore {
   /// Number of frames that came after the one of that number, taken or dropped; 0: all.
   std::uint64_t taken_after(std::uint64_t number) const;
   /// Whether images come faster than they are written: less than half of their room is free.
-  bool behind() const { return free_pictures_.size_approx() < pictures_ / 2; }
+  bool behind() const { return free_images_.size_approx() < pictures_ / 2; }
 
  private:
-  void copy_picture(const ImageView& image, TakenFrame& to);
+  void copy_image(const ImageView& image, TakenFrame& to);
 
   std::vector<TakenFrame> frames_;
-  const std::size_t pictures_, picture_bytes_;
-  std::vector<std::unique_ptr<std::byte[]>> memory_;  ///< of each picture
+  const std::size_t pictures_, image_bytes_;
+  std::vector<std::unique_ptr<std::byte[]>> memory_;  ///< of each image
   SpscRing<TakenFrame*> free_frames_, full_;
-  SpscRing<std::byte*> free_pictures_;
+  SpscRing<std::byte*> free_images_;
   std::atomic<std::uint64_t> first_number_{0}, last_number_{0};  ///< 0: none came yet
 };
 

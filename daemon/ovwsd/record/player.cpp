@@ -25,7 +25,7 @@ constexpr int kPatienceUs = 5'000'000;
 class SteppedCamera final : public Camera {
  public:
   explicit SteppedCamera(RecordingReader& reader)
-      : header_(reader.header()), pixels_(reader.picture_bytes()) {}
+      : header_(reader.header()), pixels_(reader.image_bytes()) {}
 
   std::span<std::byte> pixels() { return pixels_; }
   void give(const RecordedFrame& frame) {

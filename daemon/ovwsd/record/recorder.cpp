@@ -68,20 +68,20 @@ RecordingHeader header_of(const Recorder::Begin& begin) {
   return header;
 }
 
-Result<std::size_t> picture_bytes_of(const CameraSettings& camera) {
+Result<std::size_t> image_bytes_of(const CameraSettings& camera) {
   const std::size_t bytes =
       row_bytes(camera.pixel_format, camera.roi.width) * std::size_t(camera.roi.height);
-  if (bytes <= kMaxRecordedPictureBytes) return bytes;
+  if (bytes <= kMaxRecordedImageBytes) return bytes;
   return fail(Errc::refused, "",
               fmt::format("an image has {} MiB, and a recording takes at most {}: reduce the "
                           "camera's region (camera.set, roi)",
-                          bytes >> 20, kMaxRecordedPictureBytes >> 20));
+                          bytes >> 20, kMaxRecordedImageBytes >> 20));
 }
 
 /// Allocates the frame buffer, which takes up to a second.
-Result<std::unique_ptr<FrameStore>> store_for(std::size_t pictures, std::size_t picture_bytes) {
+Result<std::unique_ptr<FrameStore>> store_for(std::size_t pictures, std::size_t image_bytes) {
   try {
-    return std::make_unique<FrameStore>(pictures, picture_bytes);
+    return std::make_unique<FrameStore>(pictures, image_bytes);
   } catch (const std::bad_alloc&) {
     return fail(Errc::unavailable, "record.buffer_mib",
                 fmt::format("there is not enough memory to buffer {} images: reduce it", pictures));
@@ -224,12 +224,11 @@ Result<void> Recorder::begin(const Begin& begin) {
     return fail(Errc::unavailable, "record.directory",
                 *directory_ + " has less than 64 MiB of free space: delete some files");
   }
-  const auto picture_bytes = picture_bytes_of(begin.camera);
-  if (!picture_bytes) return fail(picture_bytes.error());
-  const std::size_t pictures = begin.asked.pictures_every == 0
-                                   ? 0
-                                   : std::max<std::size_t>(4, buffer_bytes_ / *picture_bytes);
-  auto store = store_for(pictures, *picture_bytes);
+  const auto image_bytes = image_bytes_of(begin.camera);
+  if (!image_bytes) return fail(image_bytes.error());
+  const std::size_t pictures =
+      begin.asked.pictures_every == 0 ? 0 : std::max<std::size_t>(4, buffer_bytes_ / *image_bytes);
+  auto store = store_for(pictures, *image_bytes);
   if (!store) return fail(store.error());
   auto running = std::make_unique<Running>();
   running->path = *path;
@@ -350,7 +349,7 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
   r.frames_dropped += row.dropped_before;
   r.pictures_dropped += row.picture_dropped;
   if (!frame.pixels.empty()) {
-    const auto picture = r.file->add_picture(frame.pixels, !taker_.store()->behind());
+    const auto picture = r.file->add_image(frame.pixels, !taker_.store()->behind());
     if (!picture) return fail(picture.error());
     row.picture = *picture;
   }

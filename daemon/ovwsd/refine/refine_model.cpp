@@ -105,7 +105,7 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
   Key key = key_of(frame, sensor, settings);
   if (bench_ && bench_->key == key) return {};
   bench_.reset();
-  const ReferencePicture* const picture =
+  const ReferenceImage* const picture =
       key.reference_taken_ns != 0 ? sensor.reference->picture.get() : nullptr;
   if (picture != nullptr && std::isnan(picture->gain_db)) {
     return fail(Errc::refused, "reference", kNoGainInDb);

@@ -12,7 +12,7 @@ namespace ovws {
 namespace {
 
 constexpr double kPositionTolerance = 0.25;  // lambda/d
-constexpr std::size_t kMaxPictures = 8;      // mean images of the latest references: some MiB each
+constexpr std::size_t kMaxImages = 8;        // mean images of the latest references: some MiB each
 constexpr std::size_t kMaxCalibrations = 16;
 
 template <class T>
@@ -33,9 +33,9 @@ std::vector<std::shared_ptr<const T>> take_if(std::vector<std::shared_ptr<const 
   return taken;
 }
 
-void limit_pictures(Knowledge& knowledge) {
+void limit_images(Knowledge& knowledge) {
   auto& all = knowledge.references;
-  for (std::size_t i = 0; i + kMaxPictures < all.size(); ++i) {
+  for (std::size_t i = 0; i + kMaxImages < all.size(); ++i) {
     if (!all[i]->picture) continue;
     auto without = std::make_shared<Reference>(*all[i]);
     without->picture.reset();
@@ -183,7 +183,7 @@ std::vector<std::shared_ptr<const Reference>> replace_reference(Knowledge& knowl
                                                                 Reference reference) {
   auto replaced = remove_references(knowledge, state);
   knowledge.references.push_back(std::make_shared<const Reference>(std::move(reference)));
-  limit_pictures(knowledge);
+  limit_images(knowledge);
   return replaced;
 }
 
@@ -191,7 +191,7 @@ void add_references(Knowledge& knowledge, std::vector<std::shared_ptr<const Refe
   auto& all = knowledge.references;
   all.insert(all.end(), more.begin(), more.end());
   sort_by_age(all);
-  limit_pictures(knowledge);
+  limit_images(knowledge);
 }
 
 std::vector<std::shared_ptr<const Calibration>> remove_calibrations(Knowledge& knowledge,

@@ -17,7 +17,7 @@
 #include "core/tracking/spot.hpp"
 #include "core/tracking/tracker.hpp"
 #include "core/wavefront/registration.hpp"
-#include "daemon/ovwsd/sensor/reference_picture.hpp"
+#include "daemon/ovwsd/sensor/reference_image.hpp"
 
 namespace ovws {
 
@@ -56,9 +56,9 @@ struct Reference {
   std::vector<Mode> introduced;  ///< part of it that was introduced, without the correction
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
-  std::shared_ptr<const ReferencePicture> picture;  ///< null: too few frames, or discarded
-  std::shared_ptr<const nlohmann::json> origin;     ///< see ReferenceBench; null: not a daemon's
-  std::string sha256;                               ///< of its file; empty: not stored
+  std::shared_ptr<const ReferenceImage> picture;  ///< null: too few frames, or discarded
+  std::shared_ptr<const nlohmann::json> origin;   ///< see ReferenceBench; null: not a daemon's
+  std::string sha256;                             ///< of its file; empty: not stored
 };
 
 /// Root sum square, RMS-normalised waves.

@@ -45,7 +45,7 @@ Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool
   return points;
 }
 
-json picture_json(const ReferencePicture* picture) {
+json image_json(const ReferenceImage* picture) {
   if (picture == nullptr) return nullptr;
   return {{"frames", picture->frames},
           {"gain_db", std::isnan(picture->gain_db) ? json() : json(picture->gain_db)},
@@ -55,9 +55,9 @@ json picture_json(const ReferencePicture* picture) {
           {"mean_dn", base64_of(picture->mean_dn.pixels)}};
 }
 
-Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content) {
+Result<std::shared_ptr<const ReferenceImage>> image_from(const json& content) {
   if (content.is_null()) return nullptr;
-  auto picture = std::make_shared<ReferencePicture>();
+  auto picture = std::make_shared<ReferenceImage>();
   double gain_db = kUnknownGain;
   std::string format, pixels;
   int width = 0, height = 0;
@@ -65,7 +65,7 @@ Result<std::shared_ptr<const ReferencePicture>> picture_from(const json& content
   for (const char* key : {"frames", "gain_db", "pixel_format", "width", "height", "mean_dn"}) {
     r.require(key);
   }
-  r.integer("frames", picture->frames, 1, PictureMean::kMaxFrames);
+  r.integer("frames", picture->frames, 1, ImageMean::kMaxFrames);
   if (!r.is_null("gain_db")) r.number("gain_db", gain_db, -1e3, 1e3);
   r.string("pixel_format", format);
   r.integer("width", width, 1, kMaxSide);
@@ -109,7 +109,7 @@ json reference_content(const Reference& reference) {
           {"positions_px", points_json(reference.positions_px)},
           {"standard_error_px", points_json(reference.standard_error_px)},
           {"origin", reference.origin ? *reference.origin : json()},
-          {"picture", picture_json(reference.picture.get())}};
+          {"picture", image_json(reference.picture.get())}};
 }
 
 Result<Reference> reference_from(const json& content) {
@@ -140,7 +140,7 @@ Result<Reference> reference_from(const json& content) {
   if (!errors) return fail(errors.error());
   auto parsed = ReferenceBench::parse(*origin);
   if (!parsed) return fail(parsed.error());
-  auto mean = picture_from(*picture);
+  auto mean = image_from(*picture);
   if (!mean) return fail(mean.error());
   reference.key = parsed->key;
   reference.aberration = std::move(parsed->aberration);

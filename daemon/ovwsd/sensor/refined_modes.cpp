@@ -43,7 +43,7 @@ RefinedModes modes_of(const PointModel& model, const FrameFit& fit, const ImageV
     ++lit;
     modes.chi2_per_pixel += double(found.chi2_per_cell);
     modes.background_e += (double(found.background) - camera.black_dn) * camera.electrons_per_dn;
-    peak_dn = std::max(peak_dn, double(found.level) * spots[i].brightest_light);
+    peak_dn = std::max(peak_dn, double(found.level) * spots[i].brightest_intensity);
   }
   modes.chi2_per_pixel /= std::max(lit, 1);
   modes.background_e /= std::max(lit, 1);

@@ -39,7 +39,7 @@ SensorChange restore_previous();
 /// Averaged spots, and the mean image (null: none).
 struct TakenReference {
   SpotAverage average;
-  std::shared_ptr<const ReferencePicture> picture;
+  std::shared_ptr<const ReferenceImage> picture;
   CameraSettings settings;  ///< settings that the frames were taken with
 };
 /// Writes the classified spots to `spots` before the change is active. Errors: those of

@@ -74,7 +74,7 @@ Result<void> SensorKeeper::begin() {
     plan = planned();
   }
   if (!plan) return fail(plan.error());
-  bench_.grey = picture_of(state);
+  bench_.grey = hologram_of(state);
   deps_.slm.show_when_possible(
       {bench_.hologram_id, shown_epoch(state), state.pattern, bench_.grey});
   const Bound bound = bind(state, edit.knowledge, bench_.optics);
@@ -134,7 +134,7 @@ void SensorKeeper::restore_lease() {
   SensorEdit edit = new_edit();
   (void)restore_previous()(edit);
   lease_.reset();
-  if (same_picture(edit.state, state_) && edit.state.tracking == state_.tracking) return;
+  if (same_hologram(edit.state, state_) && edit.state.tracking == state_.tracking) return;
   (void)activate(std::move(edit), Show::when_possible);
 }
 
@@ -219,7 +219,7 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
     ++next.sensor_epoch;
   }
   if (auto sampled = check_sampling(next); !sampled) return sampled;
-  const bool same = same_picture(next, state_);
+  const bool same = same_hologram(next, state_);
   const std::uint64_t hologram_id = same ? bench_.hologram_id : next_hologram_id_++;
   Bound bound = bind(next, edit.knowledge, bench_.optics);
   auto plan = plans_.build(next, bound, hologram_id);
@@ -240,7 +240,7 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
 /// number, because it may have been visible for a moment.
 Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologram_id, Show show) {
   if (hologram_id != bench_.hologram_id) {
-    const HologramRequest request{hologram_id, shown_epoch(next), next.pattern, picture_of(next)};
+    const HologramRequest request{hologram_id, shown_epoch(next), next.pattern, hologram_of(next)};
     const auto shown = deps_.slm.show(request);
     if (!shown && show == Show::now) return shown;
     if (!shown) deps_.slm.show_when_possible(request);

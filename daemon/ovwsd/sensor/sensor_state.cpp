@@ -15,12 +15,12 @@ std::uint64_t shown_epoch(const SensorState& state) {
   return state.pattern == HologramKind::sensor ? state.sensor_epoch : 0;
 }
 
-bool same_picture(const SensorState& a, const SensorState& b) {
+bool same_hologram(const SensorState& a, const SensorState& b) {
   return a.sensor == b.sensor && a.slm == b.slm && a.pattern == b.pattern &&
          a.painted == b.painted && shown_modes(a) == shown_modes(b);
 }
 
-std::shared_ptr<const Image<std::uint8_t>> picture_of(const SensorState& state) {
+std::shared_ptr<const Image<std::uint8_t>> hologram_of(const SensorState& state) {
   if (state.painted) return state.painted;
   auto grey = std::make_shared<Image<std::uint8_t>>();
   state.renderer->render(state.pattern, shown_modes(state), *grey);

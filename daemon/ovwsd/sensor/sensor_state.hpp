@@ -43,8 +43,8 @@ std::vector<Mode> shown_modes(const SensorState& state);
 /// Epoch of the hologram shown; 0 (nothing to measure) unless the pattern is `sensor`.
 std::uint64_t shown_epoch(const SensorState& state);
 /// Whether both states show the same hologram.
-bool same_picture(const SensorState& a, const SensorState& b);
-std::shared_ptr<const Image<std::uint8_t>> picture_of(const SensorState& state);
+bool same_hologram(const SensorState& a, const SensorState& b);
+std::shared_ptr<const Image<std::uint8_t>> hologram_of(const SensorState& state);
 
 /// The registration, converted from the base grating that it was measured with to the current one.
 std::optional<Registration> registration_of(const SensorState& state, const BenchOptics& bench);

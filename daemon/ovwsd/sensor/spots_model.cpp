@@ -25,7 +25,7 @@ struct MeanImage {
   Image<std::uint16_t> dn;
   PixelNoise noise;
 
-  MeanImage(const ReferencePicture& picture, const PixelNoise& of_frame)
+  MeanImage(const ReferenceImage& picture, const PixelNoise& of_frame)
       : dn(in_16_bits(picture.mean_dn, picture.format)), noise(of_frame) {
     noise.constant_dn2 /= picture.frames;
     noise.per_dn /= picture.frames;
@@ -92,7 +92,7 @@ Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometr
     model.use_model();
     return model;
   }
-  if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoPicture);
+  if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoImage);
   std::vector<SpotFix> spots;
   for (const Vec2 at : known_positions(*sensor.reference)) {
     spots.push_back({float(at.x), float(at.y)});
@@ -109,7 +109,7 @@ Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometr
 
 Result<SpotsModel> SpotsModel::make(const SensorSnapshot& sensor, const SlmGeometry& slm,
                                     std::span<const ImageView> images) {
-  if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoPicture);
+  if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoImage);
   SpotsModel made;
   if (active_calibration_ns(sensor) != 0) {
     auto measured = measured_model(sensor, images);

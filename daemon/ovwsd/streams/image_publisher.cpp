@@ -26,12 +26,12 @@ ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& con
       frames_(frames),
       rate_hz_(config_.rate_hz) {}
 
-bool ImagePublisher::picture_is_due() const {
+bool ImagePublisher::image_is_due() const {
   return rate_hz_.load() > 0.0 && monotonic_ns() >= next_ns_;
 }
 
 bool ImagePublisher::do_work() {
-  if (!requested_ && !frames_.wants_pixels() && !picture_is_due()) {
+  if (!requested_ && !frames_.wants_pixels() && !image_is_due()) {
     const std::int64_t wait_ns = rate_hz_.load() > 0.0 ? next_ns_ - monotonic_ns() : kPauseNs;
     std::this_thread::sleep_for(
         std::chrono::nanoseconds(std::clamp<std::int64_t>(wait_ns, 0, kPauseNs)));

@@ -40,7 +40,7 @@ class ImagePublisher : public Agent {
   }
 
  private:
-  bool picture_is_due() const;
+  bool image_is_due() const;
   void serve(const FrameRecord& record);
   void send(const FrameRecord& record);
   void send_image(const FrameRecord& record);

@@ -19,7 +19,7 @@ std::unique_ptr<ChildProcess> plug_in() {
   return device;
 }
 
-TEST(AravisCamera, ProbingTellsWhetherSomebodyControlsItAndTakesNoControl) {
+TEST(AravisCamera, ProbingReportsWhetherAnotherProgramControlsItAndTakesNoControl) {
   const auto device = plug_in();
   for (int i = 0; i < 2; ++i) {
     const auto before = ask_gige_camera(kAddress);

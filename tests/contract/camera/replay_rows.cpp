@@ -18,7 +18,7 @@ int pixel_at(int x, int y) {
 
 /// Writes a recording. `skipped`: number of a missing frame; -1: none. `anew`: frame at which the
 /// frame numbers restart at 1.
-std::string make_recording(const std::string& name, int skipped, bool with_pictures = true,
+std::string make_recording(const std::string& name, int skipped, bool with_images = true,
                            int anew = kPictures) {
   const std::string path = own_folder(name) + ".h5";
   std::filesystem::remove(path);
@@ -44,7 +44,7 @@ std::string make_recording(const std::string& name, int skipped, bool with_pictu
     RecordedFrame frame;
     frame.frame_id = std::uint64_t(i < anew ? 100 + i : 1 + i - anew);
     frame.exposure_us = 2000.0;
-    if (with_pictures) frame.picture = *(*file)->add_picture(pixels, i % 2 == 0);
+    if (with_images) frame.picture = *(*file)->add_image(pixels, i % 2 == 0);
     (*file)->add_frame(frame, {}, {});
   }
   EXPECT_TRUE((*file)->close(0, 0));

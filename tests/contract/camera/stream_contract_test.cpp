@@ -85,7 +85,7 @@ TEST_P(CameraContract, WithEveryBufferHeldNoFrameComesAndAfterReleaseTheyComeAga
   expect_frames(*camera, 3 * camera->buffer_count());
 }
 
-TEST_P(CameraContract, GrabWaitsNoLongerThanItIsTold) {
+TEST_P(CameraContract, GrabWaitsNoLongerThanItsTimeout) {
   auto camera = open_with([](CameraSettings& s) { s.frame_rate_hz = 1.0; });
   ASSERT_TRUE(camera);
   start(*camera);

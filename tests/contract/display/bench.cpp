@@ -29,7 +29,7 @@ std::unique_ptr<Display> open_or_fail(const SdlConfig& config) {
   return nullptr;
 }
 
-Image<std::uint8_t> random_picture(unsigned seed, int width, int height) {
+Image<std::uint8_t> random_image(unsigned seed, int width, int height) {
   std::mt19937 random(seed);
   Image<std::uint8_t> picture(width, height);
   for (auto& pixel : picture.pixels) pixel = static_cast<std::uint8_t>(random());

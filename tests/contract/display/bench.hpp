@@ -21,7 +21,7 @@ constexpr int kSlmX = 1920;
 /// Opens the display. On error fails the test with the reason and returns null.
 std::unique_ptr<Display> open_or_fail(const SdlConfig& config = slm_config());
 
-Image<std::uint8_t> random_picture(unsigned seed, int width = 1280, int height = 768);
+Image<std::uint8_t> random_image(unsigned seed, int width = 1280, int height = 768);
 
 /// Number of pixels of the desktop at (x, y) that differ from the image's grey levels, as seen by
 /// another client of the X server. All pixels if the server does not answer.

@@ -11,7 +11,7 @@
 namespace ovws::test {
 namespace {
 
-TEST(DisplayContract, InfoTellsOutputSizeRefreshAndDriver) {
+TEST(DisplayContract, InfoReportsOutputSizeRefreshAndDriver) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
   EXPECT_EQ(display->info().output, "DUMMY1");
@@ -21,17 +21,17 @@ TEST(DisplayContract, InfoTellsOutputSizeRefreshAndDriver) {
   EXPECT_EQ(display->info().driver, "x11");
 }
 
-TEST(DisplayContract, ItIsBlackBeforeTheFirstPicture) {
+TEST(DisplayContract, ItIsBlackBeforeTheFirstImage) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
   EXPECT_EQ(wrong_pixels(Image<std::uint8_t>(1280, 768)), 0);
 }
 
-TEST(DisplayContract, EveryPixelShownIsThePicturesPixel) {
+TEST(DisplayContract, EveryPixelShownIsTheImagesPixel) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    const auto picture = random_picture(seed);
+    const auto picture = random_image(seed);
     ASSERT_TRUE(display->present(picture));
     EXPECT_EQ(wrong_pixels(picture), 0) << "of " << picture.pixels.size();
   }
@@ -40,7 +40,7 @@ TEST(DisplayContract, EveryPixelShownIsThePicturesPixel) {
 TEST(DisplayContract, PresentTimesAreMonotonicAndInsideTheCall) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
-  const auto picture = random_picture(1);
+  const auto picture = random_image(1);
   std::int64_t before = monotonic_ns();
   for (int i = 0; i < 20; ++i) {
     const auto shown = display->present(picture);
@@ -51,13 +51,13 @@ TEST(DisplayContract, PresentTimesAreMonotonicAndInsideTheCall) {
   }
 }
 
-TEST(DisplayContract, APictureOfAnotherSizeIsRefusedAndHarmsNothing) {
+TEST(DisplayContract, AnImageOfAnotherSizeIsRefusedAndHarmsNothing) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
-  const auto shown = display->present(random_picture(1, 768, 1280));
+  const auto shown = display->present(random_image(1, 768, 1280));
   ASSERT_FALSE(shown);
   EXPECT_EQ(shown.error().code, Errc::invalid);
-  const auto picture = random_picture(2);
+  const auto picture = random_image(2);
   EXPECT_TRUE(display->present(picture));
   EXPECT_EQ(wrong_pixels(picture), 0);
 }
@@ -86,7 +86,7 @@ TEST(DisplayContract, NeitherTheFocusNorTheDesktopsPixelsChange) {
   XSync(desktop, False);
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
-  ASSERT_TRUE(display->present(random_picture(1)));
+  ASSERT_TRUE(display->present(random_image(1)));
   ASSERT_TRUE(display->check());
   Window focused = None;
   int revert = 0;
@@ -121,7 +121,7 @@ TEST(DisplayContract, ItStartsNoThreadAndLeavesSignalsToTheProgram) {
   const long threads = process_status("Threads");
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
-  ASSERT_TRUE(display->present(random_picture(1)));
+  ASSERT_TRUE(display->present(random_image(1)));
   EXPECT_EQ(process_status("Threads"), threads);
   struct sigaction action {};
   for (const int number : {SIGTERM, SIGINT}) {
@@ -130,10 +130,10 @@ TEST(DisplayContract, ItStartsNoThreadAndLeavesSignalsToTheProgram) {
   }
 }
 
-TEST(DisplayContract, AThousandPicturesTakeNoMemory) {
+TEST(DisplayContract, AThousandImagesTakeNoMemory) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
-  const auto picture = random_picture(1);
+  const auto picture = random_image(1);
   const auto show = [&](int count) {
     for (int i = 0; i < count; ++i) {
       ASSERT_TRUE(display->present(picture));

@@ -12,7 +12,7 @@
 namespace ovws::test {
 namespace {
 
-TEST(DisplayProbe, TellsOutputsAndThatNothingSwitchesThemOff) {
+TEST(DisplayProbe, ReportsOutputsAndThatNothingSwitchesThemOff) {
   const auto probe = sdl::probe_display();
   ASSERT_TRUE(probe) << probe.error().reason;
   ASSERT_GE(probe->outputs.size(), 2U);

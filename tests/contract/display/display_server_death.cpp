@@ -32,7 +32,7 @@ class DisplayServerDeath : public testing::Test {
   void expect_it_shows(unsigned seed) {
     const auto display = open_or_fail();
     ASSERT_NE(display, nullptr);
-    const auto picture = random_picture(seed);
+    const auto picture = random_image(seed);
     ASSERT_TRUE(display->present(picture));
     EXPECT_EQ(wrong_pixels(picture), 0);
     EXPECT_TRUE(display->check());
@@ -48,15 +48,15 @@ TEST_F(DisplayServerDeath, PresentGivesAnErrorAndANewServerOfTheSameNumberIsUsed
     {
       const auto display = open_or_fail();
       ASSERT_NE(display, nullptr);
-      ASSERT_TRUE(display->present(random_picture(round)));
+      ASSERT_TRUE(display->present(random_image(round)));
       server->kill();
       const std::int64_t killed_ns = monotonic_ns();
-      const auto shown = display->present(random_picture(round));
+      const auto shown = display->present(random_image(round));
       ASSERT_FALSE(shown);
       EXPECT_EQ(shown.error().code, Errc::device);
       EXPECT_LT(monotonic_ns() - killed_ns, 2'000'000'000);
       EXPECT_FALSE(display->check());
-      EXPECT_FALSE(display->present(random_picture(round)));
+      EXPECT_FALSE(display->present(random_image(round)));
     }
     const auto absent = open_sdl_display(slm_config());
     ASSERT_FALSE(absent);
@@ -93,7 +93,7 @@ TEST_F(DisplayServerDeath, ADisplayDestroyedAfterTheServerDiedUnseenIsHarmless) 
 TEST_F(DisplayServerDeath, TheServerMayDieAtAnyMomentOfShowing) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int> moment_us(0, 20'000);
-  const auto picture = random_picture(1);
+  const auto picture = random_image(1);
   for (int round = 0; round < 15; ++round) {
     start();
     const auto display = open_or_fail();

@@ -119,7 +119,7 @@ TEST_F(DisplayTrouble, ThePrimaryOutputIsRefusedUnlessAllowed) {
   config.allow_primary = true;
   const auto display = open_or_fail(config);
   ASSERT_NE(display, nullptr);
-  const auto picture = random_picture(1, 1920, 1080);
+  const auto picture = random_image(1, 1920, 1080);
   ASSERT_TRUE(display->present(picture));
   EXPECT_EQ(wrong_pixels(picture, 0, 0), 0);
 }
@@ -158,7 +158,7 @@ TEST_F(DisplayTrouble, TheMonitorsNameSelectsItsOutput) {
   const auto display = open_or_fail(config);
   ASSERT_NE(display, nullptr);
   EXPECT_EQ(display->info().output, "DUMMY1");
-  const auto picture = random_picture(3);
+  const auto picture = random_image(3);
   ASSERT_TRUE(display->present(picture));
   EXPECT_EQ(wrong_pixels(picture), 0);
 }
@@ -259,7 +259,7 @@ TEST_F(DisplayTrouble, AWindowOverTheSlmIsNoticedByItsNameAndOpeningAgainIsOnTop
   display.reset();
   display = open_or_fail();
   ASSERT_NE(display, nullptr);
-  const auto picture = random_picture(4);
+  const auto picture = random_image(4);
   ASSERT_TRUE(display->present(picture));
   EXPECT_EQ(wrong_pixels(picture), 0);
   EXPECT_EQ(watch(*display, 1.5), "");
@@ -268,7 +268,7 @@ TEST_F(DisplayTrouble, AWindowOverTheSlmIsNoticedByItsNameAndOpeningAgainIsOnTop
 TEST_F(DisplayTrouble, WhatIsReadBackIsWhatStandsThereWhoeverDrewIt) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
-  const auto picture = random_picture(6);
+  const auto picture = random_image(6);
   ASSERT_TRUE(display->present(picture));
   const auto differing = [&] {
     const auto seen = display->read_back();
@@ -288,10 +288,10 @@ TEST_F(DisplayTrouble, WhatIsReadBackIsWhatStandsThereWhoeverDrewIt) {
   EXPECT_EQ(differing(), 0);
 }
 
-TEST_F(DisplayTrouble, APictureUncoveredIsDrawnAgain) {
+TEST_F(DisplayTrouble, AnUncoveredImageIsDrawnAgain) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
-  const auto picture = random_picture(5);
+  const auto picture = random_image(5);
   ASSERT_TRUE(display->present(picture));
   { const Intruder brief; }
   EXPECT_EQ(watch(*display, 0.2), "");
@@ -310,7 +310,7 @@ TEST_F(DisplayTrouble, AWindowDestroyedByAnotherProgramIsNoticed) {
   XDestroyWindow(server, windows[count - 1]);
   XFree(windows);
   XCloseDisplay(server);
-  const auto shown = display->present(random_picture(1));
+  const auto shown = display->present(random_image(1));
   ASSERT_FALSE(shown);
   EXPECT_EQ(shown.error().code, Errc::device);
   EXPECT_TRUE(has(shown.error().reason, "Bad")) << shown.error().reason;

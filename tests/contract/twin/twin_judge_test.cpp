@@ -126,7 +126,7 @@ TEST(Judge, StrehlOfAstigmatismIsThatOfMarechal) {
   EXPECT_GT(verdict->first_order, 0.9999);
 }
 
-TEST(Judge, TellsTiltFromTheRest) {
+TEST(Judge, DistinguishesTiltFromTheRest) {
   const Config config = bench();
   const auto verdict = Judge(config).judge(Pattern::grating, shown(config, Pattern::grating),
                                            Modes{{2, 0.25}}, nullptr, 0);

@@ -209,7 +209,7 @@ TEST_F(RunningBench, GivesTheLightOfWhatIsShownNow) {
   EXPECT_FALSE(scene(bench.begin({0, 0, 64, 64}), nullptr, milliseconds(0)));
 }
 
-TEST_F(RunningBench, AFrameBegunBeforeAChangeMayShowTheOldPictureForAShortTimeOnly) {
+TEST_F(RunningBench, AFrameBegunBeforeAChangeMayShowThePreviousImageForAShortTimeOnly) {
   const auto before = sent(bench.begin(kWindow));
   worker = {};  // no far field is ready from now on
   const std::uint64_t begun = bench.begin(kWindow);

@@ -206,7 +206,7 @@ TEST_F(TwinOnBench, AnAberrationOfTheHologramMovesTheSpotsAsOneOfTheLightDoes) {
   EXPECT_LT(worst_px(bench.newer_frame(), 1, moved), kNearPx);
 }
 
-TEST_F(TwinOnBench, ARegionOfTheSensorShowsTheShiftedPicture) {
+TEST_F(TwinOnBench, ARegionOfTheSensorShowsTheShiftedImage) {
   bench.show(sensor);
   settings.roi = {64, 32, 384, 448};
   bench.start(settings);
@@ -358,14 +358,14 @@ TEST_F(TwinOnBench, FramesThatComeAgainOrTooLateAreReportedAsSuch) {
                                        std::pair("reorder", GrabStatus::out_of_order)}) {
     for (int n = 0; n < 120; ++n) bench.grab();  // older gaps no longer count for late frames
     bench.call("twin.fault", {{"kind", kind}, {"frames", 3}});
-    int told = 0;
+    int reported = 0;
     GrabbedFrame frame;
     for (int n = 0; n < 100; ++n) {
       const GrabStatus status = bench.camera().grab(frame, std::chrono::milliseconds(100));
       if (status == GrabStatus::frame) bench.camera().release(frame.slot);
-      told += status == expected ? 1 : 0;
+      reported += status == expected ? 1 : 0;
     }
-    EXPECT_EQ(told, 3) << kind;
+    EXPECT_EQ(reported, 3) << kind;
   }
 }
 

@@ -326,7 +326,7 @@ TEST(ControlServer, SaysWhichEndpointIsInUse) {
   }
 }
 
-TEST(ControlServer, TellsWrongEndpointsFromAbsentOnes) {
+TEST(ControlServer, DistinguishesWrongEndpointsFromAbsentOnes) {
   const auto code = [](const char* endpoint) {
     const auto bound = ControlServer::bind(endpoint, kLimits, Served::echo());
     return bound ? Errc::internal : bound.error().code;

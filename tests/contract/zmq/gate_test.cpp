@@ -106,7 +106,7 @@ TEST(Gate, SaysWhoAsks) {
   EXPECT_EQ(guarded.rejected, 0);
 }
 
-TEST(Gate, TellsAClientWhyItIsNotLetIn) {
+TEST(Gate, ReportsToAClientWhyItIsRejected) {
   Guarded guarded("why");
   const KeyPair good = guarded.let_in();
   const auto reason = [&guarded](const std::optional<ClientKeys>& keys) {
@@ -157,7 +157,7 @@ TEST(Gate, ReportsAStreamThatCannotBeReboundAndItsRecovery) {
   ASSERT_EQ(guarded.rebound.size(), 1U);
   EXPECT_NE(guarded.rebound[0].find(guarded.stream), std::string::npos) << guarded.rebound[0];
   EXPECT_FALSE(guarded.reaches(subscriber, 1s));
-  EXPECT_EQ(guarded.rebound.size(), 1U) << "told once";
+  EXPECT_EQ(guarded.rebound.size(), 1U) << "reported once";
   std::filesystem::rename(folder + "-away", folder);
   EXPECT_TRUE(guarded.reaches(subscriber));
   ASSERT_EQ(guarded.rebound.size(), 2U);

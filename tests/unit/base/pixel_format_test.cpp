@@ -20,7 +20,7 @@ TEST(PixelFormats, EachHasANameOfItsOwnByWhichItIsFound) {
   EXPECT_FALSE(pixel_format_from_name("mono8"));
 }
 
-TEST(PixelFormats, NamesTellTheBitsAndTheFirstTwoFilters) {
+TEST(PixelFormats, NamesContainTheBitsAndTheFirstTwoFilters) {
   for (const PixelFormatTraits& format : all_pixel_formats()) {
     const std::string name(format.name);
     EXPECT_NE(name.find(std::to_string(format.bits)), std::string::npos) << name;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/pixels.hpp"
-#include "tests/unit/base/packed_picture.hpp"
+#include "tests/unit/base/packed_image.hpp"
 
 namespace ovws {
 namespace {
@@ -34,10 +34,10 @@ class Pixels : public testing::TestWithParam<PixelFormat> {
   }
 
   PixelFormat format_ = GetParam();
-  Image<std::uint16_t> picture_ = test::random_picture(kWidth, kHeight, format_, 11);
+  Image<std::uint16_t> picture_ = test::random_image(kWidth, kHeight, format_, 11);
 };
 
-TEST_P(Pixels, OfARegionAreThoseOfThePicture) {
+TEST_P(Pixels, OfARegionAreThoseOfTheImage) {
   const std::vector<std::byte> bytes = test::pack(picture_, format_, kPadding);
   const ImageView view = test::packed_view(bytes, kWidth, kHeight, format_, kPadding);
   for (const Place& at : {Place{0, 0, kWidth, kHeight}, Place{37, 3, 300, 5},
@@ -46,7 +46,7 @@ TEST_P(Pixels, OfARegionAreThoseOfThePicture) {
   }
 }
 
-TEST_P(Pixels, OfALatticeAreEverySecondOfThePicture) {
+TEST_P(Pixels, OfAColourPlaneAreEverySecondOfTheImage) {
   const std::vector<std::byte> bytes = test::pack(picture_, format_, kPadding);
   const ImageView whole = test::packed_view(bytes, kWidth, kHeight, format_, kPadding);
   for (const ColourPlane& plane :

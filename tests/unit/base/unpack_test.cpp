@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/base/unpack.hpp"
-#include "tests/unit/base/packed_picture.hpp"
+#include "tests/unit/base/packed_image.hpp"
 
 namespace ovws {
 namespace {
@@ -46,7 +46,7 @@ class Unpack : public testing::TestWithParam<PixelFormat> {
 
   void expect_all(const UnpackKernels& kernels, int step, int shift) {
     const PixelFormat format = GetParam();
-    const Image<std::uint16_t> picture = test::random_picture(kWidth, 1, format, 7);
+    const Image<std::uint16_t> picture = test::random_image(kWidth, 1, format, 7);
     const std::vector<std::byte> bytes = test::pack(picture, format, 0, shift);
     const AtTheEdge memory(bytes);
     const PackedRow row{memory.first(), std::ptrdiff_t(bytes.size()), shift};

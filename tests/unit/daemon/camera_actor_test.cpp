@@ -100,10 +100,10 @@ class CameraActorTest : public testing::Test {
     return answer.value_or(fail(Errc::internal, "", "no answer"));
   }
   bool restored(double gain_db) {
-    bool told = false;
-    actor_->restore_gain(gain_db, [&told] { told = true; });
+    bool done = false;
+    actor_->restore_gain(gain_db, [&done] { done = true; });
     actor_->do_work();
-    return told;
+    return done;
   }
   /// Takes the queued events whose data has this key.
   std::vector<EventMessage> events_with(const char* key) {
@@ -258,18 +258,18 @@ TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
     device_.alive = false;
     actor_->do_work();
     device_.alive = true;
-    std::vector<EventMessage> told;
-    for (int turn = 0; turn < 400 && told.empty(); ++turn) {
+    std::vector<EventMessage> events;
+    for (int turn = 0; turn < 400 && events.empty(); ++turn) {
       actor_->do_work();
-      told = events_with("counter");
+      events = events_with("counter");
     }
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_EQ(told[0].data["counter"], counter);
-    EXPECT_EQ(told[0].kind, "camera");
-    EXPECT_EQ(told[0].severity, Severity::error);
-    texts.push_back(told[0].text);
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_EQ(events[0].data["counter"], counter);
+    EXPECT_EQ(events[0].kind, "camera");
+    EXPECT_EQ(events[0].severity, Severity::error);
+    texts.push_back(events[0].text);
     for (int turn = 0; turn < 10; ++turn) actor_->do_work();
-    EXPECT_TRUE(events_with("counter").empty()) << "told once";
+    EXPECT_TRUE(events_with("counter").empty()) << "reported once";
   }
   EXPECT_NE(texts[0].find("incomplete"), std::string::npos);
   EXPECT_EQ(texts[1].find("incomplete"), std::string::npos);

@@ -60,7 +60,7 @@ TEST(Levels, AreMediansOfFoundSpots) {
 }
 
 /// Spots that moved exactly as the model predicts leave only the error that was not introduced.
-TEST(JudgeFrames, TellsWhatIsLeft) {
+TEST(JudgeFrames, ReportsTheResidual) {
   const SlmGeometry slm;
   const SensorConfig sensor;
   const auto lattice = make_lattice(sensor, slm);
@@ -156,7 +156,7 @@ class Experiments : public testing::Test {
 
 TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
   const ExperimentRun run = run_of(10);
-  json told;
+  json reported;
   {
     Started daemon(folder_);
     EXPECT_FALSE(daemon.archive.result()["known"].get<bool>());
@@ -166,13 +166,13 @@ TEST_F(Experiments, GoOnAfterARestartWithWhatWasMeasured) {
     reference.positions_px = {{1.5, 2.0}, {NAN, NAN}};
     daemon.archive.put_reference(2, to_json(reference));
     daemon.archive.put_cell(3, cell_of(run, 3));
-    told = daemon.archive.result();
-    EXPECT_TRUE(told["not_kept_reason"].is_null());
+    reported = daemon.archive.result();
+    EXPECT_TRUE(reported["not_kept_reason"].is_null());
   }
   Started again(folder_);
-  EXPECT_EQ(again.archive.result(), told);
+  EXPECT_EQ(again.archive.result(), reported);
   ASSERT_TRUE(again.begin(run_of(10), false));  // requested again, at another time
-  EXPECT_EQ(again.archive.result(), told);
+  EXPECT_EQ(again.archive.result(), reported);
   EXPECT_TRUE(again.archive.has_cell(3));
   EXPECT_FALSE(again.archive.has_cell(2));
   const auto places = reference_places(again.archive.reference(2), 2);
@@ -245,7 +245,7 @@ TEST_F(Experiments, WithoutAStoreAreMeasuredAndSaySo) {
 }
 
 /// A client that knows a job's number never sees cells of another or an earlier run.
-TEST_F(Experiments, TellOfTheJobsOwnRunBeforeTheDiskWasAsked) {
+TEST_F(Experiments, ReportTheJobsOwnRunBeforeTheDiskWasAsked) {
   Started daemon(folder_);
   ASSERT_TRUE(daemon.begin(run_of(10), false));
   daemon.archive.put_cell(1, cell_of(run_of(10), 1));
@@ -308,8 +308,8 @@ TEST_F(Experiments, MeasuredAnewFailIfTheStoreCannotRemove) {
   EXPECT_FALSE(again.archive.has_cell(1));  // its file is still there
 }
 
-TEST_F(Experiments, GiveAPictureBackThatTheDiskHoldsOrMemoryIfThereIsNone) {
-  const auto with_picture = [](int number) {
+TEST_F(Experiments, ReturnAnImageFromTheDiskOrFromMemoryIfThereIsNoDisk) {
+  const auto with_image = [](int number) {
     CellMeasured cell;
     cell.cell = number;
     cell.picture = CellMeasured::Picture{1, 1, "/w=="};
@@ -318,18 +318,18 @@ TEST_F(Experiments, GiveAPictureBackThatTheDiskHoldsOrMemoryIfThereIsNone) {
   for (const bool stored : {true, false}) {
     Started daemon(stored ? std::optional(folder_) : std::nullopt);
     ASSERT_TRUE(daemon.begin(run_of(10), false));
-    daemon.archive.put_cell(0, with_picture(0));
-    EXPECT_EQ(cell_in(daemon.archive, 0), with_picture(0));
+    daemon.archive.put_cell(0, with_image(0));
+    EXPECT_EQ(cell_in(daemon.archive, 0), with_image(0));
   }
   Started again(folder_);
-  EXPECT_EQ(cell_in(again.archive, 0), with_picture(0));
+  EXPECT_EQ(cell_in(again.archive, 0), with_image(0));
   fs::remove(fs::path(folder_) / ("experiment-picture-" + run_of(10).name + ".picture-00000.json"));
   const auto lost = cell_in(again.archive, 0);
   ASSERT_TRUE(lost);
   EXPECT_TRUE((*lost)["picture"].is_null());
 }
 
-TEST_F(Experiments, TellTheJobAndItsTimeLeft) {
+TEST_F(Experiments, ReportTheJobAndItsTimeLeft) {
   Started daemon(folder_);
   daemon.archive.begin_job(run_of(10), 7);
   ASSERT_TRUE(daemon.archive.open(false));

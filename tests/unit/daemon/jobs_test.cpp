@@ -26,7 +26,7 @@ class JobsTest : public testing::Test {
   }
 
   /// The progress reported by each event since the last call.
-  std::vector<double> told() {
+  std::vector<double> reported() {
     std::vector<double> all;
     while (const auto message = queue_.take()) {
       all.push_back(std::get<EventMessage>(*message).data["progress"].get<double>());
@@ -35,7 +35,7 @@ class JobsTest : public testing::Test {
   }
 };
 
-TEST_F(JobsTest, ARunningJobTellsItsProgress) {
+TEST_F(JobsTest, ARunningJobReportsItsProgress) {
   const auto job = jobs_.get(begin());
   ASSERT_TRUE(job);
   EXPECT_EQ(job->state, JobState::running);
@@ -77,7 +77,7 @@ TEST_F(JobsTest, EachQuarterOfAJobIsOneEvent) {
   }
   jobs_.finish(id, {});
   jobs_.report_progress(id);
-  EXPECT_EQ(told(), (std::vector<double>{0.0, 0.25, 0.75, 1.0}));
+  EXPECT_EQ(reported(), (std::vector<double>{0.0, 0.25, 0.75, 1.0}));
 }
 
 TEST_F(JobsTest, TheLastFailureIsKnownAfterLaterJobsOfOtherKinds) {

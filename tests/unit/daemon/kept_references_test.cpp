@@ -69,7 +69,7 @@ class KeptReferencesTest : public testing::Test {
       reference.positions_px.push_back({0.1 * double(i), 1.0 / 3.0});
       reference.standard_error_px.push_back({1e-3, 2e-3 / 3.0});
     }
-    auto picture = std::make_shared<ReferencePicture>();
+    auto picture = std::make_shared<ReferenceImage>();
     picture->frames = 8;
     picture->gain_db = 16.0;
     picture->format = PixelFormat::mono12;
@@ -237,7 +237,7 @@ TEST_F(KeptReferencesTest, ASettingThatTheFileLacksIsNotKnownAndNotStale) {
   EXPECT_EQ(stale_fields(reference, now)[0].field, "exposure_us");
 }
 
-TEST_F(KeptReferencesTest, AnotherCameraIsTold) {
+TEST_F(KeptReferencesTest, AnotherCameraIsReported) {
   auto daemon = started(config_);
   const Reference reference = taken(*daemon, config_);
   CameraInfo camera = kCamera;
@@ -335,7 +335,7 @@ TEST_F(KeptReferencesTest, ContentThatDoesNotFitTogetherIsRefused) {
   }
 }
 
-TEST_F(KeptReferencesTest, ADamagedFileIsToldAndLeftAndACopyUnderAnotherNameIsNotUsed) {
+TEST_F(KeptReferencesTest, ADamagedFileIsReportedAndLeftAndACopyUnderAnotherNameIsNotUsed) {
   auto daemon = started(config_);
   Reference reference = taken(*daemon, config_);
   daemon->references.keep(reference);

@@ -143,11 +143,11 @@ TEST_F(Known, AModelReferenceFollowsTheRegistration) {
   EXPECT_NE(found()->positions_px, known_.references[0]->positions_px);
 }
 
-TEST_F(Known, OnlyTheLastReferencesKeepTheirPictures) {
+TEST_F(Known, OnlyTheLastReferencesKeepTheirImages) {
   for (int n = 0; n < 12; ++n) {
     state_.roi.x = n;
     Reference reference = taken(n);
-    reference.picture = std::make_shared<const ReferencePicture>();
+    reference.picture = std::make_shared<const ReferenceImage>();
     replace_reference(known_, state_, std::move(reference));
   }
   ASSERT_EQ(known_.references.size(), 12U);

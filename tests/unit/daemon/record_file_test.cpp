@@ -46,7 +46,7 @@ Result<void> add_one(RecordFile& file, int number) {
   const std::vector<std::byte> pixels(kSide * kSide, std::byte(number));
   RecordedFrame frame;
   frame.frame_id = std::uint64_t(number);
-  const auto picture = file.add_picture(pixels, false);
+  const auto picture = file.add_image(pixels, false);
   if (!picture) return fail(picture.error());
   frame.picture = *picture;
   file.add_frame(frame, std::vector<RecordedSpot>(7), std::vector<float>(5));
@@ -59,7 +59,7 @@ void expect_readable(const std::string& path, int flushed) {
   ASSERT_TRUE(reader) << reader.error().reason;
   EXPECT_GE((*reader)->frames().size(), std::size_t(flushed));
   EXPECT_LE((*reader)->frames().size(), std::size_t(flushed) + 1);
-  std::vector<std::byte> pixels((*reader)->picture_bytes());
+  std::vector<std::byte> pixels((*reader)->image_bytes());
   for (int i = 0; i < flushed; ++i) {
     const RecordedFrame& frame = (*reader)->frames()[std::size_t(i)];
     EXPECT_EQ(frame.frame_id, std::uint64_t(i + 1));
@@ -90,7 +90,7 @@ TEST_P(RecordFileLimit, AfterAWriteThatFailedNothingIsAddedAndAllBeforeCanBeRead
     while (flushed < 100 && add_one(**file, flushed + 1)) ++flushed;
     ASSERT_LT(flushed, 100);
     EXPECT_FALSE((*file)->add_document("plan", std::string(64, 'a'), "{}"));
-    const auto picture = (*file)->add_picture(std::vector<std::byte>(kSide * kSide), true);
+    const auto picture = (*file)->add_image(std::vector<std::byte>(kSide * kSide), true);
     ASSERT_FALSE(picture);
     EXPECT_EQ(picture.error().code, Errc::unavailable);
     EXPECT_EQ(picture.error().field, "path");
@@ -168,7 +168,7 @@ TEST(FrameStore, FramesThatFindNoRoomAreLeftOutAndCounted) {
   EXPECT_EQ(store.taken_after(last), kFirst + kCame - 1 - last);
 }
 
-TEST(FrameStore, APictureThatFindsNoRoomIsLeftOutAndItsFrameSaysSo) {
+TEST(FrameStore, AnImageThatFindsNoRoomIsDroppedAndItsFrameSaysSo) {
   constexpr int kPictures = 4;
   const std::vector<std::byte> pixels(kSide * kSide, std::byte(7));
   MeasurementPlan plan;

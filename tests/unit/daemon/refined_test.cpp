@@ -5,7 +5,7 @@
 
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
-#include "daemon/ovwsd/sensor/reference_picture.hpp"
+#include "daemon/ovwsd/sensor/reference_image.hpp"
 #include "daemon/ovwsd/sensor/refined_modes.hpp"
 
 namespace ovws {
@@ -89,10 +89,10 @@ TEST_F(FrameInboxTest, ForgetsWhatWasAskedFor) {
   EXPECT_EQ(inbox.next(0ms), nullptr);
 }
 
-using ReferencePictureTest = FrameTest;
+using ReferenceImageTest = FrameTest;
 
-TEST_F(ReferencePictureTest, IsTheMeanOfTheReferencesFrames) {
-  PictureMean mean;
+TEST_F(ReferenceImageTest, IsTheMeanOfTheReferencesFrames) {
+  ImageMean mean;
   EXPECT_TRUE(mean.add(record_));
   pixels_ = {3, 2, 3, 99, 4, 255, 6, 99};
   EXPECT_TRUE(mean.add(record_));
@@ -105,8 +105,8 @@ TEST_F(ReferencePictureTest, IsTheMeanOfTheReferencesFrames) {
   EXPECT_TRUE(std::isnan(picture->mean_dn.at(1, 1)));  // saturated once
 }
 
-TEST_F(ReferencePictureTest, TakesFramesOfOneSizeFormatAndGainOnly) {
-  PictureMean mean;
+TEST_F(ReferenceImageTest, TakesFramesOfOneSizeFormatAndGainOnly) {
+  ImageMean mean;
   EXPECT_TRUE(mean.add(record_));
   std::vector<FrameRecord> others(3, record_);
   others[0].gain_db = 4.0;
@@ -116,8 +116,8 @@ TEST_F(ReferencePictureTest, TakesFramesOfOneSizeFormatAndGainOnly) {
   EXPECT_EQ(mean.mean()->frames, 1);
 }
 
-TEST_F(ReferencePictureTest, IsNothingWithoutAFrame) {
-  EXPECT_EQ(PictureMean().mean(), nullptr);
+TEST_F(ReferenceImageTest, IsNothingWithoutAFrame) {
+  EXPECT_EQ(ImageMean().mean(), nullptr);
 }
 
 RefineSetup known_camera() {

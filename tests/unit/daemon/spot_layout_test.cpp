@@ -49,7 +49,7 @@ TEST(SpotLayout, BenchesThatWereMeasuredToWorkAreAccepted) {
   EXPECT_EQ(refusal(bench(1, TrackerKind::lg, 4)), "");
 }
 
-TEST(SpotLayout, SpotsThatATrackerCannotTellApartAreRefusedWithValuesThatWork) {
+TEST(SpotLayout, SpotsThatATrackerCannotSeparateAreRefusedWithValuesThatWork) {
   Config large_slm;
   large_slm.slm.geometry = {3840, 2160, 3.74};
   for (Config config :
@@ -99,7 +99,7 @@ TEST(SpotLayout, SpotsOutsideTheRegionAreRefusedWithValuesThatWork) {
   }
 }
 
-TEST(SpotLayout, AFewSpotsOutsideAreNoFaultIfTheOthersTellTheModes) {
+TEST(SpotLayout, AFewSpotsOutsideAreNoFaultIfTheOthersDetermineTheModes) {
   Config config;
   config.camera.settings.roi.width = 240;  // the middle row's ends touch the edge
   EXPECT_EQ(refusal(config), "");
@@ -115,14 +115,14 @@ Config with_modes(int charge, int mode_count, int estimates = 8) {
   return config;
 }
 
-TEST(SpotLayout, AsManyModesAsTheSpotsTellAreAccepted) {
+TEST(SpotLayout, AsManyModesAsTheSpotsDetermineAreAccepted) {
   for (const Config& config :
        {with_modes(1, 18), with_modes(1, 44), with_modes(2, 44), with_modes(0, 20)}) {
     EXPECT_EQ(refusal(config), "");
   }
 }
 
-TEST(SpotLayout, MoreModesThanTheSpotsTellAreRefusedWithTheNumberThatIsPossible) {
+TEST(SpotLayout, MoreModesThanTheSpotsDetermineAreRefusedWithTheNumberThatIsPossible) {
   for (Config config :
        {with_modes(1, 65), with_modes(0, 44), with_modes(1, 44, 2), with_modes(1, 230)}) {
     const std::string reason = refusal(config);
@@ -138,7 +138,7 @@ TEST(SpotLayout, MoreModesThanTheSpotsTellAreRefusedWithTheNumberThatIsPossible)
   }
 }
 
-TEST(SpotLayout, ModesThatOnlyShapesTellNeedTheTrackerFit) {
+TEST(SpotLayout, ModesThatOnlyShapesDetermineNeedTheTrackerFit) {
   Config config = with_modes(1, 44);
   config.tracking.tracker = TrackerKind::lg;
   EXPECT_TRUE(refusal(config).starts_with("tracking.mode_count: positions")) << refusal(config);

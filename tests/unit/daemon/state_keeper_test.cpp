@@ -35,11 +35,11 @@ TEST_F(StateKeeperTest, EachChangeOfStateIsOneEventAndRepetitionIsNone) {
   for (int i = 0; i < 3; ++i) state_.set_fault("slm", "the mode is wrong");
   state_.set_fault("slm", "");
   state_.set(&Conditions::display, true);
-  std::string told;
+  std::string reported;
   while (const auto message = queue_.take()) {
-    told += std::get<EventMessage>(*message).data["state"].get<std::string>() + " ";
+    reported += std::get<EventMessage>(*message).data["state"].get<std::string>() + " ";
   }
-  EXPECT_EQ(told, "fault waiting_for_display running ");
+  EXPECT_EQ(reported, "fault waiting_for_display running ");
 }
 
 }  // namespace

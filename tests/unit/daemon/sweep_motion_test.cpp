@@ -47,7 +47,7 @@ TEST(SweepMotion, CountsWhatAllSpotsShareAndNamesTheFarthest) {
 
 /// Standard error for 16 frames with 0.2 px of scatter before and after: sqrt(16/15) * 0.2 *
 /// sqrt(2/16) px.
-TEST(SweepMotion, IsNotToldFromNoiseThatIsAsLarge) {
+TEST(SweepMotion, IsNotDistinguishedFromNoiseThatIsAsLarge) {
   const std::vector<Vec2> before{{10, 10}, {50, 10}};
   const SpotMotion still = spot_motion(before, 16, scattered(before, 16, 0.2));
   const double error_px = std::sqrt(16.0 / 15.0) * 0.2 * std::sqrt(2.0 / 16.0);

@@ -153,7 +153,7 @@ TEST(ThreadPlan, AnExceptionInTheCallersOwnTurnsEndsThem) {
 }
 
 /// Otherwise the threads' times to end would add up.
-TEST(ThreadPlan, AllAreToldToEndBeforeAnyIsWaitedFor) {
+TEST(ThreadPlan, AllAreAskedToEndBeforeAnyIsWaitedFor) {
   class Ending : public Agent {
    public:
     bool do_work() override {

@@ -102,7 +102,7 @@ TEST(DoctorCamera, PacketsLargerThanTheInterfacesMtuAreReported) {
   expect(facts, "camera.packets", Verdict::ok);
   facts.path->mtu_bytes = 1500;
   expect(facts, "camera.packets", Verdict::warning, "ip link set dev eth1 mtu 9000");
-  facts.answer->controlled = true;  // now it tells what it sends
+  facts.answer->controlled = true;  // now it reports what it sends
   expect(facts, "camera.packets", Verdict::fault);
   facts.answer->packet_size_bytes = 1500;
   expect(facts, "camera.packets", Verdict::warning);

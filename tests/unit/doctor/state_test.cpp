@@ -42,7 +42,7 @@ TEST(DoctorState, AnUnwritableFolderIsAFaultWithTheRepairForItsOwner) {
   expect(facts, "state.directory", Verdict::fault);
 }
 
-TEST(DoctorState, ADiskThatFillsUpIsTold) {
+TEST(DoctorState, ADiskThatFillsUpIsReported) {
   auto facts = good();
   facts.free_bytes = 100 << 20;
   expect(facts, "state.room", Verdict::warning, "du -xhd1");

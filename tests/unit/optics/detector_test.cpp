@@ -150,7 +150,7 @@ TEST(Detector, QuantisesToTheNearestAndClipsAtBothEnds) {
   for (const std::uint16_t v : exposed(config, 20.0F).pixels) ASSERT_EQ(v, 0);
 }
 
-TEST(Detector, SameSeedGivesTheSameSequenceOfDifferentPictures) {
+TEST(Detector, SameSeedGivesTheSameSequenceOfDifferentImages) {
   const auto sequence = [](std::uint64_t seed) {
     DetectorConfig config;
     config.seed = seed;
@@ -172,7 +172,7 @@ TEST(Detector, SameSeedGivesTheSameSequenceOfDifferentPictures) {
   EXPECT_NE(a[1].pixels, a[2].pixels);
 }
 
-TEST(Detector, NoiseOfSuccessivePicturesIsIndependent) {
+TEST(Detector, NoiseOfSuccessiveImagesIsIndependent) {
   DetectorConfig config = ideal();
   config.read_noise_e = 100.0;
   config.black_level_dn = 1000.0;

@@ -181,7 +181,7 @@ TEST(Hologram, GratingCarriesTheCorrectionInThePupil) {
   }
 }
 
-TEST(Hologram, IdentifyPictureTellsEachWayOfTurningTheScreen) {
+TEST(Hologram, IdentifyImageShowsEachOrientationOfTheScreen) {
   const auto picture = rendered({}, HologramKind::identify);
   const auto differing = [&](auto at) {
     int count = 0;

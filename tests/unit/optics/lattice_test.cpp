@@ -45,7 +45,7 @@ TEST(Geometry, ARegistrationReplacesTheConfiguredScaleAndRotation) {
   }
 }
 
-TEST(Geometry, PutsTheBaseSpotOnTheMiddleOfTheImageUnlessToldOtherwise) {
+TEST(Geometry, PutsTheBaseSpotOnTheMiddleOfTheImageUnlessSetOtherwise) {
   OpticsConfig optics;
   EXPECT_EQ(base_spot_px(optics, 512, 301), (Vec2{255.5, 150.0}));
   optics.centre_px = Vec2{12.0, 34.5};

@@ -324,7 +324,7 @@ TEST(LinearisingLut, IsWithinHalfALevelOfEveryPhaseInReach) {
   }
 }
 
-TEST(GreyFringe, TellsThePhaseThroughANoisyCamera) {
+TEST(GreyFringe, MeasuresThePhaseThroughANoisyCamera) {
   struct Case {
     double depth, gamma;
   };
@@ -362,7 +362,7 @@ TEST(PhaseResponse, IsRefusedIfTheBenchMovesMeanwhile) {
   EXPECT_TRUE(moved(0.0, 9.0));
 }
 
-TEST(PhaseResponse, PicturesThatLagAreRefusedBeforeMoreLevelsAreAskedFor) {
+TEST(PhaseResponse, ImagesThatLagAreRefusedBeforeMoreLevelsAreRequested) {
   const std::complex<double> middle{120.0, -40.0};
   auto beats = ideal_beats(gamma_curve(1.0, 1.0), 33, 0.3);
   for (GreyBeat& beat : beats) {

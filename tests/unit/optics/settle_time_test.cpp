@@ -44,7 +44,7 @@ TEST(StepTime, OfASlowCrystalIsWhereItsLastPercentEnds) {
   EXPECT_NEAR(found->until_ms, 60.0, 9.0);
 }
 
-TEST(StepTime, RefusesWhatTellsNothing) {
+TEST(StepTime, RefusesWhatDeterminesNothing) {
   EXPECT_EQ(step_time(frames(10.0, 60.0, 1.0, false, 0.0, 50.0), 0.0).error().field, "watch_ms");
   EXPECT_EQ(step_time(frames(250.0, 10.0, 1.0, true, 0.0, 50.0), 0.0).error().field, "watch_ms");
   EXPECT_FALSE(step_time(frames(10.0, 5.0, 1.0, false, 50.0, 51.0), 51.0));  // as before

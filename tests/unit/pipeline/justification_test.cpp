@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/pipeline/msb_alignment.hpp"
-#include "tests/unit/base/packed_picture.hpp"
+#include "tests/unit/base/packed_image.hpp"
 
 namespace ovws {
 namespace {

@@ -36,18 +36,18 @@ TEST(Pipeline, RecoversTheWavefrontThatItsSpotsWereDrawnWith) {
   EXPECT_LT(record->reconstruction.fit_residual_px, 0.2);
 }
 
-TEST(Pipeline, AFrameOfPositionsWaitsForTemplatesIfPositionsDoNotTellAllModes) {
+TEST(Pipeline, AFrameOfPositionsWaitsForTemplatesIfPositionsDoNotDetermineAllModes) {
   PipelineRig rig;
   auto plan = rig.bench.plan(1);
-  const std::size_t told = plan->modes_j.size();
+  const std::size_t determined = plan->modes_j.size();
   plan->modes_j.push_back(plan->modes_j.back() + 1);
   rig.use(std::move(plan));
   ASSERT_TRUE(rig.attach());
   Taken record(rig, rig.measure(1, SpotBench::draw(rig.bench.moved({{4, 0.3}}))));
   ASSERT_TRUE(record);
-  EXPECT_EQ(record->mode_count, int(told) + 1);
+  EXPECT_EQ(record->mode_count, int(determined) + 1);
   EXPECT_NEAR(record->coefficients[3], 0.3F, 0.01F);
-  EXPECT_TRUE(std::isnan(record->coefficients[told]));
+  EXPECT_TRUE(std::isnan(record->coefficients[determined]));
   EXPECT_TRUE(record->unconfirmed);
   EXPECT_FALSE(record->valid);
 }
@@ -326,7 +326,7 @@ TEST(Pipeline, AFrameWhileTheHologramChangesIsPublishedInvalid) {
 TEST(Pipeline, WithoutAReferenceNothingIsValid) {
   PipelineRig rig;
   auto plan = rig.bench.plan(1);
-  plan->reference_px.clear();  // although the reconstructor would tell the modes
+  plan->reference_px.clear();  // although the reconstructor would determine the modes
   rig.use(std::move(plan));
   ASSERT_TRUE(rig.attach());
   Taken record(rig, rig.measure(1, SpotBench::draw(rig.bench.model_px)));
@@ -380,7 +380,7 @@ TEST(Pipeline, AFrameThatTookLongerThanItsPeriodMissedItsDeadline) {
   while (FrameRecord* record = rig.pipeline.next(0)) rig.pipeline.release(record);
 }
 
-TEST(Pipeline, HowLongAFrameWasHeldUpIsToldIfTheCameraStampsIt) {
+TEST(Pipeline, HowLongAFrameWasDelayedIsReportedIfTheCameraStampsIt) {
   Running rig;
   const std::int64_t now = monotonic_ns();
   for (int k = 1; k <= 3; ++k) {  // every 10 ms by the camera's clock, the third held up for 40 ms

@@ -58,7 +58,7 @@ TEST_P(RealTracker, FindsEverythingInAFirstImageThatIsFarFromTheModel) {
   EXPECT_NEAR(double(record->coefficients[3]), -0.4, 0.004);
 }
 
-TEST_P(RealTracker, TellsTheWavefrontWithTwoSpotsDarkAndTakesThemBack) {
+TEST_P(RealTracker, MeasuresTheWavefrontWithTwoSpotsDarkAndTakesThemBack) {
   const std::vector<Mode> truth{{3, 0.2}, {4, 0.1}};
   Taken first(rig_, rig_.measure(1, draw(truth)));
   for (std::uint64_t id = 2; id <= 5; ++id) {

@@ -79,7 +79,7 @@ void print_frames() {
   print_stream(kTopicSpots, text);
 }
 
-void print_pictures() {
+void print_images() {
   std::string text;
   std::vector<std::byte> scratch;
   const Image<std::uint16_t> deep(4, 3);
@@ -229,9 +229,9 @@ void print_experiments() {
     if (cell > 0) measured.frames.push_back({{}, std::nan(""), 0.5, 3});
     if (cell > 1) measured.frames.push_back({{0.1, 0.2}, 0.3, 0.0, 19});
     if (cell > 2) measured.picture = CellMeasured::Picture{1, 1, "/w=="};
-    const json told = to_json(CellReport{CellSummary(measured)});
-    print_result("experiment.cell", told);
-    report.cells.push_back({only_fields<CellSummary>(told)});
+    const json encoded = to_json(CellReport{CellSummary(measured)});
+    print_result("experiment.cell", encoded);
+    report.cells.push_back({only_fields<CellSummary>(encoded)});
   }
   print_result("experiment.get", to_json(KnownExperiment{}));
   print_result("experiment.get", to_json(KnownExperiment{report, sweep.cells()}));
@@ -387,7 +387,7 @@ void print_all_params() {
 
 int main() {
   ovws::print_frames();
-  ovws::print_pictures();
+  ovws::print_images();
   ovws::print_status();
   ovws::print_results();
   ovws::print_all_params();

@@ -145,7 +145,7 @@ TEST(ObjectReader, KeepsTheFirstFault) {
   EXPECT_EQ(first_error(r).field, "a");
 }
 
-TEST(ObjectReader, TellsWhatIsMissing) {
+TEST(ObjectReader, ReportsWhatIsMissing) {
   const json object = json::object();
   ObjectReader r(object, "in");
   r.require("pattern");

@@ -74,7 +74,7 @@ TEST(CameraSetRequest, NamesTheKeyThatWasMeant) {
   EXPECT_EQ(error_of(CameraSet::decode({{"pixel_format", "Mono11"}})).field, "pixel_format");
 }
 
-TEST(RefineSetRequest, LeavesWhatIsAbsentAndTellsNullFromAbsent) {
+TEST(RefineSetRequest, LeavesWhatIsAbsentAndDistinguishesNullFromAbsent) {
   RefineSetup before;
   before.electrons_per_dn = 40.0;
   before.saturation_dn = 250.0;
@@ -252,7 +252,7 @@ TEST(Results, KeepWhatWasRequestedAndSayWhatWasApplied) {
   EXPECT_EQ(to_json(JobNumber{3}), json::parse(R"({"job":3})"));
 }
 
-TEST(GainSweep, IsThePapersUnlessToldOtherwise) {
+TEST(GainSweep, IsThePapersUnlessSetOtherwise) {
   const auto sweep = decode<GainSweep>(json::object());
   ASSERT_TRUE(sweep);
   EXPECT_EQ(sweep->gains_db.size(), 16U);
@@ -352,20 +352,20 @@ TEST(GainSweep, HasSixteenThousandCellsAtMost) {
   EXPECT_EQ(beyond.reason, "must be a whole number from 0 to 16383, not 16384");
 }
 
-TEST(GainSweep, TellsSaturatedAndUndeterminedFramesApart) {
+TEST(GainSweep, ReportsSaturatedAndUndeterminedFramesSeparately) {
   CellMeasured cell;
   cell.subapertures = 19;
   cell.modes_j = {1};
   cell.frames = {{{0.1}, 1.0, 0.0, 19}, {{0.2}, 3.0, 0.1, 19}, {{}, NAN, 0.0, 4}};
-  const json told = to_json(CellReport{CellSummary(cell)});
-  EXPECT_EQ(told["variance_rad2"], 2.0);
-  EXPECT_NEAR(told["standard_deviation_rad2"].get<double>(), std::sqrt(2.0), 1e-12);
-  EXPECT_NEAR(told["standard_error_rad2"].get<double>(), 1.0, 1e-12);
-  EXPECT_EQ(told["unsaturated_variance_rad2"], 1.0);
-  EXPECT_EQ(told["saturated_frames"], 1);
-  EXPECT_EQ(told["undetermined_frames"], 1);
-  EXPECT_EQ(told["lost_spots"], 15);
-  EXPECT_TRUE(told["variances_rad2"][2].is_null());
+  const json encoded = to_json(CellReport{CellSummary(cell)});
+  EXPECT_EQ(encoded["variance_rad2"], 2.0);
+  EXPECT_NEAR(encoded["standard_deviation_rad2"].get<double>(), std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(encoded["standard_error_rad2"].get<double>(), 1.0, 1e-12);
+  EXPECT_EQ(encoded["unsaturated_variance_rad2"], 1.0);
+  EXPECT_EQ(encoded["saturated_frames"], 1);
+  EXPECT_EQ(encoded["undetermined_frames"], 1);
+  EXPECT_EQ(encoded["lost_spots"], 15);
+  EXPECT_TRUE(encoded["variances_rad2"][2].is_null());
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST(BarScale, IsTheNextRoundNumber) {
   EXPECT_EQ(bar_scale_waves(30.0), 50.0);
 }
 
-TEST(Page, TellsTheBench) {
+TEST(Page, ShowsTheBench) {
   const std::string text = page(bench());
   for (const char* part : {"running", "SLM shows sensor, hologram 7", "loop open", "frame 1041",
                            "valid", "RMS 0.5004 wave", "oblique astigmatism", "+0.5003", "tracked",
@@ -69,7 +69,7 @@ TEST(Page, TellsTheBench) {
   EXPECT_TRUE(has(text, "Strehl 0.000"));
 }
 
-TEST(Page, TellsTheStandardErrorOfFittedFrames) {
+TEST(Page, ShowsTheStandardErrorOfFittedFrames) {
   View view = bench();
   view.wavefront["sigma"] = {0.0003, 0.0004};
   EXPECT_TRUE(has(page(view), "±0.0005"));
@@ -146,7 +146,7 @@ TEST(Page, LossesThatDoNotFitAreCounted) {
   EXPECT_TRUE(has(page(view, 80, 40), "f                          5  +2"));
 }
 
-TEST(SpotMap, TellsFoundMovedAndLost) {
+TEST(SpotMap, ShowsFoundMovedAndLost) {
   EXPECT_EQ(signs({{0, 0, 0, 0}}), "●");
   EXPECT_EQ(signs({{0.9F, 0, 0, 0}}), "●") << "less than a pixel";
   EXPECT_EQ(signs({{NAN, NAN, 0, 0}}), "✕");

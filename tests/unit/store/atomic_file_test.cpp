@@ -123,7 +123,7 @@ TEST_F(AtomicFile, AWriteThatFailsHalfwayLeavesTheOldFileAndNothingElse) {
   expect_old_and_nothing_else();
 }
 
-TEST_F(AtomicFile, AFullDiskAReadOnlyOneAndABrokenOneAreToldWithTheWayOut) {
+TEST_F(AtomicFile, AFullDiskAReadOnlyOneAndABrokenOneAreReportedWithTheRemedy) {
   FileCalls full;
   full.write = [](int fd, const void*, std::size_t) { return ssize_t(failing<ENOSPC>(fd)); };
   FileCalls broken;
@@ -137,12 +137,12 @@ TEST_F(AtomicFile, AFullDiskAReadOnlyOneAndABrokenOneAreToldWithTheWayOut) {
       {broken, "Input/output error: check the disk"},
       {read_only, "Read-only file system: the file system is read-only"},
       {forbidden, "Permission denied: give the daemon's user write permission"}};
-  for (const auto& [calls, told] : cases) {
+  for (const auto& [calls, reason] : cases) {
     const auto stored = replace_file(path_, "new", calls);
-    ASSERT_FALSE(stored) << told;
+    ASSERT_FALSE(stored) << reason;
     EXPECT_EQ(stored.error().code, Errc::unavailable);
     EXPECT_NE(stored.error().reason.find(path_), std::string::npos);
-    EXPECT_NE(stored.error().reason.find(told), std::string::npos) << stored.error().reason;
+    EXPECT_NE(stored.error().reason.find(reason), std::string::npos) << stored.error().reason;
     expect_old_and_nothing_else();
   }
 }

@@ -146,7 +146,7 @@ TEST_F(Store, ItemsOfAKindComeBackByNameUntilTheyAreDropped) {
   EXPECT_EQ(load(store, "matrix").items.size(), 1U);
 }
 
-TEST_F(Store, ABadFileIsToldAndLeftAndTheOthersAreLoaded) {
+TEST_F(Store, ABadFileIsReportedAndLeftAndTheOthersAreLoaded) {
   StateStore store = open();
   ASSERT_TRUE(store.put("reference", "good", {{"frames", 1}}));
   write("reference.empty.json", "");

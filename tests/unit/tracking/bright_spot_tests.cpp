@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-using test::SpotPicture;
+using test::SpotImage;
 
 SpotFix track(TrackerKind kind, const Image<std::uint8_t>& image, Vec2 start) {
   const auto tracker = make_tracker({kind, 0.5}, {0, 12.55}).value();
@@ -17,8 +17,8 @@ SpotFix track(TrackerKind kind, const Image<std::uint8_t>& image, Vec2 start) {
   return tracker->track(view_of(image), start, scratch);
 }
 
-SpotPicture spot(Vec2 at, double pedestal_dn) {
-  SpotPicture picture;
+SpotImage spot(Vec2 at, double pedestal_dn) {
+  SpotImage picture;
   picture.add(0, at, 180.0);
   picture.pedestal_dn = pedestal_dn;
   return picture;
@@ -42,7 +42,7 @@ TEST(BrightSpot, OfThePlainCentroidIsDrawnToItsStartByAPedestal) {
 }
 
 TEST(BrightSpot, OfWeightedIsThatOfLgWithTheSameWindow) {
-  SpotPicture picture;
+  SpotImage picture;
   picture.add(0, {61.3, 59.2}, 200.0, [](double x, double y) { return 0.1 * x * (x * x + y * y); });
   for (unsigned seed = 0; seed < 20; ++seed) {
     const auto image = picture.noisy8(2.0, seed);
@@ -65,7 +65,7 @@ TEST(BrightSpot, IsFoundFromANearbyStartOnEverySide) {
 }
 
 TEST(BrightSpot, IsNotAVortexAndTheOtherWayRound) {
-  SpotPicture vortex;
+  SpotImage vortex;
   vortex.add(1, {64, 60}, 200.0);
   const auto ring = vortex.mono8();
   for (const auto kind :

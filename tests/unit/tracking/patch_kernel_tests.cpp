@@ -75,7 +75,7 @@ void with_every_build(Check check) {
   hwy::GetChosenTarget().DeInit();
 }
 
-TEST_P(PatchLoops, LoadEveryPixelAndTellTheDarkest) {
+TEST_P(PatchLoops, LoadEveryPixelAndReturnTheDarkest) {
   with_every_build([&] {
     expect_loaded<std::uint8_t>(load8);
     expect_loaded<std::uint16_t>(load16);

@@ -13,14 +13,14 @@
 #include "core/tracking/cell_centroid.hpp"
 #include "core/tracking/patch.hpp"
 #include "tests/support/alloc_guard.hpp"
-#include "tests/unit/base/packed_picture.hpp"
+#include "tests/unit/base/packed_image.hpp"
 #include "tests/unit/tracking/sensor_image.hpp"
 #include "tests/unit/tracking/synthetic_spot.hpp"
 
 namespace ovws {
 namespace {
 
-using test::SpotPicture;
+using test::SpotImage;
 
 constexpr double kLambdaD = 12.55;
 
@@ -45,7 +45,7 @@ Image<std::uint16_t> filtered(Image<std::uint16_t> dn, const LitPixels& lit) {
 }
 
 Image<std::uint16_t> spot_at(int charge, Vec2 at, int full) {
-  SpotPicture picture;
+  SpotImage picture;
   picture.pedestal_dn = 0.02;
   picture.light = Image<float>(picture.width, picture.height, 0.02F);
   picture.add(charge, at, 0.8);

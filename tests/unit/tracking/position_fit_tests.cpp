@@ -55,7 +55,7 @@ TEST_P(PositionFitTest, RecoversAnySubPixelPositionFromAround) {
   std::uniform_real_distribution<double> place(58.0, 66.0), off(-4.0, 4.0);
   for (int k = 0; k < 25; ++k) {
     const Vec2 truth{place(random), place(random)};
-    test::SpotPicture picture;
+    test::SpotImage picture;
     picture.add(GetParam(), truth, 200.0);
     const auto image = picture.mono16(200.0, 65535);
     const SpotFix fix =
@@ -101,7 +101,7 @@ TEST_P(PositionFitTest, IsNotDrawnAsideByAnAberratedSpot) {
         return std::sqrt(6.0) * waves * a;
       };
       const Vec2 truth{60.3 + 0.05 * k, 60.6 + 0.083 * k};
-      test::SpotPicture picture;
+      test::SpotImage picture;
       picture.add(GetParam(), truth, 200.0, astigmatism);
       const auto image = picture.mono16(300.0, 65535);
       const SpotFix fix = track(view_of(image, PixelFormat::mono16), truth + Vec2{1.1, -0.7});
@@ -115,7 +115,7 @@ TEST_P(PositionFitTest, IsNotDrawnAsideByAnAberratedSpot) {
 
 TEST_P(PositionFitTest, FindsNothingInNoiseAndFlatImages) {
   for (unsigned k = 0; k < 20; ++k) {
-    test::SpotPicture dark;
+    test::SpotImage dark;
     dark.pedestal_dn = 20.0;
     const auto image = dark.noisy8(0.5 + k % 9, k);
     for (int i = 0; i < 6; ++i) {
@@ -129,7 +129,7 @@ TEST_P(PositionFitTest, FindsNothingInNoiseAndFlatImages) {
 }
 
 TEST_P(PositionFitTest, LosesWhatIsNotInTheImage) {
-  test::SpotPicture picture;
+  test::SpotImage picture;
   picture.add(GetParam(), {64, 60}, 200.0);
   const auto image = picture.mono8();
   for (const Vec2 start : {Vec2{-1, 60}, Vec2{std::nan(""), 60}, Vec2{64, 1e9}}) {

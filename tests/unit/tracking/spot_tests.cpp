@@ -32,7 +32,7 @@ TEST(SpotGeometry, OfABrightSpotIsTheAiryPattern) {
 
 TEST(SpotGeometry, OfAVortexIsWhatAFourierSumShows) {
   for (const int charge : {1, -1, 2, 3}) {
-    test::SpotPicture picture(161, 161);
+    test::SpotImage picture(161, 161);
     picture.add(charge, {80, 80}, 100.0);
     const double ring = spot_geometry(charge).ring;
     const double scale = 100.0 / spot_intensity(charge, ring);

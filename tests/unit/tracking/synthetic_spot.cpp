@@ -30,10 +30,10 @@ std::vector<Complex> waves_along(int pixels, double centre, double lambda_d_px) 
 
 }  // namespace
 
-SpotPicture::SpotPicture(int w, int h) : width(w), height(h), light(w, h, 0.0F) {}
+SpotImage::SpotImage(int w, int h) : width(w), height(h), light(w, h, 0.0F) {}
 
-void SpotPicture::add(int charge, Vec2 at, double peak_dn,
-                      const std::function<double(double, double)>& waves) {
+void SpotImage::add(int charge, Vec2 at, double peak_dn,
+                    const std::function<double(double, double)>& waves) {
   const auto ex = waves_along(width, at.x, lambda_d_px);
   const auto ey = waves_along(height, at.y, lambda_d_px);
   std::vector<Complex> rows(std::size_t(kAcross) * width);  // summed over x already
@@ -61,11 +61,11 @@ void SpotPicture::add(int charge, Vec2 at, double peak_dn,
   }
 }
 
-Image<std::uint8_t> SpotPicture::mono8() const {
+Image<std::uint8_t> SpotImage::mono8() const {
   return noisy8(0.0, 0);
 }
 
-Image<std::uint8_t> SpotPicture::noisy8(double rms_dn, unsigned seed) const {
+Image<std::uint8_t> SpotImage::noisy8(double rms_dn, unsigned seed) const {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise;
   Image<std::uint8_t> out(width, height);
@@ -76,7 +76,7 @@ Image<std::uint8_t> SpotPicture::noisy8(double rms_dn, unsigned seed) const {
   return out;
 }
 
-Image<std::uint16_t> SpotPicture::mono16(double gain, int full) const {
+Image<std::uint16_t> SpotImage::mono16(double gain, int full) const {
   Image<std::uint16_t> out(width, height);
   for (std::size_t k = 0; k < out.pixels.size(); ++k) {
     const double dn = gain * (double(light.pixels[k]) + pedestal_dn);

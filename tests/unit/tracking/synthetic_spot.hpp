@@ -10,13 +10,13 @@
 
 namespace ovws::test {
 
-struct SpotPicture {
+struct SpotImage {
   int width = 128, height = 120;
   double lambda_d_px = 12.55;
   double pedestal_dn = 0.0;
   Image<float> light;  ///< mean DN, without the pedestal
 
-  explicit SpotPicture(int w = 128, int h = 120);
+  explicit SpotImage(int w = 128, int h = 120);
   /// Adds the far field of a circular aperture of charge l, centred on `at`, its brightest pixel
   /// `peak_dn`. `waves(x, y)`: phase over the aperture, coordinates in units of its radius.
   void add(int charge, Vec2 at, double peak_dn,

@@ -13,7 +13,7 @@
 namespace ovws {
 namespace {
 
-using test::SpotPicture;
+using test::SpotImage;
 
 struct Method {
   TrackerKind kind;
@@ -33,8 +33,8 @@ class EveryTracker : public testing::TestWithParam<Method> {
       : tracker_(make_tracker({GetParam().kind, 0.4}, {GetParam().charge, 12.55}).value()),
         scratch_(tracker_->make_scratch()) {}
 
-  SpotPicture spot_at(Vec2 at, double peak_dn = 200.0) const {
-    SpotPicture picture;
+  SpotImage spot_at(Vec2 at, double peak_dn = 200.0) const {
+    SpotImage picture;
     picture.add(GetParam().charge, at, peak_dn);
     return picture;
   }
@@ -76,7 +76,7 @@ TEST_P(EveryTracker, KeepsXAndYApartAndTheirSigns) {
 }
 
 TEST_P(EveryTracker, FollowsTheShiftThatATiltOverTheApertureMakes) {
-  SpotPicture picture;
+  SpotImage picture;
   const Vec2 move{1.8, -2.6};
   picture.add(GetParam().charge, {60, 60}, 200.0, test::tilt(move, picture.lambda_d_px));
   const SpotFix fix = track(picture.mono8(), Vec2{60, 60} + move);
@@ -85,7 +85,7 @@ TEST_P(EveryTracker, FollowsTheShiftThatATiltOverTheApertureMakes) {
 }
 
 TEST_P(EveryTracker, GivesTheSameFor8And16BitPixels) {
-  const SpotPicture picture = spot_at({61.3, 57.8});
+  const SpotImage picture = spot_at({61.3, 57.8});
   const auto wide = picture.mono16(1.0, 255);
   const SpotFix a = track(picture.mono8(), {61, 58});
   const SpotFix b = tracker_->track(view_of(wide, PixelFormat::mono16), {61, 58}, scratch_);
@@ -111,7 +111,7 @@ TEST_P(EveryTracker, ReadsRowsByTheirStride) {
 }
 
 TEST_P(EveryTracker, ReportsTheBrightestPixelOfItsSpot) {
-  SpotPicture picture = spot_at({60, 60}, 180.0);
+  SpotImage picture = spot_at({60, 60}, 180.0);
   EXPECT_EQ(track(picture.mono8(), {60, 60}).peak, 180.0F);
   picture.light.at(100, 60) = 250.0F;  // outside the spot
   EXPECT_EQ(track(picture.mono8(), {60, 60}).peak, 180.0F);
@@ -123,7 +123,7 @@ TEST_P(EveryTracker, ReportsTheBrightestPixelOfALostSpotToo) {
 }
 
 TEST_P(EveryTracker, FollowsASpotThatSaturates) {
-  SpotPicture picture = spot_at({60.4, 59.7}, 330.0);
+  SpotImage picture = spot_at({60.4, 59.7}, 330.0);
   const SpotFix fix = track(picture.mono8(), {60, 60});
   EXPECT_NEAR(fix.x, 60.4, 0.05);
   EXPECT_NEAR(fix.y, 59.7, 0.05);
@@ -189,7 +189,7 @@ TEST_P(EveryTracker, LosesAGradientAndAnEdge) {
 TEST_P(EveryTracker, FindsNothingInNoise) {
   const int images = GetParam().kind == TrackerKind::lg_contour ? 2 : 60;
   for (int k = 0; k < images; ++k) {
-    SpotPicture dark;
+    SpotImage dark;
     dark.pedestal_dn = 5.0 * (k % 7);
     const auto image = dark.noisy8(0.5 + k % 9, unsigned(k));
     for (int i = 0; i < 6; ++i) expect_lost(image, {40.0 + 9 * i, 45.0 + 7 * i});
@@ -197,7 +197,7 @@ TEST_P(EveryTracker, FindsNothingInNoise) {
 }
 
 TEST_P(EveryTracker, IsTheSameInNoise) {
-  SpotPicture picture = spot_at({61.3, 57.8}, 100.0);
+  SpotImage picture = spot_at({61.3, 57.8}, 100.0);
   picture.pedestal_dn = 8.0;
   for (unsigned seed = 0; seed < 3; ++seed) {
     const SpotFix fix = track(picture.noisy8(2.0, seed), {61, 58});
@@ -267,7 +267,7 @@ TEST(MakeTracker, TracksSpotsOfEverySize) {
     for (const int charge : {0, 1}) {
       const auto tracker = make_tracker({TrackerKind::lg, 0.4}, {charge, lambda_d}).value();
       auto scratch = tracker->make_scratch();
-      SpotPicture picture(160, 160);
+      SpotImage picture(160, 160);
       picture.lambda_d_px = lambda_d;
       picture.add(charge, {80.3, 79.6}, 200.0);
       const auto image = picture.mono8();

@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-using test::SpotPicture;
+using test::SpotImage;
 constexpr double kLambdaD = 12.55;
 
 struct Tracker {
@@ -32,7 +32,7 @@ TEST(Lg, AgreesWithItsOracleOnNoisySpots) {
   std::uniform_real_distribution<double> offset(-0.4 * kLambdaD, 0.4 * kLambdaD);
   int both = 0;
   for (unsigned k = 0; k < 60; ++k) {
-    SpotPicture picture;
+    SpotImage picture;
     picture.pedestal_dn = 6.0;
     const double astigmatism = 0.02 * (k % 6), coma = 0.015 * (k % 5);
     picture.add(1, {62.0 + 0.037 * k, 60.0 - 0.051 * k}, 40.0 + 3.0 * k, [&](double x, double y) {
@@ -52,7 +52,7 @@ TEST(Lg, AgreesWithItsOracleOnNoisySpots) {
 TEST(Lg, OfChargeZeroAgreesWithItsOracleToo) {
   const Tracker lg(TrackerKind::lg, 0), contour(TrackerKind::lg_contour, 0);
   for (unsigned k = 0; k < 15; ++k) {
-    SpotPicture picture;
+    SpotImage picture;
     picture.pedestal_dn = 6.0;
     picture.add(0, {62.0 + 0.07 * k, 60.0 - 0.03 * k}, 40.0 + 10.0 * k);
     const auto image = picture.noisy8(2.0, k);
@@ -64,7 +64,7 @@ TEST(Lg, OfChargeZeroAgreesWithItsOracleToo) {
 
 TEST(Lg, ConvergesFromHalfALambdaOverDOnEverySide) {
   const Tracker lg(TrackerKind::lg);
-  SpotPicture picture;
+  SpotImage picture;
   picture.add(1, {63.4, 60.8}, 150.0, [](double x, double y) { return 0.1 * x * y; });
   const auto image = picture.noisy8(1.0, 3);
   for (int k = 0; k < 24; ++k) {
@@ -84,7 +84,7 @@ TEST(Lg, FromAnywhereFindsTheCoreOrNothing) {
     std::uniform_real_distribution<double> x(20.0, 108.0), y(20.0, 100.0);
     int found = 0;
     for (unsigned k = 0; k < 12; ++k) {
-      SpotPicture picture;
+      SpotImage picture;
       picture.add(1, {64.3, 59.6}, 200.0, [&](double u, double v) {
         return 0.03 * (k % 4) * (u * u - v * v) + 0.02 * (k % 3) * u * (u * u + v * v);
       });
@@ -106,7 +106,7 @@ TEST(Lg, HoldsTheCoreUnderAstigmatismOrLosesIt) {
   const Tracker lg(TrackerKind::lg);
   bool lost = false;
   for (double waves = 0.0; waves <= 1.5; waves += 0.05) {  // amplitude inside the subaperture
-    SpotPicture picture(160, 160);
+    SpotImage picture(160, 160);
     picture.add(1, {80.2, 79.7}, 200.0,
                 [&](double x, double y) { return waves * (x * x - y * y); });
     const SpotFix fix = lg(picture.mono8(), {80, 80});
@@ -124,7 +124,7 @@ TEST(Lg, HoldsTheCoreUnderAstigmatismOrLosesIt) {
 TEST(Lg, DoesNotMoveWithThePedestal) {
   const Tracker lg(TrackerKind::lg);
   for (const double pedestal : {0.0, 20.0, 120.0}) {
-    SpotPicture picture;
+    SpotImage picture;
     picture.add(1, {62.3, 60.6}, 100.0);
     picture.pedestal_dn = pedestal;
     const SpotFix fix = lg(picture.mono8(), {64, 59});
@@ -135,7 +135,7 @@ TEST(Lg, DoesNotMoveWithThePedestal) {
 }
 
 TEST(Lg, LosesARingThatIsNotClosed) {
-  SpotPicture picture;
+  SpotImage picture;
   picture.add(1, {64, 60}, 200.0);
   auto image = picture.mono8();
   for (int y = 0; y < image.height; ++y) {
@@ -148,7 +148,7 @@ TEST(Lg, LosesARingThatIsNotClosed) {
 }
 
 TEST(Lg, LosesTheDarkPlaceBetweenBrightSpots) {
-  SpotPicture picture(160, 160);
+  SpotImage picture(160, 160);
   for (int k = 0; k < 6; ++k) {
     const double t = M_PI / 3.0 * k;
     picture.add(0, {80 + 26 * std::cos(t), 80 + 26 * std::sin(t)}, 200.0);
@@ -159,7 +159,7 @@ TEST(Lg, LosesTheDarkPlaceBetweenBrightSpots) {
 }
 
 TEST(Lg, NextToANeighbourKeepsItsOwn) {
-  SpotPicture picture(200, 120);
+  SpotImage picture(200, 120);
   picture.add(1, {64, 60}, 180.0);
   picture.add(1, {64 + 3.4 * kLambdaD, 60}, 180.0);
   const auto image = picture.noisy8(1.0, 2);
@@ -173,7 +173,7 @@ TEST(Lg, OfChargeTwoTracksTheMeanOfTheSplitCores) {
   for (const int charge : {2, -2}) {
     const Tracker lg(TrackerKind::lg, charge);
     for (double waves = 0.0; waves <= 0.101; waves += 0.02) {
-      SpotPicture picture(160, 160);
+      SpotImage picture(160, 160);
       picture.add(charge, {80.3, 79.4}, 200.0,
                   [&](double x, double y) { return waves * (x * x - y * y + x * y); });
       const SpotFix fix = lg(picture.noisy8(1.0, 4), {79, 80});

@@ -45,7 +45,7 @@ TEST(InteractionMatrix, HasTheSingularValuesOfItsColumns) {
             1e-4 * svd.singularValues()[0]);
 }
 
-TEST(InteractionMatrix, LeavesOutSpotsThatAnyPictureLoses) {
+TEST(InteractionMatrix, DropsSpotsThatAnyImageLoses) {
   PushPullBench bench;
   PushPullRun run = bench.run();
   const Vec2 nowhere{NAN, NAN};
@@ -70,7 +70,7 @@ TEST(InteractionMatrix, LeavesOutSpotsThatAnyPictureLoses) {
   }
 }
 
-TEST(InteractionMatrix, DropsTheModesThatItCannotTellAndSaysWhy) {
+TEST(InteractionMatrix, DropsTheModesThatItCannotDetermineAndSaysWhy) {
   PushPullBench bench;
   bench.noise_px = 0.1 * kNoisePx;
   bench.truth.col(5) *= 0.002;              // hardly moves a spot
@@ -93,7 +93,7 @@ TEST(InteractionMatrix, DropsTheModesThatItCannotTellAndSaysWhy) {
   EXPECT_EQ(determined_modes(matrix.slopes), int(matrix.modes_j.size()));
 }
 
-TEST(InteractionMatrix, DropsAModeThatOnlyNoiseTellsFromAnother) {
+TEST(InteractionMatrix, DropsAModeThatOnlyNoiseDistinguishesFromAnother) {
   PushPullBench bench;
   bench.noise_px = kNoisePx;
   bench.truth.col(8) = bench.truth.col(2);

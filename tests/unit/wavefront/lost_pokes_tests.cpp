@@ -41,7 +41,7 @@ TEST_F(LostPushes, AreMirroredAtWhereTheSpotRests) {
   expect_whole(17);
 }
 
-TEST_F(LostPushes, OfBothPicturesFollowTheModelTimesWhatTheOthersMoved) {
+TEST_F(LostPushes, OfBothImagesFollowTheModelTimesWhatTheOthersMoved) {
   push_.plus.at_px[0] = push_.minus.at_px[0] = kLost;
   push_.plus.at_px[5] = kLost;
   fill();

@@ -109,7 +109,7 @@ TEST_P(Piece, ChangesTheFieldByAPolynomialAsItsMomentsSay) {
 }
 INSTANTIATE_TEST_SUITE_P(Charges, Piece, testing::Values(0, 1, 2));
 
-TEST(PieceMoments, TellHowAModeChangesTheField) {
+TEST(PieceMoments, GiveHowAModeChangesTheField) {
   // Against central differences of the whole field, with one subaperture lit and no stray light.
   SensorField field = make_field(1);
   field.set_outside(false);

@@ -222,7 +222,7 @@ TEST_F(Reconstruct, WithTooFewSpotsDeterminesNothing) {
   EXPECT_FALSE(solve(r, std::vector<SpotFix>(19)).determined);
 }
 
-TEST_F(Reconstruct, OfMoreModesThanTheLatticeTellsDeterminesNothing) {
+TEST_F(Reconstruct, OfMoreModesThanTheLatticeDeterminesGivesNothing) {
   // 19 subapertures give 38 numbers, which cannot determine 45 modes.
   SensorConfig sensor;
   const Lattice lattice = make_lattice(sensor, SlmGeometry{}).value();

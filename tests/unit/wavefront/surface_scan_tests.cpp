@@ -130,7 +130,7 @@ TEST(SurfaceScan, KnowsHowWellItKnows) {
       fit.grid(), [](Vec2) { return 0.0; }, kTurned);
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, kNoisePx);
-  double error = 0.0, told = 0.0;
+  double error = 0.0, estimated = 0.0;
   for (int i = 0; i < kTimes; ++i) {
     auto at = still;
     for (auto& one : at) *one = *one + Vec2{noise(random), noise(random)};
@@ -138,10 +138,10 @@ TEST(SurfaceScan, KnowsHowWellItKnows) {
     ASSERT_TRUE(found);
     for (std::size_t k = 2; k < 18; ++k) {
       error += found->waves[k] * found->waves[k];
-      told += found->standard_error[k] * found->standard_error[k];
+      estimated += found->standard_error[k] * found->standard_error[k];
     }
   }
-  EXPECT_NEAR(std::sqrt(told / error), 1.0, 0.1);
+  EXPECT_NEAR(std::sqrt(estimated / error), 1.0, 0.1);
 }
 
 TEST(SurfaceScan, DoesWithoutASpotAndNotWithoutMany) {

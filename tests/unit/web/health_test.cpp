@@ -68,7 +68,7 @@ TEST_F(HealthTest, FramesThatStoppedAreBad) {
   expect_worst(Wellness::bad, "frames");
 }
 
-TEST_F(HealthTest, AFaultOfTheDaemonIsTold) {
+TEST_F(HealthTest, AFaultOfTheDaemonIsReported) {
   facts.status["state"] = "fault";
   facts.status["fault"] = "gain_db: refused";
   expect_worst(Wellness::bad, "gain_db: refused");
@@ -113,7 +113,7 @@ TEST_F(HealthTest, CountsSaturatedAndLostSpots) {
   expect_worst(Wellness::warning, "2 of 19 spots lost");
 }
 
-TEST_F(HealthTest, TellsLostAndLateFrames) {
+TEST_F(HealthTest, ReportsLostAndLateFrames) {
   facts.lost_lately = 3;
   expect_worst(Wellness::warning, "3 frames");
   facts.lost_lately = 0;

@@ -23,7 +23,7 @@ StreamMessage image_of(int rows, int cols, Pixel (*value)(int x, int y)) {
   return message;
 }
 
-TEST(PictureTest, LeavesASmallImageAsItIs) {
+TEST(ImageTest, LeavesASmallImageAsItIs) {
   const auto image = image_of<std::uint8_t>(3, 5, [](int x, int y) { return std::uint8_t(x * y); });
   const auto reduced = reduced_image(image);
   ASSERT_TRUE(reduced);
@@ -31,7 +31,7 @@ TEST(PictureTest, LeavesASmallImageAsItIs) {
   EXPECT_EQ(json::parse(reduced->json)["reduced_by"], 1);
 }
 
-TEST(PictureTest, AveragesALargeOne) {
+TEST(ImageTest, AveragesALargeOne) {
   const auto image = image_of<std::uint16_t>(
       6, 2050, [](int x, int y) { return std::uint16_t(1000 * (x / 3) % 65000 + 3 * (y % 3)); });
   const auto reduced = reduced_image(image);
@@ -48,7 +48,7 @@ TEST(PictureTest, AveragesALargeOne) {
   }
 }
 
-TEST(PictureTest, RefusesAnImageThatIsNotWhatItSays) {
+TEST(ImageTest, RefusesAnImageThatIsNotWhatItSays) {
   auto image = image_of<std::uint8_t>(3, 5, [](int, int) { return std::uint8_t(0); });
   image.binary.pop_back();
   EXPECT_FALSE(reduced_image(image));

@@ -146,7 +146,7 @@ class Clients(unittest.TestCase):
 
         self.assertEqual(asyncio.run(main()), [[0, 1, 2, 3], [4, 5, 6, 7]])
 
-    def test_who_waits_when_the_client_is_closed_is_told(self):
+    def test_who_waits_when_the_client_is_closed_gets_an_error(self):
         async def main():
             client = AsyncClient(next(self.endpoints), timeout_s=20.0)
             waiting = asyncio.create_task(client.system_status())

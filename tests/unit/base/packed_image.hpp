@@ -19,6 +19,6 @@ ImageView packed_view(const std::vector<std::byte>& bytes, int width, int height
                       PixelFormat format, std::size_t padding_bytes = 0, int shift = 0);
 
 /// Uniformly distributed pixels over the format's range; the same seed gives the same image.
-Image<std::uint16_t> random_picture(int width, int height, PixelFormat format, unsigned seed);
+Image<std::uint16_t> random_image(int width, int height, PixelFormat format, unsigned seed);
 
 }  // namespace ovws::test

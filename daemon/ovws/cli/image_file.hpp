@@ -29,7 +29,7 @@ inline std::string why_not_opened(const std::filesystem::path& path, int error_n
 }
 
 /// Writes the image in the format of the file name's extension; PNG without one.
-inline Result<void> write_picture(const std::filesystem::path& path, const cv::Mat& picture) {
+inline Result<void> write_image(const std::filesystem::path& path, const cv::Mat& picture) {
   std::vector<unsigned char> bytes;
   const std::string format = path.has_extension() ? path.extension().string() : ".png";
   try {

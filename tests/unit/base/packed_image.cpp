@@ -1,4 +1,4 @@
-#include "tests/unit/base/packed_picture.hpp"
+#include "tests/unit/base/packed_image.hpp"
 
 #include <algorithm>
 #include <random>
@@ -56,7 +56,7 @@ ImageView packed_view(const std::vector<std::byte>& bytes, int width, int height
   return view;
 }
 
-Image<std::uint16_t> random_picture(int width, int height, PixelFormat format, unsigned seed) {
+Image<std::uint16_t> random_image(int width, int height, PixelFormat format, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> any(0, int(full_scale_dn(format)));
   Image<std::uint16_t> picture(width, height);

@@ -9,7 +9,7 @@
 namespace ovws {
 
 /// Immutable once made.
-struct ReferencePicture {
+struct ReferenceImage {
   int frames = 0;
   double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   PixelFormat format = PixelFormat::mono8;
@@ -17,11 +17,11 @@ struct ReferencePicture {
 };
 
 /// Message for a reference without a mean image.
-constexpr const char* kNoPicture =
+constexpr const char* kNoImage =
     "the reference has no mean image; take it again with ten frames or more";
 
 /// Makes a reference image from a single image of unknown gain.
-ReferencePicture picture_of(const ImageView& image);
+ReferenceImage reference_image_of(const ImageView& image);
 
 /// DN of 16 bits for a DN of this format.
 double to_16_bits(PixelFormat format);
@@ -30,7 +30,7 @@ double to_16_bits(PixelFormat format);
 Image<std::uint16_t> in_16_bits(const Image<float>& mean_dn, PixelFormat format);
 
 /// The mean image of frames.
-class PictureMean {
+class ImageMean {
  public:
   /// A reference averages no more: its noise is then below that of the single frame which will be
   /// compared with it.
@@ -39,10 +39,10 @@ class PictureMean {
   /// Returns false and ignores the frame if its size, format or gain differs from the first one's.
   bool add(const FrameRecord& record);
   /// Nothing if no frame was added. Call once.
-  std::shared_ptr<const ReferencePicture> mean();
+  std::shared_ptr<const ReferenceImage> mean();
 
  private:
-  ReferencePicture sum_;  ///< mean_dn holds the sum
+  ReferenceImage sum_;  ///< mean_dn holds the sum
 };
 
 }  // namespace ovws

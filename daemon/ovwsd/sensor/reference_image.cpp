@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/sensor/reference_picture.hpp"
+#include "daemon/ovwsd/sensor/reference_image.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr float kFull16 = 65535.0F;
 
-void add_to(const ImageView& image, ReferencePicture& picture) {
+void add_to(const ImageView& image, ReferenceImage& picture) {
   const auto full = float(full_scale_dn(image.format));
   visit_rows(image, 0, 0, image.width, image.height,
              [&](int x, int y, const auto* pixels, int count) {
@@ -26,8 +26,8 @@ void add_to(const ImageView& image, ReferencePicture& picture) {
 
 }  // namespace
 
-ReferencePicture picture_of(const ImageView& image) {
-  ReferencePicture picture;
+ReferenceImage reference_image_of(const ImageView& image) {
+  ReferenceImage picture;
   picture.format = image.format;
   picture.mean_dn = Image<float>(image.width, image.height);
   add_to(image, picture);
@@ -50,7 +50,7 @@ Image<std::uint16_t> in_16_bits(const Image<float>& mean_dn, PixelFormat format)
   return scaled;
 }
 
-bool PictureMean::add(const FrameRecord& record) {
+bool ImageMean::add(const FrameRecord& record) {
   const ImageView& image = record.frame.image;
   if (sum_.frames == 0) {
     sum_.gain_db = record.gain_db;
@@ -65,10 +65,10 @@ bool PictureMean::add(const FrameRecord& record) {
   return same;
 }
 
-std::shared_ptr<const ReferencePicture> PictureMean::mean() {
+std::shared_ptr<const ReferenceImage> ImageMean::mean() {
   if (sum_.frames == 0) return nullptr;
   for (float& pixel : sum_.mean_dn.pixels) pixel /= float(sum_.frames);
-  return std::make_shared<const ReferencePicture>(std::move(sum_));
+  return std::make_shared<const ReferenceImage>(std::move(sum_));
 }
 
 }  // namespace ovws

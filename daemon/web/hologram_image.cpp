@@ -1,4 +1,4 @@
-#include "daemon/web/hologram_picture.hpp"
+#include "daemon/web/hologram_image.hpp"
 
 #include <zlib.h>
 
@@ -50,7 +50,7 @@ bool agree(const HologramSources& sources) {
 
 }  // namespace
 
-Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
+Result<HologramImagePtr> draw_hologram(const HologramSources& sources) {
   const auto& names = kShowablePatterns();
   const auto name = std::find(names.begin(), names.end(), sources.pattern);
   if (name == names.end()) return fail(Errc::unavailable, "", "a job shows its own patterns");
@@ -69,11 +69,11 @@ Result<HologramPicturePtr> draw_hologram(const HologramSources& sources) {
                    grey);
   auto png = encode_grey8_png(grey);
   if (!png) return fail(png.error());
-  HologramPicture picture;
+  HologramImage picture;
   picture.hologram_id = sources.sensor.at("hologram_id").get<std::uint64_t>();
   picture.crc32 = std::uint32_t(::crc32(0, grey.pixels.data(), uInt(grey.pixels.size())));
   picture.png = std::move(*png);
-  return std::make_shared<const HologramPicture>(std::move(picture));
+  return std::make_shared<const HologramImage>(std::move(picture));
 }
 
 }  // namespace ovws::web

@@ -11,12 +11,12 @@
 
 namespace ovws::web {
 
-struct HologramPicture {
+struct HologramImage {
   std::uint64_t hologram_id = 0;
   std::uint32_t crc32 = 0;  ///< of the grey levels, row by row, as in slm.verify
   std::string png;
 };
-using HologramPicturePtr = std::shared_ptr<const HologramPicture>;
+using HologramImagePtr = std::shared_ptr<const HologramImage>;
 
 /// Results of the daemon's methods of these names.
 struct HologramSources {
@@ -33,6 +33,6 @@ struct HologramSources {
 /// Renders the hologram and encodes it as PNG; takes tens of milliseconds. Errors:
 /// Errc::unavailable if the hologram changed between the replies, if a job shows its own patterns,
 /// or if the flatness file is not on this machine.
-Result<HologramPicturePtr> draw_hologram(const HologramSources& sources);
+Result<HologramImagePtr> draw_hologram(const HologramSources& sources);
 
 }  // namespace ovws::web
