@@ -58,11 +58,12 @@ class CalibrationCase(BenchCase):
         return self.mean_of(frames)
 
     def means_since(self, changed_at_ns):
-        """Mean coefficients of frames that templates measured, exposed after a change that the daemon does not know of."""
+        """Mean coefficients of frames exposed after a change that the daemon does not know of; with `fit`, of those that templates measured."""
         stream = self.stream("wavefront")
         wait_for(lambda: (message := stream.next(1.0)) and message["t_device_ns"] > changed_at_ns, what="a frame exposed after the change")
-        self.fitted_frames(stream, 5)  # the previous templates measured the first ones
-        frames = self.fitted_frames(stream, 10)
+        next_frames = self.fitted_frames if self.call("sensor.get")["tracker"] == "fit" else self.settled_frames
+        next_frames(stream, 5)  # the previous templates measured the first ones
+        frames = next_frames(stream, 10)
         stream.close()
         return self.mean_of(frames)
 
