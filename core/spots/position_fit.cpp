@@ -75,7 +75,7 @@ SpotFix PositionFit::track(const ImageView& image, Vec2 start_px, TrackScratch& 
     const RenderedSpot spot = rendered(at, window);
     if (!is_inside(spot)) return lost;
     if (k == 0) noise = noise_of(image, {&spot, 1});
-    const SpotPass pass = fit_spots(image, {&spot, 1}, noise, 2);
+    const SpotPass pass = fit_spots(image, {&spot, 1}, noise, 2, Saturated::used);
     const SpotEstimates& found = pass.found.front();
     if (!(found.level > 0.0F)) return lost;
     Vec2 step = Vec2{double(found.x), double(found.y)} - at;

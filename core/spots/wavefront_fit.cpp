@@ -75,7 +75,7 @@ double SpotPass::excess() const {
 }
 
 SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,
-                   const PixelNoise& noise, int estimates) {
+                   const PixelNoise& noise, int estimates, Saturated saturated) {
   // First with equal weights, which needs no level.
   std::vector<CellLevel> levels(rendered.size());
   const std::vector<SpotEstimates> first =
@@ -92,7 +92,8 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
   for (std::size_t i = 0; i < rendered.size(); ++i) {
     const double level = first[i].level > 0.0F ? double(first[i].level) : usual;
     const int pixels = pixels_of(rendered[i].window);
-    levels[i] = {level * pixels, pass.ceiling_dn * pixels};
+    levels[i].intensity_dn = level * pixels;
+    if (saturated == Saturated::left_out) levels[i].ceiling_dn = pass.ceiling_dn * pixels;
   }
   pass.templates = make_templates(rendered, levels, noise, estimates);
   pass.found = fit_all(image, SpotFit(pass.templates));

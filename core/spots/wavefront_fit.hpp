@@ -28,9 +28,14 @@ struct SpotPass {
 /// The sum over the pixels of each cell, DN.
 Eigen::VectorXd cells_of(const ImageView& image, const SpotWindow& window);
 
+/// Cells near the full scale: their intensity is unknown, but a clipped spot is as symmetric as a
+/// whole one.
+enum class Saturated { left_out, used };
+
 /// Makes the templates for the levels that the spots have in the image. `noise` is the pixels'.
 SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,
-                   const PixelNoise& noise, int estimates);
+                   const PixelNoise& noise, int estimates,
+                   Saturated saturated = Saturated::left_out);
 
 /// Weighted least squares over the estimates of all spots: the change of the modes since the
 /// rendering, waves, and its covariance. Spots without a level are not used. None if the rest does

@@ -64,10 +64,13 @@ class Experiment(BenchCase):
         for aberration in "01":
             for gain in ("10.0", "20.0", "40.0"):
                 with self.subTest(aberration=aberration, gain=gain):
-                    lg, fit, cell = (variance[aberration, gain, *arm] for arm in (("1", "lg"), ("1", "fit"), ("0", "cell_centroid")))
+                    lg, fit, cell, bright = (variance[aberration, gain, *arm]
+                                             for arm in (("1", "lg"), ("1", "fit"), ("0", "cell_centroid"), ("0", "fit")))
                     self.assertEqual((lg["undetermined_frames"], cell["undetermined_frames"]), ("0", "0"))
                     self.assertLess(float(lg["variance_rad2"]), 0.1 * float(cell["variance_rad2"]))
                     self.assertLess(float(fit["variance_rad2"]), float(lg["variance_rad2"]))
+                    self.assertEqual(bright["undetermined_frames"], "0")  # at 40 dB the light is ten times the full scale
+                    self.assertLess(float(bright["variance_rad2"]), float(lg["variance_rad2"]))
                     # 1/20 wave RMS for every wavefront.
                     self.assertLess(float(lg["variance_rad2"]), 0.1)
         self.assertEqual(variance["0", "10.0", "1", "lg"]["saturated_frames"], "0")

@@ -29,9 +29,10 @@ bool FrameSeries::add(const FrameRecord& record) {
     frame.spots[i].x = float(at.x);
     frame.spots[i].y = float(at.y);
   }
-  for (SpotFix& spot : frame.spots) {
-    if (!from_.tracker || !spot.found()) continue;
-    const Vec2 at{double(spot.x), double(spot.y)};
+  for (std::size_t i = 0; from_.tracker && i < subapertures_; ++i) {
+    SpotFix& spot = frame.spots[i];
+    if (!spot.found() && i >= from_.starts_px.size()) continue;
+    const Vec2 at = spot.found() ? Vec2{double(spot.x), double(spot.y)} : from_.starts_px[i];
     spot = from_.tracker->track(record.frame.image, at, scratch_);
   }
   return true;

@@ -51,9 +51,11 @@ struct SeriesFrame {
 /// Where the positions of spots come from instead of the frames' own.
 struct FromPixels {
   /// The centre of a window for each spot, whose centroid counts (see cell_centroid); empty: none.
-  std::vector<Vec2> windows_px;
+  std::vector<Vec2> windows_px = {};
   /// Finds each spot again, from where it was found; null: none.
-  std::shared_ptr<const SpotTracker> tracker;
+  std::shared_ptr<const SpotTracker> tracker = {};
+  /// Where it starts for spots that the frame has lost, one a subaperture; empty: nowhere.
+  std::vector<Vec2> starts_px = {};
 };
 
 /// Makes room for its frames when it is made: `add` does not allocate unless it needs pixels.

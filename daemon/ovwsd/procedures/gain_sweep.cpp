@@ -131,8 +131,9 @@ class Sweep {
   Result<void> measure_cell(int number);
 
  private:
-  Result<void> find_spots();
-  Result<std::vector<SeriesFrame>> series(const SweepArm& arm, int frames, Places windows_px = {});
+  Result<Places> find_spots();
+  Result<Places> find_spots_at(double gain_db);
+  Result<std::vector<SeriesFrame>> series(const SweepArm& arm, int frames, FromPixels from = {});
   Result<std::vector<SeriesFrame>> reference_series(const SweepArm& arm);
   Bench& bench_;
   const SlmGeometry& slm_;
@@ -148,20 +149,29 @@ Result<void> Sweep::check_bench() const {
 
 /// Waits until all spots are found. After spots were lost at the previous gain, the frame path
 /// searches only every few frames; frames before that would still show the effect of that gain.
-/// Gives up after kMaxFramesToFind frames: the spots then count as lost at this gain.
-Result<void> Sweep::find_spots() {
-  for (int k = 0; k < kMaxFramesToFind; ++k) {
+/// Gives up after kMaxFramesToFind frames. NaN: lost.
+Result<Places> Sweep::find_spots() {
+  Places found;
+  for (int k = 0; k < kMaxFramesToFind && (k == 0 || count_lost(found) > 0); ++k) {
     const auto frame = bench_.series(1);
     if (!frame) return fail(frame.error());
-    const auto& spots = frame->front().spots;
-    if (std::all_of(spots.begin(), spots.end(), [](const SpotFix& s) { return s.found(); })) break;
+    found.clear();
+    for (const SpotFix& spot : frame->front().spots) found.push_back({spot.x, spot.y});
   }
-  return {};
+  return found;
+}
+
+/// With the same sensor at another gain; the gain is then as it was.
+Result<Places> Sweep::find_spots_at(double gain_db) {
+  const double before_db = bench_.camera().settings.gain_db;
+  if (auto set = set_gain(bench_, gain_db); !set) return fail(set.error());
+  const auto found = find_spots();
+  if (auto set = set_gain(bench_, before_db); !set) return fail(set.error());
+  return found;
 }
 
 /// A job's frames are measured by positions. For `fit` these are then measured from all pixels.
-Result<std::vector<SeriesFrame>> Sweep::series(const SweepArm& arm, int frames, Places windows_px) {
-  FromPixels from{std::move(windows_px), nullptr};
+Result<std::vector<SeriesFrame>> Sweep::series(const SweepArm& arm, int frames, FromPixels from) {
   if (arm.tracker.kind == TrackerKind::fit) {
     const SensorView now = bench_.sensor();
     auto tracker = make_position_fit(
@@ -211,7 +221,7 @@ Result<void> Sweep::measure_reference(int arm) {
   if (frames && with.tracker.fixed_cell) {
     measured.cells_px = mean_positions(*frames);
     if (count_lost(measured.cells_px) == 0) {
-      frames = series(with, sweep_.reference_frames, measured.cells_px);
+      frames = series(with, sweep_.reference_frames, {.windows_px = measured.cells_px});
     }
   }
   if (!frames) return fail(frames.error());
@@ -238,13 +248,20 @@ Result<void> Sweep::measure_cell(int number) {
   if (auto shown = bench_.show(sensor_of(sweep_.arms[at.arm]), introduced); !shown) return shown;
   const auto gain_db = set_gain(bench_, sweep_.gains_db[at.gain]);
   if (!gain_db) return fail(gain_db.error());
-  if (!sweep_.arms[at.arm].tracker.fixed_cell) {
-    if (auto found = find_spots(); !found) return found;
-  }
   const json reference = archive_.reference(int(at.arm));
-  const auto frames =
-      series(sweep_.arms[at.arm], sweep_.frames,
-             reference_places(reference, int(at.arm), "cells_px").value_or(Places{}));
+  FromPixels from;
+  if (cell.with.tracker.fixed_cell) {
+    from.windows_px = reference_places(reference, int(at.arm), "cells_px").value_or(Places{});
+  } else {
+    auto found = find_spots();
+    if (found && count_lost(*found) > 0 && cell.with.tracker.kind == TrackerKind::fit) {
+      // Positions of the frame path are lost with saturated tops that `fit` still measures.
+      found = find_spots_at(sweep_.reference_gain_db);
+    }
+    if (!found) return fail(found.error());
+    from.starts_px = std::move(*found);
+  }
+  const auto frames = series(cell.with, sweep_.frames, std::move(from));
   if (!frames) return fail(frames.error());
   if (wants_image(sweep_, at)) {
     auto picture = take_image(bench_);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/image.hpp"
+#include "core/tracking/tracker.hpp"
 
 namespace ovws {
 namespace {
@@ -73,6 +74,29 @@ TEST_F(FrameSeriesTest, MeasuresCentroidsInItsWindows) {
   EXPECT_EQ(frames[0].spots[0].y, 9.0F);
   EXPECT_FALSE(frames[0].spots[1].found());  // dark
   EXPECT_EQ(frames[0].saturated_fraction, 0.5F);
+}
+
+/// Finds every spot where it starts.
+class FindsAtTheStart final : public SpotTracker {
+ public:
+  int window_half_px() const override { return 1; }
+  TrackScratch make_scratch() const override { return {}; }
+  SpotFix track(const ImageView&, Vec2 start_px, TrackScratch&) const OVWS_NONBLOCKING override {
+    return {float(start_px.x), float(start_px.y), 100.0F, 1.0F};
+  }
+};
+
+TEST_F(FrameSeriesTest, LooksForLostSpotsAtTheirStarts) {
+  record_.spots[1] = {};
+  const auto tracker = std::make_shared<FindsAtTheStart>();
+  FrameSeries nowhere(1, 2, {.tracker = tracker});
+  FrameSeries somewhere(1, 2, {.tracker = tracker, .starts_px = {{1, 2}, {3, 4}}});
+  EXPECT_TRUE(nowhere.add(next()));
+  EXPECT_TRUE(somewhere.add(record_));
+  EXPECT_FALSE(nowhere.take()[0].spots[1].found());
+  const auto spots = somewhere.take()[0].spots;
+  EXPECT_EQ(spots[0].x, 10.0F);  // where the frame has it
+  EXPECT_EQ(spots[1].x, 3.0F);
 }
 
 }  // namespace

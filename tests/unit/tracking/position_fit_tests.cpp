@@ -113,6 +113,19 @@ TEST_P(PositionFitTest, IsNotDrawnAsideByAnAberratedSpot) {
   EXPECT_LT(worst, 0.003);
 }
 
+TEST_P(PositionFitTest, IsExactWithASaturatedTop) {
+  for (const double over : {1.5, 4.0, 10.0}) {
+    const Vec2 truth{62.37, 60.81};
+    test::SpotImage drawn;
+    drawn.add(GetParam(), truth, 200.0);
+    const auto image = drawn.mono16(over * 4095.0 / 200.0, 4095);
+    const SpotFix fix = track(view_of(image, PixelFormat::mono12), truth + Vec2{1.1, -0.7});
+    ASSERT_TRUE(fix.found()) << over;
+    EXPECT_NEAR(fix.x, truth.x, 0.01) << over;
+    EXPECT_NEAR(fix.y, truth.y, 0.01) << over;
+  }
+}
+
 TEST_P(PositionFitTest, FindsNothingInNoiseAndFlatImages) {
   for (unsigned k = 0; k < 20; ++k) {
     test::SpotImage dark;
