@@ -149,8 +149,8 @@ inline constexpr auto kLoopOpen = method<LoopOpen, LoopReport>(
     "loop.open", "Opens the loop. The correction stays as it is, or is cleared.");
 inline constexpr auto kLutClear =
     method<Nothing, LutReport>("lut.clear",
-                               "Deletes the measured look-up table, also on disk; that of the "
-                               "configured file, or the linear one, is then active.");
+                               "Deletes the measured look-up table, also on disk. The table of the "
+                               "configured file, or the linear one, becomes active.");
 inline constexpr auto kLutGet =
     method<Nothing, LutReport>("lut.get",
                                "Returns the active look-up table, its source and, if it was "

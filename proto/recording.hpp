@@ -26,8 +26,8 @@ struct RecordedFrame {
   std::int64_t t_device_ns = 0, t_arrival_ns = 0, t_arrival_mono_ns = 0;
   std::int64_t t_tracked_mono_ns = 0, t_reconstructed_mono_ns = 0;
   double gain_db = 0.0, exposure_us = 0.0;  ///< 0 unless settings_known
-  /// NaN unless settings_known, and if the camera has its gain in dB. Without gain in dB, gain_db
-  /// is NaN.
+  /// NaN if the settings are unknown or the camera reports its gain in dB. A camera without a gain
+  /// in dB has gain_db NaN.
   double gain_raw = std::numeric_limits<double>::quiet_NaN();
   double fit_residual_px = 0.0, rms_waves = 0.0;
   float saturated = 0.0F;

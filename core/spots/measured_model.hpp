@@ -24,8 +24,8 @@ class MeasuredModel {
   /// too far from the wavefront of the calibration.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise);
 
-  /// Templates for the last of `images`; those before it give the noise (noise_of).
-  /// Errc::refused, field "image": the spots do not look as measured.
+  /// Renders templates for the last of `images`; the earlier images give the noise (noise_of).
+  /// Errc::refused, field "image": the spots differ from the measured ones.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images) const;
 
  private:

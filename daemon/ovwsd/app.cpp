@@ -334,7 +334,7 @@ void App::Parts::end_without_display() {
 
 /// Stops the parts in order of dependency. Procedures and the loop need the camera, which needs the
 /// frame path. Camera and sensor answer their pending requests before the control thread ends. Then
-/// the disk thread finishes the work of all of these, and the other threads end at once.
+/// the disk thread finishes their pending work. All other threads end last.
 Result<void> App::Parts::stop() {
   while (ending.exchange(true)) ::pause();  // the status thread is ending the process
   service::notify_stopping();

@@ -149,7 +149,7 @@ void AravisStream::count_strays() {
   unreported_.out_of_order += counts.out_of_order;
 }
 
-/// The next discarded frame that was not reported yet; timeout: none.
+/// Reports the next discarded frame that was not reported yet. Timeout: there is none.
 GrabStatus AravisStream::stray() {
   if (unreported_.out_of_order > 0) {
     --unreported_.out_of_order;

@@ -24,7 +24,7 @@ template <>
 inline constexpr auto kTable<RecordReport> = Fields{
     "RecordReport",
     field<&RecordReport::state>("off: no recording since the start; recording: one is in progress; "
-                                "ended: all values are of the last one")
+                                "ended: the values describe the last recording")
         .among(texts<"off", "recording", "ended">),
     field<&RecordReport::file>("path on the daemon's machine; null: no recording yet"),
     field<&RecordReport::duration_s>("duration so far, or of the ended recording, seconds",

@@ -158,7 +158,7 @@ Finding judge_governor(const HostFacts& facts) {
   }
   return warning(
       "the CPU frequency governor is " + names +
-          ": CPUs slow down between frames and make them late",
+          ": CPUs slow down between frames, so frames are measured late",
       "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor");
 }
 

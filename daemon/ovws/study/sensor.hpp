@@ -89,7 +89,7 @@ class Measurer {
   const std::vector<int>& modes_j() const { return reconstructor_->modes_j(); }
   const Eigen::MatrixXd& slopes() const { return slopes_; }  ///< see slope_matrix
 
-  /// Tracks one spot from each start; `fit` by PositionFit. Thread-safe.
+  /// Tracks one spot from each start. The tracker `fit` uses PositionFit. Thread-safe.
   std::vector<SpotFix> track(const Exposure& exposure, std::span<const Vec2> starts_px) const;
   /// Waves, in the order of modes_j; NaN if too few spots were found.
   std::vector<double> modes(std::span<const SpotFix> spots) const;

@@ -161,7 +161,7 @@ Result<Places> Sweep::find_spots() {
   return found;
 }
 
-/// With the same sensor at another gain; the gain is then as it was.
+/// Finds the spots of the same sensor at another gain, then restores the gain.
 Result<Places> Sweep::find_spots_at(double gain_db) {
   const double before_db = bench_.camera().settings.gain_db;
   if (auto set = set_gain(bench_, gain_db); !set) return fail(set.error());

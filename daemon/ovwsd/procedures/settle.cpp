@@ -11,16 +11,17 @@
 namespace ovws {
 namespace {
 
-constexpr double kStep = 3.0;            // lambda/d to each side of the base spot
-constexpr double kRadius = 1.5;          // lambda/d: of the intensity that counts
-constexpr int kMaxCharge = 2;            // of a probe
+constexpr double kStep = 3.0;    // lambda/d to each side of the base spot
+constexpr double kRadius = 1.5;  // lambda/d: half-width of the square whose intensity is averaged
+constexpr int kMaxCharge = 2;    // of a probe
 constexpr int kBefore = 3, kAfter = 24;  // frames of each hologram, at least
 
 constexpr std::size_t kMaxFrames = 100'000;  // after each change
 
 struct ToAndFro {
   std::array<Vec2, 2> frequencies_cpp, places_px;
-  double radius_px = 0.0;  ///< half-width of the square about each place whose light counts
+  double radius_px =
+      0.0;  ///< half-width of the square around each place, whose intensity is averaged
   int charge = 0;
 };
 

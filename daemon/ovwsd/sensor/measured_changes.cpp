@@ -71,7 +71,7 @@ void schedule_removal(Kept<Kind>& kept, SensorEdit& edit,
   };
 }
 
-/// A reference with everything but its positions.
+/// A new reference whose spot positions are still empty.
 Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
   const SensorState& state = edit.state;
   const bool measured = source == ReferenceSource::measured;

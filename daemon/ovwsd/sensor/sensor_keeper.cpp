@@ -111,7 +111,7 @@ void SensorKeeper::hold(Hold by) {
   if (state_.tracking.tracker == TrackerKind::fit) plan_again(new_edit());
 }
 
-/// Measures by a new plan; the hologram stays. Without a plan nothing changes.
+/// Builds a plan and activates it; the hologram stays. If no plan can be built, nothing changes.
 void SensorKeeper::plan_again(SensorEdit edit) {
   const Bound bound = bind(edit.state, edit.knowledge, bench_.optics);
   auto plan = plans_.build(edit.state, bound, bench_.hologram_id);

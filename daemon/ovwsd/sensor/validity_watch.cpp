@@ -51,8 +51,8 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                                 : ", but no wavefront explains their positions");
   invalid.action =
       !lack.searched
-          ? "use the tracker fit with a Mono pixel_format, which finds strong wavefronts, too"
-      : lack.waits ? "templates of this wavefront are awaited"
+          ? "use the tracker fit and a Mono pixel_format: it also finds strong aberrations"
+      : lack.waits ? "wait: templates of this wavefront are being rendered"
                    : action_of(search, now_ns);
   invalid.searches = search.searches;
   if (lack.searched && !search.running && !lack.waits)

@@ -49,11 +49,11 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_FALSE(running.t_next_search_ns);
   const auto waits = invalid_in_words({2 * kS, 18, 19, false, true}, {}, 4 * kS, utc_ns);
   EXPECT_EQ(waits.reason, "18 of 19 spots are found, but templates have not confirmed them yet");
-  EXPECT_EQ(waits.action, "templates of this wavefront are awaited");
+  EXPECT_EQ(waits.action, "wait: templates of this wavefront are being rendered");
   EXPECT_FALSE(waits.t_next_search_ns);
   const auto plain = invalid_in_words({2 * kS, 7, 19, true, false, false}, {}, 4 * kS, utc_ns);
   EXPECT_EQ(plain.action,
-            "use the tracker fit with a Mono pixel_format, which finds strong wavefronts, too");
+            "use the tracker fit and a Mono pixel_format: it also finds strong aberrations");
   EXPECT_FALSE(plain.t_next_search_ns);
 }
 
