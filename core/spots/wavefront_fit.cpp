@@ -11,6 +11,9 @@ namespace ovws {
 namespace {
 
 constexpr double kRoundingDn2 = 1.0 / 12.0;  // rounding to whole DN
+// Of the mean variance: with less, dark cells would outweigh all others where the squares are not
+// noise alone.
+constexpr double kMinDark = 0.01;
 constexpr double kUnsaturated = 0.9;  // of the full scale: a cell may hold one brighter pixel
 constexpr double kMinConditioning = 1e-12;
 constexpr double kUsualStepWaves = 0.014;  // of a mode, where spots do not look as rendered
@@ -168,8 +171,8 @@ struct NoiseSums {
     const double spread = n * xx - x * x;
     PixelNoise noise;
     noise.per_dn = spread > 0.0 ? std::max(0.0, (n * xy - x * y) / spread) : 0.0;
-    noise.constant_dn2 =
-        n > 0.0 ? std::max((y - noise.per_dn * x) / (n * pixels), kRoundingDn2) : 1.0;
+    const double least = std::max(kRoundingDn2, kMinDark * y / (std::max(n, 1.0) * pixels));
+    noise.constant_dn2 = n > 0.0 ? std::max((y - noise.per_dn * x) / (n * pixels), least) : 1.0;
     return noise;
   }
 };

@@ -44,6 +44,23 @@ TEST_F(Templates, TheNoiseIsFoundFromTwoImages) {
   EXPECT_NEAR(noise.constant_dn2, kReadNoiseE * kReadNoiseE, 4.0);
 }
 
+/// Where the squares grow faster than the intensity, as from fringes, a straight line would be
+/// below zero at the dark end.
+TEST_F(Templates, TheNoiseOfDarkCellsIsNeverNegligible) {
+  const auto rendered = renderer(1, 18).render(Waves(18, 0.0));
+  Image<float> electrons = light(1, Waves(18, 0.0));
+  for (int y = 0; y < electrons.height; ++y) {
+    for (int x = 0; x < electrons.width; ++x) {
+      float& pixel = electrons.at(x, y);
+      pixel += ((x + y) % 2 == 0 ? 1e-3F : -1e-3F) * pixel * pixel;
+    }
+  }
+  const auto image = exposed(electrons, 0.1, 1);
+  const PixelNoise noise = noise_of(view(image), rendered);
+  std::printf("  %.3f DN per DN, %.3f DN^2 in the dark\n", noise.per_dn, noise.constant_dn2);
+  EXPECT_GT(noise.constant_dn2, 0.1 * noise.per_dn);
+}
+
 /// Templates about what the tracker knows, as in the daemon.
 TEST_F(Templates, FindTheWavefrontFromARoughStart) {
   const Waves flat(18, 0.0);
