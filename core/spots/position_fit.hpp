@@ -10,12 +10,12 @@
 namespace ovws {
 
 /// The fit of one spot's position, as `fit` with two estimates: renders the ideal spot at the
-/// present position and repeats until the position converges. Starts where `lg` finds it, or at the
-/// start if it does not. The RMS error of a spot of ideal shape is within a few percent of the
-/// Cramer-Rao bound. Lost: a fit that does not converge or whose level is not significant, a
-/// position farther than lambda/d from the start or at the image's edge, and a spot that looks like
-/// none. `quality` is the ideal spot's share of the intensity. Some 0.3 ms, off the frame path: it
-/// allocates.
+/// present position and repeats until the position converges. Saturated pixels count, too. Starts
+/// where `lg` finds it, or at the start if it does not. The RMS error of a spot of ideal shape is
+/// within a few percent of the Cramer-Rao bound. Lost: a fit that does not converge or whose level
+/// is not significant, a position farther than lambda/d from the start or at the image's edge, and
+/// a spot that looks like none. `quality` is the ideal spot's share of the intensity. Some 0.3 ms,
+/// off the frame path: it allocates.
 class PositionFit final : public SpotTracker {
  public:
   /// `lg`: a tracker of the same spots.

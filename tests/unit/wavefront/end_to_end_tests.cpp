@@ -151,8 +151,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Method{0, {TrackerKind::weighted, 0.4}}, Method{0, {TrackerKind::lg, 0.4}}),
     method_name);
 
-/// A plain centroid includes the intensity of neighbouring spots, and charge 2 loses cores: both leak more
-/// than 0.02 wave at worst. The limits leave a third above what they reach (0.021 wave, 2 spots).
+/// A plain centroid includes the intensity of neighbouring spots, and charge 2 loses cores: both
+/// leak more than 0.02 wave at worst. The limits leave a third above what they reach (0.021 wave, 2
+/// spots).
 TEST(EndToEndCentroidAndChargeTwo, AreRightToFivePercentAndLeakLessThanThreeHundredthsOfAWave) {
   for (const Method& method :
        {Method{0, {TrackerKind::centroid, 0.4}}, Method{2, {TrackerKind::lg, 0.4}}}) {
