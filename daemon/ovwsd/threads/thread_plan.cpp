@@ -220,23 +220,27 @@ void ThreadPlan::pause(const Running& running) {
 }
 
 void ThreadPlan::report(const ThreadRow& row, const std::string& what) {
-  if (row.on_exception == OnException::restart) has_fatal_failure_ = true;
+  const bool is_fatal = row.on_exception == OnException::restart;
   try {
-    if (row.on_exception == OnException::restart) {
+    if (is_fatal) {
       const std::lock_guard lock(mutex_);
       if (fatal_failure_.empty()) {
         fatal_failure_ = fmt::format("thread {} failed: {}", row.name, what);
       }
     }
-    if (on_failure_) return on_failure_({&row, what});
-    spdlog::error("thread {} failed: {}", row.name, what);
+    if (on_failure_) {
+      on_failure_({&row, what});
+    } else {
+      spdlog::error("thread {} failed: {}", row.name, what);
+    }
   } catch (const std::exception&) {  // no memory for the text: the decision stands without it
   }
+  if (is_fatal) has_fatal_failure_ = true;  // last: the main thread then reads the text, and ends
 }
 
 std::string ThreadPlan::fatal_failure() const {
   const std::lock_guard lock(mutex_);
-  return fatal_failure_;
+  return has_fatal_failure_ && fatal_failure_.empty() ? "a thread failed" : fatal_failure_;
 }
 
 void ThreadPlan::run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop) {
