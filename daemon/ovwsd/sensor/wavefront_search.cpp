@@ -22,7 +22,9 @@ constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
 constexpr double kMaxResidual = 1.5;                     // standard errors
 constexpr double kMoreResidual = 1.3;                    // over that at the operating point
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
-constexpr std::int64_t kRestNs = 30'000'000;             // between looks at frames
+// For an image that was searched before, which stays as it is: 2 waves RMS are still found.
+constexpr int kMostRenderings = 40;
+constexpr std::int64_t kRestNs = 30'000'000;  // between looks at frames
 constexpr std::int64_t kGiveUpNs = 3'000'000'000;
 constexpr std::int64_t kLookAgainNs = 1'000'000'000;
 constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // another frame gives a better noise estimate
@@ -218,7 +220,9 @@ Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const I
   if (!wanted_.load(std::memory_order_relaxed)) return model_->spots->measured_near(images);
   auto fit =
       model_->spots->templates(images, starts(frame), fixed_modes(shown_by(sensor), sensor.modes_j),
-                               frame.valid ? kFewRenderings : kManyRenderings);
+                               frame.valid           ? kFewRenderings
+                               : policy_.tries() > 0 ? kMostRenderings
+                                                     : kManyRenderings);
   const bool described = described_.load(std::memory_order_relaxed);
   const bool same = fit && (*fit)->point().measured && measured_ && described;
   if (!same) return fit;
