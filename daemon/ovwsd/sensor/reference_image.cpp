@@ -26,14 +26,6 @@ void add_to(const ImageView& image, ReferenceImage& picture) {
 
 }  // namespace
 
-ReferenceImage reference_image_of(const ImageView& image) {
-  ReferenceImage picture;
-  picture.format = image.format;
-  picture.mean_dn = Image<float>(image.width, image.height);
-  add_to(image, picture);
-  return picture;
-}
-
 double to_16_bits(PixelFormat format) {
   return double(kFull16) / full_scale_dn(format);
 }

@@ -20,9 +20,6 @@ struct ReferenceImage {
 constexpr const char* kNoImage =
     "the reference has no mean image; take it again with ten frames or more";
 
-/// Makes a reference image from a single image of unknown gain.
-ReferenceImage reference_image_of(const ImageView& image);
-
 /// DN of 16 bits for a DN of this format.
 double to_16_bits(PixelFormat format);
 /// A mean image of frames of this format in 16 bits, which keep its fractions. A pixel that was
