@@ -99,7 +99,7 @@ void ControlServer::Impl::send(ReplyBox::Reply reply) {
   for (const auto& frame : reply.envelope) {
     (void)socket.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
   }
-  auto kept = std::make_unique<Sent>(box, std::move(reply));
+  auto kept = std::unique_ptr<Sent>(new Sent{box, std::move(reply)});
   std::string& bytes = kept->reply.bytes;
   zmq::message_t message(
       bytes.data(), bytes.size(),
