@@ -66,34 +66,34 @@ void add_flatness_and_wrap(const HologramConfig& config, int y, std::span<double
   }
 }
 
-constexpr int kImageCols = 30;
-constexpr std::array<std::string_view, 18> kPicture{"##############################",  //
-                                                    "#                            #",  //
-                                                    "#  ###  #   # #   #  ####    #",  //
-                                                    "# #   # #   # #   # #        #",  //
-                                                    "# #   # #   # #   # #        #",  //
-                                                    "# #   # #   # # # #  ###     #",  //
-                                                    "# #   #  # #  # # #     #    #",  //
-                                                    "# #   #  # #  ## ##     #    #",  //
-                                                    "#  ###    #   #   # ####     #",  //
-                                                    "#                            #",  //
-                                                    "#   #              #         #",  //
-                                                    "#   #   # #         #  #   # #",  //
-                                                    "# # # # # #  #########  # #  #",  //
-                                                    "#  ###   #          #    #   #",  //
-                                                    "#   #    #         #    # #  #",  //
-                                                    "#       #              #   # #",  //
-                                                    "#                            #",  //
-                                                    "##############################"};
+constexpr int kIdentifyCols = 30;
+constexpr std::array<std::string_view, 18> kIdentify{"##############################",  //
+                                                     "#                            #",  //
+                                                     "#  ###  #   # #   #  ####    #",  //
+                                                     "# #   # #   # #   # #        #",  //
+                                                     "# #   # #   # #   # #        #",  //
+                                                     "# #   # #   # # # #  ###     #",  //
+                                                     "# #   #  # #  # # #     #    #",  //
+                                                     "# #   #  # #  ## ##     #    #",  //
+                                                     "#  ###    #   #   # ####     #",  //
+                                                     "#                            #",  //
+                                                     "#   #              #         #",  //
+                                                     "#   #   # #         #  #   # #",  //
+                                                     "# # # # # #  #########  # #  #",  //
+                                                     "#  ###   #          #    #   #",  //
+                                                     "#   #    #         #    # #  #",  //
+                                                     "#       #              #   # #",  //
+                                                     "#                            #",  //
+                                                     "##############################"};
 
 /// Shows a person which screen is the SLM and how it is oriented: a frame, "OVWS" upright, and
 /// arrows towards +x and +y, white on black, without the LUT.
 void draw_identify_image(Image<std::uint8_t>& grey) {
-  const int rows = static_cast<int>(kPicture.size());
+  const int rows = static_cast<int>(kIdentify.size());
   for (int y = 0; y < grey.height; ++y) {
-    const std::string_view line = kPicture[std::int64_t{y} * rows / grey.height];
+    const std::string_view line = kIdentify[std::int64_t{y} * rows / grey.height];
     for (int x = 0; x < grey.width; ++x) {
-      grey.at(x, y) = line[std::int64_t{x} * kImageCols / grey.width] == '#' ? 255 : 0;
+      grey.at(x, y) = line[std::int64_t{x} * kIdentifyCols / grey.width] == '#' ? 255 : 0;
     }
   }
 }

@@ -196,7 +196,7 @@ Result<void> check_mode_count(const SpotBench& bench) {
   if (!can_fit(bench.format)) {
     return refuse(
         fmt::format("positions of these spots determine {} modes, and with a colour camera only "
-                    " positions are measured: set null",
+                    "positions are measured: set null",
                     by_positions));
   }
   OpticsConfig centred = bench.optics;  // wherever the region is, which may be moved next
