@@ -91,21 +91,18 @@ TEST_F(PlansTest, APlanGetsTheTemplatesOfItsStateAndNoOthers) {
   const auto plan = built();
   EXPECT_EQ(plan->fit, state_.templates.fit);
   EXPECT_FALSE(plan->awaits_templates);
-  const SensorState made_for = state_;
-  ++state_.sensor_epoch;
-  expect_no_templates(true, "epoch");
-  state_ = made_for;
-  state_.templates.reference_taken_ns = 8;
-  expect_no_templates(true, "reference");
-  state_ = made_for;
-  state_.templates.calibration_taken_ns = 8;
-  expect_no_templates(true, "calibration");
-  state_ = made_for;
-  state_.tracking.estimates = 2;
-  expect_no_templates(true, "estimates");
-  state_ = made_for;
-  state_.tracking.mode_count = 20;
-  expect_no_templates(true, "modes");
+  const auto expect_none_with_another = [&, made_for = state_](const char* what, auto change) {
+    state_ = made_for;
+    change(state_);
+    expect_no_templates(true, what);
+  };
+  expect_none_with_another("epoch", [](SensorState& now) { ++now.sensor_epoch; });
+  expect_none_with_another("reference",
+                           [](SensorState& now) { now.templates.reference_taken_ns = 8; });
+  expect_none_with_another("calibration",
+                           [](SensorState& now) { now.templates.calibration_taken_ns = 8; });
+  expect_none_with_another("estimates", [](SensorState& now) { now.tracking.estimates = 2; });
+  expect_none_with_another("modes", [](SensorState& now) { now.tracking.mode_count = 20; });
 }
 
 TEST_F(PlansTest, NoTemplatesAreAwaitedWherePositionsCount) {
