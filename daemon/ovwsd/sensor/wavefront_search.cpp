@@ -22,7 +22,7 @@ constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
 constexpr double kMaxResidual = 1.5;                     // standard errors
 constexpr double kMoreResidual = 1.3;                    // over that at the operating point
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
-// For an image that was searched before, which stays as it is: 2 waves RMS are still found.
+// For an image that was searched twice and stays as it is: finds 2 waves RMS.
 constexpr int kMostRenderings = 40;
 constexpr std::int64_t kRestNs = 30'000'000;  // between looks at frames
 constexpr std::int64_t kGiveUpNs = 3'000'000'000;
@@ -221,7 +221,7 @@ Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const I
   auto fit =
       model_->spots->templates(images, starts(frame), fixed_modes(shown_by(sensor), sensor.modes_j),
                                frame.valid           ? kFewRenderings
-                               : policy_.tries() > 0 ? kMostRenderings
+                               : policy_.tries() > 1 ? kMostRenderings
                                                      : kManyRenderings);
   const bool described = described_.load(std::memory_order_relaxed);
   const bool same = fit && (*fit)->point().measured && measured_ && described;
