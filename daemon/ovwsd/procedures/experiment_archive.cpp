@@ -297,7 +297,7 @@ json ExperimentArchive::result() const {
   const bool runs = job_ && job_->run == run_->name;
   ExperimentReport report{run_->name,
                           run_->request,
-                          run_->bench,
+                          {run_->bench},
                           run_->t_begun_ns,
                           runs ? std::optional(job_->number) : std::nullopt,
                           time_left_s(),
