@@ -50,7 +50,16 @@ SimulatedOptics::~SimulatedOptics() {
   optics_in_use = nullptr;
 }
 
+void SimulatedOptics::before_show(std::function<void()> call) {
+  const std::lock_guard lock(call_mutex_);
+  before_show_ = std::move(call);
+}
+
 void SimulatedOptics::show(const Image<std::uint8_t>& grey) {
+  {
+    const std::lock_guard lock(call_mutex_);
+    if (before_show_) before_show_();
+  }
   const std::lock_guard lock(mutex_);
   model_->grey = grey;
   model_->intensity.reset();

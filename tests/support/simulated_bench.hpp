@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -30,6 +31,9 @@ class SimulatedOptics {
   ~SimulatedOptics();
 
   void show(const Image<std::uint8_t>& grey);
+  /// The display's thread calls `call` before it shows a picture; none: nothing. Returns when the
+  /// previous one is not running any more.
+  void before_show(std::function<void()> call);
   void set_truth(const twin::Truth& truth);
   twin::Truth truth() const;
   /// Exposes a frame of the hologram that is shown at its begin, which it returns: CLOCK_MONOTONIC
@@ -40,6 +44,8 @@ class SimulatedOptics {
   struct Model;
   mutable std::mutex mutex_;
   std::unique_ptr<Model> model_;
+  std::mutex call_mutex_;
+  std::function<void()> before_show_;
 };
 
 /// Configurations of a bench that is fast to simulate: 7 subapertures on an SLM of 320 x 192.

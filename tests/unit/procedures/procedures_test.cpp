@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -188,33 +187,33 @@ TEST(Procedures, ACalibrationPokesOnlyWhatTheSlmCanShow) {
   EXPECT_NE(found->matrix.dropped[0].reason.find("the SLM cannot show it"), std::string::npos);
 }
 
-/// Moves the camera when the hologram has changed `begin` times, and back after `end` times.
+/// Moves the camera before picture `begin` is shown, and back before picture `end`; the first is 1.
 class Bump {
  public:
-  Bump(SimulatedBench& bench, int begin, int end) : bench_(bench), begin_(begin), end_(end) {}
+  Bump(SimulatedBench& bench, int begin, int end)
+      : optics_(bench.optics()), resting_(optics_.truth()), begin_(begin), end_(end) {
+    optics_.before_show([this] {
+      ++picture_;
+      if (picture_ == begin_) optics_.set_truth(moved());
+      if (picture_ == end_) optics_.set_truth(resting_);
+    });
+  }
   ~Bump() {
-    ended_ = true;
-    mover_.join();
+    optics_.before_show({});
+    EXPECT_GE(picture_, end_);
   }
 
  private:
-  void watch() {
-    const twin::Truth resting = bench_.optics().truth();
-    std::uint64_t seen = bench_.sensor()->hologram_id;
-    for (int changes = 0; !ended_ && changes < end_; std::this_thread::yield()) {
-      const std::uint64_t now = bench_.sensor()->hologram_id;
-      if (std::exchange(seen, now) == now || ++changes != begin_) continue;
-      twin::Truth moved = resting;
-      moved.geometry.centre_px.x += 3.0;
-      bench_.optics().set_truth(moved);
-    }
-    bench_.optics().set_truth(resting);
+  twin::Truth moved() const {
+    twin::Truth truth = resting_;
+    truth.geometry.centre_px.x += 3.0;
+    return truth;
   }
 
-  SimulatedBench& bench_;
+  test::SimulatedOptics& optics_;
+  const twin::Truth resting_;
   const int begin_, end_;
-  std::atomic<bool> ended_{false};
-  std::thread mover_{[this] { watch(); }};
+  int picture_ = 0;
 };
 
 /// A bump begins between the two images of one mode and ends between those of another.
@@ -230,7 +229,7 @@ TEST(Procedures, ABumpOfTheBenchIsNotTakenForAModesResponse) {
     ASSERT_TRUE(found) << found.error().reason;
     ASSERT_EQ(found->matrix.modes_j, still->matrix.modes_j);
     const double error = (found->matrix.slopes - still->matrix.slopes).norm();
-    EXPECT_LT(error, 0.02 * still->matrix.slopes.norm()) << "from change " << begin;
+    EXPECT_LT(error, 0.02 * still->matrix.slopes.norm()) << "from picture " << begin;
   }
 }
 
