@@ -10,6 +10,7 @@ from case import BenchCase, Client, main, wait_for
 SECONDS = float(os.environ.get("OVWS_TURBULENCE_S", "21"))  # of each recording, open and closed
 AIR = {"rms_waves": 0.12, "speed_pupils_per_s": 0.15, "outer_scale_pupils": 4, "seed": 5, "tilt": False}
 MODES = list(range(3, 10))
+READ = 0.045  # wave RMS of the error that the air's modes above the measured ones cause: 0.030 to 0.036 are usual
 LOOP = {"gain": 0.5, "patience_s": 10, "modes": MODES}
 
 
@@ -87,13 +88,13 @@ class Turbulence(BenchCase):
         left = summary["closed"]["rms_waves"]
         print(f"  air of {size:.3f} wave RMS in these modes, read with an error of {error:.3f}; {left:.3f} is left")
         self.assertEqual(summary["modes_j"], MODES)
-        self.assertLess(error, 0.5 * size)
+        self.assertLess(error, min(READ, 0.8 * size))
         self.assertLess(abs(summary["open"]["rms_waves"] - size), error + 0.05 * size)
         self.check_bands(summary)
         self.assertLess(left, (0.6 if summary["steps_hz"] >= 2.0 else 1.0) * size)  # with slower steps the air has moved on
 
     def stopped_when_closed(self):
-        study = self.study(6)
+        study = self.study(10)
         wait_for(lambda: self.call("loop.get")["steps"] > 2 or study.poll() is not None, 60.0, "two steps")
         study.send_signal(signal.SIGINT)
         output, _ = study.communicate(timeout=20)
