@@ -14,6 +14,10 @@ struct AravisConfig {
   int buffers = 32;              ///< a recorder may hold half of them
   /// GigE without CAP_NET_RAW: size of the socket's receive buffer (SO_RCVBUF).
   int socket_buffer_bytes = 4 << 20;
+  /// GigE: SCHED_FIFO priority of Aravis's own thread, which receives packets; 0: the system's
+  /// normal scheduling, as without the privilege. For USB3 this thread may turn without a pause
+  /// while no buffer is free, and keeps the normal one.
+  int receive_priority = 0;
 };
 
 /// Opens the camera, takes control, stops an acquisition that a crashed client may have left

@@ -1,6 +1,7 @@
 /// Acquisition buffers, their circulation, and the transport settings.
 #include "drivers/aravis/stream.hpp"
 
+#include <pthread.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -30,6 +31,16 @@ std::uint64_t packets_per_frame(GenicamDevice& device, std::size_t payload_bytes
   return (payload_bytes + data - 1) / data + 2;
 }
 
+/// Called by Aravis in its receive thread: at its begin and end, and for each frame.
+void set_priority(void* priority, ArvStreamCallbackType type, ArvBuffer* /*buffer*/) {
+  if (type != ARV_STREAM_CALLBACK_TYPE_INIT) return;
+  sched_param parameters{};
+  parameters.sched_priority = GPOINTER_TO_INT(priority);
+  if (parameters.sched_priority > 0) {
+    (void)pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  }
+}
+
 }  // namespace
 
 Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config) {
@@ -56,7 +67,9 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(GenicamDevice& device,
   auto payload = device.number("PayloadSize");
   if (!payload) return fail(payload.error());
   GErrorSlot error;
-  GRef<ArvStream> stream(arv_device_create_stream(device.raw(), nullptr, nullptr, error.out()));
+  const int priority = device.is_gige() ? config.receive_priority : 0;
+  GRef<ArvStream> stream(
+      arv_device_create_stream(device.raw(), set_priority, GINT_TO_POINTER(priority), error.out()));
   if (!stream) return fail(error.to_error(Errc::device, "opening the stream"));
   // Without CAP_NET_RAW frames come through this socket, whose default buffer would lose all of
   // them. Packet resend stays on, Aravis's default.

@@ -15,10 +15,13 @@ struct Row {
   Result<std::unique_ptr<Port>> (*open)(const Config&);
 };
 
+constexpr int kReceivePriority = 85;  // above that of `acquire`, which waits for its frames
+
 Result<std::unique_ptr<Camera>> open_aravis(const CameraConfig& config) {
   AravisConfig aravis;
   aravis.id = config.id;
   aravis.packet_size_bytes = config.packet_size_bytes;
+  aravis.receive_priority = kReceivePriority;
   return open_aravis_camera(aravis);
 }
 
