@@ -52,8 +52,8 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   for (std::size_t i = 0; i < point_.levels_dn.size(); ++i) {
     const SpotTemplates& spot = spots_.spots()[i];
     const bool usable = point_.levels_dn[i] > 0.0 && spot.estimates() > 0;
-    rows_.push_back(usable ? Eigen::MatrixXd(cell_level(spot, point_.levels_dn[i]) * spot.per_wave)
-                           : Eigen::MatrixXd::Zero(0, modes));
+    rows_.push_back(usable ? Rows(cell_level(spot, point_.levels_dn[i]) * spot.per_wave)
+                           : Rows::Zero(0, modes));
     normal_.noalias() += rows_.back().transpose() * rows_.back();
     if (!usable) continue;
     ++usable_spots;
@@ -65,6 +65,13 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
   if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) return;
   inverse_ = solver.solve(Eigen::MatrixXd::Identity(modes, modes));
+}
+
+/// Estimates of a spot with errors of 1 at the operating point's level.
+FrameFit::Values FrameFit::values_of(std::size_t i, const SpotEstimates& found) const {
+  const double level = cell_level(spots_.spots()[i], point_.levels_dn[i]);
+  const Eigen::Index count = rows_[i].rows();
+  return level * Eigen::Map<const Eigen::VectorXf>(found.values.data(), count).cast<double>();
 }
 
 FrameFit::Scratch FrameFit::make_scratch() const {
@@ -175,14 +182,10 @@ bool FrameFit::solve_normal(std::span<const SpotEstimates> found, Scratch& scrat
   bool all = true;
   scratch.normal = normal_;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const Eigen::MatrixXd& rows = rows_[i];
+    const Rows& rows = rows_[i];
     if (rows.rows() == 0) continue;
     if (scratch.used[i]) {
-      const double level = cell_level(spots_.spots()[i], point_.levels_dn[i]);
-      for (Eigen::Index r = 0; r < rows.rows(); ++r) {
-        const double value = level * double(found[i].values[std::size_t(r)]);
-        scratch.right.noalias() += value * rows.row(r).transpose();
-      }
+      scratch.right.noalias() += rows.transpose() * values_of(i, found[i]);
     } else {
       all = false;
       for (Eigen::Index r = 0; r < rows.rows(); ++r) {
@@ -204,14 +207,9 @@ bool FrameFit::solve_normal(std::span<const SpotEstimates> found, Scratch& scrat
 
 /// Squares of what the modes leave of a spot's estimates, standard errors.
 double FrameFit::left_of(std::size_t i, const SpotEstimates& found, const Scratch& scratch) const {
-  const double level = cell_level(spots_.spots()[i], point_.levels_dn[i]);
-  double sum = 0.0;
-  for (Eigen::Index r = 0; r < rows_[i].rows(); ++r) {
-    const double left =
-        level * double(found.values[std::size_t(r)]) - rows_[i].row(r).dot(scratch.step);
-    sum += left * left;
-  }
-  return sum;
+  Values left = values_of(i, found);
+  left.noalias() -= rows_[i] * scratch.step;
+  return left.squaredNorm();
 }
 
 /// The residual of all spots; returns a spot that the others contradict, or -1. Estimates count

@@ -66,6 +66,9 @@ class FrameFit {
                     std::span<SpotFix> fixes) const OVWS_NONBLOCKING;
 
  private:
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSpotEstimates, 1>;
+  Values values_of(std::size_t spot, const SpotEstimates& found) const;
   bool describes(std::size_t spot, const SpotEstimates& found, double brightness) const;
   bool solve_normal(std::span<const SpotEstimates> found, Scratch& scratch) const;
   double select(std::span<const SpotEstimates> found, Scratch& scratch, FittedFrame& frame) const;
@@ -76,7 +79,7 @@ class FrameFit {
   OperatingPoint point_;
   std::vector<int> modes_j_;
   SpotFit spots_;
-  std::vector<Eigen::MatrixXd> rows_;  ///< per spot: estimates x Z, unit errors
+  std::vector<Rows> rows_;  ///< per spot: estimates x Z, unit errors
   Eigen::MatrixXd normal_, inverse_;
   FittedFrame at_point_;
   double max_residual_px_ = 0.0;
