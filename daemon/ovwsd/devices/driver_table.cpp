@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "daemon/ovwsd/threads/thread_plan.hpp"
 #include "drivers/aravis/aravis_camera.hpp"
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/sdl/sdl_display.hpp"
@@ -15,13 +16,12 @@ struct Row {
   Result<std::unique_ptr<Port>> (*open)(const Config&);
 };
 
-constexpr int kReceivePriority = 85;  // above that of `acquire`, which waits for its frames
-
 Result<std::unique_ptr<Camera>> open_aravis(const CameraConfig& config) {
   AravisConfig aravis;
   aravis.id = config.id;
   aravis.packet_size_bytes = config.packet_size_bytes;
-  aravis.receive_priority = kReceivePriority;
+  const ThreadRow& acquire = kThreadTable.front();  // which waits for the frames received
+  aravis.receive_priority = acquire.fifo_priority;
   return open_aravis_camera(aravis);
 }
 
