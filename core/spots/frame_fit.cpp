@@ -76,8 +76,9 @@ FrameFit::Values FrameFit::values_of(std::size_t i, const SpotEstimates& found) 
 
 FrameFit::Scratch FrameFit::make_scratch() const {
   const auto modes = Eigen::Index(modes_j_.size());
-  return {Eigen::VectorXd::Zero(modes), Eigen::VectorXd::Zero(modes),
-          Eigen::MatrixXd::Zero(modes, modes), std::vector<char>(point_.levels_dn.size())};
+  const auto zero = Eigen::VectorXd::Zero(modes);
+  return {zero, zero, zero, Eigen::MatrixXd::Zero(modes, modes),
+          std::vector<char>(point_.levels_dn.size())};
 }
 
 FrameFit::Measured FrameFit::measure(const ImageView& image) const {
@@ -162,7 +163,7 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
   for (std::size_t k = 0; k < coefficients.size(); ++k) {
     const auto row = Eigen::Index(k);
     const double variance =
-        scale * scale * scratch.normal(row, row) + bent * bent / double(coefficients.size());
+        scale * scale * scratch.variances(row) + bent * bent / double(coefficients.size());
     coefficients[k] = float(point_.waves[k] - point_.reference_waves[k] + scratch.step(row));
     sigma_waves[k] = float(std::sqrt(variance));
   }
@@ -176,32 +177,35 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
   return frame;
 }
 
-/// Solves for scratch.step; leaves the covariance in scratch.normal.
-bool FrameFit::solve_normal(std::span<const SpotEstimates> found, Scratch& scratch) const {
-  scratch.right.setZero();
+/// The covariance of the modes by the spots in use; null if they do not determine the modes.
+const Eigen::MatrixXd* FrameFit::covariance_by(Scratch& scratch) const {
+  const auto is_missing = [&](std::size_t i) { return !scratch.used[i] && rows_[i].rows() > 0; };
   bool all = true;
+  for (std::size_t i = 0; i < rows_.size(); ++i) all = all && !is_missing(i);
+  if (all) return &inverse_;
   scratch.normal = normal_;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const Rows& rows = rows_[i];
-    if (rows.rows() == 0) continue;
-    if (scratch.used[i]) {
-      scratch.right.noalias() += rows.transpose() * values_of(i, found[i]);
-    } else {
-      all = false;
-      for (Eigen::Index r = 0; r < rows.rows(); ++r) {
-        scratch.normal.noalias() -= rows.row(r).transpose() * rows.row(r);
-      }
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    if (!is_missing(i)) continue;
+    for (Eigen::Index r = 0; r < rows_[i].rows(); ++r) {
+      scratch.normal.noalias() -= rows_[i].row(r).transpose() * rows_[i].row(r);
     }
   }
-  if (all) {
-    scratch.normal = inverse_;
-  } else if (!invert_positive(scratch.normal)) {
-    return false;
+  if (!invert_positive(scratch.normal)) return nullptr;
+  const auto limits = kMaxNoiseGrowth * kMaxNoiseGrowth * inverse_.diagonal().array();
+  return (scratch.normal.diagonal().array() <= limits).all() ? &scratch.normal : nullptr;
+}
+
+/// Solves for scratch.step and scratch.variances.
+bool FrameFit::solve_normal(std::span<const SpotEstimates> found, Scratch& scratch) const {
+  const Eigen::MatrixXd* const covariance = covariance_by(scratch);
+  if (covariance == nullptr) return false;
+  scratch.right.setZero();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!scratch.used[i]) continue;
+    scratch.right.noalias() += rows_[i].transpose() * values_of(i, found[i]);
   }
-  for (Eigen::Index k = 0; k < scratch.step.size(); ++k) {
-    if (scratch.normal(k, k) > kMaxNoiseGrowth * kMaxNoiseGrowth * inverse_(k, k)) return false;
-  }
-  scratch.step.noalias() = scratch.normal * scratch.right;
+  scratch.step.noalias() = *covariance * scratch.right;
+  scratch.variances = covariance->diagonal();
   return true;
 }
 

@@ -32,7 +32,7 @@ class FrameFit {
 
   /// Working memory of one thread.
   struct Scratch {
-    Eigen::VectorXd right, step;
+    Eigen::VectorXd right, step, variances;
     Eigen::MatrixXd normal;
     std::vector<char> used;
   };
@@ -70,6 +70,7 @@ class FrameFit {
   using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSpotEstimates, 1>;
   Values values_of(std::size_t spot, const SpotEstimates& found) const;
   bool describes(std::size_t spot, const SpotEstimates& found, double brightness) const;
+  const Eigen::MatrixXd* covariance_by(Scratch& scratch) const;
   bool solve_normal(std::span<const SpotEstimates> found, Scratch& scratch) const;
   double select(std::span<const SpotEstimates> found, Scratch& scratch, FittedFrame& frame) const;
   double left_of(std::size_t spot, const SpotEstimates& found, const Scratch& scratch) const;
