@@ -6,12 +6,14 @@
 #include <numbers>
 
 #include "core/base/complex_product.hpp"
+#include "core/optics/kolmogorov.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr int kBlocksAcross = 36;  // about; more than twice the cycles in a box of 8 lambda/d
 constexpr int kFitAcross = 24;     // samples across the circle for the polynomial fit of the modes
+constexpr int kHigherAcross = 12;  // the same where 0.1 of a mode does not matter
 
 std::complex<double> unit_phasor(double cycles) {
   return std::polar(1.0, 2.0 * std::numbers::pi * cycles);
@@ -55,25 +57,51 @@ void fill_kernel(const Line& line, const Eigen::VectorXd& x_px, double centre_px
   }
 }
 
-std::vector<Vec2> fit_places() {
-  std::vector<Vec2> places;
-  for (int p = 0; p < kFitAcross; ++p) {
-    for (int q = 0; q < kFitAcross; ++q) {
-      const Vec2 at{(2 * p + 1.0) / kFitAcross - 1.0, (2 * q + 1.0) / kFitAcross - 1.0};
-      if (norm(at) <= 1.0) places.push_back(at);
+/// Modes over the circle of a piece as polynomials, by least squares.
+class PolynomialFit {
+ public:
+  /// `across`: samples across the circle.
+  PolynomialFit(std::vector<Mode> modes, int across) : modes_(std::move(modes)) {
+    for (int k = 0; k < across * across; ++k) {
+      const Vec2 at{(2 * (k / across) + 1.0) / across - 1.0,
+                    (2 * (k % across) + 1.0) / across - 1.0};
+      if (norm(at) <= 1.0) places_.push_back(at);
     }
+    basis_.resize(Eigen::Index(places_.size()), PieceMoments::kCount);
+    for (std::size_t p = 0; p < places_.size(); ++p) {
+      Eigen::Index k = 0;
+      for (int a = 0; a <= PieceMoments::kDegree; ++a) {
+        for (int b = 0; a + b <= PieceMoments::kDegree; ++b) {
+          basis_(Eigen::Index(p), k++) = std::pow(places_[p].x, a) * std::pow(places_[p].y, b);
+        }
+      }
+    }
+    fit_.compute(basis_);
   }
-  return places;
-}
 
-void monomials(Vec2 at, auto&& row) {
-  Eigen::Index k = 0;
-  for (int a = 0; a <= PieceMoments::kDegree; ++a) {
-    for (int b = 0; a + b <= PieceMoments::kDegree; ++b) {
-      row(k++) = std::pow(at.x, a) * std::pow(at.y, b);
+  struct Over {
+    Eigen::MatrixXf polynomials;  ///< N x kCount
+    double rest;                  ///< variance of what they leave
+  };
+  Over over(const PupilCells& cells, const PupilPiece& piece) const {
+    Eigen::MatrixXd values(places_.size(), modes_.size());
+    for (std::size_t p = 0; p < places_.size(); ++p) {
+      const Vec2 at = cells.in_pupil(piece.centre_px + piece.radius_px * places_[p]);
+      for (std::size_t k = 0; k < modes_.size(); ++k) {
+        values(p, k) = modes_[k].waves * zernike(modes_[k].j, at);
+      }
     }
+    const Eigen::MatrixXd solved = fit_.solve(values);
+    return {solved.transpose().cast<float>(),
+            (values - basis_ * solved).squaredNorm() / double(places_.size())};
   }
-}
+
+ private:
+  std::vector<Mode> modes_;
+  std::vector<Vec2> places_;
+  Eigen::MatrixXd basis_;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit_;
+};
 
 }  // namespace
 
@@ -84,10 +112,10 @@ PieceMoments::PieceMoments(const SensorField& field, std::span<const int> modes_
       grid_(field.cells().grid),
       pieces_(field.cells().pieces),
       patches_(pieces_.size()) {
-  const std::vector<Vec2> places = fit_places();
-  Eigen::MatrixXd basis(places.size(), kCount), values(places.size(), modes_j.size());
-  for (std::size_t p = 0; p < places.size(); ++p) monomials(places[p], basis.row(Eigen::Index(p)));
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit(basis);
+  std::vector<Mode> one_wave;
+  for (const int j : modes_j) one_wave.push_back({j, 1.0});
+  const PolynomialFit modes(std::move(one_wave), kFitAcross);
+  const PolynomialFit higher(higher_modes(modes_j), kHigherAcross);
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const PupilPiece& piece = pieces_[i];
     const Vec2 corner{piece.centre_px.x - piece.radius_px, piece.centre_px.y - piece.radius_px};
@@ -96,11 +124,11 @@ PieceMoments::PieceMoments(const SensorField& field, std::span<const int> modes_
     patches_[i].x = int(std::floor(first.x)) - 2;
     patches_[i].y = int(std::floor(first.y)) - 2;
     patches_[i].block = std::max(1, int(std::lround(across / kBlocksAcross)));
-    for (std::size_t p = 0; p < places.size(); ++p) {
-      const Vec2 at = field.cells().in_pupil(piece.centre_px + piece.radius_px * places[p]);
-      for (std::size_t k = 0; k < modes_j.size(); ++k) values(p, k) = zernike(modes_j[k], at);
-    }
-    modes_.push_back(fit.solve(values).transpose().cast<float>());
+    modes_.push_back(modes.over(field.cells(), piece).polynomials);
+    if (int(i) >= field.subapertures()) continue;
+    auto above = higher.over(field.cells(), piece);
+    higher_.push_back(std::move(above.polynomials));
+    rests_.push_back(above.rest);
   }
 }
 

@@ -60,6 +60,10 @@ class PieceMoments {
   /// Z x kCount: coefficients of each mode as a polynomial in xi^a eta^b over the piece, by a
   /// least-squares fit over its circle.
   const Eigen::MatrixXf& modes_over(int piece) const { return modes_[std::size_t(piece)]; }
+  /// N x kCount: the same over a subaperture of each of higher_modes, times its standard deviation.
+  const Eigen::MatrixXf& higher_over(int piece) const { return higher_[std::size_t(piece)]; }
+  /// Variance of what these polynomials leave of the higher modes, waves^2.
+  double higher_rest(int piece) const { return rests_[std::size_t(piece)]; }
 
  private:
   /// Sums over blocks of cells: block (q, p) begins at the cell (x + p block, y + q block).
@@ -78,7 +82,8 @@ class PieceMoments {
   CellGrid grid_;
   std::vector<PupilPiece> pieces_;
   std::vector<Patch> patches_;
-  std::vector<Eigen::MatrixXf> modes_;
+  std::vector<Eigen::MatrixXf> modes_, higher_;
+  std::vector<double> rests_;
   Eigen::MatrixXcf along_x_, along_y_, half_, moments_;
 };
 

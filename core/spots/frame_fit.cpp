@@ -17,10 +17,12 @@ constexpr double kOutlier = 5.0;             // of a spot's residual, RMS, over 
 constexpr double kMaxResidual = 3.0;         // RMS over all, standard errors; or, as positions,
 constexpr double kMaxResidualShare = 0.005;  // of a window's width
 constexpr int kMaxPointLostShare = 8;        // where templates are exact
+constexpr double kMaxResidualInAir = 2.0;    // whose strength is known
 constexpr double kMaxPointResidual = 1.3;    // where templates are exact
 constexpr double kMaxDriftWaves = 0.15;      // beyond, the templates' error is that of positions
 constexpr double kBentPerWave = 1.2;         // their error over the square of the drift, 1 / wave
 constexpr double kMaxOverCeiling = 1.1;
+constexpr double kOverTheory = 2.0;        // of the variance by higher modes, in images of air
 constexpr double kMinConditioning = 1e-9;  // of the normal equations
 constexpr double kMaxNoiseGrowth = 5.0;    // of a mode, by lost spots
 
@@ -47,17 +49,23 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
       modes_j_(std::move(modes_j)),
       spots_(templates_of(point_, rendered)) {
   const auto modes = Eigen::Index(modes_j_.size());
+  std::vector<HigherErrors> higher;
   int usable_spots = 0;
   normal_.setZero(modes, modes);
   for (std::size_t i = 0; i < point_.levels_dn.size(); ++i) {
     const SpotTemplates& spot = spots_.spots()[i];
     const bool usable = point_.levels_dn[i] > 0.0 && spot.estimates() > 0;
-    rows_.push_back(usable ? Rows(cell_level(spot, point_.levels_dn[i]) * spot.per_wave)
-                           : Rows::Zero(0, modes));
+    const double level = cell_level(spot, point_.levels_dn[i]);
+    rows_.push_back(usable ? Rows(level * spot.per_wave) : Rows::Zero(0, modes));
+    higher.push_back(usable ? higher_errors(spot, level, point_.higher_waves) : HigherErrors{});
+    whitening_.emplace_back(higher.back().whitening);
+    if (whitening_.back().size() > 0) rows_.back() = whitening_.back() * rows_.back();
     normal_.noalias() += rows_.back().transpose() * rows_.back();
     if (!usable) continue;
     ++usable_spots;
-    px_error_ += std::pow(spot.px_error / cell_level(spot, point_.levels_dn[i]), 2);
+    const HigherErrors& errors = higher.back();
+    const double variance = errors.own + errors.shared.squaredNorm() / spot.estimates();
+    px_error_ += variance * std::pow(spot.px_error / level, 2);
   }
   const SpotWindow& window = spots_.spots().front().window;
   max_residual_px_ = kMaxResidualShare * window.side * window.bin;
@@ -65,13 +73,34 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
   if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) return;
   inverse_ = solver.solve(Eigen::MatrixXd::Identity(modes, modes));
+  growth_ = Eigen::VectorXd::Ones(modes);
+  if (in_air()) allow_for(higher);
+}
+
+/// Whitened estimates of one spot are uncorrelated, but a higher mode changes all spots at once.
+void FrameFit::allow_for(std::span<const HigherErrors> higher) {
+  const Eigen::Index modes = inverse_.rows();
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(modes, modes), shared;
+  for (std::size_t i = 0; i < higher.size(); ++i) {
+    if (whitening_[i].size() == 0) continue;
+    const Eigen::MatrixXd weights = rows_[i].transpose() * whitening_[i];
+    own += higher[i].own * weights * weights.transpose();
+    if (shared.size() == 0) shared.setZero(modes, higher[i].shared.cols());
+    shared += weights * higher[i].shared;
+  }
+  if (shared.size() == 0) return;
+  const Eigen::MatrixXd covariance =
+      inverse_ * (own + kOverTheory * shared * shared.transpose()) * inverse_;
+  growth_ = covariance.diagonal().cwiseQuotient(inverse_.diagonal());
 }
 
 /// Estimates of a spot with errors of 1 at the operating point's level.
 FrameFit::Values FrameFit::values_of(std::size_t i, const SpotEstimates& found) const {
   const double level = cell_level(spots_.spots()[i], point_.levels_dn[i]);
   const Eigen::Index count = rows_[i].rows();
-  return level * Eigen::Map<const Eigen::VectorXf>(found.values.data(), count).cast<double>();
+  const Values values =
+      level * Eigen::Map<const Eigen::VectorXf>(found.values.data(), count).cast<double>();
+  return whitening_[i].size() > 0 ? Values(whitening_[i] * values) : values;
 }
 
 FrameFit::Scratch FrameFit::make_scratch() const {
@@ -98,8 +127,8 @@ FrameFit::Measured FrameFit::measure(const ImageView& image) const {
 const FittedFrame& FrameFit::check(const ImageView& image, double max_residual_px) {
   at_point_ = measure(image).frame;
   // With three spots lost, or with large errors in dim light, a wrong wavefront can fit the rest.
-  const bool small =
-      at_point_.residual < kMaxPointResidual || at_point_.residual_px < max_residual_px;
+  const bool small = at_point_.residual < kMaxPointResidual ||
+                     (!in_air() && at_point_.residual_px < max_residual_px);
   const bool enough = kMaxPointLostShare * at_point_.lost <= point_.lit;
   at_point_.credible = at_point_.credible && small && enough;
   return at_point_;
@@ -115,8 +144,7 @@ bool FrameFit::describes(std::size_t i, const SpotEstimates& found, double brigh
   if (double(found.level) * spot.brightest_intensity > kMaxOverCeiling * point_.ceiling_dn) {
     return false;  // cells may be saturated that were not at the operating point
   }
-  const double light = cell_level(spot, double(found.level)) * spot.intensity_norm;
-  const double scatter = std::sqrt(2.0 * spot.window.cells()) / (light * light);  // by noise
+  const double scatter = excess_scatter_of(spot, double(found.level));
   return excess_intensity(spot, found) < point_.max_excess + 4.0 * scatter;
 }
 
@@ -156,14 +184,17 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
   }
   frame.drift_waves = scratch.step.norm();
   frame.residual_px = frame.residual * px_error_ / brightness;
-  frame.credible = frame.drift_waves < kMaxDriftWaves &&
-                   (frame.residual < kMaxResidual || frame.residual_px < max_residual_px_);
-  const double scale = std::max(1.0, frame.residual) / brightness;
+  const bool small = in_air()
+                         ? frame.residual < kMaxResidualInAir
+                         : frame.residual < kMaxResidual || frame.residual_px < max_residual_px_;
+  frame.credible = frame.drift_waves < kMaxDriftWaves && small;
+  const double scale =
+      std::max(1.0, frame.residual) / (in_air() ? std::min(1.0, brightness) : brightness);
   const double bent = kBentPerWave * frame.drift_waves * frame.drift_waves;
   for (std::size_t k = 0; k < coefficients.size(); ++k) {
     const auto row = Eigen::Index(k);
-    const double variance =
-        scale * scale * scratch.variances(row) + bent * bent / double(coefficients.size());
+    const double variance = scale * scale * growth_(row) * scratch.variances(row) +
+                            bent * bent / double(coefficients.size());
     coefficients[k] = float(point_.waves[k] - point_.reference_waves[k] + scratch.step(row));
     sigma_waves[k] = float(std::sqrt(variance));
   }
@@ -217,15 +248,16 @@ double FrameFit::left_of(std::size_t i, const SpotEstimates& found, const Scratc
 }
 
 /// The residual of all spots; returns a spot that the others contradict, or -1. Estimates count
-/// from the level of the operating point: in a dimmer frame they have larger errors.
+/// from the level of the operating point: in a dimmer frame they have larger errors by noise.
 int FrameFit::summarise(std::span<const SpotEstimates> found, const Scratch& scratch,
                         double brightness, FittedFrame& frame) const {
+  const double scale = in_air() ? 1.0 : brightness;
   double sum = 0.0, most = 0.0;
   Eigen::Index count = 0;
   int worst = -1;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!scratch.used[i]) continue;
-    const double left = brightness * brightness * left_of(i, found[i], scratch);
+    const double left = scale * scale * left_of(i, found[i], scratch);
     sum += left, count += rows_[i].rows();
     if (left > most) most = left, worst = int(i);
   }

@@ -14,10 +14,11 @@ namespace ovws {
 
 /// How well the templates describe a frame.
 struct FittedFrame {
-  bool credible = false;     ///< the templates describe this frame
-  int used = 0;              ///< spots that they describe
-  int lost = 0;              ///< other spots that the reference has
-  double residual = 0.0;     ///< RMS of what the modes leave of the estimates, standard errors
+  bool credible = false;  ///< the templates describe this frame
+  int used = 0;           ///< spots that they describe
+  int lost = 0;           ///< other spots that the reference has
+  /// RMS of what the modes leave of the estimates, in standard errors by noise and higher modes.
+  double residual = 0.0;
   double residual_px = 0.0;  ///< the same in standard errors of a position
   double drift_waves = 0.0;  ///< RMS change of all modes since the rendering
 };
@@ -43,8 +44,8 @@ class FrameFit {
   Scratch make_scratch() const;
 
   /// Fits the image that the templates were rendered for. It is credible only if the modes leave no
-  /// more than noise of the estimates, or less than `max_residual_px`. Call before any other thread
-  /// uses this object.
+  /// more than noise of the estimates, or, unless higher modes are allowed for, less than
+  /// `max_residual_px`. Call before any other thread uses this object.
   const FittedFrame& check(const ImageView& image, double max_residual_px);
   /// The modes from all spots of one image; allocates.
   struct Measured {
@@ -68,6 +69,10 @@ class FrameFit {
  private:
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   using Values = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxSpotEstimates, 1>;
+  using Whitening = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxSpotEstimates,
+                                  kMaxSpotEstimates>;
+  bool in_air() const { return point_.higher_waves > 0.0; }
+  void allow_for(std::span<const HigherErrors> higher);
   Values values_of(std::size_t spot, const SpotEstimates& found) const;
   bool describes(std::size_t spot, const SpotEstimates& found, double brightness) const;
   const Eigen::MatrixXd* covariance_by(Scratch& scratch) const;
@@ -80,8 +85,10 @@ class FrameFit {
   OperatingPoint point_;
   std::vector<int> modes_j_;
   SpotFit spots_;
-  std::vector<Rows> rows_;  ///< per spot: estimates x Z, unit errors
+  std::vector<Rows> rows_;            ///< per spot: estimates x Z, unit errors
+  std::vector<Whitening> whitening_;  ///< of each spot's estimates; empty: none
   Eigen::MatrixXd normal_, inverse_;
+  Eigen::VectorXd growth_;  ///< of each mode's variance, because higher modes change all spots
   FittedFrame at_point_;
   double max_residual_px_ = 0.0;
   double px_error_ = 0.0;  ///< of a position, RMS over the spots, camera pixels

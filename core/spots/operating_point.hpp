@@ -27,11 +27,12 @@ struct OperatingPoint {
   PixelNoise noise;
   int lit = 0;  ///< spots that the reference has
   std::vector<double>
-      levels_dn;            ///< of each spot: DN of a camera pixel of intensity 1; 0: not used
-  double ceiling_dn = 0.0;  ///< of a camera pixel above the background: saturation is near
-  int estimates = 8;        ///< of each spot
-  bool measured = false;    ///< templates are of a calibration; else they are rendered
-  double max_excess = 0.1;  ///< fraction of a spot's weighted light that templates may leave
+      levels_dn;              ///< of each spot: DN of a camera pixel of intensity 1; 0: not used
+  double ceiling_dn = 0.0;    ///< of a camera pixel above the background: saturation is near
+  int estimates = 8;          ///< of each spot
+  bool measured = false;      ///< templates are of a calibration; else they are rendered
+  double higher_waves = 0.0;  ///< RMS of higher_modes that the errors hold
+  double max_excess = 0.1;    ///< fraction of a spot's weighted light that templates may leave
 };
 
 }  // namespace ovws

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <utility>
 
 #include "core/spots/local_fields.hpp"
@@ -19,6 +21,12 @@ constexpr int kReferenceRenderings = 8, kReferenceRounds = 16;
 constexpr double kNoiseOnly = 1.25, kStalled = 0.98;  // of chi-squared per cell
 constexpr double kMaxExcess = 0.1;  // of the weighted light, beyond what the reference leaves
 constexpr double kMaxReferenceExcess = 0.15;
+// Of modes above the measured ones. The light that they should move into shapes without a template
+// is 0.15 to 1.7 times what is found in air, and more at false minima.
+constexpr double kUsualHigherWaves = 0.01, kLeastHigherWaves = 0.001, kMaxHigherWaves = 0.03;
+constexpr double kMinOverShapes = 0.1, kMaxOverShapes = 2.0, kScatters = 2.0, kSmallExcess = 5e-4;
+constexpr double kFarOver = 2.0, kUnsettled = 0.1;
+constexpr int kHigherRounds = 4, kHigherRenderings = 5;
 // A false minimum leaves more: of a window's width, or over what the reference leaves.
 constexpr double kMaxResidual = 0.0005, kMaxOverReference = 2.0;
 
@@ -32,7 +40,7 @@ Result<PointModel::Found> PointModel::approach(const ImageView& image, const Pix
                                                int renderings) {
   for (int k = 1;; ++k) {
     Found found;
-    renderings_ = k;
+    ++renderings_;
     found.rendered = k == 1 ? std::move(rendered) : renderer_.render(waves, fixed);
     found.pass = fit_spots(image, found.rendered, noise, estimates_);
     found.waves = std::move(waves);
@@ -64,6 +72,7 @@ Result<PointModel::Found> PointModel::at_reference(const ImageView& image, const
 Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise& noise,
                                        std::span<const double> start_waves,
                                        std::span<const Mode> fixed) {
+  renderings_ = 0;
   SpotDeviations deviations, best;
   std::vector<double> waves(start_waves.begin(), start_waves.end()), best_waves, px_per_wave;
   for (int i = 0; i < renderer_.spots(); ++i) px_per_wave.push_back(renderer_.px_per_wave(i));
@@ -120,29 +129,106 @@ std::vector<double> PointModel::from_reference(std::span<const double> coefficie
 }
 
 Result<std::shared_ptr<const FrameFit>> PointModel::templates(std::span<const ImageView> images,
-                                                              std::span<const double> coefficients,
+                                                              Starts starts,
                                                               std::span<const Mode> fixed,
                                                               int renderings) {
-  std::vector<double> waves = from_reference(coefficients);
-  auto rendered = renderer_.render(waves, fixed);
-  const PixelNoise noise = noise_of(images, rendered);
-  auto found = approach(images.back(), noise, std::move(waves), std::move(rendered), fixed,
-                        kNearWaves, renderings);
-  if (!found) return fail(found.error());
-  return accepted(*found, images.back(), noise, fixed);
+  const auto noise_from = [&](std::span<const RenderedSpot> rendered) {
+    return noise_of(images, rendered);
+  };
+  return found_in(images.back(), noise_from, starts, fixed, renderings);
+}
+
+Result<std::shared_ptr<const FrameFit>> PointModel::templates(const ImageView& image, Starts starts,
+                                                              std::span<const Mode> fixed,
+                                                              int renderings) {
+  const auto noise_from = [&](std::span<const RenderedSpot> rendered) {
+    return noise_of(image, rendered);
+  };
+  return found_in(image, noise_from, starts, fixed, renderings);
 }
 
 Result<std::shared_ptr<const FrameFit>> PointModel::templates(const ImageView& image,
                                                               const PixelNoise& noise,
-                                                              std::span<const double> coefficients,
+                                                              Starts starts,
                                                               std::span<const Mode> fixed,
                                                               int renderings) {
-  std::vector<double> waves = from_reference(coefficients);
-  auto rendered = renderer_.render(waves, fixed);
-  auto found =
-      approach(image, noise, std::move(waves), std::move(rendered), fixed, kNearWaves, renderings);
-  if (!found) return fail(found.error());
-  return accepted(*found, image, noise, fixed);
+  return found_in(
+      image, [&](const auto&) { return noise; }, starts, fixed, renderings);
+}
+
+Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& image,
+                                                             const NoiseFrom& noise_from,
+                                                             Starts starts,
+                                                             std::span<const Mode> fixed,
+                                                             int renderings) {
+  Result<std::shared_ptr<const FrameFit>> fit = fail(Errc::refused, "image", "no start is known");
+  std::optional<Found> near;
+  PixelNoise noise, noise_near;
+  renderings_ = 0;
+  for (const std::vector<double>& start : starts) {
+    std::vector<double> waves = from_reference(start);
+    auto rendered = renderer_.render(waves, fixed);
+    noise = noise_from(rendered);
+    auto found = approach(image, noise, std::move(waves), std::move(rendered), fixed, kNearWaves,
+                          renderings);
+    fit = found ? accepted(*found, image, noise, fixed) : fail(found.error());
+    if (fit) return fit;
+    if (!found || found->away_waves > kFarWaves) continue;
+    if (near && near->pass.chi2() < found->pass.chi2()) continue;
+    near = std::move(*found), noise_near = noise;
+  }
+  if (!near) return fit;
+  const auto rough = with_higher_modes(image, noise_near, std::move(*near), fixed);
+  return rough ? accepted(*rough, image, noise_near, fixed) : fit;
+}
+
+/// Steps on with errors by modes above the measured ones, as large as the estimates tell. None: the
+/// spots contradict each other.
+std::optional<PointModel::Found> PointModel::with_higher_modes(const ImageView& image,
+                                                               const PixelNoise& noise, Found found,
+                                                               std::span<const Mode> fixed) {
+  double higher_waves = kUsualHigherWaves;
+  for (int k = 1;; ++k) {
+    for (int round = 0; round < kHigherRounds; ++round) {
+      found.pass.higher_waves = higher_waves;
+      const auto step = step_from(found.pass);
+      if (!step) return std::nullopt;
+      found.step = step->waves;
+      higher_waves = std::max(kLeastHigherWaves, higher_waves_of(found.pass, *step));
+    }
+    found.away_waves = found.step.norm();
+    const bool settled =
+        std::abs(higher_waves - found.pass.higher_waves) <= kUnsettled * higher_waves;
+    const bool arrived = found.away_waves <= kNearWaves;
+    if (arrived && settled && are_explained_by(higher_waves, found)) return found;
+    if (arrived || k == kHigherRenderings || found.away_waves > kFarWaves ||
+        higher_waves > kFarOver * kMaxHigherWaves) {
+      return std::nullopt;
+    }
+    for (std::size_t j = 0; j < found.waves.size(); ++j) {
+      found.waves[j] += found.step(Eigen::Index(j));
+    }
+    found.rendered = renderer_.render(found.waves, fixed);
+    found.pass = fit_spots(image, found.rendered, noise, estimates_);
+    ++renderings_;
+  }
+}
+
+/// Whether the spots are as far from their rendered shapes as these modes make them. If each is of
+/// the right shape, but they contradict each other, then that is another wavefront.
+bool PointModel::are_explained_by(double higher_waves, const Found& found) const {
+  double rest = 0.0, lit = 0.0;
+  for (std::size_t i = 0; i < found.rendered.size(); ++i) {
+    if (!(found.pass.found[i].level > 0.0F)) continue;
+    rest += found.rendered[i].higher_rest, lit += 1.0;
+  }
+  const double moved = rest / lit * std::pow(2.0 * std::numbers::pi * higher_waves, 2);
+  const double left = found.pass.excess() - reference_excess_;
+  const double by_chance = kScatters * found.pass.excess_scatter();
+  const bool weak = higher_waves <= kUsualHigherWaves;  // too weak to be seen in dim light
+  const bool enough = moved < kMaxOverShapes * (weak ? left + by_chance : left);
+  const bool not_more = left - by_chance < std::max(moved / kMinOverShapes, kSmallExcess);
+  return higher_waves < kMaxHigherWaves && enough && not_more && (weak || left > by_chance);
 }
 
 Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
@@ -187,6 +273,7 @@ std::shared_ptr<FrameFit> PointModel::fit_at(const Found& found, const PixelNois
   }
   point.ceiling_dn = found.pass.ceiling_dn;
   point.estimates = estimates_;
+  point.higher_waves = found.pass.higher_waves;
   point.max_excess = allowed_excess();
   return std::make_shared<FrameFit>(std::move(point), found.rendered, renderer_.modes_j());
 }

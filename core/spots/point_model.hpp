@@ -1,7 +1,9 @@
 /// Finds the operating point of an image and renders templates about it.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,23 +36,30 @@ class PointModel {
   const std::vector<double>& reference_sigma_waves() const { return reference_sigma_waves_; }
   /// Relative amplitude of the field at the centre of a subaperture; without a reference 1.
   double amplitude(int spot) const;
-  /// Renderings that the last wavefront took.
+  /// Renderings that the last reference or wavefront took.
   int renderings() const { return renderings_; }
   std::vector<RenderedSpot> rendered(std::span<const double> waves) {
     return renderer_.render(waves);
   }
 
-  /// Templates about the wavefront of the last of `images`, found from `coefficients`, which count
-  /// from the reference, in at most `renderings`. The images before it give the noise (noise_of).
-  /// From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18).
-  /// Errc::refused, field "image": the spots do not look as rendered.
+  /// Coefficients, which count from the reference, from where to look for a wavefront.
+  using Starts = std::span<const std::vector<double>>;
+  /// Templates about the wavefront of the last of `images`, found from the first of `starts` that
+  /// leads to it, in at most `renderings` each. The images before it give the noise (noise_of). If
+  /// none does, modes above the measured ones are allowed for, as strong as the nearest tells, in a
+  /// few more. From a
+  /// flat start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18). Errc::refused,
+  /// field "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
-                                                    std::span<const double> coefficients,
+                                                    Starts starts, std::span<const Mode> fixed,
+                                                    int renderings);
+  /// The same for a single image, which gives its noise, too.
+  Result<std::shared_ptr<const FrameFit>> templates(const ImageView& image, Starts starts,
                                                     std::span<const Mode> fixed, int renderings);
   /// The same for a single image whose noise is known.
   Result<std::shared_ptr<const FrameFit>> templates(const ImageView& image, const PixelNoise& noise,
-                                                    std::span<const double> coefficients,
-                                                    std::span<const Mode> fixed, int renderings);
+                                                    Starts starts, std::span<const Mode> fixed,
+                                                    int renderings);
 
  private:
   struct Found {
@@ -64,12 +73,19 @@ class PointModel {
   Result<Found> approach(const ImageView& image, const PixelNoise& noise, std::vector<double> waves,
                          std::vector<RenderedSpot> rendered, std::span<const Mode> fixed,
                          double near_waves, int renderings);
+  std::optional<Found> with_higher_modes(const ImageView& image, const PixelNoise& noise,
+                                         Found found, std::span<const Mode> fixed);
+  bool are_explained_by(double higher_waves, const Found& found) const;
   Result<Found> at_reference(const ImageView& image, const PixelNoise& noise,
                              std::vector<double> waves, std::span<const Mode> fixed,
                              const SpotDeviations& deviations);
   Result<void> count_from(const Found& found, const ImageView& image, const PixelNoise& noise,
                           std::span<const Mode> fixed);
   std::vector<double> from_reference(std::span<const double> coefficients) const;
+  using NoiseFrom = std::function<PixelNoise(std::span<const RenderedSpot>)>;
+  Result<std::shared_ptr<const FrameFit>> found_in(const ImageView& image,
+                                                   const NoiseFrom& noise_from, Starts starts,
+                                                   std::span<const Mode> fixed, int renderings);
   Result<std::shared_ptr<const FrameFit>> accepted(const Found& found, const ImageView& image,
                                                    const PixelNoise& noise,
                                                    std::span<const Mode> fixed) const;

@@ -38,6 +38,11 @@ struct RenderedSpot {
   Eigen::VectorXf light;     ///< of each cell
   Eigen::MatrixXf per_wave;  ///< cells x Z: derivative with respect to each mode
   Eigen::MatrixXf per_px;    ///< cells x 2: derivative with respect to its displacement in x and y
+  /// Cells x kCount: derivative with respect to each monomial of the phase over its own subaperture
+  /// (PieceMoments), in waves; empty: not known.
+  Eigen::MatrixXf per_monomial;
+  Eigen::MatrixXf higher;    ///< N x kCount: the higher modes (PieceMoments)
+  double higher_rest = 0.0;  ///< what these leave of them, waves^2
 };
 
 /// Whether the spot is well inside its window, which stays inside the image.

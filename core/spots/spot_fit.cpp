@@ -1,6 +1,7 @@
 #include "core/spots/spot_fit.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "core/base/pixels.hpp"
@@ -56,6 +57,11 @@ double excess_intensity(const SpotTemplates& spot, const SpotEstimates& found) {
   const double light = cell_level * spot.intensity_norm;
   const double free = spot.used - 2 - spot.estimates();
   return free * (double(found.chi2_per_cell) - 1.0) / (light * light);
+}
+
+double excess_scatter_of(const SpotTemplates& spot, double level_dn) {
+  const double light = level_dn * spot.window.bin * spot.window.bin * spot.intensity_norm;
+  return std::sqrt(2.0 * spot.window.cells()) / (light * light);
 }
 
 SpotFit::Scratch SpotFit::make_scratch() const {

@@ -33,6 +33,8 @@ inline bool can_fit(PixelFormat format) {
 
 /// Fraction of the spot's weighted light that the templates leave beyond noise.
 double excess_intensity(const SpotTemplates& spot, const SpotEstimates& found);
+/// Its standard error by noise for a spot of this level, DN of a camera pixel.
+double excess_scatter_of(const SpotTemplates& spot, double level_dn);
 
 /// Templates of all spots. Immutable; one object serves all threads, each with its own scratch.
 class SpotFit {

@@ -140,6 +140,7 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
     }
     sum_over_cells(spot.window, spot.per_wave);
     sum_over_cells(spot.window, spot.per_px);
+    sum_over_cells(spot.window, spot.per_monomial);
   }
   return rendered;
 }
@@ -247,6 +248,9 @@ void SpotRenderer::add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& f
   const auto per_px = float(field_.window().step_cpp * radius_px);  // waves at the edge
   spot.per_px.col(0) = per_px * cells.col(kAlongX);
   spot.per_px.col(1) = per_px * cells.col(kAlongY);
+  spot.per_monomial = std::move(cells);
+  spot.higher = moments_.higher_over(piece);
+  spot.higher_rest = moments_.higher_rest(piece);
 }
 
 }  // namespace ovws

@@ -100,6 +100,10 @@ void finish(const RenderedSpot& spot, const Eigen::MatrixXd& covariance, int est
   const Eigen::MatrixXd leading =
       worth * eigen.eigenvectors().rightCols(count) * values.cwiseInverse().asDiagonal();
   made.per_wave = leading.transpose() * modes;
+  if (spot.per_monomial.size() > 0) {
+    made.higher = leading.transpose() * basis.free(spot.per_monomial) *
+                  spot.higher.transpose().cast<double>();
+  }
 
   const Eigen::MatrixXd moved = basis.free(spot.per_px);
   Eigen::MatrixXd rows(SpotTemplates::kFixed + count, spot.light.size());
@@ -117,6 +121,18 @@ void finish(const RenderedSpot& spot, const Eigen::MatrixXd& covariance, int est
 }
 
 }  // namespace
+
+HigherErrors higher_errors(const SpotTemplates& spot, double level_dn, double higher_waves) {
+  // Measured with single modes of 19 vortices: 0.1 to 0.16 of what polynomials of degree 3 tell.
+  constexpr double kUnlike = 0.13;
+  if (spot.higher.size() == 0 || !(higher_waves > 0.0)) return {};
+  HigherErrors errors{level_dn * higher_waves * spot.higher, 1.0, {}};
+  errors.own += kUnlike * kUnlike * errors.shared.squaredNorm() / spot.estimates();
+  const auto one = Eigen::MatrixXd::Identity(spot.estimates(), spot.estimates());
+  const Eigen::MatrixXd covariance = errors.own * one + errors.shared * errors.shared.transpose();
+  errors.whitening = covariance.llt().matrixL().solve(Eigen::MatrixXd(one));
+  return errors;
+}
 
 std::vector<SpotTemplates> make_templates(std::span<const RenderedSpot> spots,
                                           std::span<const CellLevel> levels,

@@ -30,6 +30,7 @@ struct SpotTemplates {
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows;  ///< x padded cells
   Eigen::VectorXf weights;      ///< 1 / variance of each cell, padded with 0
   Eigen::MatrixXd per_wave;     ///< estimates x Z
+  Eigen::MatrixXd higher;       ///< estimates x N: the same for higher modes; empty: not known
   double intensity_norm = 0.0;  ///< the level part is level * intensity_norm + background * overlap
   double overlap = 0.0;
   double px_error =
@@ -38,6 +39,17 @@ struct SpotTemplates {
 
   int estimates() const { return int(per_wave.rows()); }
 };
+
+/// Errors of a spot's estimates, times the cells' level, where higher modes are.
+struct HigherErrors {
+  Eigen::MatrixXd shared;  ///< estimates x N: by each higher mode, which changes all spots at once
+  double own = 1.0;        ///< variance by noise, and by what `shared` is wrong
+  /// Estimates x estimates. Times it, the estimates have errors of 1 and are uncorrelated. Empty:
+  /// they are so already.
+  Eigen::MatrixXd whitening;
+};
+/// For higher modes of `higher_waves` RMS together. `level_dn`: of a cell.
+HigherErrors higher_errors(const SpotTemplates& spot, double level_dn, double higher_waves);
 
 /// How bright a spot is, DN of a cell above the background.
 struct CellLevel {

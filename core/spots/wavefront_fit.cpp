@@ -77,6 +77,15 @@ double SpotPass::excess() const {
   return all.empty() ? 1.0 : median(std::move(all));
 }
 
+double SpotPass::excess_scatter() const {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i].level > 0.0F) all.push_back(excess_scatter_of(templates[i], found[i].level));
+  }
+  const double spots = double(std::max<std::size_t>(all.size(), 1));
+  return median(std::move(all)) / std::sqrt(spots);
+}
+
 SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,
                    const PixelNoise& noise, int estimates, Saturated saturated) {
   // First with equal weights, which needs no level.
@@ -105,6 +114,31 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
 
 namespace {
 
+/// A spot's estimates, and what modes change of them; errors of 1.
+struct Whitened {
+  Eigen::MatrixXd rows;  ///< x Z
+  Eigen::VectorXd values;
+  double noise;  ///< their variances by noise alone, summed
+
+  Whitened(const SpotTemplates& spot, const SpotEstimates& found, double higher_waves)
+      : noise(spot.estimates()) {
+    const double level = double(found.level) * pixels_of(spot.window);
+    rows = level * spot.per_wave;
+    values =
+        level *
+        Eigen::Map<const Eigen::VectorXf>(found.values.data(), spot.estimates()).cast<double>();
+    const Eigen::MatrixXd white = higher_errors(spot, level, higher_waves).whitening;
+    if (white.size() == 0) return;
+    rows = white * rows;
+    values = white * values;
+    noise = white.squaredNorm();
+  }
+};
+
+bool has_estimates(const SpotTemplates& spot, const SpotEstimates& found) {
+  return found.level > 0.0F && spot.estimates() > 0;
+}
+
 /// Normal equations of the modes; the variances of a spot's estimates times its `factors`.
 struct ModeSums {
   Eigen::MatrixXd normal;
@@ -112,19 +146,14 @@ struct ModeSums {
 
   ModeSums(const SpotPass& pass, std::span<const double> factors) {
     for (std::size_t i = 0; i < pass.found.size(); ++i) {
-      const SpotEstimates& found = pass.found[i];
-      const Eigen::MatrixXd& rows = pass.templates[i].per_wave;
-      if (!(found.level > 0.0F) || rows.rows() == 0) continue;
+      if (!has_estimates(pass.templates[i], pass.found[i])) continue;
+      const Whitened spot(pass.templates[i], pass.found[i], pass.higher_waves);
       if (normal.size() == 0) {
-        normal.setZero(rows.cols(), rows.cols());
-        right.setZero(rows.cols());
+        normal.setZero(spot.rows.cols(), spot.rows.cols());
+        right.setZero(spot.rows.cols());
       }
-      const double level = double(found.level) * pixels_of(pass.templates[i].window);
-      const double weight = level * level / factors[i];
-      const Eigen::VectorXd values =
-          Eigen::Map<const Eigen::VectorXf>(found.values.data(), rows.rows()).cast<double>();
-      normal += weight * rows.transpose() * rows;
-      right += weight * rows.transpose() * values;
+      normal += spot.rows.transpose() * spot.rows / factors[i];
+      right += spot.rows.transpose() * spot.values / factors[i];
     }
   }
 
@@ -155,6 +184,21 @@ std::optional<WavefrontStep> damped_step(const SpotPass& pass) {
   ModeSums sums(pass, factors);
   sums.normal.diagonal().array() += (1.0 - described) / (kUsualStepWaves * kUsualStepWaves);
   return sums.solved();
+}
+
+double higher_waves_of(const SpotPass& pass, const WavefrontStep& step) {
+  double left = 0.0, noise = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < pass.found.size(); ++i) {
+    if (!has_estimates(pass.templates[i], pass.found[i])) continue;
+    const Whitened spot(pass.templates[i], pass.found[i], pass.higher_waves);
+    left += (spot.values - spot.rows * step.waves).squaredNorm();
+    noise += spot.noise;
+    count += double(spot.values.size());
+  }
+  const double free = count - double(step.waves.size());
+  if (!(free > 0.0) || !(noise < count)) return pass.higher_waves;
+  const double by_noise = noise / count;
+  return pass.higher_waves * std::sqrt(std::max(0.0, left / free - by_noise) / (1.0 - by_noise));
 }
 
 namespace {

@@ -15,12 +15,15 @@ namespace ovws {
 struct SpotPass {
   std::vector<SpotTemplates> templates;
   std::vector<SpotEstimates> found;
-  double ceiling_dn = 0.0;  ///< of a camera pixel above the background: saturation is near
+  double ceiling_dn = 0.0;    ///< of a camera pixel above the background: saturation is near
+  double higher_waves = 0.0;  ///< RMS of higher_modes that a step allows for
 
   /// Levels of the spots found, DN of a camera pixel; 0: not found.
   std::vector<double> levels_dn() const;
   /// Median over the spots of the weighted light that the templates leave beyond noise, relative.
   double excess() const;
+  /// Its standard error by noise.
+  double excess_scatter() const;
   /// Mean chi-squared per cell of the spots found.
   double chi2() const;
 };
@@ -49,6 +52,10 @@ std::optional<WavefrontStep> step_from(const SpotPass& pass);
 /// grow with their chi-squared, and modes that the other spots hardly determine change little
 /// (Levenberg, 1944; Marquardt, 1963).
 std::optional<WavefrontStep> damped_step(const SpotPass& pass);
+
+/// higher_waves as the estimates tell it: what the step leaves of them beyond noise. The pass
+/// allows for some already.
+double higher_waves_of(const SpotPass& pass, const WavefrontStep& step);
 
 /// The noise of pixels, from two or more images in a row: half the squared differences of cells as
 /// a straight line over their light. Uses the two successive images that differ least, because the

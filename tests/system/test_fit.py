@@ -79,6 +79,32 @@ class Fit(BenchCase):
         self.assert_replays_the_same("44", [draw(rng, 0.05, 44)])
         self.call("sensor.set", {"mode_count": None})
 
+    def test_weak_air_is_measured_from_all_pixels(self):
+        """Air has modes above the measured ones, too; the standard errors hold what those change."""
+        self.call("sensor.set", {"mode_count": 44})
+        self.take_reference(50)
+        stream, twin = self.stream("wavefront"), Client("tcp://127.0.0.1:7790")
+        twin.call("twin.set", {"turbulence": {"rms_waves": 0.02, "speed_pupils_per_s": 0.1, "outer_scale_pupils": 4, "seed": 5, "tilt": False}})
+        self.fitted(stream, 1, self.call("system.status")["slm"]["hologram_id"])
+        squares, variances, valid = [], [], 0
+        for _ in range(60):
+            frame = stream.next(5.0)
+            valid += frame["valid"]
+            if not frame["valid"]:
+                continue
+            air = twin.call("twin.get", {"at_ns": frame["t_device_ns"]})["turbulence"]["modes"]
+            known = range(3, len(air))  # the twin tells the first modes of its air
+            coefficients, sigma = (dict(zip(frame["j"], frame[name])) for name in ("coefficients", "sigma"))
+            squares.append(sum((coefficients[j] - air[j]) ** 2 for j in known))
+            variances.append(sum(sigma[j] ** 2 for j in known))
+        off, sigma = statistics.mean(squares) ** 0.5, statistics.mean(variances) ** 0.5
+        print(f"\n  0.02 wave RMS: {valid} of 60 frames valid, error {off:.4f} wave, standard error {sigma:.4f}")
+        self.assertGreater(valid, 45)
+        self.assertLess(off, 0.015)
+        self.assertLess(abs(off / sigma - 1.0), 0.6)
+        twin.call("twin.set", {"turbulence": None})
+        self.call("sensor.set", {"mode_count": None})
+
     def test_after_a_sudden_wavefront_no_frame_is_valid_by_positions_only(self):
         self.take_reference(50)
         stream, rng, twin = self.stream("wavefront"), random.Random(5), Client("tcp://127.0.0.1:7790")

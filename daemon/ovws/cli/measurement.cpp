@@ -202,25 +202,22 @@ std::vector<std::vector<double>> Measurement::starts(const Measured& measured) c
 }
 
 void Measurement::fit(const ImageView& image, Measured& measured) {
-  for (const std::vector<double>& start : starts(measured)) {
-    const PixelNoise noise = noise_of(image, model_->rendered(start));
-    const auto found = model_->templates(image, noise, start, {}, kRenderings);
-    if (!found) continue;
-    FrameFit::Measured all = (*found)->measure(image);
-    measured.fitted = measured.valid = measured.explained = true;
-    measured.coefficients = std::move(all.coefficients);
-    measured.sigma_waves = std::move(all.sigma_waves);
-    measured.spots = std::move(all.spots);
-    measured.reconstruction = reconstruction_of(all.frame, plan_->modes_j, measured.coefficients);
-    return;
-  }
+  const auto found = model_->templates(image, starts(measured), {}, kRenderings);
+  if (!found) return;
+  FrameFit::Measured all = (*found)->measure(image);
+  measured.fitted = measured.valid = measured.explained = true;
+  measured.coefficients = std::move(all.coefficients);
+  measured.sigma_waves = std::move(all.sigma_waves);
+  measured.spots = std::move(all.spots);
+  measured.reconstruction = reconstruction_of(all.frame, plan_->modes_j, measured.coefficients);
 }
 
 /// With the noise of a known camera; what is not explained is not measured.
 void Measurement::refine(const ImageView& image, Measured& measured) {
   for (const std::vector<double>& start : starts(measured)) {
-    auto found = counts_from_image_ ? ovws::refine(*model_, image, *camera_, start, {})
-                                    : refine_absolute(*model_, image, *camera_, start, {});
+    const PointModel::Starts one(&start, 1);
+    auto found = counts_from_image_ ? ovws::refine(*model_, image, *camera_, one, {})
+                                    : refine_absolute(*model_, image, *camera_, one, {});
     measured.refused = found ? found->doubt(*camera_).value_or("") : found.error().reason;
     if (!found) continue;
     measured.fitted = true;

@@ -32,11 +32,10 @@ std::vector<SpotFix> Searcher::fitted(const Exposure& exposure, double read_nois
                                       const std::vector<SpotFix>& by_positions) {
   const PixelNoise noise = noise_of(exposure, read_noise_e);
   const std::vector<double> flat(measurer_.modes_j().size(), 0.0);
-  for (const std::vector<double>& start : {measurer_.modes(by_positions), flat}) {
-    if (std::isnan(start.front())) continue;
-    const auto found = model_->templates(exposure.view(), noise, start, {}, kRenderings);
-    if (found) return (*found)->measure(exposure.view()).spots;
-  }
+  std::vector<std::vector<double>> starts{measurer_.modes(by_positions), flat};
+  if (std::isnan(starts.front().front())) starts.erase(starts.begin());
+  const auto found = model_->templates(exposure.view(), noise, starts, {}, kRenderings);
+  if (found) return (*found)->measure(exposure.view()).spots;
   return std::vector<SpotFix>(by_positions.size());
 }
 

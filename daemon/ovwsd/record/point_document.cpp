@@ -42,13 +42,13 @@ Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t s
   const auto known = [&](const Mode& mode) {
     return mode.j >= 0 && mode.j <= kMaxZernikeIndex && moderate(mode.waves);
   };
-  const bool fits = std::all_of(point.fixed.begin(), point.fixed.end(), known) &&
-                    std::all_of(point.waves.begin(), point.waves.end(), moderate) &&
-                    point.waves.size() == modes && point.reference_waves.size() == modes &&
-                    point.levels_dn.size() == spots &&
-                    as_many(point.deviations.offsets_px.size()) &&
-                    as_many(point.deviations.fields.size()) && point.estimates >= 1 &&
-                    point.estimates <= kMaxSpotEstimates;
+  const bool fits =
+      std::all_of(point.fixed.begin(), point.fixed.end(), known) &&
+      std::all_of(point.waves.begin(), point.waves.end(), moderate) &&
+      point.waves.size() == modes && point.reference_waves.size() == modes &&
+      point.levels_dn.size() == spots && as_many(point.deviations.offsets_px.size()) &&
+      as_many(point.deviations.fields.size()) && moderate(point.higher_waves) &&
+      point.higher_waves >= 0.0 && point.estimates >= 1 && point.estimates <= kMaxSpotEstimates;
   if (fits) return {};
   return fail(Errc::invalid, "path", "the recording's operating point has parts that do not fit");
 }
@@ -83,6 +83,7 @@ OperatingPoint point_from(const json& content) {
   point.estimates = content.at("estimates").get<int>();
   point.max_excess = content.at("max_excess").get<double>();
   point.measured = content.value("measured", false);
+  point.higher_waves = content.value("higher_waves", 0.0);
   return point;
 }
 
@@ -109,7 +110,8 @@ json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
           {"levels_dn", point.levels_dn},
           {"ceiling_dn", point.ceiling_dn},
           {"estimates", point.estimates},
-          {"max_excess", point.max_excess}};
+          {"max_excess", point.max_excess},
+          {"higher_waves", point.higher_waves}};
 }
 
 Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, const Roi& roi,

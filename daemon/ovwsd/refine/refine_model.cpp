@@ -78,12 +78,13 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
     const char* const of = out.against_reference ? "the reference cannot be refined: " : "";
     return refused(of + bench_->model.error().reason);
   }
-  std::vector<double> start(frame.coefficients.begin(), frame.coefficients.end());
+  std::vector<std::vector<double>> starts;
+  starts.emplace_back(frame.coefficients.begin(), frame.coefficients.end());
   if (!out.against_reference) {
     auto absolute =
         modes_against_model(sensor, slm_, frame.image.width, frame.image.height, frame.spots);
     if (!absolute) return refused("too few spots were found to start the fit");
-    start = std::move(*absolute);
+    starts.front() = std::move(*absolute);
   }
   const RefineCamera camera = refine_camera(settings, frame.image.format, frame.gain_db);
   const std::vector<Mode> shown =
@@ -91,8 +92,8 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   const std::int64_t begun_ns = monotonic_ns();
   const std::vector<Mode> fixed = fixed_modes(shown, sensor.modes_j);
   auto found = out.against_reference
-                   ? ovws::refine(*bench_->model, frame.image, camera, start, fixed)
-                   : refine_absolute(*bench_->model, frame.image, camera, start, fixed);
+                   ? ovws::refine(*bench_->model, frame.image, camera, starts, fixed)
+                   : refine_absolute(*bench_->model, frame.image, camera, starts, fixed);
   out.duration_ms = 1e-6 * double(monotonic_ns() - begun_ns);
   if (!found) return refused(found.error().reason);
   out.modes = std::move(*found);

@@ -100,23 +100,26 @@ std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera) const
 }
 
 Result<RefinedModes> refine(PointModel& model, const ImageView& image, const RefineCamera& camera,
-                            std::span<const double> start, std::span<const Mode> fixed) {
-  const auto fit = model.templates(image, pixel_noise(camera), start, fixed, kRenderings);
+                            PointModel::Starts starts, std::span<const Mode> fixed) {
+  const auto fit = model.templates(image, pixel_noise(camera), starts, fixed, kRenderings);
   if (!fit) return fail(fit.error());
   return modes_of(model, **fit, image, camera);
 }
 
 Result<RefinedModes> refine_absolute(PointModel& model, const ImageView& image,
-                                     const RefineCamera& camera, std::span<const double> start,
+                                     const RefineCamera& camera, PointModel::Starts starts,
                                      std::span<const Mode> fixed) {
   model.use_model();
   const PixelNoise noise = pixel_noise(camera);
-  const auto near = model.templates(image, noise, start, fixed, kRenderings);
+  const auto near = model.templates(image, noise, starts, fixed, kRenderings);
   if (!near) return fail(near.error());
+  if ((*near)->point().higher_waves > 0.0) {
+    return fail(Errc::refused, "image", "the wavefront has modes above the measured ones");
+  }
   const std::vector<float> found = (*near)->measure(image).coefficients;
   const std::vector<double> waves(found.begin(), found.end());
   if (auto used = model.use_reference(image, noise, waves, fixed); !used) return fail(used.error());
-  const std::vector<double> none(waves.size());
+  const std::vector<std::vector<double>> none{std::vector<double>(waves.size())};
   const auto fit = model.templates(image, noise, none, fixed, kRenderings);
   if (!fit) return fail(fit.error());
   RefinedModes modes = modes_of(model, **fit, image, camera);

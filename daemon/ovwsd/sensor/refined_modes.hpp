@@ -38,16 +38,18 @@ struct RefinedModes {
   std::optional<std::string> doubt(const RefineCamera& camera) const;
 };
 
-/// Finds the modes from `start` by rendering all spots again and again, until the step is small;
-/// some 15 ms for each rendering on the default bench. Errors: those of PointModel::templates.
+/// Finds the modes from one of `starts` by rendering all spots again and again, until the step is
+/// small; some 15 ms for each rendering on the default bench. Errors: those of
+/// PointModel::templates.
 Result<RefinedModes> refine(PointModel& model, const ImageView& image, const RefineCamera& camera,
-                            std::span<const double> start, std::span<const Mode> fixed);
+                            PointModel::Starts starts, std::span<const Mode> fixed);
 
 /// The same without a reference: the modes against the model, which first learns from the image
 /// what the bench does differently over each subaperture; some tenths of a second. Errors: those of
-/// PointModel::templates and PointModel::use_reference.
+/// PointModel::templates and PointModel::use_reference; Errc::refused, field "image": the wavefront
+/// has modes above the measured ones.
 Result<RefinedModes> refine_absolute(PointModel& model, const ImageView& image,
-                                     const RefineCamera& camera, std::span<const double> start,
+                                     const RefineCamera& camera, PointModel::Starts starts,
                                      std::span<const Mode> fixed);
 
 }  // namespace ovws

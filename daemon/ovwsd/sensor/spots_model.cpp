@@ -143,13 +143,9 @@ Result<std::shared_ptr<const FrameFit>> SpotsModel::templates(
     std::span<const ImageView> images, std::span<const std::vector<double>> starts,
     std::span<const Mode> fixed, int renderings) {
   if (auto near = measured_near(images)) return near;
-  Result<std::shared_ptr<const FrameFit>> fit = fail(Errc::refused, "image", "");
-  for (const std::vector<double>& start : starts) {
-    if (!rendered_) break;
-    fit = rendered_->templates(images, start, fixed, renderings);
-    if (fit) return fit;
-  }
-  return measured_ ? measured_->templates(images) : fit;
+  if (!rendered_) return measured_->templates(images);
+  auto fit = rendered_->templates(images, starts, fixed, renderings);
+  return fit || !measured_ ? fit : measured_->templates(images);
 }
 
 }  // namespace ovws

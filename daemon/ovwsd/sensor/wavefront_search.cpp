@@ -19,7 +19,8 @@ constexpr std::chrono::milliseconds kTurn(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
 constexpr int kFrames = 3;  // the first ones give the noise; the last is measured
 constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
-constexpr double kMaxResidual = 1.5;                     // standard errors
+constexpr double kMaxResidual = 1.5;  // standard errors
+constexpr double kCalmResidual = 0.7, kFarInAirWaves = 0.05;
 constexpr double kMoreResidual = 1.3;                    // over that at the operating point
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
 // For an image that was searched twice and stays as it is: finds 2 waves RMS.
@@ -30,17 +31,22 @@ constexpr std::int64_t kLookAgainNs = 1'000'000'000;
 constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // another frame gives a better noise estimate
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
-/// Whether templates about this frame's wavefront would measure it better: it has drifted away, or
-/// the linear templates leave more than noise.
+/// Whether templates about this frame's wavefront would measure it better: it has drifted away, the
+/// linear templates leave more than noise, or less than the air that they allow for.
 bool is_drifted(const FrameRecord& record) {
   double variance = 0.0;
   for (int k = 0; k < record.mode_count; ++k) {
     variance += std::pow(double(record.sigma_waves[std::size_t(k)]), 2);
   }
-  const double expected = kMoreResidual * record.plan->fit->at_point().residual;
+  const FrameFit& fit = *record.plan->fit;
+  const double expected = kMoreResidual * fit.at_point().residual;
   const bool is_bent = record.templates.residual > std::max(kMaxResidual, expected);
-  return record.templates.drift_waves >
-         std::max(is_bent ? kBentWaves : kDriftWaves, kDriftSigmas * std::sqrt(variance));
+  const double by_chance = kDriftSigmas * std::sqrt(variance);
+  const double limit = std::max(is_bent ? kBentWaves : kDriftWaves, by_chance);
+  const bool in_air = fit.point().higher_waves > 0.0;
+  if (!in_air) return record.templates.drift_waves > limit;
+  const bool has_calmed = record.templates.residual < kCalmResidual * fit.at_point().residual;
+  return is_bent || has_calmed || record.templates.drift_waves > std::min(limit, kFarInAirWaves);
 }
 
 bool can_be_rendered(const FrameRecord& record) {
@@ -268,7 +274,9 @@ void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns
   policy_.end(now_ns);
   validity_.search_failed(policy_.next_ns());
   if (failing_since_ns_ == 0) failing_since_ns_ = began_ns;
-  if (model_ && (model_->has_failed() || now_ns - failing_since_ns_ > kGiveUpNs)) {
+  const bool given_up =
+      !described_.load(std::memory_order_relaxed) && now_ns - failing_since_ns_ > kGiveUpNs;
+  if (model_ && (model_->has_failed() || given_up)) {
     const Key& key = model_->key;
     keeper_.use_templates(
         {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, nullptr, true});

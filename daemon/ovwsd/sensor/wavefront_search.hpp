@@ -26,10 +26,11 @@ namespace ovws {
 /// Agent of the search thread. When templates do not describe the frames, or the wavefront has
 /// drifted from their operating point, it finds the wavefront of the next frame by rendering its
 /// spots, which takes some 50 ms, or up to a second for a frame that is not valid. Templates
-/// about it go to the SensorKeeper. After a failure, SearchPolicy decides when to try again. When
-/// nothing has been found for three seconds, or nothing can be, templates are given up: positions
-/// count, as far as they determine the modes. Near the wavefront of a calibration its templates
-/// are used. With other trackers than `fit` it only watches whether frames are valid.
+/// about it go to the SensorKeeper; in air they allow for modes that are not measured. After a
+/// failure, SearchPolicy decides when to try again. When nothing has been found for three seconds,
+/// or nothing can be, templates are given up: positions count, as far as they determine the modes.
+/// Near the wavefront of a calibration its templates are used. With other trackers than `fit` it
+/// only watches whether frames are valid.
 class WavefrontSearch : public Agent {
  public:
   WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,

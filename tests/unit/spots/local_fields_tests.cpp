@@ -75,7 +75,7 @@ TEST_F(LocalFields, OfUnevenAndCutLightAreLearnedFromTheReference) {
     for (const double rms : {0.0, 0.05, 0.1}) {
       const Waves truth = rms > 0.0 ? random(modes, rms, 5) : flat;
       const auto image = exposed(bench.light(truth, kPeak), kReadNoiseE, 2);
-      const auto fit = points.templates(view(image), noise, flat, {}, 8);
+      const auto fit = points.templates(view(image), noise, std::vector<Waves>{flat}, {}, 8);
       ASSERT_TRUE(fit) << modes << " modes, " << rms << " wave: " << fit.error().reason;
       const Frame frame = measured(**fit, view(image));
       std::printf("  %d modes, %.2f wave: error %.5f wave, %d lost\n", modes, rms,

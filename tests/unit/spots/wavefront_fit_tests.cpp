@@ -74,7 +74,8 @@ TEST_F(Templates, FindTheWavefrontFromARoughStart) {
     const Image<float> electrons = light(1, truth, 2000.0);
     const auto image = exposed(electrons, kReadNoiseE, 1),
                other = exposed(electrons, kReadNoiseE, 2);
-    const auto fit = points.templates(std::vector{view(other), view(image)}, start, {}, 4);
+    const auto fit =
+        points.templates(std::vector{view(other), view(image)}, std::vector<Waves>{start}, {}, 4);
     ASSERT_TRUE(fit) << rms << " wave: " << fit.error().reason;
     const Frame frame = measured(**fit, view(image));
     double claimed = 0.0;
@@ -108,7 +109,8 @@ TEST_F(Templates, FindStrongWavefrontsFromAFlatStart) {
       const Image<float> electrons = light(one.charge, truth, 2000.0);
       const auto image = exposed(electrons, kReadNoiseE, 1),
                  other = exposed(electrons, kReadNoiseE, 2);
-      const auto fit = points.templates(std::vector{view(other), view(image)}, flat, {}, 12);
+      const auto fit =
+          points.templates(std::vector{view(other), view(image)}, std::vector<Waves>{flat}, {}, 12);
       if (!fit) continue;
       EXPECT_LT(error(measured(**fit, view(image)).waves, truth), 0.01) << "draw " << draw;
       ++found;
@@ -125,7 +127,8 @@ TEST_F(Templates, DoNotDescribeAnotherWavefront) {
   PointModel points(renderer(1, 18), 8);
   ASSERT_TRUE(points.use_reference(view(image), {25.0, 1.0}, flat, {}));
   const auto other = exposed(light(1, flat), kReadNoiseE, 2);
-  const auto fit = points.templates(std::vector{view(other), view(image)}, flat, {}, 4);
+  const auto fit =
+      points.templates(std::vector{view(other), view(image)}, std::vector<Waves>{flat}, {}, 4);
   ASSERT_TRUE(fit) << fit.error().reason;
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const Waves truth = random(18, 0.5, seed);
@@ -143,14 +146,16 @@ TEST_F(Templates, AreNotConfirmedByAFrameWithoutThreeSpotsOfNineteen) {
   PointModel points(renderer(1, 18), 8);
   ASSERT_TRUE(points.use_reference(view(reference), {25.0, 1.0}, flat, {}));
   auto image = exposed(light(1, flat, 2000.0), kReadNoiseE, 2);
-  const auto fit = points.templates(std::vector{view(reference), view(image)}, flat, {}, 4);
+  const auto fit =
+      points.templates(std::vector{view(reference), view(image)}, std::vector<Waves>{flat}, {}, 4);
   ASSERT_TRUE(fit) << fit.error().reason;
   for (int lost = 1; lost <= 3; ++lost) {
     const PixelBox box = (*fit)->spots().spots()[std::size_t(lost)].window.pixels();
     for (int y = box.y; y < box.y + box.height; ++y) {
       std::fill_n(&image.at(box.x, y), box.width, std::uint16_t(kBlackDn));
     }
-    const auto again = points.templates(std::vector{view(reference), view(image)}, flat, {}, 4);
+    const auto again = points.templates(std::vector{view(reference), view(image)},
+                                        std::vector<Waves>{flat}, {}, 4);
     EXPECT_EQ(again.has_value(), lost <= 2) << lost << " spots lost";
   }
 }
