@@ -46,13 +46,15 @@ class Turbulence(BenchCase):
         return frames
 
     def check_bands(self, summary):
-        """Far below the step rate the rejection must match the integrator's; a loop without effect would fail."""
-        steps_hz, judged = summary["steps_hz"], 0
+        """Far below the step rate the rejection must match the integrator's; a loop without effect would fail.
+        On a busy machine frames are missing, and while they are the air is as strong as with an open loop."""
+        steps_hz, missing, judged = summary["steps_hz"], summary["closed"]["missing_share"], 0
         for band in summary["bands"]:
             if band["to_hz"] > 0.1 * steps_hz or band["integrator_db"] is None or band["integrator_db"] > -5.0:
                 continue
             with self.subTest(band=band):
-                self.assertLess(band["rejection_db"], band["integrator_db"] + 5.0)
+                expected_db = 10.0 * math.log10((1.0 - missing) * 10.0 ** (band["integrator_db"] / 10.0) + missing)
+                self.assertLess(band["rejection_db"], min(expected_db + 5.0, -0.5))
             judged += 1
         print(f"  {judged} bands are far enough below {steps_hz:.1f} steps/s")
         if judged == 0:
