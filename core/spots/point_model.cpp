@@ -242,8 +242,13 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
   const SpotWindow& window = found.rendered.front().window;
   const double allowed_px =
       std::max(kMaxResidual * window.side * window.bin, kMaxOverReference * reference_residual_px_);
-  if (!fit->check(image, allowed_px).credible) {
+  const FittedFrame& found_again = fit->check(image, allowed_px);
+  if (!found_again.credible) {
     return fail(Errc::refused, "image", "too few spots look as rendered");
+  }
+  // Steps are damped before; in dim light a wrong wavefront is told by a large one.
+  if (found_again.drift_waves > kFarWaves) {
+    return fail(Errc::refused, "image", "no wavefront was found in so many renderings");
   }
   return fit;
 }

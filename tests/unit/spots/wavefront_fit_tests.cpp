@@ -121,6 +121,20 @@ TEST_F(Templates, FindStrongWavefrontsFromAFlatStart) {
   }
 }
 
+/// Images in which twelve steps end half-way, where 44 modes leave no more than the noise.
+TEST_F(Templates, OfDimLightAreRefusedHalfWay) {
+  const Waves flat(44, 0.0);
+  PointModel points(renderer(1, 44, 0.0), 8);
+  points.use_model();
+  for (const auto& [rms, seed] : {std::pair(0.4, 13U), {0.6, 17U}, {0.6, 29U}}) {
+    const Waves truth = random(44, rms, seed);
+    const auto image = exposed(light(1, truth, 100.0), kReadNoiseE, seed);
+    const auto fit = points.templates(view(image), {kReadNoiseE * kReadNoiseE + 1.0 / 12.0, 1.0},
+                                      std::vector<Waves>{flat}, {}, 12);
+    EXPECT_TRUE(!fit || error(measured(**fit, view(image)).waves, truth) < 0.05) << seed;
+  }
+}
+
 TEST_F(Templates, DoNotDescribeAnotherWavefront) {
   const Waves flat(18, 0.0);
   const auto image = exposed(light(1, flat), kReadNoiseE, 1);
