@@ -1,5 +1,6 @@
 #include "daemon/ovwsd/devices/driver_table.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "daemon/ovwsd/threads/thread_plan.hpp"
@@ -9,6 +10,10 @@
 
 namespace ovws {
 namespace {
+
+/// Below the threads that a frame goes through: the packets of the next one can wait in the socket.
+constexpr int kReceivePriority =
+    std::ranges::find(kThreadTable, ThreadRole::publish, &ThreadRow::role)->fifo_priority - 1;
 
 template <class Config, class Port>
 struct Row {
@@ -20,8 +25,7 @@ Result<std::unique_ptr<Camera>> open_aravis(const CameraConfig& config) {
   AravisConfig aravis;
   aravis.id = config.id;
   aravis.packet_size_bytes = config.packet_size_bytes;
-  const ThreadRow& acquire = kThreadTable.front();  // which waits for the frames received
-  aravis.receive_priority = acquire.fifo_priority;
+  aravis.receive_priority = kReceivePriority;
   return open_aravis_camera(aravis);
 }
 
