@@ -22,7 +22,7 @@ constexpr double kNoiseOnly = 1.25, kStalled = 0.98;  // of chi-squared per cell
 constexpr double kMaxExcess = 0.1;  // of the weighted light, beyond what the reference leaves
 constexpr double kMaxReferenceExcess = 0.15;
 // Of modes above the measured ones. The light that they should move into shapes without a template
-// is 0.15 to 1.7 times what is found in air, and more at false minima.
+// is 0.12 to 1.7 times what is found in air, and over 2 times at false minima.
 constexpr double kUsualHigherWaves = 0.01, kLeastHigherWaves = 0.001, kMaxHigherWaves = 0.03;
 constexpr double kMinOverShapes = 0.1, kMaxOverShapes = 2.0, kScatters = 2.0, kSmallExcess = 5e-4;
 constexpr double kFarOver = 2.0, kUnsettled = 0.1;
@@ -163,12 +163,12 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
                                                              int renderings) {
   Result<std::shared_ptr<const FrameFit>> fit = fail(Errc::refused, "image", "no start is known");
   std::optional<Found> near;
-  PixelNoise noise, noise_near;
+  PixelNoise noise_near;
   renderings_ = 0;
   for (const std::vector<double>& start : starts) {
     std::vector<double> waves = from_reference(start);
     auto rendered = renderer_.render(waves, fixed);
-    noise = noise_from(rendered);
+    const PixelNoise noise = noise_from(rendered);
     auto found = approach(image, noise, std::move(waves), std::move(rendered), fixed, kNearWaves,
                           renderings);
     fit = found ? accepted(*found, image, noise, fixed) : fail(found.error());
@@ -182,8 +182,8 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
   return rough ? accepted(*rough, image, noise_near, fixed) : fit;
 }
 
-/// Steps on with errors by modes above the measured ones, as large as the estimates tell. None: the
-/// spots contradict each other.
+/// Steps on with errors by modes above the measured ones, whose strength the estimates give. None:
+/// the spots contradict each other.
 std::optional<PointModel::Found> PointModel::with_higher_modes(const ImageView& image,
                                                                const PixelNoise& noise, Found found,
                                                                std::span<const Mode> fixed) {
@@ -246,7 +246,7 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
   if (!found_again.credible) {
     return fail(Errc::refused, "image", "too few spots look as rendered");
   }
-  // Steps are damped before; in dim light a wrong wavefront is told by a large one.
+  // The steps before were damped. In dim light a large one may be all that shows a wrong wavefront.
   if (found_again.drift_waves > kFarWaves) {
     return fail(Errc::refused, "image", "no wavefront was found in so many renderings");
   }

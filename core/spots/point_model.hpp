@@ -46,10 +46,9 @@ class PointModel {
   using Starts = std::span<const std::vector<double>>;
   /// Templates about the wavefront of the last of `images`, found from the first of `starts` that
   /// leads to it, in at most `renderings` each. The images before it give the noise (noise_of). If
-  /// none does, modes above the measured ones are allowed for, as strong as the nearest tells, in a
-  /// few more. From a
-  /// flat start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18). Errc::refused,
-  /// field "image": the spots do not look as rendered.
+  /// none does, a few more renderings about the nearest allow for modes above the measured ones.
+  /// From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18).
+  /// Errc::refused, field "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
                                                     Starts starts, std::span<const Mode> fixed,
                                                     int renderings);
