@@ -292,8 +292,8 @@ void decode_fields(ObjectReader& reader, S& out) {
 
 }  // namespace detail
 
-/// Strict decoding of an object over the values of `base`. All or nothing: any fault is
-/// Errc::invalid.
+/// Decodes an object strictly. Keys that it leaves out keep their values of `base`. All or nothing:
+/// with any fault the result is Errc::invalid.
 template <HasTable S>
 Result<S> decode(const Json& object, S base = {}) {
   ObjectReader reader(object, "");

@@ -49,7 +49,8 @@ struct RecordedSpot {
   std::uint8_t fresh = 0;
 };
 
-/// One row of `documents`: a JSON text within `text` that applies from a frame on.
+/// One row of the dataset `documents`: where a JSON document lies in the dataset `text`, and the
+/// first frame that it applies to.
 struct RecordedDocument {
   std::array<char, 16> kind{};    ///< "plan", "reference", …
   std::array<char, 64> sha256{};  ///< of the text, hexadecimal

@@ -18,7 +18,8 @@ struct SpotDeviations {
   std::vector<SensorField::LocalField> fields;  ///< added to 1, times its field
 };
 
-/// Templates made again from it are the same.
+/// The wavefront that templates are made for, and all else that they depend on besides the sensor
+/// and its optics, or its calibration. From an equal point the same templates can be made again.
 struct OperatingPoint {
   std::vector<double> waves;            ///< of the measured modes, RMS-normalised
   std::vector<double> reference_waves;  ///< of the reference, from which coefficients count

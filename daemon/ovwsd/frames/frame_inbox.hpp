@@ -40,7 +40,8 @@ bool can_be_refined(const FrameRecord& record);
 class FrameInbox {
  public:
   using Usable = std::function<bool(const FrameRecord&)>;
-  /// `usable` is called in the images thread. The broker outlives this object.
+  /// `usable` decides whether a frame will do; the thread of the images calls it. The broker must
+  /// outlive this object.
   FrameInbox(FrameBroker& broker, Usable usable) : broker_(broker), usable_(std::move(usable)) {}
 
   /// Requests a usable frame unless one is requested already, and waits for it, `timeout` at most;

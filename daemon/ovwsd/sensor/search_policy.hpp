@@ -28,7 +28,8 @@ class SearchPolicy {
   void begin(bool changed);
   /// Call when the search has ended.
   void end(std::int64_t now_ns);
-  /// Call when frames are good again: the next search is then due at once.
+  /// Call when frames are good again. Ends the pauses: when they are bad next, a search is due at
+  /// once.
   void reset() { *this = {}; }
 
   /// Searches of the unchanged image so far.
