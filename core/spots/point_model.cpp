@@ -236,7 +236,10 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
                                                              const PixelNoise& noise,
                                                              std::span<const Mode> fixed) const {
   if (!(found.pass.excess() < allowed_excess()) || found.away_waves > kFarWaves) {
-    return fail(Errc::refused, "image", "the spots do not look as rendered");
+    return fail(
+        Errc::refused, "image",
+        "the spots differ from those of the model: check exposure, focus, and optics in the "
+        "configuration");
   }
   auto fit = fit_at(found, noise, fixed);
   const SpotWindow& window = found.rendered.front().window;
@@ -244,7 +247,7 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
       std::max(kMaxResidual * window.side * window.bin, kMaxOverReference * reference_residual_px_);
   const FittedFrame& found_again = fit->check(image, allowed_px);
   if (!found_again.credible) {
-    return fail(Errc::refused, "image", "too few spots look as rendered");
+    return fail(Errc::refused, "image", "too few spots look as the model renders them");
   }
   // The steps before were damped. In dim light a large one may be all that shows a wrong wavefront.
   if (found_again.drift_waves > kFarWaves) {

@@ -50,7 +50,10 @@ Result<void> check_pair(const std::string& path, const KeyFile& keys) {
                      "public_key does not belong to secret_key: make both with ovws keygen");
   }
   if (keys.server_key.empty() || is_curve_key(keys.server_key)) return {};
-  return key_error(Errc::invalid, path, "server_key is not a key of 40 characters");
+  return key_error(
+      Errc::invalid, path,
+      "server_key is not a key of 40 characters: copy the daemon's public key, which its "
+      "log shows at the start");
 }
 
 }  // namespace

@@ -193,7 +193,10 @@ void Feeds::publish_health() {
   try {
     health["findings"] = findings_json(examine_bench(facts_));
   } catch (const json::exception& error) {
-    spdlog::warn("a status of the daemon has an unknown format: {}", error.what());
+    spdlog::warn(
+        "a status of the daemon has an unknown format, which another version may have: install the "
+        "same version of both ({})",
+        error.what());
   }
   board_.put(Slot::health, framed(json_text(health)));
 }

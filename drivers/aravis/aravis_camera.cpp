@@ -46,7 +46,8 @@ struct FoundDevice {
 /// about 6 s. Errc::invalid if `id` is empty.
 Result<FoundDevice> find_device(const std::string& id) {
   if (id.empty())
-    return fail(Errc::invalid, kField, "give the camera's IP address, id or serial number");
+    return fail(Errc::invalid, kField,
+                "is empty: give the camera's IP address, id or serial number");
   Listing listing{id, true};
   if (!g_hostname_is_ip_address(id.c_str())) {
     auto listed = look_up(id);

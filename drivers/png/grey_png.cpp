@@ -55,7 +55,7 @@ std::string size_text(png_uint_32 width, png_uint_32 height) {
 Result<void> check_header(const Reader& reader, const std::string& path, int width, int height) {
   if (png_get_bit_depth(reader.png, reader.info) != 16 ||
       png_get_color_type(reader.png, reader.info) != PNG_COLOR_TYPE_GRAY) {
-    return fail(Errc::invalid, "", path + " is not a 16-bit greyscale PNG");
+    return fail(Errc::invalid, "", path + " is not a 16-bit greyscale PNG: convert it");
   }
   const png_uint_32 cols = png_get_image_width(reader.png, reader.info);
   const png_uint_32 rows = png_get_image_height(reader.png, reader.info);

@@ -32,7 +32,9 @@ tl::unexpected<Error> refusal(int error, const std::string& endpoint) {
                   text + " is in use by another program; stop it, or configure another endpoint");
     case EADDRNOTAVAIL:
     case ENODEV:
-      return fail(Errc::unavailable, "", text + ": this machine has no such address");
+      return fail(
+          Errc::unavailable, "",
+          text + ": this machine has no such address or interface; \"ip address\" lists them");
     case EACCES:
     case EPERM:
       return fail(Errc::unavailable, "",

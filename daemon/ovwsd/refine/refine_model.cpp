@@ -112,10 +112,11 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
     return fail(Errc::refused, "reference", kNoGainInDb);
   }
   if (picture != nullptr && !shows(picture->format, {})) {
-    return fail(Errc::refused, "reference",
-                "the reference's image was taken in " +
-                    std::string(pixel_format_name(picture->format)) +
-                    ", and the model does not support colour filters: take a new one");
+    return fail(
+        Errc::refused, "reference",
+        "the reference's image was taken in " + std::string(pixel_format_name(picture->format)) +
+            ", and the model does not support colour filters: set a Mono pixel_format, then "
+            "take a new reference");
   }
   auto model = rendered_model(sensor, slm_, key.cols, key.rows, [&](PointModel&) {
     return std::pair(pixel_noise(refine_camera(settings, picture->format, picture->gain_db)),

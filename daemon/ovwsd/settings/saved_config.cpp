@@ -133,7 +133,11 @@ Result<Overlay> parse_overlay(const std::string& text) {
 Result<void> check_keys(const Overlay& overlay, const json& file) {
   for (const auto& [key, entry] : overlay.saved) {
     if (!changes_live(key) || !file.contains(pointer_of(key))) {
-      return fail(Errc::invalid, "", key + " is not a setting that config.save saves");
+      return fail(
+          Errc::invalid, "",
+          key +
+              " is not a setting that config.save saves: remove it there, and set it in the "
+              "configuration file");
     }
   }
   return {};

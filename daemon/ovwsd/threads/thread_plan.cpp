@@ -113,10 +113,11 @@ Result<void> ThreadPlan::lock_memory() const {
   if (mlockall(MCL_CURRENT) == 0 && mlockall(MCL_FUTURE | MCL_ONFAULT) == 0) return {};
   const std::string why = std::strerror(errno);
   if (policy_ == RealtimePolicy::enforce) {
-    return fail(Errc::unavailable, "realtime",
-                "memory cannot be locked (" + why +
-                    "): set LimitMEMLOCK=infinity in the service's unit (ulimit -l unlimited in a "
-                    "shell), or \"realtime\": \"ignore\" in the configuration");
+    return fail(
+        Errc::unavailable, "realtime",
+        "memory cannot be locked (" + why +
+            "): run \"ulimit -l unlimited\" first in a shell, or set LimitMEMLOCK=infinity in "
+            "the service's unit; or, if delays may happen, set \"realtime\": \"ignore\"");
   }
   spdlog::warn("memory is not locked ({}): page faults may delay frames", why);
   return {};
