@@ -81,8 +81,8 @@ Image<int> owners(const Lattice& lattice, int width, int height, PupilCells& cel
   return owner;
 }
 
-/// The smallest rectangle of cells that contains one piece of the pupil, from `left` to `right` and
-/// from `top` to `bottom`, both included; `sums`: the field summed over the pixels of each cell.
+/// A rectangle of cells around one piece of the pupil, with a margin, from `left` to `right` and
+/// from `top` to `bottom`, both included.
 struct PieceBox {
   int left = 0, right = -1, top = 0, bottom = -1;
   Image<std::complex<double>> sums;

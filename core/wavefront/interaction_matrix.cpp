@@ -18,7 +18,7 @@ bool found(const SpotMeans& spots, std::size_t i) {
 }
 
 /// Factor by which the measured displacements exceed the model's: the least-squares slope of all
-/// spots that are found with either sign of the poke; 1 if there are none.
+/// spots that are found with both signs of the poke; 1 if there are none.
 double factor_of(const PushPull& poke, const Eigen::Ref<const Eigen::VectorXd>& model) {
   double both = 0.0, squares = 0.0;
   for (std::size_t i = 0; i < poke.plus.at_px.size(); ++i) {
