@@ -45,7 +45,10 @@ Result<PointModel::Found> PointModel::approach(const ImageView& image, const Pix
     found.pass = fit_spots(image, found.rendered, noise, estimates_);
     found.waves = std::move(waves);
     const auto step = damped_step(found.pass);
-    if (!step) return fail(Errc::refused, "image", "the spots do not determine the modes");
+    if (!step) {
+      return fail(Errc::refused, "image",
+                  "the spots do not determine the modes: set a smaller tracking.mode_count");
+    }
     found.step = step->waves;
     found.away_waves = step->waves.norm();
     for (const double variance : step->covariance.diagonal()) {
@@ -111,7 +114,10 @@ Result<void> PointModel::count_from(const Found& found, const ImageView& image,
   }
   reference_sigma_waves_ = found.sigma_waves;
   if (reference_excess_ <= kMaxReferenceExcess && found.away_waves <= kFarReferenceWaves) return {};
-  return fail(Errc::refused, "reference", "the model does not explain the reference's image");
+  return fail(
+      Errc::refused, "reference",
+      "the model does not explain the reference's image: check focus and optics, then take a new "
+      "reference");
 }
 
 void PointModel::use_model() {
@@ -247,11 +253,14 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
       std::max(kMaxResidual * window.side * window.bin, kMaxOverReference * reference_residual_px_);
   const FittedFrame& found_again = fit->check(image, allowed_px);
   if (!found_again.credible) {
-    return fail(Errc::refused, "image", "too few spots look as the model renders them");
+    return fail(Errc::refused, "image",
+                "too few spots look as the model renders them: check exposure, focus and optics");
   }
   // The steps before were damped. In dim light a large one may be all that shows a wrong wavefront.
   if (found_again.drift_waves > kFarWaves) {
-    return fail(Errc::refused, "image", "no wavefront was found in so many renderings");
+    return fail(
+        Errc::refused, "image",
+        "all renderings of the search found no wavefront: check exposure, focus and optics");
   }
   return fit;
 }

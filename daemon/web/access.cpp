@@ -17,7 +17,7 @@ constexpr std::string_view kBearer = "Bearer ";
 constexpr std::array<RefusalRow, kRefusals> kRows{{
     {"malformed", "the HTTP request is malformed or not supported", 400},
     {"host", "unknown host name: add it with ovws-web --allow-host", 421},
-    {"origin", "requests from other sites are not allowed", 403},
+    {"origin", "requests from other sites are not allowed: open the link printed by ovws-web", 403},
     {"method", "this path requires another HTTP method", 405},
     {"path", "this path does not exist", 404},
     {"size", "requests need a Content-Length of at most 64 KiB", 413},

@@ -68,7 +68,7 @@ std::string action_of(const json& status) {
 void check_wavefront(const BenchFacts& facts, Findings& findings) {
   const json& wavefront = facts.wavefront;
   if (wavefront.is_null() || facts.wavefront_age_s > kNoFramesS) {
-    findings.bad("No frames arrive from the camera");
+    findings.bad("No frames arrive from the camera: check its cable and power, or run ovws doctor");
     return;
   }
   const json& status = facts.status;

@@ -275,7 +275,7 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
   if (!impl->open_tables()) return impl->unreadable("its tables");
   const bool whole = std::all_of(impl->frames.begin(), impl->frames.end(),
                                  [&](const RecordedFrame& one) { return impl->is_complete(one); });
-  if (!whole) return impl->unreadable("a frame refers to missing data");
+  if (!whole) return impl->unreadable("the file is damaged: data of a frame are missing");
   return std::unique_ptr<RecordingReader>(new RecordingReader(std::move(impl)));
 }
 
@@ -292,7 +292,7 @@ std::size_t RecordingReader::image_bytes() const {
 Result<std::vector<RecordedSpot>> RecordingReader::spots(const RecordedFrame& frame) {
   std::vector<RecordedSpot> all(frame.spots);
   if (!read_rows(impl_->spots, impl_->spot_type, frame.first_spot, frame.spots, all.data())) {
-    return impl_->unreadable("spots of a frame cannot be read");
+    return impl_->unreadable("the file is damaged: the spots of a frame cannot be read");
   }
   return all;
 }
@@ -301,7 +301,7 @@ Result<std::vector<float>> RecordingReader::coefficients(const RecordedFrame& fr
   std::vector<float> all(frame.coefficients);
   if (!read_rows(impl_->coefficients, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
                  all.data())) {
-    return impl_->unreadable("coefficients of a frame cannot be read");
+    return impl_->unreadable("the file is damaged: the coefficients of a frame cannot be read");
   }
   return all;
 }

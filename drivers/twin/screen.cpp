@@ -38,7 +38,8 @@ void Screen::work(const std::stop_token& stop) {
     if (output) {
       report(true, slm_.display);
       follow(**output, stop);
-      if (!stop.stop_requested()) report(false, "the X server went away or changed its screens");
+      if (!stop.stop_requested())
+        report(false, "the X server ended or changed its screens; waiting for the SLM's output");
       // If the screens were only rearranged, the SLM keeps showing its last image.
       std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
       continue;

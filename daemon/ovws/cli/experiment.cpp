@@ -273,7 +273,10 @@ Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::
     const int width = kept.at("width").get<int>(), height = kept.at("height").get<int>();
     auto bytes = bytes_of(kept.at("base64").get_ref<const std::string&>(),
                           std::size_t(width) * std::size_t(height));
-    if (!bytes) return fail(Errc::internal, "picture", "the daemon's image is incomplete");
+    if (!bytes) {
+      return fail(Errc::internal, "picture",
+                  "the daemon sent an incomplete image: repeat the command");
+    }
     const cv::Mat grey(height, width, CV_8UC1, bytes->data());
     cv::Mat picture;
     cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);

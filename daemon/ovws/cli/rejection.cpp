@@ -64,9 +64,10 @@ class Recorder {
   /// unusable.
   tl::expected<void, CallFailure> take(const json& message) {
     if ((message.at("loop") == "closed") != task_.loop_closed) {
-      return tl::make_unexpected(failure(task_.loop_closed
-                                             ? "the loop was opened during the recording"
-                                             : "another client closed the loop"));
+      return tl::make_unexpected(failure(
+          task_.loop_closed
+              ? "the loop was opened during the recording: repeat the command"
+              : "another client closed the loop: repeat the command when no other client uses it"));
     }
     count(message);
     if (!message.at("valid").get<bool>() || !message.at("settled").get<bool>()) {

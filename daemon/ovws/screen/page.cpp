@@ -164,7 +164,7 @@ void draw(Canvas& canvas, const View& view, Choice& choice) {
     draw_parts(canvas, view, choice);
   } catch (const json::exception&) {
     canvas.text(0, 2, canvas.width(),
-                "a message has an unknown format: does the daemon have another version?",
+                "a message has an unknown format: install the same version of ovws and ovwsd",
                 Style::alarm);
   }
   const int last = canvas.height() - 1;

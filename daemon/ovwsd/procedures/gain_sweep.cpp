@@ -55,7 +55,8 @@ Result<Reconstructor> reconstructor_of(const SensorSnapshot& sensor, const SlmGe
   const auto lattice = make_lattice(sensor.sensor, slm);
   if (!lattice) return fail(lattice.error());
   if (lattice->subapertures.size() != reference_px.size()) {
-    return fail(Errc::internal, "", "the reference belongs to another lattice");
+    return fail(Errc::internal, "",
+                "the reference belongs to another lattice: take a new reference");
   }
   const int charge = sensor.sensor.charge;
   const double tilt = sensor.tracking.tracker == TrackerKind::fit

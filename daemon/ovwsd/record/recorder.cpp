@@ -29,10 +29,12 @@ constexpr std::size_t kIdleFacts = 4;
 constexpr std::size_t kMaxFacts = FrameStore::kMaxFrames + kIdleFacts;
 constexpr std::uint64_t kMinFreeBytes = 64 << 20;  // free disk space that a recording leaves
 
-constexpr const char* kGone = "its file was removed or moved while it was written";
+constexpr const char* kGone =
+    "its file was removed or moved while it was written; do so only after record.stop";
 constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write the rest when the daemon stops
-constexpr const char* kTooSlow = "the disk was too slow to write the rest";
-constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left";
+constexpr const char* kTooSlow =
+    "the disk was too slow to write the last frames: use a faster disk, or a smaller camera.roi";
+constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left; delete some files";
 
 std::optional<std::string> directory_of(const Config& config) {
   if (config.record.directory) return config.record.directory;

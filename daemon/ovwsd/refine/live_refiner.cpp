@@ -75,7 +75,8 @@ void LiveRefiner::wait_for_frame() {
   const std::int64_t now_ns = monotonic_ns();
   if (waiting_since_ns_ == 0) waiting_since_ns_ = now_ns;
   if (now_ns - waiting_since_ns_ < kReportAfterNs) return;
-  set_state("waiting", "no settled and valid frame has arrived");
+  set_state("waiting",
+            "no settled and valid frame has arrived: system.status says why frames are not valid");
 }
 
 void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,

@@ -83,7 +83,10 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   if (!out.against_reference) {
     auto absolute =
         modes_against_model(sensor, slm_, frame.image.width, frame.image.height, frame.spots);
-    if (!absolute) return refused("too few spots were found to start the fit");
+    if (!absolute) {
+      return refused(
+          "too few spots were found to start the fit: check the exposure and camera.roi");
+    }
     starts.front() = std::move(*absolute);
   }
   const RefineCamera camera = refine_camera(settings, frame.image.format, frame.gain_db);

@@ -114,7 +114,9 @@ Result<RefinedModes> refine_absolute(PointModel& model, const ImageView& image,
   const auto near = model.templates(image, noise, starts, fixed, kRenderings);
   if (!near) return fail(near.error());
   if ((*near)->point().higher_waves > 0.0) {
-    return fail(Errc::refused, "image", "the wavefront has modes above the measured ones");
+    return fail(
+        Errc::refused, "image",
+        "the wavefront has modes above the measured ones: set a larger tracking.mode_count");
   }
   const std::vector<float> found = (*near)->measure(image).coefficients;
   const std::vector<double> waves(found.begin(), found.end());

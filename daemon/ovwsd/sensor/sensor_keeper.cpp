@@ -200,7 +200,7 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
   if (flatness && is_other(flatness->origin.value("camera", nlohmann::json()))) {
     deps_.events.emit("slm", Severity::warning,
                       "the flatness is not used, and its file is kept: it was measured with "
-                      "another camera",
+                      "another camera; run flatness.run",
                       {{"t_taken_ns", flatness->t_taken_ns}, {"used", false}});
     state.slm = active_slm(bench_.config, bench_.hologram, state.slm->lut, nullptr);
   }
