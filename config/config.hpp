@@ -1,5 +1,6 @@
-/// The daemon's configuration: one struct per section, every key with a default; those of `camera`,
-/// `optics`, `sensor`, `tracking` and `refine` are in the included headers. `{}` is valid.
+/// The daemon's configuration: one struct per section, every key has a default. The keys of
+/// `camera`, `optics`, `sensor`, `tracking` and `refine` are in the included headers. The file `{}`
+/// is valid.
 #pragma once
 
 #include <optional>
@@ -26,8 +27,8 @@ struct SlmConfig {
   std::string driver = "sdl";
   std::string display = "DUMMY1";       ///< output name, e.g. "HDMI-1"
   SlmGeometry geometry;                 ///< keys width, height, pitch_um
-  std::optional<std::string> lut;       ///< file: 256 grey levels for equal phase steps
-  std::optional<std::string> flatness;  ///< file: see config/README.md
+  std::optional<std::string> lut;       ///< table file: 256 grey levels for equal phase steps
+  std::optional<std::string> flatness;  ///< flatness map file: see config/README.md
   double settle_ms = 20.0;
   bool allow_primary = false;
 };
@@ -54,8 +55,8 @@ struct RecordConfig {
 };
 
 struct SecurityConfig {
-  std::optional<std::string> secret_key;  ///< key file of ovws keygen; then clients need keys
-  std::optional<std::string> clients;     ///< file: clients that may connect, and their roles
+  std::optional<std::string> secret_key;  ///< key file of ovws keygen; if set, clients need keys
+  std::optional<std::string> clients;     ///< file of the clients that may connect, and their roles
 };
 
 enum class RealtimePolicy {
@@ -100,7 +101,7 @@ struct Config {
 /// Parses strictly: unknown keys, wrong types and values out of range are errors that name the
 /// dotted path and, for an unknown key, the closest valid one. Allows comments (// and /* */).
 Result<Config> parse_config(const std::string& json_text);
-/// Reads and parses a file. The error's reason names the file.
+/// Reads and parses a configuration file. The reason of an error names the file.
 Result<Config> load_config(const std::string& path);
 /// JSON text with all keys, defaults included; parse_config(dump_config(c)) equals c.
 std::string dump_config(const Config& config);

@@ -7,7 +7,7 @@ namespace ovws {
 
 std::string dump_config(const Config& config) {
   Config written = config;
-  // NaN (a camera without gain in dB) becomes 0, which leaves such a camera's gain unchanged.
+  // NaN (a camera without gain in dB) becomes 0, because a gain of 0 leaves this camera unchanged.
   double& gain_db = written.camera.settings.gain_db;
   if (std::isnan(gain_db)) gain_db = 0.0;
   using nlohmann::ordered_json;

@@ -28,7 +28,7 @@ Result<Config> read_config(const nlohmann::json& json) {
 
 }  // namespace
 
-/// Endpoints must differ. Checked here, so that the error can name the key.
+/// Endpoint rule: all endpoints must differ. The check is here so that the error can name the key.
 void Rules<Config>::check(const Config& config, ObjectReader& reader) {
   if (config.stream.endpoint == config.stream.image_endpoint) {
     reader.fault("stream.image_endpoint", "must differ from stream.endpoint");

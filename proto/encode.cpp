@@ -15,7 +15,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "binary parts are little-endian");
 
 /// Writes the fields of a table as one flat JSON object into a string that the caller reuses, so
-/// that nothing is allocated once it has grown. Texts are our own names and need no escaping.
+/// that nothing is allocated once the string has grown. Texts are our own names and need no
+/// escaping.
 class ObjectWriter {
  public:
   explicit ObjectWriter(std::string& out) : out_(out) { out_.clear(); }

@@ -23,9 +23,9 @@ constexpr std::string_view kTopicRefined = "refined";
 constexpr std::string_view kTopicStatus = "status";
 constexpr std::string_view kTopicEvent = "event";
 
-// Each function replaces `json` and returns the binary part, borrowed from the message's pixels or
-// from `scratch` and valid until either changes. Reentrant; no allocation once the buffers have
-// grown.
+// Each `encode` replaces `json` and returns the binary part, if the message has one. The returned
+// span refers to the message's pixels or to `scratch` and is valid until they change. Reentrant; no
+// allocation once the buffers have grown.
 void encode(const WavefrontMessage& message, std::string& json);
 std::span<const std::byte> encode(const SpotsMessage& message, std::string& json,
                                   std::vector<std::byte>& scratch);
@@ -33,7 +33,7 @@ std::span<const std::byte> encode(const ImageMessage& message, std::string& json
                                   std::vector<std::byte>& scratch);
 std::span<const std::byte> encode(const PhaseMessage& message, std::string& json);
 
-// These messages are rare, so encoding them may allocate.
+// Refinements, status and events are rare messages, so encoding them may allocate memory.
 std::string encode(const RefinedMessage& message);
 std::string encode(const StatusMessage& message);
 std::string encode(const EventMessage& message);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kTcp = "tcp://";
 constexpr std::string_view kIpc = "ipc://";
-constexpr std::size_t kMaxPath = 107;  // sockaddr_un
+constexpr std::size_t kMaxPath = 107;  // bytes; limit of sockaddr_un
 
 bool is_port(std::string_view text) {
   int port = 0;

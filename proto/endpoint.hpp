@@ -7,9 +7,9 @@
 
 namespace ovws {
 
-/// Why a text is not a valid endpoint; none if it is one: tcp://ADDRESS:PORT with a port from 1 to
-/// 65535, or ipc://PATH of at most 107 bytes. Checked here because libzmq wraps port 99999 to
-/// 34463.
+/// Why a text is not a valid endpoint; none if it is valid. Valid are tcp://ADDRESS:PORT with a
+/// port from 1 to 65535, and ipc://PATH with a path of at most 107 bytes. libzmq does not check the
+/// port: it wraps 99999 to 34463.
 std::optional<std::string> endpoint_fault(std::string_view endpoint);
 
 /// Whether an endpoint is reachable from this machine only: a numeric loopback address, or an ipc

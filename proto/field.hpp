@@ -45,7 +45,7 @@ struct Literal {
   consteval Literal(const char (&literal)[N]) { std::copy_n(literal, N, text); }
 };
 
-/// The list of these texts.
+/// List of the template arguments as texts.
 template <Literal... kTexts>
 const std::vector<std::string>& texts() {
   static const std::vector<std::string> all{kTexts.text...};
@@ -62,14 +62,16 @@ const std::vector<std::string>& names_are_missing() {
 
 }  // namespace detail
 
-/// Specialised for each enumeration on the wire: its names in the order of the values.
+/// Names of an enumeration on the wire, in the order of its values. Specialise it for each
+/// enumeration.
 template <class E>
 inline constexpr NamesOf kNames = detail::names_are_missing<E>;
 template <class E>
 std::string_view wire_name(E value) {
   return kNames<E>()[std::size_t(value)];
 }
-/// The value of a name; specialised where names of older versions follow.
+/// Enumeration value of the name with this index in kNames. Specialised where kNames ends with
+/// names of older versions.
 template <class E>
 E named(std::size_t name) {
   return E(name);
@@ -83,11 +85,11 @@ struct FieldInfo {
   std::size_t min_size = 0, max_size = std::numeric_limits<std::size_t>::max();  ///< array length
   bool nullable = false;        ///< NaN, empty texts and empty arrays are encoded as null
   bool left_out = false;        ///< the key is omitted where nullable would give null
-  bool required = false;        ///< params: must be given, there is no default
+  bool required = false;        ///< params: the key must be given, there is no default
   bool distinct = false;        ///< array: values must be unique
   bool nulls = false;           ///< array: numbers may be NaN, encoded as null
   NamesOf names = nullptr;      ///< allowed values of a text, or allowed keys of an object
-  const char* absent = "null";  ///< JSON text of the value in an empty optional; see Inlined
+  const char* absent = "null";  ///< JSON text if the inlined optional is empty; see Inlined
 };
 
 /// Modifiers of a field declaration; each returns a changed copy.
@@ -121,7 +123,8 @@ struct Described : FieldInfo {
   }
 };
 
-/// Additional check of a value that has the right type and range: why it is wrong, or none.
+/// Additional check of a value that has the right type and range. Returns why the value is wrong,
+/// or none.
 template <class T>
 using FieldCheck = std::optional<std::string> (*)(const T&);
 
@@ -175,7 +178,7 @@ constexpr auto field(const char* meaning, Bounds bounds = {}) {
   return field(detail::kMemberName<kMember>.data(), kMember, meaning, bounds);
 }
 
-/// An encode-only field: its value is get(struct).
+/// Encode-only field whose value is computed by get(struct).
 template <class Get>
 struct Computed : Described<Computed<Get>> {
   Get get;
@@ -196,7 +199,7 @@ constexpr auto computed(const char* key, Get get, const char* meaning, Bounds bo
   return out;
 }
 
-/// An encode-only field with a constant text.
+/// Encode-only field with a constant text.
 struct Constant : FieldInfo {
   const char* text = "";
 };
@@ -209,8 +212,8 @@ constexpr Constant constant(const char* key, const char* text, const char* meani
   return out;
 }
 
-/// Flattens a member: its fields appear among the struct's own. Fields of an empty optional are
-/// encoded as null, or as their `if_absent` states.
+/// Flattens a member: the member's fields appear among the struct's own fields. If the member is an
+/// empty optional, each of its fields is encoded as null or as its `if_absent` text.
 template <class S, class T>
 struct Inlined {
   T S::*member;
@@ -220,7 +223,7 @@ constexpr Inlined<S, T> inlined(T S::*member) {
   return {member};
 }
 
-/// Flattens a base class: its fields appear among the struct's own.
+/// Flattens a base class: its fields appear among the fields of the derived struct.
 template <class T>
 struct Based {};
 template <class T>
@@ -251,8 +254,9 @@ struct FieldsBase<std::index_sequence<I...>, Entries...> : FieldAt<I, Entries>..
   }
 };
 
-/// A table: the name of the struct in schemas, and its entries, like std::tuple, which takes three
-/// times as long to compile. Every file that includes a message compiles its table.
+/// Field table of a struct: the struct's name in schemas, and the fields. It replaces std::tuple,
+/// which takes three times as long to compile; every file that includes a message compiles its
+/// table.
 template <class... Entries>
 struct Fields : FieldsBase<std::index_sequence_for<Entries...>, Entries...> {
   const char* name;
@@ -261,18 +265,19 @@ struct Fields : FieldsBase<std::index_sequence_for<Entries...>, Entries...> {
       : FieldsBase<std::index_sequence_for<Entries...>, Entries...>(entries...), name(in_schemas) {}
 };
 
-/// Specialised for each struct with a table.
+/// Field table of a struct; nullptr if it has none. Specialise it for each struct on the wire.
 template <class S>
 inline constexpr auto kTable = nullptr;
 template <class S>
 concept HasTable = !std::is_same_v<decltype(kTable<S>), const std::nullptr_t>;
 
-/// Specialised for a struct whose fields depend on each other. May have these functions:
+/// Rules between the fields of a struct. Specialise it for a struct whose fields depend on each
+/// other, with any of these functions:
 ///
 ///     static void check(S&, ObjectReader&);               checks a decoded struct
 ///     static void check_change(ObjectReader&);            checks the keys of a Partial<S>
-///     static void begin_change(S&, const Json& given);    prepares a struct for these changes
-///     static Json schema();                               the same rules as keywords of a schema
+///     static void begin_change(S&, const Json& given);    prepares S for `given`
+///     static Json schema();                               the rules in JSON Schema
 template <class S>
 struct Rules {};
 
@@ -314,8 +319,8 @@ void visit_entry(const Owner& from, const Based<T>& entry, Visit& visit);
 
 }  // namespace detail
 
-/// Calls visit(field, value) for every field of `from`, in the table's order; a value of an empty
-/// inlined optional is an Absent.
+/// Calls visit(field, value) for every field of `from`, in the table's order. The value of a field
+/// in an empty inlined optional is an Absent.
 template <HasTable S, class Visit>
 void visit_fields(const S& from, Visit&& visit) {
   kTable<S>.apply([&](const auto&... entry) { (detail::visit_entry(from, entry, visit), ...); });

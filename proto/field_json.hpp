@@ -23,7 +23,7 @@ namespace ovws {
 
 using Json = nlohmann::json;
 
-/// Specialised for a type whose wire format does not follow from its Table of fields. Provides
+/// Wire format of a type whose JSON does not follow from a field table. A specialisation provides
 /// to_json, decode and schema.
 template <class T>
 struct Wire;
@@ -67,7 +67,7 @@ bool is_nothing(const T& value) {
 template <class J = Json, class T>
 J to_json(const T& value);
 
-/// Ready JSON with the fields of S, for example read from a file.
+/// JSON that already has the fields of S, for example read from a file.
 template <class S>
 struct JsonOf {
   Json json;
@@ -78,7 +78,7 @@ struct Wire<JsonOf<S>> {
   static Json schema(SchemaParts& parts, const FieldInfo&);  // field_schema.hpp
 };
 
-/// A JSON object whose fields are defined elsewhere.
+/// JSON object without a field table. Its schema states only the type `object`.
 struct JsonObject {
   Json json = Json::object();
 };
@@ -171,7 +171,7 @@ void decode_numbers(ObjectReader& reader, const FieldInfo& field, std::vector<T>
   out = std::move(read);
 }
 
-/// Decodes an array of exactly `size` numbers and hands it to `put`.
+/// Decodes an array of exactly `size` numbers and passes them to `put`.
 template <class Put>
 void decode_tuple(ObjectReader& reader, const FieldInfo& field, std::size_t size, Put put) {
   std::vector<double> given;
@@ -239,7 +239,8 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
   } else if constexpr (std::is_integral_v<T>) {
     reader.integer(key, out, int(bounds.min), int(bounds.max));
   } else if constexpr (std::is_floating_point_v<T>) {
-    // Null leaves the value unchanged: a missing value is reported as null.
+    // Null leaves the value unchanged: reports contain null for a missing value and may be sent
+    // back.
     if (field.nullable && reader.is_null(key)) return;
     reader.number(key, out, bounds.min, bounds.max);
   } else if constexpr (std::is_same_v<T, std::string>) {
@@ -292,8 +293,8 @@ void decode_fields(ObjectReader& reader, S& out) {
 
 }  // namespace detail
 
-/// Decodes an object strictly. Keys that it leaves out keep their values of `base`. All or nothing:
-/// with any fault the result is Errc::invalid.
+/// Decodes a JSON object strictly. Fields whose keys are missing keep their values from `base`.
+/// Errors: Errc::invalid; any fault discards the whole result.
 template <HasTable S>
 Result<S> decode(const Json& object, S base = {}) {
   ObjectReader reader(object, "");
@@ -307,7 +308,8 @@ namespace detail {
 template <class S, class T>
 T value_of(T S::*member);
 
-/// The key of a member in a table or in the tables of its inlined members; null if there is none.
+/// JSON key of a struct member, searched in the field table and in the tables of inlined members;
+/// nullptr if the member has no key.
 template <class S, class T, class Member>
 const char* key_of_entry(const Field<S, T>& entry, Member member) {
   if constexpr (std::is_same_v<decltype(entry.member), Member>) {
@@ -338,8 +340,8 @@ template <HasTable S>
 class Partial {
  public:
   Partial() = default;
-  /// Strict decoding of a change. With `"clamp": true` a number out of range becomes the nearest
-  /// limit. Errors as in `decode`, as far as they do not depend on the values of other fields.
+  /// Decodes a change strictly. With `"clamp": true` a number out of range becomes the nearest
+  /// limit. Errors: as in `decode`, except those that depend on the values of other fields.
   static Result<Partial> decode(Json object) {
     Partial partial;
     ObjectReader reader(object, "");
@@ -378,7 +380,7 @@ class Partial {
   void forget(Member member) {
     given_.erase(detail::key_in_table<S>(member));
   }
-  /// Whether the change sets this member. Null counts only for an optional.
+  /// Whether the change sets `member`. A null counts as set only if the member is an optional.
   template <class Member>
   bool gives(Member member) const {
     const auto found = given_.find(detail::key_in_table<S>(member));
@@ -404,14 +406,14 @@ class Partial {
   bool clamp_ = false;
 };
 
-/// A change is encoded as the keys that it gives, without `clamp`.
+/// Encodes a change as the keys that it sets, without `clamp`.
 template <class S>
 struct Wire<Partial<S>> {
   static Json to_json(const Partial<S>& change) { return change.given(); }
   static Json schema(SchemaParts& parts, const FieldInfo&);  // field_schema.hpp
 };
 
-/// Decodes params by their own P::decode if they have one, else by their table.
+/// Decodes the params of a method with P::decode if that exists, else with the field table of P.
 template <class P>
 Result<P> decode_params(const Json& params) {
   if constexpr (requires { P::decode(params); }) {

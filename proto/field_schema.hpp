@@ -12,11 +12,11 @@
 
 namespace ovws {
 
-/// What a schema describes. Fields of params that are not required may be omitted: they take their
-/// default, or in a change stay unchanged. Results hold every field.
+/// Kind of JSON Schema. `params`: omitted fields take their default. `change`: omitted fields stay
+/// unchanged. `result`: every field is present.
 enum class SchemaOf { params, change, result };
 
-/// Collects the schemas of structs, each once, for references by "#/$defs/NAME".
+/// Collects the schema of each struct once, so that other schemas refer to it by "#/$defs/NAME".
 struct SchemaParts {
   SchemaOf of = SchemaOf::result;
   bool may_be_absent = false;  ///< true within the fields of an inlined optional

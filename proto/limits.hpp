@@ -1,5 +1,5 @@
 /// Ranges of all numbers that a user can set, shared by the wire, the configuration and the JSON
-/// Schemas. A device may allow less.
+/// Schemas. A device may have a smaller range.
 #pragma once
 
 #include <cstddef>
@@ -40,7 +40,7 @@ constexpr Numbers kPupilDiameterPx{8.0, 16384.0};
 constexpr Numbers kGrooves{-8192.0, 8192.0};
 constexpr Numbers kSpacing{0.001, 16.0};
 constexpr Numbers kKernelRadius{0.1, 2.0};
-constexpr Integers kEstimates{2, 8};  ///< of each spot
+constexpr Integers kEstimates{2, 8};  ///< numbers estimated per spot
 
 constexpr Numbers kModeWaves{-1000.0, 1000.0};
 constexpr Integers kReferenceFrames{1, 100000};
@@ -49,15 +49,15 @@ constexpr Numbers kLoopLeak{0.0, 0.99};
 constexpr Numbers kLoopLimitWaves{0.001, 100.0};
 constexpr Numbers kLoopPatienceS{0.1, 3600.0};
 constexpr Integers kImageFrames{1, 100};
-constexpr Integers kGreyLevels{9, 256};  ///< measured by lut.run
+constexpr Integers kGreyLevels{9, 256};  ///< grey levels that lut.run measures
 constexpr Integers kSettleRepetitions{3, 200};
-constexpr Numbers kWatchMs{20.0, 10'000.0};  ///< after each change, by slm.settle
+constexpr Numbers kWatchMs{20.0, 10'000.0};  ///< time that slm.settle watches each change
 constexpr Numbers kPokeWaves{0.005, 0.2};    ///< poke amplitude of a calibration
-constexpr Integers kPokeFrames{2, 10000};    ///< averaged for each poke
+constexpr Integers kPokeFrames{2, 10000};    ///< frames averaged for each poke
 constexpr Integers kJob{1, 2147483647};
-constexpr Integers kSweepFrames{2, 1000};  ///< of a cell and of a reference
+constexpr Integers kSweepFrames{2, 1000};  ///< frames of a sweep's cell, or of its reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most
-constexpr std::size_t kSweepImages = 8;  ///< gains with stored images of 12 MB each
+constexpr std::size_t kSweepImages = 8;  ///< gains with stored images, 12 MB each
 constexpr Integers kSweepCell{0, 16383};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};
@@ -66,10 +66,10 @@ constexpr Numbers kReadNoiseE{0.0, 1e6};
 constexpr Numbers kBlackLevelDn{0.0, 65535.0};
 constexpr Numbers kSaturationDn{1.0, 65535.0};
 
-constexpr Integers kImagesEvery{0, 1'000'000};  ///< of a recording; 0: none
+constexpr Integers kImagesEvery{0, 1'000'000};  ///< a recording has every n-th image; 0: none
 constexpr Numbers kRecordS{0.1, 1e7};
 constexpr Numbers kRecordMib{1.0, 1e9};
-constexpr std::size_t kRecordName = 100;  ///< characters, at most
+constexpr std::size_t kRecordName = 100;  ///< maximum length, characters
 constexpr Integers kRecordBufferMib{8, 4096};
 
 constexpr Numbers kImageRateHz{0.0, 1000.0};

@@ -45,7 +45,7 @@ struct WavefrontMessage : FrameMessage {
   /// Waves, RMS-normalised, as many as `j`; all encoded as null if not valid.
   std::span<const float> coefficients;
   std::span<const float> sigma;  ///< standard errors, as many as `j`; all null if not `fitted`
-  bool fitted = false;           ///< measured from all pixels of the spots
+  bool fitted = false;           ///< true: measured from all pixels of the spots
 };
 
 /// `ovws.spots/1`: the binary part is N x 6 float32.
@@ -54,14 +54,14 @@ struct SpotsMessage : FrameMessage {
   std::span<const Vec2> reference_px;  ///< as many as `spots`; empty: NaN in the binary part
 };
 
-/// `ovws.refined/1`. Owns its data, because it waits in a queue.
+/// `ovws.refined/1`. Owns its data, because the message waits in a queue.
 struct RefinedMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
   std::int64_t t_arrival_ns = 0, t_publish_ns = 0;
   int charge = 1;
   bool valid = false;
-  std::string reason;              ///< why it is not valid; empty if it is
-  bool against_reference = false;  ///< false: coefficients count from the model
+  std::string reason;              ///< why `valid` is false; empty if true
+  bool against_reference = false;  ///< false: coefficients are relative to the model
   double wavelength_nm = 632.0;
   double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;

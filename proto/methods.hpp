@@ -10,8 +10,9 @@
 
 namespace ovws {
 
-// Results and some params are in proto/tables, StatusMessage in proto/status_message.hpp, Config in
-// config/config.hpp. Include what you use: a table takes up to a second to compile.
+// Structs of results and of some params are in proto/tables, StatusMessage in
+// proto/status_message.hpp, Config in config/config.hpp. Include only the tables that you use: each
+// takes up to a second to compile.
 struct CameraReport;
 struct CameraSetReport;
 struct CellReport;

@@ -1,4 +1,4 @@
-/// The names that enumerations have on the wire and in the configuration.
+/// Names of enumerations on the wire and in the configuration.
 #pragma once
 
 #include <string>
@@ -35,10 +35,10 @@ inline constexpr NamesOf kNames<PixelFormat> = []() -> const std::vector<std::st
   }();
   return names;
 };
-/// The tracker of older versions that kFormerEstimates of `fit` replace.
+/// Tracker name of older versions, accepted as `fit` with kFormerEstimates estimates per spot.
 inline constexpr std::string_view kFormerTracker = "matched";
 constexpr int kFormerEstimates = 2;
-/// All trackers, then the former one.
+/// Names of all trackers, then kFormerTracker.
 template <>
 inline constexpr NamesOf kNames<TrackerKind> = []() -> const std::vector<std::string>& {
   static const auto names = [] {

@@ -16,16 +16,16 @@ namespace ovws {
 std::optional<std::string> nearest_name(std::string_view name,
                                         const std::vector<std::string>& known);
 
-/// Reads one JSON object key by key. Absent keys leave the target unchanged. The first fault is
-/// kept and all later reads do nothing. `finish` returns it, else the first unknown key with the
-/// nearest known name, else the first missing key.
+/// Reads one JSON object key by key. Absent keys leave the target unchanged. After the first fault
+/// all reads do nothing. `finish` returns the first fault; without a fault, the first unknown key
+/// with the nearest known name; else the first missing key.
 ///
 ///     ObjectReader r(json, "camera");
 ///     r.number("gain_db", c.gain_db, -100, 100);
 ///     if (auto e = r.finish(); !e) return fail(e.error());
 class ObjectReader {
  public:
-  /// `json` is borrowed. With an empty path field names have no prefix.
+  /// `json` must outlive the reader. With an empty `path`, field names in errors have no prefix.
   ObjectReader(const nlohmann::json& json, std::string path);
 
   /// If on, a number out of range becomes the nearest limit instead of a fault.
@@ -33,27 +33,27 @@ class ObjectReader {
 
   bool has(const char* key) const;                             ///< present (null counts as present)
   bool is_null(const char* key);                               ///< marks the key as known
-  bool is_text(const char* key, std::string_view text) const;  ///< whether it is this string
+  bool is_text(const char* key, std::string_view text) const;  ///< whether its value is `text`
   void require(const char* key);  ///< a fault if absent, reported by `finish` after all others
 
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max
-  void integer(const char* key, int& out, int min, int max);  ///< no fraction
+  void integer(const char* key, int& out, int min, int max);  ///< whole number, min <= value <= max
   void boolean(const char* key, bool& out);
   void string(const char* key, std::string& out);
-  /// One of `names`; `out` becomes its index. The error names the nearest.
+  /// Reads one of `names` and sets `out` to its index. The error suggests the nearest name.
   void choice(const char* key, int& out, const std::vector<std::string>& names);
   void numbers(const char* key, std::vector<double>& out, std::size_t min_size,
                std::size_t max_size, double min, double max);
-  /// A nested object: calls read(ObjectReader&) with the path extended; its unknown keys are faults
-  /// too.
+  /// Reads a nested object: calls read(ObjectReader&) with a reader whose path includes `key`.
+  /// Unknown keys of the nested object are faults, too.
   template <class Read>
   void object(const char* key, Read read);
-  /// An array of objects: calls read(ObjectReader&, index) for each.
+  /// Reads an array of objects: calls read(ObjectReader&, index) for each object.
   template <class Read>
   void objects(const char* key, std::size_t max_size, Read read);
   /// Marks a key as known and returns its value, which may be JSON null, for the caller to decode.
-  /// nullptr if the key is absent or an error was found before.
+  /// nullptr if the key is absent or a fault was found before.
   const nlohmann::json* raw(const char* key);
 
   void fault(std::string_view key, std::string reason);  ///< adds a fault found by the caller
@@ -71,7 +71,7 @@ class ObjectReader {
   std::vector<std::string> known_;
   std::optional<Error> error_;
   std::optional<Error>
-      missing_;  ///< reported only if nothing else is wrong: a misspelt key is missing, too
+      missing_;  ///< missing key, reported after any other fault: a misspelt key is missing, too
   bool clamp_ = false;
 };
 

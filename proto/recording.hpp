@@ -15,9 +15,9 @@ constexpr const char* kRecordingSchema = "ovws.recording/1";
 /// Limit of one image: a reader allocates memory by the size stated in the file.
 constexpr std::size_t kMaxRecordedImageBytes = 128 << 20;
 /// Limits that both the recorder and the reader enforce.
-constexpr std::uint64_t kMaxRecordedFrames = 1 << 24;     // nine hours at 500 a second
+constexpr std::uint64_t kMaxRecordedFrames = 1 << 24;     // nine hours at 500 frames/s
 constexpr std::uint64_t kMaxRecordedDocuments = 1 << 20;  // 20 hours of a closed loop at 14 steps/s
-constexpr std::uint64_t kMaxRecordedTextBytes = std::uint64_t{4} << 30;  // of all documents
+constexpr std::uint64_t kMaxRecordedTextBytes = std::uint64_t{4} << 30;  // all documents together
 
 /// One row of `frames`. Times in ns, `…_mono_ns` by CLOCK_MONOTONIC of the recording machine.
 struct RecordedFrame {
@@ -34,11 +34,11 @@ struct RecordedFrame {
   std::uint32_t tracked = 0;
   std::uint64_t first_spot = 0, first_coefficient = 0;
   std::uint32_t spots = 0, coefficients = 0;
-  std::int64_t picture = -1;         ///< its row in `pictures`; -1: no image
+  std::int64_t picture = -1;         ///< row of the image in `pictures`; -1: no image
   std::uint64_t dropped_before = 0;  ///< frames since the previous row that are not in this file
   std::uint8_t picture_dropped = 0;  ///< 1: its image was dropped because the disk was too slow
   std::uint8_t still = 0, settled = 0, settings_known = 0, determined = 0, explained = 0, valid = 0;
-  std::uint8_t searched = 0;  ///< 1: the whole image was searched for its spots, too
+  std::uint8_t searched = 0;  ///< 1: the whole image was searched for spots
   std::uint8_t left_justified_bits = 0;
 };
 
@@ -72,7 +72,7 @@ struct RecordingHeader {
   std::string program;          ///< program that wrote the file
   PixelFormat format = PixelFormat::mono8;
   std::string vendor, model, serial;  ///< of the camera; empty: unknown
-  double frame_rate_hz = 100.0;       ///< as set at the start
+  double frame_rate_hz = 100.0;       ///< as set when the recording began
   int x = 0, y = 0;                   ///< corner of the region on the camera's sensor
   int width = 0, height = 0;          ///< of an image, pixels
   int pictures_every = 1;             ///< 0: no images
@@ -155,11 +155,11 @@ inline constexpr std::array kSummaryFields{
 
 #undef OVWS_FIELD
 
-/// Bytes of an element of an image in `pictures`: 1 or 2.
+/// Bytes per element of an image in `pictures`: 1 or 2.
 inline int image_word_bytes(PixelFormat format) {
   return traits_of(format).layout == PixelLayout::words ? 2 : 1;
 }
-/// Elements in one line of such an image: pixels, or bytes for packed formats.
+/// Elements per row of an image in `pictures`: pixels, or bytes for packed formats.
 inline int image_columns(PixelFormat format, int width) {
   return int(row_bytes(format, width)) / image_word_bytes(format);
 }

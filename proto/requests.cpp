@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-/// The mode's OSA index, from `j` or from `n` and `m`.
+/// Reads the OSA/ANSI index of a Zernike mode, from `j` or from `n` and `m`.
 int read_mode_index(ObjectReader& reader) {
   int j = 0, n = 0, m = 0;
   const bool by_j = reader.has("j");
@@ -54,7 +54,7 @@ Result<ModesSet> ModesSet::decode(const Json& params) {
     if (!given.insert(mode.j).second) {
       r.fault("", "the mode j = " + std::to_string(mode.j) + " is given twice");
     }
-    // a Z_unit = (a / factor) Z_rms
+    // Conversion to RMS normalisation: a Z_unit = (a / factor) Z_rms.
     if (ZernikeNorm(norm) == ZernikeNorm::unit) mode.waves /= zernike_rms_factor(mode.j);
     modes.push_back(mode);
   });

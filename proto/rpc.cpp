@@ -13,10 +13,10 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kMaxIdBytes = 256;  // echoed in every reply, and replies may queue
+constexpr std::size_t kMaxIdBytes = 256;  // bounds the memory of queued replies
 
-/// Builds the response as text, because a copy of a large result takes as long as its
-/// serialisation.
+/// Builds a JSON-RPC response as text. Copying a large result into another JSON value would take as
+/// long as its serialisation.
 std::string response(const Json& id, const RpcAnswer& answer) {
   std::string text = R"({"jsonrpc":"2.0","id":)" + json_text(id);
   if (answer) return text + R"(,"result":)" + json_text(*answer) + "}";
@@ -75,8 +75,8 @@ class ReplyCollector {
   RpcSend send_;
 };
 
-/// A pending call: one member of a frame until it is answered. Destroyed unanswered, it answers
-/// with an error.
+/// A pending call: one member of a request frame until it is answered. If destroyed without an
+/// answer, it replies with an internal error.
 class PendingCall {
  public:
   PendingCall(std::shared_ptr<ReplyCollector> collector, std::size_t k)
@@ -101,19 +101,20 @@ class PendingCall {
     collector_->put(k_, silent_ ? std::string() : response(id_, answer));
   }
 
-  /// Whether the batch's reply has no room for its response. A notification needs none.
+  /// Whether the batch's reply has no room for this call's response. A notification has no
+  /// response.
   bool lacks_room() const { return !silent_ && collector_->is_full(); }
 
  private:
   std::shared_ptr<ReplyCollector> collector_;
   std::size_t k_;
-  Json id_;  // null until it is known
+  Json id_;  // null until set_request_id
   bool silent_ = false;
   std::atomic<bool> answered_{false};
 };
 
-/// Whether an id can be echoed unchanged. The parser turns larger integers into doubles, which
-/// changes them.
+/// Whether a JSON-RPC id can be echoed unchanged. Integers beyond 64 bits cannot, because the
+/// parser turns them into doubles.
 bool is_valid_id(const Json& id) {
   constexpr double kPastInt64 = 0x1p63;
   if (id.is_number_float()) return std::abs(id.get<double>()) < kPastInt64;

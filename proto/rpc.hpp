@@ -17,7 +17,8 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMaxRequestBytes = 64 << 10;
 
-/// The standard codes, and the daemon's own from -32000 on (one per Errc, and `forbidden`).
+/// Error codes of JSON-RPC 2.0: the standard codes, and the daemon's own from -32000 downwards.
+/// rpc_code maps each Errc to a code; `forbidden` has no Errc.
 enum class RpcCode : int {
   parse = -32700,
   request = -32600,
@@ -31,8 +32,8 @@ enum class RpcCode : int {
 };
 RpcCode rpc_code(Errc code);
 
-/// Error of a reply. `data` holds `field` and `reason`, and where they apply `min`, `max` and
-/// `nearest`.
+/// Error in a JSON-RPC reply. `data` holds `field` and `reason`, and where applicable `min`, `max`
+/// and `nearest`.
 struct RpcFailure {
   RpcCode code = RpcCode::internal;
   std::string message;
@@ -41,22 +42,22 @@ struct RpcFailure {
 RpcFailure rpc_failure(const Error& error);
 using RpcAnswer = tl::expected<Json, RpcFailure>;
 
-/// Takes the answer to one call; to be called exactly once, from any thread.
+/// Callback for the answer to one call. Call it exactly once, from any thread.
 using RpcReply = std::function<void(RpcAnswer)>;
 /// Handles one well-formed call. `params` is an object (empty if none was sent).
 using RpcDispatch =
     std::function<void(const std::string& method, const Json& params, RpcReply reply)>;
-/// Receives the one reply frame of a request frame, from any thread; empty if the frame held
-/// notifications only.
+/// Callback that sends the reply frame of a request frame. It may be called from any thread. The
+/// reply is empty if the request frame held notifications only.
 using RpcSend = std::function<void(std::string)>;
 
-constexpr int kMaxRequestDepth = 32;   ///< of nested objects and arrays
-constexpr int kMaxBatchMembers = 100;  ///< more are refused with one error
+constexpr int kMaxRequestDepth = 32;   ///< nesting depth of objects and arrays
+constexpr int kMaxBatchMembers = 100;  ///< a larger batch is refused with one error
 /// Once a batch's reply has this size, further members are refused and not carried out.
 constexpr std::size_t kMaxBatchReplyBytes = 1 << 20;
 
-/// Reply to a request that is larger than kMaxRequestBytes or came in several frames; needs no look
-/// at the request.
+/// Reply to a request that is larger than kMaxRequestBytes or came in several frames. It does not
+/// depend on the request's content.
 std::string oversize_reply();
 /// Reply to a request that is refused unread because too many requests of its client are waiting.
 std::string overload_reply();
@@ -64,7 +65,8 @@ std::string overload_reply();
 /// Handles one request frame, single or batch: checks size, strict UTF-8 and JSON, and the JSON-RPC
 /// envelope. Every member with an id gets exactly one response. Never throws, whatever the bytes
 /// are. A dispatcher that throws, or drops its reply without calling it, causes an internal error;
-/// a second call of a reply does nothing. `params` and `method` are borrowed for the call.
+/// a second call of a reply does nothing. `method` and `params` are valid only during the
+/// dispatcher's call.
 void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSend send);
 
 }  // namespace ovws

@@ -33,7 +33,7 @@ struct StatusMessage {
     bool connected = false;
     std::optional<DisplayInfo> info;
     std::string pattern = "sensor";
-    std::uint64_t hologram_id = 0;  ///< shown now; 0: none
+    std::uint64_t hologram_id = 0;  ///< shown on the SLM; 0: none
     bool settled = false;
     std::optional<std::string> fault;
   } slm;
@@ -45,15 +45,16 @@ struct StatusMessage {
     bool referenced = false;
     std::string reference = "none";               ///< "none", "in_force", "stale"
     double reference_introduced_rms_waves = 0.0;  ///< introduced aberration within the reference
-    /// Why spots lie outside the camera's region or too close for the tracker; empty: null.
+    /// Why spots lie outside the camera's region or too close together for the tracker; encoded as
+    /// null if empty.
     std::string layout_fault;
     std::vector<int> torn;  ///< kept for older clients: always empty
     /// Why no frame is valid although frames are settled and a reference is active.
     struct Invalid {
       std::int64_t t_since_ns = 0;  ///< UTC
       std::string reason;
-      std::string action;                            ///< what is done about it, and when
-      int searches = 0;                              ///< for the wavefront, since then
+      std::string action;                            ///< what the daemon does next, and when
+      int searches = 0;                              ///< wavefront searches since t_since_ns
       std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: a search is running
     };
     std::optional<Invalid> invalid;
@@ -69,7 +70,7 @@ struct StatusMessage {
   RecordReport record;
 
   struct StorePart {
-    std::optional<std::string> directory;  ///< of the items that survive a restart
+    std::optional<std::string> directory;  ///< folder of data that survive a restart
     std::optional<std::string> reason;     ///< why an item is not stored
   } store;
 
@@ -82,10 +83,10 @@ struct StatusMessage {
   std::optional<FailedJob> failed_job;
 
   struct Rates {
-    double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< since the last status
+    double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< mean since the last status
   } rates;
-  std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< all, since the start
-  std::vector<std::pair<std::string, LatencySummary>> latency;  ///< by stage
+  std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< counts since the daemon started
+  std::vector<std::pair<std::string, LatencySummary>> latency;  ///< per processing stage
   std::vector<std::pair<std::string, std::string>> versions;    ///< "ovws", "aravis", …
 };
 

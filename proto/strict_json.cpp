@@ -11,15 +11,15 @@ namespace {
 
 using nlohmann::json;
 
-/// "line 3" of the character at this offset.
+/// Line of the character at `offset`, as "line 3".
 std::string line_of(std::string_view text, std::size_t offset) {
   return "line " + std::to_string(std::ranges::count(text.substr(0, offset), '\n') + 1);
 }
 
-/// "line 3, column 5"; columns count characters, not bytes.
+/// Place of the character at `offset`, as "line 3, column 5"; columns count characters, not bytes.
 std::string place_of(std::string_view text, std::size_t offset) {
   const auto before = text.substr(0, offset);
-  const auto line = before.substr(before.rfind('\n') + 1);  // npos + 1: the first line
+  const auto line = before.substr(before.rfind('\n') + 1);  // npos + 1 is 0: the first line
   const auto column = std::ranges::count_if(line, [](char c) { return (c & 0xC0) != 0x80; });
   return line_of(text, offset) + ", column " + std::to_string(column + 1);
 }
@@ -122,7 +122,7 @@ tl::expected<json, JsonFault> parse_strict_json(std::string_view text, int max_d
                                                 JsonComments comments) {
   const bool ignore_comments = comments == JsonComments::allowed;
   if (text.empty()) return tl::make_unexpected(JsonFault{true, "empty: a JSON text is required"});
-  if (const auto nul = text.find('\0'); nul != text.npos) {  // the library would end there
+  if (const auto nul = text.find('\0'); nul != text.npos) {  // nlohmann's parser would stop here
     return tl::make_unexpected(
         JsonFault{true, "not JSON at " + place_of(text, nul) + ": a NUL byte"});
   }

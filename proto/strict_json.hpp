@@ -9,7 +9,7 @@
 namespace ovws {
 
 struct JsonFault {
-  bool malformed = true;  ///< false: valid JSON that is not accepted
+  bool malformed = true;  ///< false: valid JSON, but refused
   std::string reason;
 };
 

@@ -1,4 +1,4 @@
-/// Complex product without the costly handling of infinities of std::complex.
+/// Complex product without the NaN and infinity checks that make std::complex multiplication slow.
 #pragma once
 
 #include <complex>

@@ -1,5 +1,5 @@
-/// Hidden<Impl>: owner of an implementation that only a source file defines. Move-only, and unlike
-/// with a plain unique_ptr the owner needs no destructor of its own.
+/// Hidden<Impl>: pointer to an implementation class that only a source file defines (pimpl).
+/// Move-only. It stores its deleter, so the class that holds it needs no destructor of its own.
 #pragma once
 
 #include <memory>

@@ -9,19 +9,19 @@
 
 namespace ovws {
 
-/// A borrowed view of camera pixels, row-major, stride in bytes. Valid while the frame that lends
-/// the buffer is held. Read the pixels with core/base/pixels.hpp, which knows every format.
+/// View of camera pixels in a borrowed buffer, row-major, stride in bytes. Valid until the frame
+/// that lends the buffer is released. To read pixels of any format, use core/base/pixels.hpp.
 struct ImageView {
   const std::byte* data = nullptr;
   int width = 0;   ///< columns of the colour plane `plane`
-  int height = 0;  ///< its rows
+  int height = 0;  ///< rows of the colour plane `plane`
   std::ptrdiff_t stride_bytes = 0;
   PixelFormat format = PixelFormat::mono8;
   int left_justified_bits = 0;  ///< right shift for MSB-aligned 16-bit pixels
-  ColourPlane plane{};          ///< which of the camera's pixels the view holds
+  ColourPlane plane{};          ///< colour plane to read; by default all camera pixels
 
-  /// The first pixel of row y of the whole camera image as T, std::uint8_t or std::uint16_t. These
-  /// are pixel values only if in_place(image), see core/base/pixels.hpp.
+  /// Pointer to the first pixel of row y of the whole camera image. T: std::uint8_t or
+  /// std::uint16_t. The data are pixel values only if in_place(image), see core/base/pixels.hpp.
   template <class T>
   const T* row(int y) const {
     return reinterpret_cast<const T*>(data + y * stride_bytes);
@@ -47,7 +47,8 @@ struct Image {
 ImageView view_of(const Image<std::uint8_t>& image);
 ImageView view_of(const Image<std::uint16_t>& image, PixelFormat format);
 
-/// One colour plane of an image: as a view (no copy, RT-safe), and as a copy.
+/// One colour plane of an image. The first overload returns a view (no copy, RT-safe), the second
+/// a copy.
 ImageView on_plane(const ImageView& image, const ColourPlane& plane);
 Image<float> on_plane(const Image<float>& image, const ColourPlane& plane);
 

@@ -48,7 +48,7 @@ constexpr bool in_order() {
   }
   return true;
 }
-static_assert(in_order());  // traits_of indexes by enum value
+static_assert(in_order());  // traits_of uses the enum value as index
 
 struct LayoutTraits {
   int bits_in_memory, pixels_per_group;
@@ -105,7 +105,7 @@ int pixels_per_group(PixelFormat format) {
 LitPixels lit_pixels(PixelFormat format, double wavelength_nm) {
   const ColourFilter filter = traits_of(format).filter;
   if (filter == C::none) return {};
-  // Red's corner of the 2 x 2 square; blue is diagonal to it, green has the other two corners.
+  // Red filter's corner of the 2 x 2 Bayer square. Blue is diagonal to red; green fills the rest.
   const int red_x = filter == C::gr || filter == C::bg ? 1 : 0;
   const int red_y = filter == C::gb || filter == C::bg ? 1 : 0;
   if (wavelength_nm >= kGreenToRedNm) return {{2, red_x, red_y}, false};

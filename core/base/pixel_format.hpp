@@ -49,9 +49,9 @@ enum class PixelLayout : std::uint8_t {
   bytes,     ///< one byte a pixel
   words,     ///< two bytes a pixel, LSB-aligned
   p10,       ///< 10 bits a pixel without padding, from the first byte's lowest bit on
-  p12,       ///< 12 bits a pixel, packed in the same way
+  p12,       ///< 12 bits a pixel without padding, bit order as in p10
   packed10,  ///< GigE Vision 1: 2 pixels in 3 bytes, the middle byte holds both pixels' low bits
-  packed12,  ///< the same with 12 bits
+  packed12,  ///< GigE Vision 1: 12-bit pixels, 2 in 3 bytes as in packed10
 };
 
 /// Bayer pattern: the colours in the first row of the repeating 2 x 2 square of filters.
@@ -74,14 +74,14 @@ std::string_view pixel_format_name(PixelFormat format);
 std::optional<PixelFormat> pixel_format_from_name(std::string_view name);
 std::optional<PixelFormat> pixel_format_from_code(std::uint32_t code);
 
-/// Bytes of a row of `width` pixels; every row begins at a byte boundary.
+/// Bytes of a row of `width` pixels, rounded up, because every row begins at a byte boundary.
 std::size_t row_bytes(PixelFormat format, int width);
-/// Smallest number of pixels that fill whole bytes (and pairs): 1, 2 or 4. A row's length is a
-/// multiple of it.
+/// Pixels per group: smallest number of pixels (1, 2 or 4) that fill whole bytes and, if packed,
+/// whole pairs. The width of an image must be a multiple of this number.
 int pixels_per_group(PixelFormat format);
 
 /// A Bayer colour plane: every `step`-th pixel of a camera image along both axes, from (x, y) on.
-/// Step 1 is the whole image.
+/// Step 1 selects the whole image.
 struct ColourPlane {
   int step = 1;
   int x = 0, y = 0;
@@ -89,30 +89,31 @@ struct ColourPlane {
   bool everything() const { return step == 1; }
   /// Number of the plane's pixels along an axis of `size` camera pixels, counted from `first`.
   int count(int size, int first) const { return (size - first + step - 1) / step; }
-  /// Converts a position in pixels of the plane to camera pixels, and back.
+  /// Converts a position: to_image from plane pixels to camera pixels, from_image back.
   Vec2 to_image(Vec2 at) const { return {x + step * at.x, y + step * at.y}; }
   Vec2 from_image(Vec2 px) const { return {(px.x - x) / step, (px.y - y) / step}; }
 
   friend bool operator==(const ColourPlane&, const ColourPlane&) = default;
 };
 
-/// The pixels that see the laser: all of them, or the colour plane that passes its wavelength.
+/// Camera pixels that detect the laser: all pixels of a monochrome camera, or the Bayer colour
+/// plane whose filter passes the laser's wavelength.
 struct LitPixels {
   ColourPlane plane{};
-  bool diagonal = false;  ///< green: the diagonal plane, other(), sees it too
+  bool diagonal = false;  ///< green laser: the diagonal plane, other(), detects it, too
 
   ColourPlane other() const { return {plane.step, plane.x ^ 1, plane.y ^ 1}; }
 
   friend bool operator==(const LitPixels&, const LitPixels&) = default;
 };
 
-/// The colour plane whose filter passes most of the light: blue below 490 nm, red from 580 nm on,
-/// green between. There the transmission curves of common filters cross. The Bayer pattern begins
-/// at the image's first pixel. All pixels of a monochrome format.
+/// Colour plane whose Bayer filter passes most of the laser: blue below 490 nm, red from 580 nm on,
+/// green between. At 490 and 580 nm the transmission curves of common filters cross. The Bayer
+/// pattern begins at the image's first pixel. A monochrome format gives all pixels.
 LitPixels lit_pixels(PixelFormat format, double wavelength_nm);
 
-/// Whether an image in this format can be measured at the pixels `lit`: `lit` is one of its colour
-/// planes, or the format is monochrome.
+/// Whether images in `format` contain the pixels `lit`: true if the format is monochrome, or if
+/// `lit` is one of the colour planes of its Bayer pattern.
 bool shows(PixelFormat format, const LitPixels& lit);
 
 }  // namespace ovws

@@ -12,7 +12,8 @@
 
 namespace ovws {
 
-/// Whether ImageView::row gives pixel values: bytes or words, no colour plane, no shift.
+/// Whether ImageView::row points to pixel values that need no unpacking: the image has whole bytes
+/// or words, no colour plane and no shift.
 inline bool in_place(const ImageView& image) {
   const PixelLayout layout = traits_of(image.format).layout;
   return image.plane.everything() && image.left_justified_bits == 0 &&
@@ -24,17 +25,17 @@ inline int bytes_in_place(const ImageView& image) {
   return traits_of(image.format).layout == PixelLayout::bytes ? 1 : 2;
 }
 
-/// Unpacks the pixels (x, y) to (x + count - 1, y) of the view, which must lie inside it, to
-/// LSB-aligned numbers. Reads no byte outside the camera's image. RT-safe.
+/// Unpacks the pixels (x, y) to (x + count - 1, y) to LSB-aligned numbers. The pixels must lie
+/// inside `image`. Reads no byte outside the camera's image. RT-safe.
 void unpack(const ImageView& image, int x, int y, int count, std::uint16_t* out) OVWS_NONBLOCKING;
 
 /// Maximum number of pixels that visit_rows unpacks at a time.
 constexpr int kPixelRun = 256;
 
 /// Calls `visit(x, y, pixels, count)` for the rows of a rectangle, top to bottom, left to right.
-/// `pixels` points to `count` pixels from (x, y) on, std::uint8_t or std::uint16_t: a whole row if
-/// the image is in place, runs of at most kPixelRun otherwise. The rectangle must lie inside the
-/// image. RT-safe if `visit` is.
+/// `pixels` points to `count` pixels from (x, y) on, as std::uint8_t or std::uint16_t. A call gets
+/// a whole row if in_place(image), otherwise at most kPixelRun unpacked pixels. The rectangle must
+/// lie inside the image. RT-safe if `visit` is RT-safe.
 template <class Visit>
 void visit_rows(const ImageView& image, int left, int top, int columns, int rows, Visit visit) {
   if (in_place(image)) {

@@ -5,7 +5,7 @@
 namespace ovws {
 namespace {
 
-/// A decoded UTF-8 character: its length and code point; 0 bytes: invalid UTF-8.
+/// Decoded UTF-8 character: length in bytes and code point. Length 0 means invalid UTF-8.
 struct Character {
   std::size_t bytes = 0;
   char32_t code = 0;
@@ -25,7 +25,7 @@ Character first_of(std::string_view text) {
     if ((byte(k) & 0xc0U) != 0x80U) return {};
     code = (code << 6) | (byte(k) & 0x3fU);
   }
-  constexpr char32_t kMinCode[]{0, 0, 0x80, 0x800, 0x10000};  // by length; below: overlong encoding
+  constexpr char32_t kMinCode[]{0, 0, 0x80, 0x800, 0x10000};  // by bytes; less is overlong
   const bool surrogate = code >= 0xd800 && code < 0xe000;
   return code < kMinCode[bytes] || code > 0x10ffff || surrogate ? Character{}
                                                                 : Character{bytes, code};

@@ -1,4 +1,4 @@
-/// Result<T>: failures that a caller outside this code can cause or must react to, as values.
+/// Result<T>: a value or an Error. Used for failures that the caller can cause or must react to.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace ovws {
 
-/// Error codes: one per reaction of the caller, not per cause.
+/// Error codes. Each code stands for what the caller should do next, whatever the cause.
 enum class Errc {
   invalid,      ///< the value given is wrong: correct it and repeat the request
   refused,      ///< the value is valid, but the state does not allow it: change the state first
@@ -17,7 +17,7 @@ enum class Errc {
   internal,     ///< a bug in this program; reported, never hidden
 };
 
-/// What went wrong, in words that let a person fix it.
+/// Error report: what went wrong, in words that let a person fix the problem.
 struct Error {
   Errc code = Errc::internal;
   std::string field;   ///< the setting at fault, as a dotted path ("camera.gain_db"); empty if none
@@ -29,7 +29,7 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
-/// "field: reason", or the reason alone.
+/// Error text: "field: reason", or only the reason if the field is empty.
 inline std::string text_of(const Error& error) {
   return error.field.empty() ? error.reason : error.field + ": " + error.reason;
 }

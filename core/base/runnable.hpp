@@ -5,8 +5,8 @@
 
 namespace ovws {
 
-/// How many of these builds the CPU can run: baseline, AVX2 with FMA, AVX-512F, in this order.
-/// target_clones is not used because its resolvers run before a sanitizer is initialised.
+/// Number of SIMD builds that the CPU can run: 1 baseline, 2 also AVX2 with FMA, 3 also AVX-512F.
+/// GCC's target_clones is not used because its resolvers run before a sanitizer is initialised.
 inline std::size_t runnable_builds() {
 #ifdef __x86_64__
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return 1;

@@ -51,14 +51,14 @@ struct Plain {
 #ifdef __x86_64__
 #define OVWS_AVX2 __attribute__((target("avx2")))
 
-/// Byte shuffle and shifts that extract eight adjacent packed pixels from 16 bytes. `pick` gives
-/// each pixel its two bytes; multiplying by `up` shifts its bits into place and drops those above.
+/// Byte shuffle and shifts that extract eight adjacent packed pixels from 16 bytes. `pick` selects
+/// the two bytes of each pixel. Multiplying by `up` shifts left and drops the next pixel's bits.
 struct Recipe {
   alignas(16) std::array<std::uint8_t, 16> pick{};
   alignas(16) std::array<std::uint16_t, 8> up{};
 };
 
-/// For a block whose first pixel is number `phase` of its group of whole bytes.
+/// Recipe for eight pixels, the first of which is pixel `phase` of a group that fills whole bytes.
 template <L kLayout>
 constexpr Recipe recipe(int phase) {
   Recipe r;
@@ -86,7 +86,7 @@ struct Avx2 {
     for (; i + 8 <= count && readable<kLayout, kStep>(row, from + i * kStep); i += 8) {
       put<kLayout, kStep>(row, from + i * kStep, out + i);
     }
-    const int last = count - 8;  // may overlap the previous block
+    const int last = count - 8;  // the last block may overlap the previous one
     if (i < count && last >= 0 && readable<kLayout, kStep>(row, from + last * kStep)) {
       return put<kLayout, kStep>(row, from + last * kStep, out + last);
     }

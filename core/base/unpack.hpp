@@ -18,20 +18,21 @@ struct PackedRow {
   int shift = 0;  ///< right shift for MSB-aligned 16-bit pixels
 };
 
-/// Unpacks `count` pixels from pixel `from` on: all of them, or every second one. RT-safe.
+/// Unpacks `count` pixels into `out`, starting at pixel `from`: adjacent pixels, or every second
+/// pixel of the row. RT-safe.
 using UnpackRow = void (*)(const PackedRow& row, int from, int count, std::uint16_t* out);
 
 /// One SIMD build of the unpacking loops. All builds give identical results.
 struct UnpackKernels {
   std::string_view name;
-  /// By PixelLayout, then by step: every pixel, every second pixel.
+  /// Unpacking functions, indexed by PixelLayout, then by step - 1 (every or every second pixel).
   std::array<std::array<UnpackRow, 2>, 6> rows;
 };
 
-/// The builds that this CPU can run, the fastest last.
+/// SIMD builds of the unpacking loops that this CPU can run, the fastest last.
 std::span<const UnpackKernels> all_unpack_kernels();
 
-/// The fastest build's loop. `step`: 1 or 2.
+/// Fastest unpacking loop for a layout. `step`: 1 unpacks every pixel, 2 every second pixel.
 UnpackRow unpack_row(PixelLayout layout, int step);
 
 }  // namespace ovws

@@ -25,8 +25,8 @@ struct LoopSettings {
   std::vector<ModeGain> gains = {};  ///< gains of single modes, instead of `gain`
   double limit_waves = 5.0;          ///< limit of each mode's correction, RMS-normalised; > 0
   double patience_s = 5.0;    ///< time-out without a usable frame, at the limit, or growing; > 0
-  double growth = 3.0;        ///< residual over its previous level that counts as growing; > 1
-  double floor_waves = 0.05;  ///< residual RMS below which it never counts as growing; >= 0
+  double growth = 3.0;        ///< ratio of residual to its past level that counts as growing; > 1
+  double floor_waves = 0.05;  ///< residual RMS below which growth is ignored; >= 0
 };
 
 /// Why the loop opened by itself. too_few_spots: no usable frame for `patience_s`. at_limit: a mode
@@ -35,21 +35,23 @@ enum class LoopEnd { none, too_few_spots, at_limit, growing };
 
 /// Leaky integrator, one step per usable frame: c <- (1 - leak) c + gain r, where r is the residual
 /// measured with the correction c subtracted from the hologram. Clamping c itself prevents
-/// integrator windup. The loop ends if the residual RMS grows. Growth is measured against a
-/// low-pass filtered residual RMS, whose time constant is `patience_s` downwards and ten times that
-/// upwards. Times are CLOCK_MONOTONIC ns. Not thread-safe.
+/// integrator windup. The loop ends if the residual RMS grows above its low-pass filtered level.
+/// The filter's time constant is `patience_s` for a falling residual, and ten times that for a
+/// rising one. Times are CLOCK_MONOTONIC ns. Not thread-safe.
 class Integrator {
  public:
   /// Starts from `correction`, RMS-normalised waves; modes that are not corrected keep their value.
   Integrator(LoopSettings settings, std::vector<Mode> correction, std::int64_t now_ns);
 
   /// Processes a usable frame: settled, valid, and taken with the hologram that shows the
-  /// correction. `residual_waves` holds the modes `modes_j`, in that order.
+  /// correction. `residual_waves` holds the modes `modes_j`, in that order. Returns why the loop
+  /// must open.
   LoopEnd step(std::span<const int> modes_j, std::span<const float> residual_waves,
                std::int64_t now_ns);
-  /// No usable frame came until `now_ns`. The time-out `patience_s` counts from the last step or
-  /// from `found_ns`, when a search last found lost spots (0: never), whichever is later. In any
-  /// case it ends kMaxPatience times `patience_s` after the last step.
+  /// Call it when no usable frame came until `now_ns`. The loop ends `patience_s` after the last
+  /// step or after `found_ns`, whichever is later, and at the latest kMaxPatience times
+  /// `patience_s` after the last step. `found_ns`: time at which a search last found lost spots; 0:
+  /// never.
   LoopEnd wait(std::int64_t now_ns, std::int64_t found_ns = 0) const;
   static constexpr double kMaxPatience = 5.0;
 

@@ -18,7 +18,7 @@ struct RefineSetup {
   std::optional<double> electrons_per_dn;  ///< electrons per DN at 0 dB gain; none: unknown
   double read_noise_e = 5.0;               ///< RMS, without quantisation noise
   double black_level_dn = 0.0;
-  std::optional<double> saturation_dn;      ///< pixels from here on are left out; none: full scale
+  std::optional<double> saturation_dn;      ///< pixels at or above are ignored; none: full scale
   PixelFormat format = PixelFormat::mono8;  ///< pixel format of all values in DN
   bool spot_amplitudes = false;  ///< kept for older clients: amplitudes are always fitted
 
@@ -28,20 +28,20 @@ struct RefineSetup {
 /// Conversion of electrons to camera pixel values.
 struct RefineCamera {
   double electrons_per_dn = 1.0;
-  double read_noise_e = 5.0;  ///< RMS, with the rounding to whole DN
+  double read_noise_e = 5.0;  ///< RMS, including the rounding to whole DN
   double black_dn = 0.0;
-  double saturated_dn = std::numeric_limits<double>::infinity();  ///< ignored from here on
+  double saturated_dn = std::numeric_limits<double>::infinity();  ///< brighter pixels are ignored
 };
 
-/// Whether both settings give the same fit: all but `enabled` and `rate_hz` are equal.
+/// Whether two refine settings give equal fits: only `enabled` and `rate_hz` may differ.
 inline bool same_fit(RefineSetup a, const RefineSetup& b) {
   a.enabled = b.enabled;
   a.rate_hz = b.rate_hz;
   return a == b;
 }
 
-/// Converts the values in DN to another pixel format: each additional bit doubles the DN of the
-/// same intensity. Clamps them to the new full scale.
+/// Converts the values in DN to another pixel format: each additional bit doubles the DN of a given
+/// intensity. Clamps saturation and black level to the new full scale.
 inline RefineSetup in_format(RefineSetup settings, PixelFormat format) {
   if (settings.format == format) return settings;
   const double factor =
@@ -57,7 +57,8 @@ inline RefineSetup in_format(RefineSetup settings, PixelFormat format) {
   return settings;
 }
 
-/// Errc::refused (field "enabled") if the camera's pixel format has colour filters.
+/// Checks that the camera's pixel format has no colour filters if refinement is enabled. Else
+/// Errc::refused, field "enabled".
 inline Result<void> check_refinable(const RefineSetup& settings) {
   if (!settings.enabled || traits_of(settings.format).filter == ColourFilter::none) return {};
   return fail(

@@ -10,7 +10,7 @@
 
 namespace ovws {
 
-/// In order of precedence: the daemon's state is the first one whose condition holds.
+/// Daemon states in order of precedence: the current state is the first whose condition holds.
 enum class DaemonState : std::uint8_t {
   stopping,             ///< shutdown requested
   starting,             ///< drivers have not been opened yet
@@ -22,7 +22,7 @@ enum class DaemonState : std::uint8_t {
   count,
 };
 
-/// Kinds of client requests; kActions says in which states each is forbidden.
+/// Kinds of client requests; kActions says which conditions block each kind.
 enum class Action : std::uint8_t {
   read,
   set_camera,
@@ -48,7 +48,7 @@ struct Conditions {
   bool camera = false;
   bool display = false;
   bool job = false;
-  bool loop = false;  ///< closed
+  bool loop = false;  ///< the control loop is closed
   bool fault = false;
   bool stopping = false;
   friend constexpr bool operator==(const Conditions&, const Conditions&) = default;
@@ -144,7 +144,7 @@ constexpr const control::Obstacle* obstacle(const Conditions& conditions, Action
   return nullptr;
 }
 
-/// Success, or an error whose reason names the obstacle and how to proceed.
+/// Permits an action, or returns an error whose reason names the obstacle and how to proceed.
 inline Result<void> permit(const Conditions& conditions, Action action) {
   const control::Obstacle* const it = obstacle(conditions, action);
   if (it == nullptr) return {};

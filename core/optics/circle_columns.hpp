@@ -8,14 +8,14 @@
 
 namespace ovws {
 
-/// Columns [begin, end) of one row.
+/// Half-open range of pixel columns [begin, end) in one row.
 struct Columns {
   int begin = 0;
   int end = 0;
 };
 
-/// The columns of row y whose pixel centres lie in or on the circle, on a grid `width` pixels wide.
-/// begin == end: none.
+/// Columns of pixel row y whose centres lie in or on the circle, on a grid `width` pixels wide.
+/// begin == end if the circle does not reach the row.
 inline Columns columns_in_circle(Vec2 centre_px, double diameter_px, int y, int width) {
   const double dy = y - centre_px.y;
   const double half_squared = 0.25 * diameter_px * diameter_px - dy * dy;

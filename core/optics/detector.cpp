@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::uint64_t kResponseStream = 0;  ///< PRNU; exposures use the streams from 1 on
+constexpr std::uint64_t kResponseStream = 0;  ///< noise stream for PRNU; exposures use 1, 2, …
 
 double full_scale_dn(const DetectorConfig& config) {
   return (1 << std::clamp(config.bits, 1, 16)) - 1;
@@ -49,7 +49,7 @@ void Detector::expose(const Image<float>& photons, double exposure_us, double ga
     const float mean_e = photons.pixels[i] * response_[i] + dark_e;
     const float collected_e = config_.shot_noise ? noise.poisson(mean_e) : mean_e;
     const float read_e = std::min(full_well_e, collected_e) + read_noise_e * noise.normal();
-    // The order of the arguments turns a NaN into the bound.
+    // NaN: with this order of arguments, std::max returns 0 and the pixel is black.
     const float level = std::min(top_dn, std::max(0.0F, read_e * gain + black_dn));
     dn.pixels[i] = static_cast<std::uint16_t>(level + 0.5F);
   }

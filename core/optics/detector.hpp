@@ -17,7 +17,7 @@ struct DetectorConfig {
   double read_noise_e = 5.0;     ///< electrons RMS
   double full_well_e = 10000.0;  ///< electrons at which a pixel saturates
   double black_level_dn = 2.0;   ///< added before quantisation, DN of the output
-  int bits = 8;                  ///< bit depth: full_well_e at 0 dB gives 2^bits - 1
+  int bits = 8;                  ///< bit depth, 1 .. 16: full_well_e gives 2^bits - 1 at 0 dB
   std::uint64_t seed = 1;
 };
 
@@ -25,15 +25,15 @@ struct DetectorConfig {
 /// black level is added on top.
 double dn_per_electron(const DetectorConfig& config, double gain_db);
 
-/// photons -> PRNU -> shot noise -> dark signal -> full well -> read noise -> gain -> black level
-/// -> quantise -> clip. The dark signal has shot noise, too, because it is a count of electrons.
+/// Detector stages: photons -> PRNU -> dark signal -> shot noise -> full well -> read noise -> gain
+/// -> black level -> clip -> quantise. Photon and dark electrons both have shot noise.
 class Detector {
  public:
   Detector(const DetectorConfig& config, int width, int height);
 
-  /// Simulates one exposure. `photons`: mean number per pixel and exposure, of the constructor's
-  /// size. `gain_db`: 20 log10 of the gain. Each call is a new noise realisation; the same seed
-  /// gives the same sequence.
+  /// Simulates one exposure. `photons`: mean number per pixel and exposure; the image must have the
+  /// constructor's size. `gain_db`: 20 log10 of the gain. Each call draws new noise; equal seeds
+  /// give equal sequences of exposures.
   void expose(const Image<float>& photons, double exposure_us, double gain_db,
               Image<std::uint16_t>& dn);
 

@@ -10,7 +10,8 @@
 namespace ovws {
 namespace {
 
-/// One number of each of kLanes lines: arithmetic for all lines at once, for Eigen's FFT.
+/// SIMD scalar for Eigen's FFT: holds one number of each of kLanes lines, so that one FFT
+/// transforms all lines at once.
 struct Lanes {
   static constexpr int kLanes = 4;
   using Vector [[gnu::vector_size(kLanes * sizeof(float))]] = float;
@@ -37,7 +38,7 @@ std::complex<Lanes> unit_phasor(double turns) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-/// Next 5-smooth length: the FFT has fast butterflies for the factors 2, 3 and 5.
+/// Smallest 5-smooth FFT length >= `at_least`, because the FFT is fast for factors 2, 3 and 5.
 int fast_length(int at_least) {
   for (int n = at_least;; ++n) {
     int rest = n;
@@ -48,7 +49,8 @@ int fast_length(int at_least) {
   }
 }
 
-/// Sampling of one axis before and after the transform; frequencies in cycles per sample.
+/// Sampling of one axis: number of input samples, and the output frequencies first + k step in
+/// cycles per sample.
 struct Axis {
   int inputs = 0;
   int outputs = 0;
@@ -56,15 +58,15 @@ struct Axis {
   double step = 0.0;
 };
 
-/// Chirp-z transform (Bluestein): the Fourier sum of lines at any equally spaced frequencies, by
-/// two FFTs a line; four lines at a time, one in each SIMD lane. Single precision, with chirps
-/// computed in double. For one thread at a time.
+/// Chirp-z transform (Bluestein): Fourier sums at any equally spaced frequencies, by two FFTs a
+/// line. Transforms four lines at a time, one in each SIMD lane. Works in single precision with
+/// chirps computed in double. For one thread at a time.
 class ChirpZ {
  public:
   explicit ChirpZ(const Axis& axis);
 
   /// out[k stride + line] = sum over x of in[x] exp(-2 pi i (first + k step) (x - centre)), where
-  /// the centre is that of the inputs. `in`: `lines` rows of axis.inputs values.
+  /// centre = (axis.inputs - 1) / 2. `in`: `lines` rows of axis.inputs values.
   void transform(const std::complex<float>* in, int lines, std::complex<float>* out, int stride);
 
  private:
@@ -72,11 +74,11 @@ class ChirpZ {
   void convolve();
   void store(int lines, std::complex<float>* out, int stride) const;
 
-  Eigen::internal::kissfft_impl<Lanes> fft_;  ///< Eigen's public FFT takes only built-in numbers
+  Eigen::internal::kissfft_impl<Lanes> fft_;  ///< internal class: Eigen's public FFT rejects Lanes
   int length_;
-  Values before_;  ///< chirp on the inputs
-  Values kernel_;  ///< spectrum of the convolving chirp, 1/length included
-  Values after_;   ///< chirp on the outputs
+  Values before_;  ///< chirp that multiplies the inputs
+  Values kernel_;  ///< spectrum of the convolution's chirp, times 1/length
+  Values after_;   ///< chirp that multiplies the outputs
   Values padded_;
   Values spectrum_;
 };
@@ -159,7 +161,7 @@ struct FarField::Impl {
   SlmGeometry slm;
   FarFieldWindow window;
   std::vector<Passes> of_worker;
-  Image<std::complex<float>> columns;  ///< after the pass along x, transposed: one row per column
+  Image<std::complex<float>> columns;  ///< field after the x pass, transposed
 };
 
 FarField::FarField(SlmGeometry slm, FarFieldWindow window, int workers) {
@@ -180,7 +182,7 @@ void FarField::propagate(const Image<std::complex<float>>& field, Image<std::com
   out.width = impl_->window.cols;
   out.height = impl_->window.rows;
   out.pixels.resize(std::size_t(out.width) * out.height);
-  // The pass along x comes first: it needs only as many transforms as the SLM has rows.
+  // Transform along x first: this pass needs only one transform per SLM row.
   transform_rows(field, 0, field.height, 0);
   transform_columns(0, out.width, 0, out);
 }

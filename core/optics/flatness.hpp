@@ -10,9 +10,9 @@
 
 namespace ovws {
 
-/// The configured flatness map (waves of phase to add, of the SLM's size; none: 0) minus the error.
-/// `error_modes` are RMS-normalised waves over the pupil circle of `pupil_diameter_px` about the
-/// SLM's centre. Outside the circle the map stays as configured.
+/// Flatness map minus the measured phase error, in waves. Starts from the configured map, or from 0
+/// if none is configured. `error_modes`: RMS-normalised waves over the pupil circle about the SLM's
+/// centre. Outside this circle the configured map is unchanged.
 std::shared_ptr<const Image<float>> flattened(const HologramConfig& configured,
                                               std::span<const Mode> error_modes,
                                               double pupil_diameter_px);

@@ -17,8 +17,9 @@ struct SlmGeometry {
   double pitch_um = 19.0;
 };
 
-/// The 2 x 2 registration matrix from spatial frequency on the SLM to camera pixels: a slope (u, v)
-/// in cycles per SLM pixel moves a spot by (xx u + xy v, yx u + yy v). x right, y down on both.
+/// Registration matrix (2 x 2) from spatial frequency on the SLM to camera pixels. A slope (u, v)
+/// in cycles per SLM pixel moves a spot by (xx u + xy v, yx u + yy v). On SLM and camera, x points
+/// right and y down.
 struct PxPerCycle {
   double xx = 0.0, xy = 0.0, yx = 0.0, yy = 0.0;
 
@@ -30,13 +31,13 @@ struct PxPerCycle {
       : xx(xx_), xy(xy_), yx(yx_), yy(yy_) {}
 
   Vec2 operator*(Vec2 cpp) const { return {xx * cpp.x + xy * cpp.y, yx * cpp.x + yy * cpp.y}; }
-  /// Transpose / scale(). For a pure rotation or reflection with one scale: the direction on the
-  /// SLM that the camera sees as `camera`.
+  /// Converts a direction in the camera image to the SLM: transpose / scale(), times `camera`.
+  /// Exact for a rotation or reflection with equal scale in x and y.
   Vec2 back(Vec2 camera) const {
     const double s = scale();
     return {(xx * camera.x + yx * camera.y) / s, (xy * camera.x + yy * camera.y) / s};
   }
-  /// Inverse of back(): where the camera sees a position on the SLM, in SLM pixels along its axes.
+  /// Converts a position on the SLM to the camera's axes, still in SLM pixels. Inverse of back().
   Vec2 seen(Vec2 slm) const {
     const double s = scale(), d = determinant();
     return {s * (yy * slm.x - yx * slm.y) / d, s * (xx * slm.y - xy * slm.x) / d};
@@ -45,10 +46,11 @@ struct PxPerCycle {
     return {xx / divisor, xy / divisor, yx / divisor, yy / divisor};
   }
   double determinant() const { return xx * yy - xy * yx; }
-  /// Geometric mean of the scales in both directions: sqrt |determinant|.
+  /// Mean scale, camera pixels per (cycle per SLM pixel): sqrt |determinant|.
   double scale() const { return std::sqrt(std::abs(determinant())); }
   bool mirrored() const { return determinant() < 0.0; }
-  /// Angle by which the camera's view rotates the SLM's +x towards its own +y.
+  /// Rotation of the camera image: angle from the camera's +x to the image of the SLM's +x,
+  /// positive towards the camera's +y.
   double rotation_deg() const { return std::atan2(yx, xx) * 180.0 / std::numbers::pi; }
   friend bool operator==(const PxPerCycle&, const PxPerCycle&) = default;
 };
@@ -58,17 +60,17 @@ struct OpticsConfig {
   double focal_length_mm = 200.0;
   double magnification = 1.0;
   double camera_pitch_um = 3.45;
-  /// Position of the base subaperture's spot in the ROI, camera pixels; none: the image centre.
+  /// Position of the base subaperture's spot in the ROI, camera pixels. If none: the image centre.
   std::optional<Vec2> centre_px;
-  /// Measured registration; none: the scale S of wavelength, focal length, magnification and
-  /// pitches, without rotation.
+  /// Measured registration. If none, px_per_cycle() computes the scale S from wavelength, focal
+  /// length, magnification and pitches, and assumes no rotation.
   std::optional<PxPerCycle> registered = std::nullopt;
 };
 
 enum class Grid { hexagonal, square };
 
-/// The sensor's hologram (paper eq. 1 to 4). Defaults are the paper's bench; charge 0 is the
-/// conventional Shack-Hartmann sensor.
+/// Parameters of the sensor's hologram (paper eq. 1 to 4). Defaults are the paper's bench. Charge 0
+/// (bright spots instead of vortices) is the conventional Shack-Hartmann sensor.
 struct SensorConfig {
   int charge = 1;
   Grid grid = Grid::hexagonal;
@@ -80,17 +82,18 @@ struct SensorConfig {
   friend bool operator==(const SensorConfig&, const SensorConfig&) = default;
 };
 
-/// `registered`, or S = lambda f M / (p_slm p_cam) in both directions.
+/// Registration matrix: optics.registered if measured, otherwise S = lambda f M / (p_slm p_cam)
+/// times the identity.
 PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 
-/// Whether the camera is aligned with the SLM: the matrix is a positive multiple of the identity to
-/// 0.002 of its scale, which is half a pixel at 250 pixels. SensorModel requires it.
+/// Whether the camera is aligned with the SLM: `map` is a positive multiple of the identity to
+/// 0.002 of its scale (half a pixel at 250 pixels). SensorModel requires an aligned camera.
 bool is_straight(const PxPerCycle& map);
-/// Errc::refused (field "optics.px_per_cycle") unless is_straight.
+/// Checks that the camera is aligned (is_straight); if not: Errc::refused, "optics.px_per_cycle".
 Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm);
 
-/// Scale of px_per_cycle, sqrt |det|: mean displacement of a spot (camera pixels) for a phase slope
-/// of one cycle per SLM pixel.
+/// Mean scale of the registration: displacement of a spot in camera pixels for a phase slope of one
+/// cycle per SLM pixel.
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 
 /// lambda/d on the camera, in camera pixels: the size of one subaperture's diffraction spot.

@@ -9,11 +9,12 @@
 namespace ovws {
 namespace {
 
-constexpr double kPupilShare = 0.5;  // distance of the patches in pupil diameters
+constexpr double kPupilShare = 0.5;  // maximum distance of the patches, in pupil diameters
 constexpr double kMinFringePx = 4.0;
-constexpr double kReach = 1.8;  // in lambda / patch diameter; the first dark ring is at 1.22
+constexpr double kReach = 1.8;  // radius, lambda / patch diameter; the first dark ring is at 1.22
 
-/// `side`: -1 left, 1 right. `level_of` maps the phase in the grating's period, 0 .. 1, to a level.
+/// Draws one patch with a grating. `side`: -1 left, 1 right. `level_of` maps the position in the
+/// grating's period, 0 .. 1, to a grey level.
 template <class LevelOf>
 void draw_patch(const FringePatches& patches, const SensorConfig& sensor, double side,
                 const LevelOf& level_of, Image<std::uint8_t>& grey) {
@@ -89,11 +90,11 @@ FringeReading read_fringe(const Image<float>& light, const FringePatches& patche
         continue;
       }
       reading.brightest_dn = std::max(reading.brightest_dn, value);
-      // A Hann window (no edge) suppresses leakage from neighbouring fringe frequencies.
+      // Hann window: it has no sharp edge, so other fringe frequencies leak less into the beat.
       const double weight = std::pow(std::cos(0.5 * std::numbers::pi * r), 2);
-      const double cycles_x = (map.yy * from.x - map.xy * from.y) / det;  // per SLM pixel
+      const double cycles_x = (map.yy * from.x - map.xy * from.y) / det;  // cycles per SLM pixel
       const double turns = cycles_x * patches.distance_px;
-      // The sign gives the left patch's phase minus the right one's.
+      // The minus sign makes the phase of `beat` the left patch's phase minus the right patch's.
       reading.beat += std::polar(weight * value, -2.0 * std::numbers::pi * turns);
     }
   }

@@ -17,14 +17,14 @@ namespace ovws {
 namespace {
 
 constexpr double kNyquistCpp = 0.5;
-constexpr double kMaxWaves = 1e6;  ///< more is a mistake and loses the phase's precision
+constexpr double kMaxWaves = 1e6;  ///< larger coefficients are mistakes and lose phase precision
 
 Vec2 pupil_centre(const SlmGeometry& slm) {
   return {0.5 * (slm.width_px - 1), 0.5 * (slm.height_px - 1)};
 }
 
-/// Phase of a subaperture along row y, waves (paper eq. 4): the grating counts from the pupil's
-/// centre, the vortex angle from the subaperture's centre.
+/// Phase of a subaperture along row y, waves (paper eq. 4). The grating's phase is 0 at the pupil's
+/// centre; the vortex angle is measured about the subaperture's centre.
 void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diameter_px, int charge,
                      int y, std::span<double> waves) {
   const Vec2 pupil = pupil_centre(slm);
@@ -44,8 +44,8 @@ void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
   }
 }
 
-/// The base grating inside the pupil. Light outside it, where no correction is known, stays in the
-/// zeroth order.
+/// Base grating along row y, only inside the pupil. Outside the pupil no correction is known, so
+/// light from there stays in the zeroth order.
 void grating_row(const HologramConfig& config, int y, std::span<double> waves) {
   const Vec2 pupil = pupil_centre(config.slm);
   const Columns columns =
@@ -57,7 +57,7 @@ void grating_row(const HologramConfig& config, int y, std::span<double> waves) {
   }
 }
 
-/// Adds the flatness to the pattern and rounds the sum once.
+/// Adds the flatness map to `waves` and rounds the sum once to 16-bit phase (phase16).
 void add_flatness_and_wrap(const HologramConfig& config, int y, std::span<double> waves,
                            std::uint16_t* phase) {
   const float* flatness = config.flatness_waves ? config.flatness_waves->row(y) : nullptr;
@@ -86,8 +86,8 @@ constexpr std::array<std::string_view, 18> kIdentify{"##########################
                                                      "#                            #",  //
                                                      "##############################"};
 
-/// Shows a person which screen is the SLM and how it is oriented: a frame, "OVWS" upright, and
-/// arrows towards +x and +y, white on black, without the LUT.
+/// Identify image: shows a person which screen is the SLM, and its orientation. Draws a frame,
+/// "OVWS" upright and arrows towards +x and +y, white on black. Does not apply the LUT.
 void draw_identify_image(Image<std::uint8_t>& grey) {
   const int rows = static_cast<int>(kIdentify.size());
   for (int y = 0; y < grey.height; ++y) {
@@ -138,9 +138,9 @@ double max_abs_slope(std::span<const double> slopes, double carrier_cpp) {
   return found;
 }
 
-/// Maximum |d phase / dx| and |d phase / dy| over the subaperture's pixels, cycles per pixel.
-/// Excludes the vortex's own slope, charge / (2 pi r), which is singular at its centre and needs no
-/// sampling there.
+/// Maximum |d phase / dx| and |d phase / dy| over the subaperture's pixels, cycles per SLM pixel.
+/// Includes grating and modes. Excludes the vortex's slope, charge / (2 pi r): it is singular at
+/// the vortex's centre, and the Nyquist limit does not matter there.
 Vec2 max_slope(const WavefrontRows& modes, const Subaperture& s, const Lattice& lattice,
                const SlmGeometry& slm) {
   const Vec2 centre = pupil_centre(slm) + s.centre_px;
@@ -224,7 +224,7 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
   const WavefrontRows added(modes, centre, diameter_px);
   WavefrontRows::Polynomial along_row;
   const int right = int(std::ceil(centre.x)), left = int(std::floor(centre.x));
-  std::vector<double> from_centre(width / 2 + 1 + kSparePixels);  // pupil radii
+  std::vector<double> from_centre(width / 2 + 1 + kSparePixels);  // x, pupil radii
   for (std::size_t k = 0; k < from_centre.size(); ++k) {
     from_centre[k] = (right + double(k) - centre.x) / added.radius_px();
   }

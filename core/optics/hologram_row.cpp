@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_TARGET == HWY_SCALAR
 
-/// For CPUs without vectors; as below.
+/// Scalar version of mirrored_phases for CPUs without SIMD vectors.
 void Mirrored(const double* even, const double* odd, int pairs, const double* x, int count,
               std::uint16_t* right, std::uint16_t* left) {
   for (int at = 0; at < count; ++at) {
@@ -37,15 +37,15 @@ void Mirrored(const double* even, const double* odd, int pairs, const double* x,
 
 using Doubles = hn::ScalableTag<double>;
 using Phases = hn::Repartition<std::uint16_t, Doubles>;
-constexpr int kVectors = 4;  // of numbers for one of phases
+constexpr int kVectors = 4;  // vectors of doubles that give one vector of 16-bit phases
 using Numbers = std::array<hn::Vec<Doubles>, kVectors>;
 
-/// Not a fused multiply-add: its result would depend on the instruction set.
+/// sum * x + term, rounded twice. A fused multiply-add would make the result depend on the CPU.
 hn::Vec<Doubles> multiply_add(hn::Vec<Doubles> sum, hn::Vec<Doubles> x, double term) {
   return hn::Add(hn::Mul(sum, x), hn::Set(Doubles(), term));
 }
 
-/// phase16 of each number.
+/// Rounds each number (in 1/65536 wave) to a 16-bit phase, as phase16 does.
 hn::Vec<Phases> rounded(const Numbers& steps) {
   using Halves = hn::Repartition<std::uint32_t, Doubles>;
   const auto bits = [&](int v) {
@@ -94,7 +94,7 @@ void Mirrored(const double* even, const double* odd, int pairs, const double* x,
 using Levels = hn::ScalableTag<std::uint8_t>;
 using Words = hn::Repartition<std::uint16_t, Levels>;
 
-/// Indices into the LUT for as many pixels as a vector has bytes: the high bytes of the sums.
+/// LUT indices for as many pixels as a vector has bytes: the high bytes of base + added.
 hn::Vec<Levels> indices(const std::uint16_t* base, const std::uint16_t* added) {
   const auto sum = [=](std::size_t at) {
     const auto phase = hn::Add(hn::LoadU(Words(), base + at), hn::LoadU(Words(), added + at));
@@ -109,7 +109,7 @@ hn::Mask<Levels> in_upper_half(hn::Vec<Levels> index) {
 
 #if HWY_TARGET <= HWY_AVX3_DL
 
-/// Looks up by byte permutations (VBMI): two registers hold half of the LUT.
+/// LUT in four AVX-512 registers, looked up by byte permutations (VBMI) over two registers each.
 class Lut {
  public:
   explicit Lut(const std::uint8_t* lut) {
@@ -128,9 +128,9 @@ class Lut {
 
 #else
 
-/// Looks up by byte shuffles in 2 halves of 8 rows of 16 levels, each row repeated in all 128-bit
-/// blocks. Rows after the first of a half are stored XORed with the previous row (XOR delta
-/// coding).
+/// LUT looked up by byte shuffles. Each half of the LUT has 8 rows of 16 levels; a row is repeated
+/// in all 128-bit blocks of a vector. XOR delta coding: rows after the first of a half are stored
+/// XORed with the previous row.
 class Lut {
  public:
   explicit Lut(const std::uint8_t* lut) {
@@ -140,7 +140,7 @@ class Lut {
     }
   }
   hn::Vec<Levels> at(hn::Vec<Levels> index) const {
-    // In step k, indices below 16 k have wrapped to 128 or more, for which the shuffle gives 0.
+    // In step k, indices below 16 k have wrapped to 128 or more; the shuffle returns 0 for them.
     auto in_half = hn::And(index, hn::Set(Levels(), 0x7F));
     auto low = hn::TableLookupBytes(rows_[0], in_half);
     auto high = hn::TableLookupBytes(rows_[8], in_half);
@@ -149,7 +149,7 @@ class Lut {
       in_half = hn::Sub(in_half, hn::Set(Levels(), 16));
       low = hn::Xor(low, hn::TableLookupBytesOr0(rows_[k], in_half));
       high = hn::Xor(high, hn::TableLookupBytesOr0(rows_[8 + k], in_half));
-      // Keeps this order: a compiler that combines all steps last runs out of registers.
+      // Compiler barrier: keeps the order of steps, because combining them last spills registers.
       __asm__("" : "+x"(in_half.raw), "+x"(low.raw), "+x"(high.raw));
     }
     return hn::IfThenElse(in_upper_half(index), high, low);
@@ -195,7 +195,7 @@ HWY_EXPORT(Greys);
 
 void mirrored_phases(std::span<const double> waves, const double* x, int count,
                      std::uint16_t* right, std::uint16_t* left) {
-  std::array<double, kMaxPhasePowers / 2 + 1> even{}, odd{};  // by falling power
+  std::array<double, kMaxPhasePowers / 2 + 1> even{}, odd{};  // from the highest power down
   const std::size_t pairs = (waves.size() + 1) / 2;
   for (std::size_t k = 0; k < waves.size(); ++k) {
     (k % 2 == 0 ? even : odd)[pairs - 1 - k / 2] = kPhasesPerWave * waves[k];

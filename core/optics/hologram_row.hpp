@@ -1,5 +1,5 @@
-/// SIMD loops over a row of a hologram (Highway): phase of the modes, and look-up of the grey
-/// levels. All instruction sets give bit-identical results.
+/// SIMD loops over a row of a hologram (Highway library): phase of the modes, and look-up of the
+/// grey levels. All instruction sets give bit-identical results.
 #pragma once
 
 #include <cstdint>
@@ -7,20 +7,20 @@
 
 namespace ovws {
 
-/// Highest number of coefficients of a row's polynomial.
+/// Maximum number of coefficients of the polynomial that gives the modes' phase along a row.
 constexpr int kMaxPhasePowers = 21;
-/// Elements that `mirrored_phases` may use beyond the ends of its rows.
+/// Number of extra elements that `mirrored_phases` may access beyond the ends of its arrays.
 constexpr int kSparePixels = 32;
 
-/// Evaluates a polynomial at mirrored pixels, for which the same sums of the even and of the odd
-/// powers serve: right[k] and left[-k], k = 0 .. count - 1, are the phase16 (phasors.hpp) of its
-/// value at x[k] and -x[k]. `waves`: 1 to kMaxPhasePowers coefficients by rising power. As accurate
-/// as a power sum in double precision.
+/// Evaluates a polynomial at mirrored pixels: right[k] and left[-k], k = 0 .. count - 1, are the
+/// phase16 (phasors.hpp) of its value at x[k] and -x[k]. Each pair needs only one sum of even and
+/// one of odd powers. `waves`: 1 to kMaxPhasePowers coefficients by rising power. As accurate as a
+/// power sum in double precision.
 void mirrored_phases(std::span<const double> waves, const double* x, int count,
                      std::uint16_t* right, std::uint16_t* left);
 
-/// grey = lut[top 8 bits of (base + added)], modulo 65536, for `count` pixels. `lut` has 256
-/// levels.
+/// Looks up grey levels: grey = lut[top 8 bits of (base + added) modulo 65536] for `count` pixels.
+/// `lut` has 256 levels.
 void look_up_greys(const std::uint16_t* base, const std::uint16_t* added, const std::uint8_t* lut,
                    int count, std::uint8_t* grey);
 

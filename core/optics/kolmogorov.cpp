@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kOrders = 8;
 
-/// Of a mode of radial order n, but for a factor.
+/// Kolmogorov variance of a mode of radial order n, up to a common factor.
 double variance(int n) {
   return (n + 1) * std::exp(std::lgamma(n - 5.0 / 6.0) - std::lgamma(n + 23.0 / 6.0));
 }

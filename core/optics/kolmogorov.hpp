@@ -1,4 +1,4 @@
-/// The spectrum of air: how strong its modes are.
+/// Kolmogorov spectrum of air turbulence: standard deviation of each Zernike mode.
 #pragma once
 
 #include <span>
@@ -8,13 +8,14 @@
 
 namespace ovws {
 
-/// The modes `first_j` (at least 3: the variance of tilts has no limit) to `last_j`, each with its
-/// standard deviation in air, whose turbulence has Kolmogorov's spectrum (Noll, JOSA 66, 207,
-/// 1976); RMS 1 wave together.
+/// Kolmogorov turbulence (Noll, JOSA 66, 207, 1976): the modes `first_j` to `last_j`, each with its
+/// standard deviation as coefficient, scaled to 1 wave RMS in total. `first_j` must be at least 3,
+/// because the variance of piston and tilt diverges.
 std::vector<Mode> air_modes(int first_j, int last_j);
 
-/// The same of the modes of the 8 radial orders above those of `modes_j`, which hold two thirds to
-/// three quarters of the variance above them.
+/// Kolmogorov standard deviations (as air_modes) of the modes above the highest of `modes_j`, up to
+/// 8 radial orders higher, at most kMaxZernikeIndex. These modes hold two thirds to three quarters
+/// of the variance above `modes_j`.
 std::vector<Mode> higher_modes(std::span<const int> modes_j);
 
 }  // namespace ovws

@@ -6,10 +6,10 @@ namespace ovws {
 namespace {
 
 constexpr double kNyquistCpp = 0.5;
-/// Relative tolerance: rounding must not drop a subaperture that touches the pupil's edge.
+/// Relative tolerance, so that rounding does not drop a subaperture that touches the pupil's edge.
 constexpr double kTouch = 1e-9;
 
-/// Rows of increasing y, then x; the base subaperture lies on the pupil's centre.
+/// Centres of the subapertures, sorted by y, then x. The base is at the pupil's centre.
 std::vector<Vec2> centres(const SensorConfig& sensor, double diameter_px) {
   const bool hexagonal = sensor.grid == Grid::hexagonal;
   const double row_pitch = diameter_px * (hexagonal ? std::sqrt(0.75) : 1.0);

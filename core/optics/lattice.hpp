@@ -15,16 +15,16 @@ struct Subaperture {
 };
 
 struct Lattice {
-  double diameter_px = 0.0;  ///< of one subaperture: D / M
+  double diameter_px = 0.0;  ///< of one subaperture, SLM pixels: D / M
   std::vector<Subaperture>
-      subapertures;  ///< by rows of increasing V_y, then V_x; whole circles in the pupil
+      subapertures;  ///< sorted by V_y, then V_x; each circle lies entirely inside the pupil
 };
 
-/// Places all subapertures that lie entirely inside the pupil; circles that touch its edge count.
-/// The base subaperture is at the pupil's centre for every M, so an even M leaves half a diameter
-/// free at the edge. Errors (Errc::invalid, field "sensor.…"): pupil larger than the SLM's height
-/// or width; fewer than 3 subapertures; more than kMaxSubapertures; a frequency beyond the SLM's
-/// Nyquist limit of 0.5 cycles per pixel.
+/// Places all subapertures that lie entirely inside the pupil, or touch its edge from inside. The
+/// base subaperture is at the pupil's centre for every M (number across), so an even M leaves half
+/// a subaperture free at the edge. Errors (Errc::invalid, field "sensor.…" or "slm.width"): empty
+/// SLM; pupil larger than the SLM's height or width; fewer than 3 or more than kMaxSubapertures
+/// subapertures; a grating beyond the SLM's Nyquist limit of 0.5 cycles per pixel.
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm);
 
 constexpr int kMaxSubapertures = 1024;
@@ -32,7 +32,8 @@ constexpr int kMaxSubapertures = 1024;
 /// Frequency of the base subaperture's grating: grooves over the SLM's size, cycles per SLM pixel.
 Vec2 base_grating_cpp(const SensorConfig& sensor, const SlmGeometry& slm);
 
-/// Model positions of the spots for a flat wavefront: base + S (f_i - f_base), camera pixels.
+/// Model positions of the spots for a flat wavefront, camera pixels: base spot + registration
+/// matrix times (f_i - f_base), the difference of the grating frequencies.
 std::vector<Vec2> model_spots_px(const Lattice& lattice, const SensorConfig& sensor,
                                  const SlmGeometry& slm, const OpticsConfig& optics, int image_cols,
                                  int image_rows);

@@ -7,14 +7,15 @@
 namespace ovws {
 namespace {
 
-/// The normal quantiles at (k + 1/2) / quantiles, scaled to a variance of exactly 1/2.
+/// Quantiles of the normal distribution at (k + 1/2) / quantiles, scaled to a variance of exactly
+/// 1/2, because Noise::normal adds two of them.
 std::vector<float> make_half_normals(int quantiles) {
   std::vector<double> upper;
   double sum_of_squares = 0.0;
   double z = 0.0;
   for (int k = 0; k < quantiles / 2; ++k) {
     const double above_mean = (k + 0.5) / quantiles;
-    // Newton's method from the previous quantile converges from below, because the density falls.
+    // Newton's method from the previous quantile converges from below: the density falls with z.
     for (int step = 0; step < 6; ++step) {
       const double density = std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
       z += (above_mean - 0.5 * std::erf(z / std::numbers::sqrt2)) / density;
@@ -31,7 +32,7 @@ std::vector<float> make_half_normals(int quantiles) {
   return normals;
 }
 
-/// Probabilities of the counts from 0 on.
+/// Poisson probabilities of the counts 0, 1, … counts - 1.
 std::vector<double> poisson_probabilities(double mean, int counts) {
   std::vector<double> result;
   double probability = std::exp(-mean);
@@ -47,8 +48,8 @@ struct Alias {
   int count = 0;
 };
 
-/// Columns of the alias method (Vose 1991): each count that is rarer than the average is filled up
-/// with a more frequent one.
+/// Columns of the alias method (Vose 1991): a column whose count is rarer than the average is
+/// filled up with a more frequent count, its alias.
 std::vector<Alias> alias_columns(const std::vector<double>& probabilities) {
   std::vector<Alias> columns(probabilities.size());
   std::vector<double> left(probabilities.size());

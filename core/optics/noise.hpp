@@ -8,37 +8,37 @@
 
 namespace ovws {
 
-/// A stream of independent variates (SplitMix64). For one thread at a time; cheap to construct.
+/// Stream of independent random variates (SplitMix64). Cheap to construct. Use from one thread.
 class Noise {
  public:
-  /// `stream`: the stream's number. Streams that differ in seed or number are independent.
+  /// `stream`: number of the stream. Streams with another seed or number are independent.
   Noise(std::uint64_t seed, std::uint64_t stream);
 
-  /// Standard normal variate: the scaled sum of two out of 4096 equally likely quantiles, never
-  /// beyond 5.2.
+  /// Standard normal variate: sum of two random entries of a table of 4096 scaled quantiles. Its
+  /// absolute value never exceeds 5.2.
   float normal();
 
-  /// Poisson variate for means below kExactPoisson; above, a normal one with the same mean and
-  /// variance. A mean that is negative or NaN counts as 0.
+  /// Poisson variate for a mean below kExactPoisson. From kExactPoisson on, a normal variate with
+  /// the same mean and variance. A negative or NaN mean counts as 0.
   float poisson(float mean);
 
   static constexpr float kExactPoisson = 30.0F;
 
  private:
-  /// A Poisson distribution by the alias method (Walker 1977): a random column of equally many
-  /// counts holds its own count with probability `share`, and otherwise `alias`.
+  /// Column of the alias method (Walker 1977) for a Poisson distribution. Column k is drawn with
+  /// equal probability; it returns count k with probability `share`, otherwise count `alias`.
   struct Column {
     static constexpr unsigned kCountBits = 7;
     static constexpr unsigned kShareBits = 32 - kCountBits;
     std::uint32_t share : kShareBits;
     std::uint32_t alias : kCountBits;
   };
-  /// Small enough for the processor's caches, because each pixel reads a random place.
+  /// Look-up tables, small enough for the CPU caches: each pixel reads a random entry.
   struct Tables {
     static constexpr int kPerElectron = 8;
     static constexpr unsigned kQuantileBits = 12;
-    std::vector<float> half_normals;  ///< quantiles of variance 1/2
-    std::vector<Column> poisson;      ///< 2^kCountBits for each of the means k / kPerElectron
+    std::vector<float> half_normals;  ///< normal quantiles, scaled to variance 1/2
+    std::vector<Column> poisson;      ///< 2^kCountBits columns per mean k / kPerElectron
 
     Tables();
   };
@@ -50,7 +50,7 @@ class Noise {
   const Tables& tables_;
 };
 
-// Inline: a simulated frame draws a million numbers.
+// Inline functions, for speed: a simulated frame draws a million random numbers.
 
 /// Bit mixer: the finaliser of SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom
 /// number generators", 2014).
@@ -78,7 +78,8 @@ inline float Noise::normal() {
 inline float Noise::poisson(float mean) {
   if (!(mean > 0.0F)) return 0.0F;
   if (mean >= kExactPoisson) return mean + std::sqrt(mean) * normal();
-  // The sum of Poisson numbers is one of the summed mean: a table for the most of it, and the rest.
+  // The sum of two Poisson variates is Poisson, too. Draw one for the mean rounded down to 1/8 from
+  // the table, and one for the small remaining mean.
   const int k = static_cast<int>(mean * Tables::kPerElectron);
   const std::uint64_t random = bits();
   const auto count = static_cast<std::uint32_t>(random >> (64 - Column::kCountBits));
@@ -90,8 +91,8 @@ inline float Noise::poisson(float mean) {
   return static_cast<float>(int(most) + poisson_below_one(rest_mean, rest_random));
 }
 
-/// Poisson number of a small mean, by inverse-transform sampling with a random number in [0, 1).
-/// Most draws need no exponential, because exp(-mean) >= 1 - mean.
+/// Poisson variate for a small mean, by inverse-transform sampling of a random number in [0, 1).
+/// Most draws return 0 without computing exp(-mean), because exp(-mean) >= 1 - mean.
 inline int Noise::poisson_below_one(float mean, float random) {
   if (random < 1.0F - mean) return 0;
   int count = 0;

@@ -12,17 +12,17 @@ namespace ovws {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kMaxMisfit = 0.05;  // RMS, in radii of the circle
+constexpr double kMaxMisfit = 0.05;  // RMS distance from the circle, in its radii
 constexpr double kMaxStepRad = kTwoPi / 24.0;
-constexpr double kMaxNoiseRad = 0.1;  // of one grey level
+constexpr double kMaxNoiseRad = 0.1;  // phase noise of one grey level
 constexpr double kMinNoiseRad = 1e-3;
-constexpr double kMaxDriftRad = 0.01;  // of the mean of a grey level's two readings
-constexpr double kDriftSigmas = 3.0;   // standard deviations of the statistic under noise alone
-constexpr double kMinLagRatio = 0.7;   // |mean| over RMS of the differences: noise has no mean
-constexpr double kMinDepthRad = 1.0;   // a shorter arc does not determine a circle
-constexpr double kFallSigmas = 5.0;    // a fall significant against the noise
-constexpr double kMinBlaze = 0.05;     // relative difference: 1 rad of depth gives 0.15
-constexpr double kBlazeNoises = 3.0;   // in differences between repeated readings
+constexpr double kMaxDriftRad = 0.01;  // drift of the mean of a grey level's two readings
+constexpr double kDriftSigmas = 3.0;   // drift below this is noise: standard deviations
+constexpr double kMinLagRatio = 0.7;   // |mean| / RMS of the differences; noise averages to 0
+constexpr double kMinDepthRad = 1.0;   // a shorter arc of beats does not determine a circle
+constexpr double kFallSigmas = 5.0;    // a fall of the phase beyond this is not noise
+constexpr double kMinBlaze = 0.05;     // relative difference; a phase range of 1 rad gives 0.15
+constexpr double kBlazeNoises = 3.0;   // multiples of the repeated readings' difference
 constexpr double kMaxStiffness = 1e9, kMinStiffness = 1.0;
 
 std::string two_decimals(double value) {
@@ -38,7 +38,7 @@ std::string three_decimals(double value) {
 struct Circle {
   std::complex<double> middle;
   double radius = 0.0;
-  double misfit = 0.0;  ///< RMS distance of the points, in radii
+  double misfit = 0.0;  ///< RMS distance of the points from the circle, in its radii
 };
 
 std::complex<double> mean_of(const GreyBeat& beat) {
@@ -81,7 +81,7 @@ Result<Circle> checked_circle(std::span<const GreyBeat> beats) {
       "long enough (slm.settle measures it)");
 }
 
-/// Phase step from level k - 1 to k, in -pi .. pi.
+/// Phase step from the measured level k - 1 to level k, in -pi .. pi.
 double turn_rad(std::span<const GreyBeat> beats, const Circle& circle, std::size_t k) {
   return std::arg((mean_of(beats[k]) - circle.middle) *
                   std::conj(mean_of(beats[k - 1]) - circle.middle));
@@ -97,7 +97,8 @@ std::vector<double> unwrapped(std::span<const GreyBeat> beats, const Circle& cir
   return phases;
 }
 
-/// Noise of the mean of two readings in rad: half their difference, RMS per component.
+/// Phase noise of the mean of a level's two readings, rad: half their difference, RMS per
+/// component, but at least the circle's misfit and kMinNoiseRad.
 double noise_of(std::span<const GreyBeat> beats, const Circle& circle) {
   double sum = 0.0;
   for (const GreyBeat& beat : beats) sum += std::norm(beat.first - beat.second);
@@ -105,8 +106,9 @@ double noise_of(std::span<const GreyBeat> beats, const Circle& circle) {
   return std::max({readings, circle.misfit, kMinNoiseRad});
 }
 
-/// Drift of the mean of two readings, beyond noise, in rad. As in von Neumann's ratio test, noise
-/// of neighbouring levels is independent, while drift shifts neighbours alike.
+/// Drift between a level's two readings beyond noise, rad, as shift of their mean. Uses the idea of
+/// von Neumann's ratio test: noise of neighbouring levels is independent, but drift shifts
+/// neighbouring levels equally.
 double drift_of(std::span<const GreyBeat> beats, const Circle& circle) {
   double squares = 0.0, steps = 0.0;
   std::complex<double> before;
@@ -121,8 +123,8 @@ double drift_of(std::span<const GreyBeat> beats, const Circle& circle) {
   return std::sqrt(std::max(0.0, squares / n - noise) / 8.0) / circle.radius;
 }
 
-/// Diagnoses inconsistent readings: a lag (exposed before the SLM had settled), drift of the bench,
-/// or too much noise.
+/// Error for inconsistent readings. Finds the cause: lag (exposed before the SLM had settled),
+/// drift of the bench, or too much noise.
 Error diagnose(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad,
                double drift_rad) {
   double lag = 0.0, square = 0.0;
@@ -176,11 +178,11 @@ Result<void> check_monotonic(std::span<const GreyBeat> beats, const std::vector<
   return {};
 }
 
-/// Roughness penalty: the integrated squared third derivative of 256 values with respect to the
-/// index of the measured level, so the curve may bend more where levels are dense. Third
-/// differences have the fifth power of the level gap as weight, normalised to 1 for the widest gap.
+/// Roughness penalty of 256 phases: integrated squared third derivative with respect to the index
+/// of the measured level, so that the curve may bend more where measured levels are dense. The
+/// weight of a squared third difference is the fifth power of the level gap, 1 for the widest gap.
 Eigen::MatrixXd roughness_penalty(std::span<const GreyBeat> beats) {
-  Eigen::VectorXd gap(253);  // about the middle of levels k .. k + 3
+  Eigen::VectorXd gap(253);  // between measured levels, at the middle of k .. k + 3
   std::size_t next = 1;
   for (int k = 0; k < 253; ++k) {
     while (beats[next].grey < k + 2) ++next;
@@ -199,7 +201,7 @@ struct Curve {
   double residual = 0.0;
 };
 
-/// Whittaker smoothing: the stiffest curve whose residual does not exceed the noise.
+/// Whittaker smoothing: returns the stiffest curve whose RMS residual does not exceed the noise.
 Curve whittaker_smooth(std::span<const GreyBeat> beats, const std::vector<double>& phases,
                        double noise_rad) {
   const Eigen::MatrixXd bend = roughness_penalty(beats);
@@ -221,9 +223,9 @@ Curve whittaker_smooth(std::span<const GreyBeat> beats, const std::vector<double
     const bool last = stiffness / 3.0 < kMinStiffness;
     if (curve.residual > noise_rad && !last) continue;
     const Eigen::MatrixXd inverse = solved.solve(Eigen::MatrixXd::Identity(256, 256));
-    // If even the softest curve misses the noise level, the residual is the uncertainty.
+    // If even the softest curve fits worse than the noise, scale the errors up to the residual.
     const double excess = std::max(1.0, curve.residual / noise_rad);
-    // Variance of the difference from grey level 0.
+    // Variance of each level's phase difference from grey level 0.
     const Eigen::ArrayXd variance =
         inverse.diagonal().array() + inverse(0, 0) - 2.0 * inverse.col(0).array();
     curve.standard_error = excess * variance.max(0.0).sqrt();
@@ -303,7 +305,7 @@ Result<PhaseResponse> with_sign(PhaseResponse response, const BlazedLight& risin
 PhaseTable linearising_lut(const std::array<double, 256>& phase_rad) {
   if (phase_rad.back() < 0.0) {
     PhaseTable table = linearising_lut(negative(phase_rad));
-    // The phase -2 pi k/256 is 2 pi (256 - k)/256.
+    // Reverse the steps, because the phase -2 pi k/256 equals 2 pi (256 - k)/256 modulo 2 pi.
     std::reverse(table.lut.begin() + 1, table.lut.end());
     return table;
   }

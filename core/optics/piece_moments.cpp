@@ -11,31 +11,32 @@
 namespace ovws {
 namespace {
 
-constexpr int kBlocksAcross = 36;  // about; more than twice the cycles in a box of 8 lambda/d
+constexpr int kBlocksAcross = 36;  // approximate; over 2 blocks per cycle in a box of 8 lambda/d
 constexpr int kFitAcross = 24;     // samples across the circle for the polynomial fit of the modes
-constexpr int kHigherAcross = 12;  // the same where 0.1 of a mode does not matter
+constexpr int kHigherAcross = 12;  // for higher modes, where an error of 0.1 of a mode is harmless
 
 std::complex<double> unit_phasor(double cycles) {
   return std::polar(1.0, 2.0 * std::numbers::pi * cycles);
 }
 
-/// Dirichlet kernel: the mean of exp(2 pi i f k) over `block` samples about the block's centre.
+/// Attenuation of a frequency by summing blocks (Dirichlet kernel): mean of exp(2 pi i f k) over
+/// `block` samples about the block's centre. `cycles`: f, cycles per sample.
 double damping(double cycles, int block) {
   const double x = std::numbers::pi * cycles;
   return std::abs(x) < 1e-9 ? 1.0 : std::sin(x * block) / (block * std::sin(x));
 }
 
-/// Points along one axis, and the blocks of a patch.
+/// Frequencies of the far-field points along one axis, and size of a patch's blocks.
 struct Line {
-  double first_cpp = 0.0;  ///< from the carrier frequency
+  double first_cpp = 0.0;  ///< first frequency, relative to the carrier
   double step_cpp = 0.0;
   int count = 0;
   double cell_px = 1.0;
-  int block = 1;  ///< cells along its side
+  int block = 1;  ///< cells along the side of a block
 };
 
-/// Fills [W; t W; t^2 W; ...], line.count rows each: W(k, p) = exp(-2 pi i f_k x_p) / damping,
-/// where t is the position from the centre in units of the radius.
+/// Fourier kernel with moments: fills [W; t W; t^2 W; ...], line.count rows each. W(k, p) =
+/// exp(-2 pi i f_k x_p) / damping(f_k). t: position from the centre in units of the radius.
 void fill_kernel(const Line& line, const Eigen::VectorXd& x_px, double centre_px, double radius_px,
                  Eigen::MatrixXcf& out) {
   constexpr int kPowers = PieceMoments::kDegree + 1;
@@ -57,10 +58,10 @@ void fill_kernel(const Line& line, const Eigen::VectorXd& x_px, double centre_px
   }
 }
 
-/// Modes over the circle of a piece as polynomials, by least squares.
+/// Least-squares fit of Zernike modes by polynomials over the circle around a pupil piece.
 class PolynomialFit {
  public:
-  /// `across`: samples across the circle.
+  /// `across`: number of samples across the circle's diameter.
   PolynomialFit(std::vector<Mode> modes, int across) : modes_(std::move(modes)) {
     for (int k = 0; k < across * across; ++k) {
       const Vec2 at{(2 * (k / across) + 1.0) / across - 1.0,
@@ -80,8 +81,8 @@ class PolynomialFit {
   }
 
   struct Over {
-    Eigen::MatrixXf polynomials;  ///< N x kCount
-    double rest;                  ///< variance of what they leave
+    Eigen::MatrixXf polynomials;  ///< one row per mode, kCount coefficients
+    double rest;                  ///< variance of the fit's residual
   };
   Over over(const PupilCells& cells, const PupilPiece& piece) const {
     Eigen::MatrixXd values(places_.size(), modes_.size());
@@ -185,7 +186,7 @@ const Eigen::MatrixXcf& PieceMoments::at(int piece, const FarPoints& points) {
   fill_kernel({from_cpp.y, step_cpp, points.height, bin_px, patch.block},
               places(patch.y, first_px.y), p.centre_px.y, p.radius_px, along_y_);
   const Eigen::Index width = points.width, height = points.height;
-  half_.noalias() = along_x_ * patch.blocks.transpose();  // `width` rows for each power of xi
+  half_.noalias() = along_x_ * patch.blocks.transpose();  // each power of xi has `width` rows
   moments_.resize(width * height, kCount);
   Eigen::Index column = 0;
   for (int a = 0; a <= kDegree; ++a) {

@@ -1,5 +1,5 @@
-/// Far-field moments of one pupil piece: its far field and that of its field times each monomial.
-/// They give the derivative of the far field with respect to any smooth phase change.
+/// Far-field moments of one pupil piece: far fields of the piece's field times each monomial of the
+/// position. They give the derivative of the far field with respect to any smooth phase change.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ struct PixelBox {
   int height = 0;
 };
 
-/// Points of the far field: (first_px + step_px * (column, row)), camera pixels.
+/// Grid of far-field points at first_px + step_px * (column, row), camera pixels.
 struct FarPoints {
   Vec2 first_px;
   int width = 0;
@@ -28,45 +28,48 @@ struct FarPoints {
 
   FarPoints(Vec2 first, int columns, int rows, double step)
       : first_px(first), width(columns), height(rows), step_px(step) {}
-  /// The pixels of a box.
+  /// Grid of all pixels of a box.
   FarPoints(const PixelBox& box)  // NOLINT(google-explicit-constructor)
       : first_px{double(box.x), double(box.y)}, width(box.width), height(box.height) {}
 };
 
-/// M_ab(u, v) = sum over the piece's cells of A xi^a eta^b exp(-2 pi i (u x + v y)), where
-/// (xi, eta) is the position from the piece's centre in units of its radius, and a + b <= kDegree.
+/// Moments M_ab(u, v) = sum over the piece's cells of A xi^a eta^b exp(-2 pi i (u x + v y)). (xi,
+/// eta) is the position from the piece's centre in units of the piece's radius; a + b <= kDegree.
 ///
-/// Costs two small matrix products per box instead of a transform of the whole SLM. Without its
-/// grating and mean slope the field is smooth, so cells are summed in square blocks; the
-/// attenuation by a block (a Dirichlet kernel) is divided out. Agrees with FarField to 0.3 % of a
-/// spot's peak within 4 lambda/d, in some 2 ms per piece. One thread at a time.
+/// Costs two small matrix products per box instead of a transform of the whole SLM. Without grating
+/// and mean slope a piece's field is smooth, so cells are summed in square blocks. The attenuation
+/// by a block (a Dirichlet kernel) is divided out. Agrees with FarField to 0.3 % of a spot's peak
+/// within 4 lambda/d. Takes about 2 ms per piece. For one thread at a time.
 class PieceMoments {
  public:
   static constexpr int kDegree = 3;
   static constexpr int kCount = (kDegree + 1) * (kDegree + 2) / 2;
 
-  /// `modes_j`: the modes of modes_over.
+  /// `modes_j`: OSA indices of the modes that modes_over() expands.
   PieceMoments(const SensorField& field, std::span<const int> modes_j);
 
-  /// Loads these pieces (ascending numbers) from field.pupil(), which was propagated with `modes`.
+  /// Loads `pieces` (ascending numbers) from field.pupil(). Call field.propagate(modes, …) before,
+  /// with equal modes.
   void load(const SensorField& field, std::span<const Mode> modes, std::span<const int> pieces);
-  /// Position of a piece's spot with these modes, camera pixels.
+  /// Position of a piece's spot on the camera if the wavefront is `modes`, camera pixels.
   Vec2 falls_px(std::size_t piece, std::span<const Mode> modes) const;
 
-  /// Moments of a loaded piece: row-major points x kCount, columns by rising a, then b. Column 0 is
-  /// the piece's far field. Valid until the next call.
+  /// Moments M_ab of a loaded piece. Rows: the points, row-major. Columns: kCount moments by rising
+  /// a, then b; column 0 is the piece's far field. The reference is valid until the next call.
   const Eigen::MatrixXcf& at(int piece, const FarPoints& points);
 
-  /// Z x kCount: coefficients of each mode as a polynomial in xi^a eta^b over the piece, by a
-  /// least-squares fit over its circle.
+  /// Modes as polynomials over a piece, by least squares. Row: one of modes_j, 1 wave. Columns:
+  /// kCount coefficients of xi^a eta^b.
   const Eigen::MatrixXf& modes_over(int piece) const { return modes_[std::size_t(piece)]; }
-  /// N x kCount: the same over a subaperture of each of higher_modes, times its standard deviation.
+  /// Polynomials, as in modes_over(), of the modes of higher_modes() (kolmogorov.hpp), each times
+  /// its standard deviation in turbulence. `piece` must be a subaperture.
   const Eigen::MatrixXf& higher_over(int piece) const { return higher_[std::size_t(piece)]; }
-  /// Variance of what these polynomials leave of the higher modes, waves^2.
+  /// Residual variance of the higher modes after the fit by higher_over()'s polynomials, waves^2.
   double higher_rest(int piece) const { return rests_[std::size_t(piece)]; }
 
  private:
-  /// Sums over blocks of cells: block (q, p) begins at the cell (x + p block, y + q block).
+  /// Field of a piece, summed over square blocks of cells. Block (row q, column p) begins at the
+  /// cell (x + p block, y + q block).
   struct Patch {
     int x = 0;
     int y = 0;

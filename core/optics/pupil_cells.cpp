@@ -10,13 +10,13 @@
 namespace ovws {
 namespace {
 
-constexpr int kTilePx = 64;     // side of the pieces outside the subapertures
-constexpr int kMinAcross = 64;  // cells in the diameter of a subaperture
+constexpr int kTilePx = 64;     // side of the square tiles outside the subapertures
+constexpr int kMinAcross = 64;  // minimum number of cells across a subaperture
 constexpr int kMaxBinPx = 4;
-constexpr double kMaxBand = 0.6;  // of the frequencies that the cells resolve
-constexpr double kTie = 1e-6;     // cells: pixels of an SLM of odd size lie between two cells
-constexpr int kOutside = -2;      // outside the pupil: modes are not applied
-constexpr int kUnowned = -1;      // in the pupil, outside the subapertures
+constexpr double kMaxBand = 0.6;  // maximum window width, cycles per cell
+constexpr double kTie = 1e-6;     // in cells; pixels of an SLM of odd size lie between two cells
+constexpr int kOutside = -2;      // pixel outside the pupil, where no mode is applied
+constexpr int kUnowned = -1;      // pixel in the pupil, but in no subaperture
 
 void assign_owner(Image<int>& owner, Vec2 centre_px, double diameter_px, int to) {
   for (int y = 0; y < owner.height; ++y) {
@@ -31,13 +31,15 @@ int bin_for(const FarFieldWindow& window, double diameter_px) {
   return std::clamp(most, 1, kMaxBinPx);
 }
 
-/// 0 if the window shows it, else the window's middle.
+/// Carrier frequency of light outside the subapertures along one axis: 0 (the zeroth order) if the
+/// window contains it, otherwise the frequency at the window's middle.
 double carrier(double origin_cpp, double step_cpp, int count) {
   const double last_cpp = origin_cpp + step_cpp * (count - 1);
   return origin_cpp <= 0.0 && last_cpp >= 0.0 ? 0.0 : 0.5 * (origin_cpp + last_cpp);
 }
 
-/// Cells over a box of this half width and height on the SLM, as the camera sees it.
+/// Cell grid along the camera's axes over a box on the SLM of half width and height half_px, or
+/// over its inscribed ellipse if `round`.
 CellGrid grid_over(Vec2 half_px, bool round, const PxPerCycle& turn, int bin_px) {
   const Vec2 x = turn.seen({half_px.x, 0.0}), y = turn.seen({0.0, half_px.y});
   const auto half = [&](double by_x, double by_y) {
@@ -47,14 +49,14 @@ CellGrid grid_over(Vec2 half_px, bool round, const PxPerCycle& turn, int bin_px)
   return {bin_px, 2 * half(x.x, y.x), 2 * half(x.y, y.y)};
 }
 
-/// The largest scale of `turn` in any direction, over its mean: 1 for a camera with square pixels.
+/// Largest scale of `turn` in any direction, divided by its mean scale. 1 if x and y scale equally.
 double stretch(const PxPerCycle& turn) {
   const PxPerCycle t = turn / turn.scale();
   const double squares = t.xx * t.xx + t.xy * t.xy + t.yx * t.yx + t.yy * t.yy;
   return std::sqrt(0.5 * (squares + std::sqrt(std::max(0.0, squares * squares - 4.0))));
 }
 
-/// The piece of every pixel, or kOutside. Appends the pieces.
+/// Piece number of every SLM pixel, or kOutside. Also appends the pieces to `cells`.
 Image<int> owners(const Lattice& lattice, int width, int height, PupilCells& cells) {
   const Vec2 centre_px{0.5 * (width - 1), 0.5 * (height - 1)};
   const PxPerCycle direction = cells.turn / cells.turn.scale();
@@ -81,8 +83,8 @@ Image<int> owners(const Lattice& lattice, int width, int height, PupilCells& cel
   return owner;
 }
 
-/// A rectangle of cells around one piece of the pupil, with a margin, from `left` to `right` and
-/// from `top` to `bottom`, both included.
+/// Rectangle of cells around one piece of the pupil, with a margin. Columns `left` to `right` and
+/// rows `top` to `bottom` are all included.
 struct PieceBox {
   int left = 0, right = -1, top = 0, bottom = -1;
   Image<std::complex<double>> sums;
@@ -109,8 +111,9 @@ void add_to(int x, int y, std::complex<double> value, Vec2 at_px, Vec2 carrier_c
       value * std::polar(1.0, -2.0 * std::numbers::pi * cycles);
 }
 
-/// Adds a pixel to the cell that holds it; for a turned camera to the four nearest, with bilinear
-/// weights, because cells that hold now one, now two pixels would scatter light.
+/// Adds a pixel's field to the cell that contains the pixel. For a rotated camera, shares the field
+/// among the four nearest cells with bilinear weights: with unequal numbers of pixels per cell, the
+/// model would show stray light.
 void add_pixel(std::complex<double> value, Vec2 at_px, Vec2 carrier_cpp, const CellGrid& grid,
                bool turned, PieceBox& box) {
   const Vec2 cell = grid.at_cell(at_px);
@@ -130,7 +133,7 @@ void add_pixel(std::complex<double> value, Vec2 at_px, Vec2 carrier_cpp, const C
   }
 }
 
-/// Appends the runs of a piece, from its first cell with light to its last in each row.
+/// Appends the runs of a piece: in each row of cells, from the first cell with light to the last.
 void append(PupilCells& cells, int piece, const PieceBox& box) {
   const auto is_lit = [](const std::complex<double>& sum) { return sum != 0.0; };
   for (int y = 0; y < box.sums.height; ++y) {

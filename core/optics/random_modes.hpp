@@ -9,7 +9,8 @@
 
 namespace ovws {
 
-/// Modes j = 3 .. `last_j` with normally distributed coefficients, scaled to `rms_waves` in total.
+/// Random aberration: modes j = 3 .. `last_j` with normally distributed coefficients. The total RMS
+/// is scaled to exactly `rms_waves`.
 inline std::vector<Mode> random_modes(std::mt19937_64& random, int last_j, double rms_waves) {
   std::normal_distribution<double> normal;
   std::vector<Mode> modes;

@@ -13,7 +13,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxLogarithm = 2.0;  // of amplitudes: polynomials grow outside the pupil
+constexpr double kMaxLogarithm = 2.0;  // limit of ln(amplitude): polynomials grow outside the pupil
 
 float amplitude(double logarithm) {
   return float(std::exp(std::min(logarithm, kMaxLogarithm)));
@@ -25,7 +25,8 @@ FarFieldWindow window_in_cells(FarFieldWindow window, int bin_px) {
   return window;
 }
 
-/// The window along the camera's axes, in which the base grating has another direction.
+/// Far-field window along the camera's axes. Shifts the origin, because the base grating's
+/// frequency has another direction along these axes.
 FarFieldWindow seen_window(const SensorConfig& sensor, const SlmGeometry& slm,
                            const OpticsConfig& optics, int cols, int rows) {
   const PxPerCycle turn = px_per_cycle(optics, slm);
@@ -119,13 +120,13 @@ void SensorField::add_run(const CellRun& run, const Light& light) {
   for (int x = run.begin; x < run.end; ++x) sums[x] += *sum++;
 }
 
-/// Multiplies the light of a run by 1 + the polynomial.
+/// Multiplies the field in the cells of a run by 1 + the polynomial `field`.
 void SensorField::multiply(const CellRun& run, const LocalField& field) {
   const PupilPiece& piece = cells_.pieces[std::size_t(run.piece)];
   const Vec2 first =
       (1.0 / piece.radius_px) * (cells_.grid.at_px(run.begin, run.y) - piece.centre_px);
   const double step = cells_.grid.bin_px / piece.radius_px, eta = first.y;
-  std::array<std::complex<double>, 4> along{};  // of the powers of xi at this eta
+  std::array<std::complex<double>, 4> along{};  // coefficients of the powers of xi at this eta
   std::size_t k = 0;
   for (std::size_t a = 0; a < along.size(); ++a) {
     double power = 1.0;

@@ -17,43 +17,43 @@
 
 namespace ovws {
 
-/// Differs from SensorModel in five ways: the camera may be turned or mirrored; the field is summed
-/// in cells of some SLM pixels (PupilCells), which makes it three times as fast and wrong by 0.2 %
-/// of a spot's peak field RMS; the wavefront is not rounded to 8 bits, each subaperture may have
-/// its own light, and stray light from outside the subapertures can be excluded. For one thread
-/// at a time.
+/// Diffraction model for arbitrary cameras and illumination. Unlike SensorModel, the camera may be
+/// rotated or mirrored, the wavefront is not rounded to 8 bits, each subaperture may have its own
+/// illumination, and stray light from outside the subapertures can be excluded. The field is summed
+/// in cells of some SLM pixels (PupilCells): three times as fast as SensorModel, with an RMS error
+/// of 0.2 % of a spot's peak field. For one thread at a time.
 class SensorField {
  public:
-  /// A polynomial over a subaperture: coefficients of xi^a eta^b by rising a, then b, a + b <= 3,
-  /// where (xi, eta) is the position from its centre in units of its radius.
+  /// Cubic polynomial over a subaperture: coefficients of xi^a eta^b (a + b <= 3) by rising a, b.
+  /// (xi, eta) is the position from the subaperture's centre in units of its radius.
   using LocalField = std::array<std::complex<double>, 10>;
 
-  /// Errors as of HologramRenderer::make. `cols` x `rows`: the camera's image.
+  /// Builds the model. `cols` x `rows`: size of the camera image. Errors of HologramRenderer::make.
   static Result<SensorField> make(const SensorConfig& sensor, const SlmGeometry& slm,
                                   const OpticsConfig& optics, int cols, int rows);
 
-  /// Along the camera's axes.
+  /// Window of far(), along the camera's axes.
   const FarFieldWindow& window() const { return window_; }
   const PupilCells& cells() const { return cells_; }
   int subapertures() const { return cells_.subapertures; }
 
-  /// Whether propagate() includes the light outside the subapertures; by default it does.
+  /// Selects whether propagate() includes light from outside the subapertures; default: true.
   void set_outside(bool lit) { outside_lit_ = lit; }
   bool outside() const { return outside_lit_; }
-  /// What the light does besides the modes; empty: nothing.
+  /// Illumination: changes of phase and amplitude in addition to the modes. Empty: no change.
   struct Light {
-    std::span<const Vec2> slopes_cpp{};    ///< of the phase over each subaperture
-    std::span<const LocalField> fields{};  ///< added to 1, times the field of each subaperture
-    std::span<const Mode> ln_amplitude{};  ///< of the light outside the subapertures
+    std::span<const Vec2> slopes_cpp{};    ///< phase slope added in each subaperture
+    std::span<const LocalField> fields{};  ///< multiplies each subaperture by 1 + polynomial
+    std::span<const Mode> ln_amplitude{};  ///< ln(amplitude) outside the subapertures
   };
-  /// Computes pupil() and far(), some 7 ms for the default bench. Requires finite modes of valid
-  /// index.
+  /// Computes pupil() and far() for a wavefront. Takes about 7 ms for the default bench. Requires
+  /// finite coefficients and valid mode indices.
   void propagate(std::span<const Mode> modes, const Light& light);
 
-  /// The field in the cells of cells().runs of the last propagate(); without the light outside,
-  /// those of the subapertures only.
+  /// Pupil field of the last propagate(), one value per cell of cells().runs. If outside() is
+  /// false, only the values of the subapertures are valid.
   std::span<const std::complex<float>> pupil() const { return pupil_; }
-  /// The far field in the window, see FarField.
+  /// Complex far field of the last propagate() in window(), see FarField.
   const Image<std::complex<float>>& far() const { return far_; }
 
  private:
@@ -66,11 +66,11 @@ class SensorField {
   FarFieldWindow window_;
   PupilCells cells_;
   bool outside_lit_ = true;
-  FarField far_field_;                  ///< of sums_
-  Image<std::complex<float>> phasors_;  ///< what modes make of a cell
+  FarField far_field_;                  ///< transforms sums_ to far_
+  Image<std::complex<float>> phasors_;  ///< exp(i phase) of the modes at each cell
   std::vector<std::complex<float>> pupil_;
-  Image<std::complex<float>> sums_;                      ///< of pupil_ over the pieces
-  std::optional<std::vector<Mode>> fixed_ln_amplitude_;  ///< for which fixed_ was computed
+  Image<std::complex<float>> sums_;                      ///< pupil_ summed over the pieces
+  std::optional<std::vector<Mode>> fixed_ln_amplitude_;  ///< ln_amplitude for which fixed_ is valid
   Image<std::complex<float>> fixed_;                     ///< far field of light outside the pupil
   Image<std::complex<float>> far_;
 };

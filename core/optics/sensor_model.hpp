@@ -13,25 +13,26 @@
 
 namespace ovws {
 
-/// Assumes that the SLM shows the hologram's grey levels exactly, without flatness error, under
-/// uniform illumination. Includes the light outside the subapertures. For one thread at a time.
+/// Ideal diffraction model: the SLM shows the hologram's grey levels exactly, has no flatness error
+/// and is illuminated uniformly. Includes light from outside the subapertures. Use from one thread.
 class SensorModel {
  public:
-  /// Errors as of check_straight and HologramRenderer::make. `cols` x `rows`: the camera's image.
+  /// Builds the model. `cols` x `rows`: size of the camera image. Errors: those of check_straight
+  /// and HologramRenderer::make.
   static Result<SensorModel> make(const SensorConfig& sensor, const SlmGeometry& slm,
                                   const OpticsConfig& optics, int cols, int rows);
 
   const Lattice& lattice() const { return renderer_.lattice(); }
-  /// Position of each spot for a flat wavefront.
+  /// Position of each subaperture's spot for a flat wavefront, camera pixels.
   const std::vector<Vec2>& spots_px() const { return spots_px_; }
   double lambda_d_px() const { return lambda_d_px_; }
   double px_per_cycle() const { return px_per_cycle_; }
 
-  /// Far-field intensity |F|^2 at each camera pixel with these modes (RMS-normalised waves) in the
-  /// hologram; some 70 ms for the default bench. Errors as of HologramRenderer::check_sampling.
+  /// Far-field intensity |F|^2 at each camera pixel, with `modes` (RMS-normalised waves) added to
+  /// the hologram. About 70 ms for the default bench. Errors: those of check_sampling.
   Result<Image<float>> intensity(std::span<const Mode> modes);
-  /// Peak intensity of the spots: the brightest pixel within 2 lambda/d of where the modes move
-  /// them. Excludes everything else, above all the tail of the zeroth order.
+  /// Peak intensity of the spots: brightest pixel within 2 lambda/d of any spot position that
+  /// `modes` predict. Ignores other pixels, because the tail of the zeroth order may be brighter.
   double peak_of_spots(const Image<float>& intensity, std::span<const Mode> modes) const;
 
  private:
@@ -49,9 +50,9 @@ class SensorModel {
   Image<std::complex<float>> far_;
 };
 
-/// Multiplies every pixel.
+/// Multiplies every pixel's intensity by `factor`.
 void scale(Image<float>& intensity, double factor);
-/// Sum of all pixels.
+/// Total intensity: sum of all pixels.
 double total(const Image<float>& intensity);
 
 }  // namespace ovws

@@ -8,9 +8,9 @@ namespace {
 
 constexpr std::size_t kMinFrames = 8;
 constexpr double kNoiseSigmas = 4.0;
-constexpr double kRelativeTolerance = 0.01;  // tolerance, relative to the change
-constexpr double kMinChange = 10.0;          // times the noise
-constexpr double kOutlierSigmas = 3.0;       // standard deviations
+constexpr double kRelativeTolerance = 0.01;  // tolerance relative to the intensity change
+constexpr double kMinChange = 10.0;          // a change below 10 times the noise is not significant
+constexpr double kOutlierSigmas = 3.0;       // limit for outliers, standard deviations
 constexpr double kSigmaPerMad = 1.4826;
 
 double median(std::vector<double> values) {

@@ -16,7 +16,7 @@ double binomial(int n, int k) {
   return value;
 }
 
-/// Sign of x^(m-b) y^b in Re or Im of (x + i y)^m: the real or imaginary part of i^b.
+/// Sign of the term x^(m-b) y^b in the real or imaginary part of (x + i y)^m: Re or Im of i^b.
 double power_sign(int b, bool imaginary) {
   if ((b % 2 != 0) != imaginary) return 0.0;
   return b % 4 < 2 ? 1.0 : -1.0;
@@ -51,7 +51,7 @@ void add_mode(const ZernikeTerms& mode, double waves, std::vector<std::vector<do
   }
 }
 
-/// (p x + q y)^n by rising power of x.
+/// Coefficients of (p x + q y)^n by rising power of x (binomial theorem).
 std::vector<double> power_of_sum(double p, double q, int n) {
   std::vector<double> powers;
   for (int k = 0; k <= n; ++k)
@@ -59,7 +59,7 @@ std::vector<double> power_of_sum(double p, double q, int n) {
   return powers;
 }
 
-/// The same polynomial in the coordinates of a camera that sees it through `turn`.
+/// Rotates a polynomial: converts `terms` from the SLM's axes to those of a camera with `turn`.
 std::vector<std::vector<double>> turned(const std::vector<std::vector<double>>& terms,
                                         const PxPerCycle& turn) {
   const Vec2 by_x = turn.back({1.0, 0.0}), by_y = turn.back({0.0, 1.0});

@@ -10,7 +10,7 @@
 namespace ovws {
 namespace {
 
-/// q(s) and q'(s) of R(rho) = rho^|m| q(rho^2), by Horner.
+/// Radial polynomial R(rho) = rho^|m| q(rho^2): values of q(s) and q'(s) by Horner's scheme.
 struct Radial {
   double value;
   double slope;
@@ -25,7 +25,7 @@ Radial radial(const ZernikeTerms& terms, double s) {
   return {value, slope};
 }
 
-/// (x + i y)^power.
+/// Complex power (x + i y)^power as (real, imaginary); z = (x, y).
 Vec2 complex_power(Vec2 z, int power) {
   Vec2 w{1.0, 0.0};
   for (int k = 0; k < power; ++k) w = {w.x * z.x - w.y * z.y, w.x * z.y + w.y * z.x};
@@ -39,7 +39,7 @@ int osa_index(ZernikeIndex index) {
 }
 
 std::optional<int> checked_osa_index(int n, int m) {
-  // n and m are bounded first, so that nothing below can overflow.
+  // Check the range of n and m first, so that osa_index cannot overflow.
   constexpr int kMaxOrder = 20;
   if (n < 0 || n > kMaxOrder || m < -n || m > n || (n - std::abs(m)) % 2 != 0) return std::nullopt;
   return osa_index({n, m});

@@ -20,7 +20,7 @@ ZernikeTerms make_terms(int j) {
   const int half = (index.n - m) / 2;
   ZernikeTerms terms{index.n, index.m, half + 1, {}};
   for (int k = 0; k <= half; ++k) {
-    // The term rho^(n-2k) of R_n^m, which is rho^m s^(half-k).
+    // Term rho^(n-2k) of the radial polynomial R_n^m. It equals rho^m s^(half-k) with s = rho^2.
     const double size =
         factorial(index.n - k) / (factorial(k) * factorial(half + m - k) * factorial(half - k));
     terms.radial[half - k] = zernike_rms_factor(j) * (k % 2 == 0 ? size : -size);

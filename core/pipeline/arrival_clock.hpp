@@ -8,16 +8,16 @@
 
 namespace ovws {
 
-/// Queues (network, driver, a busy host) may delay a frame by any time between its exposure and its
-/// arrival; the camera's own timestamp has no such delay. The minimum of "arrival - device
+/// Estimates a frame's arrival time without queueing delay. Queues (network, driver, a busy host)
+/// delay the arrival; the camera's own timestamp is not delayed. The minimum of "arrival - device
 /// timestamp" over the last seconds belongs to a frame without queueing. Device timestamp + this
-/// minimum is the frame's undelayed arrival time. One thread at a time. RT-safe.
+/// minimum is the undelayed arrival time. One thread at a time. RT-safe.
 class ArrivalClock {
  public:
-  /// The undelayed arrival time, from which exposure times count back, CLOCK_MONOTONIC ns. Never
-  /// later than `arrival_mono_ns`; equal to it if the camera has no timestamps (`device_ns` is 0).
-  /// The error is at most the drift between both clocks over 10 s. A device clock that is set back
-  /// restarts the estimate.
+  /// The undelayed arrival time in CLOCK_MONOTONIC ns; exposure times count back from it. It is
+  /// never later than `arrival_mono_ns`, and equal if the camera sends no timestamps (`device_ns`
+  /// is 0). The error is at most the drift between host and camera clock over 10 s. A camera clock
+  /// that is set back restarts the estimate.
   std::int64_t undelayed_mono_ns(std::int64_t arrival_mono_ns,
                                  std::int64_t device_ns) OVWS_NONBLOCKING {
     if (device_ns == 0) return arrival_mono_ns;
@@ -31,12 +31,12 @@ class ArrivalClock {
     min_now_ns_ = std::min(min_now_ns_, arrival_mono_ns - device_ns);
     return device_ns + std::min(min_now_ns_, min_previous_ns_);
   }
-  /// Restarts the estimate, for another stream or another exposure time.
+  /// Restarts the estimate. Call it when the camera stream or the exposure time changes.
   void reset() OVWS_NONBLOCKING { *this = ArrivalClock{}; }
 
  private:
   static constexpr std::int64_t kSpanNs =
-      5'000'000'000;  ///< the minimum covers one to two of these spans
+      5'000'000'000;  ///< the minimum covers the last one to two spans of this length
   static constexpr std::int64_t kNone = INT64_MAX;
 
   std::int64_t span_end_ns_ = 0;

@@ -10,7 +10,7 @@ class BackOff {
  public:
   static constexpr int kMaxGap = 16;
 
-  /// Called whenever the operation is needed; true if it shall be tried now.
+  /// Call it whenever the operation is needed. Returns true if the operation shall be tried now.
   bool try_now() {
     if (wait_ > 0) {
       --wait_;
@@ -21,7 +21,7 @@ class BackOff {
     return true;
   }
 
-  /// The operation is not needed at present: the next call of try_now returns true.
+  /// Call it when the operation is not needed at present: the next try_now returns true.
   void reset() {
     wait_ = 0;
     gap_ = 1;

@@ -1,4 +1,4 @@
-/// The handshake: numbered requests, served once no camera buffer is lent.
+/// Camera hand-over: requests are numbered and served once no camera buffer is lent.
 #include "core/pipeline/camera_exchange.hpp"
 
 #include <string>
@@ -15,8 +15,8 @@ constexpr std::chrono::microseconds kPoll{500};
 
 Result<void> CameraExchange::request(Camera* camera) {
   const std::lock_guard lock(control_);
-  // Release: the thread that loads this pointer sees the camera as it is now, even if it has not
-  // yet seen `requested_` (see `serve`).
+  // Memory order release: a thread that loads this pointer also sees the camera as it is now, even
+  // if it has not yet seen the new `requested_` (see `serve`).
   requested_camera_.store(camera, std::memory_order_release);
   const std::uint64_t mine = requested_.load(std::memory_order_relaxed) + 1;
   requested_.store(mine, std::memory_order_release);
@@ -51,8 +51,8 @@ bool CameraExchange::can_serve(int lent) OVWS_NONBLOCKING {
 }
 
 void CameraExchange::serve() OVWS_NONBLOCKING {
-  // A newer request may have replaced `requested_camera_` since `can_serve`. Its camera is then
-  // taken early here and again on the next iteration.
+  // A newer request may have replaced `requested_camera_` since `can_serve`. The newer camera is
+  // then taken early here, and once more on the next iteration.
   camera_ = requested_camera_.load(std::memory_order_acquire);
   served_.store(seen_, std::memory_order_release);
 }

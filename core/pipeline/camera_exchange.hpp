@@ -17,20 +17,22 @@ class CameraExchange {
   explicit CameraExchange(std::chrono::milliseconds timeout = std::chrono::seconds(2))
       : timeout_(timeout) {}
 
-  // Control side; thread-safe among each other. Both return when the acquisition thread no longer
-  // uses the previous camera and has released all its buffers. After a time-out (`timeout`) they
-  // return Errc::unavailable with the cause; the request remains and may still be served later.
+  // Control side; attach and detach are thread-safe. They return when the acquisition thread no
+  // longer uses the previous camera and has released all its buffers. After `timeout` they return
+  // Errc::unavailable with the cause; the request remains and may still be served later.
   Result<void> attach(Camera& camera) { return request(&camera); }
   Result<void> detach() { return request(nullptr); }
 
   // Acquisition thread.
-  /// Once per iteration, with the number of buffers still lent. True: a request can be served now.
+  /// Call it once per iteration, with the number of buffers still lent. Returns true if an attach
+  /// or detach request can be served now.
   bool can_serve(int lent) OVWS_NONBLOCKING;
-  /// Serves the request: switches to the requested camera. Only after `can_serve` returned true.
+  /// Serves the request: switches to the requested camera. Call it only after `can_serve` returned
+  /// true.
   void serve() OVWS_NONBLOCKING;
-  /// The camera that owns the lent buffers; nullptr: none.
+  /// The camera that owns the lent buffers; nullptr: no camera is attached.
   Camera* camera() const { return camera_; }
-  /// Whether to take frames. False without a camera, and while a request waits for lent buffers.
+  /// Whether to grab frames. False without a camera, and while a request waits for lent buffers.
   bool streaming() const { return camera_ != nullptr && !request_pending(); }
 
  private:

@@ -15,54 +15,56 @@ namespace ovws {
 
 constexpr int kMaxModes = kMaxZernikeIndex;  ///< j = 1 .. kMaxZernikeIndex
 
-/// The current and the previous hologram on the SLM, with the times that assign frames to them. The
-/// display's thread writes it twice per change: before the call that presents, with
-/// t_settled_mono_ns = kNever, and after it. A frame exposed in between thus belongs to neither.
+/// Current and previous hologram on the SLM, with the times by which frames are assigned to them.
+/// The display thread writes this struct twice per change: before the present call, with
+/// t_settled_mono_ns = kNever, and after that call. A frame exposed in between belongs to no
+/// hologram.
 struct ShownHologram {
   struct One {
     std::uint64_t hologram_id = 0;       ///< 0: none
     std::uint64_t sensor_epoch = 0;      ///< 0: not a sensor hologram, nothing to measure
-    std::int64_t t_begin_mono_ns = 0;    ///< time before the call that presents it
-    std::int64_t t_settled_mono_ns = 0;  ///< presented + settle time
+    std::int64_t t_begin_mono_ns = 0;    ///< time just before the hologram is presented
+    std::int64_t t_settled_mono_ns = 0;  ///< time of presentation + settle time of the SLM
   };
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   One current;
   One previous;
-  bool healthy = false;  ///< false: display fault, what it shows is unknown
+  bool healthy = false;  ///< false: display fault; the hologram on the SLM is unknown
 };
 
 /// Current and previous gain and exposure, with the times of the change. A frame whose exposure
-/// overlaps the change belongs to neither. The camera's thread writes it twice per change: before
-/// the device is written, with t_write_end_mono_ns = ShownHologram::kNever, and after that.
+/// overlaps the change has unknown settings. The camera thread writes this struct twice per change:
+/// before it writes to the device, with t_write_end_mono_ns = ShownHologram::kNever, and after
+/// that.
 struct AppliedSettings {
   double gain_db = 0.0, exposure_us = 0.0, frame_rate_hz = 0.0;
   double previous_gain_db = 0.0, previous_exposure_us = 0.0;
   double gain_raw = kUnknownGain, previous_gain_raw = kUnknownGain;  ///< see CameraSettings
   Roi roi;                                  ///< does not change within one stream
-  std::int64_t t_previous_end_mono_ns = 0;  ///< end of the write of the previous values
+  std::int64_t t_previous_end_mono_ns = 0;  ///< end of writing the previous values to the camera
   std::int64_t t_write_begin_mono_ns = 0;
   std::int64_t t_write_end_mono_ns = 0;
-  std::int64_t transfer_ns = 0;  ///< longest time from end of exposure to arrival: transfer_ms
+  std::int64_t transfer_ns = 0;  ///< longest time from end of exposure to arrival (transfer_ms)
 };
 
 /// Start position for tracking one spot.
 struct SpotStart {
   Vec2 at_px;          ///< NaN: the spot was never found
-  bool fresh = false;  ///< found in the last settled frame; else the position is only a hint
+  bool fresh = false;  ///< true: found in the last settled frame; false: only a hint
 };
 
-/// Preallocated and reused: the vectors have kMaxSubapertures and kMaxModes elements, of which
-/// `spot_count` and `mode_count` are in use.
+/// Frame record, preallocated and reused. Its vectors have kMaxSubapertures or kMaxModes elements,
+/// of which `spot_count` or `mode_count` are in use.
 struct FrameRecord {
-  GrabbedFrame frame;  ///< its pixels are valid only where requested (image, recording)
+  GrabbedFrame frame;  ///< pixels are valid only if requested (image, recording)
   const MeasurementPlan* plan =
       nullptr;  ///< valid while a record refers to it (Pipeline::oldest_plan_in_use)
-  /// Frames missing since the previous published record. After a restart of the stream: the number
-  /// that the frame rate would have given in the meantime.
+  /// Number of frames missing since the previous published record. After a restart of the stream it
+  /// is estimated from the elapsed time and the frame rate.
   std::uint64_t gap = 0;
   std::uint64_t hologram_id = 0;
-  bool still = false;           ///< hologram_id was settled during the whole exposure; not late
-  bool settled = false;         ///< still, and the hologram is the sensor that the plan measures
+  bool still = false;           ///< the hologram was settled during the whole exposure; not late
+  bool settled = false;         ///< still, and sensor epoch and ROI are those of the plan
   bool settings_known = false;  ///< gain and exposure are certain for this frame
   double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;
@@ -76,19 +78,20 @@ struct FrameRecord {
   int tracked = 0;
   bool searched = false;            ///< the whole image was searched for spots, too
   float saturated_fraction = 0.0F;  ///< fraction of the spots with a saturated pixel
-  /// RMS-normalised waves, order of plan->modes_j; NaN: neither positions nor templates give it.
+  /// Zernike coefficients, RMS-normalised waves, in the order of plan->modes_j. NaN: neither spot
+  /// positions nor templates determine the mode.
   std::vector<float> coefficients;
-  /// Standard errors of the coefficients, waves; NaN unless it is measured by templates.
+  /// Standard errors of the coefficients, waves; NaN unless the frame is measured by templates.
   std::vector<float> sigma_waves;
   int mode_count = 0;
-  /// How the plan's templates describe the frame; if `credible`, it is measured by them.
+  /// How well the plan's templates describe the frame. If `credible`, they give spots and modes.
   FittedFrame templates;
-  /// Settled, and measured by templates, or its spots were followed from such a frame in small
-  /// steps (SpotHistory).
+  /// The frame is settled and its spots can be trusted (SpotHistory): templates describe the frame,
+  /// or the spots moved in small steps from a trusted frame or from the reference.
   bool follows = false;
   Reconstruction reconstruction;
-  /// A wavefront explains the spots, but the plan has or awaits templates and the frame does not
-  /// follow, or positions do not determine all modes.
+  /// A wavefront explains the spots, but nothing confirms it. Either the plan has or awaits
+  /// templates and the frame does not follow, or spot positions do not determine all modes.
   bool unconfirmed = false;
   bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or the
                           ///< frame is unconfirmed

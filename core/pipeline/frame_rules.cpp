@@ -6,12 +6,12 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxResidual = 0.25;        // lambda/d
-constexpr double kMaxResidualSplit = 0.045;  // lambda/d, if a spot may be a fragment of a split one
-constexpr float kMinWholeQuality = 0.65F;    // quality of a whole spot
-constexpr int kMinSpotsPerLost = 6;          // at most one spot of so many may be lost
-constexpr double kResidualOfNoisePx = 1.25;  // px at RMS(noise / level) = 1
-constexpr std::int64_t kLateNs = 50'000'000;  // a busy host delays a frame that much now and then
+constexpr double kMaxResidual = 0.25;         // RMS fit residual, lambda/d
+constexpr double kMaxResidualSplit = 0.045;   // RMS fit residual, lambda/d, if a spot may be split
+constexpr float kMinWholeQuality = 0.65F;     // a spot of lower quality may be a fragment
+constexpr int kMinSpotsPerLost = 6;           // at most one of this many spots may be lost
+constexpr double kResidualOfNoisePx = 1.25;   // residual by noise, px at RMS(noise / level) = 1
+constexpr std::int64_t kLateNs = 50'000'000;  // tolerated delay: a busy host causes it at times
 constexpr double kLatePeriods = 3.0;
 
 std::int64_t exposure_begin(const AppliedSettings& settings, double exposure_us,
@@ -24,8 +24,8 @@ std::int64_t exposure_begin(const AppliedSettings& settings, double exposure_us,
 SettingsVerdict judge_settings(const AppliedSettings& settings, std::int64_t arrival_mono_ns) {
   const double longer_us = std::max(settings.exposure_us, settings.previous_exposure_us);
   const std::int64_t earliest = exposure_begin(settings, longer_us, arrival_mono_ns);
-  // A frame with the previous, longer exposure may have begun before the write although one with
-  // the new exposure could not have. Only the longer one proves that the new values apply.
+  // Use the longer exposure: a frame with the previous, longer exposure may have begun before the
+  // write. The new values apply for sure only if even its start lies after the write.
   if (settings.exposure_us > 0.0 && earliest >= settings.t_write_end_mono_ns) {
     return {true, settings.gain_db, settings.gain_raw, settings.exposure_us,
             exposure_begin(settings, settings.exposure_us, arrival_mono_ns)};

@@ -1,4 +1,4 @@
-/// Grabs and counts frames, refuses those that the plan cannot measure, and stamps the others.
+/// Grabs and counts frames, rejects those that the plan cannot measure, and stamps the others.
 #include "core/pipeline/ingest.hpp"
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::chrono::microseconds kFrameWait = 20ms;
-constexpr std::chrono::microseconds kStarvedWait = 1ms;  // all buffers are lent: poll for them
+constexpr std::chrono::microseconds kStarvedWait = 1ms;  // all buffers are lent: poll
 constexpr std::chrono::microseconds kIdleWait = 2ms;
 constexpr std::uint64_t kRestartGap = 100;
 
@@ -45,7 +45,7 @@ bool Ingest::serve_camera() OVWS_NONBLOCKING {
 Entry* Ingest::run_once(bool& idle) {
   idle = true;
   if (!serve_camera()) {
-    deps_.plans.adopt();  // lets old plans retire without a camera, too
+    deps_.plans.adopt();  // lets old plans retire even without a camera
     std::this_thread::sleep_for(kIdleWait);
     return nullptr;
   }
@@ -73,14 +73,14 @@ Entry* Ingest::run_once(bool& idle) {
   return accept(frame);
 }
 
-/// The frame is not measured, but it shows that the camera sends.
+/// Counts a frame that is not measured. Its arrival still shows that the camera sends.
 Entry* Ingest::reject(Counter why) OVWS_NONBLOCKING {
   deps_.counters.add(why);
   last_sign_mono_ns_.store(monotonic_ns(), std::memory_order_relaxed);
   return nullptr;
 }
 
-/// A frame number far below the last one is a restarted counter, not a frame out of order.
+/// Whether a frame number is in order. A number far below the last one is a restarted counter.
 bool Ingest::is_next(std::uint64_t frame_id) OVWS_NONBLOCKING {
   return !any_frame_ || frame_id > last_frame_id_ || last_frame_id_ - frame_id >= kRestartGap;
 }
@@ -134,7 +134,8 @@ Entry* Ingest::take_entry(const GrabbedFrame& frame) OVWS_NONBLOCKING {
   return entry;
 }
 
-/// A frame number that does not increase is a restarted counter, not a loss.
+/// Counts lost frames by gaps in the frame numbers. A number that does not increase is a restarted
+/// counter, not a loss.
 void Ingest::count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING {
   if (any_frame_ && frame_id > last_frame_id_) {
     const std::uint64_t missing = frame_id - last_frame_id_ - 1;

@@ -16,7 +16,7 @@
 
 namespace ovws {
 
-/// All methods are for the acquisition thread, unless stated otherwise.
+/// Frame grabbing. All methods are for the acquisition thread, unless stated otherwise.
 class Ingest {
  public:
   struct Deps {
@@ -36,10 +36,10 @@ class Ingest {
   /// Returns a record to measure, or nullptr. Sets `idle` if no frame of any kind came.
   Entry* run_once(bool& idle);
 
-  /// Returns buffers and records that no thread holds any more.
+  /// Returns unused buffers to the camera, and unused records to the pool.
   void return_buffers() OVWS_NONBLOCKING;
 
-  /// Any thread: asks that the next measured frame's record keeps its pixels for the image thread.
+  /// Any thread: requests the pixels of the next measured frame for the image thread.
   void request_image() { image_requested_.store(true, std::memory_order_relaxed); }
   /// Any thread: time of the last complete frame, and of the last frame of any kind; 0: none yet.
   std::int64_t last_frame_mono_ns() const {

@@ -12,7 +12,7 @@
 
 namespace ovws {
 
-/// The plan is read-only; the rest is working memory, each part for one thread at a time.
+/// Measurement plan (read-only) and its working memory, each part for one thread at a time.
 struct Measurement {
   /// `workers`: number of tracker threads; values below 1 count as 1. Throws std::logic_error on an
   /// incomplete plan.
@@ -20,7 +20,7 @@ struct Measurement {
 
   const MeasurementPlan& plan;  ///< may be destroyed before this object: then only plan_id is valid
   const std::uint64_t plan_id;
-  std::vector<TrackScratch> track_scratch;  ///< one per worker; [0] also for the steps after them
+  std::vector<TrackScratch> track_scratch;  ///< one per worker; [0] also after the workers
   Acquisition acquisition;
   Neighbourhood neighbourhood;
   Reconstructor::Scratch reconstruct_scratch;

@@ -8,8 +8,8 @@
 namespace ovws {
 namespace {
 
-constexpr int kPixelsPerFrame = 1 << 18;  // some ten microseconds
-constexpr int kFullPasses = 2;            // over all rows
+constexpr int kPixelsPerFrame = 1 << 18;  // pixels examined per frame: some ten microseconds
+constexpr int kFullPasses = 2;            // passes over all rows before only one row per frame
 constexpr int kBlock = 16;                // a constant trip count lets the compiler vectorise
 
 /// Bitwise OR of all pixels of the row.

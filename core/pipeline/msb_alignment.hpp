@@ -13,10 +13,10 @@ namespace ovws {
 /// Detects MSB-aligned pixel data. One object per camera stream; not thread-safe.
 class MsbAlignmentDetector {
  public:
-  /// Right shift that makes the pixels LSB-aligned. It is 0 until a pixel exceeds the format's full
-  /// scale and no pixel seen so far had a low bit set that MSB-aligned data leave empty. Until it
-  /// is certain it examines some rows of each frame in turn; one row per frame after two passes
-  /// over all rows. RT-safe.
+  /// Right shift that makes the pixels LSB-aligned; 0 until MSB alignment is detected. A pixel
+  /// above the format's full scale shows MSB alignment, unless a pixel has a low bit set that
+  /// MSB-aligned data leave empty. Until the alignment is certain, each call examines some rows in
+  /// turn, and one row per frame after two passes over all rows. RT-safe.
   int shift_bits(const ImageView& image) OVWS_NONBLOCKING;
 
   /// Restarts the detection for another stream.

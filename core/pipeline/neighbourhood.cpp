@@ -40,7 +40,8 @@ void Neighbourhood::find_neighbours(int i) {
   }
   if (sites_.size() < 2) nearest = 0.0;
   site.pitch_px = nearest;
-  // 1.6 pitches reach the 6 neighbours of a hexagonal and the 8 of a square lattice, no further.
+  // A radius of 1.6 pitches contains the 6 neighbours in a hexagonal lattice and the 8 in a square
+  // lattice, but no farther subapertures.
   for (int k = 0; k < int(sites_.size()) && site.neighbour_count < kMaxNeighbours; ++k) {
     if (k != i && distance(k) <= 1.6 * nearest) site.neighbours[site.neighbour_count++] = k;
   }
@@ -58,7 +59,7 @@ DisplacementField Neighbourhood::fit(std::span<const SpotFix> spots) const OVWS_
   }
   DisplacementField field;
   if (normal(0, 0) < 0.5) return field;
-  // Tikhonov damping of the gradients: where the found spots do not determine them, they are zero.
+  // Tikhonov damping: gradients that the found spots do not determine become zero.
   normal(1, 1) += 1e-6;
   normal(2, 2) += 1e-6;
   field.affine_ = normal.ldlt().solve(rhs);

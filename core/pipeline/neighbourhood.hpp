@@ -14,7 +14,7 @@
 
 namespace ovws {
 
-/// Displacement from the predicted position as an affine function of the scaled position.
+/// Affine displacement field: displacement from the predicted position over the scaled position.
 class DisplacementField {
  public:
   Vec2 at(Vec2 scaled) const;
@@ -30,15 +30,15 @@ class Neighbourhood {
   explicit Neighbourhood(const std::vector<Vec2>& predicted_px);
 
   /// Least-squares affine map (tilt, focus, astigmatism) of the found spots' displacements. With
-  /// too few spots for that, their mean displacement. RT-safe.
+  /// too few found spots, the map is their mean displacement. RT-safe.
   DisplacementField fit(std::span<const SpotFix> spots) const OVWS_NONBLOCKING;
 
-  /// Expected position of spot i: predicted + field + mean fit residual of i's found neighbours.
-  /// RT-safe.
+  /// Expected position of spot i: predicted position + field + mean fit residual of the found
+  /// neighbours of i. RT-safe.
   Vec2 expect(int i, const DisplacementField& field,
               std::span<const SpotFix> spots) const OVWS_NONBLOCKING;
 
-  /// Distance from spot i's predicted position to the nearest other one.
+  /// Distance between the predicted positions of spot i and of its nearest neighbour, camera px.
   double pitch_px(int i) const { return sites_[i].pitch_px; }
 
   /// True if a found neighbour lies within a quarter of the pitch of spot i: both subapertures
@@ -50,7 +50,7 @@ class Neighbourhood {
   struct Site {
     Vec2 predicted_px;
     Vec2 scaled;            ///< position relative to the lattice's centre, in units of its extent
-    double pitch_px = 0.0;  ///< to the nearest neighbour
+    double pitch_px = 0.0;  ///< distance to the nearest neighbour
     int neighbour_count = 0;
     std::array<std::int32_t, kMaxNeighbours> neighbours{};
   };

@@ -21,8 +21,8 @@ void Outbox::put(Entry& entry) OVWS_NONBLOCKING {
     count(entry);
     held_by_publisher_.fetch_add(1, std::memory_order_relaxed);
   }
-  // The rings have room for every record, so neither push can fail. This stage's own hold keeps the
-  // entry alive even if the image thread has already released it.
+  // Neither push can fail, because the rings have room for every record. This stage's own hold
+  // keeps `entry` alive even if the image thread has already released its hold.
   if (entry.image_wanted && !images_.try_push(&entry)) release_image(entry);
   const bool recorded = entry.recorded;  // read now: the entry may be reused after its release
   if (!publish) {
@@ -44,7 +44,7 @@ void Outbox::link(Entry& entry) OVWS_NONBLOCKING {
   last_frame_id_ = id;
 }
 
-/// After a restart of the frame numbers: the frames that the camera would have sent in between.
+/// Estimates the frame gap after the frame numbers restarted, from elapsed time and frame period.
 std::uint64_t Outbox::gap_between_streams(const Entry& entry) const {
   if (last_arrival_mono_ns_ == 0 || entry.period_ns <= 0) return 0;
   const double periods =

@@ -14,8 +14,8 @@ namespace ovws {
 
 class Outbox {
  public:
-  /// The publisher may hold at most three quarters of all records. The others keep tracking and its
-  /// history going while the publisher is behind.
+  /// The publisher may hold at most three quarters of all records. The last quarter lets tracking
+  /// continue while the publisher is slow.
   Outbox(int records, Counters& counters, RecordTap& tap);
 
   /// Thread of the last stage: queues the record, or drops and counts it (frames_dropped). The
@@ -39,9 +39,9 @@ class Outbox {
   SpscRing<Entry*> published_;
   SpscRing<Entry*> images_;
   std::atomic<int> held_by_publisher_{0};
-  std::uint64_t published_count_ = 0;      ///< last stage's thread
-  std::uint64_t last_stream_ = 0;          ///< last stage's thread
-  std::uint64_t last_frame_id_ = 0;        ///< last stage's thread
+  std::uint64_t published_count_ = 0;      ///< only the last stage's thread uses it
+  std::uint64_t last_stream_ = 0;          ///< only the last stage's thread uses it
+  std::uint64_t last_frame_id_ = 0;        ///< only the last stage's thread uses it
   std::int64_t last_arrival_mono_ns_ = 0;  ///< last stage's thread; 0: none yet
 };
 

@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 
 constexpr int kMinRecords = 4;
 
-/// An agent whose iteration is a function.
+/// Agent that calls a function on every iteration.
 class Duty final : public Agent {
  public:
   explicit Duty(std::function<bool()> turn) : turn_(std::move(turn)) {}
@@ -76,7 +76,7 @@ struct Pipeline::Impl {
   Duty reconstruction{[this] { return reconstruct_next(); }};
 };
 
-/// One iteration of the acquisition thread, which without workers runs all stages.
+/// One iteration of the acquisition thread. Without tracker workers it runs all stages.
 bool Pipeline::Impl::acquire() {
   bool idle = false;
   Entry* const entry = ingest.run_once(idle);
@@ -100,8 +100,8 @@ bool Pipeline::Impl::reconstruct_next() {
   return true;
 }
 
-/// Last stage: reconstructs the modes from the spots and decides whether they are valid. Frames in
-/// order, one thread at a time. Passes the record on; it must not be used afterwards.
+/// Last stage: reconstructs the modes from the spots and decides whether they are valid. Call it in
+/// frame order, from one thread at a time. The caller must not use the record afterwards.
 void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.mode_count = int(plan.modes_j.size());
@@ -165,7 +165,7 @@ std::int64_t Pipeline::last_sign_mono_ns() const {
   return impl_->ingest.last_sign_mono_ns();
 }
 
-// Every record that leaves the pool is an Entry.
+// Downcasts to Entry are safe: every record that leaves the pool is an Entry.
 FrameRecord* Pipeline::next(int timeout_us) {
   return impl_->outbox.next(timeout_us);
 }

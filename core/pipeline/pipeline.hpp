@@ -45,27 +45,28 @@ class Pipeline {
   Agent& reconstruction();
 
   // Control side; thread-safe among each other.
-  /// Measures frames with `plan` from the next frame on; nullptr: none are measured. The caller
-  /// keeps every plan alive until `oldest_plan_in_use` exceeds its id, and makes a hologram's plan
-  /// active before the hologram has settled. May take milliseconds, because it allocates working
-  /// memory.
+  /// Measures frames with `plan` from the next frame on; nullptr: frames are not measured. The
+  /// caller keeps every plan alive until `oldest_plan_in_use` exceeds its id, and makes a
+  /// hologram's plan active before the hologram has settled. May take milliseconds, because it
+  /// allocates working memory.
   void use_plan(const MeasurementPlan* plan);
   /// Smallest plan id that the frame path or the publisher may still touch.
   std::uint64_t oldest_plan_in_use() const;
-  /// Gives the acquisition agent a streaming camera, or takes it away. Both return when the agent
-  /// no longer uses the previous camera and all its frames are released (bounded by the agent's
-  /// wait of 20 ms and by the frames in flight). If the agent's thread does not run or an image is
-  /// not released, they fail after 2 s with Errc::unavailable, and the request remains. A camera
-  /// may be destroyed only after a successful detach. Detach before the agents' threads end.
+  /// Attaches a streaming camera to the acquisition agent, or detaches it. Each call returns when
+  /// the agent no longer uses the previous camera and all its frames are released (bounded by the
+  /// agent's wait of 20 ms and by the frames in flight). If the agent's thread does not run or an
+  /// image is not released, the call fails after 2 s with Errc::unavailable, and the request
+  /// remains. Destroy a camera only after a successful detach. Detach before the agents' threads
+  /// end.
   Result<void> attach(Camera& camera);
   Result<void> detach();
   /// CLOCK_MONOTONIC ns of the last complete frame; 0: none since attach. Thread-safe.
   std::int64_t last_frame_mono_ns() const;
-  /// The same for frames of any kind, including incomplete ones.
+  /// CLOCK_MONOTONIC ns of the last frame of any kind, even incomplete; 0: none since attach.
   std::int64_t last_sign_mono_ns() const;
 
   // Publisher thread: the next finished record in frame order, or nullptr after `timeout_us`.
-  // Return it with release.
+  // Return the record with release.
   FrameRecord* next(int timeout_us);
   void release(FrameRecord* record);
 
@@ -76,8 +77,8 @@ class Pipeline {
   FrameRecord* next_image(int timeout_us);
   void release_image(FrameRecord* record);
 
-  /// Any thread: starts recording with the next frame: every record, and the pixels of every n-th
-  /// one; 0: no pixels.
+  /// Any thread: starts recording with the next frame. Keeps every record, and the pixels of every
+  /// n-th frame; 0: no pixels.
   void record(int pixels_every);
   void stop_recording();
   // Recording thread: the next recorded record in frame order, or nullptr after `timeout_us`.
@@ -86,7 +87,7 @@ class Pipeline {
   FrameRecord* next_recorded(int timeout_us);
   /// Whether the record holds its pixels.
   static bool has_recorded_pixels(const FrameRecord& record);
-  /// Call it soon: the record may hold a camera buffer.
+  /// Returns a recorded record. Call it soon, because the record may hold a camera buffer.
   void release_recorded(FrameRecord* record);
 
   /// For a replay: sets the start positions of the next frame's spots, whether the frame before it

@@ -15,33 +15,35 @@
 
 namespace ovws {
 
-/// Immutable once published.
+/// Measurement plan; immutable once the frame path may use it.
 struct MeasurementPlan {
   std::uint64_t id = 0;  ///< increases with each plan
   std::uint64_t sensor_epoch =
       0;  ///< changes when spots of older holograms no longer fit (charge, lattice, ROI)
-  /// The hologram that predicted_px belongs to; 0: not given. With it the tracks follow a change of
-  /// hologram exactly, even if a new reference has changed the predictions before.
+  /// The hologram for which predicted_px was computed; 0: unknown. Spot tracks need it to follow a
+  /// change of hologram exactly, even if a new reference changed the predictions before.
   std::uint64_t hologram_id = 0;
   int charge = 1;
   TrackerKind tracker_kind = TrackerKind::lg;
-  OperatorKind mode_operator = OperatorKind::slopes;  ///< `reconstructor` is its inverse
+  OperatorKind mode_operator = OperatorKind::slopes;  ///< inverted by `reconstructor`
   SpotModel spots;
-  Roi roi;  ///< the camera's ROI, which a frame must have
+  Roi roi;  ///< camera ROI; frames with another ROI are not valid
   PixelFormat format = PixelFormat::mono8;
-  /// Expected spot positions: those of the reference (else model) plus the introduced aberration.
+  /// Expected spot positions, camera px: reference (or model) plus the introduced aberration.
   std::vector<Vec2> predicted_px;
   std::vector<Vec2> reference_px;               ///< zero of the displacements; empty: no reference
   double reference_introduced_rms_waves = 0.0;  ///< introduced aberration in the reference
-  /// Templates are to come: until then positions count only where they were followed.
+  /// Templates are being prepared. Until they are ready, spot positions give valid frames only if
+  /// the frame follows (FrameRecord::follows).
   bool awaits_templates = false;
-  bool fits_shapes = false;  ///< frames are to be measured by templates
+  bool fits_shapes = false;  ///< whether frames shall be measured by templates
   std::unique_ptr<const SpotTracker> tracker;
-  std::vector<int> modes_j;  ///< that frames are measured in
-  /// For the leading modes, which positions determine: all, unless templates determine more.
+  std::vector<int> modes_j;  ///< OSA indices of the measured modes
+  /// Reconstructs the leading modes of `modes_j` from spot positions. These are all modes, unless
+  /// templates determine more.
   std::unique_ptr<const Reconstructor> reconstructor;
-  /// Templates about an operating point, of `modes_j`: measures a frame near that point from all
-  /// its pixels, without the tracker. Null: none yet.
+  /// Templates for `modes_j` about an operating point. They measure a frame near that wavefront
+  /// from all its pixels, without the tracker. Null: not ready yet.
   std::shared_ptr<const FrameFit> fit;
 
   int subapertures() const { return int(predicted_px.size()); }

@@ -1,4 +1,4 @@
-/// A plan is freed once the adopted plan and those of all records in use are newer.
+/// Frees a plan's memory once the adopted plan and the plans of all records in use are newer.
 #include "core/pipeline/plan_exchange.hpp"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ void PlanExchange::offer(const MeasurementPlan* plan) {
 }
 
 std::uint64_t PlanExchange::oldest_in_use() const {
-  // Read in this order, because a record refers to a plan only after the plan was adopted.
+  // Read the adopted id before the pool: a record refers to a plan only after its adoption.
   const std::uint64_t adopted = adopted_id_.load(std::memory_order_acquire);
   return std::min(adopted, pool_.oldest_plan_id());
 }

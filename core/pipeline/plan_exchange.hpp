@@ -18,12 +18,13 @@ class PlanExchange {
   PlanExchange(const RecordPool& pool, int workers) : pool_(pool), workers_(workers) {}
 
   // Control side; thread-safe among each other.
-  /// Allocates the plan's working memory, frees that of unused plans, and offers the plan. nullptr:
-  /// nothing is measured. Throws std::logic_error if the plan's id does not increase.
+  /// Offers a plan to the frame path: allocates its working memory, and frees that of unused plans.
+  /// nullptr: frames are not measured. Throws std::logic_error if the plan's id does not increase.
   void offer(const MeasurementPlan* plan);
+  /// Smallest plan id that the frame path or a record may still use.
   std::uint64_t oldest_in_use() const;
 
-  /// Acquisition thread, between two frames: switches to the plan offered last; may be nullptr.
+  /// Acquisition thread, between two frames: switches to the plan offered last. nullptr: no plan.
   Measurement* adopt() OVWS_NONBLOCKING;
 
  private:
@@ -34,7 +35,7 @@ class PlanExchange {
   std::uint64_t next_id_ = 0;                               ///< guarded by control_
   std::atomic<Measurement*> offered_{nullptr};
   Measurement* adopted_ = nullptr;  ///< acquisition thread
-  /// The acquisition thread no longer uses plans with smaller ids. Written when a plan is adopted,
+  /// Smallest plan id that the acquisition thread may still use. Written when a plan is adopted,
   /// before its first use.
   std::atomic<std::uint64_t> adopted_id_{0};
 };

@@ -18,20 +18,21 @@ struct Measurement;
 /// A frame record with the pipeline's internal data.
 struct Entry : FrameRecord {
   Measurement* measurement = nullptr;
-  std::uint64_t stream = 0;  ///< number of the attached camera; frame numbers do not continue from
-                             ///< one to the next
-  std::int64_t period_ns = 0;            ///< frame period at the time of the frame; 0: unknown
-  std::vector<SpotEstimates> estimates;  ///< of each spot by plan->fit, if the plan has one
+  std::uint64_t stream = 0;    ///< number of the camera stream; frame numbers do not continue from
+                               ///< stream to stream
+  std::int64_t period_ns = 0;  ///< frame period at the time of the frame; 0: unknown
+  std::vector<SpotEstimates> estimates;  ///< template estimates of each spot, if plan->fit is set
   bool image_wanted = false;
-  bool recorded = false;         ///< RecordTap holds it
-  bool pixels_recorded = false;  ///< RecordTap holds its pixels, too
+  bool recorded = false;         ///< RecordTap holds this record
+  bool pixels_recorded = false;  ///< RecordTap holds the pixels, too
 
-  /// Adds a hold. Acquisition thread, before any other thread has seen the entry.
+  /// Adds a hold on the record, and on its pixels if `pixels`. Acquisition thread, before any other
+  /// thread has seen the entry.
   void hold(bool pixels) OVWS_NONBLOCKING {
     holds_.fetch_add(1, std::memory_order_relaxed);
     if (pixels) pixel_holds_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// Releases a hold from any thread; the acquisition thread sees it on its next iteration.
+  /// Release a hold, from any thread; the acquisition thread frees the entry on its next iteration.
   void release_pixels() OVWS_NONBLOCKING { pixel_holds_.fetch_sub(1, std::memory_order_release); }
   void release() OVWS_NONBLOCKING { holds_.fetch_sub(1, std::memory_order_release); }
 
@@ -44,18 +45,18 @@ struct Entry : FrameRecord {
   int lent_slot_ = -1;  ///< acquisition thread only
 };
 
-/// All methods are for the acquisition thread, unless stated otherwise.
+/// Pool of frame records. All methods are for the acquisition thread, unless stated otherwise.
 class RecordPool {
  public:
   explicit RecordPool(int records);
 
-  /// Takes a free record that holds `frame`'s buffer; nullptr: none is free. `image_wanted` adds a
-  /// hold of the record and of its pixels for the image thread.
+  /// Takes a free record that holds `frame`'s buffer; nullptr: no record is free. `image_wanted`
+  /// adds a hold of the record and of its pixels for the image thread.
   Entry* take(const GrabbedFrame& frame, const MeasurementPlan& plan,
               bool image_wanted) OVWS_NONBLOCKING;
 
   /// Returns buffers without holds to the camera, and frees records without holds. Without a camera
-  /// (nullptr) records whose buffer is still lent stay.
+  /// (nullptr), a record with a lent buffer stays in use.
   void reclaim(Camera* camera) OVWS_NONBLOCKING;
 
   /// Number of buffers not yet returned to the camera.

@@ -10,15 +10,16 @@
 
 namespace ovws {
 
-/// Never blocks the pipeline: a slow recorder loses records, which shows as gaps in their numbers.
-/// Holds at most a quarter of all records.
+/// Recording queue that never blocks the pipeline. A slow recorder loses records, which shows as
+/// gaps in `number`. Holds at most a quarter of all records.
 class RecordTap {
  public:
   explicit RecordTap(int records)
       : max_held_(records / 4), ring_(static_cast<std::size_t>(records)) {}
 
   // Any thread.
-  /// Starts with the next frame: all records, and the pixels of every n-th one; 0: no pixels.
+  /// Starts recording with the next frame: all records, and the pixels of every n-th frame; 0:
+  /// none.
   void open(int pixels_every) {
     pixels_every_.store(pixels_every, std::memory_order_relaxed);
     open_.store(true, std::memory_order_release);
@@ -26,7 +27,7 @@ class RecordTap {
   void close() { open_.store(false, std::memory_order_release); }
 
   /// Acquisition thread, before any other thread has seen the entry: adds the recorder's holds.
-  /// Keeps at most half of the camera's `buffers`.
+  /// Holds the pixels of at most half of the camera's `buffers`.
   void offer(Entry& entry, int buffers) OVWS_NONBLOCKING;
   /// Thread of the last stage: queues a recorded entry, or releases it if it was not published.
   void put(Entry& entry, bool published) OVWS_NONBLOCKING;
@@ -41,7 +42,7 @@ class RecordTap {
   std::atomic<int> pixels_every_{1};
   std::atomic<int> held_{0};
   std::atomic<int> pixels_held_{0};
-  std::uint64_t offered_ = 0;  ///< acquisition thread
+  std::uint64_t offered_ = 0;  ///< only the acquisition thread uses it
   SpscRing<Entry*> ring_;
 };
 

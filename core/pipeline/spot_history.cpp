@@ -1,4 +1,4 @@
-/// Tracks: the last position of each spot and the prediction for the same hologram.
+/// Spot tracks: the last position of each spot, and the prediction for the hologram shown then.
 #include "core/pipeline/spot_history.hpp"
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace ovws {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMaxStep = 0.25;  // lambda/d, from frame to frame
+constexpr double kMaxStep = 0.25;  // largest distance from start or reference, lambda/d
 constexpr SpotStart kUnknown{{kNone, kNone}, false};
 
 }  // namespace
@@ -58,7 +58,7 @@ void SpotHistory::resume(const MeasurementPlan& plan, std::span<const SpotStart>
 
 namespace {
 
-/// Whether every spot stands near its place in the reference: then none is mistaken for another.
+/// Whether every spot is near its reference position, so that no spot is mistaken for another.
 bool is_at_reference(const FrameRecord& record) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *record.plan;
   for (std::size_t i = 0; i < plan.reference_px.size(); ++i) {
@@ -91,8 +91,8 @@ bool SpotHistory::is_followed_by(const FrameRecord& record) const OVWS_NONBLOCKI
 
 void SpotHistory::learn(const FrameRecord& record) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *record.plan;
-  // A new plan may predict for the next hologram while the old one is still shown. Its predictions
-  // count only once a frame shows its hologram.
+  // A new plan may predict for the next hologram while the old hologram is still shown. Use its
+  // predictions only once a frame shows the plan's hologram.
   const bool plan_is_for_this = plan.hologram_id == record.hologram_id && plan.id != plan_id_;
   const bool new_prediction = !live_ || record.hologram_id != hologram_id_ || plan_is_for_this;
   const bool was_live = live_;

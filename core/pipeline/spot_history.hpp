@@ -10,21 +10,22 @@
 
 namespace ovws {
 
-/// Uses settled frames only. One thread at a time; only the constructor allocates.
+/// Spot history from settled frames. One thread at a time; only the constructor allocates.
 ///
-/// It also judges whether positions can be trusted: a frame *follows* if templates describe it, or
-/// if every spot of the reference stands within lambda/d / 4 of its start, and the previous frame
-/// follows. While the first templates are awaited, it also follows if every spot stands as close to
-/// its place in the reference. After a sudden change spots may be lost or mistaken for each other.
+/// Also judges whether spot positions can be trusted: after a sudden change, spots may be lost or
+/// mistaken for each other. A frame *follows* if templates describe it, or if the previous frame
+/// follows and every spot of the reference is within lambda/d / 4 of its start. While the first
+/// templates are awaited, a frame also follows if every spot is that close to its reference
+/// position.
 class SpotHistory {
  public:
   SpotHistory();
 
-  /// Adapts to `plan`. Clears the history and returns true if the plan measures other spots (sensor
-  /// epoch, count or ROI) than the previous one.
+  /// Adapts the history to `plan`. Clears it and returns true if the plan measures other spots
+  /// (sensor epoch, count or ROI) than the previous plan.
   bool fit_to(const MeasurementPlan& plan) OVWS_NONBLOCKING;
 
-  /// False: no spot has a history, a whole-image search is needed.
+  /// Whether any spot has a history. False: a whole-image search is needed.
   bool live() const { return live_; }
 
   /// Start position of each spot in `record`: its last settled position, moved by the predicted
@@ -33,11 +34,11 @@ class SpotHistory {
 
   /// Sets the history for a replay: the next record with `plan` starts from `starts`, under the
   /// plan's hologram. All NaN: no history.
-  /// `follows`: the frame before that record.
+  /// `follows`: whether the frame before that record followed.
   void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
               bool follows) OVWS_NONBLOCKING;
 
-  /// Whether a settled frame with the starts of `starts()` follows.
+  /// Whether the settled frame `record`, tracked from `starts()`, follows (see SpotHistory).
   bool is_followed_by(const FrameRecord& record) const OVWS_NONBLOCKING;
 
   /// Updates the history with the spots of a settled frame, and with `record.follows`.
@@ -54,7 +55,7 @@ class SpotHistory {
   std::vector<Track> tracks_;
   int count_ = 0;
   bool live_ = false;
-  bool follows_ = false;  ///< the last frame
+  bool follows_ = false;  ///< whether the last frame followed
   std::uint64_t hologram_id_ = 0;
   std::uint64_t plan_id_ = 0;
   std::uint64_t sensor_epoch_ = 0;

@@ -63,7 +63,7 @@ void TrackStage::track(Entry& entry, int begin, int end, TrackScratch& scratch) 
   }
 }
 
-/// Measures by the templates, or else by the tracker.
+/// Measures by the plan's templates. If they do not describe the frame, tracks all spots.
 void TrackStage::fit(Entry& entry) OVWS_NONBLOCKING {
   const auto count = std::size_t(entry.spot_count), modes = entry.plan->fit->modes_j().size();
   entry.templates = entry.plan->fit->solve(
@@ -94,7 +94,7 @@ void TrackStage::reject_implausible(Entry& entry) OVWS_NONBLOCKING {
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   const std::span<SpotFix> spots = spots_of(entry);
   drop_faint(spots, entry.spot_count);
-  // Two subapertures that track the same spot are both ambiguous: both are tracked again.
+  // Two subapertures that track the same spot are ambiguous: drop both fixes and track again.
   for (int i = 0; i < entry.spot_count; ++i) duplicate_[i] = neighbourhood.is_duplicate(i, spots);
   for (int i = 0; i < entry.spot_count; ++i) {
     if (duplicate_[i]) spots[i] = SpotFix{};
@@ -114,13 +114,14 @@ void TrackStage::retry_lost(Entry& entry) OVWS_NONBLOCKING {
   drop_faint(spots, entry.spot_count);
 }
 
-/// Tries the remembered position first if it agrees with the neighbours, then the expected one.
+/// Tracks a lost spot again: first from the remembered position if it agrees with the neighbours,
+/// then from the position expected from the neighbours.
 SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKING {
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   TrackScratch& scratch = entry.measurement->track_scratch[0];
   const std::span<SpotFix> spots = spots_of(entry);
   const Vec2 remembered_px = entry.starts[i].at_px;
-  const double apart_px = norm(remembered_px - expected_px);  // NaN if there is none
+  const double apart_px = norm(remembered_px - expected_px);  // NaN without a remembered position
   if (!entry.starts[i].fresh && apart_px < 0.5 * neighbourhood.pitch_px(i)) {
     spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch);
     if (spots[i].found() && !neighbourhood.is_duplicate(i, spots)) return spots[i];

@@ -14,15 +14,16 @@
 
 namespace ovws {
 
-/// Call for each frame in order: `begin`, then every slice (in parallel), then `finish`. The caller
-/// synchronises these calls between threads. Results do not depend on the number of slices.
+/// Tracking stage. For each frame in order, call `begin`, then every slice (in parallel), then
+/// `finish`. The caller synchronises the calls between threads. Results do not depend on the number
+/// of slices.
 ///
-/// A frame without history, or with more than a few spots lost, is searched as a whole, with
-/// exponential backoff (BackOff) up to every 16th frame. The result is used only if it finds more
+/// Whole-image search: runs for a frame without history or with more than a few spots lost, with
+/// exponential backoff (BackOff) up to every 16th frame. Its result is used only if it finds more
 /// spots.
 ///
-/// The templates of a plan (MeasurementPlan::fit) are tried first. Where they describe the frame
-/// (FittedFrame::credible), its spots and modes come from them, and no tracker runs.
+/// Templates of a plan (MeasurementPlan::fit) are tried first. If they describe the frame
+/// (FittedFrame::credible), they give its spots and modes, and no tracker runs.
 class TrackStage {
  public:
   TrackStage(int slices, Counters& counters, LatencyHistogram& latency);
@@ -33,7 +34,8 @@ class TrackStage {
   /// Retries lost spots, searches if necessary, updates the history and releases the pixels.
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
-  /// SpotHistory::resume; `searched` decides whether the next frame's whole image is searched.
+  /// For a replay: sets the history (SpotHistory::resume), and whether the next frame's whole image
+  /// is searched.
   void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
               bool searched);
 
@@ -55,7 +57,7 @@ class TrackStage {
   LatencyHistogram& latency_;
   SpotHistory history_;
   BackOff search_back_off_;
-  std::optional<bool> forced_search_;  ///< for the next frame
+  std::optional<bool> forced_search_;  ///< overrides search_if_needed for the next frame
   std::vector<char> duplicate_;
   std::vector<SpotFix> searched_;
 };

@@ -8,7 +8,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Every ring has room for all records: a push cannot fail.
+/// Pushes an entry. This cannot fail, because every ring has room for all records.
 void push(SpscRing<Entry*>& ring, Entry* entry) {
   [[maybe_unused]] const bool had_room = ring.try_push(entry);
 }

@@ -12,17 +12,17 @@
 
 namespace ovws {
 
-/// All workers track one frame at a time. The thread that increments `waiting_` from 0 to 1, or
-/// that finishes a frame while others wait, starts the next one. No thread waits for another, and
-/// only the thread that starts a frame uses the non-atomic state.
+/// Tracker workers; all of them track one frame at a time. The thread that increments `waiting_`
+/// from 0 to 1, or that finishes a frame while others wait, starts the next frame. No thread waits
+/// for another, and only the thread that starts a frame uses the non-atomic state.
 class TrackerCrew {
  public:
-  /// `tracked` leads to the last stage, in frame order.
+  /// `tracked`: ring to the last stage, which receives the frames in order.
   TrackerCrew(int workers, int records, TrackStage& stage, SpscRing<Entry*>& tracked);
 
-  /// Acquisition thread.
+  /// Acquisition thread: queues a frame for tracking.
   void submit(Entry& entry) OVWS_NONBLOCKING;
-  /// Worker k's thread: waits at most 20 ms for a slice and tracks it. False: there was none.
+  /// Worker k's thread: waits at most 20 ms for a slice and tracks it. False: no slice came.
   bool run_worker(int k);
 
  private:

@@ -1,4 +1,4 @@
-/// Monotonic clock for intervals, UTC for timestamps. Never subtract one from the other.
+/// Clocks: monotonic time for intervals, UTC for timestamps. Never subtract one from the other.
 #pragma once
 
 #include <cstdint>
@@ -6,14 +6,14 @@
 
 namespace ovws {
 
-/// ns of CLOCK_MONOTONIC: for every interval and deadline. RT-safe.
+/// Monotonic time (CLOCK_MONOTONIC) in ns, for intervals and deadlines. RT-safe.
 inline std::int64_t monotonic_ns() {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
   return std::int64_t(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-/// ns since the UNIX epoch, UTC: for timestamps in messages and files. RT-safe.
+/// UTC in ns since the UNIX epoch, for timestamps in messages and files. RT-safe.
 inline std::int64_t utc_ns() {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);

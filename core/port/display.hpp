@@ -10,27 +10,27 @@
 namespace ovws {
 
 struct DisplayInfo {
-  std::string output;  ///< "DUMMY1", "HDMI-1", …: the name in the display system
+  std::string output;  ///< output name in the display system: "DUMMY1", "HDMI-1", …
   int width = 0, height = 0;
   double refresh_hz = 0.0;
   std::string driver;  ///< "x11", "wayland", "KMSDRM"
 };
 
-/// One open output. All calls come from the main thread. After an error of any call but `read_back`
-/// the object is dead: destroy it and open a new one.
+/// One open display output. Call all methods from the main thread. If `present` or `check` fails,
+/// the object is unusable: destroy it and open a new one.
 class Display {
  public:
   virtual ~Display() = default;
   virtual const DisplayInfo& info() const = 0;
-  /// Shows an image of the size in info(). Returns the time at which the display system accepted
-  /// it, CLOCK_MONOTONIC ns.
+  /// Shows an image, which must have the size in info(). Returns the time at which the display
+  /// system accepted the image, CLOCK_MONOTONIC in ns.
   virtual Result<std::int64_t> present(const Image<std::uint8_t>& grey) = 0;
-  /// Reads back what the output shows now, 0xRRGGBB, whichever program drew it; takes tens of
-  /// milliseconds. Errc::unavailable if the display system does not support it or gives no image;
-  /// the object stays usable. Errc::device if the display was lost: open it again.
+  /// Reads back the pixels that the output shows now (0xRRGGBB), whichever program drew them. Takes
+  /// tens of milliseconds. Errc::unavailable: the display system gives no image; the object stays
+  /// usable. Errc::device: the display was lost; open a new object.
   virtual Result<Image<std::uint32_t>> read_back() = 0;
-  /// Handles pending display events and checks output, mode and window. The error says what is
-  /// wrong.
+  /// Handles pending display events and checks that the output, its mode and the window are still
+  /// valid. The error says what is wrong.
   virtual Result<void> check() = 0;
 };
 

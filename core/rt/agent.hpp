@@ -1,4 +1,4 @@
-/// An agent: a duty cycle that a thread of the thread table runs in a loop.
+/// Agent: work that a thread of the daemon runs in a loop (a duty cycle).
 #pragma once
 
 namespace ovws {
@@ -6,10 +6,10 @@ namespace ovws {
 class Agent {
  public:
   virtual ~Agent() = default;
-  /// One iteration of the duty cycle. Returns true if it did any work. It may block only for its
-  /// own input and for at most 50 ms, so that the thread sees a stop request in time.
+  /// Runs one iteration of the duty cycle and returns true if any work was done. May block for at
+  /// most 50 ms, and only to wait for input, so that the thread notices a stop request in time.
   virtual bool do_work() = 0;
-  /// Called once by the same thread before it ends.
+  /// Clean-up: the thread that runs do_work calls this once before it ends.
   virtual void on_close() {}
 };
 

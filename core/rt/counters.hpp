@@ -1,5 +1,5 @@
-/// Event and fault counters of the frame path, named in one enum. Once all frames in flight have
-/// arrived, grabbed = unplanned + unexpected + dropped + published.
+/// Event and fault counters of the daemon, named in one enum. When no frame is in flight,
+/// frames_grabbed = frames_unplanned + frames_unexpected + frames_dropped + frames_published.
 #pragma once
 
 #include <array>
@@ -12,22 +12,22 @@ namespace ovws {
 
 enum class Counter : std::uint8_t {
   frames_grabbed,         ///< complete frames taken from the camera
-  frames_lost,            ///< gaps in the camera's frame numbers, without the incomplete frames
-  frames_incomplete,      ///< delivered with missing packets, not tracked
-  frames_duplicated,      ///< delivered a second time, not tracked
-  frames_out_of_order,    ///< delivered after a later one, not tracked; also counted as lost
-  frames_late,            ///< arrived later than the transfer time allows, published unsettled
-  frames_left_justified,  ///< MSB-aligned 16-bit pixels, shifted right
-  frames_unplanned,       ///< no measurement plan was active
-  frames_unexpected,      ///< image size or pixel format differs from the plan's, not tracked
-  frames_dropped,         ///< no free record, or the publisher held too many
+  frames_lost,            ///< missing frame numbers, not counting incomplete frames
+  frames_incomplete,      ///< frames with missing packets; not measured
+  frames_duplicated,      ///< frames delivered a second time; not measured
+  frames_out_of_order,    ///< frames delivered after a later frame; not measured, counted as lost
+  frames_late,            ///< frames later than the transfer time allows; published as unsettled
+  frames_left_justified,  ///< frames with MSB-aligned 16-bit pixels, which are shifted right
+  frames_unplanned,       ///< frames that arrived while no measurement plan was active
+  frames_unexpected,      ///< image size or pixel format differs from the plan's; not measured
+  frames_dropped,         ///< discarded: no free frame record, or too many held by the publisher
   frames_unsettled,       ///< published with settled = false
   frames_invalid,         ///< published with valid = false
-  frames_unexplained,     ///< part of the invalid: no wavefront explains their spots
+  frames_unexplained,     ///< invalid because no wavefront explains the spots
   frames_published,       ///< handed to the publisher
-  spots_lost,             ///< sum over frames of subapertures not found
-  acquisitions,           ///< whole-image searches
-  messages_dropped,       ///< the daemon's send queue of a stream was full
+  spots_lost,             ///< subapertures whose spot was not found, summed over frames
+  acquisitions,           ///< searches of the whole image for the spots
+  messages_dropped,       ///< discarded because the send queue of a stream was full
   deadline_missed,  ///< frames that took longer than one frame period from grab to publish ring
   camera_reconnects,
   display_faults,
@@ -37,11 +37,11 @@ enum class Counter : std::uint8_t {
   count_,
 };
 
-/// The names in `status` messages, in the order of the enumeration.
+/// Counter names as in `status` messages, in the order of enum Counter.
 std::span<const std::string_view> all_counter_names();
 std::string_view counter_name(Counter counter);
 
-/// Thread-safe, RT-safe, relaxed.
+/// Set of counters. Thread-safe and RT-safe; uses relaxed atomics, so counters are not ordered.
 class Counters {
  public:
   void add(Counter counter, std::uint64_t n = 1) {

@@ -9,9 +9,9 @@ namespace ovws {
 namespace {
 
 constexpr int kFirstOctaveBit = 6;    // the first bucket begins at 2^6 ns
-constexpr int kSubBits = 4;           // 16 buckets an octave
-constexpr int kFirstEdgeBit = 13;     // the totals' first edge is 2^13 ns
-constexpr std::size_t kEdgeStep = 8;  // the totals have an edge at every eighth bucket
+constexpr int kSubBits = 4;           // log2 of the 16 buckets per octave
+constexpr int kFirstEdgeBit = 13;     // the first edge of LatencyTotals is 2^13 ns
+constexpr std::size_t kEdgeStep = 8;  // LatencyTotals has an edge at every eighth bucket
 
 std::size_t bucket_of(std::int64_t latency_ns, std::size_t bucket_count) {
   const auto ns = std::uint64_t(std::max<std::int64_t>(latency_ns, 1 << kFirstOctaveBit));
@@ -21,15 +21,15 @@ std::size_t bucket_of(std::int64_t latency_ns, std::size_t bucket_count) {
   return std::min(bucket, bucket_count - 1);
 }
 
-/// The latency at a fraction of a bucket: its begin, or its centre, from which a percentile is off
-/// by at most half the bucket's width.
+/// Latency in us at a position inside a bucket. `fraction` 0 is the bucket's lower edge; 0.5 is its
+/// centre, so that a percentile is wrong by at most half the bucket's width.
 double latency_us(std::size_t bucket, double fraction) {
   const double octave = std::ldexp(1.0, kFirstOctaveBit + int(bucket >> kSubBits));
   const double sub = double(bucket & ((1U << kSubBits) - 1U)) + fraction;
   return octave * (1.0 + sub / double(1U << kSubBits)) / 1000.0;
 }
 
-/// The bucket that begins at an edge of the totals.
+/// Index of the bucket that begins at edge number `edge` of LatencyTotals.
 constexpr std::size_t bucket_at(std::size_t edge) {
   return (std::size_t(kFirstEdgeBit - kFirstOctaveBit) << kSubBits) + edge * kEdgeStep;
 }

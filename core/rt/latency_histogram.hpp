@@ -10,12 +10,13 @@
 
 namespace ovws {
 
-/// Cumulative counts since the start, which can be summed over time and over several daemons.
+/// Cumulative latency counts since the start. Unlike percentiles, these counts of several daemons
+/// can be added.
 struct LatencyTotals {
-  /// Two edges per octave, from 8 us to 134 ms.
+  /// Number of bucket edges: two per octave, from 8 us to 134 ms.
   static constexpr std::size_t kEdges = 29;
-  /// The edges in us, ascending. Each is also an edge of the histogram's buckets, so the counts are
-  /// exact.
+  /// Bucket edges in us, ascending. Each is also a bucket edge of LatencyHistogram, so the counts
+  /// are exact.
   static const std::array<double, kEdges>& edges_us();
 
   std::uint64_t count = 0;
@@ -29,12 +30,14 @@ struct LatencySummary {
   LatencyTotals since_start{};
 };
 
-/// 16 buckets per octave from 64 ns to 69 s; values outside count in the first or last bucket.
-/// Percentiles are accurate to 6.25 %. Any number of recording threads, one reading thread.
+/// Histogram with 16 buckets per octave from 64 ns to 69 s. Values outside this range count in the
+/// first or last bucket. Percentiles are accurate to 6.25 %. Any number of threads may call record;
+/// only one thread may call take.
 class LatencyHistogram {
  public:
   void record(std::int64_t latency_ns) OVWS_NONBLOCKING;  ///< RT-safe
-  /// Percentiles of the values recorded since the last call; resets them, but not the totals.
+  /// Returns the percentiles of the latencies recorded since the last call and clears the buckets.
+  /// The totals since the start continue.
   LatencySummary take();
 
  private:
@@ -43,8 +46,8 @@ class LatencyHistogram {
   static constexpr std::size_t kBuckets = std::size_t(kSubBuckets) * kOctaves;
   std::array<std::atomic<std::uint32_t>, kBuckets> buckets_{};
   std::atomic<std::int64_t> max_ns_{0};
-  std::atomic<std::int64_t> sum_ns_{0};  ///< since the last take
-  LatencyTotals totals_;                 ///< reading thread only
+  std::atomic<std::int64_t> sum_ns_{0};  ///< sum of latencies since the last take()
+  LatencyTotals totals_;                 ///< used only by the thread that calls take()
 };
 
 }  // namespace ovws

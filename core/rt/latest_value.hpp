@@ -9,29 +9,29 @@
 
 namespace ovws {
 
-/// Wait-free triple buffer for one writer and one reader; unread values are overwritten. RT-safe
-/// for a T whose move does not allocate.
+/// Wait-free triple buffer for one writer and one reader thread. A new value overwrites an unread
+/// one. RT-safe if moving a T does not allocate memory.
 template <class T>
 class LatestValue {
  public:
   LatestValue() = default;
   explicit LatestValue(const T& initial) : buffers_{initial, initial, initial} {}
 
-  /// Writer thread.
+  /// Writer thread: publishes `value` as the newest value.
   void write(T value) OVWS_NONBLOCKING {
     buffers_[back_] = std::move(value);
     const unsigned previous = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel);
     back_ = previous & kIndex;
   }
 
-  /// Reader thread: true if a value newer than the last seen one was taken.
+  /// Reader thread: takes the newest value; false if there is none since the last call.
   bool update() OVWS_NONBLOCKING {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     front_ = middle_.exchange(front_, std::memory_order_acq_rel) & kIndex;
     return true;
   }
 
-  /// Reader thread: the value last taken; a default-constructed T before the first.
+  /// Reader thread: the value that update() took last; before that, the initial value.
   const T& value() const { return buffers_[front_]; }
   T& value() { return buffers_[front_]; }
 

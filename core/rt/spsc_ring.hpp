@@ -13,8 +13,8 @@
 
 namespace ovws {
 
-/// One producer and one consumer thread at a time; a role may pass to another thread with external
-/// synchronisation. Only the constructor allocates memory.
+/// Queue for one producer and one consumer thread at a time. Another thread may take over as
+/// producer or consumer if the caller synchronises the change. Only the constructor allocates.
 template <class T>
 class SpscRing {
  public:
@@ -23,26 +23,26 @@ class SpscRing {
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
 
-  /// False if the ring is full: nothing was pushed. RT-safe.
+  /// Appends an item; false if the ring is full and nothing was appended. RT-safe.
   [[nodiscard]] bool try_push(const T& item) OVWS_NONBLOCKING {
     if (!buffer_.try_enqueue(item)) return false;
     sem_post(&pushed_);
     return true;
   }
 
-  /// False if the ring is empty. RT-safe.
+  /// Removes the oldest item; false if the ring is empty. RT-safe.
   [[nodiscard]] bool try_pop(T& item) OVWS_NONBLOCKING {
     if (!buffer_.try_dequeue(item)) return false;
-    sem_trywait(&pushed_);  // keeps posts from accumulating while the ring is never empty
+    sem_trywait(&pushed_);  // stops the semaphore from growing while pop never waits
     return true;
   }
 
-  /// Waits for an item, but not longer than `timeout`.
+  /// Removes the oldest item, waiting for it at most `timeout`; false if no item arrived.
   [[nodiscard]] bool pop(T& item, std::chrono::microseconds timeout) {
     if (try_pop(item)) return true;
     const timespec until = after(timeout);
-    // The buffer's own timed wait uses CLOCK_REALTIME: setting that clock back would block the
-    // thread. A post whose item was already popped only costs one more iteration.
+    // moodycamel's timed wait uses CLOCK_REALTIME: setting that clock back would block the thread.
+    // A semaphore post whose item was already popped only costs one more iteration.
     while (sem_clockwait(&pushed_, CLOCK_MONOTONIC, &until) == 0) {
       if (try_pop(item)) return true;
     }

@@ -11,22 +11,22 @@
 namespace ovws {
 namespace {
 
-constexpr double kMinLevel = 0.25;           // of the level expected: less is no spot
-constexpr int kMaxLostShare = 6;             // at most one spot of so many may be lost
-constexpr double kOutlier = 5.0;             // of a spot's residual, RMS, over the others'
-constexpr double kMaxResidual = 3.0;         // RMS over all, standard errors; or, as positions,
-constexpr double kMaxResidualShare = 0.005;  // of a window's width
-constexpr int kMaxPointLostShare = 8;        // where templates are exact
-constexpr double kMaxResidualInAir = 2.0;    // whose strength is known
-constexpr double kMaxPointResidual = 1.3;    // where templates are exact
-constexpr double kMaxDriftWaves = 0.15;      // beyond, the templates' error is that of positions
-constexpr double kBentPerWave = 1.2;         // their error over the square of the drift, 1 / wave
+constexpr double kMinLevel = 0.25;           // of the expected level: a dimmer spot is lost
+constexpr int kMaxLostShare = 6;             // at most one of this many spots may be lost
+constexpr double kOutlier = 5.0;             // RMS residual of a spot over that of the others
+constexpr double kMaxResidual = 3.0;         // RMS of all spots, standard errors; or, as position,
+constexpr double kMaxResidualShare = 0.005;  // fraction of a window's width
+constexpr int kMaxPointLostShare = 8;        // as kMaxLostShare, at the operating point
+constexpr double kMaxResidualInAir = 2.0;    // standard errors, with known higher modes
+constexpr double kMaxPointResidual = 1.3;    // standard errors, at the operating point
+constexpr double kMaxDriftWaves = 0.15;      // RMS; beyond, templates are no better than positions
+constexpr double kBentPerWave = 1.2;         // template error over squared drift, 1 / wave
 constexpr double kMaxOverCeiling = 1.1;
-constexpr double kOverTheory = 2.0;        // of the variance by higher modes, in images of air
+constexpr double kOverTheory = 2.0;        // variance by higher modes over theory, turbulence
 constexpr double kMinConditioning = 1e-9;  // of the normal equations
-constexpr double kMaxNoiseGrowth = 5.0;    // of a mode, by lost spots
+constexpr double kMaxNoiseGrowth = 5.0;    // of a mode's standard error, by lost spots
 
-/// Estimates are relative to the level in DN of a cell.
+/// Converts a level from DN per camera pixel to DN per binned pixel; estimates are relative to it.
 double cell_level(const SpotTemplates& spot, double level_dn) {
   return level_dn * spot.window.bin * spot.window.bin;
 }
@@ -77,7 +77,8 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   if (in_air()) allow_for(higher);
 }
 
-/// Whitened estimates of one spot are uncorrelated, but a higher mode changes all spots at once.
+/// Computes how higher modes increase the variances (`growth_`). Whitened estimates of one spot are
+/// uncorrelated, but a higher mode changes all spots at once.
 void FrameFit::allow_for(std::span<const HigherErrors> higher) {
   const Eigen::Index modes = inverse_.rows();
   Eigen::MatrixXd own = Eigen::MatrixXd::Zero(modes, modes), shared;
@@ -94,7 +95,7 @@ void FrameFit::allow_for(std::span<const HigherErrors> higher) {
   growth_ = covariance.diagonal().cwiseQuotient(inverse_.diagonal());
 }
 
-/// Estimates of a spot with errors of 1 at the operating point's level.
+/// Estimates of a spot, scaled to standard errors of 1 at the operating point's level.
 FrameFit::Values FrameFit::values_of(std::size_t i, const SpotEstimates& found) const {
   const double level = cell_level(spots_.spots()[i], point_.levels_dn[i]);
   const Eigen::Index count = rows_[i].rows();
@@ -126,7 +127,8 @@ FrameFit::Measured FrameFit::measure(const ImageView& image) const {
 
 const FittedFrame& FrameFit::check(const ImageView& image, double max_residual_px) {
   at_point_ = measure(image).frame;
-  // With three spots lost, or with large errors in dim light, a wrong wavefront can fit the rest.
+  // Strict limits: with three spots lost, or with large errors in a dim image, a wrong wavefront
+  // can fit the remaining spots.
   const bool small = at_point_.residual < kMaxPointResidual ||
                      (!in_air() && at_point_.residual_px < max_residual_px);
   const bool enough = kMaxPointLostShare * at_point_.lost <= point_.lit;
@@ -134,7 +136,7 @@ const FittedFrame& FrameFit::check(const ImageView& image, double max_residual_p
   return at_point_;
 }
 
-/// What the templates leave of the intensity, weighted, is compared with what noise leaves.
+/// Whether the templates describe a spot: compares the weighted intensity residual with noise.
 bool FrameFit::describes(std::size_t i, const SpotEstimates& found, double brightness) const {
   if (rows_[i].rows() == 0 ||
       !(double(found.level) > kMinLevel * brightness * point_.levels_dn[i])) {
@@ -142,14 +144,14 @@ bool FrameFit::describes(std::size_t i, const SpotEstimates& found, double brigh
   }
   const SpotTemplates& spot = spots_.spots()[i];
   if (double(found.level) * spot.brightest_intensity > kMaxOverCeiling * point_.ceiling_dn) {
-    return false;  // cells may be saturated that were not at the operating point
+    return false;  // more pixels may be saturated than at the operating point
   }
   const double scatter = excess_scatter_of(spot, double(found.level));
   return excess_intensity(spot, found) < point_.max_excess + 4.0 * scatter;
 }
 
-/// Marks the spots that the templates describe, and returns how bright the frame is, relative to
-/// the operating point.
+/// Marks the spots that the templates describe. Returns the brightness of the frame relative to the
+/// operating point.
 double FrameFit::select(std::span<const SpotEstimates> found, Scratch& scratch,
                         FittedFrame& frame) const {
   double light = 0.0, expected = 0.0;
@@ -208,7 +210,7 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
   return frame;
 }
 
-/// The covariance of the modes by the spots in use; null if they do not determine the modes.
+/// Covariance of the modes from the spots in use; null if too few spots determine the modes.
 const Eigen::MatrixXd* FrameFit::covariance_by(Scratch& scratch) const {
   const auto is_missing = [&](std::size_t i) { return !scratch.used[i] && rows_[i].rows() > 0; };
   bool all = true;
@@ -226,7 +228,7 @@ const Eigen::MatrixXd* FrameFit::covariance_by(Scratch& scratch) const {
   return (scratch.normal.diagonal().array() <= limits).all() ? &scratch.normal : nullptr;
 }
 
-/// Solves for scratch.step and scratch.variances.
+/// Solves the normal equations for scratch.step and its variances. False: modes undetermined.
 bool FrameFit::solve_normal(std::span<const SpotEstimates> found, Scratch& scratch) const {
   const Eigen::MatrixXd* const covariance = covariance_by(scratch);
   if (covariance == nullptr) return false;
@@ -240,15 +242,15 @@ bool FrameFit::solve_normal(std::span<const SpotEstimates> found, Scratch& scrat
   return true;
 }
 
-/// Squares of what the modes leave of a spot's estimates, standard errors.
+/// Squared residual of a spot's estimates after the fit of the modes, in squared standard errors.
 double FrameFit::left_of(std::size_t i, const SpotEstimates& found, const Scratch& scratch) const {
   Values left = values_of(i, found);
   left.noalias() -= rows_[i] * scratch.step;
   return left.squaredNorm();
 }
 
-/// The residual of all spots; returns a spot that the others contradict, or -1. Estimates count
-/// from the level of the operating point: in a dimmer frame they have larger errors by noise.
+/// Computes the residual of all spots; returns the worst outlier, or -1. Estimates are scaled to
+/// the level of the operating point, so a dimmer frame has larger errors by noise.
 int FrameFit::summarise(std::span<const SpotEstimates> found, const Scratch& scratch,
                         double brightness, FittedFrame& frame) const {
   const double scale = in_air() ? 1.0 : brightness;

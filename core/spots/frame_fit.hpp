@@ -15,20 +15,22 @@ namespace ovws {
 /// How well the templates describe a frame.
 struct FittedFrame {
   bool credible = false;  ///< the templates describe this frame
-  int used = 0;           ///< spots that they describe
-  int lost = 0;           ///< other spots that the reference has
-  /// RMS of what the modes leave of the estimates, in standard errors by noise and higher modes.
+  int used = 0;           ///< number of spots used: templates describe them
+  int lost = 0;           ///< number of other spots that the reference has
+  /// RMS residual of the estimates after the fit of the modes, in standard errors (by noise and
+  /// higher modes).
   double residual = 0.0;
-  double residual_px = 0.0;  ///< the same in standard errors of a position
-  double drift_waves = 0.0;  ///< RMS change of all modes since the rendering
+  double residual_px = 0.0;  ///< `residual` as a position error, camera pixels
+  double drift_waves = 0.0;  ///< RMS change of all modes from the operating point
 };
 
-/// Immutable once checked. Templates are exact at the wavefront that they were rendered for, the
-/// operating point. The error of the coefficients grows with the square of the distance: 0.0005
-/// wave at 0.02 wave RMS, 0.003 at 0.05 and 0.01 to 0.02 at 0.1 (default bench, 18 modes).
+/// Template fit of a whole frame; immutable after `check`. Templates are exact at the operating
+/// point, the wavefront for which they were rendered. Coefficient errors grow with the square of
+/// the distance from that point: 0.0005 wave at 0.02 wave RMS, 0.003 at 0.05 and 0.01 to 0.02 at
+/// 0.1 (default bench, 18 modes).
 class FrameFit {
  public:
-  /// `rendered`: every spot at the point, with derivatives for `modes_j`.
+  /// `rendered`: every spot at the operating point, with derivatives for `modes_j`.
   FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered, std::vector<int> modes_j);
 
   /// Working memory of one thread.
@@ -43,11 +45,11 @@ class FrameFit {
   const OperatingPoint& point() const { return point_; }
   Scratch make_scratch() const;
 
-  /// Fits the image that the templates were rendered for. It is credible only if the modes leave no
-  /// more than noise of the estimates, or, unless higher modes are allowed for, less than
-  /// `max_residual_px`. Call before any other thread uses this object.
+  /// Fits the image for which the templates were rendered. Credible only if the residual is not
+  /// above noise or, with higher_waves = 0, below `max_residual_px`; and if at most an eighth of
+  /// the spots is lost. Call it before any other thread uses this object.
   const FittedFrame& check(const ImageView& image, double max_residual_px);
-  /// The modes from all spots of one image; allocates.
+  /// Measures the modes from all spots of one image; allocates memory.
   struct Measured {
     FittedFrame frame;
     std::vector<float> coefficients, sigma_waves;  ///< of modes_j, see `solve`
@@ -55,13 +57,13 @@ class FrameFit {
     std::vector<SpotEstimates> estimates;
   };
   Measured measure(const ImageView& image) const;
-  /// What `check` found; templates made again about the same wavefront leave as much.
+  /// Result of `check`. Templates rendered again about an equal wavefront leave an equal residual.
   const FittedFrame& at_point() const { return at_point_; }
 
-  /// Least squares over the estimates of the spots that the templates describe, and that the others
-  /// do not contradict. If the frame is credible, writes a coefficient and its standard error for
-  /// each of modes_j, RMS-normalised waves, and the position of each spot; NaN for those not used.
-  /// RT-safe.
+  /// Least-squares fit of the modes to the estimates of the spots that the templates describe,
+  /// without outliers. Writes a coefficient and its standard error for each of modes_j,
+  /// RMS-normalised waves, and each spot's position; NaN if unknown. Use them only if the result is
+  /// credible. RT-safe.
   FittedFrame solve(std::span<const SpotEstimates> found, Scratch& scratch,
                     std::span<float> coefficients, std::span<float> sigma_waves,
                     std::span<SpotFix> fixes) const OVWS_NONBLOCKING;
@@ -85,13 +87,13 @@ class FrameFit {
   OperatingPoint point_;
   std::vector<int> modes_j_;
   SpotFit spots_;
-  std::vector<Rows> rows_;            ///< per spot: estimates x Z, unit errors
-  std::vector<Whitening> whitening_;  ///< of each spot's estimates; empty: none
+  std::vector<Rows> rows_;            ///< per spot: estimates x modes, scaled to errors of 1
+  std::vector<Whitening> whitening_;  ///< per spot, for its estimates; empty: not needed
   Eigen::MatrixXd normal_, inverse_;
-  Eigen::VectorXd growth_;  ///< of each mode's variance, because higher modes change all spots
+  Eigen::VectorXd growth_;  ///< factor on each mode's variance, by higher modes common to spots
   FittedFrame at_point_;
   double max_residual_px_ = 0.0;
-  double px_error_ = 0.0;  ///< of a position, RMS over the spots, camera pixels
+  double px_error_ = 0.0;  ///< standard error of a position, RMS over the spots, camera px
 };
 
 }  // namespace ovws

@@ -12,14 +12,14 @@ namespace ovws {
 namespace {
 
 constexpr auto kCount = Eigen::Index(PieceMoments::kCount);
-constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // of xi and eta
-constexpr double kUsual = 1.0;    // standard deviation of a coefficient
-constexpr double kMaxStep = 0.5;  // of all coefficients of a spot
+constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // indices of xi and eta
+constexpr double kUsual = 1.0;    // expected standard deviation of a coefficient
+constexpr double kMaxStep = 0.5;  // norm of a step of all coefficients of a spot
 
 using Field = SensorField::LocalField;
 static_assert(std::tuple_size_v<Field> == std::size_t(PieceMoments::kCount));
 
-/// Real parts, then imaginary parts.
+/// Coefficients as a vector: real parts, then imaginary parts.
 Eigen::VectorXd numbers_of(const Field& field) {
   Eigen::VectorXd all(2 * kCount);
   for (Eigen::Index k = 0; k < kCount; ++k) {
@@ -37,12 +37,12 @@ Field field_of(const Eigen::VectorXd& numbers) {
   return field;
 }
 
-/// Results of the fit of a spot for its cells.
+/// Fit results of a spot that its pixel weights need: chi-squared per binned pixel, and DN.
 struct Cells {
   double chi2, background_dn, ceiling_dn;
 };
 
-/// The change of the numbers that fits what `rendered` leaves of `cells`.
+/// Least-squares change of the coefficients (`numbers_of`) for the residual of `cells`.
 Eigen::VectorXd step_of(const Eigen::VectorXd& cells, const RenderedSpot& rendered,
                         const Eigen::MatrixXf& per_number, double level, const Cells& of,
                         const PixelNoise& noise, const Eigen::VectorXd& now) {
@@ -56,7 +56,7 @@ Eigen::VectorXd step_of(const Eigen::VectorXd& cells, const RenderedSpot& render
   }
   Eigen::MatrixXd change(light.size(), 2 * kCount + 1);
   change.leftCols(2 * kCount) = level * per_number.cast<double>();
-  change.col(kCount).setZero();  // the phase of a whole spot is not seen
+  change.col(kCount).setZero();  // the overall phase of a spot is not observable
   change.col(2 * kCount).setConstant(pixels);
   const Eigen::MatrixXd weighted = weights.asDiagonal() * change;
   Eigen::MatrixXd normal = change.transpose() * weighted;
@@ -102,7 +102,7 @@ void take_up_fields(const ImageView& image, const SpotPass& pass,
         {double(found.chi2_per_cell), double(found.background), pass.ceiling_dn}, noise, now);
     if (const double size = step.norm(); size > kMaxStep) step *= kMaxStep / size;
     Eigen::VectorXd next = now + step;
-    // A tilt is a displacement, which may be large.
+    // Move the tilt into the displacement of the spot, because a displacement may be large.
     const double per_radian = px_per_wave[i] / (2.0 * std::numbers::pi);
     deviations.offsets_px[i] = deviations.offsets_px[i] +
                                per_radian * Vec2{next(kCount + kAlongX), next(kCount + kAlongY)};

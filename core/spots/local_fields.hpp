@@ -1,4 +1,4 @@
-/// What a bench does differently from the model over each subaperture, from one image.
+/// Fits a bench's deviations from the model over each subaperture to one image.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,10 +10,10 @@
 
 namespace ovws {
 
-/// One step (Gauss-Newton) of `deviations` towards what `image` shows: weighted least squares of
-/// the field over each subaperture, its position and its background, against what the rendering of
-/// `pass` leaves. `per_field`: SpotRenderer::per_field. `px_per_wave`: by which a tilt of one wave
-/// at the edge of a subaperture moves its spot. A spot that was not found has no light.
+/// One Gauss-Newton step of `deviations` towards `image`: weighted least squares of the field over
+/// each subaperture, its spot's position and background, to the residual of `rendered`. `pass`: fit
+/// of the spots. `per_field`: SpotRenderer::per_field. `px_per_wave`: displacement of a spot per
+/// wave of tilt at its subaperture's edge. A spot that was not found gets zero intensity.
 void take_up_fields(const ImageView& image, const SpotPass& pass,
                     std::span<const RenderedSpot> rendered,
                     std::span<const Eigen::MatrixXf> per_field, const PixelNoise& noise,

@@ -7,9 +7,9 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxReferenceWaves = 0.03;  // RMS from the wavefront of the calibration
-constexpr double kMaxExcess = 0.15;          // of a spot's weighted light
-constexpr double kMaxResidual = 0.005;       // of a window's width
+constexpr double kMaxReferenceWaves = 0.03;  // RMS distance from the wavefront of the calibration
+constexpr double kMaxExcess = 0.15;          // weighted residual of a spot, fraction
+constexpr double kMaxResidual = 0.005;       // position error, fraction of a window's width
 
 }  // namespace
 

@@ -10,8 +10,9 @@
 
 namespace ovws {
 
-/// The operating point is the wavefront that the pokes were added to, and stays there: templates
-/// are most accurate near it. Use it from one thread at a time, off the frame path.
+/// Measured spot model. Its operating point stays at the wavefront of the calibration, about which
+/// the modes were poked: templates are most accurate near it. Use it from one thread at a time, off
+/// the frame path.
 class MeasuredModel {
  public:
   /// `spots`: see measured_spots, with derivatives for `modes_j`.
@@ -20,12 +21,12 @@ class MeasuredModel {
 
   std::span<const RenderedSpot> spots() const { return spots_; }
 
-  /// Coefficients count from the wavefront of this image. Errc::refused, field "reference": it is
-  /// too far from the wavefront of the calibration.
+  /// Sets the reference: coefficients count from the wavefront of this image. Errc::refused, field
+  /// "reference": that wavefront is too far from the wavefront of the calibration.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise);
 
-  /// Renders templates for the last of `images`; the earlier images give the noise (noise_of).
-  /// Errc::refused, field "image": the spots differ from the measured ones.
+  /// Makes templates for the last of `images`; all images give the noise (noise_of). Errc::refused,
+  /// field "image": the spots differ from the measured ones.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images) const;
 
  private:
@@ -33,7 +34,7 @@ class MeasuredModel {
   std::vector<int> modes_j_;
   int estimates_;
   std::vector<double> reference_waves_;
-  std::vector<double> reference_levels_;  ///< of its spots, DN; 0: not found
+  std::vector<double> reference_levels_;  ///< levels of the reference's spots, DN; 0: not found
 };
 
 }  // namespace ovws

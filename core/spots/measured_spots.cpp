@@ -5,7 +5,7 @@
 namespace ovws {
 namespace {
 
-constexpr float kMinLight = 0.03F;  // of the brightest spot's: less is stray light
+constexpr float kMinLight = 0.03F;  // fraction of the brightest spot; a dimmer spot is stray light
 
 bool is_known(const SpotCells& cells, Eigen::Index spot) {
   return cells.col(spot).allFinite();
@@ -20,7 +20,7 @@ bool MeasuredShapes::are_inside(int cols, int rows) const {
   });
 }
 
-/// By differences of the neighbouring cells. Cells at the edge count as those next to them.
+/// Central differences of binned pixels. At the edge, uses the difference of the next inner pixel.
 Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& window) {
   const auto side = Eigen::Index(window.side);
   const float by = 1.0F / float(2 * window.bin);

@@ -1,4 +1,4 @@
-/// Spots as mean images of the bench show them, with derivatives that pokes measure: no model.
+/// Measured spots: mean images of the bench, with derivatives from pokes, without a model.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,30 +11,30 @@
 
 namespace ovws {
 
-/// What a mean image shows of the spots: cells x spots, DN of a cell. NaN: a pixel was saturated.
+/// Binned pixels of all spots in a mean image: one column per spot, DN. NaN: a pixel was saturated.
 using SpotCells = Eigen::MatrixXf;
 SpotCells cells_in(const Image<float>& mean_dn, std::span<const SpotWindow> windows);
 
-/// Derivative of the cells with respect to a displacement along x and y: the intensity gradient.
+/// Derivative of the binned pixels with respect to a displacement of the spot along x and y.
 Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& window);
 
-/// Mean images of a mode with either sign.
+/// Push-pull poke of a mode: binned pixels of the mean images with either sign.
 struct PokedSpots {
   double amplitude_waves = 0.0;
   SpotCells plus, minus;
 };
 
-/// The spots at rest, with their measured derivatives, one for each of `pokes`. The derivative with
-/// respect to a displacement is the intensity gradient. Without pokes, these two displacements
-/// count as modes. A spot has no light if a pixel is saturated, if it is at the image's edge or
-/// beyond, or if there is almost none.
+/// Makes the measured spots: `resting` without pokes, and one derivative for each of `pokes`. The
+/// derivative with respect to a displacement is the intensity difference of neighbouring pixels.
+/// Without pokes, the displacements along x and y count as modes. A spot has no intensity if a
+/// pixel is saturated, if it is at the image's edge or beyond, or if it is too dim.
 std::vector<RenderedSpot> measured_spots(std::span<const SpotWindow> windows,
                                          std::span<const Vec2> places_px, const SpotCells& resting,
                                          std::span<const PokedSpots> pokes);
 
-/// What a calibration measured.
+/// Result of a calibration: measured spots and their derivatives.
 struct MeasuredShapes {
-  std::vector<int> modes_j;  ///< of the derivatives
+  std::vector<int> modes_j;  ///< OSA indices of the modes of the derivatives
   std::vector<RenderedSpot> spots;
 
   /// Whether all windows lie in an image of this size.

@@ -14,8 +14,8 @@ namespace ovws {
 namespace {
 
 constexpr double kPeakE = 500.0, kReadNoiseE = 5.0;
-constexpr int kTilts = 2;                // the first modes
-constexpr double kConditioning = 1e-12;  // of normal equations that determine the modes
+constexpr int kTilts = 2;                // tip and tilt are the first modes
+constexpr double kConditioning = 1e-12;  // least rcond at which the modes are determined
 
 }  // namespace
 

@@ -11,29 +11,29 @@ struct ModeBench {
   const SensorConfig& sensor;
   const SlmGeometry& slm;
   const OpticsConfig& optics;
-  int cols = 0, rows = 0;  ///< of the camera's image
+  int cols = 0, rows = 0;  ///< size of the camera image
   int estimates = 0;
 };
 
-/// Errors of the modes j = 1 to `modes`, flat wavefront, 500 electrons in the brightest pixel, read
-/// noise 5 electrons.
+/// Standard errors of the modes j = 1 to `modes` for a flat wavefront, 500 electrons in the
+/// brightest pixel, and a read noise of 5 electrons.
 struct ModeErrors {
   int modes = 0;
   double rms_waves = 0.0;    ///< root sum square of the standard errors without tilts
   double worst_waves = 0.0;  ///< largest standard error of a mode
-  double tilt_waves = 0.0;   ///< standard error of a tilt if it were the only mode
+  double tilt_waves = 0.0;   ///< standard error of a tilt that is the only mode
 
-  /// Modes are determined as long as none has more than twice that error. Beyond, the error grows
-  /// steeply: 19 vortices of charge 1 determine 47 modes, 19 bright spots 26.
+  /// Modes are determined if no standard error exceeds twice `tilt_waves`. With more modes the
+  /// error grows steeply: 19 vortices of charge 1 determine 47 modes, 19 bright spots 26.
   bool are_determined() const { return worst_waves <= 2.0 * tilt_waves; }
 };
 
-/// Estimates that do not determine the modes have infinite errors. Renders the spots, some 20 ms on
-/// the default bench. Errors: those of SpotRenderer::make.
+/// Computes the errors for `modes` modes; infinite if the estimates do not determine all modes.
+/// Renders the spots, some 20 ms on the default bench. Errors: those of SpotRenderer::make.
 Result<ModeErrors> mode_errors(const ModeBench& bench, int modes);
 
-/// The largest number of modes that are determined, at most `below`; some ten renderings. Errors:
-/// those of SpotRenderer::make.
+/// Finds the largest number of modes that are determined, at most `below`, by bisection: some ten
+/// renderings. Errors: those of SpotRenderer::make.
 Result<ModeErrors> most_modes(const ModeBench& bench, int below);
 
 }  // namespace ovws

@@ -1,5 +1,4 @@
-/// The operating point: the wavefront that templates are exact for, and all that determines them
-/// besides sensor and optics, or besides the calibration that measured them.
+/// Operating point of templates: the wavefront at which they are exact, and their other inputs.
 #pragma once
 
 #include <vector>
@@ -11,29 +10,29 @@
 
 namespace ovws {
 
-/// What a real bench does differently from the model, for each subaperture; empty: nothing. Uneven
-/// or cut light, and what aberrations the modes do not hold, change the field over a subaperture.
+/// Deviations of a real bench from the model, for each subaperture; empty: none. Uneven or
+/// vignetted illumination, and aberrations beyond the modes, change the field over a subaperture.
 struct SpotDeviations {
-  std::vector<Vec2> offsets_px;                 ///< of its spot, which no mode makes
-  std::vector<SensorField::LocalField> fields;  ///< added to 1, times its field
+  std::vector<Vec2> offsets_px;                 ///< spot displacement that no mode explains
+  std::vector<SensorField::LocalField> fields;  ///< 1 + this polynomial multiplies the field
 };
 
-/// The wavefront that templates are made for, and all else that they depend on besides the sensor
-/// and its optics, or its calibration. From an equal point the same templates can be made again.
+/// Operating point: the wavefront for which templates are made, and all their other inputs except
+/// sensor and optics, or calibration. Equal operating points give equal templates.
 struct OperatingPoint {
-  std::vector<double> waves;            ///< of the measured modes, RMS-normalised
-  std::vector<double> reference_waves;  ///< of the reference, from which coefficients count
+  std::vector<double> waves;            ///< measured modes of the wavefront, RMS-normalised
+  std::vector<double> reference_waves;  ///< wavefront of the reference, zero of the coefficients
   std::vector<Mode> fixed;              ///< modes on the SLM that are not measured
   SpotDeviations deviations;
   PixelNoise noise;
-  int lit = 0;  ///< spots that the reference has
+  int lit = 0;  ///< number of spots in the reference
   std::vector<double>
       levels_dn;              ///< of each spot: DN of a camera pixel of intensity 1; 0: not used
-  double ceiling_dn = 0.0;    ///< of a camera pixel above the background: saturation is near
-  int estimates = 8;          ///< of each spot
-  bool measured = false;      ///< templates are of a calibration; else they are rendered
-  double higher_waves = 0.0;  ///< RMS of higher_modes that the errors hold
-  double max_excess = 0.1;    ///< fraction of a spot's weighted light that templates may leave
+  double ceiling_dn = 0.0;    ///< camera pixels this far above the background are near saturation
+  int estimates = 8;          ///< number of estimates per spot
+  bool measured = false;      ///< true: templates from a calibration; false: rendered
+  double higher_waves = 0.0;  ///< RMS of the unmeasured higher modes that the errors include
+  double max_excess = 0.1;    ///< largest weighted residual of a spot, fraction
 };
 
 }  // namespace ovws

@@ -13,26 +13,26 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxStepWaves = 0.4;  // RMS: beyond, the derivatives say nothing
-constexpr double kNearWaves = 0.004;   // RMS: templates are exact enough from there
+constexpr double kMaxStepWaves = 0.4;  // RMS: longer steps are shortened, derivatives do not hold
+constexpr double kNearWaves = 0.004;   // RMS distance at which templates are exact enough
 constexpr double kFarWaves = 0.05;
 constexpr double kReferenceWaves = 0.002, kFarReferenceWaves = 0.01;
 constexpr int kReferenceRenderings = 8, kReferenceRounds = 16;
-constexpr double kNoiseOnly = 1.25, kStalled = 0.98;  // of chi-squared per cell
-constexpr double kMaxExcess = 0.1;  // of the weighted light, beyond what the reference leaves
+constexpr double kNoiseOnly = 1.25, kStalled = 0.98;  // chi-squared per binned pixel; its ratio
+constexpr double kMaxExcess = 0.1;  // weighted residual, fraction, beyond the reference's
 constexpr double kMaxReferenceExcess = 0.15;
-// Of modes above the measured ones. The light that they should move into shapes without a template
-// is 0.12 to 1.7 times what is found in air, and over 2 times at false minima.
+// Higher modes, above the measured ones: limits of their RMS, and of predicted over found excess
+// intensity. That ratio is 0.12 to 1.7 in turbulent air, and over 2 at false minima.
 constexpr double kUsualHigherWaves = 0.01, kLeastHigherWaves = 0.001, kMaxHigherWaves = 0.03;
 constexpr double kMinOverShapes = 0.1, kMaxOverShapes = 2.0, kScatters = 2.0, kSmallExcess = 5e-4;
 constexpr double kFarOver = 2.0, kUnsettled = 0.1;
 constexpr int kHigherRounds = 4, kHigherRenderings = 5;
-// A false minimum leaves more: of a window's width, or over what the reference leaves.
+// Residual limits against false minima: fraction of a window's width; ratio to the reference's.
 constexpr double kMaxResidual = 0.0005, kMaxOverReference = 2.0;
 
 }  // namespace
 
-/// Gauss-Newton until the image is near the rendering, which is `rendered` at first.
+/// Gauss-Newton iteration until the rendering is near the image. Starts with `rendered`.
 Result<PointModel::Found> PointModel::approach(const ImageView& image, const PixelNoise& noise,
                                                std::vector<double> waves,
                                                std::vector<RenderedSpot> rendered,
@@ -98,8 +98,8 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
   return count_from(*found, image, noise, fixed);
 }
 
-/// Coefficients count from what frames measure in this image, so that what the model leaves is the
-/// same in both.
+/// Sets the zero of the coefficients: what a FrameFit measures in the reference's image. Model
+/// errors are then equal in reference and frames, and cancel.
 Result<void> PointModel::count_from(const Found& found, const ImageView& image,
                                     const PixelNoise& noise, std::span<const Mode> fixed) {
   reference_excess_ = found.pass.excess();
@@ -188,8 +188,8 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
   return rough ? accepted(*rough, image, noise_near, fixed) : fit;
 }
 
-/// Steps on with errors by modes above the measured ones, whose strength the estimates give. None:
-/// the spots contradict each other.
+/// Continues the search with errors by higher modes, whose strength the estimates give. None: the
+/// spots contradict each other.
 std::optional<PointModel::Found> PointModel::with_higher_modes(const ImageView& image,
                                                                const PixelNoise& noise, Found found,
                                                                std::span<const Mode> fixed) {
@@ -220,8 +220,8 @@ std::optional<PointModel::Found> PointModel::with_higher_modes(const ImageView& 
   }
 }
 
-/// Whether the spots are as far from their rendered shapes as these modes make them. If each is of
-/// the right shape, but they contradict each other, then that is another wavefront.
+/// Whether higher modes of this RMS explain how far the spots are from their rendered shapes. Spots
+/// of correct shape that contradict each other indicate a false minimum.
 bool PointModel::are_explained_by(double higher_waves, const Found& found) const {
   double rest = 0.0, lit = 0.0;
   for (std::size_t i = 0; i < found.rendered.size(); ++i) {
@@ -231,7 +231,7 @@ bool PointModel::are_explained_by(double higher_waves, const Found& found) const
   const double moved = rest / lit * std::pow(2.0 * std::numbers::pi * higher_waves, 2);
   const double left = found.pass.excess() - reference_excess_;
   const double by_chance = kScatters * found.pass.excess_scatter();
-  const bool weak = higher_waves <= kUsualHigherWaves;  // too weak to be seen in dim light
+  const bool weak = higher_waves <= kUsualHigherWaves;  // too weak to be seen in a dim image
   const bool enough = moved < kMaxOverShapes * (weak ? left + by_chance : left);
   const bool not_more = left - by_chance < std::max(moved / kMinOverShapes, kSmallExcess);
   return higher_waves < kMaxHigherWaves && enough && not_more && (weak || left > by_chance);
@@ -256,7 +256,8 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
     return fail(Errc::refused, "image",
                 "too few spots look as the model renders them: check exposure, focus and optics");
   }
-  // The steps before were damped. In dim light a large one may be all that shows a wrong wavefront.
+  // Undamped step: the earlier steps were damped. In a dim image, a large undamped step may be the
+  // only sign of a wrong wavefront.
   if (found_again.drift_waves > kFarWaves) {
     return fail(
         Errc::refused, "image",

@@ -14,59 +14,59 @@
 
 namespace ovws {
 
-/// Of one sensor on one bench. Use it from one thread at a time, off the frame path: a rendering
-/// takes some 15 ms on the default bench, and a reference ten of them, or fifty on a bench that is
-/// very unlike the model.
+/// Diffraction model of one sensor on one bench. Use it from one thread at a time, off the frame
+/// path: a rendering takes some 15 ms on the default bench. A reference takes ten renderings, or
+/// fifty on a bench that is very unlike the model.
 class PointModel {
  public:
-  /// `estimates`: of each spot, 2 to kMaxSpotEstimates.
+  /// `estimates`: number of estimates per spot, 2 to kMaxSpotEstimates.
   PointModel(SpotRenderer renderer, int estimates)
       : renderer_(std::move(renderer)), estimates_(estimates) {}
 
-  /// Fits the image of a reference: its wavefront, from which coefficients count, and what the
-  /// bench does differently from the model over each subaperture (SpotDeviations). `start_waves` is
-  /// near its wavefront; `fixed`: modes shown that are not measured. Errc::refused, field
-  /// "reference": the model does not explain the image.
+  /// Fits the image of a reference: its wavefront, from which coefficients count, and the bench's
+  /// deviations from the model (SpotDeviations). `start_waves` is near the reference's wavefront;
+  /// `fixed`: modes on the SLM that are not measured. Errc::refused, field "reference": the model
+  /// does not explain the image; field "image": the spots do not determine the modes.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise,
                              std::span<const double> start_waves, std::span<const Mode> fixed);
-  /// Coefficients count from the model's flat wavefront, and the bench is as the model has it.
+  /// Uses the ideal model: coefficients count from its flat wavefront, without deviations.
   void use_model();
-  /// Its wavefront, waves, and the standard errors; 0 for the model's.
+  /// Wavefront of the reference and its standard errors, waves; 0 after use_model.
   const std::vector<double>& reference_waves() const { return reference_waves_; }
   const std::vector<double>& reference_sigma_waves() const { return reference_sigma_waves_; }
   /// Relative amplitude of the field at the centre of a subaperture; without a reference 1.
   double amplitude(int spot) const;
-  /// Renderings that the last reference or wavefront took.
+  /// Number of renderings that the last use_reference or templates call took.
   int renderings() const { return renderings_; }
   std::vector<RenderedSpot> rendered(std::span<const double> waves) {
     return renderer_.render(waves);
   }
 
-  /// Coefficients, which count from the reference, from where to look for a wavefront.
+  /// Start wavefronts of a search, as coefficients relative to the reference.
   using Starts = std::span<const std::vector<double>>;
-  /// Templates about the wavefront of the last of `images`, found from the first of `starts` that
-  /// leads to it, in at most `renderings` each. The images before it give the noise (noise_of). If
-  /// none does, a few more renderings about the nearest allow for modes above the measured ones.
-  /// From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18).
-  /// Errc::refused, field "image": the spots do not look as rendered.
+  /// Finds the wavefront of the last of `images` and makes templates about it. Tries `starts` in
+  /// order, with at most `renderings` renderings each. If no start leads to the wavefront, a few
+  /// more renderings about the nearest result allow for modes above the measured ones. All images
+  /// give the noise (noise_of). From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60
+  /// images (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
                                                     Starts starts, std::span<const Mode> fixed,
                                                     int renderings);
-  /// The same for a single image, which gives its noise, too.
+  /// Makes templates from a single image, which also gives the noise.
   Result<std::shared_ptr<const FrameFit>> templates(const ImageView& image, Starts starts,
                                                     std::span<const Mode> fixed, int renderings);
-  /// The same for a single image whose noise is known.
+  /// Makes templates from a single image whose noise is known.
   Result<std::shared_ptr<const FrameFit>> templates(const ImageView& image, const PixelNoise& noise,
                                                     Starts starts, std::span<const Mode> fixed,
                                                     int renderings);
 
  private:
   struct Found {
-    std::vector<double> waves;  ///< of the rendering
+    std::vector<double> waves;  ///< wavefront of the rendering
     std::vector<RenderedSpot> rendered;
     SpotPass pass;
-    Eigen::VectorXd step;     ///< from the rendering to the image
-    double away_waves = 0.0;  ///< its size
+    Eigen::VectorXd step;     ///< modes of the image minus modes of the rendering
+    double away_waves = 0.0;  ///< norm of `step`
     std::vector<double> sigma_waves;
   };
   Result<Found> approach(const ImageView& image, const PixelNoise& noise, std::vector<double> waves,
@@ -96,7 +96,7 @@ class PointModel {
   int estimates_;
   int renderings_ = 0;
   std::vector<double> reference_waves_, reference_sigma_waves_;
-  std::vector<double> reference_levels_;  ///< of its spots, DN; 0: not found
+  std::vector<double> reference_levels_;  ///< levels of the reference's spots, DN; 0: not found
   double reference_excess_ = 0.0, reference_residual_px_ = 0.0;
 };
 

@@ -11,12 +11,12 @@
 namespace ovws {
 namespace {
 
-// Radius of the fitted pixels, units of the dark ring's radius: beyond are the neighbours.
+// Radius of the fitted pixels, units of the dark ring's radius: neighbouring spots lie beyond.
 constexpr double kDisc = 0.9;
-constexpr double kCapture = 1.0;  // lambda/d
-constexpr double kMaxStep = 0.2;  // lambda/d, of one rendering
+constexpr double kCapture = 1.0;  // largest distance from the start, lambda/d
+constexpr double kMaxStep = 0.2;  // largest step per rendering, lambda/d
 constexpr double kConvergedPx = 3e-4;
-constexpr double kConvergedShare = 0.03;  // of the position's standard error
+constexpr double kConvergedShare = 0.03;  // fraction of the position's standard error
 constexpr int kMaxRenderings = 16, kMovedWindows = 4;
 // Unexplained intensity over that of the ideal spot: aberrations within the subaperture add some.
 constexpr double kMaxExcess = 1.0;
@@ -49,7 +49,7 @@ RenderedSpot PositionFit::rendered(Vec2 at_px, const SpotWindow& window) const {
       const ShapeSample sample = shape_.at(from_spot);
       const Eigen::Index cell = y / window.bin * window.side + x / window.bin;
       spot.light(cell) += share * float(sample.value);
-      // Pixels at its edge count in part: if they came and went, the position could not converge.
+      // Pixels at the disc's edge count in part: with a hard edge the position could not converge.
       const float inside = share * float(std::clamp(disc_px + 0.5 - norm(from_spot), 0.0, 1.0));
       spot.per_px(cell, 0) -= inside * float(sample.dx);
       spot.per_px(cell, 1) -= inside * float(sample.dy);
@@ -70,7 +70,7 @@ SpotFix PositionFit::track(const ImageView& image, Vec2 start_px, TrackScratch& 
   PixelNoise noise;
   SpotWindow window = window_;
   for (int k = 0; k < kMaxRenderings; ++k) {
-    // Later it stays, so that the position cannot alternate between two windows.
+    // Move the window only at first, so that the position cannot alternate between two windows.
     if (k < kMovedWindows) window = moved_to(at, window, image.width, image.height);
     const RenderedSpot spot = rendered(at, window);
     if (!is_inside(spot)) return lost;

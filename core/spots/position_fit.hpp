@@ -9,16 +9,16 @@
 
 namespace ovws {
 
-/// The fit of one spot's position, as `fit` with two estimates: renders the ideal spot at the
-/// present position and repeats until the position converges. Saturated pixels count, too. Starts
-/// where `lg` finds it, or at the start if it does not. The RMS error of a spot of ideal shape is
-/// within a few percent of the Cramer-Rao bound. Lost: a fit that does not converge or whose level
-/// is not significant, a position farther than lambda/d from the start or at the image's edge, and
-/// a spot that looks like none. `quality` is the ideal spot's share of the intensity. Some 0.3 ms,
-/// off the frame path: it allocates.
+/// Fit of one spot's position to all its pixels, as `fit` with two estimates. Renders the ideal
+/// spot at the current position and repeats until the position converges. Uses saturated pixels,
+/// too. Starts from the fix of `lg`, or from `start_px` if `lg` loses the spot. The RMS error of a
+/// spot of ideal shape is within a few percent of the Cramer-Rao bound. A spot is lost if the fit
+/// does not converge, if its level is not significant, if its shape is unlike a spot, or if it is
+/// farther than lambda/d from the start or at the image's edge. `quality` is the ideal spot's share
+/// of the intensity. Takes some 0.3 ms, off the frame path: it allocates.
 class PositionFit final : public SpotTracker {
  public:
-  /// `lg`: a tracker of the same spots.
+  /// `lg`: a tracker for `spots`, which gives the first position.
   PositionFit(const SpotModel& spots, std::unique_ptr<const SpotTracker> lg);
 
   int window_half_px() const override { return lg_->window_half_px(); }
@@ -31,7 +31,7 @@ class PositionFit final : public SpotTracker {
 
   SpotModel spots_;
   ModelShape shape_;
-  SpotWindow window_;  ///< its size
+  SpotWindow window_;  ///< size of the fit window
   std::unique_ptr<const SpotTracker> lg_;
 };
 

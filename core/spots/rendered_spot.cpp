@@ -9,8 +9,8 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxOffCentre = 0.25;   // of a window's width
-constexpr Eigen::Index kDarkShare = 10;  // one cell of so many around a spot is dark
+constexpr double kMaxOffCentre = 0.25;   // offset of a spot, fraction of a window's width
+constexpr Eigen::Index kDarkShare = 10;  // one of this many pixels around a spot is dark
 
 }  // namespace
 

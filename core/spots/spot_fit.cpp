@@ -10,10 +10,10 @@
 namespace ovws {
 namespace {
 
-constexpr double kMinSignal = 5.0;  // of a spot's level, standard errors: less is no spot
+constexpr double kMinSignal = 5.0;  // smallest level of a spot, in standard errors
 
-/// The cells of a window, minus `offset` per pixel, the value of its first pixel: without it, a
-/// small spot on a high background would lose digits in the sums.
+/// Binned pixels of a window, minus `offset` per pixel (the value of its first pixel). Without the
+/// offset, a small spot on a high background would lose digits in the sums.
 struct Loaded {
   float offset = 0.0F;
   float brightest = 0.0F;

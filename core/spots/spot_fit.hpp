@@ -20,9 +20,10 @@ struct SpotEstimates {
   float background = 0.0F;  ///< DN of a camera pixel
   float x = 0.0F;           ///< position, camera pixels
   float y = 0.0F;
-  float chi2_per_cell = 0.0F;  ///< of the cells' residual, per degree of freedom
+  float chi2_per_cell = 0.0F;  ///< chi-squared of the binned pixels per degree of freedom
   float peak = 0.0F;           ///< brightest camera pixel of the window, DN
-  /// per_wave of the templates times the modes; errors as of the templates over the cells' level.
+  /// Template estimates: SpotTemplates::per_wave times the modes in waves. Their standard error is
+  /// 1 over the level of a binned pixel.
   std::array<float, kMaxSpotEstimates> values{};
 };
 
@@ -31,15 +32,15 @@ inline bool can_fit(PixelFormat format) {
   return traits_of(format).filter == ColourFilter::none;
 }
 
-/// Fraction of the spot's weighted light that the templates leave beyond noise.
+/// Fraction of the spot's weighted intensity that the templates do not explain, beyond noise.
 double excess_intensity(const SpotTemplates& spot, const SpotEstimates& found);
-/// Its standard error by noise for a spot of this level, DN of a camera pixel.
+/// Standard error of excess_intensity by noise, for a spot of this level, DN of a camera pixel.
 double excess_scatter_of(const SpotTemplates& spot, double level_dn);
 
-/// Templates of all spots. Immutable; one object serves all threads, each with its own scratch.
+/// Spot fit by templates. Immutable; one object serves all threads, each with its own scratch.
 class SpotFit {
  public:
-  /// Sized by make_scratch, so that `fit` never allocates.
+  /// Working memory, sized by make_scratch so that `fit` never allocates.
   struct Scratch {
     std::vector<std::uint16_t> pixels;
     std::vector<float> cells, sums;

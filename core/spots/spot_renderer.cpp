@@ -19,7 +19,7 @@ constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // col
 constexpr int kAmplitudeModes = 9, kFewAmplitudeModes = 5, kManySpots = 19;
 constexpr double kAmplitudeRidge = 1e-3, kLeastAmplitude = 0.05;
 
-/// Least squares of modes over the spots' centres, for logarithms of amplitudes.
+/// Least-squares fit of low modes to `values` (logarithms of amplitudes) at the spots' centres.
 std::vector<Mode> smooth_over(const SpotRenderer& renderer, const std::vector<double>& values) {
   const int count = renderer.spots() >= kManySpots ? kAmplitudeModes : kFewAmplitudeModes;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(count + 1, count + 1) * kAmplitudeRidge;
@@ -42,7 +42,7 @@ std::vector<Mode> modes_of(const std::vector<int>& modes_j, std::span<const doub
   return modes;
 }
 
-/// Sums of the pixels of each cell; `pixels` row-major.
+/// Adds camera pixels (`pixels`, row-major) to the binned pixels that contain them.
 template <class Pixels>
 void bin_into(const SpotWindow& window, const Pixels& pixels, auto&& cells) {
   const Eigen::Index columns = Eigen::Index(window.side) * window.bin;
@@ -52,8 +52,8 @@ void bin_into(const SpotWindow& window, const Pixels& pixels, auto&& cells) {
   }
 }
 
-/// From values in the middle of each cell to sums over its pixels. For 2 x 2 pixels, the second
-/// derivative is that of three neighbouring cells.
+/// Converts values at the centre of each binned pixel to sums over its camera pixels. For 2 x 2
+/// pixels, three neighbouring binned pixels give the second derivative.
 void sum_over_cells(const SpotWindow& window, Eigen::MatrixXf& columns) {
   if (window.bin == 1) return;
   const auto side = Eigen::Index(window.side);
@@ -145,7 +145,8 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
   return rendered;
 }
 
-/// The subapertures' light goes on outside of them.
+/// Propagates the field with the deviations. Outside the subapertures, the amplitude is a smooth
+/// continuation of theirs.
 void SpotRenderer::propagate(std::span<const Mode> modes,
                              std::span<const SensorField::LocalField> fields) {
   std::vector<Vec2> slopes_cpp;
@@ -169,7 +170,7 @@ std::vector<Eigen::MatrixXf> SpotRenderer::per_field(std::span<const RenderedSpo
     far.push_back(field_of_cells(rendered[i], field_.cells().pieces[i].centre_px));
   }
   const std::vector<Mode> modes = modes_of(modes_j_, waves, fixed);
-  propagate(modes, {});  // moments are those of the model's own field
+  propagate(modes, {});  // moments are those of the model without local fields
   std::vector<int> pieces(rendered.size());
   std::iota(pieces.begin(), pieces.end(), 0);
   moments_.load(field_, modes, pieces);
@@ -206,8 +207,9 @@ void SpotRenderer::add_intensity(RenderedSpot& spot) const {
   bin_into(spot.window, pixels, spot.light);
 }
 
-/// The field in the middle of each cell, x along the rows. The light of the spot's own subaperture,
-/// at `centre_px` on the SLM from the pupil's centre, varies little within a cell but for a phase.
+/// Complex field at the centre of each binned pixel, x along the rows. Within a binned pixel, the
+/// field of the spot's own subaperture changes mainly by a phase ramp, which is removed.
+/// `centre_px` is the subaperture's centre on the SLM, from the pupil's centre.
 Eigen::MatrixXcf SpotRenderer::field_of_cells(const RenderedSpot& spot, Vec2 centre_px) const {
   const SpotWindow& window = spot.window;
   const PixelBox box = window.pixels();
@@ -229,8 +231,8 @@ Eigen::MatrixXcf SpotRenderer::field_of_cells(const RenderedSpot& spot, Vec2 cen
   return cells;
 }
 
-/// A phase change of p(xi, eta) waves over a piece changes the intensity by 2 Re(2 pi i conj(F) M),
-/// where M is the moment of p. Adds that in the middle of each cell.
+/// Adds the intensity derivatives at the centre of each binned pixel. A phase of p(xi, eta) waves
+/// over a subaperture changes the intensity by 2 Re(2 pi i conj(F) M), where M is the moment of p.
 void SpotRenderer::add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& far, int piece,
                                    bool own) {
   const SpotWindow& window = spot.window;
@@ -245,7 +247,7 @@ void SpotRenderer::add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& f
   spot.per_wave.noalias() += cells * moments_.modes_over(piece).transpose();
   if (!own) return;
   const double radius_px = field_.cells().pieces[std::size_t(piece)].radius_px;
-  const auto per_px = float(field_.window().step_cpp * radius_px);  // waves at the edge
+  const auto per_px = float(field_.window().step_cpp * radius_px);  // tilt in waves at the edge
   spot.per_px.col(0) = per_px * cells.col(kAlongX);
   spot.per_px.col(1) = per_px * cells.col(kAlongY);
   spot.per_monomial = std::move(cells);

@@ -14,20 +14,20 @@
 
 namespace ovws {
 
-/// Renders with the diffraction model. The light is that of the whole SLM (SensorField). In the
-/// derivatives a subaperture contributes to its own window and to its neighbours', and every mode
-/// is a polynomial of degree 3 over a subaperture (PieceMoments). Use it from one thread at a
-/// time, off the frame path: a rendering takes some 15 ms on the default bench.
+/// Spot renderer: diffraction model of the whole SLM (SensorField). In the derivatives a
+/// subaperture contributes to its own window and to its neighbours', and every mode is a polynomial
+/// of degree 3 over a subaperture (PieceMoments). Use it from one thread at a time, off the frame
+/// path: a rendering takes some 15 ms on the default bench.
 class SpotRenderer {
  public:
   struct Options {
-    double half_width = 0.0;    ///< of a window, units of lambda/d; 0: window_half_width
+    double half_width = 0.0;    ///< half the width of a window, lambda/d; 0: window_half_width
     double reach = 6.0;         ///< distance up to which subapertures are neighbours, lambda/d
-    bool light_outside = true;  ///< render the light outside the subapertures, too
+    bool light_outside = true;  ///< also render the field outside the subapertures
   };
 
-  /// `cols` x `rows`: the camera's image. Errors as of SensorField::make, and Errc::invalid, field
-  /// "optics": a window does not fit into the image.
+  /// `cols` x `rows`: size of the camera image. Errors: those of SensorField::make, and
+  /// Errc::invalid, field "optics", if a window does not fit into the image.
   static Result<SpotRenderer> make(const SensorConfig& sensor, const SlmGeometry& slm,
                                    const OpticsConfig& optics, int cols, int rows,
                                    std::vector<int> modes_j, const Options& options);
@@ -39,7 +39,7 @@ class SpotRenderer {
     return field_.cells().in_pupil(field_.cells().pieces[std::size_t(spot)].centre_px);
   }
 
-  /// By which one wave of tilt at the edge of a spot's subaperture moves it, camera pixels.
+  /// Displacement of a spot per wave of tilt at the edge of its subaperture, camera pixels.
   double px_per_wave(int spot) const {
     return 1.0 / (field_.window().step_cpp * field_.cells().pieces[std::size_t(spot)].radius_px);
   }
@@ -47,15 +47,15 @@ class SpotRenderer {
   void set_deviations(SpotDeviations deviations) { deviations_ = std::move(deviations); }
   const SpotDeviations& deviations() const { return deviations_; }
 
-  /// How the intensity of each cell changes with the field over the spot's own subaperture: with
-  /// the real, then with the imaginary part of each coefficient of its LocalField. About
-  /// `rendered`, the last rendering, of `waves` and `fixed`.
+  /// Derivatives of each binned pixel with respect to the field over the spot's own subaperture:
+  /// first the real, then the imaginary parts of its LocalField coefficients. `rendered` must be
+  /// the last rendering, of `waves` and `fixed`.
   std::vector<Eigen::MatrixXf> per_field(std::span<const RenderedSpot> rendered,
                                          std::span<const double> waves,
                                          std::span<const Mode> fixed);
 
   /// Renders every spot about the wavefront `waves` (RMS-normalised, one for each of modes_j) plus
-  /// `fixed` (other modes that stay, such as those introduced). Windows stay inside the image.
+  /// `fixed` (other modes on the SLM, such as introduced ones). Windows stay inside the image.
   std::vector<RenderedSpot> render(std::span<const double> waves, std::span<const Mode> fixed = {});
 
  private:
@@ -70,9 +70,9 @@ class SpotRenderer {
   SpotDeviations deviations_;
   std::vector<int> modes_j_;
   PieceMoments moments_;
-  SpotWindow window_;  ///< its size
+  SpotWindow window_;  ///< size of every window
   double reach_px_;
-  double to_intensity_ = 1.0;  ///< |F|^2 of a camera pixel to light
+  double to_intensity_ = 1.0;  ///< factor from |F|^2 of a camera pixel to intensity
 };
 
 }  // namespace ovws

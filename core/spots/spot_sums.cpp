@@ -20,7 +20,7 @@ using Words = hn::RebindToUnsigned<Floats>;  // 32 bit
 
 #if HWY_TARGET == HWY_SCALAR
 
-/// For CPUs without vectors.
+/// Scalar binning for CPUs without vectors.
 template <class T>
 std::uint16_t bin_any(const PixelRows<T>& pixels, int side, int bin, float offset, float* cells) {
   int most = 0;
@@ -40,7 +40,7 @@ std::uint16_t bin_any(const PixelRows<T>& pixels, int side, int bin, float offse
 
 #else
 
-/// Sums of two neighbouring pixels, and the brightest of them, for one vector of cells.
+/// Loads pixels and sums neighbouring pairs, for one vector of binned pixels.
 template <class T>
 struct Pairs {
   using Pixels = hn::Repartition<std::uint16_t, Words>;
@@ -63,7 +63,7 @@ std::uint16_t largest(D tag, V v) {
   return std::uint16_t(*std::max_element(lanes.begin(), lanes.begin() + hn::Lanes(tag)));
 }
 
-/// The last vector of a row overlaps the one before.
+/// Calls `cell` for each vector of a row; the last vector may overlap the previous one.
 template <class Cell>
 void each_vector(int side, Cell cell) {
   const int step = int(hn::Lanes(Floats()));
@@ -120,7 +120,7 @@ std::uint16_t Bin16(const PixelRows<std::uint16_t>& pixels, int side, int bin, f
   return bin_any(pixels, side, bin, offset, cells);
 }
 
-/// kRows dot products in one pass, so that the cells are loaded once for all.
+/// kRows dot products in one pass, so that the pixels are loaded only once.
 template <int kRows>
 void dot(const float* rows, const float* cells, int length, float* sums) {
   const Floats f;

@@ -11,13 +11,13 @@
 namespace ovws {
 namespace {
 
-/// Weighted cells, in double precision.
+/// Orthonormal basis of level and background over the weighted pixels, in double precision.
 struct Basis {
   Eigen::VectorXd root;   ///< square roots of the weights
   Eigen::VectorXd level;  ///< orthonormal
   Eigen::VectorXd background;
 
-  /// The weighted derivatives without what level and background make.
+  /// Projects the weighted derivatives orthogonally to level and background.
   Eigen::MatrixXd free(const Eigen::MatrixXf& derivative) const {
     Eigen::MatrixXd d = root.asDiagonal() * derivative.cast<double>();
     d -= level * (level.transpose() * d);
@@ -49,11 +49,11 @@ Basis make_basis(const RenderedSpot& spot, const CellLevel& level, const PixelNo
   return basis;
 }
 
-/// A spot before its estimates are chosen.
+/// Templates of a spot before its estimates are chosen.
 struct Weighted {
   SpotTemplates made;
   Basis basis;
-  Eigen::MatrixXd modes;  ///< cells x Z, weighted and free; empty: the spot is not used
+  Eigen::MatrixXd modes;  ///< weighted derivatives after Basis::free; empty: the spot is not used
 };
 
 Weighted weighted(const RenderedSpot& spot, const CellLevel& level, const PixelNoise& noise) {
@@ -67,8 +67,8 @@ Weighted weighted(const RenderedSpot& spot, const CellLevel& level, const PixelN
   return spot_of;
 }
 
-/// The covariance of the modes from all pixels of all spots, but for a factor. If they do not
-/// determine all modes, what they leave open counts as a thousand times the best known.
+/// Covariance of the modes from all pixels of all spots, up to a factor. The ridge limits the error
+/// of an undetermined mode to a thousand times the error of the best-determined mode.
 Eigen::MatrixXd covariance_of(std::span<const Weighted> spots, std::span<const CellLevel> levels) {
   constexpr double kRidge = 1e-6;
   Eigen::MatrixXd information;
@@ -86,7 +86,7 @@ Eigen::MatrixXd covariance_of(std::span<const Weighted> spots, std::span<const C
                                  Eigen::MatrixXd::Identity(information.rows(), information.cols()));
 }
 
-/// Chooses the estimates and makes the rows.
+/// Chooses the estimates (leading singular vectors) and makes the template rows.
 void finish(const RenderedSpot& spot, const Eigen::MatrixXd& covariance, int estimates,
             Weighted& spot_of) {
   const Basis& basis = spot_of.basis;

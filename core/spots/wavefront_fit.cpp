@@ -11,12 +11,12 @@ namespace ovws {
 namespace {
 
 constexpr double kRoundingDn2 = 1.0 / 12.0;  // rounding to whole DN
-// Of the mean variance: with less, dark cells would outweigh all others where the squares are not
-// noise alone.
+// Least constant part, fraction of the mean variance: with less, dark pixels would outweigh all
+// others if the squares contain more than noise.
 constexpr double kMinDark = 0.01;
-constexpr double kUnsaturated = 0.9;  // of the full scale: a cell may hold one brighter pixel
+constexpr double kUnsaturated = 0.9;  // of full scale: a binned pixel may hold a brighter pixel
 constexpr double kMinConditioning = 1e-12;
-constexpr double kUsualStepWaves = 0.014;  // of a mode, where spots do not look as rendered
+constexpr double kUsualStepWaves = 0.014;  // expected step of a mode, for unlike spots
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -88,7 +88,7 @@ double SpotPass::excess_scatter() const {
 
 SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,
                    const PixelNoise& noise, int estimates, Saturated saturated) {
-  // First with equal weights, which needs no level.
+  // First pass with equal weights, because the levels are not known yet.
   std::vector<CellLevel> levels(rendered.size());
   const std::vector<SpotEstimates> first =
       fit_all(image, SpotFit(make_templates(rendered, levels, noise, 1)));
@@ -114,11 +114,11 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
 
 namespace {
 
-/// A spot's estimates, and what modes change of them; errors of 1.
+/// Estimates of a spot and their derivatives by the modes, scaled to errors of 1.
 struct Whitened {
-  Eigen::MatrixXd rows;  ///< x Z
+  Eigen::MatrixXd rows;  ///< estimates x modes
   Eigen::VectorXd values;
-  double noise;  ///< their variances by noise alone, summed
+  double noise;  ///< sum of the estimates' variances by noise alone
 
   Whitened(const SpotTemplates& spot, const SpotEstimates& found, double higher_waves)
       : noise(spot.estimates()) {
@@ -139,7 +139,7 @@ bool has_estimates(const SpotTemplates& spot, const SpotEstimates& found) {
   return found.level > 0.0F && spot.estimates() > 0;
 }
 
-/// Normal equations of the modes; the variances of a spot's estimates times its `factors`.
+/// Normal equations of the modes; `factors` multiply the variances of each spot's estimates.
 struct ModeSums {
   Eigen::MatrixXd normal;
   Eigen::VectorXd right;
@@ -203,14 +203,14 @@ double higher_waves_of(const SpotPass& pass, const WavefrontStep& step) {
 
 namespace {
 
-/// Squares of what noise leaves, as a straight line over the intensity.
+/// Straight-line fit of squared noise residuals over the intensity.
 struct NoiseSums {
   double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
 
   void add(double light, double square) {
     n += 1.0, x += light, y += square, xx += light * light, xy += light * square;
   }
-  /// `pixels`: camera pixels that one square is the variance of.
+  /// `pixels`: number of camera pixels in one binned pixel.
   PixelNoise line(double pixels) const {
     const double spread = n * xx - x * x;
     PixelNoise noise;
@@ -241,7 +241,7 @@ PairNoise noise_between(const ImageView& one, const ImageView& other,
   return {sums.line(pixels), sums.y};
 }
 
-/// The pixels of a window; a row for each line of the image.
+/// Camera pixels of a window; one row for each line of the image.
 Eigen::MatrixXf pixels_in(const ImageView& image, const SpotWindow& window) {
   const PixelBox box = window.pixels();
   Eigen::MatrixXf all(box.height, box.width);

@@ -11,59 +11,59 @@
 
 namespace ovws {
 
-/// Templates of all spots, and what they find in an image.
+/// Templates of all spots, and their estimates in an image.
 struct SpotPass {
   std::vector<SpotTemplates> templates;
   std::vector<SpotEstimates> found;
-  double ceiling_dn = 0.0;    ///< of a camera pixel above the background: saturation is near
-  double higher_waves = 0.0;  ///< RMS of higher_modes that a step allows for
+  double ceiling_dn = 0.0;    ///< camera pixels this far above the background are near saturation
+  double higher_waves = 0.0;  ///< RMS of the higher modes that a step allows for
 
   /// Levels of the spots found, DN of a camera pixel; 0: not found.
   std::vector<double> levels_dn() const;
-  /// Median over the spots of the weighted light that the templates leave beyond noise, relative.
+  /// Median over the spots of excess_intensity: the fraction that the templates do not explain.
   double excess() const;
-  /// Its standard error by noise.
+  /// Standard error of excess() by noise.
   double excess_scatter() const;
-  /// Mean chi-squared per cell of the spots found.
+  /// Mean chi-squared per binned pixel of the spots found.
   double chi2() const;
 };
 
-/// The sum over the pixels of each cell, DN.
+/// Sums the camera pixels of each binned pixel in a window, DN.
 Eigen::VectorXd cells_of(const ImageView& image, const SpotWindow& window);
 
-/// Cells near the full scale: their intensity is unknown, but a clipped spot is as symmetric as a
-/// whole one.
+/// Use of saturated pixels. Their intensity is unknown, but a clipped spot is as symmetric as a
+/// whole spot, which suffices for its position.
 enum class Saturated { left_out, used };
 
-/// Makes the templates for the levels that the spots have in the image. `noise` is the pixels'.
+/// Fits every spot with templates for the levels found in the image. `noise`: of camera pixels.
 SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendered,
                    const PixelNoise& noise, int estimates,
                    Saturated saturated = Saturated::left_out);
 
 /// Weighted least squares over the estimates of all spots: the change of the modes since the
-/// rendering, waves, and its covariance. Spots without a level are not used. None if the rest does
-/// not determine the modes.
+/// rendering, waves, and its covariance. Spots without a level are not used. None if the other
+/// spots do not determine the modes.
 struct WavefrontStep {
   Eigen::VectorXd waves;
   Eigen::MatrixXd covariance;
 };
 std::optional<WavefrontStep> step_from(const SpotPass& pass);
-/// The same for steps from far away, where some spots do not look as rendered: their variances
-/// grow with their chi-squared, and modes that the other spots hardly determine change little
-/// (Levenberg, 1944; Marquardt, 1963).
+/// Damped step (Levenberg, 1944; Marquardt, 1963) far from the solution, where some spots do not
+/// look as rendered. The variances of a spot grow with its chi-squared, and modes that are hardly
+/// determined change little.
 std::optional<WavefrontStep> damped_step(const SpotPass& pass);
 
-/// higher_waves as the estimates tell it: what the step leaves of them beyond noise. The pass
-/// allows for some already.
+/// Estimates the RMS of higher modes from the residual that `step` leaves beyond noise. The
+/// previous estimate, `pass.higher_waves`, is part of the whitening.
 double higher_waves_of(const SpotPass& pass, const WavefrontStep& step);
 
-/// The noise of pixels, from two or more images in a row: half the squared differences of cells as
-/// a straight line over their light. Uses the two successive images that differ least, because the
-/// light may change between others. Shot noise needs `rendered` to be near the images.
+/// Estimates pixel noise from two or more successive images: half the squared differences of binned
+/// pixels as a straight line over intensity. Uses the pair that differs least, because the
+/// intensity may change between images. For shot noise, `rendered` must be near the images.
 PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedSpot> rendered);
-/// The same from one image: what a kernel leaves that takes out all smooth light (Immerkaer, CVIU
-/// 64, 300, 1996). Too large where lambda/d is below some 8 pixels, which the kernel does not take
-/// out.
+/// Estimates pixel noise from one image with a kernel that removes smooth intensity (Immerkaer,
+/// CVIU 64, 300, 1996). The result is too large if lambda/d is below some 8 pixels, because the
+/// kernel does not remove spots of that size.
 PixelNoise noise_of(const ImageView& image, std::span<const RenderedSpot> rendered);
 
 }  // namespace ovws

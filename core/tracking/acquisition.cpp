@@ -17,7 +17,7 @@ Vec2 position(const SpotFix& fix) {
   return {double(fix.x), double(fix.y)};
 }
 
-/// norm(a - b) < distance, in most cases without a square root.
+/// Whether norm(a - b) < distance, in most cases computed without a square root.
 bool closer(Vec2 a, Vec2 b, double distance) {
   const Vec2 d = a - b;
   return std::abs(d.x) < distance && std::abs(d.y) < distance && norm(d) < distance;

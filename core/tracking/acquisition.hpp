@@ -13,24 +13,26 @@
 
 namespace ovws {
 
-/// Its memory is allocated at construction, for one image size: construct it off the frame path.
+/// Acquisition for one lattice and one image size. The constructor allocates all memory: call it
+/// off the frame path.
 class Acquisition {
  public:
   Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
               int image_height);
 
-  /// Finds candidates in the whole image, verifies them with `tracker` and assigns those that pass
-  /// to subapertures (SpotAssignment). The assignment fits the displacements from `predicted_px` by
-  /// an affine map (tilt, focus, astigmatism), so that they may exceed half the pitch. It then
-  /// searches missing spots where their neighbours predict them. Spots that fail are lost.
+  /// Finds candidate spots in the whole image, verifies each with `tracker` and assigns the
+  /// verified spots to subapertures (SpotAssignment). Displacements from `predicted_px` may exceed
+  /// half the pitch, because the assignment fits them by an affine map (tilt, focus, astigmatism).
+  /// Missing spots are searched where their neighbours predict them. Spots that fail are lost.
   ///
-  /// Writes one fix per subaperture and returns how many were found: 0, or at least 3 and half of
-  /// them. An image of another size gives 0. RT-safe, but takes milliseconds.
+  /// Writes one fix per subaperture to `out` and returns the number of spots found. With fewer than
+  /// 3 spots, or fewer than half of the subapertures, every fix is lost and the result is 0. An
+  /// image of another size also gives 0. RT-safe, but takes milliseconds.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out) OVWS_NONBLOCKING;
 
-  /// Positions of the spots in the last image, image pixels: first the verified ones, then bright
-  /// candidates that the tracker rejected. Empty if the image had another size.
+  /// Positions of the spots in the last image, camera pixels: first the verified spots, then bright
+  /// candidates that the tracker rejected. Empty if the last image had another size.
   std::vector<Vec2> seen() const;
 
  private:
@@ -45,7 +47,7 @@ class Acquisition {
   CandidateFinder candidates_;
   SpotAssignment assignment_;
   std::vector<SpotFix> verified_;
-  std::vector<Vec2> positions_;   ///< of verified_
+  std::vector<Vec2> positions_;   ///< positions of the spots in verified_, camera pixels
   std::span<const Vec2> bright_;  ///< candidates of the last image
 };
 

@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kSigmaPerMedianDeviation = 1.4826;  // of a normal distribution
+constexpr double kSigmaPerMedianDeviation = 1.4826;  // for normally distributed noise
 
 void average(const ImageView& image, int bin, Eigen::MatrixXf& out) {
   out.setZero();
@@ -40,15 +40,15 @@ BinnedImage binned(const ImageView& image, const ColourPlane& plane, int bin) {
   for (Eigen::Index k = 0; k < out.intensity.size(); ++k) {
     values[std::size_t(k)] = std::abs(out.intensity.data()[k]);
   }
-  // Rounding to whole DN is the only noise of a noise-free image.
+  // Rounding to whole DN (RMS 1/sqrt(12)) is the only noise of a noise-free image.
   constexpr double kRounding = 0.29;
   out.noise = std::max(kRounding / bin, kSigmaPerMedianDeviation * double(median(values)));
   return out;
 }
 
 bool is_other_image(const BinnedImage& before, const BinnedImage& now) {
-  constexpr double kOther = 0.02;   // of the contrast's energy
-  constexpr double kOfNoise = 1.5;  // bright bins are noisier than dark ones
+  constexpr double kOther = 0.02;   // share of the contrast energy
+  constexpr double kOfNoise = 1.5;  // on the noise: bright bins are noisier than dark bins
   const Eigen::MatrixXf &a = before.intensity, &b = now.intensity;
   if (a.rows() != b.rows() || a.cols() != b.cols()) return true;
   const auto bins = double(a.size());

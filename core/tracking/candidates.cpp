@@ -69,7 +69,8 @@ std::span<const Vec2> CandidateFinder::find(const ImageView& image) {
   return candidates_;
 }
 
-/// Averages one row of bins, in runs of at most kPixelRun pixels, the unit of unpacking.
+/// Averages the pixels of one row of bins, in runs of at most kPixelRun pixels, because images are
+/// unpacked in runs.
 void CandidateFinder::add_row(const ImageView& image, Eigen::Index row, int top, int bottom) {
   const int stride = std::max(1, kPixelRun / bin_) * bin_;
   std::array<unsigned, kPixelRun> sums;
@@ -119,7 +120,8 @@ void CandidateFinder::correlate() {
   }
 }
 
-/// Correlates `count` columns, `first` columns after the margin: few enough to stay in registers.
+/// Correlates a strip of `count` columns that begins `first` columns after the margin. The strip is
+/// narrow, so that its sums stay in CPU registers.
 template <int kCount>
 void CandidateFinder::correlate_strip(Eigen::Index row, Eigen::Index first, Eigen::Index count) {
   Eigen::Array<float, 1, kCount, Eigen::RowMajor, 1, kStrip> sum;

@@ -12,16 +12,17 @@
 
 namespace ovws {
 
-/// Matched filter on a binned image (about three bins per lambda/d): correlates it with the ideal
-/// spot minus its mean, so that a flat background scores 0. Keeps the best maxima that are at least
-/// about a spot's radius apart (non-maximum suppression). Its memory is allocated at construction,
-/// for one image size.
+/// Matched filter on a binned image of about three bins per lambda/d. Its kernel is the ideal spot
+/// minus the mean, so that a flat background scores 0. Non-maximum suppression keeps the best
+/// maxima that are at least about a spot's radius apart. The constructor allocates all memory, for
+/// one image size.
 class CandidateFinder {
  public:
   CandidateFinder(const SpotModel& spots, int image_width, int image_height, int max_candidates);
 
-  /// Candidates, best first, in image pixels, accurate to about 0.1 lambda/d; at most
-  /// max_candidates. Some of them are not spots. Valid until the next call. RT-safe.
+  /// Finds at most max_candidates candidate positions, best first, in camera pixels, accurate to
+  /// about 0.1 lambda/d. Some candidates are not spots. The span is valid until the next call.
+  /// RT-safe.
   std::span<const Vec2> find(const ImageView& image) OVWS_NONBLOCKING;
 
  private:
@@ -46,9 +47,9 @@ class CandidateFinder {
   void collect_peaks();
   void suppress_neighbours();
 
-  ColourPlane plane_;  ///< the lit colour plane, in whose pixels all sizes below count
-  int bin_;            ///< pixels per side of a bin
-  int margin_;         ///< bins around the image that repeat its edge
+  ColourPlane plane_;  ///< the colour plane that receives the laser's light
+  int bin_;            ///< pixels of the colour plane per side of a bin
+  int margin_;         ///< width of the border around the image, which repeats its edge; bins
   double min_distance_;
   std::vector<Tap> taps_;
   std::vector<Tap>

@@ -1,4 +1,4 @@
-/// Centroid over a fixed subaperture window: the textbook and the paper's Shack-Hartmann sensor.
+/// Centroid over a fixed subaperture window, as in textbooks and the paper's Shack-Hartmann sensor.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,8 @@ namespace ovws {
 /// around the pixel nearest to `centre`, clipped at the image. None if all pixels are 0.
 std::optional<Vec2> cell_centroid(const ImageView& image, Vec2 centre, int half_px);
 
-/// Half the smallest distance between two centres: windows of this half-width hardly overlap.
+/// Half-width of a subaperture window, pixels: half the smallest distance between two centres, so
+/// that windows hardly overlap.
 int cell_half_px(std::span<const Vec2> centres);
 
 }  // namespace ovws

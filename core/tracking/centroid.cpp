@@ -9,13 +9,13 @@ namespace {
 
 constexpr double kRegion = 2.0;           // centroid's disc, units of lambda/d
 constexpr double kThresholdRegion = 1.2;  // thresholded's disc, units of lambda/d
-constexpr double kThreshold = 0.2;        // of the local peak above the local background
+constexpr double kThreshold = 0.2;        // share of the local peak above the local background
 constexpr double kMinLightShare = 0.25;
 constexpr int kMaxMoves = 60;
 constexpr double kConvergedPx =
-    5e-4;  // a step of the mean shift below this ends it; each halves the error
+    5e-4;  // a mean-shift step below this ends the iteration; each step halves the error
 constexpr double kDiscConvergedPx =
-    0.02;  // a step of the disc below this ends the iteration: hardly a pixel enters or leaves it
+    0.02;  // a disc step below this ends the iteration: hardly a pixel enters or leaves the disc
 
 struct Sums {
   double light = 0.0;
@@ -43,8 +43,8 @@ Sums disc_centroid(const Patch& patch, Vec2 centre, double radius, double thresh
   return {sum, centre + Vec2{sum_x / sum, sum_y / sum}};
 }
 
-/// Mean shift: moves the Gaussian window to the centroid under it, above the background, until it
-/// converges.
+/// Mean-shift iteration: moves the Gaussian window to the centroid of the intensity in it until it
+/// converges. None if it does not converge within `reach` pixels of `start`.
 std::optional<Vec2> mean_shift(const Patch& patch, const GaussianWindow& window, Vec2 start,
                                double reach, double background, std::span<float> sums) {
   Vec2 at = start;
@@ -52,8 +52,8 @@ std::optional<Vec2> mean_shift(const Patch& patch, const GaussianWindow& window,
   for (int k = 0; k < kMaxMoves; ++k) {
     centre.follow(at);
     const Moments m = window.at(patch, at, centre, sums);
-    // The background changes the step length, not the fixed point. A start beside the spot may
-    // overestimate it, so a share of all light is the lower limit.
+    // The background estimate changes the step length, not the fixed point. It may be too high if
+    // the start is beside the spot, so a share of the total intensity is the lower limit.
     const double all = m.one - double(patch.darkest) * m.weight;
     const double light = std::max(m.one - background * m.weight, kMinLightShare * all);
     if (!(light > 0.0)) return std::nullopt;

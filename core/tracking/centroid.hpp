@@ -6,10 +6,10 @@
 
 namespace ovws {
 
-/// Plain centre of gravity, the paper's baseline: sum I x / sum I over a fixed disc of radius 2
-/// lambda/d around the start, of the recorded pixels (clipped at zero). Background biases it
-/// towards the start; this is inherent in the method and left as it is. Lost if there is no bright
-/// spot inside.
+/// Plain centre of gravity, the paper's baseline: sum I x / sum I of the recorded pixels (clipped
+/// at zero), over a fixed disc of radius 2 lambda/d around the start. Background biases the result
+/// towards the start; the method does not correct this. The spot is lost if no bright spot is
+/// within lambda/d of the start.
 class CentroidTracker final : public PatchTracker {
  public:
   explicit CentroidTracker(const SpotModel& spots);
@@ -34,12 +34,12 @@ class ThresholdedTracker final : public PatchTracker {
 };
 
 /// Weighted centre of gravity: centroid under a Gaussian window of 1/e radius 0.5 lambda/d that
-/// follows the spot until it converges. There a flat background cancels.
+/// follows the spot until the iteration converges. At convergence a flat background cancels.
 class WeightedTracker final : public PatchTracker {
  public:
   explicit WeightedTracker(const SpotModel& spots);
 
-  static constexpr double kWindowRadius = 0.5;  ///< 1/e, units of lambda/d
+  static constexpr double kWindowRadius = 0.5;  ///< 1/e radius, units of lambda/d
 
  protected:
   std::optional<Found> find(const Patch& patch, Vec2 start,

@@ -8,9 +8,9 @@
 namespace ovws {
 namespace {
 
-// In units of w: a flat background cancels to a few 1e-4 of itself.
+// Half-width of the summed square, units of w: a flat background cancels to a few 1e-4 of itself.
 constexpr double kReach = 2.9;
-constexpr double kFollow = 0.8;  // pixels
+constexpr double kFollow = 0.8;  // hysteresis of the centre, pixels
 
 }  // namespace
 
@@ -27,7 +27,8 @@ int GaussianWindow::scratch_floats() const {
   return 6 * int(table_.size());
 }
 
-// exp(-(k-f)^2/w^2) = exp(-k^2/w^2) exp(-f^2/w^2) exp(2f/w^2)^k: two exponentials per axis.
+// Factorised Gaussian: exp(-(k-f)^2/w^2) = exp(-k^2/w^2) exp(-f^2/w^2) exp(2f/w^2)^k needs only two
+// exponentials per axis.
 GaussianWindow::Axis GaussianWindow::axis(double c, int first, float* out) const {
   const double f = c - (first + half_), w2 = radius_ * radius_;
   const GaussianAxis from{table_.data(), int(table_.size()),

@@ -10,16 +10,16 @@
 
 namespace ovws {
 
-/// Sums over the pixels p of g I, g dx I, … with (dx, dy) = p - c and g = exp(-|p - c|^2 / w^2).
-/// (x, y) is Psi of the LG kernel up to a constant, and w^2/2 times the gradient of the smoothed
-/// image.
+/// Moments of the intensity I under a Gaussian g: sums over the pixels p of g I, g dx I, … with
+/// (dx, dy) = p - c and g = exp(-|p - c|^2 / w^2). Up to a constant, (x, y) is Psi of the LG
+/// kernel. It is w^2/2 times the gradient of the smoothed image.
 struct Moments {
   double one = 0.0;
   double x = 0.0, y = 0.0;
   double xx = 0.0, xy = 0.0, yy = 0.0;
   double weight = 0.0;  ///< sum of g
 
-  /// d(x, y)/dc, symmetric: w^2/2 times the Hessian of the smoothed image.
+  /// Symmetric matrix d(x, y)/dc: w^2/2 times the Hessian of the smoothed image.
   struct Hessian {
     double xx = 0.0, xy = 0.0, yy = 0.0;
     double det() const { return xx * yy - xy * xy; }
@@ -31,18 +31,20 @@ struct Moments {
   }
 };
 
+/// Gaussian window of 1/e radius w = `radius_px`, with tabulated weights. Immutable.
 class GaussianWindow {
  public:
   explicit GaussianWindow(double radius_px);
 
   double radius_px() const { return radius_; }
-  /// Half-width of the square that is summed: at least 2.9 w, so that a flat background cancels.
+  /// Half-width of the square of pixels that `at` sums: at least 2.9 w, so that a flat background
+  /// cancels.
   int half_px() const { return half_; }
-  /// Scratch floats that `at` needs.
+  /// Number of floats of scratch memory that `at` needs.
   int scratch_floats() const;
 
-  /// The pixel at the centre of the summed square. With hysteresis: it follows the iteration only
-  /// when the position is most of a pixel away. Otherwise a position between two pixels might never
+  /// Centre pixel of the summed square, with hysteresis: it follows the iteration only when the
+  /// position is most of a pixel away. Without hysteresis a position between two pixels might never
   /// converge, because each step would change the rim of the square.
   struct Centre {
     int x = 0, y = 0;
@@ -50,14 +52,14 @@ class GaussianWindow {
     void follow(Vec2 at) OVWS_NONBLOCKING;
   };
 
-  /// Sums about `c`. The patch must reach half_px() around `centre`. RT-safe.
+  /// Moments about the position `c`. The patch must extend half_px() around `centre`. RT-safe.
   Moments at(const Patch& patch, Vec2 c, Centre centre,
              std::span<float> scratch) const OVWS_NONBLOCKING;
 
  private:
   struct Axis {
     WindowAxis weights;
-    double sum = 0.0;  ///< of g
+    double sum = 0.0;  ///< sum of the weights g
   };
   Axis axis(double c, int first, float* out) const;
 

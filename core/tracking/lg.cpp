@@ -7,14 +7,15 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxSteps = 20;
-constexpr double kConvergedPx = 2e-3;  // quadratic convergence makes this 1e-5
-constexpr double kMaxStep = 0.5;       // in units of w
-// Smaller curvature relative to the spot's level; 0.25 without aberration. Below this limit the
-// zero is about to merge with a saddle, pixels away from where the phase slope puts the spot.
+constexpr double kConvergedPx = 2e-3;  // step that ends the iteration; the error is then 1e-5
+constexpr double kMaxStep = 0.5;       // longest step, units of w
+// Limit of the smaller curvature relative to the spot's level, which is 0.25 without aberration.
+// Below the limit the zero is about to merge with a saddle. It is then pixels away from the
+// position that the phase slope gives.
 constexpr double kMinSharpness = 0.03;
-constexpr double kMinCurvature = 0.1;  // of the smoothed light: limits steps in flat places
+constexpr double kMinCurvature = 0.1;  // of the smoothed intensity: limits steps in flat regions
 
-/// Half the difference of the Hessian's eigenvalues; their mean is half its trace.
+/// Half the difference of the Hessian's eigenvalues; the mean of the eigenvalues is half the trace.
 double half_gap_of(const Moments::Hessian& h) {
   const double difference = 0.5 * (h.xx - h.yy);
   return std::sqrt(difference * difference + h.xy * h.xy);

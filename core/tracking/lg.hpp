@@ -6,13 +6,14 @@
 
 namespace ovws {
 
-/// Psi = I * K_LG is, up to a constant, the gradient of the image smoothed by a Gaussian of 1/e
-/// radius w. A saddle-free Newton iteration from the start finds a zero of it: for a vortex the
-/// minimum of the smoothed image (the dark core), for charge 0 its maximum. Both have index +1.
+/// LG tracker: a saddle-free Newton iteration from the start finds a zero of Psi = I * K_LG. Up to
+/// a constant, Psi is the gradient of the image smoothed by a Gaussian of 1/e radius w. The zero is
+/// the minimum of the smoothed image for a vortex (the dark core), and its maximum for charge 0.
+/// Minima and maxima have the index +1.
 ///
-/// Lost: a saddle; a near-saddle, whose smaller curvature is below an eighth of an unaberrated
-/// spot's; a zero that fails SpotCheck or is farther than lambda/d from the start. Starts within
-/// 0.5 lambda/d converge.
+/// A spot is lost if the zero is a saddle or nearly a saddle (smaller curvature below an eighth of
+/// an unaberrated spot's), fails SpotCheck, or is farther than lambda/d from the start. Starts
+/// within 0.5 lambda/d of the spot converge.
 ///
 /// Limits, measured on the default bench with charge +-1 and kernel 0.4: 0.2 wave RMS of any mode
 /// up to j = 14 loses at most one spot of 19 (spherical aberration); 0.8 wave of focus or

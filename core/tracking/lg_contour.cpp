@@ -37,8 +37,8 @@ struct Segment {
   Vec2 a, b;
 };
 
-/// Marching squares: the zero contour inside one grid cell with the corner values v00, v10, v01,
-/// v11 (x first), as none, one or two segments in cell units.
+/// Marching squares: the zero contour inside one grid square with the corner values v00, v10, v01,
+/// v11 (x first), as none, one or two segments in units of the grid step.
 std::vector<Segment> zero_contour(double v00, double v10, double v01, double v11) {
   const auto cut = [](double p, double q) { return p / (p - q); };
   const bool s00 = v00 > 0.0, s10 = v10 > 0.0, s01 = v01 > 0.0, s11 = v11 > 0.0;
@@ -115,7 +115,7 @@ std::complex<double> LgContourTracker::psi(const Patch& patch, Vec2 at) const {
     const double gy = std::exp(-k * std::pow(at.y - y, 2));
     const float* row = patch.at(cx - half_, y);
     for (int i = -half_; i <= half_; ++i) {
-      // A convolution: the kernel's argument runs from the pixel to the position.
+      // Convolution: the kernel's argument is the position minus the pixel.
       const std::complex<double> r(at.x - cx - i, at.y - y);
       sum += double(row[half_ + i]) * gx[half_ + i] * gy * r;
     }

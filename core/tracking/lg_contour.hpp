@@ -1,4 +1,4 @@
-/// The paper's LG method (supplement S1) by zero contours: the oracle of LgTracker.
+/// LG method of the paper (supplement S1) by zero contours: the test oracle of LgTracker.
 #pragma once
 
 #include <complex>
@@ -7,12 +7,13 @@
 
 namespace ovws {
 
-/// Evaluates Psi = I * K_LG on every pixel within lambda/d of the start, with sigma = 1/(pi w) and
-/// K_LG = i pi^2 sigma^4 (x + iy) exp(-pi^2 sigma^2 (x^2 + y^2)). Marching squares give the zero
-/// contours of Re Psi and of Im Psi, and each crossing is refined on a grid of 1/16 pixel. Of the
-/// plausible crossings the one with the lowest recorded intensity wins (charge 0: the highest).
-/// Plausible: within lambda/d of the start, of index +1 (no saddle of the smoothed image), and
-/// passed by SpotCheck. Allocates and takes milliseconds per spot: not for the frame path.
+/// LG contour method: evaluates Psi = I * K_LG on every pixel within lambda/d of the start, with
+/// sigma = 1/(pi w) and K_LG = i pi^2 sigma^4 (x + iy) exp(-pi^2 sigma^2 (x^2 + y^2)). Marching
+/// squares give the zero contours of Re Psi and of Im Psi, and each crossing is refined on a grid
+/// of 1/16 pixel. A crossing is valid if it is within lambda/d of the start, has the index +1 (no
+/// saddle of the smoothed image) and passes SpotCheck. The valid crossing with the lowest recorded
+/// intensity wins (charge 0: the highest). Allocates and takes milliseconds per spot: not for the
+/// frame path.
 class LgContourTracker final : public PatchTracker {
  public:
   LgContourTracker(const SpotModel& spots, double kernel_radius_px);

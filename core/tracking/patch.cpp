@@ -11,8 +11,8 @@
 namespace ovws {
 namespace {
 
-// Inner loops over a constant number of pixels without aliasing (8-bit pixels may alias anything)
-// let the compiler vectorise.
+// Block of an inner loop, pixels. The compiler vectorises loops of constant length without aliasing
+// (8-bit pixels may alias any type).
 constexpr int kBlock = 16;
 
 float load_run(const PixelRect& run, const std::uint8_t*, float* out) {
@@ -22,7 +22,7 @@ float load_run(const PixelRect& run, const std::uint16_t*, float* out) {
   return load16(run, out);
 }
 
-/// Destination of a copy: a rectangle of floats, and the image pixels that it stands for.
+/// Destination of a copy: a rectangle of floats, and the rectangle of image pixels to copy.
 struct Target {
   int left, top, columns, rows;
   float* out;
@@ -33,8 +33,8 @@ struct Target {
   }
 };
 
-/// The places from `start` on, `count` of them, clipped to [0, size); the nearest if none is
-/// inside.
+/// Range of `count` pixel indices from `start` on, clipped to [0, size). If no index is inside, the
+/// range is the nearest one.
 struct Span {
   Span(int start, int count, int size)
       : first(std::clamp(start, 0, size - 1)), last(std::clamp(start + count - 1, 0, size - 1)) {}
@@ -42,7 +42,7 @@ struct Span {
   int count() const { return last - first + 1; }
 };
 
-/// Returns the darkest pixel. Pixels outside the image repeat its edge.
+/// Copies image pixels to floats and returns the darkest. Pixels outside the image repeat its edge.
 float load(const ImageView& image, const Target& to) {
   const Span across(to.left, to.columns, image.width), down(to.top, to.rows, image.height);
   float darkest = std::numeric_limits<float>::max();

@@ -11,11 +11,11 @@
 
 namespace ovws {
 
-/// The pixels live in a TrackScratch. Positions are image pixels; pixels outside the image repeat
-/// its edge.
+/// Pixel patch, stored in a TrackScratch. Positions are image pixels; patch pixels outside the
+/// image repeat the image's edge.
 struct Patch {
   const float* pixels = nullptr;
-  int x0 = 0, y0 = 0;  ///< image pixel of pixels[0]
+  int x0 = 0, y0 = 0;  ///< position of pixels[0] in the image
   int side = 0;        ///< number of rows, of columns, and the row stride in floats
   int image_width = 0, image_height = 0;
   float darkest = 0.0F;
@@ -23,15 +23,15 @@ struct Patch {
   const float* at(int x, int y) const { return pixels + std::ptrdiff_t(y - y0) * side + (x - x0); }
   /// Brightest pixel of the square of half-width `half` around `centre`, clipped at the patch.
   float brightest(Vec2 centre, int half) const OVWS_NONBLOCKING;
-  /// Whether the image holds every pixel within `margin` of `at`.
+  /// Whether the image contains every pixel within `margin` pixels of `at` along x and y.
   bool holds(Vec2 at, double margin) const OVWS_NONBLOCKING;
 };
 
 /// Brightest pixel of the square of half-width `half` around `centre`, clipped at the image; 0 if
-/// none of it is inside. RT-safe.
+/// the square lies outside the image. RT-safe.
 float brightest_pixel(const ImageView& image, Vec2 centre, int half) OVWS_NONBLOCKING;
 
-/// Minimum half-width of a patch: the kernels need a block and 4 neighbours in each row.
+/// Minimum half-width of a patch: the SIMD kernels need a block and 4 neighbours in each row.
 constexpr int kMinPatchHalf = (kPatchBlock + 4) / 2;
 
 /// Number of floats that a patch of half-width `half` needs.
@@ -39,8 +39,8 @@ constexpr int patch_floats(int half) {
   return (2 * half + 1) * (2 * half + 1) + kPatchBlock;
 }
 
-/// Reads the square of half-width `half`, at least kMinPatchHalf, around the pixel (cx, cy),
-/// which must be in the image.
+/// Reads the square of half-width `half` (at least kMinPatchHalf) around the pixel (cx, cy) into
+/// `samples`. The pixel (cx, cy) must be in the image.
 Patch load_patch(const ImageView& image, int cx, int cy, int half,
                  std::span<float> samples) OVWS_NONBLOCKING;
 

@@ -27,7 +27,7 @@ float sum_of(Vector v) {
   return hn::GetLane(hn::SumOfLanes(Floats(), v));
 }
 
-/// Calls step(x) for every vector of a row. The last one may overlap the one before.
+/// Calls step(x) for every SIMD vector of a row. The last vector may overlap the previous vector.
 template <class Step>
 void each_vector(int columns, Step step) {
   const int last = columns - lanes();
@@ -76,7 +76,7 @@ Vector fourth_difference(const float* at) {
 float FourthDifferences(const FloatRect& of) {
   const Floats f;
   const int last = of.columns - 4 - lanes();
-  // Lanes of the last vector that overlap the one before.
+  // Number of lanes of the last vector that overlap the previous vector.
   const auto seen = hn::Set(f, float((lanes() - last % lanes()) % lanes()));
   const auto is_new = hn::Ge(hn::Iota(f, 0.0F), seen);
   Vector sum = hn::Zero(f);
@@ -95,7 +95,7 @@ float FourthDifferences(const FloatRect& of) {
 float Axis(const GaussianAxis& from, float* g, float* dg, float* ddg) {
   const Floats f;
   HWY_ALIGN std::array<float, hn::MaxLanes(Floats())> powers{from.first};
-  float ratio = from.ratio;  // of as many lanes as there are powers
+  float ratio = from.ratio;  // from.ratio^n: the step between n lanes
   for (int n = 1; n < lanes(); n *= 2, ratio *= ratio) {
     for (int k = 0; k < n; ++k) powers[std::size_t(n + k)] = powers[std::size_t(k)] * ratio;
   }

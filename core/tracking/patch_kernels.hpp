@@ -1,4 +1,4 @@
-/// SIMD pixel kernels of the trackers, for the CPU that runs them (Highway). All are RT-safe.
+/// SIMD pixel kernels of the trackers, with run-time dispatch (Highway). All kernels are RT-safe.
 #pragma once
 
 #include <cstddef>
@@ -8,21 +8,21 @@ namespace ovws {
 /// Block size in floats. Kernels read rows in whole blocks, up to one block past a patch's end.
 constexpr int kPatchBlock = 16;
 
-/// A rectangle of camera pixels, all of it inside the image; at least kPatchBlock columns.
+/// Rectangle of camera pixels that lies inside the image; at least kPatchBlock columns.
 struct PixelRect {
   const std::byte* first = nullptr;
   std::ptrdiff_t stride_bytes = 0;
   int columns = 0, rows = 0;
 };
 
-/// A rectangle of floats with a row stride in floats; at least kPatchBlock columns.
+/// Rectangle of floats with a row stride in floats; at least kPatchBlock columns.
 struct FloatRect {
   const float* first = nullptr;
   std::ptrdiff_t stride = 0;
   int columns = 0, rows = 0;
 };
 
-/// A Gaussian along one axis: the weight table[k] * first * ratio^k at the distance d = begin + k.
+/// Gaussian along one axis: its weight at d = begin + k pixels is table[k] * first * ratio^k.
 struct GaussianAxis {
   const float* table = nullptr;
   int padded = 0;  ///< length of the table, a multiple of kPatchBlock; padded with zeros
@@ -45,14 +45,14 @@ struct WindowSums {
   float one = 0.0F, x = 0.0F, y = 0.0F, xx = 0.0F, xy = 0.0F, yy = 0.0F;
 };
 
-/// Convert 8-bit or 16-bit pixels to floats, rows contiguous, and return the darkest.
+/// Converts 8-bit or 16-bit pixels to floats with contiguous rows; returns the darkest pixel.
 float load8(const PixelRect& from, float* out);
 float load16(const PixelRect& from, float* out);
-float brightest(const FloatRect& of);  ///< returns at least 0
+float brightest(const FloatRect& of);  ///< returns the brightest value, at least 0
 /// Returns the sum of the squared fourth differences (1 -4 6 -4 1) along the rows. Requires at
 /// least kPatchBlock + 4 columns.
 float fourth_differences(const FloatRect& of);
-/// Writes g, d g and d^2 g, `padded` floats each; returns the sum of g.
+/// Writes the weights g, d g and d^2 g, `padded` floats each; returns the sum of g.
 float gaussian_axis(const GaussianAxis& from, float* g, float* dg, float* ddg);
 /// Returns the moments of a window. `first`: its first pixel; `stride`: row stride in floats.
 WindowSums window_sums(const float* first, std::ptrdiff_t stride, const WindowAxis& across,

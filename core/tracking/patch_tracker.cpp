@@ -8,7 +8,7 @@ namespace {
 
 int patch_half(const SpotModel& spots, const SpotGeometry& geometry, int kernel_half_px,
                double capture_px) {
-  // One pixel more on either side: positions are rounded twice, at the start and where found.
+  // Two pixels more on either side: the start and the found position are each rounded to a pixel.
   const int reach = int(std::ceil(capture_px)) +
                     std::max(kernel_half_px, SpotCheck::reach_px(spots, geometry)) + 2;
   return std::max(reach, kMinPatchHalf);

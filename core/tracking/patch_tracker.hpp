@@ -27,11 +27,11 @@ class PatchTracker : public SpotTracker {
   static constexpr double kCapture = 1.0;
 
   /// `kernel_half_px`: half-width of the square that `find` reads around a position. `sum_floats`:
-  /// floats of TrackScratch::sums that it needs.
+  /// floats of TrackScratch::sums that `find` needs.
   PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_floats);
 
-  /// Finds the spot near `start` and checks it. The patch extends capture_px() plus the larger of
-  /// kernel_half_px and the check's reach around the start.
+  /// Finds the spot near `start` and validates it with SpotCheck. Around the start the patch
+  /// extends capture_px() plus the larger of kernel_half_px and SpotCheck::reach_px.
   virtual std::optional<Found> find(const Patch& patch, Vec2 start,
                                     TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
 

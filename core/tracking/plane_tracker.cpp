@@ -7,7 +7,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kAgree = 0.4;  // lambda/d
+constexpr double kAgree = 0.4;  // largest difference of two planes' fixes, units of lambda/d
 
 class ColourPlaneTracker final : public SpotTracker {
  public:

@@ -7,10 +7,10 @@
 
 namespace ovws {
 
-/// Wraps `tracker`, which is made for SpotModel::on_plane, so that it sees the lit pixels alone;
-/// starts and fixes are camera pixels. With two lit planes (green) the fix is the mean of both, or
-/// the only one found; fixes that disagree by more than 0.4 lambda/d along x or y are lost. Returns
-/// `tracker` itself if all pixels are lit.
+/// Colour-plane tracker: runs `tracker`, which is made for SpotModel::on_plane, on the lit pixels
+/// alone. Starts and fixes are camera pixels. With two lit planes (green) the result is the mean of
+/// the two fixes, or the only fix found. The spot is lost if the fixes differ by more than 0.4
+/// lambda/d along x or y. Returns `tracker` itself if all pixels are lit.
 std::unique_ptr<const SpotTracker> on_plane(std::unique_ptr<const SpotTracker> tracker,
                                             const SpotModel& spots);
 

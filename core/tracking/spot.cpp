@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr float kFaint = 0.1F;  // of the median level
+constexpr float kFaint = 0.1F;  // level of a faint spot, share of the median level
 
 constexpr std::array<std::string_view, 6> kNames{"centroid",   "thresholded", "weighted",
                                                  "lg_contour", "lg",          "fit"};

@@ -12,8 +12,8 @@
 
 namespace ovws {
 
-/// One spot of one frame, in camera pixels of the ROI. A lost spot has NaN coordinates and quality
-/// 0.
+/// Fix of one spot in one frame, camera pixels of the ROI. A lost spot has NaN coordinates and
+/// quality 0.
 struct SpotFix {
   float x = std::numeric_limits<float>::quiet_NaN();
   float y = std::numeric_limits<float>::quiet_NaN();
@@ -25,10 +25,10 @@ struct SpotFix {
   bool found() const { return !std::isnan(x); }
 };
 
-/// Marks faint spots as lost: those whose level is below a tenth of the median level of the
-/// `expected` brightest ones. Returns how many remain. In a subaperture without light, stray light
-/// of the other spots forms genuine but faint vortices; only their level distinguishes them from a
-/// spot. RT-safe; the median takes at most 4096 spots into account.
+/// Marks a faint spot as lost: its level is below a tenth of the median level of the `expected`
+/// brightest spots. Returns the number of spots that remain. In a dark subaperture, stray light of
+/// other spots forms genuine but faint vortices; only the level distinguishes a faint vortex from a
+/// spot. RT-safe; the median uses at most 4096 spots.
 int drop_faint(std::span<SpotFix> spots, int expected) OVWS_NONBLOCKING;
 
 enum class TrackerKind : std::uint8_t {
@@ -37,10 +37,10 @@ enum class TrackerKind : std::uint8_t {
   weighted,
   lg_contour,
   lg,
-  fit,  ///< all pixels of the spots (core/spots); as positions, those of `lg`
+  fit,  ///< fits all pixels of the spots (core/spots); the positions are those of `lg`
 };
 
-/// In the order of the enumeration.
+/// Names of all trackers, in the order of TrackerKind.
 std::span<const std::string_view> all_tracker_names();
 std::string_view tracker_name(TrackerKind kind);
 std::optional<TrackerKind> tracker_from_name(std::string_view name);
@@ -53,8 +53,8 @@ struct TrackingConfig {
 };
 
 /// The LG kernel's 1/e radius for a charge l, units of lambda/d: kernel_radius sqrt(max(1, |l|)).
-/// Aberration splits a core of charge l into |l| single cores. The wider kernel keeps one minimum,
-/// at their mean.
+/// Aberration splits a core of charge l into |l| single cores. The wider kernel gives one minimum,
+/// at the mean of the single cores.
 double lg_kernel_radius(const TrackingConfig& config, int charge);
 
 }  // namespace ovws

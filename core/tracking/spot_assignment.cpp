@@ -11,14 +11,14 @@
 namespace ovws {
 namespace {
 
-constexpr double kSeedOffset = 0.5;  // of the extent: outer seeds, if a side of spots is missing
+constexpr double kSeedOffset = 0.5;  // of the extent: outer seeds, in case one side's spots fail
 constexpr double kTolerance = 0.35;  // of the pitch, from the expected position
 constexpr double kRing = 1.6;        // of the pitch: growth of the field per round
 constexpr int kFinalRounds = 2;      // rounds after the last ring
 constexpr double kOutlier = 3.0;     // times the median residual
-constexpr double kFitSlack = 0.1;    // of the pitch: residuals below are never outliers
-constexpr double kMaxLinear = 0.6;   // 1 would fold neighbours onto each other
-constexpr double kNeighbour = 1.6;   // of the nearest neighbour's distance
+constexpr double kFitSlack = 0.1;    // of the pitch: smaller residuals are never outliers
+constexpr double kMaxLinear = 0.6;   // largest element of the linear part; 1 would fold neighbours
+constexpr double kNeighbour = 1.6;   // of the pitch: largest distance of two neighbours
 constexpr int kMinAffine = 4;        // matches needed to fit the linear part
 constexpr double kMinRcond = 0.01;
 
@@ -94,7 +94,7 @@ std::span<const int> SpotAssignment::match(std::span<const Vec2> found, const Ru
     std::array<int, kStarts> starts{};
     const int count = nearest_positions(found, predicted_[seed], starts);
     for (int s = 0; s < count; ++s) {
-      if (best_matched_[seed] == starts[s]) continue;  // would grow to the same match again
+      if (best_matched_[seed] == starts[s]) continue;  // would only repeat the best match
       const Vec2 first_shift = found[starts[s]] - predicted_[seed];
       if (norm(first_shift) > rules.max_shift_px) break;  // starts are sorted by distance
       const int explained = grow(found, seed, first_shift);
@@ -185,7 +185,7 @@ SpotAssignment::Choice SpotAssignment::nearest(std::span<const Vec2> found, Vec2
 }
 
 /// Assigns to each subaperture within `reach` of `from` the nearest position within the tolerance.
-/// A position chosen twice goes to the nearer subaperture; the other one gets none.
+/// A position chosen by two subapertures goes to the nearer one; the farther one gets none.
 int SpotAssignment::assign(std::span<const Vec2> found, Vec2 from, double reach) {
   std::fill(owner_.begin(), owner_.end(), int(kNone));
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
@@ -205,7 +205,7 @@ int SpotAssignment::assign(std::span<const Vec2> found, Vec2 from, double reach)
   return count;
 }
 
-/// Fits all matches, then again without the outliers.
+/// Fits the displacement field to all matches, then again without outliers. False if it fails.
 bool SpotAssignment::fit(std::span<const Vec2> found) {
   if (!fit_within(found, std::numeric_limits<double>::infinity())) return false;
   update_residuals(found);

@@ -11,48 +11,49 @@
 
 namespace ovws {
 
-/// Assigns found positions to predicted ones by a displacement field: an affine map (tilt, focus,
-/// astigmatism) plus the mean residual of matched neighbours. A hypothesis assigns one of the
-/// nearby positions to a seed subaperture near the centre. From there the field grows ring by ring.
-/// Each round refits it by least squares with outlier rejection, so that displacements may exceed
-/// the pitch as long as neighbours do not cross.
+/// Spot assignment by a displacement field from predicted to found positions: an affine map (tilt,
+/// focus, astigmatism) plus the mean residual of matched neighbours. A hypothesis assigns a found
+/// position to a seed subaperture near the centre. The field then grows from the seed ring by ring.
+/// Each round refits the field by least squares with outlier rejection, so that displacements may
+/// exceed the pitch as long as neighbours do not cross.
 ///
-/// Its memory is allocated at construction, for one lattice and a maximum number of positions.
+/// The constructor allocates all memory, for one lattice and at most `max_found` positions.
 class SpotAssignment {
  public:
   static constexpr int kNone = -1;
 
   struct Rules {
-    double min_share = 0.5;  ///< of the lattice that a match must explain
-    /// Largest displacement of a seed that is tried.
+    double min_share = 0.5;  ///< least share of the subapertures that a match must explain
+    /// Largest displacement that is tried for the spot of a seed subaperture, camera pixels.
     double max_shift_px = std::numeric_limits<double>::infinity();
   };
 
   SpotAssignment(std::vector<Vec2> predicted_px, int max_found);
 
   int size() const { return int(predicted_.size()); }
-  /// The fewest spots that a match must explain: 3, or min_share of the lattice. RT-safe.
+  /// Minimum number of spots that a match must explain: min_share of the lattice, at least 3.
+  /// RT-safe.
   int least_found(const Rules& rules) const OVWS_NONBLOCKING;
 
-  /// For each subaperture the index of its position in `found`, or kNone; valid until the next
-  /// call. The hypothesis that explains most positions wins; the smaller shift breaks ties. All are
-  /// kNone if it explains fewer than least_found. `found` holds at most max_found positions.
-  /// RT-safe.
+  /// Assigns spots: for each subaperture the index of its position in `found`, or kNone; valid
+  /// until the next call. The hypothesis that explains most positions wins; the smaller shift
+  /// breaks ties. Every index is kNone if no hypothesis explains least_found spots. `found` holds
+  /// at most max_found positions. RT-safe.
   std::span<const int> match(std::span<const Vec2> found, const Rules& rules) OVWS_NONBLOCKING;
   std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING {
     return match(found, Rules{});
   }
 
-  /// Where subaperture i's spot should be according to the last match.
+  /// Expected position of subaperture i's spot by the last match, camera pixels.
   Vec2 expected(int i) const OVWS_NONBLOCKING;
-  /// Largest distance from there; beyond it the position may belong to a neighbour.
+  /// Largest distance of a spot from expected(i); a spot farther away may be a neighbour's.
   double tolerance_px() const;
   double pitch_px() const { return pitch_; }  ///< median distance of nearest neighbours
 
  private:
-  static constexpr int kStarts = 32;  ///< positions tried per seed, within some three pitches
+  static constexpr int kStarts = 32;  ///< positions tried per seed, within about three pitches
 
-  /// displacement(p) = shift + linear (p - centre)
+  /// Affine displacement field: displacement(p) = shift + linear (p - centre), camera pixels.
   struct Field {
     Vec2 shift;
     std::array<double, 4> linear{};  ///< dx/dx, dx/dy, dy/dx, dy/dy
@@ -79,13 +80,13 @@ class SpotAssignment {
   double pitch_ = 0.0;
   double extent_ = 0.0;  ///< from the centre to the farthest subaperture
   std::vector<std::vector<int>> neighbours_;
-  std::vector<int> seeds_;  ///< subapertures at and around the centre: any spot may be missing
+  std::vector<int> seeds_;  ///< several near the centre, because any single spot may be missing
   std::vector<int> by_y_;   ///< indices of the found positions, by increasing y
   Field field_;
-  std::vector<int> matched_;  ///< subaperture -> position
-  std::vector<int> owner_;    ///< position -> subaperture
+  std::vector<int> matched_;  ///< index of the found position of each subaperture
+  std::vector<int> owner_;    ///< index of the subaperture of each found position
   std::vector<Choice> choices_;
-  std::vector<Vec2> residuals_;  ///< of matched subapertures, from the affine field
+  std::vector<Vec2> residuals_;  ///< found minus affine position of matched subapertures, pixels
   std::vector<double> sorted_;
   Field best_field_;
   std::vector<int> best_matched_;

@@ -11,11 +11,11 @@
 namespace ovws {
 namespace {
 
-// Radii relative to those of SpotGeometry, and acceptance limits. Tests in tests/unit/tracking
-// check them against genuine cores and against false zeros.
+// Radii of discs and annuli relative to the radii in SpotGeometry, and acceptance limits. Tests in
+// tests/unit/tracking check the limits against genuine cores and against false zeros.
 constexpr double kCoreOfRingInner = 0.45;  // radius of a vortex core's disc
 constexpr double kCoreOfHalfWidth = 0.6;   // radius of a bright spot's disc
-constexpr double kFlank = 1.2;             // outer radius of its flank
+constexpr double kFlank = 1.2;             // outer radius of a bright spot's flank
 constexpr double kOuterFrom = 0.92, kOuterTo = 1.08;
 constexpr double kMaxCoreOfRing = 0.45;     // core / mean ring
 constexpr double kMinWeakestOfRing = 0.15;  // (weakest sector - core) / (mean ring - core)
@@ -24,10 +24,10 @@ constexpr double kMinFlankOfCore = 0.25;    // mean flank / bright core; a hot p
 constexpr double kMaxSurroundOfCore = 0.5;  // brightest sector of the dark ring / bright core
 constexpr double kSignificance = 7.0;       // standard errors of (bright part - dark part)
 constexpr double kUnsure = 3.5;  // level / pixel noise below which small areas are inconclusive
-// Fit of the ideal spot: radius of its disc, significance of its amplitude, and what it may leave
-// of the contrast. Aberration spoils a vortex sooner than a bright spot: 0.2 wave RMS of any mode
-// up to j = 14 leaves 1.5 (0.4). Stripes and spots of another charge leave 3.8 and more, half a
-// bright spot 0.7.
+// Fit of the ideal spot: radius of the disc, significance of the amplitude, and largest energy of
+// the residual over the energy of the fit. For 0.2 wave RMS of any mode up to j = 14 this ratio is
+// up to 1.5 (vortex) or 0.4 (bright spot). It is 3.8 or more for stripes and spots of another
+// charge, and 0.7 for half a bright spot.
 constexpr double kDiscOfDark = 0.98;
 constexpr double kMinAmplitude = 8.0;  // standard errors
 constexpr double kMaxLeftOfVortex = 1.5, kMaxLeftOfBright = 0.6;
@@ -49,7 +49,7 @@ double noise_of(const Patch& patch) {
   return std::sqrt(double(sum) / (70.0 * rows * (patch.side - 4)) + kQuantisation);
 }
 
-/// Sums in two accumulators, so that successive additions are independent.
+/// Sum of the pixels at `offsets`, in two accumulators so that the CPU can overlap the additions.
 double sum_at(const float* centre, std::span<const int> offsets) {
   double even = 0.0, odd = 0.0;
   std::size_t k = 0;
@@ -128,7 +128,7 @@ SpotCheck::SpotCheck(const SpotModel& spots, const SpotGeometry& geometry, int p
   const double core = charge_ != 0 ? kCoreOfRingInner * geometry.ring_inner
                                    : kCoreOfHalfWidth * geometry.ring_outer;
   core_ = disc(std::max(1.0, core * px), side);
-  // At least two pixels wide, so that no sector is empty.
+  // The outer annulus is at least two pixels wide, so that no sector is empty.
   const double from = kOuterFrom * geometry.dark * px;
   outer_ = annulus(from, std::max(from + 2.0, kOuterTo * geometry.dark * px), side);
   around_ = charge_ != 0 ? annulus(geometry.ring_inner * px, geometry.ring_outer * px, side)
@@ -202,8 +202,8 @@ SpotCheck::Verdict SpotCheck::bright(double core, const Means& flank, const Outs
   return {true, std::clamp(1.0 - (out.brightest - out.background) / level, 0.0, 1.0), level, noise};
 }
 
-/// Whether the pixels are the ideal spot, to what noise and aberration may change. A vortex's ring
-/// must be there in every direction, and its core dark.
+/// Fit of the ideal spot: passes if noise and aberration can explain the residual. A vortex must
+/// also have a ring in every direction and a dark core.
 SpotCheck::Verdict SpotCheck::whole(const float* centre, double core, const Means& ring,
                                     double noise) const {
   const auto pixels = double(disc_.size());

@@ -13,25 +13,25 @@
 
 namespace ovws {
 
-/// Compares the mean of a small disc at a found position with the means of 16 azimuthal sectors of
-/// two annuli around it. The outer annulus lies at the first dark ring and also gives the local
-/// background.
+/// Spot check: compares the mean intensity of a small disc at a found position with the means of 16
+/// azimuthal sectors of two annuli around the disc. The outer annulus lies at the first dark ring
+/// and also gives the local background.
 ///
 /// Charge not 0: the inner annulus is the bright ring, where the profile exceeds half its maximum.
 /// The core must be darker than the ring on every azimuth. The outer annulus must not be much
 /// brighter than the ring; otherwise the "ring" is only the rim of something brighter.
 ///
-/// Charge 0: the inner annulus is the flank of the bright core, which a hot pixel lacks. The outer
+/// Charge 0: the inner annulus is the flank of the bright core; a hot pixel has no flank. The outer
 /// annulus must be dark on every azimuth.
 ///
-/// The difference between bright and dark must also be significant against the pixel noise, which
-/// is measured in the same patch. If noise makes these small areas inconclusive, a fit of the ideal
-/// spot to all pixels within the dark ring decides.
+/// The difference between bright and dark must also be significant against the pixel noise measured
+/// in the patch. If noise makes the disc and the annuli inconclusive, a fit of the ideal spot to
+/// all pixels within the dark ring decides.
 class SpotCheck {
  public:
   struct Verdict {
     bool passed = false;
-    double quality = 0.0;  ///< 1 - dark part / bright part, both above the local background
+    double quality = 0.0;  ///< contrast: 1 - dark/bright part above background, or the fit's share
     double level = 0.0;    ///< the bright part above the local background, DN
     double noise = 0.0;    ///< RMS pixel noise, DN
   };
@@ -39,7 +39,7 @@ class SpotCheck {
   /// `patch_half`: half-width of the patches that will be checked.
   SpotCheck(const SpotModel& spots, const SpotGeometry& geometry, int patch_half);
 
-  /// Half-width of the square read around a position.
+  /// Half-width of the square of pixels that `look` reads around a position.
   static int reach_px(const SpotModel& spots, const SpotGeometry& geometry);
   /// Half-width of the spot itself, which must lie inside the image.
   static double spot_half_px(const SpotModel& spots, const SpotGeometry& geometry);
@@ -53,7 +53,7 @@ class SpotCheck {
   static constexpr int kSectors = 16;
   using Means = std::array<double, kSectors>;
 
-  /// Offsets into a patch, sector by sector.
+  /// Pixels of an annulus: offsets from its centre within a patch, sector by sector.
   struct Annulus {
     std::vector<int> offsets;
     std::array<int, kSectors + 1> begin{};
@@ -76,10 +76,10 @@ class SpotCheck {
   std::vector<int> core_;
   Annulus around_;
   Annulus outer_;
-  std::vector<int> disc_;       ///< within the dark ring
-  std::vector<float> ideal_;    ///< the ideal spot there, minus its mean
-  double ideal_mean_ = 0.0;     ///< its maximum is 1
-  double ideal_bright_ = 0.0;   ///< its mean where it exceeds 1/2
+  std::vector<int> disc_;       ///< offsets of the pixels within the dark ring
+  std::vector<float> ideal_;    ///< ideal spot (maximum 1) at the pixels of disc_, minus its mean
+  double ideal_mean_ = 0.0;     ///< mean of the ideal spot over disc_
+  double ideal_bright_ = 0.0;   ///< mean of the ideal spot where it exceeds 1/2
   double ideal_squares_ = 0.0;  ///< sum of the squares of ideal_
 };
 

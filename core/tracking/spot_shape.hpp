@@ -10,7 +10,7 @@ namespace ovws {
 
 struct ShapeSample {
   double value = 0.0;         ///< about 1 at the maximum, about 0 far away
-  double dx = 0.0, dy = 0.0;  ///< its gradient, 1/px
+  double dx = 0.0, dy = 0.0;  ///< gradient of `value`, 1/px
 };
 
 /// Ideal spot: far-field intensity of a circular subaperture of charge l, sampled at points as in
@@ -18,10 +18,10 @@ struct ShapeSample {
 /// maximum of 1.
 class ModelShape {
  public:
-  /// Takes milliseconds. Beyond `reach` (lambda/d) the value is constant.
+  /// Tabulates the intensity, which takes milliseconds. Beyond `reach` (lambda/d) it is constant.
   ModelShape(const SpotModel& spots, double reach);
 
-  /// At `from_centre` camera pixels from the spot's position. Thread-safe.
+  /// Intensity and gradient at the offset `from_centre` from the spot, camera pixels. Thread-safe.
   ShapeSample at(Vec2 from_centre) const;
 
  private:

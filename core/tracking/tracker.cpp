@@ -58,7 +58,7 @@ std::unique_ptr<const SpotTracker> make(const TrackingConfig& config, const Spot
     case TrackerKind::lg_contour:
       return std::make_unique<LgContourTracker>(spots, kernel);
     case TrackerKind::lg:
-    case TrackerKind::fit:  // until there are templates, and far from their operating point
+    case TrackerKind::fit:  // while no templates exist, and far from their operating point
       return std::make_unique<LgTracker>(spots, kernel);
   }
   return nullptr;

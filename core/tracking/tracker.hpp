@@ -14,7 +14,8 @@
 
 namespace ovws {
 
-/// A choice of older versions, whose tracker `matched` used templates: kept, but without effect.
+/// Obsolete template choice of the tracker `matched` in older versions: accepted, but without
+/// effect.
 enum class TemplateKind : std::uint8_t { model, reference };
 
 /// The operator that reconstructs modes from spot displacements.
@@ -24,13 +25,14 @@ enum class OperatorKind : std::uint8_t {
   measured,     ///< each mode poked on the bench and tracked (interaction_matrix)
 };
 
-/// TrackingConfig plus what reconstructs modes.
+/// Tracking settings: TrackingConfig plus the settings of the mode reconstruction.
 struct TrackingSettings : TrackingConfig {
   TemplateKind templates = TemplateKind::model;
   OperatorKind mode_operator = OperatorKind::slopes;
-  /// Modes to measure, j = 1 to this; none: as many as positions determine. Templates allow more.
+  /// Number of modes to measure, from j = 1 on. None: as many as spot positions determine; a larger
+  /// number requires templates.
   std::optional<int> mode_count = std::nullopt;
-  int estimates = 8;  ///< of each spot, tracker `fit`
+  int estimates = 8;  ///< number of estimates per spot, tracker `fit`
 
   friend bool operator==(const TrackingSettings&, const TrackingSettings&) = default;
 };
@@ -54,7 +56,8 @@ struct TrackScratch {
   std::vector<float> sums;
 };
 
-/// Immutable after construction; one object serves all threads, each with a scratch of its own.
+/// Spot tracker, immutable after construction. All threads share one object; each thread has its
+/// own scratch memory.
 class SpotTracker {
  public:
   virtual ~SpotTracker() = default;
@@ -63,15 +66,14 @@ class SpotTracker {
   virtual int window_half_px() const = 0;
   virtual TrackScratch make_scratch() const = 0;
 
-  /// Finds the spot near `start_px`. The fix is lost (see SpotFix) if the pixels there do not look
-  /// like the spot; a tracker never returns a guess. The window is clipped at the image's edge, and
-  /// a spot too near the edge is lost. RT-safe, except for lg_contour and PositionFit, which
-  /// allocate.
+  /// Finds the spot near `start_px`. The fix is lost (see SpotFix) if the pixels do not look like a
+  /// spot; a tracker never returns a guess. The window is clipped at the image's edge, and a spot
+  /// too near the edge is lost. RT-safe, except for lg_contour and PositionFit, which allocate.
   virtual SpotFix track(const ImageView& image, Vec2 start_px,
                         TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
 };
 
-/// Makes a tracker; that of `fit` is `lg`, for as long as there are no templates. Positions are
+/// Makes a tracker. For `fit` it is `lg`, which finds spots while no templates apply. Positions are
 /// camera pixels, even if only one colour plane is lit (see plane_tracker.hpp).
 ///
 /// Errors (Errc::invalid), by field: "tracking.kernel_radius" outside [0.1, 2]; "tracking.tracker":

@@ -33,7 +33,7 @@ void invert_lower(Eigen::MatrixXd& l) {
 bool invert_positive(Eigen::MatrixXd& a) {
   if (!factorise(a)) return false;
   invert_lower(a);
-  // L^-T L^-1, upper triangle first: row i of the product needs rows i and below of L^-1 only.
+  // L^-T L^-1, lower triangle first: row i of the product needs only rows i and below of L^-1.
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
     for (Eigen::Index j = 0; j <= i; ++j) {
       double sum = 0.0;

@@ -1,4 +1,4 @@
-/// Cholesky decomposition that never allocates: Eigen's own may, for larger matrices.
+/// Cholesky decomposition that never allocates memory; Eigen's own may, for large matrices.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,14 +7,14 @@
 
 namespace ovws {
 
-/// In-place factorisation of the lower triangle; false if the matrix is not positive definite.
-/// RT-safe.
+/// In-place Cholesky factorisation of the lower triangle; false if the matrix is not positive
+/// definite. RT-safe.
 bool factorise(Eigen::MatrixXd& a) OVWS_NONBLOCKING;
 
 /// In-place inverse of a lower triangle. RT-safe.
 void invert_lower(Eigen::MatrixXd& l) OVWS_NONBLOCKING;
 
-/// In-place inverse of a positive definite matrix; false if it is not. RT-safe.
+/// In-place inverse; false if the matrix is not positive definite. RT-safe.
 bool invert_positive(Eigen::MatrixXd& a) OVWS_NONBLOCKING;
 
 }  // namespace ovws

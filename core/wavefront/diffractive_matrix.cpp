@@ -16,7 +16,7 @@ namespace {
 constexpr float kPeak = 60000.0F;  // DN of 16 bit: rounding shifts no spot by more than 1e-5 px
 constexpr int kMinSpots = 3;
 
-/// The image of the last propagation in DN of 16 bit, whatever its brightness.
+/// Image of the last propagation in DN of 16 bit, scaled so that the brightest pixel is kPeak.
 Image<std::uint16_t> image_of(const Image<std::complex<float>>& far) {
   Image<std::uint16_t> image(far.width, far.height);
   float brightest = std::numeric_limits<float>::min();
@@ -37,7 +37,7 @@ Result<ModeOperator> diffractive_operator(SensorField& field, const SpotTracker&
                                           std::span<const Vec2> spots_px, double limit_s) {
   const std::int64_t begun_ns = monotonic_ns();
   TrackScratch scratch = tracker.make_scratch();
-  // The spots with one mode of `slopes`: x and y of each; NaN: lost.
+  // Spot positions under one mode of `slopes`: x and y of each spot, camera pixels; NaN: lost.
   const auto tracked = [&](Eigen::Index column, double waves) {
     const Mode mode{slopes.modes_j[std::size_t(column)], waves};
     field.propagate({&mode, 1}, {});

@@ -15,21 +15,22 @@ namespace ovws {
 /// Step of the central differences, RMS-normalised waves.
 constexpr double kDiffractiveStep = 0.05;
 
-/// Central differences: propagates each mode of `slopes` at +-kDiffractiveStep through the
-/// noise-free model and tracks the spots from where the slopes predict them, next to `spots_px`,
-/// the positions for a flat wavefront. A spot that the tracker does not find in every image (for
-/// example outside the camera's image) has the flat position NaN and rows of 0. 2 Z + 1
-/// propagations: 0.3 s for 18 modes of the default bench, some seconds for 91 spots. Not for the
-/// frame path.
+/// Diffractive operator by central differences: propagates each mode of `slopes` at
+/// +-kDiffractiveStep through the noise-free model and tracks the spots. The tracker starts at
+/// `spots_px` (flat wavefront) plus the displacements that `slopes` predicts. A spot that is not
+/// found in every image, for example outside the camera's image, has the flat position NaN and rows
+/// of 0. Z modes take 2 Z + 1 propagations: 0.3 s for 18 modes of the default bench, some seconds
+/// for 91 spots. Not for the frame path.
 ///
-/// It is exact for aberrations of about the step. For larger ones the slopes are better: aberration
-/// inside a subaperture changes the spot's shape, and with it the tracked position, by a term that
-/// is cubic in the waves. Isolated spots show the same. No linear matrix reads 0.3 wave of a mode
-/// of n >= 3 to 0.005 wave. The derivatives of a SpotRenderer are no substitute: they omit distant
-/// subapertures, whose light moves a spot as much as what the slopes lack.
+/// The operator is exact for aberrations of about the step. For larger aberrations the slopes
+/// operator is better: aberration inside a subaperture changes the spot's shape. The tracked
+/// position then changes by a term that is cubic in the waves, even for isolated spots. No linear
+/// matrix measures 0.3 wave of a mode of n >= 3 to 0.005 wave. The derivatives of a SpotRenderer
+/// cannot replace the operator: they omit the light of distant subapertures, which moves a spot as
+/// much as the slopes operator errs.
 ///
-/// Errors (Errc::refused, field "tracking"): the tracker finds fewer than 3 spots, the spots that
-/// it finds do not determine every mode of `slopes`, or it takes longer than `limit_s` seconds.
+/// Errors, field "tracking": Errc::refused if the tracker finds fewer than 3 spots, or if the found
+/// spots do not determine every mode of `slopes`; Errc::unavailable after `limit_s` seconds.
 Result<ModeOperator> diffractive_operator(SensorField& field, const SpotTracker& tracker,
                                           const ModeOperator& slopes,
                                           std::span<const Vec2> spots_px,

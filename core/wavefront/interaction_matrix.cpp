@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxNoise = 0.1;  // of a column's signal
+constexpr double kMaxNoise = 0.1;  // largest noise, share of a column's signal
 constexpr std::size_t kMinSpots = 3;
 constexpr double kModelError = 0.2;  // relative error of a displacement taken from the model
 
@@ -33,14 +33,16 @@ double factor_of(const PushPull& poke, const Eigen::Ref<const Eigen::VectorXd>& 
   return squares > 0.0 ? both / squares : 1.0;
 }
 
-/// Lost in one image: the position in the other image, mirrored about the resting position.
+/// Fills in a spot lost in one image: its position in the other image, mirrored about its resting
+/// position.
 void mirror(const SpotMeans& seen, const SpotMeans& resting, std::size_t i, SpotMeans& lost) {
   const Vec2 &a = seen.standard_error_px[i], &b = resting.standard_error_px[i];
   lost.at_px[i] = 2.0 * resting.at_px[i] - seen.at_px[i];
   lost.standard_error_px[i] = {std::hypot(a.x, 2.0 * b.x), std::hypot(a.y, 2.0 * b.y)};
 }
 
-/// Lost in both images: the displacement of the model, with a standard error of a fifth of it.
+/// Fills in a spot lost in both images: the model's displacement, with a standard error of a fifth
+/// of the displacement.
 void follow_model(const SpotMeans& resting, const Eigen::Vector2d& px_per_wave, std::size_t i,
                   PushPull& poke) {
   const Vec2 moved = poke.amplitude_waves * Vec2{px_per_wave.x(), px_per_wave.y()};
@@ -79,8 +81,8 @@ std::vector<std::size_t> resting_spots(const PushPullRun& run) {
   return spots;
 }
 
-/// One column in floats, as it is stored, so that a matrix read from a file is identical. (GCC 12
-/// omits the rounding of double(float(value)) where it vectorises neighbours.)
+/// Matrix column in floats, as files store it, so that a matrix read from a file is identical. (GCC
+/// 12 omits the rounding of double(float(value)) where it vectorises neighbours.)
 struct Column {
   Eigen::VectorXf slopes, standard_error;
 };
@@ -101,7 +103,7 @@ Column column_of(const PushPull& poke, const std::vector<std::size_t>& spots, st
   return c;
 }
 
-/// Appends the column unless the modes would then no longer be determined.
+/// Appends the column if all modes are still determined; returns whether it was appended.
 bool append(InteractionMatrix& matrix, const Column& column) {
   const Eigen::Index before = matrix.slopes.cols();
   Eigen::MatrixXd with(column.slopes.size(), before + 1);

@@ -17,25 +17,25 @@ struct SpotMeans {
   std::vector<Vec2> standard_error_px;
 };
 
-/// Movement of the spots that both have; 0 without any.
+/// Drift of the spots that are found in both of two measurements; 0 if there are none.
 struct SpotDrift {
   double rms_px = 0.0;    ///< over x and y
   double noise_px = 0.0;  ///< expected from the standard errors alone
 };
 SpotDrift drift_between(const SpotMeans& first, const SpotMeans& second);
-/// Of two measurements of the same hologram; a spot that one of them lost is lost.
+/// Mean of two measurements of one hologram. A spot lost in either measurement is lost.
 SpotMeans mean_of_both(const SpotMeans& first, const SpotMeans& second);
 
-/// Push-pull poke of one mode, on top of whatever else is shown.
+/// Push-pull poke of one mode, added to the hologram that is shown.
 struct PushPull {
   int j = 0;
   double amplitude_waves = 0.0;  ///< RMS-normalised
-  SpotMeans plus, minus;         ///< with +amplitude, -amplitude
+  SpotMeans plus, minus;         ///< spots with +amplitude and with -amplitude
 };
 
 /// All measurements of a calibration run. Every SpotMeans has the same number of spots.
 struct PushPullRun {
-  SpotMeans before, after;  ///< without any poke
+  SpotMeans before, after;  ///< spots at rest (no poke), at the start and the end
   std::vector<PushPull> modes;
 };
 
@@ -48,12 +48,12 @@ struct DroppedMode {
 };
 
 struct InteractionMatrix {
-  std::vector<int> modes_j;             ///< of the columns
+  std::vector<int> modes_j;             ///< OSA index of each column
   std::vector<double> amplitude_waves;  ///< poke amplitude of each column, RMS-normalised
-  /// 2N x Z like that of slope_matrix: camera pixels per RMS-normalised wave.
+  /// 2N x Z matrix as from slope_matrix: camera pixels per RMS-normalised wave.
   Eigen::MatrixXd slopes;
-  Eigen::MatrixXd standard_error;    ///< of each element
-  std::vector<int> lost_spots;       ///< their rows are 0: they are not used
+  Eigen::MatrixXd standard_error;    ///< of each element of `slopes`
+  std::vector<int> lost_spots;       ///< indices of spots that are not used; their rows are 0
   std::vector<DroppedMode> dropped;  ///< requested modes that have no column
   double drift_px = 0.0;             ///< RMS over x and y, between `before` and `after`
   double drift_noise_px = 0.0;       ///< expected from the standard errors alone
@@ -61,28 +61,30 @@ struct InteractionMatrix {
   int spots() const { return int(slopes.rows() / 2); }
 };
 
-/// Column = (plus - minus) / (2 amplitude). A mode is dropped if its pokes lose more than
-/// kMaxLostByMode of the spots, if its noise exceeds a tenth of its signal, or if it is not
-/// determined together with the preceding modes: condition number above 1000, or a singular value
-/// below ten times its noise. A spot that is lost in any image of the remaining modes has rows of 0
-/// in every column, because a Reconstructor uses a spot for all modes or for none.
+/// Interaction matrix from pokes: each column is (plus - minus) / (2 amplitude). A mode is dropped
+/// if its pokes lose more than kMaxLostByMode of the spots, if its noise exceeds a tenth of its
+/// signal, or if it is not determined together with the preceding modes: condition number above
+/// 1000, or a singular value below ten times its noise. A spot that is lost in any image of the
+/// remaining modes has rows of 0 in every column, because a Reconstructor uses a spot for all modes
+/// or for none.
 ///
 /// Errors (Errc::refused): the resting spots drifted by more than `max_drift_px`; fewer than 3
-/// spots, or no mode, are left.
+/// spots, or no mode, remain.
 Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_drift_px);
 
-/// Resting spots that one of the poke's images lost; a smaller amplitude may keep them.
+/// Indices of spots that are found at rest but lost in an image of the poke. A smaller amplitude
+/// may keep them.
 std::vector<int> lost_by(const PushPull& poke, const SpotMeans& resting);
 
-/// Fills in the resting spots that a poke's images lost. A spot lost in one image is mirrored from
-/// the other image about its resting position. A spot lost in both images moves as in the model's
-/// column (2N camera pixels per wave), scaled to the measured motion of the other spots. Otherwise
-/// the spot could not be used for any mode. Nothing is filled in if more than kMaxLostByMode of
-/// the spots are lost: interaction_matrix then drops the mode.
+/// Fills in spots that are found at rest but lost in a poke's images, because a lost spot cannot be
+/// used for any mode. A spot lost in one image is mirrored from the other image about its resting
+/// position. A spot lost in both images moves as in the model's column (2N camera pixels per wave),
+/// scaled to the measured motion of the other spots. Nothing is filled in if more than
+/// kMaxLostByMode of the spots are lost: interaction_matrix then drops the mode.
 void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
                PushPull& poke);
 
-/// Singular values, largest first, camera pixels per RMS-normalised wave.
+/// Singular values of `slopes`, largest first, camera pixels per RMS-normalised wave.
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& slopes);
 /// Noise-to-signal ratio of column `k`: norm of its standard errors over its own norm.
 double relative_noise(const InteractionMatrix& matrix, Eigen::Index k);

@@ -21,12 +21,12 @@ constexpr std::size_t kMaxListed = 3;    // modes listed in one message
 
 const char* const kRegister = "run registration.run, then reference.take and calibration.run";
 
-/// The columns of the common modes, over the rows of the spots in use.
+/// Columns of the modes that measurement and model have in common, for the spots in use.
 struct Pair {
   std::vector<int> modes_j;
   Eigen::MatrixXd measured, error, model;
   Eigen::MatrixXd all_model;     ///< every column of the model
-  std::vector<int> all_modes_j;  ///< its modes
+  std::vector<int> all_modes_j;  ///< OSA indices of the columns of all_model
 };
 
 Pair pair_of(const InteractionMatrix& measured, const ModeOperator& model) {
@@ -117,7 +117,7 @@ struct Finding {
   std::string words;
 };
 
-/// The exchanges and sign changes of the axes that are distinguished.
+/// 2 x 2 maps of exchanged, mirrored or rotated axes that the diagnosis distinguishes.
 struct Exchange {
   Disagreement kind;
   double xx, xy, yx, yy;
@@ -183,7 +183,8 @@ Finding judge_map(const Eigen::Matrix2d& map, const std::vector<ModeComparison>&
   return judge_factors(modes, scale);
 }
 
-/// A mirrored lattice looks the same, but inverts the modes that are odd under the mirror.
+/// Parity check: a mirrored lattice looks unchanged, but inverts the modes that are odd under the
+/// mirroring.
 Finding judge_signs(const std::vector<ModeComparison>& modes) {
   struct Mirror {
     Vec2 by;

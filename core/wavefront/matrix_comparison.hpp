@@ -10,7 +10,7 @@
 
 namespace ovws {
 
-/// A measured column m against the model's column s of the same mode, over the spots in use.
+/// Comparison of a measured column m with the model's column s of one mode, over the spots in use.
 struct ModeComparison {
   int j = 0;
   double factor = 0.0;  ///< regression: m = factor * s, by least squares
@@ -27,17 +27,17 @@ enum class Disagreement {
   parity,        ///< wrong sign of the modes that a mirrored or rotated lattice inverts
   order,         ///< a column resembles the model's column of another mode
   single_modes,  ///< only some columns are too long or too short
-  unlike,        ///< none of these
+  unlike,        ///< no simple change of the model explains the measurement
 };
 
 struct MatrixComparison {
   std::vector<ModeComparison> modes;  ///< in the order of the columns
   Disagreement disagreement = Disagreement::none;
-  std::string words;  ///< human-readable diagnosis and remedy; empty: they agree
+  std::string words;  ///< human-readable diagnosis and remedy; empty if the matrices agree
 };
 
-/// `model`: operator of the plan that is active without the measurement (slope_operator). Measured
-/// modes without a column in it are ignored.
+/// Compares a measured interaction matrix with `model`, the operator that the plan uses without a
+/// measurement (slope_operator). Measured modes that have no column in `model` are ignored.
 MatrixComparison compare(const InteractionMatrix& measured, const ModeOperator& model);
 
 }  // namespace ovws

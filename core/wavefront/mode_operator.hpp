@@ -11,16 +11,17 @@
 
 namespace ovws {
 
-/// A Reconstructor applies the pseudo-inverse of it.
+/// Mode operator; a Reconstructor applies its pseudo-inverse to spot displacements.
 struct ModeOperator {
-  OperatorKind kind = OperatorKind::slopes;  ///< what it was made from
-  std::vector<int> modes_j;                  ///< OSA indices, one a column
-  /// 2N x Z like that of slope_matrix: camera pixels per RMS-normalised wave. A spot with rows of 0
-  /// is not used.
+  OperatorKind kind = OperatorKind::slopes;  ///< origin of the matrix
+  std::vector<int> modes_j;                  ///< OSA indices, one per column
+  /// 2N x Z matrix as from slope_matrix: camera pixels per RMS-normalised wave. A spot with rows of
+  /// 0 is not used.
   Eigen::MatrixXd slopes;
   /// Positions that the tracker finds for a flat wavefront; NaN: not found. Empty if not computed.
   std::vector<Vec2> flat_px{};
-  /// Kind `measured`, tracker `fit`: of `modes_j` first, and of further modes. Null: none.
+  /// Measured spot shapes, for kind `measured` with tracker `fit`: first of `modes_j`, then of
+  /// further modes. Null: none.
   std::shared_ptr<const MeasuredShapes> shapes{};
 };
 

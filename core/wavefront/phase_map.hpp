@@ -9,16 +9,17 @@
 
 namespace ovws {
 
-/// Modes precomputed on a grid: an image is one matrix product. Immutable after construction.
+/// Phase map renderer: modes are precomputed on a grid, so that an image is one matrix product.
+/// Immutable after construction.
 class PhaseMap {
  public:
-  /// A square of size_px x size_px pixels; the pupil's circle touches its edges: pixel (c, r) shows
-  /// the pupil point ((2c + 1)/size - 1, (2r + 1)/size - 1) in units of the pupil's radius.
+  /// Square image of size_px x size_px pixels, whose edges the pupil circle touches. Pixel (c, r)
+  /// shows the pupil point ((2c + 1)/size - 1, (2r + 1)/size - 1) in units of the pupil's radius.
   PhaseMap(std::span<const int> modes_j, int size_px);
 
   int size_px() const { return size_; }
-  /// `coefficients` in the modes' order, RMS-normalised waves. Writes waves, NaN outside the pupil.
-  /// Thread-safe.
+  /// Renders the wavefront in waves, NaN outside the pupil. `coefficients`: RMS-normalised waves in
+  /// the order of `modes_j`. Thread-safe.
   void render(std::span<const float> coefficients, Image<float>& waves) const;
 
  private:

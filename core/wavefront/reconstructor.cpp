@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kMaxCondition = 1000.0;
 
-/// `squares`, increasing: the squared singular values of the slopes.
+/// Whether the condition number is below kMaxCondition. `squares`: squared singular values of the
+/// slopes, increasing.
 bool well_conditioned(const Eigen::VectorXd& squares) {
   const Eigen::Index count = squares.size();
   return count > 0 && squares(0) * kMaxCondition * kMaxCondition > squares(count - 1);
@@ -184,7 +185,7 @@ Reconstruction Reconstructor::solve_without_outliers(std::span<SpotFix> spots, S
   return solve(spots, scratch, coefficients);
 }
 
-/// RMS of the residual per degree of freedom; infinite if there are too few.
+/// RMS of the residual per degree of freedom; infinite with fewer than kMinFreedom degrees.
 double Reconstructor::spread(std::span<const SpotFix> spots, const Reconstruction& found) const {
   Eigen::Index count = 0;
   for (std::size_t i = 0; i < spots.size(); ++i) count += usable(spots[i], i) ? 2 : 0;
@@ -193,8 +194,8 @@ double Reconstructor::spread(std::span<const SpotFix> spots, const Reconstructio
   return found.fit_residual_px * std::sqrt(double(count) / freedom);
 }
 
-/// Deletion diagnostics: the used spot whose removal reduces the squared residuals most; -1 if the
-/// other spots check none.
+/// Deletion diagnostics: the used spot whose removal reduces the squared residuals most; -1 if no
+/// spot is redundant enough to be checked by the others.
 int Reconstructor::worst_outlier(std::span<const SpotFix> spots, Scratch& scratch) const {
   constexpr double kMinRedundancy = 0.01;  // determinant of 1 - H: redundancy of the spot
   const Eigen::MatrixXd& factor = scratch.reduced ? scratch.normal : factor_;

@@ -13,18 +13,18 @@
 
 namespace ovws {
 
-/// One observation: a probe spot that was shown with a known slope.
+/// Observation of a probe spot that was shown with a known slope.
 struct ProbeSight {
   Vec2 offset_cpp;  ///< from the base subaperture's grating, cycles per SLM pixel
-  Vec2 at_px;       ///< where it was found
+  Vec2 at_px;       ///< position at which the spot was found
 };
 
 /// The affine map at = base_px + px_per_cycle * offset.
 struct Registration {
-  Vec2 base_cpp;  ///< grating of the base subaperture that base_px belongs to
+  Vec2 base_cpp;  ///< grating of the base subaperture, whose spot is at base_px
   PxPerCycle px_per_cycle;
   Vec2 base_px;
-  /// Standard error of each element, from the residuals of the fit.
+  /// Standard error of each element of px_per_cycle, from the residuals of the fit.
   PxPerCycle standard_error;
   Vec2 base_standard_error_px;
   double residual_px = 0.0;  ///< RMS residual over x and y
@@ -32,19 +32,20 @@ struct Registration {
   std::int64_t t_taken_ns = 0;  ///< UNIX epoch UTC; 0: unknown
 };
 
-/// The same map, with the base of another grating.
+/// Registration with the base moved to another grating, `base_cpp` (cycles per SLM pixel); the
+/// affine map is unchanged.
 Registration rebased(const Registration& registration, Vec2 base_cpp);
 
 /// Least-squares fit. Errors (Errc::refused): fewer than 4 observations, or all nearly on one line.
 Result<Registration> fit_registration(std::span<const ProbeSight> sights);
 
-/// Finds the only spot in `light`, a mean image minus the same without the spot (DN, NaN where
-/// unknown). None if nothing stands out of the noise. The size of `spots` may be wrong by a third.
-/// Accurate to a fraction of lambda/d: a start for find_probe.
+/// Finds the only spot in `light`: a mean image with the spot minus one without (DN, NaN where
+/// unknown). None if no spot stands out of the noise. The spot size in `spots` may be wrong by a
+/// third. The position is accurate to a fraction of lambda/d: a start for find_probe.
 std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots);
 
-/// The same position with the precision of PositionFit, which starts at `start_px`. None if it does
-/// not find the spot there.
+/// Probe spot position with the precision of PositionFit, which starts at `start_px` (camera
+/// pixels). None if PositionFit does not find the spot.
 std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px);
 
 }  // namespace ovws

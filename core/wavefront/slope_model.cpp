@@ -15,10 +15,11 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kMinRadius = 0.1;  // a wide kernel reads almost the gradient at the centre
 
-/// The ring of the zero of Psi. With the pupil field P = exp(i l t) and the kernel's transfer
-/// function g(a) = exp(-(pi w |a| / d)^2), Psi(0) = 0. A small phase phi shifts the zero by the
-/// mean of phi under q(a) = Re conj(P(a)) integral P(b) (a - b) g(a - b) db. By symmetry q points
-/// along a, so that a = (r, 0) suffices. `kernel_radius`: w, units of lambda/d.
+/// Ring radius of trackers that find the zero of Psi (LG, weighted). With the pupil field P = exp(i
+/// l t) and the kernel's transfer function g(a) = exp(-(pi w |a| / d)^2), Psi(0) = 0. A small phase
+/// phi shifts the zero by the mean of phi under q(a) = Re conj(P(a)) integral P(b) (a - b) g(a - b)
+/// db. By symmetry q points along a, so that a = (r, 0) suffices. `kernel_radius`: w, units of
+/// lambda/d.
 double kernel_ring(int charge, double kernel_radius) {
   constexpr int kRings = 24, kAngles = 48;                  // midpoint rule
   const double k = std::pow(0.5 * kPi * kernel_radius, 2);  // radius of the pupil = 1 = d/2

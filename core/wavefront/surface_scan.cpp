@@ -12,10 +12,11 @@ namespace ovws {
 namespace {
 
 constexpr int kRings = 4;
-constexpr int kOrder = 10;  // radial
+constexpr int kOrder = 10;  // maximum radial order
 constexpr int kModes = kOrder * (kOrder + 3) / 2;
-// The prior's weight of a mode of radial order kPriorOrder, relative to that of its slopes. The
-// result is insensitive to it: a third of it changes a mode by 0.001 waves of 0.3.
+// The prior's weight of a mode of radial order kPriorOrder, relative to the weight of the mode's
+// slopes. The result is insensitive to the weight: a third of kPrior changes a mode by 0.001 waves
+// of 0.3.
 constexpr double kPrior = 1e-3;
 constexpr double kPriorOrder = 4.0;
 constexpr double kMinFoundShare = 0.9;

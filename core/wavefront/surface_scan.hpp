@@ -10,9 +10,9 @@
 
 namespace ovws {
 
-/// Positions of the probe's aperture, SLM pixels from the pupil's centre: 61, in the middle and on
-/// 4 rings. The outermost apertures touch the pupil's edge from inside, because high orders are
-/// undetermined where no aperture reaches.
+/// Scan positions of the probe's aperture, SLM pixels from the pupil's centre: 61 positions, in the
+/// middle and on 4 rings. The outermost apertures touch the pupil's edge from inside, because high
+/// orders are undetermined where no aperture reaches.
 struct ScanGrid {
   double pupil_diameter_px = 0.0;
   double probe_diameter_px = 0.0;
@@ -48,7 +48,7 @@ class ScanFit {
  private:
   ScanGrid grid_;
   std::vector<int> modes_j_;
-  Eigen::MatrixXd slopes_;  ///< as of slope_matrix
+  Eigen::MatrixXd slopes_;  ///< as computed by slope_matrix
 };
 
 }  // namespace ovws

@@ -36,11 +36,11 @@
 namespace ovws {
 namespace {
 
-constexpr int kMeasurementQueue = 1000;  ///< messages per subscriber; some kB each
+constexpr int kMeasurementQueue = 1000;  ///< messages queued per subscriber; some kB each
 constexpr double kStopTimeoutS = 1.2;
-constexpr double kRecordingTimeoutS = 10.0;  ///< without progress, while a recording ends
+constexpr double kRecordingTimeoutS = 10.0;  ///< longest pause of the disk at a recording's end
 constexpr double kDiskPollS = 0.2;
-constexpr int kImageQueue = 4;  ///< images per subscriber; 1 MiB or more each
+constexpr int kImageQueue = 4;  ///< images queued per subscriber; 1 MiB or more each
 constexpr double kExitTimeoutS = 1.8;
 
 std::atomic<int> exit_status{0};
@@ -52,8 +52,8 @@ static_assert(std::atomic<int>::is_always_lock_free, "a signal handler reads it"
   std::_Exit(exit_status.load());
 }
 
-/// Ends the process by SIGALRM after `patience_s`. A display that no longer answers may block the
-/// main thread when no other thread is left to end the process.
+/// Ends the process by SIGALRM after `patience_s`. The alarm is needed because a display that does
+/// not respond may block the main thread after all other threads have ended.
 void exit_by_alarm_after(double patience_s) {
   std::signal(SIGALRM, [](int /*signal*/) {
     static constexpr char kMessage[] =
@@ -68,7 +68,8 @@ void exit_by_alarm_after(double patience_s) {
 
 }  // namespace
 
-/// In the order of construction, dependencies first; destroyed in reverse.
+/// Parts of the daemon, declared in the order of construction: dependencies first. Members are
+/// destroyed in reverse order.
 struct App::Parts {
   Config config;
   Guarded<LoadedConfig> loaded;
@@ -76,7 +77,7 @@ struct App::Parts {
   Counters counters;
   StreamQueue queue;
   Events events{queue};
-  std::unique_ptr<ClientGuard> clients;  ///< before all sockets
+  std::unique_ptr<ClientGuard> clients;  ///< outlives all sockets, which use its gate
   Disk disk;
   DaemonStore store{config.state, events, &disk};
   ExperimentArchive experiments{store};
@@ -215,15 +216,15 @@ Result<void> App::Parts::bind_control() {
   return {};
 }
 
-/// Starts consumers before producers, so that no output is lost; stop_all joins in the reverse
-/// order.
+/// Starts all threads, consumers before producers, so that no output is lost. stop_all joins the
+/// threads in reverse order.
 Result<void> App::Parts::start_threads() {
   if (auto locked = threads.prepare_process(); !locked) return locked;
   struct Start {
     ThreadRole role;
     Agent& agent;
   };
-  // Started first, so joined last: a fit takes a fraction of a second to end.
+  // Threads that fit are started first and so joined last: a fit takes up to a second to end.
   std::vector<Start> starts{{ThreadRole::refine, *refiner}, {ThreadRole::search, *search},
                             {ThreadRole::publish, *stream}, {ThreadRole::disk, disk},
                             {ThreadRole::write, recorder},  {ThreadRole::record, recorder.taker()},
@@ -238,7 +239,7 @@ Result<void> App::Parts::start_threads() {
   starts.push_back({ThreadRole::camera, camera});
   starts.push_back({ThreadRole::procedure, *procedures});
   starts.push_back({ThreadRole::loop, *loop});
-  disk.begin();  // before any thread that could post to it
+  disk.begin();  // before the start of any thread that may post work to the disk thread
   for (const Start& start : starts) {
     if (auto started = threads.start(start.role, start.agent); !started) return started;
   }
@@ -279,9 +280,9 @@ Result<void> App::run(const std::atomic<bool>& stop) {
   return parts_->stop();
 }
 
-/// Writes the end of a recording and the queued state items for as long as the disk makes progress.
-/// Gives up after kRecordingTimeoutS (while a recording ends) or kStopTimeoutS (else) without
-/// progress. Errors say what is lost.
+/// Writes the end of a recording and the queued state items. Gives up if the disk makes no progress
+/// for kRecordingTimeoutS while a recording ends, or else for kStopTimeoutS. The error says which
+/// data is lost.
 Result<void> App::Parts::end_disk_work() {
   const std::vector<ThreadRole> roles{ThreadRole::write, ThreadRole::disk};
   const bool recording = recorder.report().state == "recording";
@@ -311,8 +312,8 @@ Result<void> App::Parts::end_disk_work() {
                           recorder.lost_at_stop(), recorder.report().file.value_or("")));
 }
 
-/// Reports state items that were not written. An item that the disk refused was reported then, so
-/// only a disk that did not answer is an error here.
+/// Reports state items that were not written. If the disk has refused a write, that failure has
+/// been reported already, so this is only a warning. A disk that did not answer is an error.
 Result<void> App::Parts::check_unwritten() {
   const int items = store.queued();
   if (items == 0) return {};
@@ -326,15 +327,15 @@ Result<void> App::Parts::check_unwritten() {
   return fail(Errc::unavailable, "state", text + ": the disk has not answered");
 }
 
-/// Status thread.
+/// Ends the process while a display that does not respond blocks the main thread. Status thread.
 void App::Parts::end_without_display() {
   if (ending.exchange(true)) return;
   exit_now("the display does not respond", end_disk_work());
 }
 
-/// Stops the parts in order of dependency. Procedures and the loop need the camera, which needs the
-/// frame path. Camera and sensor answer their pending requests before the control thread ends. Then
-/// the disk thread finishes their pending work. All other threads end last.
+/// Stops the threads, users before the threads that they need. Procedures and the closed loop end
+/// first. Camera and sensor then answer their pending requests, while the control thread still
+/// runs. Next the disk thread finishes its pending work. All other threads end last.
 Result<void> App::Parts::stop() {
   while (ending.exchange(true)) ::pause();  // the status thread is ending the process
   service::notify_stopping();

@@ -10,22 +10,23 @@
 
 namespace ovws {
 
-/// Main thread only, unless stated otherwise.
+/// The whole daemon. Call all methods in the main thread, unless stated otherwise.
 class App {
  public:
-  /// Errors are those that waiting cannot repair: a configuration that makes no usable sensor, or a
-  /// port or state folder in use. An absent camera or display is not an error.
+  /// Creates all parts and opens the sockets. Errors: the configuration makes no usable sensor, or
+  /// a port or the state folder is in use. An absent camera or display is no error: the daemon
+  /// waits.
   static Result<std::unique_ptr<App>> make(const LoadedConfig& loaded);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Starts the threads, shows holograms until `stop` is set, then stops everything in order.
-  /// Errors: a missing privilege under `"realtime": "enforce"`, the failure of a thread that ends
-  /// the daemon, or data that could not be written at the stop.
+  /// Starts the threads, shows holograms until `stop` is set, then stops all threads in order.
+  /// Errors: a privilege is missing under `"realtime": "enforce"`; a thread failed without which
+  /// the daemon cannot continue; data could not be written at the stop.
   Result<void> run(const std::atomic<bool>& stop);
-  /// Thread-safe and async-signal-safe: requests a reload of the configuration file while `run`
-  /// lasts.
+  /// Requests a reload of the configuration file. Thread-safe and async-signal-safe, so that the
+  /// SIGHUP handler may call this method while `run` lasts.
   void reload();
 
  private:

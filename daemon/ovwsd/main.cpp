@@ -43,9 +43,9 @@ int log_failure(const ovws::Error& error) {
   return 1;
 }
 
-/// Reserves the file descriptors 0 to 2 for standard input, output and the log, opening /dev/null
-/// where one is closed. Raises the limit of open files (RLIMIT_NOFILE) to its maximum, since each
-/// client costs a descriptor.
+/// File descriptors 0 to 2: opens /dev/null for each closed one, so that no other file takes the
+/// place of standard input, output or the log. Raises the limit of open files (RLIMIT_NOFILE) to
+/// its maximum, because each client needs a descriptor.
 void prepare_descriptors() {
   int fd = ::open("/dev/null", O_RDWR);
   while (fd >= 0 && fd <= STDERR_FILENO) fd = ::open("/dev/null", O_RDWR);
@@ -56,26 +56,26 @@ void prepare_descriptors() {
   ::setrlimit(RLIMIT_NOFILE, &files);
 }
 
-/// Fixes malloc's mmap threshold, so that freed large blocks return to the system. Memory is locked
-/// (mlockall), so glibc's per-thread arenas only grow: to 150 MiB after some minutes of mixed
-/// commands. With all but small blocks mapped one by one they stay below 20 MiB. Call once, before
-/// any thread is created.
+/// Fixes malloc's mmap threshold, so that freed large blocks return to the system. Without it
+/// glibc's per-thread arenas, which are locked memory (mlockall), grow to 150 MiB after some
+/// minutes of mixed commands. With large blocks mapped one by one the arenas stay below 20 MiB.
+/// Call once, before any thread is created.
 void set_malloc_thresholds() {
-  constexpr int kLargeBytes = 128 << 10;  // glibc's initial value, which then no longer adapts
+  constexpr int kLargeBytes = 128 << 10;  // glibc's initial value; setting it disables adaptation
   constexpr int kSpareBytes = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, kLargeBytes);
   mallopt(M_TRIM_THRESHOLD, kSpareBytes);
 }
 
-/// Logs which saved values are active; warns if they cannot be used.
+/// Logs which saved settings are active, or a warning if the saved settings cannot be used.
 void report_saved(const ovws::LoadedConfig& loaded) {
   const std::string saved = ovws::describe_saved(loaded);
   if (saved.empty()) return;
   spdlog::log(loaded.unused_reason.empty() ? spdlog::level::info : spdlog::level::warn, saved);
 }
 
-/// Checks the files of `security`; false if the daemon could not use them. Warns if this user may
-/// not read the secret key.
+/// Checks the key files named in the section `security`. Returns false and logs the error if the
+/// daemon could not use the files. Warns if the current user may not read the secret key.
 bool has_usable_key_files(const std::string& path, const ovws::Config& config) {
   const ovws::KeyFileCheck keys = ovws::check_key_files(path, config);
   if (keys.error) {
@@ -127,7 +127,7 @@ int main(int argc, char** argv) {
   ovws::keep_stacks_small();
   set_malloc_thresholds();
   prepare_descriptors();
-  ::umask(::umask(0) | S_IWOTH);  // no socket file is ever writable by other users
+  ::umask(::umask(0) | S_IWOTH);  // no socket file may ever be writable by other users
   CLI::App line{"Real-time daemon for the Optical Vortex Wavefront Sensor"};
   std::string path;
   bool check_only = false;

@@ -121,7 +121,7 @@ Result<void> replace_file(const std::string& path, std::string_view content,
 
 Result<void> replace_secret_file(const std::string& path, std::string_view content,
                                  const FileCalls& calls) {
-  return replace(path, content, copy_secret_permissions, calls);  // mkostemps makes it 0600
+  return replace(path, content, copy_secret_permissions, calls);  // mkostemps sets mode 0600
 }
 
 Result<void> remove_file(const std::string& path, const FileCalls& calls) {

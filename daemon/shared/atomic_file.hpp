@@ -21,16 +21,16 @@ struct FileCalls {
 };
 
 /// Replaces a file: writes and syncs a temporary file in the same folder with the old file's owner
-/// and permissions, renames it over the old one, and syncs the folder. Follows a symbolic link and
+/// and permissions, renames it over the old file, and syncs the folder. Follows a symbolic link and
 /// replaces its target. Blocks on the disk. Errors (Errc::unavailable, field "path") say what to do
-/// and leave the old file unchanged; if only the sync of the folder fails, either file may exist
-/// after a power cut.
+/// and leave the old file unchanged; if only the sync of the folder fails, a power cut may leave
+/// the old or the new file.
 Result<void> replace_file(const std::string& path, std::string_view content,
                           const FileCalls& calls = {});
 
 /// Replaces a file that holds a secret: the new file has mode 0600 from its creation. It gets the
-/// old one's owner, and its permissions unless group or others had any. Replaces a symbolic link
-/// itself, not its target.
+/// old file's owner, and the old file's permissions unless group or others had any. Replaces a
+/// symbolic link itself, not its target.
 Result<void> replace_secret_file(const std::string& path, std::string_view content,
                                  const FileCalls& calls = {});
 

@@ -27,8 +27,8 @@ std::string host_of(const std::string& endpoint) {
   return endpoint.substr(kTcp.size(), colon - kTcp.size());
 }
 
-/// Empty for "tcp://HOST:PORT" and "ipc://PATH", otherwise an error text. ZeroMQ accepts more
-/// forms, but no daemon ever answers there.
+/// Empty for "tcp://HOST:PORT" and "ipc://PATH", otherwise an error text. ZeroMQ accepts further
+/// forms, but the daemon uses only these two.
 std::string check_endpoint(const std::string& endpoint) {
   if (!endpoint_fault(endpoint)) return {};
   return endpoint + " is not an endpoint: use tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
@@ -38,7 +38,8 @@ tl::unexpected<CallFailure> no_answer(const std::string& why) {
   return tl::make_unexpected(CallFailure{false, {{"message", why}}});
 }
 
-/// The client's keys from options or systemd credentials; none if neither is given.
+/// The client's keys from options or systemd credentials; none if there is neither a key option nor
+/// a credential.
 Result<std::optional<ClientKeys>> keys_of(const Common& common) {
   const std::string path = common.key_path.empty() ? credential_path(kCredential) : common.key_path;
   if (path.empty() && common.server_key.empty()) return std::nullopt;

@@ -21,13 +21,13 @@ namespace ovws::cli {
 constexpr int kOk = 0;
 constexpr int kError = 1;     ///< the daemon or the command returned an error
 constexpr int kUsage = 2;     ///< the command line is wrong
-constexpr int kNoDaemon = 3;  ///< no answer in time
+constexpr int kNoDaemon = 3;  ///< no daemon answered in time
 
 /// Options that all subcommands share.
 struct Common {
   std::string endpoint = "tcp://127.0.0.1:7702";
-  std::string key_path;    ///< empty: without keys
-  std::string server_key;  ///< empty: that of the key file
+  std::string key_path;    ///< empty: systemd credential ovws.key, or no keys
+  std::string server_key;  ///< the daemon's; empty: as in the key file
   bool json = false;
   double timeout_s = 3.0;
 };
@@ -49,7 +49,7 @@ tl::expected<nlohmann::json, CallFailure> call(const Common& common, const std::
                                                const nlohmann::json& params);
 
 /// Calls several methods without params in one JSON-RPC batch and returns their results in order.
-/// If one method fails, all fail.
+/// If one method fails, the whole call fails.
 tl::expected<std::vector<nlohmann::json>, CallFailure> call_all(
     const Common& common, const std::vector<std::string>& methods);
 
@@ -59,7 +59,7 @@ void add_connection_options(CLI::App& app, Common& common);
 /// Prints the failure on stderr (as JSON on stdout with --json); returns kError or kNoDaemon.
 int report_failure(const Common& common, const CallFailure& failure);
 
-/// Prints an error in the same way and returns kError.
+/// Prints an error on stderr (as JSON on stdout with --json) and returns kError.
 int report(const Common& common, const Error& error);
 
 /// Asks the daemon for a stream's endpoint (`key`: "endpoint" or "image_endpoint"), with the host

@@ -21,13 +21,13 @@ Result<KeyFile> load_key_file(const std::string& path);
 /// Path of the credential that systemd passed to this service by LoadCredential=; empty: none.
 std::string credential_path(const std::string& name);
 /// Writes a key file of mode 0600. Errors (field "path"): Errc::refused if it exists and `replace`
-/// is false. A replaced file keeps its owner. Replacement is atomic: readers find the old keys or
-/// the new ones, and an error leaves the old ones.
+/// is false. A replaced file keeps its owner. Replacement is atomic: readers find either the old
+/// keys or the new keys, and an error leaves the old keys.
 Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool replace);
 
-/// Reads a file and refuses it if it has any of the mode bits `forbidden` or belongs to another
-/// user than root or this one. Errors: as load_key_file; `secrecy` is the error text for these
-/// bits.
+/// Reads a file. Refuses a file that has any of the mode bits `forbidden`, or that belongs neither
+/// to root nor to this process's user. Errors: as load_key_file; `secrecy` is the error text for
+/// forbidden mode bits.
 Result<std::string> read_kept_file(const std::string& path, mode_t forbidden,
                                    const std::string& secrecy);
 

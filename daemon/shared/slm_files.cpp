@@ -14,8 +14,9 @@
 namespace ovws {
 namespace {
 
-/// Reads the numbers of a text file line by line, skipping lines without any; none if it cannot be
-/// read. Stops at the first word that is not a finite number and sets `bad` to it.
+/// Reads the numbers of a text file line by line, skipping lines without numbers. None if the file
+/// cannot be read. Stops at the first word that is not a finite number and copies that word to
+/// `bad`.
 std::optional<std::vector<std::vector<double>>> read_lines(const std::string& path,
                                                            std::string& bad) {
   std::ifstream file(path);

@@ -11,13 +11,13 @@
 
 namespace ovws {
 
-/// Loads 256 grey levels from 0 to 255, separated by white space, commas or semicolons; `#` begins
-/// a comment. Errors name field "slm.lut" and the wrong entry.
+/// Loads a look-up table: 256 grey levels from 0 to 255, separated by white space, commas or
+/// semicolons; `#` begins a comment. Errors name field "slm.lut" and the wrong entry.
 Result<PhaseLut> load_lut(const std::string& path);
 
-/// Loads the phase to add, in waves, with exactly width x height pixels: from a 16-bit greyscale
-/// PNG (65536 = 1 wave), or from text with one row of numbers (waves) per line. Errors name field
-/// "slm.flatness".
+/// Loads a flatness map: the phase to add, in waves, with exactly width x height pixels: from a
+/// 16-bit greyscale PNG (65536 = 1 wave), or from text with one row of numbers (waves) per line.
+/// Errors name field "slm.flatness".
 Result<std::shared_ptr<const Image<float>>> load_flatness(const std::string& path, int width,
                                                           int height);
 

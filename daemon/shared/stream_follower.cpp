@@ -7,7 +7,7 @@ namespace ovws::cli {
 namespace {
 
 constexpr std::chrono::seconds kRetryInterval{1};  ///< between requests to a missing daemon
-constexpr std::chrono::seconds kSilence{3};  ///< before the next request; status comes every second
+constexpr std::chrono::seconds kSilence{3};        ///< time without a message before a new request
 
 }  // namespace
 

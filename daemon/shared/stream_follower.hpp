@@ -10,17 +10,17 @@
 
 namespace ovws::cli {
 
-/// Asks the daemon for its stream's endpoint and subscribes. While no message arrives it does so
-/// again: a restarted daemon may use another endpoint, and libzmq does not repeat a connection that
-/// was rejected. One thread at a time.
+/// Subscriber that asks the daemon for the stream's endpoint. While no message arrives, it asks and
+/// subscribes again: a restarted daemon may use another endpoint, and libzmq does not retry a
+/// rejected connection. Use it from one thread at a time.
 class StreamFollower {
  public:
-  /// `key`: of the endpoint, as for stream_endpoint; `queue`: messages kept between two calls of
-  /// receive. A request for the endpoint takes at most `common.timeout_s`, and receive blocks for
-  /// that long in addition.
+  /// `key` selects the endpoint, as for stream_endpoint. `queue`: messages kept between two calls
+  /// of `receive`. `receive` may block for `common.timeout_s` longer while it asks for the
+  /// endpoint.
   StreamFollower(Common common, const char* key, std::vector<std::string> topics, int queue);
 
-  /// The next message; none if none arrives within `timeout`.
+  /// Returns the next message; none if no message arrives within `timeout`.
   std::optional<StreamMessage> receive(std::chrono::milliseconds timeout);
 
  private:

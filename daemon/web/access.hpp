@@ -16,13 +16,13 @@
 
 namespace ovws::web {
 
-enum class Right { page, look, control };  ///< each includes those before it
+enum class Right { page, look, control };  ///< each right includes the previous ones
 
 enum class Refusal { malformed, host, origin, method, path, size, token, right, command, full };
 constexpr std::size_t kRefusals = 10;
 struct RefusalRow {
   std::string_view name;
-  std::string_view reason;  ///< and what to do about it
+  std::string_view reason;  ///< error message with the remedy
   int status;               ///< HTTP status code
 };
 const RefusalRow& row_of(Refusal refusal);
@@ -44,10 +44,10 @@ struct Tokens {
   std::string control;  ///< empty: control is disabled
 };
 
-/// Tokens of 128 random bits.
+/// Makes tokens of 128 random bits; the control token only if `control` is true.
 Tokens make_tokens(bool control);
 
-/// The HTTP method and the right that a path requires. route_of: none if the path does not exist.
+/// HTTP method and right that a path requires. `route_of` returns none if the path does not exist.
 struct Route {
   std::string_view method;
   Right right;
@@ -56,14 +56,14 @@ std::optional<Route> route_of(std::string_view path);
 
 constexpr std::uint64_t kMaxBodyBytes = 64 * 1024;
 
-/// Immutable and thread-safe.
+/// Checks requests by host name, origin and token. Immutable and thread-safe.
 class Access {
  public:
   /// `hosts`: accepted values of the Host header, e.g. "127.0.0.1:7704", "localhost:7704".
   Access(std::vector<std::string> hosts, Tokens tokens);
 
-  /// Checks a request. Returns the right that its token gives, at least that which its path
-  /// requires.
+  /// Checks a request. Returns the right that the request's token grants, which is at least the
+  /// right that the path requires.
   tl::expected<Right, Refusal> judge(const RequestHead& head) const;
 
  private:
@@ -77,7 +77,7 @@ class Access {
 class RefusalLog {
  public:
   void add(Refusal refusal, const RequestHead& head, const std::string& peer);
-  /// {name: count since the start}
+  /// Number of refusals since the start, as {refusal name: count}.
   nlohmann::json counts() const;
 
  private:

@@ -36,7 +36,7 @@ json sensor_of(const json& sensor, const json& config_json) {
   return view;
 }
 
-/// The daemon's own limits; a device may allow less.
+/// Ranges that the daemon accepts, as JSON; a device may have smaller ranges.
 json limits_of_wire() {
   const auto range = [](const auto& limits) {
     return json{{"min", limits.min}, {"max", limits.max}};

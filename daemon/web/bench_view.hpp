@@ -16,18 +16,18 @@ class BenchView {
  public:
   explicit BenchView(const cli::Common& common) : common_(common) {}
 
-  /// Queries the daemon and returns the message for browsers. None if a query failed or nothing
-  /// changed. Call from one thread only.
+  /// Queries the daemon and returns the message for browsers. `pattern`: slm.pattern of `status`.
+  /// None if a query failed or nothing changed. Call from one thread only.
   std::optional<nlohmann::json> look(const std::string& pattern);
 
-  /// The hologram image drawn last; null: none yet, or the present one cannot be drawn (the message
-  /// of look says why). Thread-safe.
+  /// Newest hologram image. Null if no image was drawn yet, or if the current hologram cannot be
+  /// drawn; the message of `look` then gives the reason. Thread-safe.
   HologramImagePtr hologram() const { return hologram_.get(); }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// {"hologram_id", "crc32", "reason"} of the image; the reason says why there is none.
+  /// {"hologram_id", "crc32", "reason"} of the hologram image; "reason" says why there is no image.
   nlohmann::json hologram_of(const HologramSources& sources);
 
   const cli::Common& common_;

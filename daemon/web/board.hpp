@@ -15,11 +15,11 @@
 
 namespace ovws::web {
 
-/// Kinds of which only the newest message is kept.
+/// Message kinds of which only the newest message is kept.
 enum class Slot { status, bench, health, wavefront, refined, spots, image, phase };
 constexpr std::size_t kSlots = 8;
 
-/// Kinds with a history: the last kEventsKept and kTrendKept messages.
+/// Message kinds with a history: the last kEventsKept and kTrendKept messages.
 enum class Series { event, trend };
 constexpr std::size_t kSeries = 2;
 constexpr std::size_t kEventsKept = 100;
@@ -35,13 +35,14 @@ struct Packet {
 };
 using PacketPtr = std::shared_ptr<const Packet>;
 
-/// Thread-safe.
+/// Buffer of messages for the browsers. Thread-safe.
 class Board {
  public:
   void put(Slot slot, std::string bytes);
   void append(Series series, std::string bytes);
 
-  /// All messages newer than `seen`, oldest first; advances `seen`. 0: all messages.
+  /// Returns all messages newer than version `seen`, oldest first, and advances `seen`. Begin with
+  /// 0 for all messages.
   std::vector<PacketPtr> newer(std::uint64_t& seen) const;
 
  private:

@@ -80,7 +80,7 @@ void Feeds::take_numbers() {
   }
 }
 
-/// Subscribes only while a browser is connected.
+/// Subscribes to images and phase maps, but only while a browser is connected.
 void Feeds::take_images() {
   while (!stop_) {
     if (!watched()) {

@@ -32,7 +32,7 @@ struct ServerFacts {
 class SpotShelf {
  public:
   void add(std::uint64_t frame_id, std::string packet);
-  /// The spots of this frame; none if they have not arrived or are no longer kept.
+  /// The spots of this frame; none if the spots have not arrived or are no longer kept.
   std::optional<std::string> of_frame(std::uint64_t frame_id) const;
 
  private:
@@ -41,13 +41,14 @@ class SpotShelf {
   std::deque<std::pair<std::uint64_t, std::string>> kept_;
 };
 
-/// Holds the last valid frame on screen for a while. While the loop or a slider changes the
-/// hologram many times per second, most frames are not valid. One thread at a time.
+/// Holds the last valid frame on screen for a while, so that the page does not flicker. While the
+/// loop or a slider changes the hologram many times per second, most frames are not valid. Use it
+/// from one thread at a time.
 class HeldValid {
  public:
   explicit HeldValid(std::chrono::milliseconds hold) : hold_(hold) {}
 
-  /// Whether to show the next frame, which is valid or not.
+  /// Whether to show the next frame. `valid`: whether that frame is valid.
   bool shows(bool valid);
 
  private:
@@ -55,8 +56,8 @@ class HeldValid {
   std::chrono::steady_clock::time_point last_{};
 };
 
-/// Runs three threads from construction to destruction. The destructor joins them, which takes at
-/// most the timeout of one request.
+/// Feeds the board in three threads, from construction to destruction. The destructor joins the
+/// threads, which takes at most the timeout of one request.
 class Feeds {
  public:
   /// Threads of this class call `server_facts`. All arguments must outlive it.
@@ -90,10 +91,10 @@ class Feeds {
   BenchView view_;
   SpotShelf spots_;
   std::atomic<bool> stop_{false};
-  std::atomic<std::int64_t> hologram_change_{0};  ///< counts changes seen in `status`
+  std::atomic<std::int64_t> hologram_change_{0};  ///< counts changes in `status`
   std::atomic<Clock::rep> last_image_{0};
 
-  Guarded<std::string> pattern_;  ///< that the SLM shows
+  Guarded<std::string> pattern_;  ///< pattern that the SLM shows
 
   // Used only by the thread numbers_.
   BenchFacts facts_;
@@ -102,7 +103,7 @@ class Feeds {
   Trend trend_;
   HeldValid valid_wavefront_{std::chrono::milliseconds(500)};
 
-  // Used only by the thread pictures_: at most ten per second, few of which may be valid.
+  // Used only by the thread pictures_. Few phase maps may be valid, so each is held for longer.
   HeldValid valid_phase_{std::chrono::milliseconds(2000)};
 
   std::thread numbers_, pictures_, polling_;

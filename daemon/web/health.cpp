@@ -16,7 +16,7 @@ using nlohmann::json;
 constexpr double kSilentS = 3.0;  // status comes once per second
 constexpr double kNoFramesS = 1.5;
 constexpr double kRecentS = 10.0;
-constexpr double kMaxSaturated = 0.1;  // reference.take refuses more
+constexpr double kMaxSaturated = 0.1;  // fraction of the spots; reference.take refuses more
 constexpr std::array<const char*, 4> kNames{"good", "note", "warning", "bad"};
 
 class Findings {

@@ -26,16 +26,18 @@ struct HealthFinding {
   std::string text;  ///< the problem, and what to do
 };
 
-/// All findings, the worst first; a single one with `good` if nothing is wrong.
+/// Examines the bench. Returns all findings, the worst first; a single `good` finding if nothing is
+/// wrong.
 std::vector<HealthFinding> examine_bench(const BenchFacts& facts);
 
 /// The findings as a JSON array of {wellness, text} for the browser.
 nlohmann::json findings_json(const std::vector<HealthFinding>& findings);
 
-/// Increase of a counter of `status` in the last ten seconds. One thread at a time.
+/// Increase of a counter of `status` in the last ten seconds. Use it from one thread at a time.
 class RiseLately {
  public:
-  /// `t_s`: time of a monotonic clock. A smaller count than before means that the daemon restarted.
+  /// `t_s`: time of a monotonic clock. A count below the previous count means that the daemon
+  /// restarted.
   void add(double t_s, std::int64_t count);
   std::int64_t rise() const;
 

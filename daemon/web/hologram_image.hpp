@@ -1,5 +1,5 @@
-/// Image of the hologram for the browser. It is rendered here, with the daemon's own code, from the
-/// daemon's active settings; no pixels are transferred from the daemon.
+/// Image of the hologram for the browser. ovws-web renders it with the daemon's own code from the
+/// daemon's active settings, so that no pixels are transferred from the daemon.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct HologramImage {
 };
 using HologramImagePtr = std::shared_ptr<const HologramImage>;
 
-/// Results of the daemon's methods of these names.
+/// Replies of the daemon from which a hologram is rendered.
 struct HologramSources {
   nlohmann::json config;      ///< config.get
   nlohmann::json sensor;      ///< sensor.get

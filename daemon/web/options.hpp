@@ -12,9 +12,9 @@ namespace ovws::web {
 
 struct Options {
   cli::Common common;
-  std::string listen = "127.0.0.1:7704";  ///< also the host of the links
+  std::string listen = "127.0.0.1:7704";  ///< address to listen on, and host in the links
   std::vector<std::string> more_hosts;    ///< further accepted host names
-  std::string links_path;                 ///< empty: new tokens at each start, printed
+  std::string links_path;                 ///< empty: prints new tokens at each start
   bool control = false;
   bool cleartext = false;
 

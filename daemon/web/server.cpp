@@ -18,7 +18,7 @@ struct Server::Impl {
   std::list<Session*> sessions;  ///< oldest first
   net::io_context io{1};
   tcp::acceptor acceptor{io};
-  net::thread_pool callers{kCalls};  ///< drops the calls that wait, and ends first
+  net::thread_pool callers{kCalls};  ///< drops waiting calls; destroyed before `io`
 
   explicit Impl(ServerParts given) : parts(std::move(given)) {}
 

@@ -15,12 +15,12 @@
 
 namespace ovws::web {
 
-/// Concurrent connections. One more replaces the oldest connection without a token; if all have
-/// one, it is closed.
+/// Limit of concurrent connections. A further connection replaces the oldest connection without a
+/// valid token; if all have a token, the further connection is closed.
 constexpr std::size_t kMaxConnections = 64;
 constexpr int kMaxBrowsers = 16;  ///< concurrent streams
 
-/// What the server uses; all of it must outlive the server.
+/// Objects that the server uses. Each of them must outlive the server.
 struct ServerParts {
   const cli::Common& common;
   const Access& access;

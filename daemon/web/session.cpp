@@ -18,9 +18,9 @@ using std::chrono::milliseconds;
 constexpr std::size_t kMaxHeadBytes = 8 * 1024;
 constexpr milliseconds kRequestTimeout{5000};
 constexpr milliseconds kWriteTimeout{10'000};
-constexpr milliseconds kPollInterval{5};   ///< of the board, and of a call
+constexpr milliseconds kPollInterval{5};   ///< polls the board, or a pending call
 constexpr milliseconds kSendInterval{33};  ///< minimum interval of messages to a browser
-/// Small, because messages in the kernel's buffer for a slow browser are stale when it reads them.
+/// Socket send buffer. Small, because messages that wait there for a slow browser become stale.
 constexpr int kSendBufferBytes = 256 * 1024;
 
 /// Content Security Policy: only resources of this server, and no embedding in frames.
@@ -171,8 +171,8 @@ Task<void> Session::stream(const RequestHead& head, Right right) {
   co_await pump(right);
 }
 
-/// Sends all messages newer than those sent, repeatedly. While a slow browser receives, the board
-/// goes on, and the next read returns the newest messages of then.
+/// Sends new messages of the board to the browser, in a loop. While a slow browser receives, the
+/// board replaces messages, so that the next read returns only the newest messages.
 Task<void> Session::pump(Right right) {
   net::steady_timer timer(co_await net::this_coro::executor);
   const nlohmann::json hello{{"schema", "ovws.web.hello/1"},

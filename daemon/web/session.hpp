@@ -27,14 +27,15 @@ class Session {
   using Request = http::request_parser<http::string_body>;
 
   Task<void> serve();
-  /// Reads the request header. False: malformed (and answered) or disconnected.
+  /// Reads the request header. False if the request is malformed (then it was answered) or if the
+  /// browser has disconnected.
   Task<bool> read_head(Request& parser);
   Task<void> answer(http::status status, std::string_view type, std::string body);
   Task<void> refuse(Refusal why, const RequestHead& head);
   Task<void> stream(const RequestHead& head, Right right);
   Task<void> pump(Right right);
   /// Carries out a command in a thread of the pool, first come, first served. None if the browser
-  /// disconnects first; a call that has not begun is then not made.
+  /// disconnects first; a call that has not begun is then dropped.
   Task<std::optional<std::string>> reply_to(const Command& command);
   Task<void> rpc(Request& parser, const RequestHead& head);
   Task<void> hologram();

@@ -11,14 +11,15 @@ namespace ovws::web {
 
 constexpr std::int64_t kTrendBinNs = 500'000'000;
 
-/// One thread at a time.
+/// Accumulates trend statistics. Use it from one thread at a time.
 class Trend {
  public:
   /// Adds a `wavefront` message. If it begins a new bin, returns the message for browsers about the
-  /// bin that ended: `t_ns` (its end), `span_s`, `frames` and `gap` (received and lost), `lost_max`
-  /// (most spots lost in one frame), `latency_median_us`, `latency_max_us`, `j`; of the valid
-  /// frames since `j` last changed: `valid` (their number), `rms_waves` and `coefficients` (means),
-  /// `rms_max_waves`, which are null without a valid frame.
+  /// bin that ended. Over all frames: `t_ns` (end of the bin), `span_s`, `frames` and `gap` (frames
+  /// received and lost), `lost_max` (most spots lost in one frame), `latency_median_us`,
+  /// `latency_max_us`, `j`. Over the valid frames since `j` last changed: `valid` (their number),
+  /// `rms_waves` and `coefficients` (means), `rms_max_waves`. Without a valid frame, `valid` is 0
+  /// and the means and maximum are null.
   std::optional<nlohmann::json> add(const nlohmann::json& wavefront);
 
  private:

@@ -21,7 +21,7 @@ struct Listing {
   bool gige = false;
 };
 
-/// The one device that has this id or serial number.
+/// Looks up the camera that has this Aravis device id or serial number.
 Result<Listing> look_up(const std::string& id) {
   const auto cameras = list_cameras();
   if (const ListedCamera* const camera = find_listed(cameras, id)) {
@@ -40,10 +40,10 @@ struct FoundDevice {
   std::string address;  ///< IP address, or name of the USB device
 };
 
-/// Always opens by address. An IP address is used directly; an Aravis device id or serial number is
-/// looked up first, which takes about 1 s. Errc::unavailable, field "camera.id", if nothing answers
-/// (with a list of the cameras found) or another program controls the camera; both take at most
-/// about 6 s. Errc::invalid if `id` is empty.
+/// Finds and opens the camera by its address. An IP address is used directly; a device id or serial
+/// number is looked up first, which takes about 1 s. Errc::unavailable, field "camera.id", after at
+/// most about 6 s if no camera answers (an unknown id lists the cameras found) or another program
+/// controls the camera. Errc::invalid if `id` is empty.
 Result<FoundDevice> find_device(const std::string& id) {
   if (id.empty())
     return fail(Errc::invalid, kField,
@@ -55,7 +55,7 @@ Result<FoundDevice> find_device(const std::string& id) {
     listing = *listed;
   }
   GErrorSlot error;
-  // For an IP address open through the GigE interface only: otherwise Aravis searches all USB
+  // GigE cameras: open through the GigE interface only. arv_open_device would search all USB
   // devices first.
   GRef<ArvDevice> device(listing.gige
                              ? arv_interface_open_device(arv_gv_interface_get_instance(),
@@ -82,7 +82,7 @@ class AravisCamera final : public Camera {
   AravisCamera& operator=(const AravisCamera&) = delete;
   ~AravisCamera() override { AravisCamera::stop(); }
 
-  /// Prepares the opened device until it is ready to start.
+  /// Configures the opened camera and reads its settings; then `start` is possible.
   Result<void> set_up() {
     // A crashed client may have left the acquisition running; then a new start gives no frames.
     if (auto stopped = device_.execute("AcquisitionStop"); !stopped) return stopped;
@@ -121,7 +121,7 @@ class AravisCamera final : public Camera {
 
   void stop() override {
     if (!stream_) return;
-    // A camera that refuses cannot be helped here; start and apply will report it.
+    // AcquisitionStop errors are ignored: the next `start` or `apply` reports them.
     (void)device_.execute("AcquisitionStop");
     stream_.reset();
   }

@@ -27,7 +27,8 @@ in_addr_t ipv4_of(const sockaddr* address) {
   return reinterpret_cast<const sockaddr_in*>(address)->sin_addr.s_addr;
 }
 
-/// Local address of the route to `there`, found by connecting a UDP socket; none: no route.
+/// Local address on the route to `there`, found by connecting a UDP socket, which sends nothing.
+/// None if there is no route.
 std::optional<in_addr> own_address_towards(const UdpSocket& socket, const in_addr& there) {
   constexpr std::uint16_t kAnyPort = 3956;
   sockaddr_in to{};

@@ -1,4 +1,4 @@
-/// Finds and reads the GenICam features behind the camera port's settings.
+/// GenICam features of the camera port's settings: finds and reads them.
 #include "drivers/aravis/features.hpp"
 
 #include <algorithm>
@@ -109,8 +109,9 @@ CameraInfo CameraFeatures::info(const std::string& address) {
   return info;
 }
 
-/// Extent that a region must fit into. With binning it is smaller than the sensor, and on most
-/// cameras the reported maximum shrinks by the current offset.
+/// Usable sensor extent along one axis, pixels: a region must fit into it. Binning makes the extent
+/// smaller than the sensor. Most cameras reduce the reported maximum by the current offset, so the
+/// offset is added again.
 Result<int> CameraFeatures::sensor_extent(const char* sensor, const char* extent,
                                           const char* offset) {
   auto pixels = device_->number(sensor);

@@ -1,4 +1,4 @@
-/// Settings and limits of the camera port mapped to GenICam features, by SFNC and older names.
+/// GenICam features for the settings and limits of the camera port, with SFNC and older names.
 #pragma once
 
 #include <functional>
@@ -11,31 +11,32 @@
 
 namespace ovws {
 
-/// Sets the error's field to the setting at fault; the device knows only the feature.
+/// Sets an error's field to the setting that caused it, because the device reports only the
+/// feature.
 template <class T>
 Result<T> at_field(const char* field, Result<T> result) {
   if (!result) result.error().field = field;
   return result;
 }
 
-/// Camera thread only. The device must outlive it. A camera that offers only GainRaw has gain_raw
-/// in device-specific steps, whose value in dB is unknown.
+/// Camera features by name. Camera thread only. The device must outlive this object. A camera that
+/// offers only GainRaw has its gain in gain_raw: device-specific steps of unknown size in dB.
 class CameraFeatures {
  public:
-  /// Finds the feature names that this camera uses. Errc::device, with the feature, if one is
-  /// missing.
+  /// Finds the feature names that this camera uses. Errc::device, naming the feature, if a required
+  /// feature is missing.
   static Result<CameraFeatures> find(GenicamDevice& device);
 
-  /// Sets continuous acquisition without triggers, all automatic functions off, and a supported
+  /// Configures continuous acquisition: triggers and all automatic functions off, and a supported
   /// pixel format.
   Result<void> prepare();
   CameraInfo info(const std::string& address);
   Result<CameraLimits> limits();
   Result<CameraSettings> read();
 
-  /// Changes the camera from `current` to `wanted` and reads back. All or nothing: after an error
-  /// the camera has `current` again. If it stopped answering or was reset, the device is no longer
-  /// `alive`.
+  /// Changes the camera's settings from `current` to `wanted` and reads them back. After an error,
+  /// `current` is restored. If this fails, or the camera stopped answering or was reset, the device
+  /// is no longer `alive`.
   Result<CameraSettings> apply(const CameraSettings& wanted, const CameraSettings& current,
                                bool streaming);
 
@@ -55,10 +56,10 @@ class CameraFeatures {
                         CameraSettings& settings) const;
   Result<void> write_roi(const Roi& roi);
 
-  /// A number among the settings, and where this camera has it.
+  /// Numeric setting, and the GenICam feature in which this camera has it.
   struct Number {
-    const char* field;  ///< "camera.gain_db"
-    const char* what;   ///< in messages: "a gain"
+    const char* field;  ///< name of the setting in errors: "camera.gain_db"
+    const char* what;   ///< name in messages: "a gain"
     double CameraSettings::*value;
     const char* feature = nullptr;
   };
@@ -67,7 +68,7 @@ class CameraFeatures {
   bool gain_is_raw() const { return gain_.value == &CameraSettings::gain_raw; }
 
   GenicamDevice* device_;
-  Number gain_{"camera.gain_db", "a gain", &CameraSettings::gain_db};  ///< or that of gain_raw
+  Number gain_{"camera.gain_db", "a gain", &CameraSettings::gain_db};  ///< or gain_raw
   Number exposure_{"camera.exposure_us", "an exposure", &CameraSettings::exposure_us};
   Number rate_{"camera.frame_rate_hz", "a frame rate", &CameraSettings::frame_rate_hz};
   const char* sensor_width_ = nullptr;

@@ -1,4 +1,4 @@
-/// Checks the port's settings, writes them in an order that cameras accept, and rolls back on
+/// Camera settings: checks them, writes them in an order that cameras accept, and rolls back on an
 /// error.
 #include <cmath>
 #include <string>
@@ -37,8 +37,8 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
   if (auto suits = check_region_suits_format(fitted.pixel_format, fitted.roi); !suits)
     return fail(suits.error());
   if (auto done = fit_gain(current, *now, fitted); !done) return fail(done.error());
-  // The ranges of exposure and rate may depend on each other, so they are checked when written.
-  // They are checked here only if the two exclude each other, to report the better reason.
+  // Exposure and frame rate may limit each other's range, so write_time checks their ranges. They
+  // are checked here only if the exposure exceeds the frame period, to report the better reason.
   if (auto both = check_exposure_fits_rate(wanted, current); !both) {
     auto exposure =
         fit_value("camera.exposure_us", "an exposure", wanted.exposure_us, now->exposure_us);
@@ -50,7 +50,7 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
   return fitted;
 }
 
-/// Replaces the requested gain in `settings` by the one to write, in the camera's unit only.
+/// Replaces the requested gain in `settings` by the gain to write: rounded, in the camera's unit.
 Result<void> CameraFeatures::fit_gain(const CameraSettings& current, const CameraLimits& limits,
                                       CameraSettings& settings) const {
   const bool requested_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
@@ -92,7 +92,8 @@ Result<CameraSettings> CameraFeatures::apply(const CameraSettings& wanted,
   return applied;
 }
 
-/// Also checks control: a camera that was reset meanwhile answers with its power-up settings.
+/// Writes the settings and reads them back. Also checks the control privilege, because a camera
+/// that was reset meanwhile answers with its power-up settings.
 Result<CameraSettings> CameraFeatures::write_and_read(const CameraSettings& wanted,
                                                       const CameraSettings& current, Undo& undo) {
   if (auto done = write(wanted, current, undo); !done) return fail(done.error());
@@ -104,8 +105,8 @@ Result<CameraSettings> CameraFeatures::write_and_read(const CameraSettings& want
 
 Result<void> CameraFeatures::write(const CameraSettings& wanted, const CameraSettings& current,
                                    Undo& undo) {
-  // Frame size first, because the maximum rate depends on it. Exposure and rate limit each other on
-  // many cameras: write first the one that makes room for the other.
+  // Write the frame size first, because the maximum frame rate depends on it. On many cameras
+  // exposure and rate limit each other: a lower rate comes before the exposure, a higher one after.
   if (wanted.pixel_format != current.pixel_format) {
     const auto set = [this](PixelFormat format) {
       return at_field(
@@ -136,7 +137,7 @@ Result<void> CameraFeatures::write_roi(const Roi& roi) {
   const auto axis = [&](const char* offset, const char* extent, int begin,
                         int length) -> Result<void> {
     const bool movable = device_->has_number(offset);
-    // At offset 0 every extent is allowed; at the current offset it may not be.
+    // Set the offset to 0 first: the current offset may not leave room for the new extent.
     if (movable)
       if (auto done = device_->set_number(offset, 0); !done) return done;
     if (auto done = device_->set_number(extent, length); !done) return done;
@@ -146,7 +147,8 @@ Result<void> CameraFeatures::write_roi(const Roi& roi) {
   return axis("OffsetY", "Height", roi.y, roi.height);
 }
 
-/// Writes the exposure or the frame rate; the other one limits its range.
+/// Writes the exposure or the frame rate, checked against its current range: exposure and rate may
+/// limit each other.
 Result<void> CameraFeatures::write_time(const Number& number, const CameraSettings& wanted,
                                         const CameraSettings& current, Undo& undo) {
   auto range = at_field(number.field, device_->range(number.feature));

@@ -82,7 +82,7 @@ Result<Range<double>> GenicamDevice::range(const char* feature) {
   const bool real = ARV_IS_GC_FLOAT(arv_device_get_feature(device_.get(), feature));
   return ask("reading the limits of", feature, [&](GError** error) {
     Range<double> range;
-    // A missing increment is no error: most float features have none.
+    // A missing increment is no error: most float features have no increment.
     if (real) {
       arv_device_get_float_feature_bounds(device_.get(), feature, &range.min, &range.max, error);
       if (*error != nullptr) return range;

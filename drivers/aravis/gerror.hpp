@@ -1,4 +1,4 @@
-/// RAII for GLib: references as unique_ptr, GError to Error.
+/// RAII types for GLib: object references as unique_ptr, and conversion of GError to Error.
 #pragma once
 
 #include <arv.h>
@@ -21,7 +21,7 @@ struct GFree {
 template <class T>
 using GRef = std::unique_ptr<T, GObjectUnref>;
 
-/// Owner of the GError that one call may set.
+/// Owner of the GError that a GLib call may set.
 class GErrorSlot {
  public:
   GErrorSlot() = default;

@@ -21,14 +21,14 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::uint16_t kPort = 3956;
-constexpr std::uint16_t kDiscovery = 0x0002, kReadRegister = 0x0080;  // the acknowledge is this + 1
+constexpr std::uint16_t kDiscovery = 0x0002, kReadRegister = 0x0080;  // acknowledge: command + 1
 constexpr std::uint16_t kAccessDenied = 0x8006;
 constexpr std::size_t kHeaderBytes = 8;
 
-// Bootstrap registers.
+// GigE Vision bootstrap registers and the bits used in them.
 constexpr std::uint32_t kLinkSpeed = 0x0670, kControl = 0x0a00, kPacketSize = 0x0d04;
 constexpr std::uint32_t kControlBits = 0x3, kPacketSizeBits = 0xffff;
-// Offsets of the texts in a discovery acknowledge.
+// Byte offsets of the texts in a discovery acknowledge, and its length.
 constexpr std::size_t kVendor = 0x48, kModel = 0x68, kSerial = 0xd8, kDiscoveryBytes = 0xf8;
 
 struct Answer {
@@ -62,7 +62,7 @@ class Gvcp {
     return ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
   }
 
-  /// Sends a command, up to three times until it is acknowledged. None: no answer.
+  /// Sends a command and waits for its acknowledge, up to three times. None: no answer.
   std::optional<Answer> ask(std::uint16_t command, Bytes payload) {
     constexpr int kTries = 3;
     for (int i = 0; i < kTries; ++i) {
@@ -72,7 +72,7 @@ class Gvcp {
     return std::nullopt;
   }
 
-  /// Reads a register. None: no answer, or the camera refused with `status`.
+  /// Reads a register. None: no answer (`status` 0), or the camera refused (GVCP `status`).
   std::optional<std::uint32_t> read(std::uint32_t address, std::uint16_t& status) {
     const std::array<std::uint8_t, 4> payload{std::uint8_t(address >> 24),
                                               std::uint8_t(address >> 16),
@@ -111,7 +111,7 @@ class Gvcp {
       Answer answer;
       const ssize_t count = ::recv(socket_.get(), answer.bytes.data(), answer.bytes.size(), 0);
       if (count < ssize_t(kHeaderBytes)) {
-        if (count < 0) return std::nullopt;  // port unreachable
+        if (count < 0) return std::nullopt;  // ICMP error: no program listens on the port
         continue;
       }
       answer.count = std::size_t(count);

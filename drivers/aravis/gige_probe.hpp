@@ -1,5 +1,5 @@
-/// Probe of a GigE Vision camera that needs no control and works while another program controls it.
-/// Speaks GVCP itself, because Aravis takes control of every device that it opens.
+/// GigE Vision camera probe that takes no control, so it works while another program controls the
+/// camera. Implements GVCP itself, because Aravis takes control of every device that it opens.
 #pragma once
 
 #include <optional>
@@ -12,13 +12,13 @@ namespace ovws {
 struct GigeAnswer {
   std::string vendor, model, serial;
   bool controlled = false;               ///< a program controls the camera now
-  std::optional<int> link_mbps;          ///< of the camera's port, if it reports one
-  std::optional<int> packet_size_bytes;  ///< current one, if the camera reports it
+  std::optional<int> link_mbps;          ///< link speed of the camera's port, if reported
+  std::optional<int> packet_size_bytes;  ///< current stream packet size, if reported
 };
 
 /// Discovers the camera and reads its bootstrap registers; changes nothing. Errors, field
-/// "camera.id": Errc::unavailable after about 1 s if nothing answers at this IPv4 address,
-/// Errc::invalid if it is not one.
+/// "camera.id": Errc::unavailable after about 1 s if no camera answers at this address,
+/// Errc::invalid if it is not an IPv4 address.
 Result<GigeAnswer> ask_gige_camera(const std::string& address);
 
 }  // namespace ovws

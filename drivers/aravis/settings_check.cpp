@@ -1,4 +1,4 @@
-/// Range checks of settings; the errors name the value, the allowed range and the remedy.
+/// Range checks of camera settings. Error messages name the value, its range and the remedy.
 #include "drivers/aravis/settings_check.hpp"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ std::string describe(double value) {
   return text.str();
 }
 
-/// The largest extent up to `wanted` that the increment allows.
+/// Largest region width or height up to `wanted` that the camera's increment allows.
 int fit_extent(int wanted, const Range<int>& range) {
   const int step = std::max(range.increment, 1);
   return std::min(range.min + (wanted - range.min) / step * step, range.max);

@@ -1,5 +1,5 @@
-/// Detection of duplicate and late frames, which Aravis discards because it has already delivered
-/// their number or a later one.
+/// Detection of duplicate and late frames. Aravis discards a frame if it has already delivered this
+/// frame number or a later one.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +7,10 @@
 
 namespace ovws {
 
-/// Aravis delivers no duplicate or late GigE frame; it only counts the ignored packets. A frame's
-/// worth of them is one such frame: a late one if the stream has skipped numbers within the last
-/// 100 frames (Aravis's own bound), else a duplicate. So a duplicate soon after a lost frame counts
-/// as late. RT-safe.
+/// Counter of duplicate and late GigE frames. Aravis does not deliver them; it only counts their
+/// packets as ignored. As many ignored packets as a frame has count as one frame: late if the
+/// stream skipped a frame number within the last 100 frames (Aravis's own bound), else duplicate.
+/// So a duplicate soon after a lost frame counts as late. RT-safe.
 class StrayFrames {
  public:
   struct Counts {
@@ -20,7 +20,7 @@ class StrayFrames {
 
   explicit StrayFrames(std::uint64_t packets_per_frame) : packets_per_frame_(packets_per_frame) {}
 
-  /// Notes a delivered frame. An incomplete one has no number; see delivered_incomplete.
+  /// Records a delivered frame. For an incomplete frame, call delivered_incomplete.
   void delivered(std::uint64_t frame_id) {
     const std::uint64_t skipped = any_ && frame_id > last_ ? frame_id - last_ - 1 : 0;
     if (skipped > incomplete_) {
@@ -34,13 +34,13 @@ class StrayFrames {
   }
   void delivered_incomplete() { ++incomplete_; }
 
-  /// The frames discarded since the last call. `packets`: all packets ignored since the stream
-  /// began.
+  /// Counts the frames that Aravis discarded since the last call. `packets`: number of packets
+  /// ignored since the stream began.
   Counts discarded(std::uint64_t packets) {
     const std::uint64_t added = packets > packets_ ? packets - packets_ : 0;
     packets_ = std::max(packets_, packets);
-    // Reset when no packets are added, so that single ones (such as resent parts) never add up to a
-    // frame.
+    // Reset the count when no packets are added, so that single ignored packets (such as resent
+    // ones) never add up to a frame.
     rest_ = added > 0 ? rest_ + added : 0;
     Counts counts;
     for (; rest_ >= packets_per_frame_; rest_ -= packets_per_frame_) {

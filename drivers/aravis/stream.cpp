@@ -1,4 +1,4 @@
-/// Acquisition buffers, their circulation, and the transport settings.
+/// Acquisition stream: buffers, their way between Aravis and the caller, and transport settings.
 #include "drivers/aravis/stream.hpp"
 
 #include <pthread.h>
@@ -21,8 +21,8 @@ std::size_t round_up(std::size_t size, std::size_t unit) {
   return (size + unit - 1) / unit * unit;
 }
 
-/// GVSP packets per frame, with leader and trailer. The headers of IP, UDP and GVSP take 36 bytes
-/// of each.
+/// GVSP packets per frame, including leader and trailer; 1 for USB3. The headers of IP, UDP and
+/// GVSP take 36 bytes of each packet.
 std::uint64_t packets_per_frame(GenicamDevice& device, std::size_t payload_bytes) {
   constexpr std::size_t kHeaders = 36;
   if (!device.is_gige()) return 1;
@@ -31,7 +31,8 @@ std::uint64_t packets_per_frame(GenicamDevice& device, std::size_t payload_bytes
   return (payload_bytes + data - 1) / data + 2;
 }
 
-/// Called by Aravis in its receive thread: at its begin and end, and for each frame.
+/// Sets the receive thread's priority. Aravis calls this in that thread: at its start and end, and
+/// for each frame.
 void set_priority(void* priority, ArvStreamCallbackType type, ArvBuffer* /*buffer*/) {
   if (type != ARV_STREAM_CALLBACK_TYPE_INIT) return;
   sched_param parameters{};
@@ -47,8 +48,8 @@ Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config
   if (ARV_IS_UV_DEVICE(device.raw()))
     arv_uv_device_set_usb_mode(ARV_UV_DEVICE(device.raw()), ARV_UV_USB_MODE_ASYNC);
   if (!device.is_gige() || config.packet_size_bytes == 0) return {};
-  // When the first stream is created, Aravis requests a test packet of this size (if the camera can
-  // send one) and falls back to a smaller size if it does not arrive.
+  // When the first stream is created, Aravis requests a test packet of this size, if the camera can
+  // send test packets. If the packet does not arrive, Aravis uses a smaller size.
   auto sizes = device.range("GevSCPSPacketSize");
   if (!sizes) return fail(sizes.error());
   if (config.packet_size_bytes < sizes->min)
@@ -71,8 +72,8 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(GenicamDevice& device,
   GRef<ArvStream> stream(
       arv_device_create_stream(device.raw(), set_priority, GINT_TO_POINTER(priority), error.out()));
   if (!stream) return fail(error.to_error(Errc::device, "opening the stream"));
-  // Without CAP_NET_RAW frames come through this socket, whose default buffer would lose all of
-  // them. Packet resend stays on, Aravis's default.
+  // Without CAP_NET_RAW, frames arrive through this UDP socket; its default receive buffer is so
+  // small that all frames would be lost. Packet resend stays on (Aravis's default).
   if (ARV_IS_GV_STREAM(stream.get()))
     g_object_set(stream.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size", config.socket_buffer_bytes, nullptr);
@@ -105,7 +106,7 @@ bool AravisStream::allocate(std::size_t payload_bytes, int count) {
   const std::size_t total = pitch * std::size_t(count);
   memory_.reset(static_cast<std::byte*>(std::aligned_alloc(page, total)));
   if (!memory_) return false;
-  // Pre-faulted, so that the receive path has no page faults.
+  // Write all pages now (pre-fault), so that the receive path has no page faults.
   std::memset(memory_.get(), 0, total);
   lent_.assign(std::size_t(count), nullptr);
   released_.reserve(std::size_t(count));
@@ -153,7 +154,7 @@ std::optional<AravisStream::PacketCounts> AravisStream::packet_counts(ArvStream*
 
 void AravisStream::count_strays() {
   if (!packets_) return;
-  // Ignored packets include those without a free buffer, whose frames are simply missing.
+  // Subtract packets for which no buffer was free: their frames are lost, not duplicate or late.
   const std::uint64_t ignored = arv_stream_get_info_uint64(stream_.get(), packets_->ignored);
   const std::uint64_t without_buffer =
       arv_stream_get_info_uint64(stream_.get(), packets_->without_buffer);
@@ -162,7 +163,7 @@ void AravisStream::count_strays() {
   unreported_.out_of_order += counts.out_of_order;
 }
 
-/// Reports the next discarded frame that was not reported yet. Timeout: there is none.
+/// Reports the next discarded frame not yet reported; GrabStatus::timeout if none is left.
 GrabStatus AravisStream::stray() {
   if (unreported_.out_of_order > 0) {
     --unreported_.out_of_order;

@@ -1,4 +1,4 @@
-/// One running acquisition: Aravis receives into page-aligned buffers owned here, which are lent
+/// Stream of one acquisition: owns page-aligned buffers into which Aravis receives, and lends them
 /// out frame by frame.
 #pragma once
 
@@ -23,15 +23,15 @@ struct FrameShape {
   PixelFormat format = PixelFormat::mono8;
 };
 
-/// Sets packet size (GigE) and transfer mode (USB3). Call it before a stream is created.
+/// Sets packet size (GigE) and transfer mode (USB3). Call this before a stream is created.
 Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config);
 
-/// Created and destroyed in the camera thread; `grab` and `release` belong to the acquisition
-/// thread. Creation does not start the camera. Destruction takes up to 5 s if the camera does not
-/// answer.
+/// Acquisition stream, created and destroyed in the camera thread. Only the acquisition thread
+/// calls `grab` and `release`. Creation does not start the camera. Destruction takes up to 5 s if
+/// the camera does not answer.
 class AravisStream {
  public:
-  /// `ids` must outlive the stream; only grab uses it.
+  /// Creates the stream and its buffers. `ids` must outlive the stream; only `grab` uses it.
   static Result<std::unique_ptr<AravisStream>> open(GenicamDevice& device,
                                                     const AravisConfig& config,
                                                     const FrameShape& shape, FrameIdUnwrapper& ids);
@@ -39,10 +39,12 @@ class AravisStream {
   AravisStream(const AravisStream&) = delete;
   AravisStream& operator=(const AravisStream&) = delete;
 
-  /// Arrival times are taken right after the frame was popped, so they include the thread's wake-up
-  /// latency. A damaged frame, or one of another shape, is `incomplete`.
+  /// Waits for the next frame. The arrival time is taken right after the frame leaves Aravis's
+  /// queue, so it includes the thread's wake-up latency. A damaged frame, or a frame of unexpected
+  /// size, is reported as `incomplete`.
   GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout);
-  /// The buffer is requeued at the next grab, because Aravis's queue locks and allocates.
+  /// Takes a lent buffer back. Only the next `grab` requeues the buffer, because Aravis's queue
+  /// locks and allocates.
   void release(int slot) OVWS_NONBLOCKING;
 
  private:
@@ -54,7 +56,8 @@ class AravisStream {
   void count_strays();
   bool view_image(ArvBuffer* buffer, ImageView& image) const;
 
-  /// Indices of Aravis's stream statistics, looked up once: a lookup by name is a search.
+  /// Indices of Aravis's packet counters in its stream statistics. Looked up once, because a lookup
+  /// by name searches the list.
   struct PacketCounts {
     guint ignored = 0, without_buffer = 0;
   };
@@ -69,10 +72,10 @@ class AravisStream {
   StrayFrames strays_;
   StrayFrames::Counts unreported_;
   std::optional<PacketCounts> packets_;      ///< none for USB cameras, which have no packets
-  std::unique_ptr<std::byte, Free> memory_;  // outlives the stream, which writes into it
+  std::unique_ptr<std::byte, Free> memory_;  // declared before stream_, which writes into it
   GRef<ArvStream> stream_;
-  std::vector<ArvBuffer*> lent_;      // by slot; null unless lent out
-  std::vector<ArvBuffer*> released_;  // never grows beyond its first reservation
+  std::vector<ArvBuffer*> lent_;      // lent buffers by slot; null: not lent
+  std::vector<ArvBuffer*> released_;  // to be requeued; reserved once, so it never allocates
 };
 
 }  // namespace ovws

@@ -14,7 +14,7 @@ class UdpSocket {
   }
   UdpSocket(const UdpSocket&) = delete;
   UdpSocket& operator=(const UdpSocket&) = delete;
-  int get() const { return fd_; }  ///< negative: it could not be opened
+  int get() const { return fd_; }  ///< descriptor; negative: the socket could not be opened
 
  private:
   int fd_;

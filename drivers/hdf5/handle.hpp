@@ -12,7 +12,7 @@ class Handle {
   using Close = herr_t (*)(hid_t);
 
   Handle() = default;
-  /// A negative id, as a failed call returns it, is an empty handle.
+  /// A failed HDF5 call returns a negative id, which makes an empty handle.
   Handle(hid_t id, Close closer) : id_(id), close_(closer) {}
   Handle(Handle&& other) noexcept
       : id_(std::exchange(other.id_, H5I_INVALID_HID)), close_(other.close_) {}
@@ -25,7 +25,7 @@ class Handle {
   Handle& operator=(const Handle&) = delete;
   ~Handle() { (void)close(); }
 
-  /// False if the library could not close the object.
+  /// Closes the object; false if the HDF5 library could not close it.
   bool close() {
     const hid_t id = std::exchange(id_, H5I_INVALID_HID);
     return id < 0 || close_(id) >= 0;

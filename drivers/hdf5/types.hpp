@@ -8,7 +8,7 @@
 
 namespace ovws::hdf5 {
 
-/// Compound type of `size` bytes. Memory and file have the same byte order: little-endian.
+/// HDF5 compound type of a row of `size` bytes. Memory and file both use little-endian byte order.
 Handle row_type(std::span<const RecordedField> fields, std::size_t size);
 
 }  // namespace ovws::hdf5

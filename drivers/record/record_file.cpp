@@ -21,11 +21,11 @@ namespace {
 
 using hdf5::Handle;
 
-constexpr hsize_t kTableChunk = 1024;   // rows
-constexpr hsize_t kNumberChunk = 8192;  // rows of spots, and of coefficients
+constexpr hsize_t kTableChunk = 1024;   // rows per chunk of a dataset
+constexpr hsize_t kNumberChunk = 8192;  // rows per chunk of the datasets spots and coefficients
 constexpr hsize_t kTextChunk = 1 << 16;
-// Deflate, compatible with HDF5's built-in filter. Two to four times as fast as higher levels,
-// which save only a few percent.
+// Deflate level, compatible with HDF5's built-in filter. Level 1 is two to four times as fast as
+// higher levels, which save only a few percent more.
 constexpr int kDeflateLevel = 1;
 constexpr unsigned kDeflated = 0;      // filter mask of H5Dwrite_chunk: all filters applied
 constexpr unsigned kUncompressed = 1;  // filter mask: the first filter (deflate) is skipped
@@ -192,7 +192,7 @@ struct RecordFile::Impl {
   }
 };
 
-/// Compresses losslessly. Empty if the image would not become smaller.
+/// Deflate compression, lossless. Empty if the image would not become smaller.
 std::span<const std::byte> RecordFile::Impl::pack(std::span<const std::byte> picture) {
   if (!compressor) return {};
   return std::span(packed).first(libdeflate_zlib_compress(
@@ -215,7 +215,7 @@ bool RecordFile::Impl::create_tables(const RecordingHeader& header) {
          write_units(file, "summary", kSummaryFields);
 }
 
-/// Switches to SWMR writing: from here on the library writes data before references to it.
+/// Switches to SWMR writing: from here on HDF5 writes data before the references to the data.
 bool RecordFile::Impl::begin_swmr() {
   if (H5Fstart_swmr_write(file) < 0) return false;
   pictures = Handle(H5Dopen2(file, "pictures", H5P_DEFAULT), H5Dclose);
@@ -316,7 +316,7 @@ std::uint64_t RecordFile::pictures() const {
   return impl_->broken ? impl_->flushed_images : impl_->image_count;
 }
 std::uint64_t RecordFile::bytes() const {
-  std::error_code failed;  // works for a closed file, too
+  std::error_code failed;  // the size by path works for a closed file, too
   const std::uintmax_t size = std::filesystem::file_size(impl_->path, failed);
   return failed ? 0 : size;
 }
@@ -327,7 +327,8 @@ bool RecordFile::in_place() const {
          now.st_dev == impl_->created.st_dev;
 }
 
-/// Appends rows of `frames` last, so that everything they refer to is already written.
+/// Appends the rows of `frames` last, so that the spots, coefficients and images that they refer to
+/// are already written.
 bool RecordFile::Impl::append_all() {
   return text.flush() &&
          documents.append(std::span<const RecordedDocument>(new_documents), document_type) &&

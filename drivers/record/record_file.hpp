@@ -14,30 +14,31 @@
 
 namespace ovws {
 
-/// One thread at a time. Unless stated otherwise errors are Errc::unavailable, field "path", and
-/// the reason names the remedy. After a failed write the file holds everything up to the last
-/// flush, and every later write fails.
+/// Recording file; only one thread at a time may use it. Unless stated otherwise, errors are
+/// Errc::unavailable with the field "path", and the reason names the remedy. After a failed write
+/// the file holds everything up to the last flush, and every later write fails.
 class RecordFile {
  public:
   /// Errors: the file exists already, or cannot be created; no new file is left behind.
   static Result<std::unique_ptr<RecordFile>> create(const std::string& path,
                                                     const RecordingHeader& header);
 
-  /// Writes an image without padding and returns its row in `pictures`. `compress` false: stored
-  /// uncompressed, which takes no CPU time.
+  /// Writes an image without padding and returns its row in `pictures`. With `compress` false the
+  /// image is stored uncompressed, which saves CPU time.
   Result<std::int64_t> add_image(std::span<const std::byte> pixels, bool compress);
-  /// Buffered until the next flush. Fills in first_spot, spots, first_coefficient and coefficients.
+  /// Adds a frame, buffered until the next flush. Fills in its first_spot, spots, first_coefficient
+  /// and coefficients.
   void add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
                  std::span<const float> coefficients);
   /// Adds a document that applies from the next added frame on. `kind` has at most 15 bytes.
-  /// Errc::refused if the file has reached a reader's limit of documents.
+  /// Errc::refused if more documents or text would exceed the limits of RecordingReader.
   Result<void> add_document(std::string_view kind, std::string_view sha256, std::string_view text);
 
-  // Rows added so far; after a failed write, those that are certainly in the file.
+  // Number of rows added so far; after a failed write, the number that is certainly in the file.
   std::uint64_t frames() const;
   std::uint64_t pictures() const;
   std::uint64_t bytes() const;  ///< current size of the file
-  /// False if the file was removed, or replaced by another one of its name.
+  /// Whether the file is still at its path: false if it was removed or replaced by another file.
   bool in_place() const;
 
   /// Hands everything added so far to the kernel, where it survives a kill of this process.

@@ -20,9 +20,8 @@ using hdf5::Handle;
 constexpr hsize_t kMaxRows = hsize_t(1) << 34;
 constexpr hsize_t kMaxChunkBytes = 64 << 20;
 constexpr std::uint32_t kMaxPartsPerFrame = 4096;  // spots or coefficients of one frame
-// Metadata that an active writer is replacing is complete within microseconds. HDF5 doubles its
-// wait before each retry and by default makes a hundred attempts, which never ends on a damaged
-// file.
+// Metadata read attempts: an active writer replaces metadata within microseconds. HDF5 doubles its
+// wait before each retry. Its default of a hundred attempts never ends on a damaged file.
 constexpr unsigned kReadAttempts = 20;
 constexpr int kMaxSidePx = 1 << 16;
 constexpr std::size_t kMaxAttributeBytes = 256;
@@ -33,7 +32,7 @@ struct FreeDecompressor {
   }
 };
 
-/// One dataset of one dimension.
+/// One-dimensional dataset and its number of rows.
 struct Rows {
   Handle set;
   hsize_t count = 0;
@@ -77,14 +76,15 @@ bool read_attribute(hid_t file, const char* name, std::string& text) {
   return true;
 }
 
-/// Whether the file is large enough for so many rows, which are stored uncompressed. Protects from
-/// huge allocations.
+/// Whether the file is large enough for `rows` uncompressed rows. The check prevents huge
+/// allocations for a damaged file.
 bool fits_file_size(hid_t file, hsize_t rows, std::size_t row_bytes) {
   hsize_t bytes = 0;
   return H5Fget_filesize(file, &bytes) >= 0 && rows <= bytes / row_bytes;
 }
 
-/// Opens a dataset. False unless it exists, has exactly this type, and its chunks fit into memory.
+/// Opens a dataset. False unless it exists, has exactly the type `type`, and its chunks fit into
+/// memory.
 bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, hsize_t max_rows,
                Rows& out) {
   out.set = Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
@@ -121,7 +121,7 @@ std::string text_of(const std::array<char, N>& text) {
   return {text.begin(), std::find(text.begin(), text.end(), '\0')};
 }
 
-/// Why a file cannot be opened, found without HDF5, which gives no reason.
+/// Reason why a file cannot be opened, found by system calls because HDF5 gives no reason.
 std::string open_failure(const std::string& path) {
   if (::faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) == 0) {
     return "cannot be opened as HDF5: it is damaged, or not a recording";
@@ -257,7 +257,7 @@ bool RecordingReader::Impl::read_frames() {
 
 Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string& path) {
   hdf5::silence_errors();
-  H5PLset_loading_state(0);  // no filter plug-ins requested by the file
+  H5PLset_loading_state(0);  // load no filter plug-ins that the file requests
   auto impl = make_hidden<Impl>();
   impl->path = path;
   if (!impl->open_file()) {

@@ -18,8 +18,8 @@ struct RecordedText {
   std::string text;
 };
 
-/// One thread at a time. Also reads a recording that is still being written or was cut off: as it
-/// was when opened.
+/// Recording reader; only one thread at a time may use it. It also reads a recording that is still
+/// being written or was cut off, in the state at `open`.
 class RecordingReader {
  public:
   /// Errors, field "path": Errc::unavailable (cannot be opened), Errc::invalid (not a recording, or
@@ -27,7 +27,7 @@ class RecordingReader {
   static Result<std::unique_ptr<RecordingReader>> open(const std::string& path);
 
   const RecordingHeader& header() const;
-  /// All frames. The rows that they refer to exist.
+  /// All frames. Every spot, coefficient and image row that a frame refers to exists.
   const std::vector<RecordedFrame>& frames() const;
   std::size_t image_bytes() const;
 

@@ -17,7 +17,7 @@ constexpr int kBuffers = 16;
 constexpr Range<double> kRateHz{0.01, 10'000.0, 0.0};
 
 /// Frame numbers made monotonic: where the recorded camera was reopened and restarted its count,
-/// the numbers continue after the previous ones.
+/// the numbers continue after the last number.
 std::vector<std::uint64_t> rising_ids(const std::vector<RecordedFrame>& frames) {
   std::vector<std::uint64_t> ids;
   std::uint64_t offset = 0;
@@ -71,13 +71,13 @@ class ReplayCamera final : public Camera {
   std::unique_ptr<RecordingReader> reader_;
   CameraInfo info_;
   CameraSettings settings_;
-  std::vector<RecordedFrame> frames_;  ///< those with images; never empty
+  std::vector<RecordedFrame> frames_;  ///< frames with images; never empty
   std::vector<std::uint64_t> ids_;     ///< frame numbers of frames_
   std::array<std::vector<std::byte>, kBuffers> buffers_;
   std::array<std::atomic<bool>, kBuffers> lent_{};
   std::atomic<bool> alive_{true};
   std::atomic<std::int64_t> period_ns_{10'000'000};
-  // Acquisition thread, and `start`.
+  // Used only by the acquisition thread and by `start`.
   bool streaming_ = false;
   std::size_t next_ = 0;
   std::uint64_t round_ids_ = 0;  ///< offset of this round's frame numbers to the first round's

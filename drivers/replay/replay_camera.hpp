@@ -12,11 +12,13 @@ namespace ovws {
 /// for a recording without images.
 ///
 /// In addition to the port's guarantees:
-/// - Region and format are the recording's; others are refused. Gain and exposure are always those
-///   of its first frame with known settings. `frame_rate_hz` is the replay rate; the recording's
-///   own rate gives the original speed.
-/// - After the last image the first one follows, with frame numbers that continue to rise.
-/// - Times are those of the replay. Frames missing in the recording are missing here, too.
+/// - Region and pixel format are the recording's; other values are refused. Gain and exposure are
+///   always those of the recording's first frame with known settings. `frame_rate_hz` is the replay
+///   rate; the recording's own rate gives the original speed.
+/// - After the last image the replay continues with the first image; frame numbers continue to
+///   rise.
+/// - Timestamps are those of the replay. Frames missing in the recording are missing in the replay,
+///   too.
 Result<std::unique_ptr<Camera>> open_replay_camera(const std::string& path);
 
 }  // namespace ovws

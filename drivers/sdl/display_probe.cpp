@@ -6,7 +6,7 @@
 namespace ovws::sdl {
 namespace {
 
-/// Whether a compositing manager runs: by EWMH it owns the selection _NET_WM_CM_Sn.
+/// Whether a compositing manager runs: EWMH requires that it owns the selection _NET_WM_CM_Sn.
 bool is_composited(XDisplay* display) {
   const std::string name = "_NET_WM_CM_S" + std::to_string(DefaultScreen(display));
   const Atom manager = XInternAtom(display, name.c_str(), True);

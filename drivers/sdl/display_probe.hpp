@@ -1,4 +1,4 @@
-/// Read-only probe of the X server: opens no window and changes nothing.
+/// X server probe, read-only: opens no window and changes nothing.
 #pragma once
 
 #include <optional>
@@ -18,9 +18,10 @@ struct DisplayProbe {
   bool composited = false;    ///< a compositing manager is running
 };
 
-/// One thread at a time, and no display may be open; blocks as long as the X server does. Errors,
-/// field "slm.display": Errc::unavailable (no display system, or it does not answer), Errc::refused
-/// (not an X server: other display systems report nothing to a program without a window).
+/// Probes the X server. Call it in one thread at a time, while no display is open; it blocks until
+/// the X server answers. Errors, field "slm.display": Errc::unavailable (no display system, or it
+/// does not answer), Errc::refused (not an X server: other display systems report nothing to a
+/// program without a window).
 Result<DisplayProbe> probe_display();
 
 }  // namespace ovws::sdl

@@ -1,4 +1,4 @@
-/// SLM window on Wayland and KMSDRM, which have no RandR: full screen on the SDL display of the
+/// SLM window on Wayland and KMSDRM, which have no RandR: full screen on the SDL display with the
 /// configured name.
 #include "drivers/sdl/output.hpp"
 #include "drivers/sdl/slm_window.hpp"
@@ -7,7 +7,7 @@ namespace ovws::sdl {
 
 namespace {
 
-// Lists SDL's displays as outputs. SDL does not report which one is primary, so none is marked.
+// Lists SDL's displays as outputs. SDL does not report the primary output, so none is marked.
 std::vector<Output> read_displays() {
   std::vector<Output> outputs;
   for (int i = 0; i < SDL_GetNumVideoDisplays(); ++i) {
@@ -55,7 +55,7 @@ class NamedWindow final : public SlmWindow {
         SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS | SDL_WINDOW_ALLOW_HIGHDPI));
     if (canvas_ == nullptr) return fail(changed(std::string("SDL: ") + SDL_GetError()));
     SDL_ShowCursor(SDL_DISABLE);
-    take_events();  // the compositor's first answer holds the real size
+    take_events();  // processes the compositor's first answer, which contains the real window size
     return verify();
   }
 
@@ -63,7 +63,7 @@ class NamedWindow final : public SlmWindow {
     Events seen;
     SDL_Event event;
     while (SDL_PollEvent(&event)) {
-      lost_ |= event.type == SDL_QUIT;  // SDL's sign that the compositor is gone
+      lost_ |= event.type == SDL_QUIT;  // SDL reports SDL_QUIT when the compositor ends
       seen.redraw |= event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_EXPOSED;
       seen.verify_needed |= event.type == SDL_WINDOWEVENT || event.type == SDL_DISPLAYEVENT;
     }

@@ -19,7 +19,7 @@ bool overlap(const Output& a, const Output& b) {
 constexpr std::string_view kRemedy =
     "; extend the desktop to another output, or set slm.allow_primary";
 
-// The SLM must not cover the user's desktop.
+// Refuses the primary output, because the SLM's window would cover the user's desktop.
 Result<void> check_not_primary(const Output& output, const std::vector<Output>& outputs) {
   if (!output.primary) return {};
   return fail(Errc::refused, "slm.display",
@@ -63,8 +63,8 @@ Result<Output> choose_output(const std::vector<Output>& outputs, const SdlConfig
   const auto found = find_output(outputs, config.output);
   if (!found) return fail(found.error());
   const Output& output = **found;
-  // Checked before the mode, so that a wrongly named output is not reported as one whose mode must
-  // change.
+  // Check for the primary output before the mode: if the wrong output is configured, the error must
+  // not ask the user to change its mode.
   if (!config.allow_primary) {
     if (const auto other = check_not_primary(output, outputs); !other) return fail(other.error());
   }

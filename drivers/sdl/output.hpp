@@ -1,4 +1,4 @@
-/// Description of a display output, and checks whether it may drive the SLM.
+/// Display output: its description, and checks whether it may drive the SLM.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 namespace ovws::sdl {
 
 struct Output {
-  std::string name;     ///< "HDMI-1"
-  std::string monitor;  ///< monitor name in the EDID; empty: none
+  std::string name;     ///< name of the output: "HDMI-1"
+  std::string monitor;  ///< monitor name in the EDID; empty: unknown
   bool connected = false;
   bool primary = false;
   int x = 0, y = 0;           ///< top left corner on the desktop, pixels
   int width = 0, height = 0;  ///< area of the desktop, pixels; 0 x 0: switched off
-  int mode_width = 0;         ///< signal to the device; differs if the desktop is scaled
+  int mode_width = 0;         ///< video mode, pixels; unequal to width if the desktop is scaled
   int mode_height = 0;
   bool upright = true;       ///< neither rotated nor mirrored
   bool linear_gamma = true;  ///< linear gamma ramp: grey levels are unchanged
@@ -31,23 +31,23 @@ struct Output {
 /// Required colour depth of the X server; with any other depth grey levels are not exact.
 constexpr int kExactDepthBits = 24;
 
-/// The output with this name or monitor name. Errc::refused if there are several, Errc::unavailable
-/// if there is none; the reason lists the outputs.
+/// Finds the output with this name or monitor name. Errc::refused if several outputs match,
+/// Errc::unavailable if none does; the reason lists the outputs.
 Result<const Output*> find_output(const std::vector<Output>& outputs, const std::string& wanted);
 
-/// The output named in the configuration, if it may drive the SLM; else the error of the first
-/// failed check.
+/// Chooses the output named in the configuration, if it may drive the SLM. Else returns the error
+/// of the first failed check.
 Result<Output> choose_output(const std::vector<Output>& outputs, const SdlConfig& config);
 
-/// Checks that the output is connected, on, not rotated, and shows the configured size pixel for
-/// pixel.
+/// Checks the output's mode: connected, switched on, not rotated, and of the configured size pixel
+/// for pixel.
 Result<void> check_mode(const Output& output, const SdlConfig& config);
 
-/// The outputs that are connected or on: "DUMMY0 1920x1080 (primary), DUMMY1 1280x768".
+/// List of the outputs that are connected or on: "DUMMY0 1920x1080 (primary), DUMMY1 1280x768".
 std::string list_outputs(const std::vector<Output>& outputs);
 
-/// The monitor's name from the descriptors of an EDID 1.x base block (VESA E-EDID, section 3.10.3);
-/// empty if there is none.
+/// Monitor name from the descriptors of an EDID 1.x base block (VESA E-EDID, section 3.10.3); empty
+/// if the EDID has no name.
 std::string edid_monitor_name(std::span<const std::uint8_t> edid);
 
 }  // namespace ovws::sdl

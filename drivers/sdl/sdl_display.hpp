@@ -1,4 +1,4 @@
-/// Display driver on SDL: shows the SLM's image pixel-exact on a named output, or fails.
+/// SDL display driver: shows the SLM's image pixel-exact on a named output, or fails.
 #pragma once
 
 #include <memory>
@@ -12,17 +12,17 @@ struct SdlConfig {
   std::string output;  ///< X output name ("HDMI-1") or EDID monitor name; never an index
   int width = 1280;
   int height = 768;
-  bool allow_primary = false;  ///< allow the primary or only output
+  bool allow_primary = false;  ///< accept the primary output, or the only one
 };
 
-/// Opens the output. Main thread only. Errors (field "slm.display", "slm.width", …):
+/// Opens the configured output. Main thread only. Errors (field "slm.display", "slm.width", …):
 /// Errc::unavailable if there is no display system or no such output (the reason lists the
-/// outputs), Errc::refused if its mode differs, it is the primary output, or a display is open
-/// already. After the X server died, destroy the display and open it again.
+/// outputs); Errc::refused if the output's mode differs, the output is the primary one, or a
+/// display is open already. After the X server ended, destroy the display and open it again.
 ///
-/// On X, `present` returns when the server has copied the image; the output sends it with its next
-/// refresh. Opening sets a linear gamma ramp and wakes the screens. `check` handles events on each
-/// call, and verifies output, mode, gamma and window once a second.
+/// On X, `present` returns when the server has copied the image; the output sends the image with
+/// its next refresh. Opening sets a linear gamma ramp and wakes the screens. Each `check` handles
+/// events; once a second, or after a change, it also verifies output, mode, gamma and window.
 Result<std::unique_ptr<Display>> open_sdl_display(const SdlConfig& config);
 
 }  // namespace ovws

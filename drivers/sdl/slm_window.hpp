@@ -1,4 +1,4 @@
-/// Display whose window covers one whole output pixel for pixel, drawn by SDL.
+/// SLM window: covers one whole output pixel for pixel and is drawn by SDL.
 #pragma once
 
 #include <SDL.h>
@@ -13,8 +13,8 @@
 
 namespace ovws::sdl {
 
-/// What all display systems share; a derived class opens the window and verifies it. Main thread
-/// only.
+/// Base class of the SLM windows of all display systems. A derived class opens the window and
+/// verifies it. Main thread only.
 class SlmWindow : public Display {
  public:
   explicit SlmWindow(SdlConfig config) : config_(std::move(config)) {}
@@ -24,15 +24,15 @@ class SlmWindow : public Display {
 
  protected:
   struct Events {
-    bool redraw = false;         ///< the window's contents were lost: draw again
-    bool verify_needed = false;  ///< something changed: verify now
+    bool redraw = false;         ///< the window's contents were lost: draw the image again
+    bool verify_needed = false;  ///< window or display changed: call `verify` now
   };
-  /// Drains the event queue, so that events do not pile up.
+  /// Removes all events from the queue and reports what they require.
   virtual Events take_events() = 0;
-  /// Error if the connection to the display system broke, or a drawing request failed since the
-  /// last call.
+  /// Checks the connection: error if the connection to the display system broke, or a drawing
+  /// request failed since the last call.
   virtual Result<void> connection() = 0;
-  /// Error if output, mode or window have changed since opening.
+  /// Verifies the display: error if output, mode or window have changed since opening.
   virtual Result<void> verify() = 0;
 
   static Error changed(const std::string& reason) { return {Errc::device, "slm.display", reason}; }
@@ -52,10 +52,10 @@ class SlmWindow : public Display {
   std::int64_t verify_at_ns_ = 0;
 };
 
-/// On an X server: finds the output by RandR, creates the window by Xlib, and draws by SDL.
+/// Opens the SLM window on an X server: output from RandR, window from Xlib, drawing by SDL.
 Result<std::unique_ptr<Display>> open_x_window(const SdlConfig& config);
 
-/// On Wayland and KMSDRM: finds the output by SDL's display name.
+/// Opens the SLM window on Wayland or KMSDRM; finds the output by SDL's display name.
 Result<std::unique_ptr<Display>> open_named_window(const std::string& driver,
                                                    const SdlConfig& config);
 

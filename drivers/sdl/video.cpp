@@ -33,10 +33,10 @@ bool Video::is_open() {
 Result<std::unique_ptr<Video>> Video::open(const std::string& driver) {
   const char* on_gpu = driver == "x11" ? "0" : "1";
   SDL_SetHintWithPriority(SDL_HINT_VIDEODRIVER, driver.c_str(), SDL_HINT_OVERRIDE);
-  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // SIGTERM is the daemon's
-  // On X use shared memory without the GPU: exact, and complete when the call returns. A GPU driver
-  // would queue frames, start threads, and hang when the server dies. Elsewhere SDL only has the
-  // GPU path, which waits for the vertical blank.
+  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // the daemon handles SIGTERM
+  // On X draw by shared memory without the GPU: pixels are exact, and drawing is complete when the
+  // call returns. A GPU driver would queue frames, start threads, and hang when the server ends. On
+  // Wayland and KMSDRM, SDL offers only the GPU path, which waits for the vertical blank.
   SDL_SetHintWithPriority(SDL_HINT_FRAMEBUFFER_ACCELERATION, on_gpu, SDL_HINT_OVERRIDE);
   SDL_SetHintWithPriority(SDL_HINT_RENDER_VSYNC, on_gpu, SDL_HINT_OVERRIDE);
   if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) {
@@ -44,7 +44,7 @@ Result<std::unique_ptr<Video>> Video::open(const std::string& driver) {
                 "SDL cannot use its driver " + driver + " (" + SDL_GetError() +
                     "): check that the desktop session runs and admits the daemon's user");
   }
-  SDL_DisableScreenSaver();  // also inhibits DPMS
+  SDL_DisableScreenSaver();  // also keeps DPMS from powering the screens down
   return std::unique_ptr<Video>(new Video);
 }
 

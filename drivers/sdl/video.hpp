@@ -8,17 +8,16 @@
 
 namespace ovws::sdl {
 
-/// SDL's video driver for this environment: SDL_VIDEODRIVER if it is x11, wayland or KMSDRM, else
-/// "x11" or "wayland" by DISPLAY and WAYLAND_DISPLAY. SDL's own search is not used: without an X
-/// server it would pick KMSDRM, which blocks the screens for a returning server, or "offscreen",
-/// which shows nothing and reports success. Errc::unavailable, field "slm.display", if no driver
-/// fits.
+/// Chooses SDL's video driver: SDL_VIDEODRIVER if it is x11, wayland or KMSDRM, else "x11" or
+/// "wayland" by DISPLAY and WAYLAND_DISPLAY. SDL's own search is not used. Without an X server it
+/// would choose KMSDRM, which keeps a restarted X server from the screens, or "offscreen", which
+/// shows nothing but reports success. Errc::unavailable, field "slm.display", if no driver fits.
 Result<std::string> choose_driver();
 
-/// The value of an environment variable, empty if it is not set.
+/// Value of an environment variable; empty if the variable is not set.
 std::string environment(const char* name);
 
-/// RAII owner of SDL's video subsystem; at most one in a process.
+/// RAII owner of SDL's video subsystem. At most one object may exist in a process.
 class Video {
  public:
   static Result<std::unique_ptr<Video>> open(const std::string& driver);

@@ -35,8 +35,8 @@ int on_request_error(Display* display, XErrorEvent* event) {
 
 }  // namespace
 
-// Symbol interposition: the dynamic linker finds these before those of libX11 and libXi, for SDL
-// too. NOLINTBEGIN(readability-identifier-naming): Xlib's names
+// Symbol interposition: the dynamic linker prefers these functions to those of libX11 and libXi, in
+// SDL, too. NOLINTBEGIN(readability-identifier-naming): Xlib's names
 
 extern "C" Display* XOpenDisplay(const char* name) {
   using Open = Display* (*)(const char*);
@@ -46,7 +46,7 @@ extern "C" Display* XOpenDisplay(const char* name) {
   return display;
 }
 
-// SDL frees the list of input devices even if it is null because the server died.
+// Null check: SDL frees the list of input devices even if it is null because the server ended.
 extern "C" void XIFreeDeviceInfo(void* list) {
   using Free = void (*)(void*);
   static const auto free_list = reinterpret_cast<Free>(dlsym(RTLD_NEXT, "XIFreeDeviceInfo"));
@@ -88,7 +88,7 @@ bool is_linear(XDisplay* display, RRCrtc crtc) {
 }
 
 std::string read_monitor_name(XDisplay* display, RROutput output) {
-  constexpr long kWords = 32;  // the base block of 128 bytes
+  constexpr long kWords = 32;  // EDID base block: 128 bytes in words of 4 bytes
   Atom type = None;
   int format = 0;
   unsigned long count = 0, rest = 0;

@@ -1,9 +1,10 @@
-/// The X server: connections that survive its death, its outputs by RandR, and its images.
+/// X server access: connections that do not end the process when the server ends, outputs by RandR,
+/// and images.
 ///
 /// By default Xlib calls exit() when a connection breaks, unless XSetIOErrorExitHandler was set on
-/// that connection. SDL opens two connections and exposes only one, so x_server.cpp interposes
-/// XOpenDisplay and sets the handler on every connection of the process. One gap remains: a server
-/// that dies within the millisecond of XOpenDisplay's handshake still ends the process.
+/// that connection. SDL opens two connections and exposes only one. x_server.cpp therefore
+/// interposes XOpenDisplay and sets the handler on every connection of the process. A gap remains:
+/// a server that ends within the millisecond of XOpenDisplay's handshake still ends the process.
 #pragma once
 
 #include <X11/Xlib.h>
@@ -19,21 +20,21 @@
 
 namespace ovws::sdl {
 
-using XDisplay = ::Display;  // ovws::Display is the port
+using XDisplay = ::Display;  // Xlib's type; ovws::Display is the display port
 
 struct CloseDisplay {
   void operator()(XDisplay* display) const { XCloseDisplay(display); }
 };
 using Connection = std::unique_ptr<XDisplay, CloseDisplay>;
 
-/// Connects to the server named by DISPLAY, with error handlers that keep the process alive, and
-/// resets the recorded errors. Errc::unavailable, field "slm.display", if it does not answer.
+/// Connects to the X server named by DISPLAY. Sets error handlers that keep the process alive, and
+/// resets the recorded errors. Errc::unavailable, field "slm.display", if no server answers.
 Result<Connection> connect_to_x();
 
-/// Whether a connection broke since connect_to_x.
+/// Whether an X connection of this process broke since the last connect_to_x.
 bool x_server_lost();
 
-/// Returns and clears the last X error since the last call, "BadDrawable (…)", or empty.
+/// Returns and clears the newest X error since the last call, "BadDrawable (…)"; empty: no error.
 std::string take_x_error();
 
 struct Power {
@@ -42,15 +43,16 @@ struct Power {
 };
 Power power_of(XDisplay* display);
 
-/// All outputs in the server's order, from its cached state: probing the connectors can take a
-/// second and make screens flicker. Empty if the connection broke.
+/// Lists all outputs in the server's order, from the server's cached state, because probing the
+/// connectors can take a second and make screens flicker. Empty if the connection broke.
 std::vector<Output> read_outputs(XDisplay* display);
 
-/// Sets a linear gamma ramp, so that grey levels pass unchanged.
+/// Sets a linear gamma ramp on the output, so that grey levels reach the SLM unchanged.
 void set_linear_gamma(XDisplay* display, const Output& output);
 
-/// 0xRRGGBB of each pixel, for any byte order. Errc::unavailable, field "slm.display", if the image
-/// does not have 8 bits each of red, green and blue in this order (a screen of 16 or 30 bits).
+/// Colours of an X image: 0xRRGGBB of each pixel, for any byte order. Errc::unavailable, field
+/// "slm.display", if the image has not 8 bits each of red, green and blue in this order (for
+/// example on a screen of 16 or 30 bits).
 Result<Image<std::uint32_t>> colours_of(XImage& image);
 
 }  // namespace ovws::sdl

@@ -1,4 +1,4 @@
-/// SLM window on an X server: an override-redirect window placed by us and drawn by SDL.
+/// SLM window on an X server: an override-redirect window, created by Xlib and drawn by SDL.
 #include <X11/Xatom.h>
 #include <X11/Xutil.h>
 #include <X11/extensions/dpms.h>
@@ -36,8 +36,8 @@ Cursor make_blank_cursor(XDisplay* display, Window window) {
   return cursor;
 }
 
-// Override-redirect: no window manager moves, decorates or iconifies it, or gives it the focus. The
-// server paints it black until the first image, so nothing flashes.
+// Creates an override-redirect window: no window manager moves, decorates, iconifies or focuses it.
+// The server paints the window black until the first image, so that the SLM does not flash.
 Window create_window(XDisplay* display, const Output& output) {
   const int screen = DefaultScreen(display);
   constexpr long kPointerAndKeys =
@@ -45,14 +45,14 @@ Window create_window(XDisplay* display, const Output& output) {
   XSetWindowAttributes wanted{};
   wanted.override_redirect = True;
   wanted.background_pixel = BlackPixel(display, screen);
-  wanted.do_not_propagate_mask = kPointerAndKeys;  // a click here opens no desktop menu
+  wanted.do_not_propagate_mask = kPointerAndKeys;  // so that clicks open no desktop menu
   wanted.event_mask = ExposureMask | StructureNotifyMask | VisibilityChangeMask;
   const Window window =
       XCreateWindow(display, DefaultRootWindow(display), output.x, output.y, unsigned(output.width),
                     unsigned(output.height), 0, CopyFromParent, InputOutput, CopyFromParent,
                     CWOverrideRedirect | CWBackPixel | CWDontPropagate | CWEventMask, &wanted);
   XStoreName(display, window, "ovws SLM");
-  const long bypass = 1;  // a compositor would add a frame of delay
+  const long bypass = 1;  // asks the compositor to skip this window: it would delay it by a frame
   XChangeProperty(display, window, XInternAtom(display, "_NET_WM_BYPASS_COMPOSITOR", False),
                   XA_CARDINAL, 32, PropModeReplace, reinterpret_cast<const unsigned char*>(&bypass),
                   1);
@@ -60,7 +60,7 @@ Window create_window(XDisplay* display, const Output& output) {
   XDefineCursor(display, window, cursor);
   XFreeCursor(display, cursor);
   XMapRaised(display, window);
-  XSync(display, False);  // SDL uses it from another connection
+  XSync(display, False);  // the window must exist now: SDL uses it from another connection
   return window;
 }
 
@@ -86,7 +86,7 @@ class XWindow final : public SlmWindow {
   }
 
   ~XWindow() override {
-    canvas_.reset();  // before the connection that holds its window
+    canvas_.reset();  // before display_ closes, which destroys the X window
     video_.reset();
   }
   XWindow(const XWindow&) = delete;
@@ -116,7 +116,7 @@ class XWindow final : public SlmWindow {
       seen.redraw |= event.type == Expose;
       seen.verify_needed |= event.type != Expose;
     }
-    take_x_error();  // SDL queries outputs that may be gone; only drawing errors count
+    take_x_error();  // dropped: SDL queries outputs that may be gone; only drawing errors count
     return seen;
   }
 
@@ -196,9 +196,9 @@ class XWindow final : public SlmWindow {
     unsigned count = 0;
     if (!XQueryTree(display_.get(), DefaultRootWindow(display_.get()), &root, &parent, &list,
                     &count)) {
-      return {};  // only a broken connection causes this; the caller checks for it
+      return {};  // XQueryTree fails only if the connection broke, which the caller checks
     }
-    const std::span all(list, count);  // from the bottom to the top
+    const std::span all(list, count);  // stacking order, bottom window first
     Window above = None;
     for (auto it = std::ranges::find(all, window_); it != all.end(); ++it) {
       XWindowAttributes other{};
@@ -206,7 +206,7 @@ class XWindow final : public SlmWindow {
       if (covers(other, output_)) above = *it;
     }
     if (list != nullptr) XFree(list);
-    take_x_error();  // a window closed meanwhile is no fault
+    take_x_error();  // dropped: a window that closed during the check is no fault
     if (above == None) return {};
     return fail(changed("a window " + title_of(display_.get(), above) + " covers output " +
                         output_.name + "; close it or move it"));
@@ -214,7 +214,7 @@ class XWindow final : public SlmWindow {
 
   Connection display_;
   Output output_;
-  Window window_ = None;  // destroyed with its connection
+  Window window_ = None;  // the X server destroys it when display_ closes
 };
 
 }  // namespace

@@ -79,8 +79,8 @@ std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns) {
   return state_.number;
 }
 
-/// Orders to the twin itself (truth, window) take effect at once, without settling: an older frame
-/// is never sent.
+/// Whether a frame of `scene_` may be sent. Changes of truth or window take effect at once, so a
+/// frame computed before them is never sent. Display changes allow kStaleFrameTime.
 bool Bench::may_be_sent() const {
   if (computed_ == state_.number) return true;
   return computed_ >= ordered_ && std::chrono::steady_clock::now() < shown_since_ + kStaleFrameTime;
@@ -115,7 +115,7 @@ BenchStatus Bench::status() const {
   return status;
 }
 
-/// Moves the turbulence to the time of `now`; returns whether the light has changed.
+/// Moves the turbulence to the time `now.t_ns`; returns whether its wavefront has changed.
 bool Bench::update_turbulence(const State& now) {
   const std::optional<TurbulenceConfig>& wanted = now.truth.turbulence;
   if (!wanted && !turbulence_) return false;

@@ -17,7 +17,7 @@ double vortex_peak_intensity(const SensorConfig& sensor) {
   return peak * peak;
 }
 
-/// Runs work(first, end, worker) for both halves of 0 .. count - 1 in parallel.
+/// Runs work(first, end, worker) on the two halves of the range 0 .. count - 1 in parallel.
 template <class Work>
 void in_halves(int count, const Work& work) {
   const std::jthread helper([&] { work(count / 2, count, 1); });
@@ -73,7 +73,7 @@ std::vector<Vec2> true_spots_px(const Config& config, const Truth& truth) {
     waves[Eigen::Index(modes_j.size())] = mode.waves;
     modes_j.push_back(mode.j);
   }
-  // With a scale of 1 camera pixel per cycle, displacements are in cycles per SLM pixel.
+  // Slope matrix at 1 camera pixel per cycle: its displacements are in cycles per SLM pixel.
   const Eigen::VectorXd moved_cpp =
       slope_matrix(*lattice, config.sensor, modes_j,
                    config.sensor.charge == 0 ? kGradientTilt : kVortexTilt, 1.0) *

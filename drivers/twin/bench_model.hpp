@@ -15,7 +15,7 @@
 
 namespace ovws::twin {
 
-/// One thread at a time.
+/// Optical model of the bench. Use it in one thread at a time.
 class BenchModel {
  public:
   explicit BenchModel(const Config& config);
@@ -26,14 +26,14 @@ class BenchModel {
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
     slm_.set_turbulence(turbulence, t_ns);
   }
-  /// Sets the camera's region, in sensor pixels. It may extend beyond the sensor.
+  /// Sets the camera's region, in sensor pixels. The region may extend beyond the sensor.
   void set_window(const Roi& window, const CameraGeometry& geometry);
 
-  /// |far field|^2 in the window, in units of the brightest pixel of an ideal charge-1 spot.
-  /// Requires set_window before. Takes 30 to 100 ms on two threads.
+  /// Intensity |far field|^2 in the window, in units of the brightest pixel of an ideal charge-1
+  /// spot. Call set_window first. Takes 30 to 100 ms on two threads.
   Image<float> intensity(const Image<std::uint8_t>& grey);
-  /// The complex field F = sum exp(i phase) exp(-2 pi i (u x + v y)) up to its sign, valid until
-  /// the next call. Requires set_window before.
+  /// Complex far field F = sum exp(i phase) exp(-2 pi i (u x + v y)) up to its sign. The reference
+  /// is valid until the next call. Call set_window first.
   const Image<std::complex<float>>& field(const Image<std::uint8_t>& grey);
 
  private:
@@ -46,9 +46,9 @@ class BenchModel {
 };
 
 /// Expected spot positions of the configured sensor, in pixels of the camera's sensor, for the
-/// geometry and aberration of `truth`: by V-tilt for vortices, by G-tilt for bright spots. What the
-/// hologram adds is not included. In the order of the lattice; empty if the configured lattice is
-/// not possible.
+/// geometry and aberration of `truth`: by V-tilt for vortices, by G-tilt for bright spots.
+/// Aberrations that the shown hologram adds are not included. In the order of the lattice; empty if
+/// the configured lattice is not possible.
 std::vector<Vec2> true_spots_px(const Config& config, const Truth& truth);
 
 }  // namespace ovws::twin

@@ -6,7 +6,7 @@
 namespace ovws::twin {
 namespace {
 
-/// (cos, sin), exact where the angle is a multiple of 90 degrees.
+/// Unit vector (cos, sin) of an angle, exact at multiples of 90 degrees.
 Vec2 direction(double degrees) {
   const double quarters = std::round(degrees / 90.0);
   const double angle = (degrees - 90.0 * quarters) * std::numbers::pi / 180.0;

@@ -12,19 +12,19 @@ namespace ovws::twin {
 /// component. R then rotates; a positive angle turns +x towards +y.
 struct CameraMap {
   Vec2 centre_px;    ///< pixel of u_base, relative to the sensor or (relative_to) a window
-  Vec2 base_cpp;     ///< u_base
-  double scale = 0;  ///< S
-  Vec2 of_x, of_y;   ///< R M (1, 0) and R M (0, 1); for multiples of 90 degrees 0 and +-1 exactly
+  Vec2 base_cpp;     ///< u_base, cycles per SLM pixel
+  double scale = 0;  ///< S, camera pixels per unit of frequency
+  Vec2 of_x, of_y;   ///< R M (1, 0) and R M (0, 1); exactly 0 and +-1 at multiples of 90 degrees
 
   Vec2 pixel(Vec2 cpp) const;
   Vec2 frequency(Vec2 px) const;
-  /// The same map with pixels relative to `corner_px`.
+  /// Camera map with pixels counted from `corner_px`, the corner of a window.
   CameraMap relative_to(Vec2 corner_px) const;
-  bool axis_aligned() const;  ///< rotated by a multiple of 90 degrees, mirrored or not
+  bool axis_aligned() const;  ///< whether the rotation is a multiple of 90 degrees
 };
 
-/// The map for a geometry. Wavelength, focal length, pixel pitches and base grating come from
-/// `config`.
+/// Camera map for this camera geometry. Wavelength, focal length, pixel pitches and base grating
+/// come from `config`.
 CameraMap camera_map(const Config& config, const CameraGeometry& geometry);
 
 }  // namespace ovws::twin

@@ -21,8 +21,8 @@ struct CameraDeps {
 struct FrameTally {
   std::atomic<std::uint64_t> sent{0};
   std::atomic<std::uint64_t> dropped{0}, incomplete{0};    ///< by an injected fault
-  std::atomic<std::uint64_t> duplicated{0}, reordered{0};  ///< the same
-  std::atomic<std::uint64_t> late{0};     ///< not sent: the far field was not ready in time
+  std::atomic<std::uint64_t> duplicated{0}, reordered{0};  ///< by an injected fault
+  std::atomic<std::uint64_t> late{0};     ///< not sent: far field or noise not ready in time
   std::atomic<std::uint64_t> refused{0};  ///< not sent: ROI outside the sensor, format unknown
   std::atomic<std::uint64_t> nudges{0};   ///< how often a stalled stream was woken
 };

@@ -9,7 +9,8 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kTaps = CameraView::kTaps;
-constexpr int kKernelSteps = 512;  ///< per grid step; linear between them: within 1e-6
+/// Kernel samples per grid step. Linear interpolation between samples errs by less than 1e-6.
+constexpr int kKernelSteps = 512;
 constexpr double kOversampling = 2.0;
 /// Kaiser window's beta (Kaiser, "Nonrecursive digital filter design using the I0-sinh window
 /// function", 1974) for a transition from 0.5 to 1.5 times the Nyquist frequency over 12 taps.
@@ -92,7 +93,7 @@ void CameraView::use_oversampled_grid(const CameraMap& map, const SlmGeometry& s
     low = {std::min(low.x, at.x), std::min(low.y, at.y)};
     high = {std::max(high.x, at.x), std::max(high.y, at.y)};
   }
-  // One more than the taps reach, so that rounding never wraps the first point around.
+  // One point more than the taps reach, so that rounding never wraps the first point to the end.
   const Vec2 margin{kTaps / 2 + 1.0, kTaps / 2 + 1.0};
   low = low - margin;
   const auto points = [](double span, int period) {

@@ -13,20 +13,21 @@
 
 namespace ovws::twin {
 
-/// If the camera is aligned with the grid (rotated by multiples of 90 degrees, mirrored or not),
-/// the grid points are its pixels. Else the field is oversampled twice (it is band-limited: for W
-/// SLM pixels a step of 1 / W is critical sampling), and each pixel is interpolated from 12 x 12
-/// points by a Kaiser-windowed sinc, within 1e-4 of the field's peak. Immutable.
+/// Far-field sampling at the camera's pixels. If the camera is rotated by a multiple of 90 degrees,
+/// mirrored or not, the grid points are the pixels. Else the field is oversampled twice; critical
+/// sampling is a step of 1 / W cycles for W SLM pixels. A Kaiser-windowed sinc then interpolates
+/// each pixel from 12 x 12 grid points, within 1e-4 of the field's peak. Immutable.
 class CameraView {
  public:
-  /// The grid never spans more than one period of the far field, 1 cycle per SLM pixel.
+  /// Chooses the grid. An oversampled grid spans at most one period of the far field (1 cycle per
+  /// SLM pixel) plus the interpolation margin.
   CameraView(const CameraMap& map, const SlmGeometry& slm, const Roi& window);
 
   const FarFieldWindow& grid() const { return grid_; }
 
   /// Interpolates the field at the pixels of rows [first_row, end_row). `far`: the field on the
-  /// grid, with phases relative to the SLM's centre. `out` has the window's size; its sign may be
-  /// lost.
+  /// grid, with phases relative to the SLM's centre. `out` has the window's size; the sign of the
+  /// field may be inverted.
   void read(const Image<std::complex<float>>& far, int first_row, int end_row,
             Image<std::complex<float>>& out) const;
 
@@ -43,10 +44,10 @@ class CameraView {
   FarFieldWindow grid_;
   /// Grid point of pixel (c, r): start_ + c per_column_ + r per_row_.
   Vec2 start_, per_column_, per_row_;
-  std::array<int, 2> period_{};  ///< grid points in a period
+  std::array<int, 2> period_{};  ///< grid points per period of the far field, along x and y
   using Taps = std::array<float, kTaps>;
   std::vector<Taps>
-      kernel_;  ///< weights for equal steps from one grid point to the next, inclusive
+      kernel_;  ///< weights at equal steps from one grid point to the next, including both ends
 };
 
 }  // namespace ovws::twin

@@ -77,8 +77,8 @@ Result<void> FakeCamera::plug() {
   return {};
 }
 
-/// Joins Aravis's thread, which takes up to one frame time, without the lock, so that `status` does
-/// not block.
+/// Removes the camera from the network. Joining Aravis's thread takes up to one frame time, so it
+/// happens after the lock is released: `status` then does not block.
 void FakeCamera::unplug() {
   std::unique_ptr<GigeDevice> device;
   {

@@ -1,5 +1,5 @@
-/// The twin's GigE Vision camera on this machine's network, and its supervision: plugging in,
-/// unplugging by fault, status.
+/// GigE Vision camera of the twin on this machine's network: plugging in, unplugging by an injected
+/// fault, status.
 #pragma once
 
 #include <memory>
@@ -19,21 +19,23 @@ class GigeDevice;
 struct CameraStatus {
   bool plugged = false;
   bool streaming = false;
-  CameraSettings settings;  ///< as in the registers
+  CameraSettings settings;  ///< read from the camera's registers
 };
 
 class FakeCamera {
  public:
-  /// Errc::unavailable if UDP port 3956 of that address is taken, or no interface has the address.
+  /// Connects the camera to the network. Errc::unavailable if UDP port 3956 of `config.address` is
+  /// taken or no interface has this address; Errc::invalid if it is not an IPv4 address.
   static Result<std::unique_ptr<FakeCamera>> plug_in(const CameraConfig& config,
                                                      const CameraDeps& deps);
   ~FakeCamera();
   FakeCamera(const FakeCamera&) = delete;
   FakeCamera& operator=(const FakeCamera&) = delete;
 
-  /// Body of the watch thread: wakes a stalled stream, and unplugs and replugs the camera by fault.
+  /// Body of the watch thread: wakes a stalled stream, unplugs the camera while the fault `unplug`
+  /// is active, and plugs it in again afterwards.
   void work(const std::stop_token& stop);
-  /// Aborts the frame in progress. Call it before joining the threads that the frame waits for.
+  /// Aborts the frame in progress. Call this before joining the threads that the frame waits for.
   void request_stop() { stop_.request_stop(); }
   CameraStatus status() const;                        ///< thread-safe
   const FrameTally& tally() const { return tally_; }  ///< thread-safe
@@ -48,7 +50,7 @@ class FakeCamera {
   std::stop_source stop_;
   FrameTally tally_;
   const SlowRegisters slow_registers_;
-  mutable std::mutex mutex_;  ///< held to replace device_, and to read it in other threads
+  mutable std::mutex mutex_;  ///< guards device_: held to replace it or use it in other threads
   std::unique_ptr<GigeDevice> device_;
 };
 

@@ -34,7 +34,7 @@ FrameFate Faults::next_frame(const std::stop_token& stop) {
   const Fault fault = current();
   if (fault.frames > 0 && --fault_.frames == 0) fault_ = {};
   const std::uint64_t order = orders_;
-  const auto until = until_;  // a copy, because the wait reads its deadline while unlocked
+  const auto until = until_;  // copied: wait_until reads its deadline while the mutex is unlocked
   const auto other_order = [this, order] { return orders_ != order; };
   switch (fault.kind) {
     case FaultKind::drop:

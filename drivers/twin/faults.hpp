@@ -1,4 +1,4 @@
-/// Fault injection: faults that a test orders, for a number of frames or a time.
+/// Fault injection: a test orders a fault for a number of frames or for a time.
 #pragma once
 
 #include <chrono>
@@ -15,38 +15,38 @@ enum class FaultKind {
   drop,        ///< frames are numbered but not sent
   incomplete,  ///< frames are sent with about half of their packets missing
   delay,       ///< frames are sent late; the camera does not answer meanwhile
-  freeze,      ///< the camera neither sends nor answers, then continues as before
+  freeze,      ///< the camera neither sends nor answers, then continues with its settings
   unplug,      ///< the camera leaves the network, then returns with its power-up settings
-  duplicate,  ///< frames are sent twice, with the same number and time, the second time in place of
+  duplicate,  ///< frames are sent twice with one frame number and time; the copy takes the place of
               ///< the next frame
-  reorder,    ///< frames are sent after their successor
+  reorder,    ///< frames are sent after the frame that follows them
   slow_registers,  ///< every register write is acknowledged late; no frame is sent meanwhile
 };
 
-/// One fault at a time; an order replaces the active one. It lasts for `frames` (faults of frames
-/// only) or for `seconds` (any fault).
+/// Order of a fault. Only one fault is active; a new order replaces it. A fault lasts for `frames`
+/// (only if it affects single frames) or for `seconds`.
 struct Fault {
   FaultKind kind = FaultKind::none;
-  int frames = 0;  ///< 0: for `seconds`
+  int frames = 0;  ///< number of frames; 0: the fault lasts for `seconds`
   double seconds = 0.0;
   double delay_ms = 0.0;
 };
 
-/// Whether this fault uses `delay_ms`.
+/// Whether a fault of this kind uses `delay_ms`.
 constexpr bool takes_delay(FaultKind kind) {
   return kind == FaultKind::delay || kind == FaultKind::slow_registers;
 }
 
 enum class FrameFate { send, drop, incomplete, duplicate, reorder };
 
-/// Thread-safe.
+/// The active fault. Thread-safe.
 class Faults {
  public:
   void order(const Fault& fault);
-  Fault active() const;  ///< with its remaining frames or seconds
+  Fault active() const;  ///< active fault with its remaining frames or seconds
 
-  /// Called once per frame in the camera thread. Blocks during a freeze or delay (shorter on stop
-  /// or a new order), then returns what happens to the frame.
+  /// Returns what happens to a new frame. Aravis's thread calls this once per new frame. Blocks
+  /// during a freeze or delay, until it is over, `stop` is requested or a new fault is ordered.
   FrameFate next_frame(const std::stop_token& stop);
   bool unplugged() const;
 

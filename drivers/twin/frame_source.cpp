@@ -27,7 +27,7 @@ int converter_bits(const Truth& truth, PixelFormat format) {
 DetectorConfig detector_config(const Truth& truth, PixelFormat format) {
   DetectorConfig config = truth.detector;
   config.bits = converter_bits(truth, format);
-  // The black level is given for 8 bits: the same number of electrons for any converter.
+  // Black level is configured for 8 bits; scaled so that any converter has equal electrons.
   config.black_level_dn *= std::exp2(config.bits - 8);
   if (truth.noise == Noise::none) {
     config.prnu = 0.0;

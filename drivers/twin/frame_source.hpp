@@ -1,5 +1,5 @@
 /// Generator of digitised frames: applies the detector model with noise to a scene's intensity. One
-/// thread works ahead, so that the camera only copies.
+/// thread prepares frames in advance, so that the camera's thread only copies them.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@
 
 namespace ovws::twin {
 
-/// All that determines a frame except the noise.
+/// Inputs of a frame: all that determines its pixels except the noise.
 struct FrameRequest {
   std::shared_ptr<const Scene> scene;
   double exposure_us = 0.0;
@@ -30,21 +30,21 @@ struct FrameRequest {
 
 struct FrameCounts {
   std::uint64_t fresh = 0;   ///< noise realisations delivered for the first time
-  std::uint64_t reused = 0;  ///< with Noise::fresh: delivered again because generation fell behind
+  std::uint64_t reused = 0;  ///< Noise::fresh: old frames repeated because generation fell behind
 };
 
-/// Thread-safe; `take` is for one thread.
+/// Source of the camera's frames. Thread-safe, but only one thread may call `take`.
 class FrameSource {
  public:
-  /// `wavelength_nm`: of the laser, for a colour camera's filters.
+  /// `wavelength_nm`: laser wavelength, which a colour camera's filters attenuate or pass.
   explicit FrameSource(double wavelength_nm) : wavelength_nm_(wavelength_nm) {}
 
   void work(const std::stop_token& stop);  ///< body of the noise thread
 
-  /// Writes one frame of this request (frame_bytes) into `out`. After a change of the request it
-  /// waits for the first new frame. With Noise::fresh, once 16 different frames were delivered and
-  /// no new one is ready, the one delivered longest ago is used again. False on stop, at the
-  /// deadline, or if `out` has another size.
+  /// Copies one frame of this request into `out`, whose size must be frame_bytes(). After a change
+  /// of the request this waits for the first new frame. With Noise::fresh, if no new frame is ready
+  /// and 16 frames were delivered, it repeats the oldest of them. False on stop, at the deadline,
+  /// or if `out` has the wrong size.
   bool take(const FrameRequest& request, Bench::Deadline deadline, const std::stop_token& stop,
             std::span<std::byte> out);
   FrameCounts counts() const;
@@ -63,7 +63,7 @@ class FrameSource {
   std::deque<Frame> past_;   ///< delivered for request_, oldest first
   FrameCounts counts_;
 
-  // The noise thread only.
+  // Used by the noise thread (`work`) only.
   std::optional<Detector> detector_;
   DetectorConfig detector_config_;
   Image<float> photons_;

@@ -1,4 +1,4 @@
-/// GenICam description of the twin's camera, and its own registers.
+/// GenICam description of the twin's camera, and the registers that the twin adds.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace ovws::twin {
 
-/// Registers of our own, in the memory that Aravis's fake camera does not use.
+/// Register of the wanted frame period (us), in memory that Aravis's fake camera does not use.
 constexpr std::uint32_t kRegisterWantedPeriodUs = 0x400;
 
 constexpr double kGainStepDb = 0.1;  ///< unit of the gain register
@@ -16,8 +16,8 @@ constexpr char kVendorName[] = "ovws";
 constexpr char kModelName[] = "Bench twin";
 
 /// GenICam XML with SFNC names: Width, Height, OffsetX, OffsetY, PixelFormat (all supported
-/// formats), ExposureTime, Gain (dB), AcquisitionFrameRate, AcquisitionStart, … The registers are
-/// those of Aravis's fake camera, which streams by them.
+/// formats), ExposureTime, Gain (dB), AcquisitionFrameRate, AcquisitionStart, … The features map to
+/// the registers of Aravis's fake camera, which control its stream.
 std::string_view genicam_xml();
 
 }  // namespace ovws::twin

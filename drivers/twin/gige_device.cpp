@@ -24,8 +24,8 @@ namespace {
 constexpr std::uint16_t kPort = 3956;  // fixed by GigE Vision
 constexpr auto kFarFieldTime = std::chrono::milliseconds(400);
 constexpr auto kDisplayTime = std::chrono::milliseconds(200);
-constexpr auto kMaxDisplayAge = std::chrono::milliseconds(5);  // older: queried again
-constexpr int kMaxDisplayChecks = 3;                           // then the frame is late
+constexpr auto kMaxDisplayAge = std::chrono::milliseconds(5);  // then the display is queried again
+constexpr int kMaxDisplayChecks = 3;  // after more queries the frame is late and is not sent
 
 // Bootstrap registers of GigE Vision that hold text.
 constexpr std::uint32_t kVendorAddress = 0x48, kModelAddress = 0x68, kInfoAddress = 0xa8;
@@ -39,13 +39,13 @@ sockaddr_in camera_address(const std::string& address) {
 }
 
 bool inside(const Roi& roi, const CameraConfig& sensor) {
-  // Registers may hold any value, so sums are formed only after range checks.
+  // Registers may hold any value: check the ranges first, so that no sum overflows.
   return roi.x >= 0 && roi.y >= 0 && roi.width > 0 && roi.height > 0 &&
          roi.width <= sensor.sensor_width && roi.height <= sensor.sensor_height &&
          roi.x <= sensor.sensor_width - roi.width && roi.y <= sensor.sensor_height - roi.height;
 }
 
-/// Memory of a buffer for a frame of this size and format; empty if there is none.
+/// Pixel memory of a buffer, for a frame of these settings; empty if the buffer has no memory.
 std::span<std::byte> pixels_of(ArvBuffer* buffer, const CameraSettings& settings) {
   size_t unused_size = 0;  // Aravis sets the size after `fill`
   const void* pixels = arv_buffer_get_data(buffer, &unused_size);
@@ -85,8 +85,9 @@ GigeDevice::GigeDevice(ArvGvFakeCamera* gige, const CameraConfig& config, const 
 }
 
 GigeDevice::~GigeDevice() {
-  // Setting a property holds a reference for a moment. If that were the last one, the camera would
-  // be finalised in its own thread, which cannot join itself, and `fill` would outlive this object.
+  // g_object_set holds a reference for a moment. If it were the last reference, GLib would finalise
+  // the camera in the camera's own thread, which cannot join itself. `fill` would then outlive this
+  // object.
   {
     const std::lock_guard lock(properties_mutex_);
     ending_ = true;
@@ -142,7 +143,8 @@ CameraSettings GigeDevice::settings() const {
   return s;
 }
 
-/// Fills the next frame. Runs in Aravis's thread, which then sends it, and also serves registers.
+/// Fills the next frame. Runs in Aravis's thread, which then sends the frame. While `fill` runs,
+/// the thread serves no registers.
 void GigeDevice::fill(ArvBuffer* buffer) {
   filling_ = true;
   const CameraSettings now = settings();
@@ -156,7 +158,8 @@ void GigeDevice::fill(ArvBuffer* buffer) {
   filling_ = false;
 }
 
-/// Sends the kept frame again, if it is due, with its own number and time instead of Aravis's.
+/// Sends the kept frame if it is due, with its original number and time instead of Aravis's.
+/// Returns false if no kept frame is due.
 bool GigeDevice::send_again(ArvBuffer* buffer, const CameraSettings& settings) {
   if (!kept_ || kept_->others-- > 0) return false;
   const Kept kept = std::move(*kept_);
@@ -169,7 +172,7 @@ bool GigeDevice::send_again(ArvBuffer* buffer, const CameraSettings& settings) {
   return true;
 }
 
-/// Makes a new frame and applies the active fault to it.
+/// Makes a new frame and applies the active fault to this frame.
 FrameFate GigeDevice::inject_fault(ArvBuffer* buffer, const CameraSettings& settings) {
   frame_id_ = frame_id_ % 65535 + 1;
   arv_buffer_set_frame_id(buffer, frame_id_);
@@ -199,7 +202,7 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   }
   const auto start = std::chrono::steady_clock::now();
   const auto deadline = start + kFarFieldTime;
-  // If the X server hangs, the last known image is used.
+  // Without an answer of the X server in 200 ms, the last known SLM image is used.
   bool answers = deps_.screen.catch_up(start + kDisplayTime, stop_);
   const std::uint64_t begun =
       deps_.bench.begin(settings.roi, std::int64_t(arv_buffer_get_timestamp(buffer)));
@@ -213,7 +216,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
         deps_.bench.note_sent(arv_buffer_get_frame_id(buffer), *scene);
         return FrameFate::send;
       }
-      // Slow, on a busy machine: what the display shows now decides whether the frame may be sent.
+      // Making the frame took long (busy machine): query the display again, because the SLM image
+      // may have changed meanwhile.
       if (++checks > kMaxDisplayChecks) break;
       answers = deps_.screen.catch_up(now + kDisplayTime, stop_);
       verified = now;
@@ -229,8 +233,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   return FrameFate::drop;
 }
 
-/// Sets the ratio of lost packets: a dropped frame is numbered but loses all, an incomplete one
-/// half.
+/// Sets Aravis's ratio of lost packets: 1 for a dropped frame (it keeps its number), 0.5 for an
+/// incomplete frame, else 0.
 void GigeDevice::lose_packets(FrameFate fate) {
   const double ratio = fate == FrameFate::send ? 0.0 : fate == FrameFate::drop ? 1.0 : 0.5;
   const std::lock_guard lock(properties_mutex_);
@@ -239,9 +243,9 @@ void GigeDevice::lose_packets(FrameFate fate) {
   lost_ratio_ = ratio;
 }
 
-/// Workaround for Aravis 0.8.26, which computes the time to the next frame as an unsigned number:
-/// if its thread is a microsecond late, it sleeps for 100 ms instead of not at all. Any packet
-/// wakes it; a GigE Vision discovery has no side effects.
+/// Workaround for a stalled stream in Aravis 0.8.26, which computes the time to the next frame as
+/// an unsigned number. If Aravis's thread is a microsecond late, it therefore sleeps for 100 ms.
+/// Any packet wakes the thread; this sends a GigE Vision discovery, which has no side effects.
 void GigeDevice::nudge_if_stalled() {
   constexpr std::int64_t kLateNs = 2'000'000, kStoppedNs = 300'000'000;
   const std::int64_t late_ns = monotonic_ns() - filled_ns_ - period_ns_;

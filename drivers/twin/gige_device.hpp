@@ -1,5 +1,5 @@
-/// GigE Vision device on Aravis's fake camera, from plugging in to unplugging. Private to
-/// FakeCamera, because it exposes Aravis's types.
+/// GigE Vision device on Aravis's fake camera: one object from plugging in to unplugging. Only
+/// FakeCamera includes this header, because it exposes Aravis's types.
 #pragma once
 
 #include <arv.h>
@@ -32,7 +32,7 @@ class Descriptor {
   int fd_;
 };
 
-/// Tries to bind the camera's UDP port: 0, or errno.
+/// Tries to bind the camera's UDP port (3956). Returns 0 on success, else errno.
 int try_camera_port(const std::string& address);
 
 class GigeDevice {
@@ -44,9 +44,9 @@ class GigeDevice {
   GigeDevice(const GigeDevice&) = delete;
   GigeDevice& operator=(const GigeDevice&) = delete;
 
-  // Any thread.
+  // The following functions may be called in any thread.
   bool streaming() const;
-  CameraSettings settings() const;  ///< as in the registers
+  CameraSettings settings() const;  ///< read from the camera's registers
 
   /// Wakes a stalled stream. Called in the watch thread about every millisecond.
   void nudge_if_stalled();
@@ -69,7 +69,7 @@ class GigeDevice {
   ArvGvFakeCamera* const gige_;
   ArvFakeCamera* const camera_;
   Descriptor nudger_;
-  /// A frame kept for later delivery (duplicate or reorder), after `others` more frames.
+  /// Frame kept for later delivery (faults duplicate and reorder), after `others` more frames.
   struct Kept {
     std::vector<std::byte> pixels;
     std::uint64_t frame_id = 0;
@@ -77,9 +77,9 @@ class GigeDevice {
     int others = 0;
   };
 
-  // Aravis's thread only, as `fill` and what it calls.
+  // Used by Aravis's thread only, in `fill` and the functions that `fill` calls.
   double lost_ratio_ = 0.0;
-  std::uint64_t frame_id_ = 0;  ///< of the newest frame
+  std::uint64_t frame_id_ = 0;  ///< number of the newest frame
   std::optional<Kept> kept_;
   std::mutex properties_mutex_;
   bool ending_ = false;  ///< guarded by properties_mutex_; true: set no more properties

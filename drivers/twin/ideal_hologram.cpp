@@ -12,7 +12,7 @@ namespace {
 
 /// A circular aperture with a grating and a vortex about its centre.
 struct Piece {
-  Vec2 centre_px;  ///< from the pupil's centre
+  Vec2 centre_px;  ///< relative to the pupil's centre, SLM pixels
   double diameter_px = 0.0;
   Vec2 frequency_cpp;
   int charge = 0;

@@ -1,4 +1,4 @@
-/// Ideal hologram: the field modulation of a perfect SLM under perfect light.
+/// Ideal hologram: field modulation of an SLM without errors under a uniform plane wave.
 #pragma once
 
 #include <complex>
@@ -9,12 +9,12 @@
 namespace ovws::twin {
 
 enum class Pattern {
-  sensor,   ///< the configured lattice: each subaperture's grating and vortex (paper eq. 4)
-  grating,  ///< the base grating
+  sensor,   ///< the sensor's lattice: grating and vortex in each subaperture (paper eq. 4)
+  grating,  ///< the base grating over the whole pupil
 };
 
-/// exp(i phase) at each SLM pixel inside the subapertures, or for the grating inside the pupil; 0
-/// elsewhere. Requires a configuration whose lattice is possible.
+/// Ideal field exp(i phase) at each SLM pixel inside the subapertures (Pattern::grating: inside the
+/// pupil); 0 elsewhere. Requires a configuration whose lattice is possible.
 Image<std::complex<float>> ideal_hologram(const Config& config, Pattern pattern);
 
 }  // namespace ovws::twin

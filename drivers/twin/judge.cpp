@@ -10,7 +10,7 @@
 namespace ovws::twin {
 namespace {
 
-/// The modes from `first` on.
+/// Modes with index j >= `first`.
 std::vector<Mode> tail(const std::vector<Mode>& modes, int first) {
   return {modes.begin() + first, modes.end()};
 }

@@ -39,7 +39,7 @@ int run(const ovws::twin::Config& config, const std::string& x_display) {
   int signal_number = 0;
   sigwait(&end_signals, &signal_number);
   spdlog::info("stops on signal {}", signal_number);
-  // Xlib waits forever for an X server that hangs: exit after 2 s in any case.
+  // Exit after 2 s in any case: Xlib may wait forever for an X server that does not respond.
   std::signal(SIGALRM, [](int) { _exit(0); });
   alarm(2);
   return 0;

@@ -1,5 +1,5 @@
-/// Control methods of the twin, by which tests and users read and change what the daemon cannot
-/// see.
+/// Control methods of the twin. Tests and users read and change the ground truth with them, which
+/// the daemon cannot see.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@
 
 namespace ovws::twin {
 
-/// `twin.get`, `twin.set` and `twin.fault`; see drivers/twin/README.md for their keys.
+/// Control methods `twin.get`, `twin.set` and `twin.fault`; drivers/twin/README.md lists the keys.
 class Methods {
  public:
   struct Deps {
@@ -29,7 +29,7 @@ class Methods {
   };
   Methods(const Config& config, const Deps& deps) : config_(config), deps_(deps) {}
 
-  /// Control thread. `params` is an object.
+  /// Executes a request. Control thread only. `params` must be a JSON object.
   RpcAnswer call(const std::string& method, const Json& params);
 
  private:
@@ -38,13 +38,13 @@ class Methods {
   RpcAnswer fault(const Json& params);
 
   const Turbulence& turbulence(const TurbulenceConfig& config);
-  /// Adds the judge's verdict on the image that the X server shows now.
+  /// Adds to `result` the judge's verdict on the image that the X server shows now.
   void add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns, Json& result);
 
   const Config config_;
   const Deps deps_;
-  std::optional<Turbulence> turbulence_;  ///< of the last request
-  std::unique_ptr<Judge> judge_;          ///< created on first use
+  std::optional<Turbulence> turbulence_;  ///< cached for the newest configuration
+  std::unique_ptr<Judge> judge_;          ///< created at the first verdict
 };
 
 }  // namespace ovws::twin

@@ -15,15 +15,15 @@
 
 namespace ovws::twin {
 
-const std::vector<std::string>& fault_names();  ///< in the order of FaultKind
+const std::vector<std::string>& fault_names();  ///< names of FaultKind, in its order
 
-/// The keys of twin.set with their current values.
+/// Ground truth as JSON: the keys of twin.set with their current values.
 Json json_of(const Config& config, const Truth& truth);
 Json json_of(const Fault& fault);
 Json json_of(const CameraStatus& camera);
 Json json_of(const FrameTally& tally, const FrameCounts& frames);
 Json json_of(const std::vector<FrameTruth>& frames);
 Json json_of(const std::optional<Verdict>& verdict);
-Json waves_of(const std::vector<Mode>& modes);  ///< the coefficients only
+Json waves_of(const std::vector<Mode>& modes);  ///< array of the coefficients, waves
 
 }  // namespace ovws::twin

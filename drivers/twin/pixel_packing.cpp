@@ -3,7 +3,7 @@
 namespace ovws::twin {
 namespace {
 
-constexpr float kLeak = 0.03F;  // typical transmission of a filter of another colour
+constexpr float kLeak = 0.03F;  // typical transmission of a Bayer filter outside its colour
 
 /// Writes the low `count` bits of `value` from bit `first_bit` on, LSB first (PFNC "p" formats).
 void put_bits(std::vector<std::byte>& bytes, std::size_t first_bit, int count, unsigned value) {
@@ -13,8 +13,8 @@ void put_bits(std::vector<std::byte>& bytes, std::size_t first_bit, int count, u
   }
 }
 
-/// GigE Vision 1 packing of two pixels in three bytes: the high eight bits of each in a byte of its
-/// own, the low bits of both in the byte between.
+/// GigE Vision 1 packing of two pixels in three bytes. The first and the last byte hold the high
+/// eight bits of one pixel each; the middle byte holds the low bits of the two pixels.
 void put_packed_pair(std::vector<std::byte>& bytes, std::size_t pixel, int bits, unsigned value) {
   const std::size_t first = pixel / 2 * 3, odd = pixel % 2;
   bytes[first + 2 * odd] = std::byte(value >> (bits - 8));

@@ -9,15 +9,16 @@
 
 namespace ovws::twin {
 
-/// Bytes of a frame of this size.
+/// Frame size in bytes for width x height pixels of this format.
 std::size_t frame_bytes(PixelFormat format, int width, int height);
 
-/// Encodes A/D converter values of `bits` bits. They fill the most significant bits of the format,
-/// as in real cameras, or with `left_justified` those of its 16-bit words (MSB-aligned).
+/// Encodes A/D converter values of `bits` bits. The values fill the most significant bits of the
+/// format, as in real cameras. With `left_justified` and a format of 16-bit words, the values fill
+/// the most significant bits of the word (MSB-aligned).
 std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFormat format,
                               bool left_justified);
 
-/// Applies the Bayer filters: attenuates pixels under filters of another colour than the laser's.
+/// Applies the Bayer filters: attenuates the pixels whose filter colour is not the laser's.
 void filter_colours(Image<float>& photons, PixelFormat format, double wavelength_nm);
 
 }  // namespace ovws::twin

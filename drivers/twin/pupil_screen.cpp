@@ -11,7 +11,8 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kPointsAcross = 96;
-constexpr int kBefore = 2;  ///< interpolation points before the one at or below a position
+/// Interpolation points before the grid point at or below a position.
+constexpr int kBefore = 2;
 
 }  // namespace
 
@@ -23,7 +24,7 @@ PupilScreen::PupilScreen(const Turbulence& turbulence, std::int64_t t_ns, Vec2 c
       first_x_px_(int(std::floor(centre_px.x - diameter_px / 2))),
       first_y_px_(int(std::floor(centre_px.y - diameter_px / 2))) {
   const double radius = diameter_px / 2;
-  // The centre's fraction of a pixel may differ between columns and rows.
+  // First grid point in pupil radii, per axis: the centre's pixel fraction may differ in x and y.
   const auto first = [&](int px, double centre) {
     return (px - kBefore * step_px_ - centre) / radius;
   };

@@ -12,9 +12,9 @@
 
 namespace ovws::twin {
 
-/// One moment of the turbulence, sampled at 96 points across the pupil with six-point Lagrange
-/// interpolation between them. The error is within 1e-3 of the amplitude of the shortest waves,
-/// which are 8 points long. Immutable after construction, so thread-safe.
+/// Turbulence at one moment, sampled at about 96 points across the pupil with six-point Lagrange
+/// interpolation. The error is within 1e-3 of the amplitude of the shortest waves, which are 8
+/// points long. Immutable after construction, so thread-safe.
 class PupilScreen {
  public:
   /// The pupil is given in SLM pixels and must be at least 1 pixel wide.
@@ -30,9 +30,9 @@ class PupilScreen {
 
   Vec2 centre_px_;
   double diameter_px_;
-  int step_px_;                  ///< grid step
-  int first_x_px_, first_y_px_;  ///< pixel of point 2, the first that has all six
-  Eigen::MatrixXf points_;       ///< waves, (along x, along y)
+  int step_px_;                  ///< grid step, SLM pixels
+  int first_x_px_, first_y_px_;  ///< pixel of grid point 2: earlier points lack left neighbours
+  Eigen::MatrixXf points_;       ///< sampled wavefront, waves; indices (x, y)
   std::vector<Taps> taps_;       ///< weights for each pixel between two grid points
 };
 

@@ -14,7 +14,7 @@
 namespace ovws::twin {
 namespace {
 
-constexpr int kPollMs = 50;  // short, to end promptly on stop
+constexpr int kPollMs = 50;  // longest wait for X events; short, so that a stop takes effect soon
 constexpr auto kBetweenTries = std::chrono::milliseconds(300);
 
 }  // namespace
@@ -40,7 +40,8 @@ void Screen::work(const std::stop_token& stop) {
       follow(**output, stop);
       if (!stop.stop_requested())
         report(false, "the X server ended or changed its screens; waiting for the SLM's output");
-      // If the screens were only rearranged, the SLM keeps showing its last image.
+      // The SLM keeps its last image until the output is opened again: the screens may only have
+      // been rearranged.
       std::this_thread::sleep_for(std::chrono::milliseconds(kPollMs));
       continue;
     }
@@ -56,12 +57,12 @@ void Screen::work(const std::stop_token& stop) {
 
 void Screen::follow(XOutput& output, const std::stop_token& stop) {
   Image<std::uint8_t> grey;
-  // A change found now happened after the previous check, or after the wait that it ended.
+  // Earliest time of a change that is found now: the previous check, or the end of the last wait.
   auto since = std::chrono::steady_clock::now();
   if (!forward(output, grey, since)) return;
   while (!stop.stop_requested()) {
     const std::uint64_t asked_now = asked();
-    // catch_up needs a round trip to the server; otherwise received events are enough.
+    // A waiting catch_up requires a round trip to the server; else the received events are enough.
     const auto checked_at = std::chrono::steady_clock::now();
     XOutput::Change change = asked_now != answered_ ? output.sync_changes() : output.read_changes();
     if (change == XOutput::Change::lost) return;

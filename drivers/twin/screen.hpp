@@ -1,4 +1,4 @@
-/// Watches the SLM's output on the X server and passes each new image to the bench.
+/// Screen reader: watches the SLM's output on the X server and passes each new image to the bench.
 #pragma once
 
 #include <condition_variable>
@@ -16,15 +16,15 @@ class XOutput;
 
 struct ScreenStatus {
   bool shown = false;          ///< the output exists and is being read
-  std::string text;            ///< what is read, or why there is nothing to read
-  std::uint64_t grabs = 0;     ///< images read
+  std::string text;            ///< name of the output, or the reason why it cannot be read
+  std::uint64_t grabs = 0;     ///< number of images read
   std::uint64_t connects = 0;  ///< how often the output was found
 };
 
-/// Without a display the SLM is off: flat, grey level 0 everywhere.
+/// Reader of the SLM's image. While there is no display, the SLM is off: grey level 0 everywhere.
 class Screen {
  public:
-  /// `x_display`: ":1"; empty: $DISPLAY.
+  /// `x_display`: name of the X display, e.g. ":1"; empty: the value of $DISPLAY.
   Screen(const SlmConfig& slm, std::string x_display, Bench& bench);
   ~Screen();
   Screen(const Screen&) = delete;
@@ -32,8 +32,8 @@ class Screen {
 
   void work(const std::stop_token& stop);  ///< body of the screen's thread
 
-  /// Waits until the bench has every image that the display showed before the call. For any other
-  /// thread. False on stop, or if the X server did not answer by the deadline.
+  /// Waits until the bench has every image that the display showed before this call. Call it in any
+  /// thread but the screen's. False on stop, or if the X server did not answer by the deadline.
   bool catch_up(Bench::Deadline deadline, const std::stop_token& stop);
   ScreenStatus status() const;  ///< thread-safe
 
@@ -51,7 +51,7 @@ class Screen {
   int wake_fd_;  ///< eventfd that wakes the screen's thread
   mutable std::mutex mutex_;
   std::condition_variable_any answered_now_;
-  std::uint64_t asked_ = 0, answered_ = 0;  ///< calls of catch_up
+  std::uint64_t asked_ = 0, answered_ = 0;  ///< number of catch_up calls begun and answered
   ScreenStatus status_;
 };
 

@@ -33,7 +33,8 @@ std::array<std::complex<float>, 256> make_lut(const SlmConfig& slm) {
   return lut;
 }
 
-/// Flatness error: a few long waves in random directions, smooth like the bend of an SLM's glass.
+/// Flatness error in waves: a sum of eight long cosine waves in random directions, as smooth as the
+/// bend of a real SLM's glass.
 Image<float> make_surface(const SlmConfig& slm) {
   constexpr int kWaves = 8;
   constexpr double kMinCycles = 0.5;
@@ -59,7 +60,7 @@ Image<float> make_surface(const SlmConfig& slm) {
 
 Image<float> make_gaussian_beam(const SlmGeometry& slm, double diameter_px) {
   Image<float> amplitude(slm.width_px, slm.height_px);
-  // The intensity falls to 1/e^2, so the amplitude to 1/e, at half the diameter.
+  // At half the diameter the intensity falls to 1/e^2, so the amplitude falls to 1/e.
   const double radius2 = diameter_px * diameter_px / 4.0;
   for (int y = 0; y < slm.height_px; ++y) {
     const double dy = y - (slm.height_px - 1) / 2.0;

@@ -13,38 +13,38 @@
 
 namespace ovws::twin {
 
-/// True phase of a grey level, waves, not wrapped.
+/// True phase of a grey level, in waves, not wrapped.
 double slm_phase_waves(const SlmConfig& slm, int grey);
 
-/// One thread at a time.
+/// SLM and illumination. Use it in one thread at a time, except for `modulate`.
 class SlmModel {
  public:
   explicit SlmModel(const Config& config);
 
-  /// Sets the aberration of the light on the SLM, over the sensor's pupil (0 outside), and the
-  /// shades in front of the SLM.
+  /// Sets the aberration of the light on the SLM and the shades in front of it. The aberration acts
+  /// inside the sensor's pupil and is 0 outside.
   void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {});
 
-  /// Sets the turbulence at this moment, which adds to the aberration; null: none.
+  /// Sets the turbulence at time `t_ns` (UTC), which is added to the aberration; null: none.
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);
 
-  /// Computes rows [first_row, end_row) of the field behind the SLM. `grey` and `field`: width x
-  /// height of the SLM; amplitude 1 at the beam's centre. May be called in several threads at once,
-  /// for different rows.
+  /// Computes rows [first_row, end_row) of the field behind the SLM, with amplitude 1 at the beam's
+  /// centre. `grey` and `field` have the size of the SLM. Several threads may call this at once for
+  /// different rows.
   void modulate(const Image<std::uint8_t>& grey, int first_row, int end_row,
                 Image<std::complex<float>>& field) const;
 
-  /// Amplitude of the beam, 1 at its centre.
+  /// Amplitude of the illuminating beam at an SLM pixel; 1 at the beam's centre.
   float amplitude(int x, int y) const { return amplitude_.width > 0 ? amplitude_.at(x, y) : 1.0F; }
-  /// Flatness error at each pixel; empty: none.
+  /// Flatness error of the SLM at each pixel, waves; empty if there is none.
   const Image<float>& surface_waves() const { return surface_waves_; }
 
  private:
   Config config_;
   std::array<std::complex<float>, 256> phasor_of_grey_;
   Image<float> surface_waves_;           ///< flatness error; empty: none
-  Image<float> amplitude_;               ///< of the beam; empty: 1 everywhere
-  Image<std::complex<float>> incident_;  ///< beam, aberration and surface
+  Image<float> amplitude_;               ///< beam amplitude; empty: 1 everywhere
+  Image<std::complex<float>> incident_;  ///< field of beam, aberration, shades and flatness error
   std::optional<PupilScreen> screen_;    ///< turbulence
 };
 

@@ -12,8 +12,8 @@ namespace {
 
 std::atomic<const Faults*> active_faults{nullptr};
 
-/// Whether a packet is a GVCP write acknowledge: status and command of 16 bits each, then length
-/// and id, then 4 bytes. No packet of a frame is as short.
+/// Whether a packet is a GVCP write acknowledge: status, command, length and id of 16 bits each,
+/// then 4 bytes of data. Packets of image data are longer.
 bool is_write_ack(const gchar* packet, gsize size) {
   constexpr gsize kSize = 12;
   constexpr gchar kRegister = char(0x83), kMemory = char(0x87);
@@ -32,7 +32,8 @@ SlowRegisters::~SlowRegisters() {
 
 }  // namespace ovws::twin
 
-/// Interposes GLib's function of this name, by which Aravis sends all packets, and calls it.
+/// Interposes GLib's g_socket_send_to, with which Aravis sends all packets. Calls GLib's function
+/// after the delay.
 extern "C" gssize g_socket_send_to(GSocket* socket, GSocketAddress* address, const gchar* buffer,
                                    gsize size, GCancellable* cancellable, GError** error) {
   using Send = decltype(&g_socket_send_to);

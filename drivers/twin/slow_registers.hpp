@@ -1,12 +1,13 @@
-/// The fault slow_registers. Aravis's fake camera has no hook for it, so it interposes the function
-/// that sends the camera's packets.
+/// Fault slow_registers: delays register acknowledges. Aravis's fake camera has no hook for this,
+/// so the function that sends the camera's packets is interposed.
 #pragma once
 
 #include "drivers/twin/faults.hpp"
 
 namespace ovws::twin {
 
-/// While this object exists, write acknowledges are delayed as ordered in `faults`. One at a time.
+/// Delays write acknowledges while this object exists and `faults` has slow_registers active. Only
+/// one object may exist at a time.
 class SlowRegisters {
  public:
   explicit SlowRegisters(const Faults& faults);

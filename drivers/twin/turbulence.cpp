@@ -14,12 +14,12 @@ constexpr int kWaves = 300;
 constexpr int kRemoved = 3;  ///< modes that `tilt: false` takes out: j = 0, 1, 2
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
-/// 2 J_(n+1)(kappa) / kappa, kappa in radians per pupil radius.
+/// Bessel ratio 2 J_(n+1)(kappa) / kappa. `kappa`: spatial frequency, radians per pupil radius.
 double bessel_ratio(int n, double kappa) {
   return 2.0 * std::cyl_bessel_j(double(n + 1), kappa) / kappa;
 }
 
-/// Fraction of a plane wave's power over the pupil that is not piston or tilt.
+/// Fraction of a plane wave's power over the pupil that remains without piston and tilts.
 double power_beyond_tilt(double kappa) {
   const double piston = bessel_ratio(0, kappa), tilt = bessel_ratio(1, kappa);
   return std::max(0.0, 1.0 - piston * piston - 4.0 * tilt * tilt);
@@ -50,7 +50,8 @@ Turbulence::Turbulence(const TurbulenceConfig& config) : config_(config), waves_
     wave.cycles_per_radius = (0.5 * cycles) * Vec2{std::cos(direction), std::sin(direction)};
     wave.start_cycles = uniform();
     const double knee = 1.0 / config.outer_scale_pupils;
-    // Power in a ring of the spectrum of width d ln f: f^2 times the spectral density.
+    // The power in a spectral ring of width d ln f is f^2 times the spectral density; the amplitude
+    // is its square root.
     wave.waves = cycles * std::pow(cycles * cycles + knee * knee, -11.0 / 12.0);
   }
   scale_to_rms();
@@ -79,7 +80,7 @@ void Turbulence::fill_modes(Wave& wave) const {
 }
 
 double Turbulence::phase_at_centre(const Wave& wave, std::int64_t t_ns) const {
-  // Decades of nanoseconds to a fraction of a cycle need more digits than a double has.
+  // long double: a double cannot resolve a fraction of a cycle over decades of nanoseconds.
   const long double cycles_per_s =
       (long double)(wave.cycles_per_radius.x) * (long double)(radii_per_s_.x) +
       (long double)(wave.cycles_per_radius.y) * (long double)(radii_per_s_.y);
@@ -118,7 +119,7 @@ double Turbulence::waves(Vec2 at, std::int64_t t_ns) const {
 }
 
 Eigen::MatrixXf Turbulence::sample(Vec2 first, double step, int points, std::int64_t t_ns) const {
-  // cos(a + b) = cos a cos b - sin a sin b makes the sum over all waves a product of two matrices.
+  // Matrix product: cos(a + b) = cos a cos b - sin a sin b separates x from y in each wave.
   const auto waves = Eigen::Index(waves_.size());
   Eigen::MatrixXf along_x(points, 2 * waves), along_y(2 * waves, points);
   for (Eigen::Index k = 0; k < waves; ++k) {

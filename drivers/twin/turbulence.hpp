@@ -1,5 +1,5 @@
-/// Atmospheric turbulence in front of the SLM as frozen flow (Taylor's hypothesis): a fixed
-/// wavefront that the wind carries over the pupil.
+/// Atmospheric turbulence in front of the SLM as frozen flow (Taylor's hypothesis): the wind moves
+/// a fixed wavefront across the pupil.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,12 +12,12 @@
 
 namespace ovws::twin {
 
-/// Lengths in pupil diameters.
+/// Configuration of the turbulence. Lengths are in pupil diameters.
 struct TurbulenceConfig {
-  /// RMS over the pupil and over all time, without piston and tilts (j >= 3).
+  /// RMS of the wavefront over the pupil and over time, without piston and tilts (j >= 3).
   double rms_waves = 0.1;
   double speed_pupils_per_s = 1.0;
-  double direction_deg = 0.0;  ///< where the air moves to: 0 is +x, 90 is +y (down)
+  double direction_deg = 0.0;  ///< direction of the wind: 0 blows to +x, 90 to +y (down)
   double outer_scale_pupils = 10.0;
   int seed = 1;
   bool tilt = true;  ///< false: piston and tilts over the pupil are removed at each moment
@@ -25,10 +25,10 @@ struct TurbulenceConfig {
   friend bool operator==(const TurbulenceConfig&, const TurbulenceConfig&) = default;
 };
 
-/// Sum of 300 plane waves of random directions and phases. Their frequencies are spaced
-/// logarithmically up to kMaxCycles per pupil, their power follows von Karman's spectrum (f^2 +
-/// 1/L0^2)^(-11/6) (Hardy, "Adaptive Optics for Astronomical Telescopes", 1998, ch. 3). The same
-/// configuration gives the same wavefront at the same time. Immutable, so thread-safe.
+/// Turbulent wavefront: a sum of 300 plane waves of random directions and phases. Their frequencies
+/// are spaced logarithmically up to kMaxCycles per pupil. Their power follows von Karman's spectrum
+/// (f^2 + 1/L0^2)^(-11/6) (Hardy, "Adaptive Optics for Astronomical Telescopes", 1998, ch. 3).
+/// Configuration and time determine the wavefront completely. Immutable, so thread-safe.
 class Turbulence {
  public:
   static constexpr double kMaxCycles = 12.0;
@@ -39,23 +39,24 @@ class Turbulence {
 
   const TurbulenceConfig& config() const { return config_; }
 
-  /// Wavefront in waves at a position in pupil radii from the pupil's centre, at `t_ns` UTC.
+  /// Wavefront in waves at time `t_ns` (UTC). `at`: position relative to the pupil's centre, in
+  /// pupil radii.
   double waves(Vec2 at, std::int64_t t_ns) const;
-  /// Zernike coefficients over the pupil, RMS-normalised waves: exact by Noll's integrals ("Zernike
-  /// polynomials and atmospheric turbulence", 1976).
+  /// Zernike coefficients over the pupil at time `t_ns`, RMS-normalised waves. Exact, by Noll's
+  /// integrals ("Zernike polynomials and atmospheric turbulence", 1976).
   Modes modes(std::int64_t t_ns) const;
 
-  /// Wavefront in waves at the points first + step (c, r), in pupil radii: `points` x `points`, by
-  /// (c, r).
+  /// Wavefront in waves on a grid of `points` x `points` positions first + step (c, r), in pupil
+  /// radii; element (c, r) of the result.
   Eigen::MatrixXf sample(Vec2 first, double step, int points, std::int64_t t_ns) const;
 
  private:
   struct Wave {
-    Vec2 cycles_per_radius;  ///< spatial frequency
+    Vec2 cycles_per_radius;  ///< spatial frequency, cycles per pupil radius
     double start_cycles = 0.0;
-    double waves = 0.0;  ///< amplitude
-    /// Complex amplitudes by OSA index, RMS-normalised waves: mode j's coefficient at a time is
-    /// Re(modes[j] exp(i phase_at_centre)).
+    double waves = 0.0;  ///< amplitude, waves
+    /// Complex amplitudes of the Zernike modes by OSA index, RMS-normalised waves. The coefficient
+    /// of mode j at a time is Re(modes[j] exp(i phase_at_centre)).
     std::array<std::complex<double>, kModes> modes{};
   };
   double phase_at_centre(const Wave& wave, std::int64_t t_ns) const;  ///< radians

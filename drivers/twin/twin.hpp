@@ -1,4 +1,4 @@
-/// The complete twin: its parts and their threads.
+/// Digital twin of the bench: owns all parts and their threads.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ class Twin {
   Twin(const Twin&) = delete;
   Twin& operator=(const Twin&) = delete;
 
-  std::string addresses() const;  ///< for the `ready` line
+  std::string addresses() const;  ///< text of camera, control and SLM for the `ready` line
 
  private:
   Twin(const Config& config, const std::string& x_display);
@@ -40,8 +40,8 @@ class Twin {
   std::unique_ptr<ControlServer> control_;
   std::unique_ptr<Methods> methods_;
 
-  // Declared last, so that they end before the parts that they use. Aravis adds a thread of its
-  // own.
+  // Threads are declared last, so that they end before the parts that they use. Aravis adds its own
+  // thread.
   std::jthread bench_thread_, noise_thread_, screen_thread_, camera_thread_, control_thread_;
 };
 

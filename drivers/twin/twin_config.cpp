@@ -85,10 +85,10 @@ void read(ObjectReader& r, Config& c) {
   read_turbulence(r, c.truth.turbulence);
 }
 
-/// Photons in the whole spot per photon in the brightest pixel of an ideal charge-1 spot.
+/// Photons in a whole charge-1 spot per photon in its brightest pixel (ideal optics).
 double photons_per_peak_photon(const Config& config, const Truth& truth) {
-  // |F|max = kVortexPeak A for an aperture of A pixels, and the sum of |F|^2 over the frequencies
-  // is A (Parseval); a camera pixel spans 1 / S cycles per SLM pixel.
+  // For an aperture of A pixels, |F|max = kVortexPeak A. The integral of |F|^2 over one period of
+  // the frequencies is A (Parseval). A camera pixel spans 1 / S cycles per SLM pixel.
   const double radius = config.sensor.pupil_diameter_px / config.sensor.subapertures_across / 2;
   const double area = std::numbers::pi * radius * radius;
   const double scale = camera_map(config, truth.geometry).scale;

@@ -16,24 +16,24 @@
 namespace ovws::twin {
 
 struct CameraConfig {
-  std::string address = "127.0.0.1";  ///< of a network interface of this machine; UDP port 3956
+  std::string address = "127.0.0.1";  ///< IPv4 address of an interface of this machine, port 3956
   std::string serial = "TWIN0001";
   int sensor_width = 1024;
   int sensor_height = 1024;
 };
 
-/// True response of the SLM, which the daemon does not know: phase = 2 pi depth_waves (g /
-/// 256)^gamma for grey level g, falling if depth_waves is negative, plus the flatness error of its
-/// surface.
+/// True response of the SLM, which the daemon does not know. The phase of grey level g is
+/// 2 pi depth_waves (g / 256)^gamma plus the flatness error of the surface. With a negative
+/// depth_waves the phase falls.
 struct SlmConfig {
   std::string display = "DUMMY1";  ///< output name on the X server
   SlmGeometry geometry;            ///< keys width, height, pitch_um
   double gamma = 1.0;
   double depth_waves = 1.0;
-  double flatness_rms_waves = 0.0;  ///< of a smooth random surface, RMS over the SLM
+  double flatness_rms_waves = 0.0;  ///< RMS over the SLM of a smooth random flatness error
   int flatness_seed = 1;
-  double flatness_cycles = 2.5;  ///< cycles of its shortest wave over the SLM's height
-  double settle_ms = 0.0;        ///< delay until the liquid crystal follows the display, at once
+  double flatness_cycles = 2.5;  ///< shortest wave of the flatness error, cycles per SLM height
+  double settle_ms = 0.0;        ///< delay of the liquid crystal, which then changes in one step
 };
 
 enum class Mirror { none, x, y };
@@ -43,7 +43,7 @@ struct CameraGeometry {
   double rotation_deg = 0.0;
   Mirror mirror = Mirror::none;
   double magnification = 1.0;
-  Vec2 centre_px{255.5, 255.5};  ///< of the *sensor* (not of the ROI): where the base spot falls
+  Vec2 centre_px{255.5, 255.5};  ///< position of the base grating's spot on the sensor, not the ROI
 
   friend bool operator==(const CameraGeometry&, const CameraGeometry&) = default;
 };
@@ -52,12 +52,12 @@ enum class LightShape { uniform, gaussian };
 
 struct LightConfig {
   LightShape shape = LightShape::uniform;
-  double diameter_px = 1200.0;  ///< SLM pixels: 1/e^2 diameter of a Gaussian beam; else not used
+  double diameter_px = 1200.0;  ///< 1/e^2 diameter of a Gaussian beam, SLM pixels
 };
 
-/// A disc in the beam, in front of the SLM.
+/// Shade: a disc in front of the SLM that dims the beam.
 struct Shade {
-  Vec2 centre_px;  ///< SLM pixels
+  Vec2 centre_px;  ///< centre of the disc, SLM pixels
   double radius_px = 0.0;
   double transmission = 0.0;  ///< transmitted fraction of the intensity
 
@@ -65,24 +65,24 @@ struct Shade {
 };
 
 enum class Noise {
-  fresh,  ///< a new realisation for each frame; if generation is too slow, an old one, counted
-  pool,   ///< 32 realisations in turn: little CPU load
-  none,   ///< the mean image, quantised
+  fresh,  ///< new noise for each frame; if generation is too slow, an old frame repeats (counted)
+  pool,   ///< 32 noise realisations in turn: little CPU load
+  none,   ///< no noise: the mean image, quantised
 };
 
-/// Ground truth: what can change while the twin runs, and only the twin knows.
+/// Ground truth: bench parameters that can change while the twin runs and that only it knows.
 struct Truth {
-  /// Aberration of the light on the SLM, over the sensor's pupil.
+  /// Aberration of the light on the SLM, as Zernike modes over the sensor's pupil.
   std::vector<Mode> aberration;
   std::vector<Shade> shades;
   /// Laser power, as electrons in the brightest pixel of an ideal charge-1 spot after
-  /// kReferenceExposureUs. At the same power a charge-0 spot peaks 3.9 times higher, and
-  /// interference with neighbouring spots raises a charge-1 peak by 1.2 to 1.4.
+  /// kReferenceExposureUs. At equal power the peak of a charge-0 spot is 3.9 times higher.
+  /// Interference with neighbouring spots raises a charge-1 peak by a factor of 1.2 to 1.4.
   double peak_electrons = 6000.0;
   CameraGeometry geometry;
   std::optional<TurbulenceConfig> turbulence;
-  DetectorConfig detector;      ///< its `bits` is not used
-  int bits = 0;                 ///< of the A/D converter; 0: as many as the pixel format has
+  DetectorConfig detector;      ///< detector.bits is not used: see `bits` below
+  int bits = 0;                 ///< bits of the A/D converter; 0: as many as the pixel format has
   bool left_justified = false;  ///< MSB-aligned: 10 to 14 bits in the high bits of 16
   Noise noise = Noise::fresh;
 };
@@ -90,38 +90,39 @@ struct Truth {
 struct Config {
   CameraConfig camera;
   SlmConfig slm;
-  OpticsConfig optics;  ///< magnification and centre_px are not used: truth.geometry has them
-  SensorConfig sensor;  ///< expected hologram: its pupil and spot positions
+  OpticsConfig optics;  ///< truth.geometry replaces its magnification and centre_px
+  SensorConfig sensor;  ///< sensor of the expected hologram: pupil and spot positions
   LightConfig light;
   Truth truth;
   std::string control_endpoint = "tcp://127.0.0.1:7790";
 };
 
-const std::vector<std::string>& mirror_names();  ///< in the order of Mirror
+const std::vector<std::string>& mirror_names();  ///< names of Mirror, in its order
 
 constexpr double kReferenceExposureUs = 2000.0;
-/// Greatest |F| of a charge-1 vortex behind a uniform circular aperture, in units of the
-/// aperture's area: the maximum over q of 2 integral_0^1 J1(q t) t dt, at q = 2.4525.
+/// Peak far-field amplitude |F| of a charge-1 vortex behind a uniform circular aperture, in units
+/// of the aperture's area: the maximum over q of 2 integral_0^1 J1(q t) t dt, at q = 2.4525.
 constexpr double kVortexPeak = 0.508681;
 
-/// Strict decoding of JSON text, in which comments are allowed. Errors (Errc::invalid) name the
-/// dotted path.
+/// Parses the configuration from JSON text strictly, but allows comments. Errors (Errc::invalid)
+/// name the dotted path of the key.
 Result<Config> parse_config(const std::string& json_text);
-/// Reads a configuration file. The error's reason names the file.
+/// Loads a configuration file. The reason of an error names the file.
 Result<Config> load_config(const std::string& path);
 
-/// Reads the keys of Truth from an object: `aberration`, `norm`, and `peak_electrons` …
+/// Readers of ground-truth keys from an object: `aberration`, `norm`, `shades`, `noise` ...
 void read_aberration(ObjectReader& reader, Truth& truth);
 void read_shades(ObjectReader& reader, Truth& truth);
 void read_detector(ObjectReader& reader, Truth& truth);
 void read_noise(ObjectReader& reader, Truth& truth);
-/// Reads the key `turbulence`: null switches it off; an object replaces it as a whole, with
-/// defaults for missing keys. Without the key it stays.
+/// Reads the key `turbulence`. null switches the turbulence off. An object replaces the whole
+/// configuration, with defaults for missing keys. Without the key, the turbulence is unchanged.
 void read_turbulence(ObjectReader& reader, std::optional<TurbulenceConfig>& turbulence);
-/// The object `geometry` of twin.set: any of its keys.
+/// Reads the object `geometry` of twin.set; missing keys keep their values.
 void read_geometry(ObjectReader& reader, CameraGeometry& geometry);
 
-/// Mean photons from one subaperture to the camera in kReferenceExposureUs, and the inverse.
+/// Mean photons that reach the camera from one subaperture in kReferenceExposureUs.
+/// peak_electrons_for is the inverse: the peak_electrons for this number of photons.
 double photons_per_spot(const Config& config, const Truth& truth);
 double peak_electrons_for(const Config& config, const Truth& truth, double photons);
 

@@ -22,8 +22,8 @@ std::vector<Mode> modes_of(const Eigen::VectorXd& waves) {
   return modes;
 }
 
-/// Weighted least-squares fit of the modes, without piston, to phase differences between
-/// neighbours.
+/// Weighted least-squares fit of the modes, without piston, to the phase differences between
+/// neighbouring blocks.
 Eigen::VectorXd fit_gradients(const PupilBlocks& blocks, const Eigen::VectorXcd& sums) {
   constexpr int kFitted = kModes - 1;
   using Matrix = Eigen::Matrix<double, kFitted, kFitted>;

@@ -28,7 +28,7 @@ void on_io_error_exit(::Display*, void* dead) {
   *static_cast<bool*>(dead) = true;
 }
 
-/// True if no X error came since `x_error` was last cleared.
+/// Whether no X error occurred since `x_error` was last cleared; waits for the server.
 bool requests_succeeded(::Display* display) {
   XSync(display, False);
   return !std::exchange(x_error, false);
@@ -38,7 +38,7 @@ struct Rectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// The output's rectangle on the X screen.
+/// Rectangle of the output `name` on the X screen; an error lists the active outputs.
 Result<Rectangle> find_output(::Display* display, const std::string& name) {
   Rectangle area;
   std::string names;
@@ -101,7 +101,7 @@ Result<void> XOutput::Impl::connect(const std::string& name) {
   if (display == nullptr) {
     return fail(Errc::unavailable, "", "no X server answers at display '" + name + "'");
   }
-  // Without it Xlib ends the process when the server goes away.
+  // Exit handler: without one, Xlib ends the process when the server ends.
   XSetIOErrorExitHandler(display, on_io_error_exit, &dead);
   int error = 0;
   if (!XDamageQueryExtension(display, &damage_event, &error) ||
@@ -121,14 +121,15 @@ bool XOutput::Impl::share_memory() {
   const std::size_t size = std::size_t(shared->bytes_per_line) * std::size_t(shared->height);
   segment.shmid = shmget(IPC_PRIVATE, size, IPC_CREAT | 0600);
   void* address = segment.shmid < 0 ? MAP_FAILED : shmat(segment.shmid, nullptr, 0);
-  const bool mapped = address != MAP_FAILED;  // the same (void*)-1 that shmat returns
+  const bool mapped = address != MAP_FAILED;  // shmat reports failure as (void*)-1, too
   bool attached = false;
   if (mapped) {
     segment.shmaddr = static_cast<char*>(address);
     shared->data = segment.shmaddr;
     attached = XShmAttach(display, &segment) != 0 && requests_succeeded(display);
   }
-  // Marked for removal now: the segment is freed when both sides have detached, however they end.
+  // Mark the segment for removal now: the kernel frees it once this process and the X server have
+  // detached, even after a crash.
   if (segment.shmid >= 0) shmctl(segment.shmid, IPC_RMID, nullptr);
   const bool grey_in_blue =
       shared->bits_per_pixel == 32 && shared->blue_mask == 0xff && shared->byte_order == LSBFirst;
@@ -191,7 +192,7 @@ XOutput::Change XOutput::read_changes() {
     XEvent event;
     XNextEvent(impl_->display, &event);
     if (event.type == impl_->damage_event + XDamageNotify) {
-      // Cleared before the pixels are read, so that a change during the read is reported again.
+      // Clear the damage before reading pixels, so that a change during the read is reported again.
       XDamageSubtract(impl_->display, impl_->damage, None, None);
       change = Change::pixels;
     } else if (event.type == impl_->randr_event + RRScreenChangeNotify ||

@@ -1,5 +1,5 @@
-/// Reader of one X server output: its pixels, and notification of changes (DAMAGE extension). X
-/// headers stay in the .cpp.
+/// Reader of one X server output: its pixels, and notification of changes (DAMAGE extension). This
+/// header includes no X headers.
 #pragma once
 
 #include <memory>
@@ -10,27 +10,29 @@
 
 namespace ovws::twin {
 
-/// All calls from one thread, the only one in the program that uses Xlib.
+/// Output of an X server. One thread makes all calls; no other thread may use Xlib.
 class XOutput {
  public:
-  /// Errc::unavailable if there is no server, no such output, or it is off (the reason lists the
-  /// outputs there are); Errc::refused if its mode is not width x height.
+  /// Opens the output for reading. Errc::unavailable if there is no server, no such output, or the
+  /// output is off (the reason lists the active outputs), or if the server lacks an extension.
+  /// Errc::refused if the output does not show width x height pixels.
   static Result<std::unique_ptr<XOutput>> open(const std::string& display,
                                                const std::string& output, int width, int height);
   ~XOutput();
   XOutput(const XOutput&) = delete;
   XOutput& operator=(const XOutput&) = delete;
 
-  int descriptor() const;  ///< readable when the server has sent events
+  int descriptor() const;  ///< file descriptor; readable when the server has sent events
 
   enum class Change { none, pixels, lost };
-  /// Processes all received events. `lost`: the server died or its screens were rearranged; the
-  /// object can no longer be used.
+  /// Processes all received events. `lost`: the server ended or rearranged its screens; destroy
+  /// this object and open the output again.
   Change read_changes();
-  Change sync_changes();  ///< the same after a round trip, so that all earlier changes are included
+  /// Makes a round trip to the server, then read_changes: includes all changes before this call.
+  Change sync_changes();
 
-  /// Reads the blue channel of each pixel, width x height. False if the server refuses: then as
-  /// `lost`.
+  /// Reads the grey levels: the blue channel of each pixel, width x height. False if the server
+  /// refuses; then treat the output as `lost`.
   bool grab(Image<std::uint8_t>& grey);
 
  private:

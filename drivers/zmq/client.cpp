@@ -61,7 +61,7 @@ std::string rejection_reason(int event, bool has_keys) {
   return "the connection ended in the handshake: check that the server key belongs to this daemon";
 }
 
-/// Event number of a socket monitor's message; 0 if it is not one.
+/// Event number in a message of a ZeroMQ socket monitor; 0 if the message is malformed.
 int event_of(const std::vector<zmq::message_t>& parts) {
   std::uint16_t event = 0;
   if (!parts.empty() && parts[0].size() >= sizeof event) {
@@ -80,7 +80,8 @@ struct ControlClient::Impl {
   zmq::socket_t monitor;
   int opened = 0;
 
-  /// Opens a new socket. It has a new routing id, so replies to older requests never reach it.
+  /// Opens a new socket. Its routing id is new, so replies to older requests never reach this
+  /// socket.
   Result<void> open() {
     socket = zmq::socket_t(context, zmq::socket_type::dealer);
     socket.set(zmq::sockopt::linger, 0);
@@ -94,7 +95,8 @@ struct ControlClient::Impl {
   }
 
   /// Waits for a reply, a rejected handshake or the time-out. Returns the event of the last failed
-  /// handshake; 0: none. libzmq retries a connection that merely ended, so waiting continues.
+  /// handshake; 0 if a reply came or no handshake failed. If a connection ended without a reason,
+  /// waiting continues, because libzmq connects again.
   int wait(std::chrono::milliseconds timeout) {
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + timeout;

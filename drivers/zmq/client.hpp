@@ -15,17 +15,18 @@
 
 namespace ovws {
 
-/// Client of the control socket. One thread at a time.
+/// Client of the control socket. Use it from one thread at a time.
 class ControlClient {
  public:
-  /// Connects, without keys to a daemon that requires none. Errors: Errc::invalid (malformed
-  /// endpoint or keys). A missing daemon or rejected keys are reported by the first request.
+  /// Connects to the daemon, with CURVE keys if `keys` is given. Errors: Errc::invalid (malformed
+  /// endpoint or keys). If no daemon runs or it rejects the keys, the first request reports the
+  /// error.
   static Result<ControlClient> connect(const std::string& endpoint,
                                        const std::optional<ClientKeys>& keys = std::nullopt);
 
-  /// Sends one request and waits for its reply. Errors: Errc::unavailable if none came in time;
-  /// Errc::refused at once, with the reason, if the daemon rejects this client. A late reply is
-  /// never taken for that of another request.
+  /// Sends one request and waits for its reply. Errors: Errc::unavailable if no reply arrives
+  /// within `timeout`; Errc::refused at once, with the reason, if the daemon rejects this client. A
+  /// late reply to an earlier request is never returned.
   Result<std::string> request(std::string_view bytes, std::chrono::milliseconds timeout);
 
  private:
@@ -37,19 +38,21 @@ class ControlClient {
 struct StreamMessage {
   std::string topic;
   std::string json;
-  std::vector<std::byte> binary;  ///< empty if the topic has none
+  std::vector<std::byte> binary;  ///< binary part; empty if the topic has none
 };
 
-/// Subscriber of the daemon's streams. One thread at a time.
+/// Subscriber of the daemon's streams. Use it from one thread at a time.
 class Subscriber {
  public:
-  /// Connects and subscribes. `topics`: empty means all. Up to `receive_queue` messages are queued
-  /// for a slow reader; further ones are lost. Errors as in ControlClient::connect.
+  /// Connects and subscribes to `topics`; an empty list means all topics. Up to `receive_queue`
+  /// messages are queued for a slow caller; further messages are lost. Errors: as in
+  /// ControlClient::connect.
   static Result<Subscriber> connect(const std::string& endpoint,
                                     const std::vector<std::string>& topics, int receive_queue,
                                     const std::optional<ClientKeys>& keys = std::nullopt);
 
-  /// The next message. None on time-out, or if a signal interrupted the wait.
+  /// Returns the next message. None on time-out, if a signal interrupted the wait, or if the
+  /// message is not one of ovwsd.
   std::optional<StreamMessage> receive(std::chrono::milliseconds timeout);
 
  private:

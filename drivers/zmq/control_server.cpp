@@ -15,14 +15,14 @@ namespace {
 
 constexpr long kWaitMs = 50;
 constexpr int kLingerMs = 100;   // time for the last replies to be sent before the socket closes
-constexpr int kMaxPerTurn = 64;  // requests received before any is served
-constexpr auto kServeFor = std::chrono::milliseconds(10);  // before replies are sent
-// Unlimited, because ROUTER drops replies beyond a client's high-water mark, and its count lags
-// behind what was already written. ReplyBox bounds the outstanding replies instead.
-constexpr int kReplyQueue = 0;                    // unlimited
-constexpr int kReceiveQueue = 32;                 // requests held for one client
+constexpr int kMaxPerTurn = 64;  // requests received before serving begins
+constexpr auto kServeFor = std::chrono::milliseconds(10);  // time limit of one `serve`
+// Send queue without a limit, because ROUTER drops replies beyond a client's high-water mark, and
+// libzmq counts replies for a while after it has written them. ReplyBox limits the replies instead.
+constexpr int kReplyQueue = 0;                    // 0: unlimited
+constexpr int kReceiveQueue = 32;                 // requests that libzmq holds per client
 constexpr std::int64_t kMaxFrameBytes = 2 << 20;  // larger frames make libzmq close the connection
-constexpr std::size_t kMaxParts = 16;             // of one request, its envelope included
+constexpr std::size_t kMaxParts = 16;             // frames of one request, with its envelope
 constexpr std::size_t kMaxRoutingId = 255;        // bytes, defined by ZeroMQ
 
 /// One multipart request. Parts beyond kMaxParts are counted but not kept.
@@ -73,13 +73,13 @@ struct ControlServer::Impl {
   bool serve();
 };
 
-/// Waits for work, at most kWaitMs.
+/// Waits for requests, replies or ZAP messages, at most kWaitMs. No wait if more_to_serve.
 bool ControlServer::Impl::wait() {
   items.assign(1, {nullptr, box->wake_fd(), ZMQ_POLLIN, 0});
   if (gate != nullptr) gate->parts().add_to(items);
   items.push_back({socket.handle(), 0, ZMQ_POLLIN, 0});
   const long wait_ms = more_to_serve ? 0 : kWaitMs;
-  return zmq_poll(items.data(), int(items.size()), wait_ms) > 0;  // interrupted: a short wait
+  return zmq_poll(items.data(), int(items.size()), wait_ms) > 0;  // a signal ends the wait early
 }
 
 bool ControlServer::Impl::send_replies() {
@@ -89,13 +89,13 @@ bool ControlServer::Impl::send_replies() {
 }
 
 /// Sends a reply without copying it. libzmq holds the bytes until they are written to the
-/// connection; until then they count as outstanding.
+/// connection; until then the reply counts as outstanding.
 void ControlServer::Impl::send(ReplyBox::Reply reply) {
   struct Sent {
     std::shared_ptr<ReplyBox> box;
     ReplyBox::Reply reply;
   };
-  // ROUTER drops messages for a client that is gone.
+  // ROUTER drops messages for a client that has disconnected.
   for (const auto& frame : reply.envelope) {
     (void)socket.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
   }
@@ -126,8 +126,8 @@ bool ControlServer::Impl::receive() {
   return true;
 }
 
-/// Queues a request for its client. The bytes are copied, because a received message may hold a
-/// larger buffer of libzmq.
+/// Queues a request for its client. The bytes are copied, because a received message may keep a
+/// larger buffer of libzmq allocated.
 void ControlServer::Impl::take(const Incoming& in) {
   if (in.count == 1) return;  // a routing id without a request
   const std::size_t size = envelope_size(in);
@@ -144,7 +144,7 @@ void ControlServer::Impl::take(const Incoming& in) {
   box->reply_to(std::move(envelope), std::move(client), 0)(limits.overload_reply);
 }
 
-/// Serves one request of each client in turn, until none can be served or kServeFor is over.
+/// Serves requests round-robin over the clients, until none can be served or kServeFor has passed.
 bool ControlServer::Impl::serve() {
   const auto until = std::chrono::steady_clock::now() + kServeFor;
   bool served = false;

@@ -19,10 +19,11 @@ struct ClientKeys {
   std::string server_key;
 };
 
+/// Whether `text` has the form of a key: 40 characters of Z85.
 bool is_curve_key(const std::string& text);
-/// Errors: Errc::unavailable, if this libzmq has no CURVE.
+/// Generates a random key pair. Errors: Errc::unavailable if this libzmq has no CURVE.
 Result<KeyPair> make_key_pair();
-/// The public key that belongs to a secret key. None if `secret_key` is malformed.
+/// Computes the public key that belongs to a secret key. None if `secret_key` is malformed.
 std::optional<std::string> public_key_of(const std::string& secret_key);
 
 }  // namespace ovws

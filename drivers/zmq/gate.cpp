@@ -13,15 +13,15 @@ namespace ovws {
 namespace {
 
 constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
-constexpr const char* kRejectDomain = "ends";  // ZAP domains, by the treatment of unknown keys
+constexpr const char* kRejectDomain = "ends";  // ZAP domain: how unknown keys are treated
 constexpr const char* kRetryDomain = "comes again";
-constexpr int kIoThreads = 3;  // one per socket: encrypting images delays no measurement
+constexpr int kIoThreads = 3;  // one per socket, so that encrypting images delays no measurement
 constexpr int kMaxPerTurn = 64;
-constexpr int kHandshakeMs = 5000;  // a client refused with 300 hangs in its handshake until then
-/// Handshakes that fail before ZAP is asked. A client without a key may disconnect when it sees
-/// that CURVE is required, which libzmq reports as the event without detail.
+constexpr int kHandshakeMs = 5000;  // a client refused with 300 stays in its handshake this long
+/// Monitor events of handshakes that fail before the ZAP request. A client without a key may
+/// disconnect when it sees that CURVE is required; libzmq reports this as ..._NO_DETAIL.
 constexpr int kEvents = ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL;
-constexpr std::size_t kZapFrames = 7;  // exactly, for CURVE
+constexpr std::size_t kZapFrames = 7;  // of a ZAP request with CURVE, exactly
 constexpr std::size_t kCurveKeyBytes = 32;
 
 using Frames = std::vector<zmq::message_t>;

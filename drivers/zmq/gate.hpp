@@ -11,29 +11,30 @@
 
 namespace ovws {
 
-/// Callbacks, in the thread of the ControlServer unless stated otherwise.
+/// Callbacks of the gate, called in the ControlServer's thread unless stated otherwise.
 struct GateCalls {
   std::function<bool(const std::string& public_key)> knows;
   /// A client was rejected; `why` is a message for the user.
   std::function<void(const std::string& why)> rejected;
-  /// In the publisher's thread. With an error: rebinding has failed for a second, and the publisher
-  /// sends nothing. Without: it is bound again.
+  /// Called in the publisher's thread. An error means that rebinding has failed for 1 s and that
+  /// the publisher sends nothing; success means that the publisher is bound again.
   std::function<void(const std::string& endpoint, const Result<void>& bound)> rebound;
 };
 
-/// Sockets bound with a gate accept only clients whose keys `knows` accepts. The gate must outlive
-/// them: without a ZAP handler libzmq accepts every key. The ControlServer bound with it runs the
-/// handler; until that runs, no client is accepted.
+/// Access gate: sockets bound with it accept only clients whose public keys `knows` accepts. The
+/// gate must outlive its sockets, because without a ZAP handler libzmq accepts every key. The
+/// gate's ControlServer runs the ZAP handler; until the server runs, no client is accepted.
 class Gate {
  public:
-  /// Errors: Errc::invalid, field "security.secret_key", for a malformed key.
+  /// Makes a gate with the daemon's secret key. Errors: Errc::invalid, field "security.secret_key",
+  /// for a malformed key.
   static Result<std::unique_ptr<Gate>> make(const std::string& secret_key, GateCalls calls);
 
-  /// Disconnects all subscribers, who must authenticate again. Each publisher rebinds before its
-  /// next message and sends nothing more over its old connections. Thread-safe.
+  /// Disconnects all subscribers, so that each must authenticate again. Each publisher rebinds its
+  /// socket before its next message and sends nothing more over old connections. Thread-safe.
   void end_streams();
 
-  struct Parts;  ///< for this driver's sockets
+  struct Parts;  ///< internal state, for this driver's sockets only
   Parts& parts() { return *parts_; }
 
  private:

@@ -1,4 +1,5 @@
-/// Implementation of the gate, for the sockets behind it. Private to this driver.
+/// Implementation of the access gate (CURVE and ZAP), for the sockets bound with a gate. Private to
+/// this driver.
 #pragma once
 
 #include <atomic>
@@ -11,23 +12,23 @@
 namespace ovws {
 
 struct Gate::Parts {
-  /// ZAP works within one context, so all sockets behind a gate share it.
+  /// ZeroMQ context of all sockets bound with the gate: a ZAP handler serves one context only.
   std::shared_ptr<zmq::context_t> context;
   std::string secret_key;
   GateCalls calls;
   zmq::socket_t zap;
-  std::vector<zmq::socket_t> monitors;  ///< report handshakes that never reached ZAP
-  std::atomic<unsigned> generation{0};  ///< a publisher of an older generation must rebind
+  std::vector<zmq::socket_t> monitors;  ///< report handshakes that failed before ZAP
+  std::atomic<unsigned> generation{0};  ///< counts end_streams; older publishers must rebind
 
-  /// Reply to a client with an unknown key, as ZAP status code.
+  /// ZAP status code in the reply to a client with an unknown key.
   enum class UnknownKey {
     reject,  ///< 400: permanent error; the connection ends with a reason
-    retry,   ///< 300: temporary error; the client retries, because a subscriber never learns
-             ///< the reason and its key may be restored
+    retry,   ///< 300: temporary error; the client retries. For subscribers, which never learn
+             ///< the reason and whose key may be added later
   };
-  /// Protects a socket with CURVE. Call it before the socket is bound.
+  /// Enables CURVE on a socket. Call it before the socket is bound.
   void guard(zmq::socket_t& socket, UnknownKey unknown_key);
-  /// Appends the sockets to poll for `serve`.
+  /// Appends the sockets that `serve` reads to the poll list `items`.
   void add_to(std::vector<zmq_pollitem_t>& items);
   /// Answers waiting ZAP requests and reports failed handshakes; never blocks.
   void serve();
@@ -37,7 +38,7 @@ struct Gate::Parts {
   static bool note_one(zmq::socket_t& monitor, const GateCalls& calls);
 };
 
-/// The gate's context, or a new one for a socket without a gate.
+/// The gate's ZeroMQ context, or a new context for a socket without a gate.
 inline std::shared_ptr<zmq::context_t> context_of(Gate* gate) {
   return gate != nullptr ? gate->parts().context : std::make_shared<zmq::context_t>(1);
 }

@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::int64_t kMaxIncomingBytes =
     4096;  // incoming messages are only handshakes and subscriptions
 constexpr auto kBetweenTries = std::chrono::milliseconds(100);
-constexpr auto kPatience = std::chrono::seconds(1);  // the old listener takes a moment to close
+constexpr auto kPatience = std::chrono::seconds(1);  // delay until a failure is reported
 
 }  // namespace
 
@@ -34,7 +34,7 @@ struct Publisher::Impl {
   Gate* gate;
   std::shared_ptr<zmq::context_t> context;
   zmq::socket_t socket;
-  std::string bound_at;  ///< libzmq's name of it: tcp://0.0.0.0:PORT for tcp://*:PORT
+  std::string bound_at;  ///< `endpoint` in libzmq's form: tcp://0.0.0.0:PORT for tcp://*:PORT
   unsigned generation = 0;
   bool bound = false;
   Clock::time_point next_try{}, unbound_since{};
@@ -47,9 +47,9 @@ struct Publisher::Impl {
     return {};
   }
 
-  /// Rebinds if the gate's generation has changed; whether the socket is bound. Unbinding closes
-  /// all connections. The old listener closes in libzmq's thread, and until then the address is in
-  /// use.
+  /// Rebinds if the gate's generation has changed; returns whether the socket is bound. Unbinding
+  /// closes all connections. libzmq closes the old listener later, in its own thread; until then
+  /// the address is in use and binding fails.
   bool is_bound() {
     if (gate == nullptr) return true;
     const unsigned wanted = gate->parts().generation.load();
@@ -65,7 +65,7 @@ struct Publisher::Impl {
     return done.has_value();
   }
 
-  /// Reports a lasting failure to rebind once, and its end.
+  /// Reports a failure to rebind once, when it has lasted for kPatience, and reports the recovery.
   void report(const Result<void>& done) {
     if (!done && (failure_reported || Clock::now() - unbound_since < kPatience)) return;
     if (done && !failure_reported) return;
@@ -78,7 +78,8 @@ Result<Publisher> Publisher::bind(const std::string& endpoint, int send_queue, G
   auto impl = make_hidden<Impl>(endpoint, gate);
   impl->socket.set(zmq::sockopt::sndhwm, send_queue);
   impl->socket.set(zmq::sockopt::linger, 0);
-  // libzmq allocates the size that a frame announces even before the client is authenticated.
+  // Limit of incoming frames: libzmq allocates the size that a frame announces even before the
+  // client is authenticated.
   impl->socket.set(zmq::sockopt::maxmsgsize, kMaxIncomingBytes);
   if (auto bound = impl->bind(); !bound) return fail(bound.error());
   return Publisher(std::move(impl));
@@ -87,8 +88,8 @@ Result<Publisher> Publisher::bind(const std::string& endpoint, int send_queue, G
 bool Publisher::send(std::string_view topic, std::string_view json,
                      std::span<const std::byte> binary) {
   if (!impl_->is_bound()) return false;
-  // A PUB socket drops per subscriber and only whole messages: once the first part is accepted, the
-  // rest is, too.
+  // A PUB socket drops whole messages only, for each subscriber separately. If it accepts the first
+  // part of a message, it accepts all parts.
   const std::array parts{zmq::buffer(topic), zmq::buffer(json),
                          zmq::buffer(binary.data(), binary.size())};
   return zmq::send_multipart(impl_->socket, std::span(parts).first(binary.empty() ? 2 : 3),

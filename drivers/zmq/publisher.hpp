@@ -1,4 +1,4 @@
-/// Publisher on a PUB socket: multipart messages, short queues, never blocks.
+/// Publisher on a ZeroMQ PUB socket. It never blocks: a full queue drops messages.
 #pragma once
 
 #include <memory>
@@ -12,16 +12,17 @@
 
 namespace ovws {
 
-/// One thread at a time.
+/// Publisher of multipart messages. Use it from one thread at a time.
 class Publisher {
  public:
-  /// Binds the socket. `send_queue` messages per subscriber; a slow subscriber loses only its own.
-  /// With a gate, only clients that it accepts can subscribe, over CURVE. Errors: Errc::unavailable
-  /// (endpoint in use), Errc::invalid (malformed endpoint); both name the endpoint.
+  /// Binds the socket. Up to `send_queue` messages wait for each subscriber; a slow subscriber
+  /// loses only its own messages. With a gate, only clients that the gate accepts can subscribe,
+  /// over CURVE. Errors: Errc::unavailable (endpoint in use), Errc::invalid (malformed endpoint);
+  /// both errors name the endpoint.
   static Result<Publisher> bind(const std::string& endpoint, int send_queue, Gate* gate = nullptr);
 
-  /// Sends [topic][json][binary, if not empty]. False if this process's own queue was full, or the
-  /// socket is being rebound (Gate::end_streams).
+  /// Sends the frames [topic][json], and [binary] if it is not empty. False if the message was not
+  /// sent: this process's own queue was full, or the socket is being rebound (Gate::end_streams).
   bool send(std::string_view topic, std::string_view json, std::span<const std::byte> binary = {});
 
  private:

@@ -11,25 +11,27 @@
 
 namespace ovws {
 
-/// Routing frames that lead back to the client, its routing id first.
+/// Routing frames of a request, which lead the reply to the client. The client's routing id is
+/// first.
 using Envelope = std::vector<std::string>;
 
-/// Outstanding requests and replies of one client. Guarded by the lock of the ReplyBox.
+/// Outstanding requests and replies of one client. Guarded by the mutex of the ReplyBox.
 struct ClientLoad {
-  std::size_t requests = 0, request_bytes = 0;  ///< being carried out, not yet answered
-  std::size_t replies = 0, reply_bytes = 0;     ///< answered, not yet written to its connection
+  std::size_t requests = 0, request_bytes = 0;  ///< requests being carried out
+  std::size_t replies = 0, reply_bytes = 0;     ///< not yet written to the client's connection
 };
 
-/// Limits per client; beyond them its next request waits.
+/// Limits per client: requests, their bytes, replies, their bytes. At a limit the next request
+/// waits.
 constexpr ClientLoad kMaxPerClient{64, 8 << 10, 128, 4 << 20};
-/// Limits of all clients together; beyond them only a client with nothing outstanding is served.
+/// Limits of all clients together. At a limit only clients with nothing outstanding are served.
 constexpr ClientLoad kMaxAllClients{128, 1 << 20, 16384, 32 << 20};
 
-/// Limit of a client's unread replies, beyond which further refusals to it are dropped.
+/// Limit of a client's unread replies. At the limit, a request that cannot be queued gets no reply.
 constexpr std::size_t kMaxRefusals = 1024;
 
-/// Lives as long as a reply function or an unsent reply exists, even after its server; replies are
-/// then discarded.
+/// Reply queue, kept alive by the server, by reply functions and by unsent replies. After the
+/// server is destroyed, replies are discarded.
 class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
  public:
   struct Reply {
@@ -43,37 +45,38 @@ class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
   ReplyBox(const ReplyBox&) = delete;
   ReplyBox& operator=(const ReplyBox&) = delete;
 
-  /// eventfd, readable while there are replies to collect, and once when a load has decreased after
-  /// has_room was false.
+  /// eventfd that wakes the control thread: readable while replies wait for `collect`, and once
+  /// when a load has decreased after has_room returned false.
   int wake_fd() const { return wake_fd_; }
-  /// Makes the reply function of one request of `request_bytes`. Its first call queues the reply
-  /// here, later ones do nothing. Thread-safe.
+  /// Makes the reply function of one request of `request_bytes` bytes. The first call of the
+  /// function queues the reply in this box; later calls do nothing. Thread-safe.
   std::function<void(std::string)> reply_to(Envelope envelope, std::shared_ptr<ClientLoad> client,
                                             std::size_t request_bytes);
-  /// Whether the limits admit a further request of the client. Thread-safe.
+  /// Whether the limits allow a further request of the client. Thread-safe.
   bool has_room(const ClientLoad& client);
   /// Whether a request of the client that cannot be queued may still be answered with an error.
   /// Thread-safe.
   bool can_refuse(const ClientLoad& client) const;
-  /// Whether the client has nothing outstanding. Thread-safe.
+  /// Whether the client has no outstanding request and no outstanding reply. Thread-safe.
   bool is_idle(const ClientLoad& client) const;
-  /// Takes all queued replies. They count as outstanding until `sent`. Control thread.
+  /// Takes all queued replies. A reply counts as outstanding until `sent`. Control thread only.
   std::vector<Reply> collect();
   /// Notes that a collected reply was written to the connection or dropped. Thread-safe.
   void sent(ClientLoad& client, std::size_t reply_bytes);
 
  private:
   class Ticket;
-  /// Ends a request; an empty reply is not sent.
+  /// Ends a request and queues its reply; an empty reply is not sent.
   void put(Reply reply, std::size_t request_bytes);
-  /// Changes the load of the client and of all by what began and what ended. With the lock.
+  /// Adds `begun` to the load of the client and to the total load, and subtracts `ended`. The
+  /// caller holds the mutex.
   void change(ClientLoad& client, const ClientLoad& begun, const ClientLoad& ended);
   void wake() const;
 
   mutable std::mutex mutex_;
   std::vector<Reply> replies_;
   ClientLoad all_;
-  bool request_waits_ = false;  ///< a request waits for has_room
+  bool request_waits_ = false;  ///< has_room was false; `sent` must wake the thread
   int wake_fd_ = -1;
 };
 

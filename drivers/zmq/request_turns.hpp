@@ -17,8 +17,8 @@ namespace ovws {
 struct Request {
   Envelope envelope;
   std::string bytes;
-  std::string client_key;    ///< the client's public key, or empty
-  bool well_sized = true;    ///< false: to be answered with an error; `bytes` is empty
+  std::string client_key;    ///< the client's public key; empty without a gate
+  bool well_sized = true;    ///< false: too large or several frames; `bytes` is empty
   std::size_t size() const;  ///< memory use, bytes
 };
 
@@ -27,8 +27,8 @@ class RequestTurns {
  public:
   explicit RequestTurns(std::shared_ptr<ReplyBox> box) : box_(std::move(box)) {}
 
-  /// Limits of queued requests per client and in total. A client without a queued request may
-  /// always add one.
+  /// Limits of the queued requests in bytes, per client and in total. A client without a queued
+  /// request may always queue one.
   static constexpr std::size_t kMaxClientBytes = 8 << 20;
   static constexpr std::size_t kMaxTotalBytes = 32 << 20;
 
@@ -41,8 +41,9 @@ class RequestTurns {
     Request request;
     std::shared_ptr<ClientLoad> client;
   };
-  /// Takes the next request: of the client that has waited longest for its turn and has room.
-  /// Requests of one client keep their order. None if no client with a queued request has room.
+  /// Takes the next request in round-robin order: from the first client in turn that has room in
+  /// the ReplyBox. Requests of one client keep their order. None if no client with a queued request
+  /// has room.
   std::optional<Turn> next();
 
  private:
@@ -57,7 +58,7 @@ class RequestTurns {
   std::unordered_map<std::string, Client> clients_;  ///< by routing id
   std::deque<Client*> turns_;  ///< clients with queued requests; map nodes do not move
   std::size_t waiting_bytes_ = 0;
-  std::size_t sweep_at_ = 64;  ///< number of clients that triggers the next sweep
+  std::size_t sweep_at_ = 64;  ///< number of clients that triggers remove_idle_clients
 };
 
 }  // namespace ovws

@@ -31,8 +31,8 @@ inline constexpr auto kTable<CameraSettings> = Fields{
     field<&CameraSettings::roi>("region of interest of the sensor")};
 template <>
 struct Rules<CameraSettings> {
-  /// Refuses a change of both gains, because a camera has only one of them. Null leaves a gain
-  /// unchanged: the missing one is reported as null.
+  /// Refuses a change of both gain_db and gain_raw, because a camera has only one of the two. Null
+  /// leaves a gain unchanged, because reports contain null for the gain that a camera lacks.
   static void check_change(ObjectReader& reader) {
     const auto gives = [&reader](const char* key) {
       return reader.has(key) && !reader.is_null(key);
@@ -42,7 +42,7 @@ struct Rules<CameraSettings> {
                    "cannot be set together with gain_db: set only the one that camera.get reports");
     }
   }
-  /// Clears the other gain, because a camera has its gain in one unit only.
+  /// Clears gain_raw if gain_db is given, and vice versa: a camera has its gain in one unit only.
   static void begin_change(CameraSettings& settings, const Json& given) {
     if (!given.value("gain_db", Json()).is_null()) settings.gain_raw = kUnknownGain;
     if (!given.value("gain_raw", Json()).is_null()) settings.gain_db = kUnknownGain;

@@ -17,16 +17,16 @@
 
 namespace ovws {
 
-/// Tracker of one arm. With `fixed_cell` ("cell_centroid" on the wire) it is the paper's
-/// Shack-Hartmann sensor: the centroid of a fixed window around the reference position, which
-/// `centroid` measured.
+/// Tracker of one arm of the gain sweep. `fixed_cell` ("cell_centroid" on the wire) selects the
+/// paper's Shack-Hartmann sensor: the centroid of a fixed window around the reference position. The
+/// tracker `centroid` measured that position.
 struct SweepTracker {
   TrackerKind kind = TrackerKind::lg;
   bool fixed_cell = false;
   friend bool operator==(const SweepTracker&, const SweepTracker&) = default;
 };
 const std::vector<std::string>&
-sweep_tracker_names();  ///< those of TrackerKind and "cell_centroid"
+sweep_tracker_names();  ///< names of TrackerKind, then "cell_centroid"
 template <>
 struct Wire<SweepTracker> {
   static Json to_json(const SweepTracker& tracker);
@@ -36,7 +36,7 @@ struct Wire<SweepTracker> {
   }
 };
 
-/// One sensor of the comparison: a topological charge and a tracker.
+/// Arm (one sensor) of the gain sweep: a topological charge and a tracker.
 struct SweepArm {
   int charge = 1;
   SweepTracker tracker;
@@ -119,7 +119,8 @@ inline constexpr auto kTable<GainSweepRun> =
 /// Rounds to 1e-6, which keeps the numbers in files short and is far below any noise.
 double to_millionth(double value);
 
-/// Levels over all spots found in all frames, in camera grey levels (DN); NaN: no spot was found.
+/// Intensity levels over all spots found in all frames, in camera grey levels (DN). NaN if no spot
+/// was found.
 struct SpotLevels {
   double level_dn = 0.0;  ///< median of SpotFix::level
   double noise_dn = 0.0;  ///< median of SpotFix::noise
@@ -271,7 +272,7 @@ inline constexpr auto kTable<CellSummary> = Fields{
 
 /// Result of `experiment.cell`.
 struct CellReport : CellSummary {
-  /// get(frame) of all frames, in order.
+  /// Values of get(frame) for all frames of the cell, in order.
   template <class Get>
   auto of_frames(Get get) const {
     std::vector<decltype(get(std::declval<const Frame&>()))> all;
@@ -317,7 +318,7 @@ struct ExperimentReport {
   GainSweep request;
   JsonOf<SweepBench> bench;
   std::int64_t t_begun_ns = 0;
-  std::optional<int> job;             ///< job that measures it now
+  std::optional<int> job;             ///< job that measures the run now; none: no job
   std::optional<double> time_left_s;  ///< empty until a cell has been measured
   std::optional<std::string> not_kept_reason;
   std::vector<JsonOf<ReferenceMeasured>> references;

@@ -27,11 +27,11 @@ inline constexpr auto kTable<ErrorReport> =
 
 struct JobReport {
   int job = 0;
-  std::string kind;  ///< the method that started it
+  std::string kind;  ///< name of the method that started the job
   JobState state = JobState::running;
   double progress = 0.0;       ///< 0 to 1
   Json result;                 ///< null unless done
-  std::optional<Error> error;  ///< of a failed job
+  std::optional<Error> error;  ///< why a failed job failed
 };
 std::optional<ErrorReport> job_error(const JobReport& job);
 template <>

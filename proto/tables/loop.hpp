@@ -48,7 +48,7 @@ struct LoopReport {
   std::int64_t steps = 0;
   std::optional<double> residual_rms_waves;
   double correction_rms_waves = 0.0;
-  std::string opened_because;    ///< empty: it is closed, or was never closed
+  std::string opened_because;    ///< empty: the loop is closed, or never was
   std::int64_t t_opened_ns = 0;  ///< valid only if opened_because is not empty
 
   std::optional<std::int64_t> opened_ns() const {

@@ -8,7 +8,7 @@
 
 namespace ovws {
 
-/// The 2 x 2 registration matrix as [xx, xy, yx, yy].
+/// Registration matrix (2 x 2, camera pixels per cycle per SLM pixel) as [xx, xy, yx, yy].
 template <>
 struct Wire<PxPerCycle> {
   static Json to_json(const PxPerCycle& map) { return {map.xx, map.xy, map.yx, map.yy}; }

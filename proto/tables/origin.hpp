@@ -24,8 +24,8 @@ inline constexpr auto kTable<CameraName> =
     Fields{"CameraName", field<&CameraName::vendor>("manufacturer"),
            field<&CameraName::model>("model"), field<&CameraName::serial>("serial number")};
 
-/// SLM geometry and checksums of the look-up table and the flatness map: all that the grey levels
-/// of a hologram depend on besides sensor and modes.
+/// Identity of the SLM: its geometry, and checksums of the look-up table and the flatness map.
+/// They, the sensor and the modes determine the grey levels of a hologram.
 struct SlmIdentity {
   SlmGeometry geometry;
   std::optional<std::string> lut_sha256, flatness_sha256;
@@ -38,8 +38,8 @@ inline constexpr auto kTable<SlmIdentity> =
            field<&SlmIdentity::flatness_sha256>(
                "SHA-256 of the flatness map's float32 waves; null: no map")};
 
-/// Camera settings that hardly affect spot positions: when they change, a reference is stale but
-/// stays active.
+/// Camera settings that hardly affect spot positions. A change of these settings makes a reference
+/// stale, but the reference stays active.
 struct OriginSettings {
   CameraSettings camera;
 };

@@ -16,7 +16,7 @@ using CameraSet = Partial<CameraSettings>;
 using SensorSet = Partial<SensorSettings>;
 using RefineSet = Partial<RefineSetup>;
 
-/// Params of a method that takes none.
+/// Params of a method without params.
 struct Nothing {};
 template <>
 inline constexpr auto kTable<Nothing> = Fields{"Nothing"};
@@ -97,9 +97,9 @@ inline constexpr auto kTable<SettleRun> =
                                        limits::kWatchMs)};
 
 struct CalibrationRun {
-  std::optional<double> amplitude_waves;  ///< none: chosen by the tracker
+  std::optional<double> amplitude_waves;  ///< poke amplitude; none: depends on the tracker
   int frames = 20;
-  std::vector<int> modes_j;  ///< empty: all that the lattice determines
+  std::vector<int> modes_j;  ///< modes to poke; empty: all that the lattice determines
 };
 template <>
 inline constexpr auto kTable<CalibrationRun> =

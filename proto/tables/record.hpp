@@ -13,12 +13,12 @@ namespace ovws {
 /// `record.get`, and the `record` part of `status`.
 struct RecordReport {
   std::string state = "off";        ///< "off", "recording", "ended"
-  std::optional<std::string> file;  ///< its path
+  std::optional<std::string> file;  ///< path of the recording
   double duration_s = 0.0;
   std::uint64_t frames = 0, frames_dropped = 0;
   std::uint64_t pictures = 0, pictures_dropped = 0;
   std::uint64_t bytes = 0;            ///< size of the file
-  std::optional<std::string> reason;  ///< why it ended
+  std::optional<std::string> reason;  ///< why the recording ended
 };
 template <>
 inline constexpr auto kTable<RecordReport> = Fields{
@@ -44,7 +44,7 @@ struct RecordStart {
   int pictures_every = 1;  ///< record the image of every n-th frame; 0: no images
   std::optional<double> limit_s, limit_mib;
 };
-/// Why `name` is not a plain file name; none if it is one.
+/// Why `name` is not a plain file name; none if it is plain.
 std::optional<std::string> not_plain(const std::string& name);
 template <>
 inline constexpr auto kTable<RecordStart> = Fields{

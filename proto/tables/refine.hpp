@@ -25,7 +25,7 @@ inline constexpr auto kTable<RefineSetup> = Fields{
     field<&RefineSetup::spot_amplitudes>(
         "kept for older clients: the amplitude of each subaperture is always fitted")};
 
-/// Result of `refine.get`. Numbers in DN are those of the pixel format stated with them.
+/// Result of `refine.get`. Values in DN refer to the pixel format that the result states.
 struct RefineReport {
   RefineSetup settings;
 };

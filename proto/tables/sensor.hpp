@@ -64,7 +64,8 @@ template <>
 inline constexpr auto kTable<SensorSettings> =
     Fields{"SensorSettings", inlined(&SensorSettings::sensor), inlined(&SensorSettings::tracking)};
 
-/// What `template` of older versions does: nothing, since the tracker `fit` replaces `matched`.
+/// Report on the setting `template` of older versions. The setting has no effect since the tracker
+/// `fit` has replaced `matched`.
 struct TemplateReport {
   int own = 0;
   std::string reason;  ///< empty: nothing was requested
@@ -78,10 +79,11 @@ inline constexpr auto kTable<TemplateReport> =
                  "what to do if template is reference, which has no effect; null: nothing")
                .or_null()};
 
-/// The active operator from displacements to modes. The requested one may not be available yet.
+/// Active operator (matrix) from spot displacements to modes. It differs from the requested
+/// operator while that is not available.
 struct OperatorReport {
   OperatorKind in_force = OperatorKind::slopes;
-  std::string reason;  ///< why it is not the requested one; empty: it is
+  std::string reason;  ///< why the requested one is not active; empty: it is
 };
 template <>
 inline constexpr auto kTable<OperatorReport> =

@@ -17,7 +17,7 @@ inline constexpr const char* kAppliedMeaning = "the values now in use";
 
 struct CameraSetReport {
   CameraSet requested;
-  CameraSettings applied;              ///< every setting as read back
+  CameraSettings applied;              ///< every setting as read back from the camera
   std::optional<CameraLimits> limits;  ///< none: no camera is connected; applied when one connects
 };
 template <>

@@ -293,7 +293,7 @@ inline constexpr auto kTable<EventMessage> =
            field<&EventMessage::text>("message for the user, one sentence"),
            field<&EventMessage::data>("data for programs; its structure depends on the kind")};
 
-/// `status` as it is published; `system.status` is the same without `schema` and `seq`.
+/// Message of the stream `status`. The result of `system.status` lacks its `schema` and `seq`.
 struct StreamedStatus {
   StatusMessage status;
 };

@@ -1,4 +1,4 @@
-/// Time fields: nanoseconds since the UNIX epoch, and the same as ISO 8601 text.
+/// Time fields: nanoseconds since the UNIX epoch, and the same time as ISO 8601 text.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace ovws {
 
-/// "2026-01-31T12:00:00.000Z"
+/// ISO 8601 text of a UTC time: "2026-01-31T12:00:00.000Z".
 std::string utc_text(std::int64_t t_ns);
 
 inline constexpr const char* kTimeMeaning = "UNIX epoch UTC, nanoseconds";

@@ -1,5 +1,5 @@
-/// The syntax of ovws: registers the subcommands and their options with CLI11. Only the files that
-/// need CLI11 include it, because it takes seconds to compile.
+/// Command line of ovws: registers the subcommands and their options with CLI11. Only files that
+/// need CLI11 include this header, because CLI11 takes seconds to compile.
 #pragma once
 
 #include "daemon/shared/client.hpp"
@@ -14,13 +14,13 @@ namespace ovws::cli {
 /// Accepts a number from `min` to `max` and rejects NaN, which CLI::Range accepts.
 CLI::Validator number_from(double min, double max);
 
-// Each command's callback sets `status`, the exit code. `common` and `status` must outlive the
-// parsing: the callbacks hold references to them.
+// The callback of each command writes the exit code to `status`. `common` and `status` must outlive
+// the parsing, because the callbacks hold references to them.
 void add_online_commands(CLI::App& app, const Common& common, int& status);
 void add_offline_commands(CLI::App& app, const Common& common, int& status);
 
-/// Prints a bash completion script. Its tables come from the commands and options of `app` and from
-/// the schemas of the daemon's methods.
+/// Prints a bash completion script. The script's tables come from the commands and options of `app`
+/// and from the schemas of the daemon's methods.
 void add_completion(CLI::App& app);
 
 }  // namespace ovws::cli

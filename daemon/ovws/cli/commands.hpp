@@ -1,5 +1,5 @@
-/// What the subcommands of ovws do. Each function prints its result or its error and returns the
-/// exit code; command_line.hpp declares the syntax that fills in the options.
+/// Subcommands of ovws. Each function prints its result or its error and returns the exit code.
+/// command_line.hpp declares the syntax that fills in the options.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,10 @@
 
 namespace ovws::cli {
 
-/// Whether standard output is a pipe or terminal whose reader has gone.
+/// Whether the reader of standard output (a pipe or terminal) has gone.
 bool output_has_no_reader();
 
-// With a daemon.
+// Commands that need a daemon.
 
 int show_status(const Common& common);
 int describe(const Common& common);
@@ -30,9 +30,9 @@ int call_method(const Common& common, const CallOptions& options);
 
 struct WatchOptions {
   std::string topic = "wavefront";
-  int count = 0;  ///< messages; 0: until Ctrl-C
+  int count = 0;  ///< number of messages to show; 0: until Ctrl-C
   bool plain = false;
-  std::optional<double> timeout_s;  ///< for the next message; none: no limit
+  std::optional<double> timeout_s;  ///< longest wait for the next message; none: no limit
 };
 
 int watch(const Common& common, const WatchOptions& options);
@@ -41,16 +41,17 @@ bool can_show_screen();
 /// Shows the full screen of `watch` until q, Ctrl-C or the end of the terminal.
 int show_screen(Common common);
 
-/// `prefix`: of the files to write, or a folder.
+/// Writes camera image and wavefront as files. `prefix`: start of the file names, or a folder.
 int save_snapshot(const Common& common, const std::string& prefix);
 
 /// Serves HTTP at `address`, "ADDRESS:PORT", until a signal.
 int serve_metrics(Common common, const std::string& address);
 
-/// `endpoint`: of the daemon; empty: the configuration's.
+/// Runs the checks of `ovws doctor`. `endpoint`: the daemon's; empty: the endpoint in the
+/// configuration.
 int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint);
 
-// Offline.
+// Commands that work offline.
 
 struct ImageOptions {
   std::string config_path;
@@ -82,7 +83,7 @@ struct MeasureOptions {
   std::string templates;
   std::string mode_operator;
   bool refine = false;
-  RefineCamera camera;  ///< of `refine`
+  RefineCamera camera;  ///< used with `refine` only
   bool spot_amplitudes = false;
   std::vector<std::string> images;
 };
@@ -98,14 +99,14 @@ int make_keys(const Common& common, const KeygenOptions& options);
 
 struct ReplayOptions {
   std::string path;
-  double speed = 0.0;  ///< 0: as fast as possible
+  double speed = 0.0;  ///< factor to the recorded speed; 0: as fast as possible
   bool step = false;
   bool frames = false;
 };
 
 int replay_recording(const Common& common, const ReplayOptions& options);
 
-// Studies; `experiment` and `rejection` run on a daemon's bench.
+// Accuracy studies. `experiment` and `rejection` run on a daemon's bench, all others offline.
 
 inline constexpr const char* kExperiment = "experiment";
 inline constexpr const char* kRejection = "rejection";
@@ -116,23 +117,23 @@ struct StudyOptions {
   bool quick = false;
   int threads = 0;  ///< 0: one per core
   std::uint64_t seed = 1;
-  std::string params;  ///< JSON; only for studies on a bench
+  std::string params;  ///< JSON; only for `experiment` and `rejection`
   double seconds = 60.0;
 };
 
 int study_command(const Common& common, const StudyOptions& options);
 
-/// The paper's gain sweep on a daemon's bench. Starts experiment.gain_sweep with these params, or
-/// joins a running one. Writes each cell as soon as it is measured, and table, figures and summary
-/// at the end. The first cell replaces the study's earlier files in the folder. Ctrl-C cancels the
-/// job, an error here does not; the same call continues the sweep.
+/// The paper's gain sweep on a daemon's bench. Starts experiment.gain_sweep with `params`, or joins
+/// a running sweep. Writes each cell as soon as it is measured; table, figures and summary at the
+/// end. The first cell replaces the study's earlier files in the folder. Ctrl-C cancels the job; an
+/// error of this program does not. The same command then continues the sweep.
 int run_experiment(const Common& common, const nlohmann::json& params,
                    const std::filesystem::path& folder);
 
-/// The closed loop's disturbance rejection on a daemon's bench. Records the wavefront for `seconds`
-/// with the loop open, closes the loop with these params of loop.close, and records for `seconds`
-/// again. Writes rejection-spectra, rejection and summary. On return, also after Ctrl-C, the loop
-/// is open and has its previous correction.
+/// Disturbance rejection of the closed loop on a daemon's bench. Records the wavefront for
+/// `seconds` with the loop open. Then closes the loop with `params` (see loop.close) and records
+/// for `seconds` again. Writes rejection-spectra, rejection and summary. On return, also after
+/// Ctrl-C, the loop is open and has its previous correction.
 int run_rejection(const Common& common, const nlohmann::json& params, double seconds,
                   const std::filesystem::path& folder);
 

@@ -22,7 +22,7 @@ struct Tables {
   Words valued;   ///< options that take a value
   Words choices;  ///< values of an option, or of the k-th positional of a command
   Words keys;     ///< keys of a method's params
-  Words values;   ///< values of such a key
+  Words values;   ///< named values of a params key
 };
 
 void append(std::string& words, const std::string& word) {

@@ -19,7 +19,7 @@ using doctor::Verdict;
 struct Word {
   Verdict verdict;
   const char* text;
-  const char* key;  ///< in JSON
+  const char* key;  ///< name of the result in JSON output
 };
 constexpr std::array kWords{
     Word{Verdict::fault, "FAULT", "fault"}, Word{Verdict::warning, "warning", "warning"},

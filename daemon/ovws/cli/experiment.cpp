@@ -63,7 +63,8 @@ class Fetched {
  public:
   Fetched(int job, std::filesystem::path folder) : job_(job), folder_(std::move(folder)) {}
   int job() const { return job_; }
-  /// Whether a result of experiment.get belongs to the job's run. The daemon may hold another run.
+  /// Whether a result of experiment.get belongs to this job's run. The daemon may hold the results
+  /// of another run.
   bool is_own(const json& experiment) {
     if (experiment.at("job") == job_) run_ = experiment.at("run");
     return !run_.is_null() && experiment.at("run") == run_;
@@ -78,11 +79,11 @@ class Fetched {
     return cell.at("cell") == summary.at("cell") &&
            cell.at("t_begun_ns") == summary.at("t_begun_ns");
   }
-  /// Adds a cell to both files. The first cell replaces the earlier results in the folder, so that
-  /// a refused job leaves them in place.
+  /// Adds a cell to both CSV files. Only the first cell removes earlier results from the folder, so
+  /// that a refused job leaves the results in place.
   Result<void> add(json cell) {
     if (cells_.empty()) {
-      // Earlier results may be of another run: do not mix them with these cells.
+      // Earlier results may come from another run: do not mix them with the new cells.
       if (auto removed = remove_findings("experiment", folder_); !removed) return removed;
       begin_files();
     }
@@ -92,7 +93,7 @@ class Fetched {
     if (!written) return no_csv();
     return {};
   }
-  /// Rewrites both files in the order of cell numbers. False if one cannot be written.
+  /// Rewrites both CSV files in the order of cell numbers. False if a file cannot be written.
   bool write_in_order() {
     begin_files();
     return std::all_of(cells_.begin(), cells_.end(),
@@ -131,7 +132,8 @@ void print_progress(const Common& common, const json& experiment) {
                                     experiment.at("cells_total").get<int>(), left));
 }
 
-/// Fetches the cells of this run that are new since the last call. Returns experiment.get's result.
+/// Fetches the cells of this run that are new since the last call. Returns the result of
+/// experiment.get.
 Answer fetch(const Common& common, Fetched& fetched) {
   Answer experiment = call(common, "experiment.get", json::object());
   if (!experiment || !fetched.is_own(*experiment)) return experiment;
@@ -159,7 +161,7 @@ Answer follow(const Common& common, Fetched& fetched) {
     if (interrupted != 0) {
       report = call(common, "job.cancel", job);
       if (!report) return report;
-      interrupted = 0;  // a second Ctrl-C ends the fetching
+      interrupted = 0;  // a second Ctrl-C stops the fetching
     } else if (!report) {
       return report;
     }
@@ -176,7 +178,7 @@ constexpr int kPanelPx = 320, kTextPx = 52, kGapPx = 10;
 constexpr double kResidualGainDb = 36.0;
 const cv::Scalar kPaper(255, 255, 255), kInk(0, 0, 0);
 
-/// Joins panels side by side, each below two lines of text.
+/// Row of image panels, side by side. Each panel is below two lines of text.
 class Row {
  public:
   void add(const cv::Mat& picture, const std::string& title, const std::string& more) {
@@ -247,7 +249,7 @@ struct Residual {
   std::string title, more;
 };
 
-/// The residual wavefront of the cell's median frame; none if no frame has coefficients.
+/// Residual wavefront of the cell's median frame; none if no frame has coefficients.
 std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
                                     const std::vector<float>& introduced) {
   const auto frame = median_frame(cell);
@@ -263,8 +265,8 @@ std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
   return residual;
 }
 
-/// Writes experiment-images-charge-L.png for each charge with kept frames: the frames side by side,
-/// with unscaled grey levels. Errors: a file cannot be written.
+/// Writes experiment-images-charge-L.png for each charge L that has stored frames. It shows these
+/// frames side by side, with unscaled grey levels. Errors: a file cannot be written.
 Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::path& folder) {
   std::map<int, Row> rows;
   for (const auto& [number, cell] : cells) {
@@ -295,9 +297,10 @@ Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::
   return {};
 }
 
-/// Writes experiment-residual.png, as in the paper, at the measured gain nearest to 36 dB. It shows
-/// the second aberration (or the only one) and each arm's residual wavefront for the frame with the
-/// cell's median variance, on the same colour scale. Writes nothing if no cell was measured there.
+/// Writes experiment-residual.png, as in the paper, for the measured gain nearest to 36 dB. Shows
+/// the second aberration (or the only one) and each arm's residual wavefront, on one colour scale.
+/// The residual comes from the frame with the cell's median variance. Writes nothing if no cell was
+/// measured at this gain.
 Result<void> draw_residuals(const json& request, const SweepCells& cells,
                             const std::filesystem::path& folder) {
   const std::size_t aberration = std::min<std::size_t>(1, request.at("aberrations").size() - 1);
@@ -313,7 +316,7 @@ Result<void> draw_residuals(const json& request, const SweepCells& cells,
     const std::vector<float> waves = introduced_waves(introduced, modes_j);
     Image<float> shown;
     map.render(waves, shown);
-    const double scale = largest(shown);  // of all panels
+    const double scale = largest(shown);  // one colour scale for all panels
     if (row.picture().empty()) {
       row.add(coloured(shown, scale),
               fmt::format("introduced, {:g} dB", request.at("gains_db").at(gain).get<double>()),
@@ -327,7 +330,7 @@ Result<void> draw_residuals(const json& request, const SweepCells& cells,
   return write_image(folder / "experiment-residual.png", row.picture());
 }
 
-/// Writes summary, table, figures and images.
+/// Writes summary, table, figures and images of the gain sweep.
 Result<void> write_all(const json& experiment, const SweepCells& cells,
                        const std::filesystem::path& folder) {
   json summary = study::sweep_summary(experiment);
@@ -382,8 +385,8 @@ int write_and_print_findings(const Common& common, Fetched& fetched,
   return written ? kOk : report(common, written.error());
 }
 
-/// The message for a job that did not finish. Errors in `anew` and `reference_frames` already say
-/// what to do; all others get the hint to continue.
+/// Message for a job that did not finish. Errors in the fields `anew` and `reference_frames`
+/// already say what to do; for all other errors, adds the hint to continue.
 std::string why_it_ended(const json& report, std::size_t cells) {
   const json& error = report.at("error");
   const std::string state = report.at("state").get<std::string>();

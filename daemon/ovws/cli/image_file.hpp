@@ -1,4 +1,4 @@
-/// Writes image files, with an error that says why a file could not be written; colours of phases.
+/// Image files: writes them, and says why a file could not be written. Also maps phases to colours.
 #pragma once
 
 #include <cerrno>
@@ -18,7 +18,7 @@ inline Result<void> cannot_write(const std::filesystem::path& path, const std::s
   return fail(Errc::unavailable, "output", path.string() + " cannot be written: " + why);
 }
 
-/// Why a file could not be opened: a missing folder, or the system's error.
+/// Why a file could not be opened: its folder is missing, or the system's error text.
 inline std::string why_not_opened(const std::filesystem::path& path, int error_number) {
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   std::error_code ignored;
@@ -28,7 +28,7 @@ inline std::string why_not_opened(const std::filesystem::path& path, int error_n
   return std::string(std::strerror(error_number)) + " (the folder " + folder.string() + " exists)";
 }
 
-/// Writes the image in the format of the file name's extension; PNG without one.
+/// Writes the image in the format of the file name's extension, or as PNG if it has no extension.
 inline Result<void> write_image(const std::filesystem::path& path, const cv::Mat& picture) {
   std::vector<unsigned char> bytes;
   const std::string format = path.has_extension() ? path.extension().string() : ".png";

@@ -1,4 +1,5 @@
-/// ovws: the command line. It talks to a daemon, and computes images and studies without one.
+/// Program ovws: the command line. It sends requests to a daemon, and computes images and studies
+/// offline.
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
@@ -23,8 +24,8 @@ bool is_open(int descriptor) {
   return fcntl(descriptor, F_GETFD) != -1;
 }
 
-/// Opens /dev/null on closed standard input and error. Otherwise a socket or file opened later
-/// would get the descriptor and receive printed text. False: standard output is closed.
+/// Opens /dev/null if standard input or error is closed. Otherwise a socket or file that is opened
+/// later would get this descriptor and receive printed text. False: standard output is closed.
 bool check_standard_streams() {
   for (const int descriptor : {0, 2}) {
     if (is_open(descriptor)) continue;
@@ -41,7 +42,7 @@ bool check_standard_streams() {
 int end_output(int status) {
   std::cout.flush();
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return status;
-  // A reader that closed the pipe is not an error to report.
+  // A closed pipe is no error: its reader needed no more output.
   if (!output_has_no_reader())
     fmt::print(stderr,
                "ovws: standard output cannot be written, so it is incomplete: check the disk\n");
@@ -120,7 +121,7 @@ CLI::Validator number_from(double min, double max) {
 }  // namespace ovws::cli
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe makes writes fail; end_output reports it
+  std::signal(SIGPIPE, SIG_IGN);  // writes to a closed pipe then fail; end_output checks for it
   if (!ovws::cli::check_standard_streams()) {
     fmt::print(stderr, "ovws: standard output is closed\n");
     return ovws::cli::kError;

@@ -61,7 +61,8 @@ json spots_of(const Measured& measured) {
   return spots;
 }
 
-/// A JSON object like the `wavefront` message; fields that only a camera provides are null.
+/// One result line: a JSON object like the `wavefront` message. Fields that only a camera provides
+/// are null.
 json line_of(const std::string& file, const Config& config, const Measurement& measurement,
              const Measured& measured) {
   WavefrontMessage message;
@@ -97,8 +98,8 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   return line;
 }
 
-/// Adds the results that need the camera's noise. An image that is not explained has no
-/// coefficients, and `refined.reason` says why.
+/// Adds the results of a refinement, which needs the camera's noise. If the model does not explain
+/// the image, there are no coefficients and `refined.reason` says why.
 void put_refined(json& line, const Measured& measured, bool amplitudes) {
   const std::vector<int> modes_j = line["j"];
   const bool valid = measured.valid && measured.refined;
@@ -151,7 +152,7 @@ void print_table(const json& line) {
   print("\n");
 }
 
-/// The measurement for images of one size and depth; made for the first such image.
+/// Measurement for all images of one size and pixel depth; made for the first of these images.
 struct Instrument {
   int width = 0, height = 0;
   PixelFormat format = PixelFormat::mono8;
@@ -164,7 +165,7 @@ class ImageMeasurer {
   ImageMeasurer(const MeasureOptions& options, const Config& config)
       : options_(options), config_(config) {}
 
-  /// Reads the image of the reference, if there is one; call it first.
+  /// Reads the reference image, if one is given. Call this before measuring images.
   Result<void> read_reference() {
     if (options_.reference.empty()) return {};
     auto read = read_image(options_.reference);
@@ -201,7 +202,7 @@ class ImageMeasurer {
                    Measurement::make(config_, image, reference_view(), camera_of(image))});
   }
 
-  /// The camera that images are refined with; none: they are not refined.
+  /// Camera noise with which images are refined; none: images are not refined.
   std::optional<RefineCamera> camera_of(const ImageView& image) const {
     if (!options_.refine) return std::nullopt;
     RefineCamera camera = options_.camera;
@@ -216,7 +217,7 @@ class ImageMeasurer {
   std::deque<Instrument> instruments_;
 };
 
-/// Checks the combination of options; none: valid.
+/// Checks the combination of options. Returns the error; none: the options are valid.
 std::optional<Error> fault_of(const MeasureOptions& options) {
   if (options.reference.empty() && !options.model_reference) {
     return Error{Errc::invalid, "reference",
@@ -230,7 +231,7 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
   return std::nullopt;
 }
 
-/// Adds the file's path to the error unless it names it already.
+/// Adds the file's path to the error text, unless the text already contains the path.
 Error of_file(Error error, const std::string& path) {
   if (error.reason.find(path) == std::string::npos) error.reason = path + ": " + error.reason;
   return error;
@@ -246,7 +247,7 @@ void print_line(const Common& common, const json& line) {
 
 }  // namespace
 
-/// Measures every image. An image that fails does not stop the rest.
+/// Measures every image. After an image that fails, the remaining images are still measured.
 int measure_images(const Common& common, const MeasureOptions& options) {
   if (const auto fault = fault_of(options)) {
     report(common, *fault);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kRenderings = 14;  // 12 find 0.8 wave RMS from a flat start
 
-/// Coefficients to start from; 0 where they are not known.
+/// Start coefficients of a fit: 0 for modes that were not measured.
 std::vector<double> known(std::span<const float> coefficients) {
   std::vector<double> waves(coefficients.begin(), coefficients.end());
   std::replace_if(
@@ -49,7 +49,7 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
                      nothing_shown, reference ? &*reference : nullptr, mode_operator});
 }
 
-/// The configured operator for images of this size; null: the plan's slopes operator is used.
+/// The configured mode operator for images of this size; null: use the plan's slopes operator.
 Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
                                                          const ImageView& like) {
   if (config.tracking.mode_operator == OperatorKind::measured) {
@@ -70,7 +70,7 @@ std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {
   return positions;
 }
 
-/// The numbers of spots that are not found. Empty: none.
+/// Numbers of the spots that were not found, as text; empty if all were found.
 std::string missing(const Measured& measured) {
   std::vector<int> numbers;
   for (std::size_t i = 0; i < measured.spots.size(); ++i) {
@@ -126,7 +126,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   if (!by_model) return fail(by_model.error());
   Reference taken;
   taken.positions_px = (*by_model)->predicted_px;
-  std::vector<float> absolute((*by_model)->modes_j.size(), 0.0F);  // of the reference
+  std::vector<float> absolute((*by_model)->modes_j.size(), 0.0F);  // coefficients of the reference
   const auto mode_operator = operator_for(config, like);
   if (!mode_operator) return fail(mode_operator.error());
   if (reference) {
@@ -165,13 +165,14 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   return made;
 }
 
-/// Makes the model that `fit` measures by. `start`: modes of the reference by its positions.
+/// Makes the rendered model for the tracker `fit`. `start`: modes of the reference image, measured
+/// by spot positions.
 Result<void> Measurement::use_templates(const Config& config, const ImageView& like,
                                         const std::optional<ImageView>& reference,
                                         std::span<const float> start) {
   auto renderer = SpotRenderer::make(config.sensor, config.slm.geometry, config.optics, like.width,
                                      like.height, plan_->modes_j, {});
-  if (!renderer && !reference && !camera_) return {};  // an image too small for a spot
+  if (!renderer && !reference && !camera_) return {};  // the image is too small for a spot
   if (!renderer) return fail(renderer.error());
   PointModel model(std::move(*renderer), config.tracking.estimates);
   if (!reference) {
@@ -193,7 +194,8 @@ Result<void> Measurement::use_templates(const Config& config, const ImageView& l
   return {};
 }
 
-/// Where to look for the wavefront: where positions put it, and at the reference.
+/// Start wavefronts of the fit: the one measured by spot positions, and the reference (all modes
+/// 0).
 std::vector<std::vector<double>> Measurement::starts(const Measured& measured) const {
   std::vector<std::vector<double>> all;
   if (measured.reconstruction.determined) all.push_back(known(measured.coefficients));
@@ -212,7 +214,8 @@ void Measurement::fit(const ImageView& image, Measured& measured) {
   measured.reconstruction = reconstruction_of(all.frame, plan_->modes_j, measured.coefficients);
 }
 
-/// With the noise of a known camera; what is not explained is not measured.
+/// Refines an image with the noise of the known camera. If no start leads to a fit that explains
+/// the image, the image is not valid.
 void Measurement::refine(const ImageView& image, Measured& measured) {
   for (const std::vector<double>& start : starts(measured)) {
     const PointModel::Starts one(&start, 1);
@@ -227,7 +230,7 @@ void Measurement::refine(const ImageView& image, Measured& measured) {
   measured.valid = measured.refused.empty();
 }
 
-/// Returns whether positions alone measure the image.
+/// Measures the image by spot positions. Returns whether positions alone give a valid measurement.
 bool Measurement::by_positions(Measured& measured) {
   measured.reconstruction = plan_->reconstructor->solve_without_outliers(
       measured.spots, solve_scratch_,

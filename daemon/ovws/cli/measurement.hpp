@@ -1,4 +1,4 @@
-/// Offline measurement of image files, with the code that measures the daemon's frames.
+/// Offline measurement of image files, with the same code that measures the daemon's frames.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ namespace ovws::cli {
 /// A greyscale image of 8 or 16 bits.
 struct Picture {
   Image<std::uint8_t> narrow;
-  Image<std::uint16_t> wide;  ///< one of the two is empty
+  Image<std::uint16_t> wide;  ///< used for 16-bit images; else empty
   ImageView view() const;
 };
 /// Reads a PNG, TIFF or PGM file. Errors (Errc::invalid, field "image"): unreadable, or not
@@ -32,32 +32,32 @@ Result<Picture> read_image(const std::string& path);
 struct Measured {
   std::vector<SpotFix> spots;  ///< one per subaperture
   int tracked = 0;
-  double saturated = 0.0;           ///< fraction of spots
+  double saturated = 0.0;           ///< fraction of the spots that are saturated
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not measured
   std::vector<float> sigma_waves;   ///< standard errors; NaN unless `fitted`
   Reconstruction reconstruction;
   bool explained = true;  ///< false: determined, but no wavefront explains the spots
   bool valid = false;
   bool fitted = false;  ///< by all pixels of the spots (tracker `fit`), else by positions
-  std::optional<RefinedModes> refined{};  ///< with a known camera
-  std::string refused;                    ///< why a refined image is not valid; empty: it is
+  std::optional<RefinedModes> refined{};  ///< only with a known camera
+  std::string refused;                    ///< why a refined image is not valid; empty: it is valid
   OperatorReport mode_operator;           ///< the operator that gave the coefficients
 };
 
 /// Measures images of one size. One thread at a time.
 class Measurement {
  public:
-  /// `reference`: an image taken without aberration; none: positions come from the model. With a
-  /// `camera`, `fit` assumes its noise, else that which the image shows; images are then refined,
-  /// or not measured. Errors: an unusable configuration; a reference image of another size or with
-  /// missing spots (named in the error), or which `fit` cannot explain; an operator that cannot be
-  /// made.
+  /// Prepares a measurement. `reference`: an image taken without aberration; none: the model gives
+  /// the reference positions. With `camera`, `fit` uses this camera's noise and images are valid
+  /// only if they can be refined; without it, the noise comes from the image. Errors: an unusable
+  /// configuration; an operator that cannot be made; a reference image of another size, with
+  /// missing spots (named in the error), or that `fit` cannot explain.
   static Result<Measurement> make(const Config& config, const ImageView& like,
                                   const std::optional<ImageView>& reference,
                                   const std::optional<RefineCamera>& camera = std::nullopt);
 
-  /// Searches every spot without history (Acquisition); `fit` then finds the wavefront from all
-  /// pixels (PointModel). An image of another size gives no spots.
+  /// Measures an image without history: Acquisition searches every spot, then `fit` finds the
+  /// wavefront from all pixels (PointModel). In an image of another size no spots are found.
   Measured measure(const ImageView& image);
   const MeasurementPlan& plan() const { return *plan_; }
 
@@ -71,9 +71,9 @@ class Measurement {
   void refine(const ImageView& image, Measured& measured);
   bool by_positions(Measured& measured);
   std::unique_ptr<MeasurementPlan> plan_;
-  std::optional<PointModel> model_;  ///< of the tracker `fit`
+  std::optional<PointModel> model_;  ///< used by the tracker `fit` only
   std::optional<RefineCamera> camera_;
-  bool counts_from_image_ = false;  ///< else from the model
+  bool counts_from_image_ = false;  ///< modes are relative to the reference image; false: absolute
   Acquisition acquisition_;
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;

@@ -9,8 +9,8 @@
 
 namespace ovws::cli {
 
-/// Returns RMS-normalised modes; none for empty text. Errors (Errc::invalid, field "modes") quote
-/// the wrong part. Text of separators only and a mode given twice are errors.
+/// Parses RMS-normalised modes; none for empty text. Errors (Errc::invalid, field "modes") quote
+/// the invalid part. Text that has only separators, or a mode given twice, is an error.
 Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm);
 
 }  // namespace ovws::cli

@@ -34,7 +34,8 @@ Result<std::vector<Mode>> modes_of(const ImageOptions& options) {
   return parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
 }
 
-/// The hologram's grey levels with the requested modes. Fails if the SLM cannot sample it.
+/// Renders the hologram's grey levels with the requested modes. Fails if the SLM's pixels cannot
+/// sample the phase.
 Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const ImageOptions& options) {
   const auto modes = modes_of(options);
   if (!modes) return fail(modes.error());
@@ -56,8 +57,8 @@ Result<void> make_hologram(const ImageOptions& options) {
   return write_png(options.output, *grey);
 }
 
-/// Electrons per pixel of the camera's region for an ideal SLM, scaled to the requested peak or
-/// total.
+/// Far-field image of an ideal SLM, in electrons per pixel of the camera's region. It is scaled to
+/// the requested peak or total.
 Result<Image<float>> electrons(const Config& config, const FarFieldOptions& options,
                                double full_well_e) {
   const auto modes = modes_of(options.picture);

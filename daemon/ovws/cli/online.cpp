@@ -36,7 +36,7 @@ std::string reference_text(const json& sensor) {
                     introduced);
 }
 
-/// Formats a result of loop.get: closed or open, its progress, and why it opened.
+/// Formats a result of loop.get: whether the loop is closed, its progress, and why it opened.
 std::string loop_text(const json& loop) {
   const bool closed = loop.at("closed").get<bool>();
   const auto steps = loop.at("steps").get<std::int64_t>();
@@ -62,7 +62,7 @@ void print_failed_job(const json& failed) {
         field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
 }
 
-/// Formats a result of aberration.get; empty: no aberration is introduced.
+/// Formats a result of aberration.get; empty text: no aberration is shown on the SLM.
 std::string aberration_text(const json& aberration) {
   double square = 0.0;
   std::string text;
@@ -75,7 +75,7 @@ std::string aberration_text(const json& aberration) {
   return text.empty() ? "" : fmt::format("{:.4f} wave RMS introduced{}", std::sqrt(square), text);
 }
 
-/// Prints what is wrong with the sensor's layout, operator and frames; nothing for null.
+/// Prints the faults of the sensor's layout, operator and frames; prints nothing for a null fault.
 void print_sensor_faults(const json& sensor) {
   for (const char* key : {"layout_fault", "operator_reason"}) {
     if (sensor.contains(key) && sensor.at(key).is_string()) {
@@ -144,7 +144,7 @@ void print_description(const json& description) {
   }
 }
 
-/// Calls a method and prints its result with `show`, or as one line of JSON. Returns an exit code.
+/// Calls a method and prints the result with `show`, or as one line of JSON. Returns an exit code.
 template <class Show>
 int call_and_print(const Common& common, const std::string& method, const json& params, Show show) {
   const auto answer = call(common, method, params);
@@ -157,7 +157,7 @@ int call_and_print(const Common& common, const std::string& method, const json& 
   return kOk;
 }
 
-/// The progress line of a job, removed at the end.
+/// Progress line of a job on the terminal. The destructor removes the line.
 class ProgressLine {
  public:
   ProgressLine() = default;
@@ -165,7 +165,7 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// `job`: a result of job.get.
+  /// Shows the job's progress. `job`: a result of job.get.
   void show(const json& job) {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
     study::print_progress(fmt::format("{}: {:.0f} %, {:.0f} s", text_or(job, "kind", "job"),
@@ -194,7 +194,7 @@ tl::expected<json, CallFailure> end_of_job(const Common& common, const json& sta
   }
 }
 
-/// Indented JSON, with arrays of primitives on one line.
+/// Formats JSON with indents; arrays of primitive values stay on one line.
 std::string readable(const json& value, const std::string& margin = "") {
   const auto is_plain = [](const json& one) { return one.is_primitive(); };
   const bool is_line = value.is_primitive() || value.empty() ||

@@ -34,7 +34,7 @@ constexpr int kReceiveQueue = 10000;
 
 std::atomic<bool> interrupted{false};
 
-/// A failure of this program, reported like an error of the daemon.
+/// Failure found by this program, reported in the same way as an error of the daemon.
 CallFailure failure(std::string message) {
   return {true, {{"message", std::move(message)}}};
 }
@@ -44,7 +44,7 @@ CallFailure interrupted_failure() {
 }
 
 struct RecordTask {
-  bool loop_closed = false;  ///< the required state; any other is an error
+  bool loop_closed = false;  ///< required state of the loop; another state is an error
   double seconds = 60.0;
   double seconds_after = 0.0;  ///< remaining time of the study, for the progress line
   std::vector<int> modes_j;
@@ -60,8 +60,8 @@ class Recorder {
     recorded_.recording.modes_waves.resize(task.modes_j.size());
   }
 
-  /// Adds the message's coefficients if they are valid and settled. An error makes the recording
-  /// unusable.
+  /// Takes the coefficients of the message, if it is valid and settled. After an error the
+  /// recording cannot be used.
   tl::expected<void, CallFailure> take(const json& message) {
     if ((message.at("loop") == "closed") != task_.loop_closed) {
       return tl::make_unexpected(failure(
@@ -102,7 +102,7 @@ class Recorder {
                                 ? 1e-9 * double(now.device_ns - first.device_ns)
                                 : 1e-9 * double(now.arrival_ns - first.arrival_ns);
       if (!kept.times_s.empty() && time_s <= kept.times_s.back())
-        continue;  // the clock was set back
+        continue;  // drop the frame: the clock was set back
       kept.times_s.push_back(time_s);
       for (std::size_t k = 0; k < kept.modes_waves.size(); ++k) {
         kept.modes_waves[k].push_back(recorded_.recording.modes_waves[k][i]);
@@ -118,8 +118,8 @@ class Recorder {
   }
 
  private:
-  /// Counts lost frames: `gap` counts those lost before publishing, a jump in `seq` those lost
-  /// here.
+  /// Counts lost frames: `gap` counts frames lost in the daemon before publishing. A jump in `seq`
+  /// counts messages lost on the way to this program.
   void count(const json& message) {
     const auto seq = message.at("seq").get<std::int64_t>();
     if (last_seq_) {
@@ -156,9 +156,9 @@ void print_progress(const RecordTask& task, int frames, double seconds_left) {
                                     left % 60));
 }
 
-/// Records valid, settled frames with device time stamps, or arrival times if the camera has none.
-/// Prints progress on stderr unless --json is set. Errors: the daemon fails, `interrupted`, too few
-/// frames, or the loop's state or the sensor's modes change.
+/// Records valid, settled frames with device time stamps, or with arrival times if the camera has
+/// no clock. Prints progress on stderr unless --json is set. Errors: the daemon fails;
+/// `interrupted`; too few frames; a change of the loop's state or of the sensor's modes.
 tl::expected<study::RecordedLoop, CallFailure> record(const Common& common,
                                                       const RecordTask& task) {
   const auto endpoint = stream_endpoint(common, "endpoint");
@@ -188,10 +188,11 @@ tl::expected<study::RecordedLoop, CallFailure> record(const Common& common,
                           task.seconds, kMinFrames, recorder.why_none())));
 }
 
-/// Closes the loop for the study and restores the previous state: loop open, correction as before.
+/// Closes the loop for the study. Afterwards restores the previous state: loop open, previous
+/// correction.
 class BorrowedLoop {
  public:
-  /// `correction`: result of correction.get.
+  /// `correction`: the correction to restore, a result of correction.get.
   BorrowedLoop(const Common& common, const json& correction)
       : common_(common), modes_(json::array()) {
     for (const json& mode : correction.at("modes")) {
@@ -205,7 +206,7 @@ class BorrowedLoop {
     return closed;
   }
 
-  /// Opens the loop and restores the correction; does nothing if the loop was never closed.
+  /// Opens the loop and restores the correction. Does nothing if the study never closed the loop.
   Answer restore() {
     Answer done = json();
     for (int tries = 0; taken_ && tries < kRestoreTries; ++tries) {
@@ -226,7 +227,7 @@ class BorrowedLoop {
   bool taken_ = false;
 };
 
-/// The modes j >= 3 that are both measured and corrected, in measured order.
+/// Modes j >= 3 that the sensor measures and the loop corrects, in measured order.
 Answer common_modes(const Common& common, const LoopSettings& settings) {
   const Answer sensor = call(common, "sensor.get", json::object());
   if (!sensor) return sensor;
@@ -267,7 +268,7 @@ tl::expected<void, CallFailure> check_bench(const Common& common) {
   return tl::make_unexpected(failure("the loop is closed: open it first, ovws call loop.open"));
 }
 
-/// The result of loop.get; an error if the loop was opened.
+/// Result of loop.get for a closed loop; an error if the loop was opened meanwhile.
 Answer closed_loop(const Common& common) {
   Answer loop = call(common, "loop.get", json::object());
   if (!loop || loop->at("closed").get<bool>()) return loop;
@@ -302,7 +303,7 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
   const auto begun = Clock::now();
   auto recorded = record(common, task);
   const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
-  const Answer after = closed_loop(common);  // gives a better reason than the stream
+  const Answer after = closed_loop(common);  // its error says more than the stream's
   if (!after && !interrupted) return tl::make_unexpected(after.error());
   if (!recorded) return tl::make_unexpected(recorded.error());
   measured.closed = std::move(*recorded);

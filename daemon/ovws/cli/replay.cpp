@@ -46,7 +46,7 @@ void count(const PlayedFrame& frame, Tally& tally) {
   }
 }
 
-/// Sleeps until the frame is due: its recorded time after the first frame, divided by `speed`.
+/// Sleeps until the frame is due: its recorded time since the first frame, divided by `speed`.
 void wait_for(const PlayedFrame& frame, std::int64_t first_ns, std::int64_t begun_ns,
               double speed) {
   if (speed <= 0.0) return;

@@ -44,7 +44,7 @@ class Collector {
   }
   void add_image(StreamMessage message) { found_[message.topic] = std::move(message); }
 
-  /// Image, phase and spots of one frame; none if they are not complete.
+  /// Messages image, phase and spots of one frame; none until all three have arrived.
   std::optional<Messages> of_one_frame() {
     if (!found_.contains("image") || !found_.contains("phase")) return std::nullopt;
     const auto frame = frame_of(found_["image"]);
@@ -63,7 +63,7 @@ class Collector {
   std::map<std::uint64_t, StreamMessage> spots_by_frame_;
 };
 
-/// The first valid frame; if none arrives within the timeout, the last invalid one.
+/// Collects one frame: the first valid frame, or the last invalid one if the timeout ends first.
 std::optional<Messages> collect(Subscriber& numbers, Subscriber& pictures, double timeout_s) {
   Collector collector;
   std::optional<Messages> last;
@@ -95,7 +95,7 @@ cv::Mat grey_image(const StreamMessage& message, const json& header) {
   return grey;
 }
 
-/// Rows of x, y, ref_x, ref_y, peak, quality.
+/// Rows of the binary `spots` message: x, y, ref_x, ref_y (camera pixels), peak, quality.
 std::vector<std::array<float, 6>> rows_of(const StreamMessage& spots) {
   std::vector<std::array<float, 6>> rows(spots.binary.size() / (6 * sizeof(float)));
   if (rows.empty()) return rows;
@@ -103,7 +103,7 @@ std::vector<std::array<float, 6>> rows_of(const StreamMessage& spots) {
   return rows;
 }
 
-/// "NOT VALID: …"; empty for a valid frame.
+/// Warning text "NOT VALID: reason"; empty for a valid frame.
 std::string warning_of(const StreamMessage& spots, const json& status) {
   const json header = json_of(spots.json);
   return header.at("valid").get<bool>() ? "" : "NOT VALID: " + why_not_valid(header, status);
@@ -198,7 +198,7 @@ cv::Mat phase_image(const Messages& messages, const std::string& warning) {
   return picture;
 }
 
-/// "PREFIX-WHAT"; if the prefix is a folder, "PREFIX/ovws-WHAT".
+/// File name "PREFIX-WHAT". If the prefix is a folder: "PREFIX/ovws-WHAT".
 std::string file_name(const std::string& prefix, const std::string& what) {
   std::error_code ignored;
   const bool is_folder = prefix.ends_with('/') || std::filesystem::is_directory(prefix, ignored);

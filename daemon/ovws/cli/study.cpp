@@ -16,7 +16,7 @@
 namespace ovws::cli {
 namespace {
 
-/// Creates the folder and checks that it is writable, before minutes of work.
+/// Creates the output folder and checks that it is writable, before a study that takes minutes.
 Result<void> check_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kScript = ".gnuplot";
 
-/// The files of the existing figures. Each script comes after its PNG and CSV, so that an
-/// interrupted removal can find the rest again.
+/// Files of the existing figures. Each gnuplot script comes after its PNG and CSV: the script
+/// identifies the figure, so that a removal can continue after an interruption.
 std::vector<fs::path> figure_files(const std::string& study, const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -31,7 +31,7 @@ std::vector<fs::path> figure_files(const std::string& study, const fs::path& fol
   return files;
 }
 
-/// The files that belong to no gnuplot script.
+/// Names of the study's files that belong to no gnuplot script.
 std::vector<std::string> other_files(const std::string& study) {
   std::vector<std::string> names{"summary.json"};
   if (study != "experiment") return names;

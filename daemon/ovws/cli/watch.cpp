@@ -23,7 +23,7 @@ using nlohmann::json;
 
 constexpr int kBarHalfWidth = 20;
 
-/// A text bar that grows from the middle; each half spans `full_scale` waves.
+/// Text bar that grows from the middle to the left or right; each half spans `full_scale` waves.
 std::string signed_bar(double waves, double full_scale) {
   const int length =
       std::min(kBarHalfWidth, int(std::abs(waves) / full_scale * kBarHalfWidth + 0.5));
@@ -41,8 +41,8 @@ std::size_t longest_name(const json& modes_j) {
   return length;
 }
 
-/// Prints one line per mode, with its standard error if the message has them. Returns the full
-/// scale of the bars, waves.
+/// Prints one line per mode, with its standard error if the message contains one. Returns the full
+/// scale of the bars in waves.
 double print_modes(const json& message) {
   double full_scale = 0.1;
   for (const json& value : message.at("coefficients")) {
@@ -65,12 +65,13 @@ double print_modes(const json& message) {
   return full_scale;
 }
 
-/// Whether the topic's messages have a table of modes.
+/// Whether messages of this topic contain coefficients, which are shown as a table.
 bool has_table(const std::string& topic) {
   return topic == "wavefront" || topic == "refined";
 }
 
-/// `status`: its reference and SLM pattern explain an invalid frame.
+/// Prints a `wavefront` message. `status` explains an invalid frame by its reference and SLM
+/// pattern.
 void print_wavefront(const json& message, const json& status) {
   const bool valid = message.at("valid").get<bool>();
   print(
@@ -118,9 +119,9 @@ class Watch {
         in_place_(table_ && isatty(STDOUT_FILENO) != 0),
         status_(status) {}
 
-  /// Returns the exit code.
+  /// Shows messages until the count, the timeout or a stop request. Returns the exit code.
   int run(Subscriber& stream) {
-    auto last = Clock::now();  // message of the topic
+    auto last = Clock::now();  // arrival of the topic's last message
     for (int shown = 0; !stop_requested && (options_.count == 0 || shown < options_.count);) {
       const auto message = stream.receive(std::chrono::milliseconds(100));
       if (output_has_no_reader()) return kError;
@@ -167,7 +168,7 @@ class Watch {
   const WatchOptions& options_;
   bool table_;
   bool in_place_;
-  json status_;  ///< the newest
+  json status_;  ///< the newest status message
   Clock::time_point last_{};
 };
 
@@ -185,7 +186,7 @@ int watch(const Common& common, const WatchOptions& options) {
   if (!endpoint) return report_failure(common, endpoint.error());
   std::vector<std::string> topics{options.topic};
   if (options.topic == "wavefront")
-    topics.emplace_back("status");  // provides reference and pattern
+    topics.emplace_back("status");  // explains invalid frames (reference and SLM pattern)
   auto stream = subscribe(common, *endpoint, topics, 100);
   if (!stream) return report(common, stream.error());
   const auto status = call(common, "system.status", json::object());

@@ -26,7 +26,7 @@ constexpr int kPage = 10;
 
 std::atomic<bool> stop_requested{false};
 
-/// Why the frame is not valid; empty if the messages lack the fields for it.
+/// Why the frame is not valid; empty if the messages lack the fields for an explanation.
 std::string reason_of(const screen::View& view) {
   for (const char* key : {"settled", "fit_residual_px", "tracked", "subapertures"}) {
     if (!view.wavefront.contains(key)) return {};
@@ -77,7 +77,7 @@ class WatchScreen {
     if (key == Key::end) first = 1 << 20;
   }
 
-  /// Draws the newest view. A pause freezes the view but messages are still gathered.
+  /// Draws the newest view. A pause freezes the shown view, but messages are still gathered.
   void draw() {
     const screen::View& newest = gatherer_.view(Clock::now());
     if (!choice_.paused) {

@@ -10,9 +10,8 @@
 namespace ovws::doctor {
 namespace {
 
-/// Fills in the camera that camera.id means. First it is queried as an address; without an answer
-/// it is looked up in the camera list, by address or name, and a GigE camera found there is
-/// queried.
+/// Finds the camera that camera.id names. First queries camera.id as an address. Without an answer,
+/// looks it up in the camera list by address or name, and queries a GigE camera found in the list.
 void find_camera(CameraFacts& facts) {
   const std::string& id = facts.config.id;
   const auto answer = ask_gige_camera(id);
@@ -117,7 +116,7 @@ Finding judge_interface(const CameraFacts& facts) {
                  fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
 }
 
-/// The slowest reported speed along the path to the camera.
+/// Link speed, Mbit/s: the slowest speed reported along the path to the camera; none: unknown.
 std::optional<int> link_mbps(const CameraFacts& facts) {
   std::optional<int> slowest;
   for (const auto& one : {facts.usb_mbps, facts.answer ? facts.answer->link_mbps : std::nullopt,
@@ -128,7 +127,7 @@ std::optional<int> link_mbps(const CameraFacts& facts) {
 }
 
 Finding judge_link(const CameraFacts& facts) {
-  constexpr double kOverhead = 1.05;  // headers and retransmitted packets
+  constexpr double kOverhead = 1.05;  // factor for headers and retransmitted packets
   if (!facts.camera) return not_here(kNoCamera);
   const auto link = link_mbps(facts);
   if (!link) return not_here("neither the camera nor its interface reports a link speed");

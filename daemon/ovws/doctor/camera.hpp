@@ -14,7 +14,8 @@
 
 namespace ovws::doctor {
 
-/// Whether a daemon answered (`silent`: none), and whether it has the camera open.
+/// Whether a daemon answered (`silent`: none did), and whether it has the camera open (`with`) or
+/// not (`without`).
 enum class DaemonsCamera { silent, without, with };
 
 struct CameraFacts {
@@ -22,7 +23,7 @@ struct CameraFacts {
   DaemonsCamera daemon = DaemonsCamera::silent;
   std::vector<ListedCamera>
       listed;  ///< found by discovery; empty if camera.id is an address that answered
-  std::optional<ListedCamera> camera;  ///< the configured one
+  std::optional<ListedCamera> camera;  ///< the camera that camera.id names; none: not found
   std::optional<GigeAnswer> answer;    ///< GigE only: what the camera reports
   std::optional<NetworkPath> path;     ///< GigE only: the route to the camera
   std::optional<int> usb_mbps;         ///< USB only: the speed of the camera's port

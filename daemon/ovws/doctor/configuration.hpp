@@ -13,17 +13,18 @@
 namespace ovws::doctor {
 
 struct ConfigurationFacts {
-  std::string path;              ///< empty: no file is named, and the service's does not exist
-  std::optional<Config> config;  ///< the defaults without a file; none: it cannot be loaded
-  std::optional<Error> error;    ///< why there is no config, or why it is unusable
-  std::optional<Error> unseen;   ///< why a daemon would find no spots with it
+  std::string path;              ///< file to load; empty: none is named, and the service has none
+  std::optional<Config> config;  ///< the defaults if there is no file; none: loading failed
+  std::optional<Error> error;    ///< why `config` is missing or unusable
+  std::optional<Error> unseen;   ///< why a daemon would find no spots with this configuration
   std::string rejected;          ///< path of saved values that were set aside; empty: none
   KeyFileCheck keys;
-  std::string saved;             ///< from describe_saved; empty: nothing was saved
-  bool saved_is_unused = false;  ///< the saved values are damaged, or belong to another file
+  std::string saved;             ///< saved settings as text (describe_saved); empty: none
+  bool saved_is_unused = false;  ///< the saved values are damaged, or of another configuration file
 };
 
-/// Loads the file at `path`. Empty: the service's file, or the defaults if that does not exist.
+/// Loads the configuration file at `path`. With an empty `path`: the service's file, or the
+/// defaults if the service has no file.
 ConfigurationFacts read_configuration(const std::string& path);
 Findings judge(const ConfigurationFacts& facts);
 

@@ -10,7 +10,7 @@ using nlohmann::json;
 constexpr const char* kNoAnswer = "no daemon answers";
 constexpr const char* kLog = "journalctl -u ovwsd -n 20";
 
-/// The string at this JSON pointer; empty if it is missing or not a string.
+/// String at this JSON pointer of the status; empty if there is no string.
 std::string text_at(const json& status, const char* path) {
   const json::json_pointer pointer(path);
   if (!status.contains(pointer) || !status.at(pointer).is_string()) return {};

@@ -14,10 +14,10 @@ namespace ovws::doctor {
 struct DaemonFacts {
   std::string endpoint;
   std::optional<nlohmann::json> status;  ///< the reply to system.status
-  bool refused = false;                  ///< without a status: the daemon answered with an error
+  bool refused = false;                  ///< no status, because the daemon answered with an error
   std::string why;                       ///< why there is no status
-  bool asks_for_keys = false;            ///< the configuration sets a secret key
-  std::string own_version;               ///< this program's
+  bool asks_for_keys = false;            ///< clients need keys: the configuration sets a secret key
+  std::string own_version;               ///< version of this program
 };
 
 DaemonsCamera camera_of(const DaemonFacts& facts);

@@ -18,7 +18,7 @@ using sdl::Output;
 constexpr const char* kNoServer = "the X server cannot be queried";
 constexpr const char* kNoOutput = "the output was not found";
 
-/// The SLM's output; null: the server cannot be queried, or has no such output.
+/// X output of the SLM; null: the X server cannot be queried or lacks this output.
 const Output* output_of(const DisplayFacts& facts) {
   if (!facts.probe) return nullptr;
   const auto found = sdl::find_output(facts.probe->outputs, facts.config.output);
@@ -92,7 +92,7 @@ Finding judge_mode(const DisplayFacts& facts) {
       fmt::format("xrandr --output {} --scale 1x1 --rotate normal --reflect normal", output.name));
 }
 
-/// Checks that the output can be used for the SLM. judge_mode checks its mode.
+/// Checks that the X output can be used for the SLM. judge_mode checks the mode of the output.
 Finding judge_output(const DisplayFacts& facts) {
   if (!facts.probe) return not_here(kNoServer);
   const std::string choose =

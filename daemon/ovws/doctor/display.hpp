@@ -12,7 +12,7 @@ namespace ovws::doctor {
 struct DisplayFacts {
   SdlConfig config;
   Result<sdl::DisplayProbe> probe;
-  bool server_named = false;  ///< DISPLAY is set
+  bool server_named = false;  ///< the environment variable DISPLAY is set
 };
 
 /// Probes the X server. Takes up to 3 s if it does not answer; call it once per process. Opens no

@@ -1,5 +1,5 @@
-/// Runs all checks of a bench in sequence. They are read-only, take no control of a camera and open
-/// no window, so that they do not disturb a running daemon.
+/// Bench checks, run in sequence. A check only reads, takes no control of a camera and opens no
+/// window, so that a running daemon is not disturbed.
 #pragma once
 
 #include <functional>
@@ -13,9 +13,9 @@ namespace ovws::doctor {
 /// Requests system.status from the daemon at this endpoint.
 using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 
-/// Main thread; takes some seconds. Empty `path`: the service's configuration, or the defaults.
-/// Empty `endpoint`: the configuration's. If the configuration cannot be loaded, checks that depend
-/// on it are `not_here`.
+/// Runs all checks; main thread, takes some seconds. Empty `path`: the service's configuration, or
+/// the defaults. Empty `endpoint`: the endpoint in the configuration. If the configuration cannot
+/// be loaded, checks that need it are `not_here`.
 Findings examine(const std::string& path, const std::string& endpoint, const AskDaemon& ask);
 
 }  // namespace ovws::doctor

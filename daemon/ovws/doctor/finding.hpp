@@ -10,17 +10,17 @@ namespace ovws::doctor {
 
 enum class Verdict {
   ok,
-  warning,   ///< works or may work, but worse than it could
+  warning,   ///< works or may work, but not as well as possible
   fault,     ///< does not work, or gives wrong measurements
   not_here,  ///< cannot be checked on this bench, or not at present
 };
 
 struct Finding {
   Verdict verdict = Verdict::ok;
-  std::string meaning;  ///< one sentence; for `not_here` the reason
+  std::string meaning;  ///< the result in one sentence; for `not_here`, the reason
   std::string fix;      ///< a shell command or a line of the configuration; never empty for a
                         ///< warning or a fault
-  std::string name{};   ///< "camera.packets"; set by run_checks
+  std::string name{};   ///< name of the check, e.g. "camera.packets"; set by run_checks
 };
 using Findings = std::vector<Finding>;
 
@@ -37,14 +37,14 @@ inline Finding not_here(std::string why, std::string fix = {}) {
   return {Verdict::not_here, std::move(why), std::move(fix)};
 }
 
-/// A check of these facts, and the name of its finding.
+/// Check of the bench: a function that judges facts, and the name of its finding.
 template <class Facts>
 struct Check {
   const char* name;
   Finding (*judge)(const Facts&);
 };
 
-/// The finding of every check, in this order.
+/// Runs all checks on `facts`. Returns one finding per check, in the order of `checks`.
 template <class Facts>
 Findings run_checks(std::initializer_list<Check<Facts>> checks, const Facts& facts) {
   Findings found;

@@ -75,8 +75,8 @@ std::vector<std::string> read_governors() {
 Access read_dma_latency() {
   constexpr const char* kPath = "/dev/cpu_dma_latency";
   if (::access(kPath, F_OK) != 0) return Access::absent;
-  // Try to open it: permissions alone do not decide access. Opening sets no latency limit; only a
-  // write does.
+  // Open the device, because permissions alone do not decide access. Opening sets no latency limit;
+  // only a write does.
   const int fd = ::open(kPath, O_WRONLY | O_CLOEXEC);
   if (fd < 0) return Access::refused;
   ::close(fd);
@@ -137,7 +137,7 @@ Finding judge_memory(const HostFacts& facts) {
 }
 
 Finding judge_throttling(const HostFacts& facts) {
-  constexpr double kMinShare = 0.9;  // the kernel's own default is 0.95
+  constexpr double kMinShare = 0.9;  // of a CPU for real-time threads; the kernel's default is 0.95
   constexpr const char* kFix = "sudo sysctl -w kernel.sched_rt_runtime_us=950000";
   if (!facts.rt_runtime_us || !facts.rt_period_us || *facts.rt_period_us <= 0) {
     return not_here("kernel.sched_rt_runtime_us cannot be read here");

@@ -27,7 +27,7 @@ struct HostFacts {
   std::optional<Limits> limits;
   bool of_service = false;  ///< `limits` are those of the running service; else of this process
   std::optional<std::int64_t> rt_runtime_us, rt_period_us;
-  std::vector<std::string> governors;  ///< distinct names; empty: no frequency scaling
+  std::vector<std::string> governors;  ///< distinct names of CPU governors; empty: no scaling
   Access dma_latency = Access::absent;
   std::optional<std::string> clock_source;
   std::optional<bool> clock_synchronised;

@@ -72,8 +72,8 @@ Finding judge_folder(const StateFacts& facts) {
 Finding judge_space(const StateFacts& facts) {
   if (!facts.directory) return not_here("no state folder is configured");
   constexpr std::uint64_t kMiB = 1 << 20;
-  constexpr std::uint64_t kMinBytes = 16 * kMiB;           // several references with their images
-  constexpr std::uint64_t kRecommendedBytes = 256 * kMiB;  // gain sweeps
+  constexpr std::uint64_t kMinBytes = 16 * kMiB;           // room for some references with images
+  constexpr std::uint64_t kRecommendedBytes = 256 * kMiB;  // room for gain sweeps
   const std::string says =
       fmt::format("the disk of {} has {} MiB left", *facts.directory, facts.free_bytes / kMiB);
   const std::string fix = fmt::format("du -xhd1 \"$(findmnt -no TARGET -T {})\"", *facts.directory);

@@ -14,13 +14,13 @@ struct StateFacts {
   std::optional<std::string> directory;  ///< none: not configured, and the service's does not exist
   bool there = false;
   bool is_folder = false;
-  bool writable = false;  ///< by this user; if it does not exist: its nearest existing parent
+  bool writable = false;  ///< by this user; before creation: the nearest existing parent
   bool disk_writable = true;
-  std::string owner;             ///< user name, if it is another user; else empty
-  std::uint64_t free_bytes = 0;  ///< on its disk, available without root
+  std::string owner;             ///< user name of the owner; empty: this user
+  std::uint64_t free_bytes = 0;  ///< free space on the directory's disk, available without root
 };
 
-/// Read-only: does not even try a write.
+/// Reads the facts about the state directory. Writes nothing, not even a test file.
 StateFacts read_state(const StateConfig& config);
 Findings judge(const StateFacts& facts);
 

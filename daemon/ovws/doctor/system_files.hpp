@@ -7,11 +7,11 @@
 
 namespace ovws::doctor {
 
-/// The whole file; none: it does not exist or cannot be read.
+/// Whole text of the file; none: the file does not exist or cannot be read.
 std::optional<std::string> text_of(const std::string& path);
-/// Its first word; none also if it is empty.
+/// First word of the file; none: the file is empty or cannot be read.
 std::optional<std::string> word_of(const std::string& path);
-/// Its first word as a whole number; none also if it is not a number.
+/// First word of the file as a whole number; none: it is no number, or the file cannot be read.
 std::optional<std::int64_t> number_of(const std::string& path);
 
 }  // namespace ovws::doctor

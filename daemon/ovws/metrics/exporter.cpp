@@ -19,7 +19,7 @@ using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kField = "--listen";
-constexpr double kStatusMaxAgeS = 3.5;  ///< older: stale; one is sent per second
+constexpr double kStatusMaxAgeS = 3.5;  ///< an older status is stale; the period is one second
 constexpr double kMaxAgeFrames = 3.0;
 
 /// A message as received; parsed only when metrics are requested.
@@ -43,7 +43,8 @@ double wavefront_max_age_s(const json& status) {
 
 }  // namespace
 
-/// The newest messages, from which every scrape makes its metrics. Thread-safe.
+/// Newest messages: every scrape by Prometheus makes its metrics from the stored messages.
+/// Thread-safe.
 class Newest : public prometheus::Collectable {
  public:
   std::vector<prometheus::MetricFamily> Collect() const override {

@@ -14,21 +14,22 @@ namespace ovws::metrics {
 
 class Newest;
 
-/// Checks that metrics may be served at this "ADDRESS:PORT". Errors: Errc::invalid (field
-/// "--listen") for a malformed address and for one that other machines can reach, because metrics
-/// need no key.
+/// Checks that metrics may be served at `address`, "ADDRESS:PORT". Errc::invalid (field
+/// "--listen"): the address is malformed, or other machines can reach it. Metrics need no key, so
+/// only this machine may read them.
 Result<void> check_address(const std::string& address);
 
 /// Serves GET /metrics from the newest messages, in threads of the prometheus-cpp library.
 class Exporter {
  public:
-  /// Errors: as check_address; Errc::unavailable if the address is not available.
+  /// Starts the HTTP server. Errors: see check_address; Errc::unavailable if the address is not
+  /// available.
   static Result<Exporter> serve(const std::string& address);
   Exporter(Exporter&&) noexcept;
   ~Exporter();
 
-  /// Stores the JSON of a status or wavefront message, received now; ignores other topics. A status
-  /// expires after some seconds, a wavefront after some frames; expired ones give no metrics.
+  /// Stores a status or wavefront message (JSON) with the present time; ignores other topics. Old
+  /// messages give no metrics: a status expires after 3.5 s, a wavefront after some frames.
   void take(const std::string& topic, std::string message);
 
  private:

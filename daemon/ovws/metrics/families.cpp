@@ -87,14 +87,14 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kCounter
     {"clients_rejected", "Connection attempts without a known key."},
 }};
 
-/// The part of a message at this JSON pointer; null if there is none.
+/// Part of a message at this JSON pointer; null if the message does not have it.
 const json& part_of(const json& message, const std::string& path) {
   static const json kNone;
   const json::json_pointer pointer(path);
   return message.contains(pointer) ? message.at(pointer) : kNone;
 }
 
-/// The number at this JSON pointer, a bool as 0 or 1; none for anything else.
+/// Number at this JSON pointer, a bool as 0 or 1; none for any other value.
 std::optional<double> number_at(const json& message, const std::string& path) {
   const json& value = part_of(message, path);
   if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
@@ -106,13 +106,13 @@ std::string text_at(const json& message, const char* path) {
   return value.is_string() ? value.get<std::string>() : std::string();
 }
 
-/// The object at this path, else an empty one.
+/// JSON object at this path; an empty object if there is none.
 json object_at(const json& message, const char* path) {
   const json& value = part_of(message, path);
   return value.is_object() ? value : json::object();
 }
 
-/// The array at this path, else an empty one.
+/// JSON array at this path; an empty array if there is none.
 json array_at(const json& message, const char* path) {
   const json& value = part_of(message, path);
   return value.is_array() ? value : json::array();
@@ -159,8 +159,8 @@ void add_counters(Families& out, const json& status) {
   }
 }
 
-/// A state set: one series per name, 1 for the current one and 0 for the others. States can be
-/// graphed this way, and a previous state does not stay at 1.
+/// State set in Prometheus: one series per state, 1 for the current state and 0 for all others.
+/// States can be graphed this way, and a previous state does not stay at 1.
 template <class Names>
 MetricFamily one_of(const char* name, const char* help, const char* label, const Names& names,
                     const std::string& holds) {
@@ -202,7 +202,7 @@ void add_versions(Families& out, const json& status) {
                  {gauge(1.0, std::move(labels))}});
 }
 
-/// A latency histogram; none unless its edges and counts are complete.
+/// Latency histogram of a stage; none unless its edges and counts are complete.
 std::optional<ClientMetric> histogram(const std::string& stage, const json& latency) {
   const json totals = object_at(latency, "/since_start");
   const json edges = array_at(totals, "/edges_us");

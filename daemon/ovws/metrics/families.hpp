@@ -13,9 +13,9 @@ namespace ovws::metrics {
 /// Help sentence for a counter of `status`; empty for an unknown name.
 std::string_view counter_help(std::string_view counter);
 
-/// Builds all metrics. `status`: the newest status message; none: no current status, so that only
-/// `ovws_up 0` is exported. `wavefront`: the newest one if it is current. A missing or null key
-/// omits its metric.
+/// Builds all metrics from the newest messages. Without a current `status`, only `ovws_up 0` is
+/// exported. `wavefront`: none if the newest one is too old. A missing or null key in a message
+/// omits the metric made from it.
 std::vector<prometheus::MetricFamily> families(const std::optional<nlohmann::json>& status,
                                                const std::optional<nlohmann::json>& wavefront);
 

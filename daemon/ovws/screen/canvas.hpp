@@ -7,7 +7,7 @@
 
 namespace ovws::screen {
 
-/// The meaning of a character; the terminal maps it to colour and weight.
+/// Text style: the meaning of a character, which the terminal maps to colour and weight.
 enum class Style { normal, dim, strong, title, positive, negative, alarm };
 
 struct Cell {

@@ -37,7 +37,7 @@ double largest(const json& values) {
   return most;
 }
 
-/// The standard error of all modes together, RMS; empty if a frame was measured by positions.
+/// Standard error of all modes together, root sum square; empty if positions measured the frame.
 std::string error_of(const json& wavefront) {
   double squares = 0.0;
   const json sigma = wavefront.value("sigma", json::array());

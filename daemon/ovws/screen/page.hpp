@@ -12,11 +12,11 @@ constexpr int kMinWidth = 64, kMinHeight = 18;
 struct Choice {
   bool paused = false;
   bool help = false;
-  int first_mode = 0;  ///< index of the first mode shown; draw keeps it in range
+  int first_mode = 0;  ///< index of the first mode shown; draw limits the index
 };
 
-/// Draws the whole screen. If the canvas is smaller than kMinWidth x kMinHeight, it draws only
-/// a note about that. A message with an unknown format is reported on the screen.
+/// Draws the whole screen. On a canvas smaller than kMinWidth x kMinHeight, draws only a note about
+/// the size. Reports a message with an unknown format on the screen.
 void draw(Canvas& canvas, const View& view, Choice& choice);
 
 // Parts of the screen.

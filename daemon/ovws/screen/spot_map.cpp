@@ -20,7 +20,8 @@ bool is_finite(float x, float y) {
   return std::isfinite(x) && std::isfinite(y);
 }
 
-/// Where to draw the spot: its reference position, else its own; none: lost and without reference.
+/// Position at which a spot is drawn: its reference position, else its measured position; none: the
+/// spot has neither.
 std::optional<Point> position_of(const SpotRow& spot) {
   if (is_finite(spot.ref_x, spot.ref_y)) return Point{spot.ref_x, spot.ref_y};
   if (is_finite(spot.x, spot.y)) return Point{spot.x, spot.y};

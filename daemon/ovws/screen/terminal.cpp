@@ -17,8 +17,8 @@ namespace {
 constexpr short kBluePair = 1, kOrangePair = 2;
 constexpr int kManyColours = 256;
 
-/// Starts colour output if the terminal has it and NO_COLOR is not set. Blue and orange are
-/// distinguishable with colour blindness; symbols and words repeat their meaning.
+/// Starts colour output if the terminal has colours and NO_COLOR is not set. Blue and orange are
+/// distinguishable with colour blindness. Symbols and words repeat what the colours mean.
 bool begin_colours() {
   const char* const no_colour = std::getenv("NO_COLOR");
   if ((no_colour != nullptr && *no_colour != '\0') || !has_colors()) return false;

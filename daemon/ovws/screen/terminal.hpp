@@ -15,7 +15,7 @@ enum class Key { none, other, quit, pause, help, up, down, page_up, page_down, h
 class Terminal {
  public:
   /// Enters full-screen mode. Uses colours unless NO_COLOR is set, and Unicode in a UTF-8 locale.
-  /// Error: Errc::unavailable if $TERM names no terminal that supports it.
+  /// Error: Errc::unavailable if the terminal named by $TERM does not support full-screen mode.
   static Result<Terminal> open();
   Terminal(Terminal&&) noexcept;
   Terminal& operator=(Terminal&&) noexcept;
@@ -24,7 +24,7 @@ class Terminal {
   /// An empty canvas of the terminal's current size.
   Canvas blank() const;
   void show(const Canvas& canvas);
-  /// The next key; Key::none without waiting if none was pressed.
+  /// Next key that was pressed; Key::none at once if no key was pressed.
   Key key();
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kStatusMaxAgeS = 3.0;  ///< older: stale; one is sent per second
+constexpr double kStatusMaxAgeS = 3.0;  ///< an older status is stale; the period is one second
 constexpr double kMaxAgeFrames = 3.0;
 constexpr std::size_t kEventsKept = 50;
 constexpr std::size_t kSpotColumns = 6;

@@ -29,16 +29,16 @@ struct Loss {
 struct View {
   bool status_is_current = false;
   double silent_s = 0.0;     ///< time since the last message
-  nlohmann::json status;     ///< null: none, or too old
-  nlohmann::json wavefront;  ///< null: none, or too old
+  nlohmann::json status;     ///< newest status message; null: none, or too old
+  nlohmann::json wavefront;  ///< newest wavefront message; null: none, or too old
   std::string not_valid;     ///< why the wavefront is not valid; set by the caller
   std::vector<SpotRow> spots;
-  std::vector<Loss> losses;           ///< those that are not 0
-  std::deque<nlohmann::json> events;  ///< the newest last
+  std::vector<Loss> losses;           ///< loss counters that are not 0
+  std::deque<nlohmann::json> events;  ///< event messages, the newest last
 };
 
-/// Keeps the newest messages. Ignores a status or event that is not a JSON object, and unknown
-/// topics; after such a wavefront there is none to show.
+/// Keeps the newest messages of each topic. Ignores unknown topics, and a status or event that is
+/// not a JSON object. After a wavefront that is not a JSON object, there is no wavefront to show.
 class Gatherer {
  public:
   explicit Gatherer(Clock::time_point begin) : last_(begin) {}
@@ -56,7 +56,7 @@ class Gatherer {
   bool frames_are_current(Clock::time_point now) const;
 
   View view_;
-  std::string wavefront_, spots_;  ///< as received; empty: already parsed
+  std::string wavefront_, spots_;  ///< text as received; empty: already parsed
   std::vector<std::byte> spots_binary_;
   std::map<std::string, std::uint64_t> counters_;
   Clock::time_point last_;

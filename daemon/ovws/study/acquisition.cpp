@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kGross = 0.5;  ///< lambda/d: a larger error counts as a wrong spot
 constexpr double kRandomRmsWaves = 0.5;
-constexpr int kLastRandom = 18;  // OSA index
+constexpr int kLastRandom = 18;  // OSA index: random wavefronts have the modes j = 3 to 18
 
 struct Scene {
   std::string name;

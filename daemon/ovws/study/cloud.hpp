@@ -10,34 +10,34 @@
 
 namespace ovws::study {
 
-/// One spot of the lattice at one intensity, cropped with its neighbours' diffraction ripple and
-/// measured by one method.
+/// Localisation bench: one spot of the lattice at one light level, measured by one method. The
+/// image is cropped around the spot and contains the neighbours' diffraction ripple.
 struct SpotBench {
   Light light = Light::equal_peak;
   Method method;
   std::shared_ptr<Measurer> measurer;
-  Image<float> light_e;  ///< the image around the base spot
-  Vec2 at_px;            ///< its noise-free position by the method; if not found: by the model
+  Image<float> light_e;  ///< electrons per pixel around the spot
+  Vec2 at_px;            ///< noise-free spot position by the method; if not found: by the model
 };
 
-/// Every method at both light levels.
+/// Localisation benches of all methods at both light levels, except the centroid of a fixed window.
 std::vector<SpotBench> all_spot_benches();
 SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<SensorModel>& model,
                      const std::shared_ptr<SensorModel>& vortex);
 
 struct Cloud {
   std::vector<double> x_px, y_px;   ///< errors of each realisation
-  std::vector<double> squares_px2;  ///< half of each squared distance: mean square per axis
+  std::vector<double> squares_px2;  ///< half of each squared error length: mean square per axis
   int lost = 0;
 };
 
 /// Tracks the spot in `realisations` noisy images. Starts lie within 0.3 lambda/d of the spot in
-/// each axis. Errors are relative to the same tracker's noise-free result from the same start.
-/// Thread-safe.
+/// each axis. Each error is the difference from the noise-free result of the tracker with the same
+/// start. Thread-safe.
 Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, std::uint64_t seed);
 
-/// The Cramer-Rao bound for the position of the tracked spot, including its diffraction ripple, up
-/// to half the distance to its neighbours; camera pixels RMS per axis.
+/// Cramer-Rao bound of the spot's position, camera pixels RMS per axis. It uses the pixels up to
+/// half the distance to the neighbours, including the diffraction ripple.
 double bound_px(const SpotBench& bench, double read_noise_e);
 
 }  // namespace ovws::study

@@ -14,16 +14,16 @@ namespace ovws::study {
 struct Series {
   std::string name;
   std::vector<double> x{}, y{};
-  std::vector<double> error{};  ///< one standard error of each y; empty: none is drawn
+  std::vector<double> error{};  ///< standard error of each y; empty: no error bars
   /// `line` is dashed; `solid` is a line without points.
   enum class Style { line_points, line, points, solid } style = Style::line_points;
-  /// Uses the colour of this series of the figure, counted from 1; 0: its own colour.
+  /// Colour number: the colour of this series of the figure, counted from 1; 0: the default colour.
   int colour = 0;
   static constexpr int kBlack = -1;
   bool in_legend = true;
   double shift_x = 0.0;  ///< horizontal offset, so that points do not cover each other
 
-  /// Appends a point; a Mean with its standard error.
+  /// Appends a point. A Mean also appends its standard error.
   void add(double at_x, double value) {
     x.push_back(at_x);
     y.push_back(value);
@@ -35,18 +35,18 @@ struct Series {
 };
 
 struct Figure {
-  std::string name;  ///< of the files, without extension
+  std::string name;  ///< name of the files, without extension
   std::string title;
   std::string x_label, y_label;  ///< with units
   bool log_x = false, log_y = false;
   bool same_scale = false;  ///< equal scales in x and y
   std::vector<Series> series{};
-  double y_from = std::numeric_limits<double>::quiet_NaN();  ///< NaN: from the data
+  double y_from = std::numeric_limits<double>::quiet_NaN();  ///< axis start; NaN: from the data
   double y_to = std::numeric_limits<double>::quiet_NaN();
   double x_step = std::numeric_limits<double>::quiet_NaN();  ///< distance of tics; NaN: automatic
 };
 
-/// Writes a text file. Errors (Errc::unavailable, field "output"): it cannot be written.
+/// Writes a text file. Errc::unavailable (field "output"): the file cannot be written.
 Result<void> write_text(const std::string& text, const std::filesystem::path& path);
 
 /// Writes NAME.csv (series,x,y,error) and NAME.gnuplot, which draws NAME.png in the current folder.

@@ -8,7 +8,7 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kMaxStepWaves = 0.4;  // RMS: the derivatives say nothing beyond
+constexpr double kMaxStepWaves = 0.4;  // RMS; a longer step leaves the derivatives' valid range
 
 }  // namespace
 

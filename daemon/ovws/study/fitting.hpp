@@ -8,15 +8,16 @@
 
 namespace ovws::study {
 
-/// A SpotRenderer for the study's image size and these modes; for one thread at a time.
+/// Makes a SpotRenderer for the study's image size and the modes `modes_j`. Not thread-safe.
 SpotRenderer renderer_of(const Geometry& geometry, int charge, const std::vector<int>& modes_j,
                          const SpotRenderer::Options& options = {});
 
 /// The noise of an exposure's pixels, DN.
 PixelNoise noise_of(const Exposure& exposure, double read_noise_e);
 
-/// Coefficients in waves, in the order of the renderer's modes, after `renderings` from `start`;
-/// all NaN if the spots do not determine the modes, or if `start` is NaN.
+/// Fits the modes in `renderings` damped steps from `start`. Returns coefficients in waves, in the
+/// order of the renderer's modes. All are NaN if the spots do not determine the modes, or if
+/// `start` is NaN.
 std::vector<double> fitted_waves(SpotRenderer& renderer, const Exposure& exposure,
                                  double read_noise_e, std::vector<double> start, int renderings);
 

@@ -15,7 +15,7 @@ std::string cells_csv_row(const nlohmann::json& cell);
 std::string frames_csv_header(const nlohmann::json& cell);  ///< last columns: the cell's modes
 std::string frames_csv_rows(const nlohmann::json& cell);
 
-/// "charge 1, lg"
+/// Name of an arm of the gain sweep, e.g. "charge 1, lg".
 std::string arm_name(const nlohmann::json& arm);
 /// Name of an element of the request's "aberrations", e.g.
 /// "oblique astigmatism, 0.204 wave RMS (0.5 unit amplitude)".
@@ -24,18 +24,18 @@ std::string aberration_name(const nlohmann::json& aberration);
 /// Table of residual variances from a result of experiment.get: one row per gain, one column per
 /// arm.
 std::string sweep_table(const nlohmann::json& experiment);
-/// The same values as figures, one per aberration.
+/// Figures of the residual variances, one per aberration.
 std::vector<Figure> sweep_figures(const nlohmann::json& experiment);
 
-/// Comparison of two arms: the number of cells measured by both, and in how many of them the first
-/// arm's variance is lower.
+/// Comparison of two arms: the number of cells that both arms measured, and the number of cells in
+/// which the first arm's variance is lower.
 struct Comparison {
   int cells = 0, lower = 0;
 };
 Comparison compare_arms(const nlohmann::json& experiment, std::size_t arm, std::size_t other);
 
-/// JSON summary: the result of experiment.get without its job, and a comparison of each pair of
-/// arms.
+/// JSON summary of the sweep: the result of experiment.get without the job number, and a comparison
+/// of each pair of arms.
 nlohmann::json sweep_summary(const nlohmann::json& experiment);
 
 }  // namespace ovws::study

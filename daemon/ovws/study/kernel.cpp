@@ -22,7 +22,7 @@ struct Levels {
   int realisations;
 };
 
-/// Results for one beam and one SNR, one value per radius.
+/// Errors against the kernel radius for one beam at one SNR; one value per radius.
 struct Curve {
   const Beam* beam;
   double snr;
@@ -31,8 +31,8 @@ struct Curve {
   double bound_px;  ///< does not depend on the radius
 };
 
-/// Index of the best radius. Radii that lose more than 1 % of the spots rank last, because their
-/// error comes from the easy spots only.
+/// Index of the best kernel radius. A radius that loses more than 1 % of the spots ranks last,
+/// because its error comes from the easy spots only.
 std::size_t best_of(const Curve& curve) {
   const auto rank = [&](std::size_t r) {
     const Mean& rms_px = curve.rms_px[r];
@@ -63,7 +63,8 @@ std::vector<Beam> beams_of(const std::vector<double>& radii) {
   return beams;
 }
 
-/// All radii see the same noise (common random numbers), so that they differ only by the radius.
+/// Curves of all beams and SNRs. All radii see the same noise (common random numbers), so that
+/// curves differ only by the radius.
 std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& levels,
                              const Settings& settings) {
   const std::size_t radii = levels.radii.size(), snrs = levels.snrs.size();

@@ -18,14 +18,14 @@ constexpr double kCloudNoiseE = 55.0;  ///< read noise of the point clouds
 /// The errors of one method at one read noise.
 struct Point {
   const SpotBench* bench;
-  double x;  ///< in the figure: read noise or SNR
+  double x;  ///< x value in the figure: read noise or SNR
   double read_noise_e;
   Mean rms_px;
   double bound_px;
   int lost;
 };
 
-/// Every method at every x.
+/// Errors of every method at every x, which is a read noise or an SNR.
 std::vector<Point> sweep(const char* study, const std::vector<SpotBench>& benches,
                          const std::vector<double>& all_x, double (*read_noise_e_of)(double x),
                          int realisations, const Settings& settings) {
@@ -41,8 +41,8 @@ std::vector<Point> sweep(const char* study, const std::vector<SpotBench>& benche
   return points;
 }
 
-/// Adds a series for each method at this light level, and the bound behind the last method of each
-/// charge.
+/// Adds one series per method at this light level. After the last method of each charge, adds the
+/// charge's Cramer-Rao bound.
 Figure figure_of(Figure figure, Light light, const std::vector<SpotBench>& benches,
                  const std::vector<Point>& points) {
   for (std::size_t b = 0; b < benches.size(); ++b) {

@@ -35,24 +35,24 @@ constexpr double kModesReadNoiseE = 5.0;
 struct ModeCase {
   int subapertures = 19;  ///< 19, 37 or 61
   int charge = 1;
-  int modes = 18;  ///< j = 1 to this
+  int modes = 18;  ///< number of modes: j = 1 to `modes`
   Budget budget = Budget::peak;
 };
 
 /// Errors for a flat wavefront: root sum square over all modes but the tilts, waves.
 struct ModeErrors {
-  double bound = kUnknown;               ///< Cramer-Rao bound of all pixels of the image
-  Mean shapes;                           ///< measured, by templates of every spot
-  double shapes_expected = kUnknown;     ///< from their covariance
-  Mean positions;                        ///< measured, by the same pixels' positions only
-  double positions_expected = kUnknown;  ///< NaN: positions do not determine the modes
+  double bound = kUnknown;               ///< Cramer-Rao bound from all pixels of the image
+  Mean shapes;                           ///< measured with templates of every spot
+  double shapes_expected = kUnknown;     ///< expected error of `shapes`, from the covariance
+  Mean positions;                        ///< measured with the positions of the same spots only
+  double positions_expected = kUnknown;  ///< expected; NaN: positions do not determine the modes
 };
 
-constexpr int kTilts = 2;               // the first modes, which errors leave out
-constexpr double kConditioning = 1e-9;  // of normal equations that determine the modes
+constexpr int kTilts = 2;               // tip and tilt, the first modes: left out of the errors
+constexpr double kConditioning = 1e-9;  // least reciprocal condition number of normal equations
 
-/// The default bench with more subapertures, as bright and as far apart as its own, in units of
-/// lambda/d; a smaller magnification keeps them in the image.
+/// Bench with 19, 37 or 61 subapertures. The spots are as bright and as far apart (in lambda/d) as
+/// on the default bench; a smaller magnification keeps them in the image.
 Geometry bench_of(int subapertures, int charge) {
   Geometry geometry = default_bench();
   geometry.sensor.charge = charge;
@@ -70,7 +70,7 @@ Geometry bench_of(int subapertures, int charge) {
   return geometry;
 }
 
-/// |F|^2 of all subapertures together, summed over the camera's pixels, by Parseval's theorem.
+/// Sum of |F|^2 over the camera's pixels for all subapertures together, by Parseval's theorem.
 double light_of_all(const Geometry& geometry, int subapertures) {
   const double d_px = geometry.sensor.pupil_diameter_px / geometry.sensor.subapertures_across;
   const double px_per_cycle = camera_px_per_cycle(geometry.optics, geometry.slm);
@@ -98,13 +98,13 @@ double bound_of(const Geometry& geometry, const Image<float>& light_e,
   return without_tilts(pixel_covariance(renderer, {}, light_e, kModesReadNoiseE));
 }
 
-/// How far a wave of each mode moves the position that a spot's templates give: 2 x modes.
+/// Shift of the spot position from the templates per wave of each mode; a matrix of 2 x modes.
 Eigen::MatrixXd moved_by(const SpotTemplates& spot, const RenderedSpot& rendered) {
   const auto rows = spot.rows.middleRows(SpotTemplates::kX, 2).leftCols(rendered.light.size());
   return rows.cast<double>() * rendered.per_wave.cast<double>();
 }
 
-/// Covariance of that position, times the squared level of the cells.
+/// Covariance of the spot position from the templates, times the squared level of the bins.
 Eigen::Matrix2d scatter_of(const SpotTemplates& spot) {
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (Eigen::Index c = 0; c < spot.weights.size(); ++c) {
@@ -115,7 +115,8 @@ Eigen::Matrix2d scatter_of(const SpotTemplates& spot) {
   return scatter;
 }
 
-/// Weighted least squares of the modes over the spots' positions. None if they are too few.
+/// Weighted least-squares fit of the modes to the spots' positions. None if the positions do not
+/// determine the modes.
 std::optional<WavefrontStep> step_from_positions(const SpotPass& pass,
                                                  std::span<const RenderedSpot> rendered) {
   const Eigen::Index modes = rendered.front().per_wave.cols();
@@ -149,7 +150,7 @@ const char* name_of(Budget budget) {
   return budget == Budget::peak ? "equal peak" : "equal photons";
 }
 
-/// Measures `images` noisy images. The same seed gives the same numbers.
+/// Measures the mode errors in `images` noisy images. The same seed gives the same numbers.
 ModeErrors measure_modes(const ModeCase& one, int images, std::uint64_t seed) {
   const Geometry geometry = bench_of(one.subapertures, one.charge);
   const std::vector<int> modes_j = first_modes_j(one.modes);
@@ -207,7 +208,8 @@ nlohmann::json row_of(const ModeCase& one, const ModeErrors& errors) {
           {"images", errors.shapes.count}};
 }
 
-/// One lattice in one light: every charge by shapes and by positions, and its bound.
+/// Figure of one lattice at one light level: errors by shapes and by positions for every charge,
+/// and the Cramer-Rao bound.
 Figure figure_of(int subapertures, Budget budget, const std::vector<ModeCase>& cases,
                  const std::vector<ModeErrors>& errors) {
   Figure figure{fmt::format("modes-{}{}", subapertures, budget == Budget::peak ? "" : "-photons"),

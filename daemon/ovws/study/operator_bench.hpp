@@ -33,12 +33,12 @@ struct OperatorTools {
   std::vector<Eigen::MatrixXd> slopes;  ///< linear operators, in the order of the names
 };
 
-/// For one thread at a time; `tools` must outlive it.
+/// Reconstructs images with every operator. Not thread-safe; `tools` must outlive it.
 class OperatorBench {
  public:
   explicit OperatorBench(const OperatorTools& tools);
 
-  /// The image in electrons with these modes on the SLM.
+  /// Camera image in electrons per pixel, with these modes on the SLM.
   Image<float> light_e(std::span<const Mode> modes, Light light);
   /// Tracks one exposure of `light_e`, the image with `modes`, and applies every operator. Zero
   /// read noise also disables shot noise.

@@ -74,7 +74,7 @@ Outcome measure(OperatorBench& bench, const std::vector<int>& modes_j, const Cas
   return outcome;
 }
 
-/// Results in the order of kCases, for every mode each.
+/// Results of every mode for each case, in the order of kCases.
 std::vector<Outcome> outcomes_of(const Levels& levels, const Settings& settings) {
   const std::array<OperatorTools, 2> tools{OperatorTools(0), OperatorTools(1)};
   std::vector<Outcome> outcomes(kCases.size() * levels.modes());

@@ -33,17 +33,17 @@ const char* name_of(Limit limit) {
 
 struct Climb {
   double waves = 0.0;  ///< RMS, unsigned: up to this amplitude every spot was found at its place
-  Limit limited_by = Limit::nothing;  ///< `nothing`: it goes on
+  Limit limited_by = Limit::nothing;  ///< `nothing`: the ramp has not ended
 };
 
 struct ClimbSteps {
   double step_waves = 0.05;
-  double max_waves = 2.0;  ///< RMS
+  double max_waves = 2.0;  ///< RMS amplitude of the last step
   double snr = 10.0;       ///< peak SNR; sets the read noise by read_noise_of_snr
   int realisations = 1;
 };
 
-/// A method at one light level, and the amplitude that it reached in each realisation.
+/// Ramp of one method at one light level: the amplitude that it reached in each realisation.
 struct Climber {
   Method method;
   Light light;
@@ -55,8 +55,8 @@ struct Climber {
   }
 };
 
-/// The amplitudes at which geometry alone ends the ramp, at any light level: RMS waves, unsigned;
-/// NaN if it is above max_waves.
+/// Geometric limits of the ramp, at any light level: the amplitudes at which a spot leaves the
+/// image or two spots cross. RMS waves, unsigned; NaN if above max_waves.
 struct GeometricLimit {
   double leaving_waves, crossing_waves;
 };
@@ -108,8 +108,8 @@ class Judge {
   Searcher searcher_;
 };
 
-/// Both charges at both light levels (the vortex is the same at either), with the daemon's
-/// trackers.
+/// Both charges at both light levels, with the daemon's trackers. The vortex appears once, because
+/// its image is the same at both light levels.
 std::vector<Climber> all_climbers() {
   std::vector<Climber> all;
   for (const Light light : {Light::equal_peak, Light::equal_photons}) {
@@ -123,7 +123,8 @@ std::vector<Climber> all_climbers() {
   return all;
 }
 
-/// Ramps mode j in direction `sign` for all climbers. The same seed gives the same numbers.
+/// Ramps the amplitude of mode j with this sign for all climbers. The same seed gives the same
+/// numbers.
 std::vector<Climber> climb(int j, double sign, const ClimbSteps& steps, std::uint64_t seed) {
   const Geometry geometry = default_bench();
   const auto vortex = model_of(geometry, 1), bright = model_of(geometry, 0);
@@ -187,8 +188,8 @@ struct Way {
   GeometricLimit geometry{};
 };
 
-/// Whether the climber belongs to this light level. The vortex belongs to both: its image is the
-/// same.
+/// Whether the climber belongs to this light level. A vortex belongs to both levels, because its
+/// image is the same at both.
 bool counts_at(const Climber& climber, Light light) {
   return climber.light == light || climber.method.charge != 0;
 }
@@ -241,7 +242,7 @@ Series series_of(std::size_t c, const std::vector<Way>& ways) {
   return series;
 }
 
-/// The points of a limit set by geometry, independent of the method.
+/// Series of a limit that geometry alone sets, independent of the method.
 Series geometric_series(const char* name, double GeometricLimit::*limit,
                         const std::vector<Way>& ways) {
   Series series{name, {}, {}, {}, Series::Style::points, Series::kBlack};

@@ -32,7 +32,7 @@ std::vector<double> resample(const std::vector<double>& times_s, const std::vect
 /// One-sided power spectral density: the sum of all power_per_hz times step_hz is the variance.
 struct Spectrum {
   double step_hz = 0.0;
-  std::vector<double> power_per_hz;  ///< wave^2/Hz; the k-th is at (k + 1) * step_hz
+  std::vector<double> power_per_hz;  ///< wave^2/Hz; k-th value: at the frequency (k + 1) * step_hz
   double hz(std::size_t k) const { return double(k + 1) * step_hz; }
 };
 
@@ -41,22 +41,22 @@ struct Spectrum {
 double segment_s(double seconds);
 
 /// Power spectral density by Welch's method (IEEE Trans. Audio 15, 70, 1967), summed over the
-/// modes. The series is resampled at about the median interval, so that a segment is a whole number
-/// of them. Segments overlap by half, have their means removed and get Hann windows. Empty if the
-/// recording is shorter than a segment or a segment has fewer than 8 intervals.
+/// modes. The series is resampled at about the median frame interval, so that a segment is a whole
+/// number of intervals. Segments overlap by half, have their means removed and get Hann windows.
+/// Empty if the recording is shorter than a segment, or if a segment has fewer than 8 intervals.
 Spectrum spectrum(const Recording& recording, double segment_s);
 
 struct RejectionPoint {
   double hz = 0.0, db = 0.0;
 };
 
-/// Rejection in dB: 10 lg of closed over open, each summed over a third of an octave about the
-/// frequency. Starts at the second frequency (removing the mean reduces the first) and ends at the
-/// last common one. Both spectra must have the same step_hz.
+/// Rejection in dB: 10 lg of closed over open power, each summed over a third of an octave about
+/// the frequency. Starts at the second frequency, because removing the mean reduces the first. Ends
+/// at the last common frequency. Both spectra must have the same step_hz.
 std::vector<RejectionPoint> rejection(const Spectrum& open, const Spectrum& closed);
 
-/// The first frequency at which the rejection rises above `level_db`, interpolated in log
-/// frequency. None: it is above from the start, or never.
+/// Crossing frequency: the first one at which the rejection rises above `level_db`, interpolated in
+/// log frequency. None: the rejection is above the level from the start, or never.
 std::optional<double> crossing_hz(const std::vector<RejectionPoint>& rejection, double level_db);
 
 /// Control law of core/control/integrator.hpp, and its step rate.
@@ -73,7 +73,7 @@ double integrator_db(double hz, const LoopLaw& law);
 /// Rejection in a band from `from_hz` (included) to `to_hz` (excluded).
 struct RejectionBand {
   double from_hz = 0.0, to_hz = 0.0;
-  double db = 0.0;             ///< closed over open
+  double db = 0.0;             ///< rejection: closed over open power
   double integrator_db = 0.0;  ///< by LoopLaw, weighted with the open loop's power; may be NaN
 };
 
@@ -91,7 +91,7 @@ struct RecordedLoop {
 };
 
 struct RejectionMeasured {
-  std::vector<int> modes_j;  ///< of both recordings
+  std::vector<int> modes_j;  ///< modes of the open and the closed recording
   RecordedLoop open, closed;
   nlohmann::json loop;     ///< result of loop.get with the loop closed
   double steps_hz = 0.0;   ///< step rate of the loop during the recording

@@ -10,14 +10,15 @@
 
 namespace ovws::study {
 
-/// By positions (Acquisition); with the tracker `fit` also by all pixels (PointModel), from where
-/// positions put the wavefront, or else from a flat one. One thread at a time.
+/// Search without history: Acquisition finds the spots' positions. The tracker `fit` then fits all
+/// pixels (PointModel), starting at the wavefront from the positions, then at a flat one. Not
+/// thread-safe.
 class Searcher {
  public:
   /// `measurer` must outlive it.
   Searcher(const Geometry& geometry, const Measurer& measurer);
 
-  /// A fix of each spot; those of a wavefront that `fit` does not find are all lost.
+  /// Finds a fix of each spot. If `fit` finds no wavefront, all spots are lost.
   std::vector<SpotFix> find(const Exposure& exposure, double read_noise_e);
 
  private:

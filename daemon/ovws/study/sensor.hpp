@@ -28,7 +28,7 @@ T value_of(Result<T> result) {
 /// OSA indices 1 to `count`.
 std::vector<int> first_modes_j(int count);
 
-/// Configuration of the simulated bench.
+/// Bench geometry: configuration of the simulated bench.
 struct Geometry {
   SlmGeometry slm;
   OpticsConfig optics;
@@ -38,14 +38,15 @@ Geometry default_bench();      ///< the paper's bench
 Geometry thousand_px_bench();  ///< the paper's simulation: a pupil of 1000 px
 
 constexpr double kPeakE = 500.0;  ///< electrons in the brightest pixel at equal peak
-/// Peak SNR P / sqrt(P + sigma^2): shot noise of the peak and read noise combined.
+/// Peak SNR = P / sqrt(P + sigma^2), with the peak P = kPeakE and the read noise sigma in
+/// electrons.
 double snr_of_read_noise(double read_noise_e);
 double read_noise_of_snr(double snr);
 
 /// Normalisation of the light level at which two sensors are compared.
 enum class Light {
   equal_peak,    ///< kPeakE in the spots' brightest pixel: the camera's full well is the limit
-  equal_photons  ///< the same total as the vortex sensor's image at equal peak
+  equal_photons  ///< as many photons as the vortex sensor has at equal peak
 };
 const char* name_of(Light light);
 
@@ -56,8 +57,8 @@ struct Exposure {
   double black_dn = 0.0;
   double dn_per_e = 8.0;
   ImageView view() const { return view_of(dn, PixelFormat::mono16); }
-  /// The same realisation with its black level subtracted and clipped at zero, as a plain centroid
-  /// requires.
+  /// Copy of the exposure with the black level subtracted and negative values clipped at zero, as a
+  /// plain centroid requires.
   Exposure clipped() const;
 };
 Exposure noise_free(const Image<float>& electrons);
@@ -68,14 +69,14 @@ struct Method {
   std::string name;
   int charge = 1;
   TrackingConfig tracking;
-  /// The textbook Shack-Hartmann sensor: the centroid of a fixed window around the reference, as
-  /// wide as the pitch. It ignores the starts; `tracking` then only selects the slope model.
+  /// Textbook Shack-Hartmann sensor: the centroid of a fixed window around the reference, as wide
+  /// as the pitch. Start positions are ignored; `tracking` then only selects the slope model.
   bool fixed_cell = false;
 };
 std::vector<Method> all_methods();  ///< every tracker usable with charge 1 or 0
 
-/// A sensor of one charge with one tracker. Its reference is its own noise-free image of a flat
-/// wavefront. Immutable: measuring is thread-safe.
+/// Sensor of one charge with one tracker. Its reference is its noise-free image of a flat
+/// wavefront. Immutable, so that measuring is thread-safe.
 class Measurer {
  public:
   Measurer(const Geometry& geometry, const Method& method, std::shared_ptr<SensorModel> model);
@@ -91,7 +92,7 @@ class Measurer {
 
   /// Tracks one spot from each start. The tracker `fit` uses PositionFit. Thread-safe.
   std::vector<SpotFix> track(const Exposure& exposure, std::span<const Vec2> starts_px) const;
-  /// Waves, in the order of modes_j; NaN if too few spots were found.
+  /// Modes in waves, in the order of modes_j; NaN if too few spots were found.
   std::vector<double> modes(std::span<const SpotFix> spots) const;
   /// Spot positions in the noise-free image, tracked from `near_px`. `light` in electrons.
   std::vector<Vec2> noise_free_px(const Image<float>& light, std::span<const Vec2> near_px) const;
@@ -110,10 +111,10 @@ class Measurer {
   std::unique_ptr<const Reconstructor> reconstructor_;
 };
 
-/// The diffraction model of this bench with this charge.
+/// Diffraction model of the bench `geometry` with this charge.
 std::shared_ptr<SensorModel> model_of(Geometry geometry, int charge);
-/// The image in electrons with these modes on the SLM, scaled by `light`; `vortex` is the charge-1
-/// model.
+/// Camera image in electrons per pixel with these modes on the SLM, scaled by `light`. `vortex`:
+/// the charge-1 model, which sets the scale at equal photons.
 Image<float> electrons(SensorModel& model, SensorModel& vortex, std::span<const Mode> modes,
                        Light light);
 

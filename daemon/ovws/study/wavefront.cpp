@@ -16,8 +16,8 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kQuickSnr = 5.0;     ///< of what is slow
-constexpr int kRenderings = 3;        ///< of templates: two refreshes
+constexpr double kQuickSnr = 5.0;     ///< in the quick study, `fit` runs at this SNR only
+constexpr int kRenderings = 3;        ///< renderings of the templates: the first and two refreshes
 constexpr double kStartWithin = 0.3;  ///< lambda/d per axis: error of the predicted positions
 
 struct Case {
@@ -30,7 +30,7 @@ struct Case {
 constexpr std::array<Case, 2> kCases{{{"astigmatism", "oblique astigmatism, 2 waves", 3, 2.0},
                                       {"defocus", "defocus, 2 waves", 4, 2.0}}};
 
-/// What starts from the tracker's result.
+/// Second measuring step, which starts from the tracker's result.
 enum class Then { nothing, fit };
 
 struct Bench {
@@ -47,7 +47,7 @@ struct Bench {
 struct Outcome {
   std::vector<double> variances;  ///< rad^2, one per reconstructed instance
   int undetermined = 0;
-  int lost = 0;             ///< spots
+  int lost = 0;             ///< number of lost spots
   double bound_rad2 = 0.0;  ///< independent of the method; reported with `fit`
 };
 
@@ -124,7 +124,7 @@ std::vector<Bench> benches() {
   return all;
 }
 
-/// Whether the bound of this charge is reported with this bench.
+/// Whether the Cramer-Rao bound of this charge is reported with this bench.
 bool bounded(const Bench& bench) {
   return bench.then == Then::fit;
 }
@@ -185,7 +185,7 @@ Findings wavefront(const Settings& settings) {
         Series series{all[b].method.name, {}, {}, {}};
         for (std::size_t s = 0; s < snrs.size(); ++s) {
           const Outcome& outcome = outcomes[b * snrs.size() + s];
-          if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // not tried
+          if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // SNR not measured
           const Mean variance = mean_of(outcome.variances);
           series.add(snrs[s], variance);
           summary["rows"].push_back(row_of(all[b], snrs[s], variance, outcome));

@@ -11,10 +11,10 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kHalfWidth = 3.0;  // lambda/d; wider windows overlap
+constexpr double kHalfWidth = 3.0;  // lambda/d; wider windows would overlap
 constexpr double kMinReadNoiseE = 0.5;
 
-/// Electrons of each cell of a window.
+/// Electrons in each bin (square of camera pixels) of a window.
 Eigen::VectorXd cells_of(const Image<float>& light_e, const SpotWindow& window) {
   Eigen::VectorXd cells = Eigen::VectorXd::Zero(window.cells());
   const PixelBox box = window.pixels();

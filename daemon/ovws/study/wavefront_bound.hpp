@@ -11,18 +11,19 @@
 
 namespace ovws::study {
 
-/// Renders spots in windows that hold nearly all of their light, and do not overlap.
+/// Makes a renderer whose windows do not overlap and hold nearly all of each spot's intensity.
 SpotRenderer bound_renderer_of(const Geometry& geometry, int charge,
                                const std::vector<int>& modes_j);
 
-/// Inverse Fisher matrix of the renderer's modes at the wavefront `modes`, waves^2, with one
-/// amplitude and one background of all spots as further unknowns. `light_e`: its image without
-/// noise, electrons. No unbiased estimate of the modes has smaller errors. NaN if the image does
-/// not determine them.
+/// Cramer-Rao bound: inverse Fisher matrix of the renderer's modes at the wavefront `modes`,
+/// waves^2. One amplitude and one background, common to all spots, are further unknowns. `light_e`:
+/// the noise-free image of this wavefront, electrons. No unbiased estimate of the modes has smaller
+/// errors. NaN if the image does not determine the modes.
 Eigen::MatrixXd pixel_covariance(SpotRenderer& renderer, std::span<const Mode> modes,
                                  const Image<float>& light_e, double read_noise_e);
 
-/// Its trace for all modes that positions determine, rad^2.
+/// Cramer-Rao bound of the residual variance, rad^2: trace of pixel_covariance for all modes that
+/// spot positions determine.
 double wavefront_bound_rad2(const Geometry& geometry, int charge, std::span<const Mode> modes,
                             const Image<float>& light_e, double read_noise_e);
 

@@ -136,7 +136,8 @@ void ClientGuard::report_rebound(const std::string& endpoint, const Result<void>
       {{"endpoint", endpoint}, {"bound", false}, {"reason", bound.error().reason}});
 }
 
-/// Takes the stamp before it reads: a file that is written meanwhile is read once more.
+/// Reads the client file. Takes the file's stamp first, so that a file that is written during the
+/// read is read again.
 Result<void> ClientGuard::read_list() {
   stamp_ = stamp_of(*config_.clients);
   auto read = named(load_client_list(*config_.clients), kClientsField);
@@ -163,7 +164,8 @@ std::uint64_t ClientGuard::request_check() {
   return number;
 }
 
-/// Waits until the client file was checked, for kCheckTimeout at most.
+/// Waits until the disk thread has checked the client file, for kCheckTimeout at most. Does not
+/// wait while an earlier check is late.
 void ClientGuard::check_file_first() {
   {
     const std::lock_guard lock(check_mutex_);
@@ -183,7 +185,7 @@ void ClientGuard::check_file() {
   }
   try {
     reload_if_changed();
-  } catch (const std::exception& error) {  // the requests must be answered, else no more are made
+  } catch (const std::exception& error) {  // still count as answered, else no check is made again
     events_.emit("client", Severity::error,
                  std::string("the client list could not be checked: ") + error.what());
   }

@@ -18,40 +18,41 @@
 
 namespace ovws {
 
-/// The security check of the daemon's start. Errors: an endpoint that other machines can reach
-/// without keys, or a key or client file that cannot be used. The field is the configuration key.
+/// Security check at the start of the daemon. Fails if other machines can reach an endpoint without
+/// keys, or if a key file or the client file cannot be used. The error's field is the configuration
+/// key.
 Result<void> check_security(const Config& config);
-/// The part of check_security that checks the client file.
+/// Client file check of check_security: whether the file at `path` can be used.
 Result<void> check_clients(const std::string& path);
 
-/// Reloads the client list when its file changes. Each authentication first asks the disk thread to
-/// check the file (stat), and waits for that for 100 ms at most; while an earlier check is late it
-/// does not wait. Until the disk answers, the previous list stays active. A key that was removed
-/// from the file is refused from then on, and all streams are closed so that every client
-/// authenticates again. A file that cannot be used changes nothing; an event reports it.
+/// Client list, reloaded when its file changes. Each authentication asks the disk thread to check
+/// the file (stat), and waits up to 100 ms. While an earlier check is late, it does not wait. Until
+/// the disk answers, the previous list stays active. A key that was removed from the file is
+/// refused from then on, and all streams are closed so that every client authenticates again. If
+/// the new file cannot be used, the previous list stays active and an event reports the error.
 class ClientGuard {
  public:
-  /// Without keys in the configuration there is no gate, and every client has the role `control`.
-  /// Errors: see check_security.
+  /// Makes the guard. If the configuration has no keys, clients are not authenticated and every
+  /// client has the role `control`. Errors: see check_security.
   static Result<std::unique_ptr<ClientGuard>> make(const SecurityConfig& config, Counters& counters,
                                                    Events& events, Disk& disk);
   ClientGuard(const ClientGuard&) = delete;
   ClientGuard& operator=(const ClientGuard&) = delete;
 
-  /// Null without keys.
+  /// The gate that authenticates clients; null if the configuration has no keys.
   Gate* gate() { return gate_.get(); }
-  /// The daemon's public key, which its clients need; empty without keys.
+  /// The daemon's public key, which clients need to connect; empty if there are no keys.
   const std::string& public_key() const { return public_key_; }
 
-  /// Thread-safe: the role of the client with this key. Errc::refused, and counted as a rejection,
-  /// if the key was withdrawn, even a moment ago.
+  /// Client role for this public key. Thread-safe. If the key is no longer in the client list,
+  /// fails with Errc::refused and counts a rejection.
   Result<Role> role_of(const std::string& key);
-  /// Status thread, each turn: has the disk thread check the client file once a second, and reports
+  /// Status thread, in each turn: requests a check of the client file once a second. Reports
   /// rejected clients in at most one event per 10 s, so that they cannot flood the log.
   void turn();
 
  private:
-  /// Identifies one version of a file.
+  /// File stamp: identifies one version of the client file.
   struct Stamp {
     std::int64_t modified_ns = 0, changed_ns = 0, size = 0;
     std::uint64_t inode = 0;
@@ -59,7 +60,7 @@ class ClientGuard {
   };
   struct Rejected {
     std::uint64_t count = 0;
-    std::string why;  ///< of the last rejection
+    std::string why;  ///< reason of the last rejection
   };
   ClientGuard(SecurityConfig config, Counters& counters, Events& events, Disk& disk);
   static Stamp stamp_of(const std::string& path);
@@ -78,14 +79,14 @@ class ClientGuard {
   Events& events_;
   Disk& disk_;
   std::string public_key_;
-  Stamp stamp_;  ///< disk thread
+  Stamp stamp_;  ///< of the client file as last read; disk thread only
   std::mutex check_mutex_;
   std::condition_variable checked_;
-  std::uint64_t checks_requested_ = 0, checks_done_ = 0;  ///< under check_mutex_
-  bool late_ = false;  ///< under check_mutex_: the disk has not answered
+  std::uint64_t checks_requested_ = 0, checks_done_ = 0;  ///< guarded by check_mutex_
+  bool late_ = false;  ///< the last check timed out; guarded by check_mutex_
   Guarded<std::shared_ptr<const ClientList>> list_;
   Guarded<Rejected> rejected_;
-  std::int64_t next_check_ns_ = 0, next_report_ns_ = 0;  ///< status thread
+  std::int64_t next_check_ns_ = 0, next_report_ns_ = 0;  ///< CLOCK_MONOTONIC; status thread only
   std::unique_ptr<Gate> gate_;
 };
 

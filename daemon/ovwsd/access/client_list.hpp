@@ -15,12 +15,14 @@ struct KnownClient {
   Role role = Role::read;
 };
 
-/// Keyed by public key.
+/// Known clients, keyed by public key.
 using ClientList = std::map<std::string, KnownClient>;
 
-/// Strict JSON with comments; all or nothing. Errors name the client and the field at fault.
+/// Parses the client list: strict JSON with comments. One invalid client rejects the whole list;
+/// the error names this client and the field.
 Result<ClientList> parse_client_list(const std::string& json_text);
-/// Errors name the file. A file that other users can write is refused.
+/// Reads and parses the client file. Refuses a file that other users can write. Errors name the
+/// file.
 Result<ClientList> load_client_list(const std::string& path);
 
 }  // namespace ovws

@@ -11,7 +11,8 @@
 namespace ovws {
 namespace {
 
-/// Below the threads that a frame goes through: the packets of the next one can wait in the socket.
+/// Priority of the camera's receive thread: below the threads of the frame path, because packets of
+/// the next frame can wait in the socket.
 constexpr int kReceivePriority =
     std::ranges::find(kThreadTable, ThreadRole::publish, &ThreadRow::role)->fifo_priority - 1;
 

@@ -1,5 +1,5 @@
-/// The driver table: from a driver's name to the function that opens its device. A new driver is a
-/// folder and one row here.
+/// Driver table: maps a driver's name to the function that opens its device. To add a driver, add
+/// its folder and one row in this table.
 #pragma once
 
 #include <memory>
@@ -12,9 +12,11 @@
 
 namespace ovws {
 
-/// Camera thread. Errc::invalid (field "camera.driver") for a name that is not in the table.
+/// Opens the configured camera, in the camera thread. Errc::invalid (field "camera.driver"): the
+/// driver's name is not in the table.
 Result<std::unique_ptr<Camera>> open_camera(const CameraConfig& config);
-/// Main thread. Errc::invalid (field "slm.driver") for a name that is not in the table.
+/// Opens the configured display, in the main thread. Errc::invalid (field "slm.driver"): the
+/// driver's name is not in the table.
 Result<std::unique_ptr<Display>> open_display(const SlmConfig& config);
 
 std::vector<std::string> camera_driver_names();

@@ -55,7 +55,7 @@ void FrameBroker::serve(Line& line, const FrameRecord& record) {
     Request& request = *line.open[i];
     try {
       request.look_at(record);
-    } catch (...) {  // the other requests are served
+    } catch (...) {  // serve the other requests first, then rethrow
       failure = std::current_exception();
     }
     if (!request.done()) {

@@ -1,4 +1,5 @@
-/// Frame broker: serves "the next n frames for which ..., with or without pixels" to any thread.
+/// Frame broker: passes the next n frames that a request accepts, with or without pixels, to any
+/// thread.
 #pragma once
 
 #include <atomic>
@@ -16,34 +17,35 @@ namespace ovws {
 
 class FrameBroker {
  public:
-  /// What a request reads of a frame, which decides the thread that serves it.
+  /// Data that a request reads from a frame. This decides which thread serves the request.
   enum class Needs {
-    numbers,  ///< no pixels: served by the publish thread, with every frame
+    numbers,  ///< measured numbers only: served by the publish thread, with every frame
     pixels,   ///< the image: served by the images thread, with as many frames as it can borrow
   };
-  /// Looks at a frame, which is lent until it returns; true if the frame is used. Called in the
-  /// serving thread while the request is locked. It does not allocate if it needs numbers only: the
-  /// publish thread is on the frame path.
+  /// Frame callback of a request: returns true if it uses the frame. The frame is valid only during
+  /// the call. The serving thread calls it with the request locked. With Needs::numbers it must not
+  /// allocate, because the publish thread is on the frame path.
   using Take = std::function<bool(const FrameRecord&)>;
 
  private:
   struct Line;
 
  public:
-  /// A request that is open until it has used its number of frames or is destroyed. Its methods may
-  /// be called from any thread.
+  /// Frame request: open until it has used its number of frames or is destroyed. All methods are
+  /// thread-safe.
   class Request {
    public:
-    /// `take` is not called again after this has returned.
+    /// Closes the request. `take` is not called after the destructor has returned.
     ~Request();
     Request(const Request&) = delete;
     Request& operator=(const Request&) = delete;
 
     int used() const { return used_.load(); }
     bool done() const { return used() >= frames_; }
-    /// Waits until all frames are used, `timeout` at most; whether they are.
+    /// Waits until all requested frames are used, for `timeout` at most. Returns whether all are
+    /// used.
     bool wait_for(std::chrono::milliseconds timeout) const;
-    /// Since the last used frame, or since the request was made.
+    /// Seconds since the last used frame; if no frame was used yet, since the request was made.
     double idle_s() const;
 
    private:
@@ -58,27 +60,28 @@ class FrameBroker {
     std::atomic<std::int64_t> t_last_used_ns_;
   };
 
-  /// Any thread. Opens a request for `frames` frames, 1 or more, that `take` uses. The broker
-  /// outlives it.
+  /// Opens a request for `frames` frames (at least 1), which `take` uses. Thread-safe. The broker
+  /// must outlive the request.
   [[nodiscard]] std::unique_ptr<Request> request(Needs needs, int frames, Take take);
 
-  /// Publish thread, with every frame. Reads one flag while nothing is requested.
+  /// Serves requests for numbers. The publish thread calls it with every frame; it only reads one
+  /// flag while no request is open.
   void serve_numbers(const FrameRecord& record) { serve(numbers_, record); }
-  /// Images thread: whether a request for pixels is open.
+  /// Whether a request for pixels is open; called by the images thread.
   bool wants_pixels() const { return pixels_.open_count.load() > 0; }
-  /// Images thread, with a borrowed frame. Throws what a request's `take` throws; the request stays
-  /// open.
+  /// Serves requests for pixels; called by the images thread with a borrowed frame. Rethrows an
+  /// exception of a request's `take`; this request stays open.
   void serve_pixels(const FrameRecord& record) { serve(pixels_, record); }
 
  private:
-  /// The open requests that one thread serves.
+  /// Open requests that one thread serves.
   struct Line {
     std::mutex mutex;
     std::condition_variable served;
     std::vector<Request*> open;
-    std::atomic<int> open_count{0};  ///< of `open`, for a look without the lock
+    std::atomic<int> open_count{0};  ///< size of `open`, to be read without the lock
 
-    void remove(const Request* request);  ///< call with the lock held
+    void remove(const Request* request);  ///< requires that `mutex` is locked
   };
   static void serve(Line& line, const FrameRecord& record);
 

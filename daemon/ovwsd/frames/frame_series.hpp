@@ -1,4 +1,4 @@
-/// Per-frame results of a series of frames, and the rules for which frames a measurement uses.
+/// Frame series: results of each frame, and the rules for which frames a measurement uses.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,15 @@
 
 namespace ovws {
 
-/// Frames of one state of the sensor: its epoch and its hologram.
+/// Sensor state that all frames of a measurement must share: sensor epoch and hologram.
 struct MeasuredUnder {
   std::uint64_t sensor_epoch = 0;
   std::uint64_t hologram_id = 0;
 
-  /// Whether spots of this frame may be used: it was measured after the hologram had settled.
+  /// Whether the frame's spots may be used: it has this sensor state, and its hologram had settled.
   bool settled(const FrameRecord& record) const { return record.settled && fits(record); }
-  /// Whether pixels of this frame may be used: exposed after the hologram had settled, with known
-  /// camera settings.
+  /// Whether the frame's pixels may be used: it has this sensor state, was exposed after the
+  /// hologram had settled, and its camera settings are known.
   bool still(const FrameRecord& record) const {
     return record.still && record.settings_known && fits(record);
   }
@@ -31,11 +31,11 @@ struct MeasuredUnder {
   }
 };
 
-/// And of one tracker at one gain.
+/// Sensor state, tracker and camera gain that all frames of a measurement must share.
 struct MeasuredWith {
   MeasuredUnder under;
   TrackerKind tracker = TrackerKind::lg;
-  double gain_db = 0.0;  ///< as read back; see CameraSettings
+  double gain_db = 0.0;  ///< as read back from the camera; see CameraSettings
 
   bool settled(const FrameRecord& record) const {
     return record.settings_known && same_number(record.gain_db, gain_db) &&
@@ -44,30 +44,33 @@ struct MeasuredWith {
 };
 
 struct SeriesFrame {
-  float saturated_fraction = 0.0F;  ///< of the spots
-  std::vector<SpotFix> spots;       ///< one a subaperture
+  float saturated_fraction = 0.0F;  ///< fraction of the spots that are saturated
+  std::vector<SpotFix> spots;       ///< one per subaperture
 };
 
-/// Where the positions of spots come from instead of the frames' own.
+/// Spot positions measured again from the pixels, to replace the positions in the frames.
 struct FromPixels {
-  /// The centre of a window for each spot, whose centroid counts (see cell_centroid); empty: none.
+  /// Window centres, one per spot. The centroid in the window gives the spot's position (see
+  /// cell_centroid). Empty: no windows.
   std::vector<Vec2> windows_px = {};
-  /// Finds each spot again, from where it was found; null: none.
+  /// Tracker that measures each spot again, starting at its found position; null: none.
   std::shared_ptr<const SpotTracker> tracker = {};
-  /// Where it starts for spots that the frame has lost, one a subaperture; empty: nowhere.
+  /// Start positions of the tracker for lost spots, one per subaperture. Empty: lost spots stay
+  /// lost.
   std::vector<Vec2> starts_px = {};
 };
 
-/// Makes room for its frames when it is made: `add` does not allocate unless it needs pixels.
+/// Series of measured frames. The constructor allocates the memory for all frames, so that `add`
+/// does not allocate unless it needs pixels.
 class FrameSeries {
  public:
   FrameSeries(int frames, int subapertures, FromPixels from = {});
 
   bool needs_pixels() const { return !from_.windows_px.empty() || from_.tracker; }
-  /// False: it is full, or the frame has another number of spots, or of windows. Reads the pixels
-  /// if it needs them.
+  /// Adds a frame, and reads its pixels if needs_pixels(). False: the series is full, or the number
+  /// of spots in the frame or of windows differs from the number of subapertures.
   bool add(const FrameRecord& record);
-  /// Those that were added. Call once.
+  /// Moves out the frames that were added. Call once.
   std::vector<SeriesFrame> take();
 
  private:

@@ -42,8 +42,8 @@ std::string reason_of(LoopEnd end, const LoopSettings& settings) {
   return "";
 }
 
-/// Checks that the sensor is shown, that there is a reference, that each mode to correct is
-/// measured, and that the present correction is within the limit.
+/// Preconditions for closing the loop: the sensor's hologram is shown, there is a reference, each
+/// mode to correct is measured, and the present correction is within the limit.
 Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& sensor) {
   if (auto shown = check_shows_sensor(sensor); !shown) return shown;
   if (!sensor.reference) {
@@ -67,7 +67,7 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
   return {};
 }
 
-/// Whether an invalid frame is good enough to steer by: at most one of kMinSpotsPerLost spots is
+/// Whether an invalid frame may still steer the loop: at most one of kMinSpotsPerLost spots is
 /// lost, and the fit residual is small.
 bool is_rough_guide(const FrameRecord& record) {
   const Reconstruction& found = record.reconstruction;
@@ -94,7 +94,7 @@ void ClosedLoop::add(const FrameRecord& record) {
   {
     const std::lock_guard lock(mutex_);
     newest_.hologram_id = record.hologram_id;
-    // A frame measured by positions gives the leading modes only.
+    // Spot positions, unlike templates, measure only the leading modes of the plan.
     newest_.modes_j =
         record.templates.credible ? record.plan->modes_j : record.plan->reconstructor->modes_j();
     newest_.residual_waves.assign(record.coefficients.begin(),
@@ -117,8 +117,8 @@ bool ClosedLoop::do_work() {
   return asked;
 }
 
-/// Waits for a sample. False if none came, or if it shows an older hologram, whose error has been
-/// corrected since.
+/// Waits for a sample, for kTurn at most. False if no sample came, or if it was measured with an
+/// older hologram: a later step has corrected that error already.
 bool ClosedLoop::take_sample() {
   std::unique_lock lock(mutex_);
   if (!filled_.wait_for(lock, kTurn, [this] { return has_sample_; })) return false;
@@ -142,14 +142,14 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   report_.set(report);
   {
     const std::lock_guard lock(mutex_);
-    has_sample_ = false;  // an earlier sample may be relative to another reference
+    has_sample_ = false;  // an earlier sample may refer to another reference
   }
   set_closed(true, "", Severity::info);
   return this->report();
 }
 
-/// Prepare thread: checks the settings against the present sensor, and holds the sensor for the
-/// loop.
+/// Runs in the prepare thread: checks the settings against the present sensor, then holds the
+/// sensor for the loop.
 Result<SensorView> ClosedLoop::hold(const LoopSettings& settings) {
   if (auto free = deps_.keeper.may_hold(); !free) return fail(free.error());
   SensorView sensor = deps_.keeper.snapshot();
@@ -191,7 +191,7 @@ Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
   return {};
 }
 
-/// Asks the prepare thread, and blocks until it has answered.
+/// Sends a request to the prepare thread, and blocks until the thread has answered.
 Result<SensorView> ClosedLoop::ask(const std::function<void(SensorKeeper::Done)>& what) {
   auto promise = std::make_shared<std::promise<Result<SensorView>>>();
   auto answer = promise->get_future();

@@ -25,17 +25,18 @@ namespace ovws {
 struct ClosedLoopDeps {
   SensorKeeper& keeper;
   Events& events;
-  /// Loop thread: called after the loop was closed (true) or opened (false).
+  /// Called in the loop thread after the loop was closed (true) or opened (false).
   std::function<void(bool)> on_change;
-  /// Loop thread: CLOCK_MONOTONIC time of the last search that found lost spots; 0: none did.
+  /// CLOCK_MONOTONIC time (ns) of the last search that found lost spots; 0: there was none. Called
+  /// in the loop thread.
   std::function<std::int64_t()> spots_found_ns;
 };
 
-/// The agent of the loop thread. Makes one step per hologram: a frame counts only if it is valid
-/// and was exposed while the newest hologram stood still. After 0.3 s without a valid frame, a
-/// frame counts as well if up to a third of its spots are lost and its fit residual is small: the
-/// next step corrects errors of its modes, and overlapping spots separate. The integrator's
-/// patience begins again when a search finds lost spots.
+/// Closed-loop control in the loop thread: one integrator step per hologram. A step uses a valid
+/// frame that was exposed while the newest hologram stood still. After 0.3 s without a valid frame,
+/// a step also uses a frame with a small fit residual and up to a third of its spots lost. The
+/// correction then separates overlapping spots, so that frames can become valid again. The
+/// integrator's patience begins again when a search finds lost spots.
 class ClosedLoop : public Agent {
  public:
   using Done = std::function<void(Result<LoopReport>)>;
@@ -45,18 +46,18 @@ class ClosedLoop : public Agent {
   bool do_work() override;
   void on_close() override { mailbox_.close(); }
 
-  // Thread-safe; `done` is called in the loop thread.
-  /// Closes the loop, from the present correction on. Errc::refused: the loop is closed already,
-  /// the sensor is not shown, there is no reference, or the correction exceeds the limit.
-  /// Errc::invalid: bad settings, or a mode that is not measured.
+  // Thread-safe methods; `done` is called in the loop thread.
+  /// Closes the loop, starting from the present correction. Errc::refused: the loop is already
+  /// closed, the sensor's hologram is not shown, there is no reference, or the correction exceeds
+  /// the limit. Errc::invalid: invalid settings, or a mode that is not measured.
   void close(const LoopSettings& settings, Done done);
-  /// Opens the loop. Without `keep` the correction is cleared first; if that fails, nothing
-  /// changes.
+  /// Opens the loop. With `keep`, the correction stays on the SLM; otherwise it is cleared first.
+  /// If clearing fails, the loop stays as it was.
   void open(bool keep, Done done);
   LoopReport report() const;
   bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
 
-  /// Publish thread: offers a measured frame to the loop.
+  /// Offers a measured frame to the loop; called by the publish thread.
   void add(const FrameRecord& record);
 
  private:
@@ -81,11 +82,11 @@ class ClosedLoop : public Agent {
   std::mutex mutex_;
   std::condition_variable filled_;
   Sample newest_;
-  std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC, of the last valid frame; publish thread
+  std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC of the last valid frame; publish thread only
   bool has_sample_ = false;    ///< newest_ has not been taken yet
   Guarded<LoopReport> report_;
 
-  // The loop thread only.
+  // Used by the loop thread only.
   std::optional<Integrator> integrator_;
   Sample taken_;
 };

@@ -14,9 +14,10 @@ namespace ovws {
 namespace {
 
 constexpr std::chrono::milliseconds kTurn(50);
-constexpr std::int64_t kReportAfterNs = 2'000'000'000;  // then status says what is missing
+constexpr std::int64_t kReportAfterNs = 2'000'000'000;  // then status reports a missing frame
 
-/// If black level and saturation contradict each other, blames the one that the client has set.
+/// Adapts the error of a black level that contradicts the saturation: it names the setting that the
+/// client has changed.
 Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
   const bool black_stands =
       error.field == "black_level_dn" && !change.gives(&RefineSetup::black_level_dn);
@@ -65,7 +66,7 @@ bool LiveRefiner::do_work() {
   waiting_since_ns_ = 0;
   const SensorView view = keeper_.snapshot();
   const SensorSnapshot& sensor = *view;
-  if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since then
+  if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since this frame
   last_begun_ns_ = monotonic_ns();
   refine(*frame, sensor, settings);
   return true;

@@ -1,5 +1,5 @@
-/// Live refinement: fits frames beside the fast estimate, at its own rate, and publishes the
-/// results (`refined`).
+/// Live refinement: fits frames to the rendered model beside the frame path, at its own rate, and
+/// publishes the results as `refined` messages.
 #pragma once
 
 #include <atomic>
@@ -18,9 +18,9 @@
 
 namespace ovws {
 
-/// The refine thread's agent. A turn with a frame lasts as long as its fit. A result is
-/// published with the hologram, sensor and reference that its frame was measured with, whatever
-/// changes meanwhile.
+/// Agent of the refine thread. A turn with a frame lasts as long as the fit. Each result belongs to
+/// the hologram, sensor and reference with which its frame was measured, even if they change during
+/// the fit.
 class LiveRefiner : public Agent {
  public:
   LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics, const SlmGeometry& slm,
@@ -28,13 +28,14 @@ class LiveRefiner : public Agent {
 
   bool do_work() override;
 
-  // Thread-safe.
-  /// Changes the settings; `format` is the camera's, and the change is in its DN. Errors: see
-  /// check_refine; then nothing has changed. A fit with the previous settings is not published.
+  // Thread-safe methods.
+  /// Changes the settings. Grey levels in `change` are in DN of `format`, the camera's pixel
+  /// format. On an error (see check_refine) nothing changes. A fit that ran with the previous
+  /// settings is not published.
   Result<RefineSetup> change(const RefineSet& change, PixelFormat format);
   RefineSetup settings() const { return settings_.get(); }
   StatusMessage::RefinePart report() const { return report_.get(); }
-  /// Starts no more fits.
+  /// Stops starting new fits, before the thread ends.
   void end_soon() { ending_.store(true); }
 
  private:
@@ -52,7 +53,7 @@ class LiveRefiner : public Agent {
   Guarded<RefineSetup> settings_;
   Guarded<StatusMessage::RefinePart> report_;
   std::int64_t last_begun_ns_ = 0;     ///< start of the last fit; 0: none yet
-  std::int64_t waiting_since_ns_ = 0;  ///< waiting for a frame since then; 0: not waiting
+  std::int64_t waiting_since_ns_ = 0;  ///< start of the wait for a frame; 0: not waiting
 };
 
 }  // namespace ovws

@@ -13,7 +13,7 @@ constexpr const char* kNoGainInDb =
     "the camera has no gain in dB, so electrons_per_dn at its gain is unknown: refined needs "
     "another camera";
 
-/// Everything that the model depends on.
+/// Cache key of the model: everything that the model depends on.
 struct Key {
   SensorConfig sensor;
   TrackingSettings tracking;
@@ -21,7 +21,7 @@ struct Key {
   decltype(OpticsConfig::registered) registered;
   decltype(OpticsConfig::centre_px) centre_px;
   std::vector<int> modes_j, position_modes_j;
-  std::int64_t reference_taken_ns = 0;  ///< 0: none that was measured
+  std::int64_t reference_taken_ns = 0;  ///< 0: no measured reference
   RefineSetup settings;
 
   bool operator==(const Key& other) const {
@@ -51,8 +51,8 @@ Key key_of(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSet
 
 }  // namespace
 
-/// The model of one sensor, image size and reference. A failure is kept, too: the same reference
-/// would fail again.
+/// Cached model of one sensor, image size and reference. A failure is cached as well, because the
+/// same reference would fail again.
 struct RefineModel::Bench {
   Key key;
   Result<PointModel> model;

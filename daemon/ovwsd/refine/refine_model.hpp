@@ -1,5 +1,5 @@
-/// Refinement of live frames: the spots of each are rendered again until they fit. Keeps the model
-/// and its reference, and makes them again when sensor, image, reference or camera change.
+/// Refinement of live frames: renders the spots again until they fit the frame's pixels. Caches the
+/// model, and rebuilds it when sensor, image size, reference or refinement settings change.
 #pragma once
 
 #include <memory>
@@ -16,22 +16,21 @@
 namespace ovws {
 
 struct RefinedFrame {
-  std::optional<RefinedModes>
-      modes;            ///< minus the reference's; none: the spots do not look as rendered
-  std::string refusal;  ///< why the result is not valid, for a person; empty: it is
-  bool against_reference = false;  ///< else relative to the model
-  double duration_ms = 0.0;        ///< of this frame's fit
+  std::optional<RefinedModes> modes;  ///< none: not fitted, see `refusal`
+  std::string refusal;  ///< reason for the user why the result is not valid; empty: valid
+  bool against_reference = false;  ///< modes are minus the reference's; false: absolute
+  double duration_ms = 0.0;        ///< duration of the fit
 };
 
-/// One thread at a time.
+/// Model for the live refinement. Not thread-safe.
 class RefineModel {
  public:
   explicit RefineModel(const SlmGeometry& slm);
   ~RefineModel();
 
-  /// `sensor`: the one that the frame was measured with. `settings` must have electrons_per_dn.
-  /// Takes tens of milliseconds, and some tenths of a second for the first frame of a sensor or of
-  /// a reference.
+  /// Refines one frame. `sensor`: the sensor state with which the frame was measured. `settings`
+  /// must have electrons_per_dn. A fit takes tens of milliseconds; the first frame with a new
+  /// sensor or reference takes some tenths of a second.
   RefinedFrame refine(const FrameCopy& frame, const SensorSnapshot& sensor,
                       const RefineSetup& settings);
 

@@ -1,4 +1,4 @@
-/// Templates of the tracker `fit`, and what they were rendered for.
+/// Spot templates of the tracker `fit`, and the sensor state that they were rendered for.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace ovws {
 
-/// They stay valid while the sensor's epoch, its reference and the active calibration stay the
-/// same. The wavefront may move away from their operating point; frames show by how much.
+/// Templates are valid until the sensor's epoch, the reference or the active calibration changes.
+/// The wavefront may drift away from their operating point: every frame reports the drift.
 struct ActiveTemplates {
   std::uint64_t sensor_epoch = 0;
   std::int64_t reference_taken_ns = 0;
   std::int64_t calibration_taken_ns = 0;  ///< 0: no measured templates are active
   std::shared_ptr<const FrameFit> fit;
-  bool given_up = false;  ///< none are to come soon: positions count
+  bool given_up = false;  ///< no templates will come soon: use spot positions instead
 
   friend bool operator==(const ActiveTemplates&, const ActiveTemplates&) = default;
 };

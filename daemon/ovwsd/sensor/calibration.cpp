@@ -6,7 +6,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kScaleTolerance = 0.002;    // of the scale
+constexpr double kScaleTolerance = 0.002;    // relative to px_per_cycle
 constexpr double kPositionTolerance = 0.25;  // lambda/d
 
 bool same_registration(const CalibrationKey& a, const CalibrationKey& b) {
@@ -14,7 +14,8 @@ bool same_registration(const CalibrationKey& a, const CalibrationKey& b) {
   const double off = std::max(std::hypot(p.xx - q.xx, p.yx - q.yx),  //
                               std::hypot(p.xy - q.xy, p.yy - q.yy));
   if (off > kScaleTolerance * p.scale()) return false;
-  // The base spot of an unregistered camera moves with the region, which is compared separately.
+  // Base spots are compared for equal regions only: without a registration the base spot moves with
+  // the region. `differences` reports unequal regions itself.
   return !(a.sensor.roi == b.sensor.roi) ||
          norm(a.base_px - b.base_px) <= kPositionTolerance * a.lambda_d_px;
 }

@@ -18,14 +18,15 @@
 
 namespace ovws {
 
-/// Everything that a calibration depends on. Its matrix must not be used if any of it differs.
+/// Everything that a calibration depends on. If any field differs from the present sensor's, the
+/// calibration's matrix must not be used.
 struct CalibrationKey {
   ReferenceKey sensor;       ///< sensor, tracking and region of interest
-  PxPerCycle px_per_cycle;   ///< of the active registration, else of the configuration
+  PxPerCycle px_per_cycle;   ///< by the active registration, else by the configuration
   Vec2 base_px;              ///< base spot, pixels of the camera's whole sensor
-  double lambda_d_px = 0.0;  ///< scale of one spot, camera pixels
+  double lambda_d_px = 0.0;  ///< lambda/d, the scale of one spot, camera pixels
   nlohmann::json camera;     ///< {vendor, model, serial}; null: unknown
-  nlohmann::json slm;        ///< see slm_identity; null: unknown
+  nlohmann::json slm;        ///< identity of the SLM (slm_identity); null: unknown
 };
 CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& configured,
                                const SlmGeometry& slm,
@@ -33,29 +34,29 @@ CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& c
                                nlohmann::json camera);
 
 /// Names of the fields in which the keys differ: "charge", "roi", "tracker", "registration",
-/// "camera", … Empty: a calibration of one key is valid for the other. Registrations count as equal
-/// within the repeatability of registration.run: 0.2 % of the scale, and lambda/(4d) at the base
-/// spot. An unknown camera or SLM counts as equal.
+/// "camera", … Empty: a calibration with key `a` is valid for a sensor with key `b`. Registrations
+/// count as equal within the repeatability of registration.run: 0.2 % of the scale, and lambda/(4d)
+/// at the base spot. An unknown camera or SLM counts as equal.
 std::vector<std::string> differences(const CalibrationKey& a, const CalibrationKey& b);
 
 /// Result of calibration.run.
 struct MeasuredCalibration {
-  double amplitude_waves = 0.0;  ///< requested; some modes may have been poked by less
-  int frames = 0;                ///< averaged for each hologram
+  double amplitude_waves = 0.0;  ///< requested poke; some modes may have been poked by less
+  int frames = 0;                ///< number of frames averaged for each hologram
   std::int64_t t_taken_ns = 0;
   InteractionMatrix matrix;
   MatrixComparison comparison;
-  std::shared_ptr<const MeasuredShapes> shapes;  ///< tracker `fit`; else null
+  std::shared_ptr<const MeasuredShapes> shapes;  ///< null unless the tracker is `fit`
 };
 
-/// The operator of the calibration, kind `measured`.
+/// Mode operator of kind `measured`, made from the calibration's poke matrix.
 ModeOperator mode_operator_of(const MeasuredCalibration& measured);
 
 struct Calibration : MeasuredCalibration {
   CalibrationKey key;
   ModeOperator mode_operator;
   std::shared_ptr<const nlohmann::json> origin;  ///< see ReferenceBench; never null
-  std::string sha256;                            ///< of its file; empty: not stored
+  std::string sha256;  ///< checksum of the calibration's file; empty: not stored
 };
 
 }  // namespace ovws

@@ -21,7 +21,8 @@ using nlohmann::json;
 
 constexpr int kMaxSpots = 1 << 12;
 
-/// Base64 of the column-major matrix as 32-bit floats, which loses nothing: see interaction_matrix.
+/// Base64 of the column-major matrix as 32-bit floats. The conversion is exact, because
+/// interaction_matrix already rounds all values to floats.
 std::string matrix_text(const Eigen::MatrixXd& matrix) {
   const Eigen::MatrixXf values = matrix.cast<float>();
   return base64_of({values.data(), std::size_t(values.size())});
@@ -57,10 +58,11 @@ Result<void> integers(ObjectReader& reader, const char* key, std::vector<int>& o
 struct EncodedMatrices {
   std::string slopes, standard_error;
   int spots = 0;
-  const json* shapes = nullptr;  ///< null: none
+  const json* shapes = nullptr;  ///< null: the file has no shapes
 };
 
-/// Reads all fields. Matrices stay base64 text, and the origin stays unparsed JSON.
+/// Reads all fields of a calibration file. Leaves the matrices as base64 text and the origin as
+/// unparsed JSON.
 Result<EncodedMatrices> read_fields(const json& content, Calibration& calibration) {
   EncodedMatrices encoded;
   std::string t_taken;

@@ -1,4 +1,4 @@
-/// Calibration files.
+/// Calibration files: reading and writing measured interaction (poke) matrices.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,26 +13,27 @@ namespace ovws {
 
 /// Converts a calibration to the JSON content of its file, and back. The matrix and its standard
 /// errors are preserved bit for bit; the comparison with the model is not stored. `config` supplies
-/// the SLM's geometry, and the optics if no registration was active. Errors (Errc::invalid) name
-/// the inconsistent field.
+/// the SLM's geometry, and also the optics if the calibration was measured without a registration.
+/// Errors (Errc::invalid) name the inconsistent field.
 nlohmann::json calibration_content(const Calibration& calibration);
 Result<Calibration> calibration_from(const nlohmann::json& content, const Config& config);
 
-/// Calibrations as a Kind of Kept. `bench` must outlive it.
+/// Calibrations as the item type of Kept. `bench` must outlive this object.
 struct CalibrationKind {
   using Item = Calibration;
   static constexpr const char *kKind = "calibration", *kEvent = kKind, *kTitle = kKind,
                               *kMethod = "calibration.run";
   const ReferenceBench* bench;
 
-  /// Hash of bench, camera, sensor, tracking, region and registration: calibrations that agree in
-  /// these share one file.
+  /// File name: hash of bench, camera, sensor, tracking, region and registration. A calibration
+  /// with an equal hash overwrites the file.
   std::string name(const Item& calibration) const;
   nlohmann::json content(const Item& calibration) const { return calibration_content(calibration); }
   Result<Item> read(const nlohmann::json& content) const {
     return calibration_from(content, bench->config());
   }
-  /// See Kept. Also compares the matrix with the current model, and stores the result.
+  /// Why the calibration cannot be used on this bench (see Kept); empty: it can. Also compares the
+  /// matrix with the current model and sets `calibration.comparison`.
   std::string obstacle(Item& calibration) const;
 };
 using KeptCalibrations = Kept<CalibrationKind>;

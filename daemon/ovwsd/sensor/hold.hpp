@@ -1,4 +1,4 @@
-/// Exclusive access to the sensor. Every change of the sensor passes this check.
+/// Exclusive access to the sensor. Every change of the sensor must pass `may_change`.
 #pragma once
 
 #include <string>
@@ -19,9 +19,10 @@ struct Hold {
   friend bool operator==(const Hold&, const Hold&) = default;
 };
 
-/// Whether `as` may change the sensor while `now` holds it. The holder may. While the sensor is
-/// free, anyone but a job or a reload may. Changes that are allowed whether the loop is open or
-/// closed are requested as the loop. Errc::refused: the message says what to wait for.
+/// Whether `as` may change the sensor while `now` holds the sensor. The holder may. A free sensor
+/// may be changed by anyone except a job or a reload, which must hold the sensor first. Request a
+/// change as the loop if it is allowed with the loop open or closed. Errc::refused: the message
+/// says what to wait for.
 inline Result<void> may_change(const Hold& now, const Hold& as) {
   if (now == as || (as.by == Hold::By::loop && now.by == Hold::By::nobody)) return {};
   if (as.by == Hold::By::job) {

@@ -12,7 +12,7 @@ namespace ovws {
 namespace {
 
 constexpr double kPositionTolerance = 0.25;  // lambda/d
-constexpr std::size_t kMaxImages = 8;        // mean images of the latest references: some MiB each
+constexpr std::size_t kMaxImages = 8;        // mean images kept in memory: some MiB each
 constexpr std::size_t kMaxCalibrations = 16;
 
 template <class T>
@@ -47,14 +47,15 @@ bool has_same_key(const Reference& reference, const SensorState& state) {
   return reference.key == reference_key(state.sensor, state.tracking, state.roi);
 }
 
-/// The SLM's LUT does not matter for a model reference: its positions are computed.
+/// Whether the SLM's LUT and flatness are those of the reference. A model reference does not depend
+/// on them, because its positions are computed.
 bool has_same_slm(const Reference& reference, const SensorState& state) {
   return reference.source == ReferenceSource::model ||
          (*reference.origin)["slm"] == state.slm->identity;
 }
 
-/// Whether the reference's registration and the active one predict the same spot positions, to
-/// within kPositionTolerance. Trackers start at these positions.
+/// Whether the reference's registration and the active registration predict equal spot positions,
+/// within kPositionTolerance. Trackers start at the predicted positions.
 bool predicts_same_positions(const Reference& reference, const SensorState& state,
                              const BenchOptics& bench) {
   if (reference.source == ReferenceSource::model) return true;
@@ -63,7 +64,8 @@ bool predicts_same_positions(const Reference& reference, const SensorState& stat
   then.registration.reset();
   if (reference.registration) {
     then.registration = MeasuredRegistration{*reference.registration, {}, ""};
-    // It was measured with the base grating of its own sensor, which is the state's.
+    // The registration counts from the base grating of the reference's sensor. The state has the
+    // same sensor (has_same_key).
     then.registration->base_cpp = base_grating_cpp(state.sensor, bench.slm);
   }
   const std::vector<Vec2> before = model_positions(then, bench),
@@ -75,8 +77,8 @@ bool predicts_same_positions(const Reference& reference, const SensorState& stat
   return farthest_px <= kPositionTolerance * lambda_d_of(state, bench);
 }
 
-/// The latest reference that applies. References of several cameras apply while the camera is
-/// unknown.
+/// The latest reference that applies to the state. While the camera is unknown, references of any
+/// camera apply.
 std::shared_ptr<const Reference> find_reference(const SensorState& state,
                                                 const Knowledge& knowledge,
                                                 const BenchOptics& bench) {
@@ -86,7 +88,7 @@ std::shared_ptr<const Reference> find_reference(const SensorState& state,
   });
   if (found == all.rend()) return nullptr;
   if ((*found)->source != ReferenceSource::model) return *found;
-  // A registration may have moved the model's spots since.
+  // Compute the positions again: a newer registration may have moved the model's spots.
   auto model = std::make_shared<Reference>(**found);
   model->positions_px = model_positions(state, bench);
   return model;

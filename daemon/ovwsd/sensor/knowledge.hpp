@@ -15,12 +15,12 @@
 
 namespace ovws {
 
-/// Value type. Copies are cheap: they share the items.
+/// All loaded measurements, as a value. Copies are cheap, because they share the items.
 struct Knowledge {
   std::vector<std::shared_ptr<const Reference>> references;      ///< oldest first
   std::vector<std::shared_ptr<const Calibration>> calibrations;  ///< oldest first
   std::optional<CameraInfo> camera;                              ///< none: unknown
-  /// Shared by all copies.
+  /// Cache of diffractive operators, shared by all copies of this object.
   std::shared_ptr<LastOperators> diffractive = std::make_shared<LastOperators>();
 };
 
@@ -28,49 +28,52 @@ struct Knowledge {
 struct Bound {
   std::shared_ptr<const Reference> reference;
   std::shared_ptr<const Calibration> calibration;
-  std::shared_ptr<const ModeOperator> mode_operator;  ///< as requested; null: use slope_operator
-  std::string operator_reason;  ///< why slope_operator is used instead of the requested; or empty
+  std::shared_ptr<const ModeOperator> mode_operator;  ///< as requested; null: slope_operator
+  /// Why slope_operator replaces the requested operator; empty: it does not.
+  std::string operator_reason;
 };
-/// Makes a diffractive operator if it is requested and the last one is another.
+/// Selects what applies to the state. Computes a diffractive operator if one is requested and not
+/// cached: that takes seconds.
 Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);
 
 CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowledge,
                                const BenchOptics& bench);
-/// The latest calibration that applies to the state; null: none.
+/// The latest calibration that applies to the state; null: no calibration applies.
 std::shared_ptr<const Calibration> calibration_for(const SensorState& state,
                                                    const Knowledge& knowledge,
                                                    const BenchOptics& bench);
 
-/// Whether the reference was taken with this state's sensor, tracking, region and SLM, and with the
-/// same camera, if both cameras are known.
+/// Whether the reference was taken with this state's sensor, tracking, region, LUT and flatness,
+/// and with this camera. An unknown camera counts as equal; a model reference may have any LUT.
 bool is_for(const Reference& reference, const SensorState& state, const Knowledge& knowledge);
-/// Why a reference with this state's sensor, tracking and region cannot be used. Empty: it can, or
-/// it was taken with another sensor, tracking or region.
+/// Why a reference with this state's sensor, tracking and region cannot be used. Empty if the
+/// reference can be used, or if its sensor, tracking or region is another.
 std::string unused_reason(const Reference& reference, const SensorState& state,
                           const Knowledge& knowledge, const BenchOptics& bench);
-/// Why no calibration applies to the state, and what to do. Names the differences of the
-/// calibration that has the fewest.
+/// Why no calibration applies to the state, and what to do. Takes the loaded calibration with the
+/// fewest differences from the state, and names these differences.
 std::string missing_calibration_reason(const SensorState& state, const Knowledge& knowledge,
                                        const BenchOptics& bench);
 
-/// Adds a reference and returns the ones that it replaces. Only the latest eight references keep
-/// their mean image in memory.
+/// Adds a reference and returns the references that it replaces. To save memory, only the latest
+/// eight references keep their mean image.
 std::vector<std::shared_ptr<const Reference>> replace_reference(Knowledge& knowledge,
                                                                 const SensorState& state,
                                                                 Reference reference);
+/// Removes the references that apply to the state, and returns them.
 std::vector<std::shared_ptr<const Reference>> remove_references(Knowledge& knowledge,
                                                                 const SensorState& state);
 /// Adds references that were loaded from files.
 void add_references(Knowledge& knowledge, std::vector<std::shared_ptr<const Reference>> more);
 
-// The same for calibrations.
+// Calibrations: add and replace, remove, and add from files, as for references above.
 std::vector<std::shared_ptr<const Calibration>> replace_calibration(Knowledge& knowledge,
                                                                     Calibration calibration);
 std::vector<std::shared_ptr<const Calibration>> remove_calibrations(Knowledge& knowledge,
                                                                     const CalibrationKey& key);
 void add_calibrations(Knowledge& knowledge, std::vector<std::shared_ptr<const Calibration>> more);
 
-/// Sets the file checksum of the item that was taken at `t_taken_ns`.
+/// Sets the checksum of the file of the item that was taken at `t_taken_ns` (UTC).
 template <class T>
 void set_checksum(std::vector<std::shared_ptr<const T>>& all, std::int64_t t_taken_ns,
                   const std::string& sha256) {

@@ -1,4 +1,4 @@
-/// Changes that activate or delete measured data.
+/// Sensor changes that activate or delete measured data: references, calibrations, LUTs and so on.
 #include <algorithm>
 #include <memory>
 
@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxMotion = 0.05;  // lambda/d: of the spots while a reference is taken
+constexpr double kMaxMotion = 0.05;  // lambda/d: spot motion while a reference is taken
 
 using Written = std::function<void(const std::string& sha256)>;
 
@@ -23,8 +23,8 @@ ReferenceKey key_of(const SensorState& state) {
   return reference_key(state.sensor, state.tracking, state.roi);
 }
 
-/// Provenance record of a measurement for which `key` is the sensor. `grey`: the hologram shown,
-/// whose checksum is recorded; null: none.
+/// Provenance record of a measurement made with the sensor settings `key`. Records the checksum of
+/// `grey`, the hologram shown; null: no hologram is recorded.
 nlohmann::json origin_of(const SensorEdit& edit, const ReferenceKey& key,
                          const std::vector<Mode>& shown, const Image<std::uint8_t>* grey,
                          std::vector<Mode> introduced = {}) {
@@ -41,14 +41,14 @@ std::vector<std::string> names_of(const Kept<Kind>& kept,
   return names;
 }
 
-/// Schedules writing the newest item of `all` to its file, in place of the files of `replaced`.
+/// Schedules writing the newest item of `all` to its file, and removing the files of `replaced`.
 template <class Kind, class T>
 void schedule_write(Kept<Kind>& kept, SensorEdit& edit,
                     std::vector<std::shared_ptr<const T>> Knowledge::*all,
                     const std::vector<std::shared_ptr<const T>>& replaced) {
   const std::shared_ptr<const T> item = (edit.knowledge.*all).back();
   std::vector<std::string> names = names_of(kept, replaced);
-  std::erase(names, kept.kind().name(*item));  // the same file: it is overwritten
+  std::erase(names, kept.kind().name(*item));  // this file is overwritten, not removed
   edit.keep = [&kept, item, names](Written done) { kept.keep(*item, names, std::move(done)); };
   edit.set_checksum = [all, t_taken_ns = item->t_taken_ns](SensorEdit& now,
                                                            const std::string& sha256) {
@@ -56,8 +56,8 @@ void schedule_write(Kept<Kind>& kept, SensorEdit& edit,
   };
 }
 
-/// Schedules removing the files of `taken`, which were just removed from Knowledge; an undo adds
-/// them again.
+/// Schedules removing the files of `taken`, which were just removed from Knowledge. An undo adds
+/// the items to Knowledge again.
 template <class Kind, class T>
 void schedule_removal(Kept<Kind>& kept, SensorEdit& edit,
                       void (*add)(Knowledge&, std::vector<std::shared_ptr<const T>>),
@@ -93,7 +93,8 @@ void keep_reference(SensorEdit& edit, Reference reference) {
   schedule_write(edit.bench.references, edit, &Knowledge::references, replaced);
 }
 
-/// Switches the SLM to another LUT or flatness. All holograms change, unless both are the same.
+/// Switches the SLM to another LUT or flatness, which changes all holograms. Does nothing if LUT
+/// and flatness are already active.
 void switch_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
                 std::shared_ptr<const MeasuredFlatness> flatness) {
   const ActiveSlm& now = *edit.state.slm;
@@ -191,7 +192,7 @@ SensorChange use_registration(Registration registration) {
   return [registration](SensorEdit& edit) -> Result<void> {
     const MeasuredRegistration measured{registration, camera_json(edit.knowledge.camera), ""};
     edit.state.registration = measured;
-    ++edit.state.sensor_epoch;  // the spots' previous positions are useless as start points
+    ++edit.state.sensor_epoch;  // previous spot positions are useless as start points
     edit.keep = [&kept = edit.bench.registrations, measured](Written done) {
       kept.keep(measured, {}, std::move(done));
     };

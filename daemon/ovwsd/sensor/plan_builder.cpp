@@ -16,7 +16,7 @@ Eigen::MatrixXd slopes_of(const PlanInputs& inputs, const std::vector<int>& mode
                       px_per_cycle(inputs.optics, inputs.slm));
 }
 
-/// Displacement of every spot by `modes` according to the slopes, camera pixels.
+/// Displacement of every spot by `modes`, computed with the slope matrix, camera pixels.
 std::vector<Vec2> displacements(const PlanInputs& inputs, const std::vector<Mode>& modes) {
   std::vector<int> modes_j;
   Eigen::VectorXd waves(Eigen::Index(modes.size()));
@@ -47,7 +47,8 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
   return spots;
 }
 
-/// Those of positions first, then those that only templates determine.
+/// Modes of the plan: first those that spot positions determine, then those that only templates
+/// determine.
 std::vector<int> measured_modes(const TrackingSettings& tracking, PixelFormat format,
                                 const ModeOperator& positions) {
   if (!can_fit(format)) return positions.modes_j;
@@ -73,7 +74,7 @@ Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sens
   Eigen::MatrixXd column(2 * Eigen::Index(spots.size()), 1);
   for (std::size_t i = 0; i < spots.size(); ++i) {
     const Vec2 at = (4.0 / (diameter_px * diameter_px)) * spots[i].centre_px;
-    const Vec2 moved = map * Vec2{-at.y, at.x};  // by one wave over the radius, at the rim
+    const Vec2 moved = map * Vec2{-at.y, at.x};  // tilt of one wave per radius at the rim
     column(2 * Eigen::Index(i), 0) = moved.x;
     column(2 * Eigen::Index(i) + 1, 0) = moved.y;
   }
@@ -121,7 +122,8 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
   plan->modes_j = measured_modes(inputs.tracking, inputs.format, modes);
   plan->fits_shapes = inputs.tracking.tracker == TrackerKind::fit && can_fit(inputs.format) &&
                       (modes.kind != OperatorKind::measured || modes.shapes);
-  // Shapes come with displacements of whole spots, which are not the tracker's positions.
+  // A calibration with shapes measures displacements of whole spots. They differ from the tracker's
+  // positions, so the model's slopes are used.
   plan->reconstructor = std::make_unique<Reconstructor>(
       modes.shapes ? slopes_of(inputs, modes.modes_j) : modes.slopes, modes.modes_j,
       plan->reference_px,

@@ -5,13 +5,13 @@
 namespace ovws {
 namespace {
 
-/// When the calibration was taken whose measured templates are active; 0: none.
+/// Time (UTC) at which the calibration that gives measured templates was taken; 0: none does.
 std::int64_t active_shapes_ns(const Bound& bound) {
   const bool shapes = bound.mode_operator && bound.mode_operator->shapes && bound.calibration;
   return shapes ? bound.calibration->t_taken_ns : 0;
 }
 
-/// Whether they are of the plan's sensor, reference and calibration.
+/// Whether the templates were made for this sensor epoch, reference and calibration.
 bool are_of(const ActiveTemplates& templates, const SensorState& state, const Bound& bound) {
   return templates.sensor_epoch == state.sensor_epoch &&
          templates.reference_taken_ns == bound.reference->t_taken_ns &&
@@ -22,7 +22,8 @@ bool fits(const FrameFit& fit, const SensorState& state, const MeasurementPlan& 
   return fit.modes_j() == plan.modes_j && fit.point().estimates == state.tracking.estimates;
 }
 
-/// Gives a plan the templates, or lets it wait for some.
+/// Gives the plan the templates if they fit. Otherwise the plan waits for templates, unless the
+/// search for them has been given up.
 void use(const ActiveTemplates& templates, const SensorState& state, const Bound& bound,
          MeasurementPlan& plan) {
   if (!plan.wants_templates() || state.by_positions) return;

@@ -1,4 +1,4 @@
-/// Builds and numbers measurement plans, and frees them when no frame uses them any more.
+/// Builds and numbers measurement plans, and frees a plan when no frame uses it any more.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace ovws {
 
-/// One thread at a time.
+/// All measurement plans of the daemon, the active one and superseded ones. Not thread-safe.
 class Plans {
  public:
   Plans(Pipeline& pipeline, BenchOptics bench) : pipeline_(pipeline), bench_(std::move(bench)) {}
 
-  /// Errors: those of make_tracker.
+  /// Builds the plan for a state and a hologram. Errors: those of make_tracker.
   Result<std::unique_ptr<MeasurementPlan>> build(const SensorState& state, const Bound& bound,
                                                  std::uint64_t hologram_id);
   /// Activates the plan at the next frame edge.

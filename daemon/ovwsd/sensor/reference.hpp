@@ -21,7 +21,8 @@
 
 namespace ovws {
 
-/// Settings that a reference depends on. Its positions must not be used if any of them differs.
+/// Settings that a reference depends on. If any setting differs from the present one, the
+/// reference's positions must not be used.
 struct ReferenceKey {
   SensorConfig sensor;
   TrackingSettings tracking;
@@ -29,18 +30,19 @@ struct ReferenceKey {
   friend bool operator==(const ReferenceKey&, const ReferenceKey&) = default;
 };
 
-/// Normalises what does not affect positions: operator, modes, estimates and `templates`; those of
-/// `fit` are those of `lg`.
+/// Key of a reference. Settings that do not affect spot positions get a fixed value: operator, mode
+/// count, estimates and `templates`. Tracker `fit` becomes `lg`, which finds equal positions.
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi);
 
-/// The same for a calibration: that of `fit` measures shapes, too, of as many modes as requested.
+/// Key of a calibration. It keeps the tracker `fit` and its mode count, because a calibration with
+/// `fit` also measures spot shapes, for as many modes as requested.
 ReferenceKey calibrated_sensor(const SensorConfig& sensor, const TrackingSettings& tracking,
                                const Roi& roi);
 
 enum class ReferenceSource {
   measured,  ///< averaged from frames
-  model,     ///< computed positions: coefficients then contain the bench's misalignment
+  model,     ///< computed: coefficients then contain the bench's misalignment
 };
 constexpr const char* reference_source_name(ReferenceSource source) {
   return source == ReferenceSource::model ? "model" : "measured";
@@ -53,15 +55,15 @@ struct Reference {
   std::int64_t t_taken_ns = 0;
   std::optional<Registration> registration;  ///< active while it was taken
   std::vector<Mode> aberration;              ///< shown while it was taken, RMS-normalised waves
-  std::vector<Mode> introduced;  ///< part of it that was introduced, without the correction
+  std::vector<Mode> introduced;  ///< part of `aberration` that was introduced, no correction
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
   std::shared_ptr<const ReferenceImage> picture;  ///< null: too few frames, or discarded
-  std::shared_ptr<const nlohmann::json> origin;   ///< see ReferenceBench; null: not a daemon's
-  std::string sha256;                             ///< of its file; empty: not stored
+  std::shared_ptr<const nlohmann::json> origin;   ///< see ReferenceBench; null: none recorded
+  std::string sha256;                             ///< of the reference's file; empty: not stored
 };
 
-/// Root sum square, RMS-normalised waves.
+/// RMS wavefront error of these modes in waves: the root of the sum of squared coefficients.
 double rms_waves(const std::vector<Mode>& modes);
 
 }  // namespace ovws

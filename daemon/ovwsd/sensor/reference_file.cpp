@@ -25,7 +25,7 @@ json points_json(const std::vector<Vec2>& points) {
   return all;
 }
 
-/// `allow_null`: null is allowed and becomes NaN.
+/// Reads a list of positions [x, y]. `allow_null`: a number may be null, which becomes NaN.
 Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool allow_null) {
   const auto fits = [allow_null](const json& number) {
     return number.is_number() || (allow_null && number.is_null());

@@ -1,4 +1,4 @@
-/// Reference files.
+/// Reference files: reading and writing reference positions and their mean image.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ namespace ovws {
 nlohmann::json reference_content(const Reference& reference);
 Result<Reference> reference_from(const nlohmann::json& content);
 
-/// References as a Kind of Kept. `bench` must outlive it.
+/// References as the item type of Kept. `bench` must outlive this object.
 struct ReferenceKind {
   using Item = Reference;
   static constexpr const char *kKind = "reference", *kEvent = kKind, *kTitle = kKind,

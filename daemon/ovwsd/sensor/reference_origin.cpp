@@ -47,8 +47,8 @@ std::string hash_of(const Image<std::uint8_t>& grey) {
   return sha256_of(std::span(grey.pixels));
 }
 
-/// The first key below `path` whose values differ, with both values; empty: no difference. A
-/// missing key counts as null.
+/// Describes the first key below `path` whose value differs between `then` and `now`; empty: no
+/// difference. A missing key counts as null.
 std::string difference(const std::string& path, const json& then, const json& now) {
   if (!then.is_object() || !now.is_object()) {
     return then == now ? "" : path + " was " + json_text(then) + ", and is " + json_text(now);
@@ -108,7 +108,7 @@ Result<ReferenceBench::Parsed> ReferenceBench::parse(const json& origin) {
        {"sensor", "tracking", "roi", "aberration", "camera", "settings", "registration"}) {
     if (!origin.contains(part)) return fail(Errc::invalid, "origin", std::string("lacks ") + part);
   }
-  // Parse it as a configuration: equally strict, with the same ranges.
+  // Parse the origin as a configuration, to check keys and ranges as strictly.
   const auto config = parse_config(json_text(json{{"sensor", origin["sensor"]},
                                                   {"tracking", origin["tracking"]},
                                                   {"camera", {{"roi", origin["roi"]}}}}));
@@ -125,7 +125,7 @@ Result<ReferenceBench::Parsed> ReferenceBench::parse(const json& origin) {
                 std::move(introduced->modes), *registration};
 }
 
-/// The origin with its LUT and flatness checksums replaced by this bench's.
+/// Returns the origin with its LUT and flatness checksums replaced by those of this bench.
 json ReferenceBench::with_own_slm(json origin) const {
   json& slm = origin["slm"];
   for (const char* part : {"lut_sha256", "flatness_sha256"}) {
@@ -142,7 +142,7 @@ bool ReferenceBench::has_other_slm_only(const json& origin) const {
 
 std::string ReferenceBench::obstacle(const Reference& reference) const {
   if (reference.source == ReferenceSource::model) {
-    // The positions are computed, so the LUT does not matter.
+    // Computed positions do not depend on LUT and flatness.
     return obstacle(with_own_slm(*reference.origin), reference.key, reference.positions_px.size());
   }
   return obstacle(*reference.origin, reference.key, reference.positions_px.size());
@@ -192,7 +192,7 @@ std::vector<StaleField> stale_fields(const Reference& reference,
   if (!then.is_object()) return stale;
   const json current = to_json(OriginSettings{*now});
   for (const auto& [field, value] : current.items()) {
-    // A file of another version may lack a key: that setting cannot be compared.
+    // A file of another program version may lack a key. Such a setting cannot be compared.
     if (then.contains(field) && then[field] != value) {
       stale.push_back({field, then[field], value});
     }

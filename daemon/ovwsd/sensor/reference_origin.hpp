@@ -1,5 +1,5 @@
-/// Provenance (`origin`) of references and other measurements: whether they can be used on this
-/// bench, and whether they are stale.
+/// Provenance (`origin`) of references and other measurements: whether a measurement can be used on
+/// this bench, and whether it is stale.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@
 
 namespace ovws {
 
-/// Everything that the origin of a measurement records.
+/// Everything that the origin (provenance record) of a measurement contains.
 struct OriginInputs {
   const ReferenceKey& key;
   const std::vector<Mode>& aberration;
@@ -29,43 +29,44 @@ struct OriginInputs {
   std::vector<Mode> introduced{};             ///< references: the introduced part of `aberration`
 };
 
-/// None: unknown.
+/// Vendor, model and serial number of the camera; none if the camera is unknown.
 std::optional<CameraName> camera_name(const std::optional<CameraInfo>& camera);
-/// The same as JSON, or null.
+/// camera_name as JSON; null if the camera is unknown.
 nlohmann::json camera_json(const std::optional<CameraInfo>& camera);
 
 /// The configured bench (optics and SLM). A measurement of another bench cannot be used.
 class ReferenceBench {
  public:
-  /// `hologram`: the configured one. Its LUT and flatness are identified by checksums.
+  /// `hologram`: as configured. Checksums identify its LUT and flatness.
   ReferenceBench(const Config& config, HologramConfig hologram);
 
-  /// Replaces the configured LUT and flatness with these.
+  /// Replaces the configured LUT and flatness with those that the SLM uses now.
   void use_slm(const ActiveSlm& slm);
 
-  /// The field `origin` of reference.get.
+  /// Makes the provenance record of a measurement: the field `origin` of reference.get.
   nlohmann::json origin(const OriginInputs& inputs) const;
-  /// Parses an origin. Errors (Errc::invalid): a part is missing, or is not valid in a
-  /// configuration.
+  /// Parses an origin. Errors (Errc::invalid): a part is missing, or a configuration would not
+  /// accept it.
   struct Parsed {
     ReferenceKey key;
-    ReferenceKey calibrated;  ///< the key if it is of a calibration
+    ReferenceKey calibrated;  ///< key of a calibration that has this origin
     std::vector<Mode> aberration, introduced;
-    std::optional<Registration> registration;  ///< base, map and time only
+    std::optional<Registration> registration;  ///< only base_px, px_per_cycle and t_taken_ns
   };
   static Result<Parsed> parse(const nlohmann::json& origin);
 
-  /// Why a stored reference cannot be used on this bench; empty: it can. Renders its hologram
-  /// again, because another version of the program may draw it differently.
+  /// Why a stored reference cannot be used on this bench; empty: it can. Renders the reference's
+  /// hologram again, because another version of the program may draw a different one.
   std::string obstacle(const Reference& reference) const;
-  /// The same for any measurement whose origin `parse` accepts. `spots`: how many it has.
+  /// Why a measurement of any kind cannot be used on this bench; empty: it can. `origin` must be
+  /// valid for `parse`; `spots`: number of spots of the measurement.
   std::string obstacle(const nlohmann::json& origin, const ReferenceKey& key,
                        std::size_t spots) const;
 
-  /// Whether only LUT or flatness differ from this bench. Such a measurement can be used once they
-  /// are restored.
+  /// Whether a measurement differs from this bench in LUT or flatness only. It can be used again
+  /// once that LUT and flatness are restored.
   bool has_other_slm_only(const nlohmann::json& origin) const;
-  /// Identity of the active SLM settings, see slm_identity.
+  /// Identity of the SLM with its active LUT and flatness, see slm_identity.
   const nlohmann::json& slm() const { return bench_["slm"]; }
 
   const Config& config() const { return config_; }
@@ -78,16 +79,17 @@ class ReferenceBench {
   nlohmann::json bench_;  ///< {optics, slm}
 };
 
-/// Hash of bench, camera, sensor, tracking and region, 16 hexadecimal digits. Only one reference of
-/// each identity can be active, so it names the file.
+/// Hash of bench, camera, sensor, tracking and region, 16 hexadecimal digits. It names the file of
+/// a reference, because only one reference of each identity can be active.
 std::string identity_of(const nlohmann::json& origin);
 
-/// Whether both cameras are known and differ. Positions of another camera must not be used.
+/// Whether the reference was taken with another camera than `camera`; false if either camera is
+/// unknown. Positions measured with another camera must not be used.
 bool of_other_camera(const Reference& reference, const std::optional<CameraInfo>& camera);
 
 /// Camera settings (gain, exposure, pixel format) that have changed since the reference was taken.
-/// They make it stale, not invalid. Empty for a model reference, and while the camera's settings
-/// are unknown.
+/// Such a change makes the reference stale, not invalid. Empty for a model reference, and while the
+/// camera's settings are unknown.
 std::vector<StaleField> stale_fields(const Reference& reference,
                                      const std::optional<CameraSettings>& now);
 

@@ -10,8 +10,8 @@
 namespace ovws {
 namespace {
 
-/// Standard deviations of the modes if all spots have equal noise. Empty: the modes are not
-/// determined.
+/// Relative standard deviation of each mode, if all spots have equal noise. Empty: the spots do not
+/// determine all modes.
 Eigen::VectorXd noise_of_modes(const Eigen::MatrixXd& slopes) {
   if (determined_modes(slopes) != int(slopes.cols())) return {};
   return (slopes.transpose() * slopes).inverse().diagonal().cwiseSqrt();

@@ -1,5 +1,5 @@
-/// Lost spots of a reference: which modes the other spots determine, and where to expect the lost
-/// ones. A reference with lost spots is still usable.
+/// Lost spots of a reference: which modes the other spots determine, and where trackers should
+/// expect the lost spots. A reference with lost spots is still usable.
 #pragma once
 
 #include <vector>
@@ -13,21 +13,21 @@
 namespace ovws {
 
 struct ReferenceSpots {
-  std::vector<int> lost;          ///< found in fewer than half of the frames: no reference position
-  std::vector<int> weak;          ///< found in fewer than nine of ten frames
+  std::vector<int> lost;          ///< found in fewer than half of the frames, or once of several
+  std::vector<int> weak;          ///< not lost, but found in fewer than nine of ten frames
   std::vector<int> weak_modes_j;  ///< modes whose noise grows by more than kWeakGrowth
 };
 
 /// A mode is weak if the loss of spots raises its noise by more than this factor.
 constexpr double kWeakGrowth = 1.5;
 
-/// Errors (Errc::refused): without the lost spots a mode is not determined, by the criterion of
-/// Reconstructor. `modes`: as many spots as `average`.
+/// Classifies spots as lost or weak. Errc::refused: without the lost spots a mode is not
+/// determined, by the criterion of Reconstructor. `modes` must have as many spots as `average`.
 Result<ReferenceSpots> judge_spots(const SpotAverage& average, const ModeOperator& modes);
 
 /// Predicts positions for the lost spots, as start points for trackers: the model's position plus
-/// the affine displacement fitted to the other spots. Sets their standard error to NaN. `model_px`:
-/// one position for each spot.
+/// an affine displacement fitted to the other spots. Sets the standard errors of lost spots to NaN.
+/// `model_px`: model position of every spot, camera pixels.
 void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
                 Reference& reference);
 

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kRenderings = 20;
 
-/// Of the subapertures' fields: a spot's level counts from its rendering, which has the amplitudes
-/// of the reference.
+/// Field amplitudes of the subapertures, RMS 1. A spot's level is relative to its rendering, so the
+/// amplitude is that of the rendering, which comes from the reference, times the root of the level.
 std::vector<double> amplitudes_of(const PointModel& model,
                                   const std::vector<SpotEstimates>& estimates) {
   std::vector<double> amplitudes;
@@ -72,9 +72,9 @@ RefineCamera refine_camera(const RefineSetup& stated, PixelFormat format, double
 }
 
 std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera) const {
-  constexpr double kMinPeak = 1.0;  // times the read noise: the fit uses thousands of pixels
+  constexpr double kMinPeak = 1.0;  // times the read noise; low, for a fit uses many pixels
   constexpr double kMaxSigmaWaves = 0.1;
-  constexpr double kMaxChi2 = 3.0;  // above 1: the configured noise may be somewhat off
+  constexpr double kMaxChi2 = 3.0;  // above 1, because the configured noise may be inexact
   const double max_sigma = *std::max_element(sigma_waves.begin(), sigma_waves.end());
   if (!(peak_e > kMinPeak * std::max(camera.read_noise_e, 1.0))) {
     return fmt::format(
@@ -83,7 +83,7 @@ std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera) const
   }
   const bool determined = std::all_of(sigma_waves.begin(), sigma_waves.end(), [](double sigma) {
     return sigma < kMaxSigmaWaves;
-  });  // no NaN
+  });  // false for NaN
   if (!determined) {
     return fmt::format(
         "too few photons to determine all modes: the largest standard error is {:.2f} wave; "

@@ -12,11 +12,12 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxPx = 1e5;     ///< base spot: far beyond any camera sensor
-constexpr double kMaxCpp = 0.5;    ///< grating: the Nyquist limit of the SLM
-constexpr double kMaxScale = 1e6;  ///< px_per_cycle
+constexpr double kMaxPx = 1e5;     ///< limit of the base spot: far beyond any camera sensor
+constexpr double kMaxCpp = 0.5;    ///< limit of the grating: the Nyquist limit of the SLM
+constexpr double kMaxScale = 1e6;  ///< limit of px_per_cycle
 
-/// Parses the keys of registration.get, plus base_grating_cpp, the grating that base_px belongs to.
+/// Parses the keys of registration.get and also base_grating_cpp. This is the grating, in cycles
+/// per SLM pixel, at which base_px was measured.
 Result<Registration> registration_from(const json& content) {
   Registration out;
   std::vector<double> base, base_error, map, error, grating;

@@ -1,4 +1,4 @@
-/// The registration file.
+/// Registration file: the measured mapping from the SLM's spatial frequencies to camera pixels.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,10 +13,10 @@ namespace ovws {
 /// A measured registration, and the camera that it was measured with.
 struct MeasuredRegistration : Registration {
   nlohmann::json camera;  ///< {vendor, model, serial}; null: unknown
-  std::string sha256;     ///< of its file; empty: not stored
+  std::string sha256;     ///< checksum of the file; empty: not stored
 };
 
-/// Registrations of one SLM as a Kind of Kept.
+/// Registrations of one SLM, as the item type of Kept.
 struct RegistrationKind {
   using Item = MeasuredRegistration;
   static constexpr const char *kKind = "registration", *kEvent = kKind, *kTitle = kKind,

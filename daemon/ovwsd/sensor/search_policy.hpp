@@ -1,4 +1,4 @@
-/// Decides when to search the wavefront again.
+/// Search policy: decides when to search the wavefront again.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +7,15 @@ namespace ovws {
 
 /// How well the newest frames are measured.
 enum class Doubt {
-  none,     ///< templates describe them
-  partial,  ///< frames are valid, but templates would measure them better
+  none,     ///< templates describe the frames
+  partial,  ///< frames are valid, but new templates would measure better
   blind,    ///< no frame is valid
 };
 
-/// Exponential backoff that restarts whenever the image changes. While blind, a changed image is
-/// searched at once; while partial, at most every kCalmPauseNs. An unchanged image is searched
-/// again after pauses that double from kFirstPauseNs to kMaxPauseNs, because another frame has
-/// other noise. Times are CLOCK_MONOTONIC. For one thread.
+/// Exponential backoff that restarts whenever the image changes. A changed image is searched at
+/// once if the doubt is `blind`, and at most every kCalmPauseNs if it is `partial`. An unchanged
+/// image is searched again after pauses that double from kFirstPauseNs to kMaxPauseNs: another
+/// frame has other noise, so the search may succeed. Times are CLOCK_MONOTONIC. For one thread.
 class SearchPolicy {
  public:
   static constexpr std::int64_t kFirstPauseNs = 200'000'000;
@@ -24,17 +24,17 @@ class SearchPolicy {
 
   /// Whether to search now. `changed`: the image differs from the one searched last.
   bool is_due(Doubt doubt, bool changed, std::int64_t now_ns) const;
-  /// Call when a search begins. `changed`: as for is_due; restarts the backoff.
+  /// Call when a search begins. If the image has changed (as for is_due), restarts the backoff.
   void begin(bool changed);
-  /// Call when the search has ended.
+  /// Call when a search has failed. Sets the pause before the next search.
   void end(std::int64_t now_ns);
-  /// Call when frames are good again. Ends the pauses: when they are bad next, a search is due at
-  /// once.
+  /// Call when templates describe the frames again. Ends the backoff, so that the next doubt starts
+  /// a search at once.
   void reset() { *this = {}; }
 
-  /// Searches of the unchanged image so far.
+  /// Number of searches of the unchanged image so far.
   int tries() const { return tries_; }
-  /// When the unchanged image is searched again.
+  /// Time from which the unchanged image may be searched again.
   std::int64_t next_ns() const { return next_ns_; }
 
  private:

@@ -6,7 +6,8 @@ namespace ovws {
 namespace {
 
 /// Refuses a request for the operator `measured` if no calibration applies. If `measured` is
-/// already set and another change loses the calibration, modes fall back to the slopes.
+/// already set and another change makes the calibration inapplicable, the slope operator is used
+/// instead.
 Result<void> check_operator(const SensorSet& change, const SensorEdit& edit) {
   const bool asked = change.gives(&TrackingSettings::mode_operator) &&
                      edit.state.tracking.mode_operator == OperatorKind::measured;

@@ -1,4 +1,4 @@
-/// A change of the sensor in progress. It takes effect as a whole, or not at all.
+/// Sensor edit: a change of the sensor in progress, which takes effect as a whole or not at all.
 #pragma once
 
 #include <cstdint>
@@ -41,19 +41,20 @@ struct SensorBench {
 
   const Config config;
   const BenchOptics optics;
-  const HologramConfig hologram;  ///< with LUT and flatness as configured
+  const HologramConfig hologram;  ///< with the configured LUT and flatness
   ReferenceBench origins;
   KeptReferences references;
   KeptCalibrations calibrations;
   KeptRegistration registrations;
   Kept<LutKind> luts;
   Kept<FlatnessKind> flatnesses;
-  std::optional<CameraSettings> camera;             ///< as last reported; none: unknown
+  std::optional<CameraSettings> camera;             ///< last reported settings; none: unknown
   std::uint64_t hologram_id = 0;                    ///< the hologram shown last
-  std::shared_ptr<const Image<std::uint8_t>> grey;  ///< its grey levels
+  std::shared_ptr<const Image<std::uint8_t>> grey;  ///< grey levels of that hologram
 };
 
-/// Copies of the sensor's state that a change modifies, and what to do once it is active.
+/// Copies of the sensor's state for a change to modify, and file work to do once the change is
+/// active.
 struct SensorEdit {
   SensorState state;
   Knowledge knowledge;
@@ -61,18 +62,18 @@ struct SensorEdit {
   SensorBench& bench;
   bool files_only = false;  ///< state and knowledge are unchanged
 
-  /// Called when the change is active: writes a file and reports its checksum. Reports an empty
-  /// checksum if writing fails, and the real one if a retry succeeds later.
+  /// Called when the change is active: writes a file and reports the file's checksum. Reports an
+  /// empty checksum if writing fails, and the file's checksum if a retry succeeds later.
   std::function<void(std::function<void(const std::string& sha256)>)> keep{};
-  /// Called with that checksum. Changes nothing but the checksum of the item.
+  /// Called with the checksum that `keep` reports. Sets the item's checksum and nothing else.
   std::function<void(SensorEdit&, const std::string& sha256)> set_checksum{};
   /// Called when the change is active: removes files.
   std::function<void(DaemonStore::Dropped)> drop{};
-  /// Called if they cannot be removed: a change that restores the previous state.
+  /// Called if `drop` cannot remove the files: a change that restores the previous state.
   std::function<Result<void>(SensorEdit&)> undo{};
 };
 
-/// Modifies the edit. On an error nothing changes.
+/// A change of the sensor: modifies the edit. If it returns an error, the edit is discarded.
 using SensorChange = std::function<Result<void>(SensorEdit&)>;
 
 }  // namespace ovws

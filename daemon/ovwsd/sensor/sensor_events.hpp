@@ -1,4 +1,4 @@
-/// Events about changes of the sensor.
+/// Events that report changes of the sensor to subscribers.
 #pragma once
 
 #include <optional>
@@ -13,21 +13,21 @@
 
 namespace ovws {
 
-/// One thread at a time.
+/// Publishes events about operator, reference and spot layout. Not thread-safe.
 class SensorEvents {
  public:
   SensorEvents(BenchOptics bench, Events& events) : bench_(std::move(bench)), events_(events) {}
 
   /// Publishes a change of the active operator.
   void publish_changes(const SensorSnapshot& before, const SensorSnapshot& now);
-  /// Publishes why a reference that was active is not used in this state.
+  /// Publishes why a previously active reference is not used in this state, if there is a reason.
   void publish_unused(const Reference& reference, const SensorState& state,
                       const Knowledge& knowledge);
-  /// Publishes when the set of camera settings that differ from the reference's has changed (null:
-  /// no reference). Further changes of the same settings are not published.
+  /// Publishes which camera settings differ from the reference's (null: no reference), whenever the
+  /// set of differing settings changes. Another value of a differing setting is not published.
   void publish_stale(const Reference* reference, const std::optional<CameraSettings>& camera);
   /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
-  /// problem. Checks again, and publishes a fault, only when an input of the check has changed.
+  /// problem. Repeats the check, and publishes its fault, only when an input has changed.
   const std::string& layout_fault(const SensorState& state);
 
  private:
@@ -36,7 +36,7 @@ class SensorEvents {
 
   BenchOptics bench_;
   Events& events_;
-  std::vector<std::string> published_stale_;  ///< fields in the last event
+  std::vector<std::string> published_stale_;  ///< settings named in the last event
   std::optional<LayoutKey> layout_key_;       ///< inputs of layout_fault_
   std::string layout_fault_;
 };

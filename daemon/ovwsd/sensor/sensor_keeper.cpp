@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
-/// Whether both have the same reference and calibration.
+/// Whether `a` and `b` have the same reference and the same calibration.
 bool is_same(const Bound& a, const Bound& b) {
   const bool same_reference = a.reference && b.reference
                                   ? a.reference->t_taken_ns == b.reference->t_taken_ns
@@ -49,7 +49,7 @@ SensorKeeper::SensorKeeper(const Config& config, const SensorKeeperDeps& deps,
   state_.format = config.camera.settings.pixel_format;
 }
 
-/// Loads what is stored on disk and activates the first plan.
+/// Loads the measurements stored on disk and activates the first plan.
 Result<void> SensorKeeper::begin() {
   SensorEdit edit = new_edit();
   SensorState& state = edit.state;
@@ -111,7 +111,8 @@ void SensorKeeper::hold(Hold by) {
   if (state_.tracking.tracker == TrackerKind::fit) plan_again(new_edit());
 }
 
-/// Builds a plan and activates it; the hologram stays. If no plan can be built, nothing changes.
+/// Builds a plan for the edit and activates both; the hologram stays unchanged. If no plan can be
+/// built, nothing changes.
 void SensorKeeper::plan_again(SensorEdit edit) {
   const Bound bound = bind(edit.state, edit.knowledge, bench_.optics);
   auto plan = plans_.build(edit.state, bound, bench_.hologram_id);
@@ -171,7 +172,7 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
     ++next.sensor_epoch;
     if (const auto used = activate(edit, Show::when_possible); !used) {
       knowledge_ = std::move(edit.knowledge);
-      state_.roi = camera.roi;  // the next change is planned for this image
+      state_.roi = camera.roi;  // so that the next plan is built for this image
       state_.format = camera.pixel_format;
       deps_.events.emit("sensor", Severity::error,
                         "the camera's image cannot be measured: " + used.error().reason);
@@ -179,8 +180,8 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
   });
 }
 
-/// Stops using the registration and the flatness if another camera measured them: its position and
-/// optics differ.
+/// Stops using the registration or the flatness if it was measured with another camera, because
+/// that camera's position and optics differ.
 void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
   const auto is_other = [camera = camera_json(info)](const nlohmann::json& then) {
     return !camera.is_null() && !then.is_null() && then != camera;
@@ -206,11 +207,11 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
   }
   if (state.sensor_epoch == state_.sensor_epoch && state.slm == state_.slm) return;
   if (activate(edit, Show::when_possible)) return;
-  state_.registration = edit.state.registration;  // the next plan is without it
+  state_.registration = edit.state.registration;  // so that the next plan does not use it
 }
 
-/// Builds the plan and shows the hologram, and only then adopts the edit. On any error nothing has
-/// changed.
+/// Builds the plan and shows the hologram, then adopts the edit. If any step returns an error, the
+/// sensor's state stays unchanged.
 Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
   SensorState& next = edit.state;
   const bool new_slm = next.slm != state_.slm;
@@ -236,8 +237,8 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
   return {};
 }
 
-/// Shows the hologram if it has changed. A hologram that the display did not take in time keeps its
-/// number, because it may have been visible for a moment.
+/// Shows the hologram if it has changed. If the display does not take it in time, its number is not
+/// used for another hologram, because this one may have been visible for a moment.
 Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologram_id, Show show) {
   if (hologram_id != bench_.hologram_id) {
     const HologramRequest request{hologram_id, shown_epoch(next), next.pattern, hologram_of(next)};
@@ -247,14 +248,14 @@ Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologr
     bench_.hologram_id = hologram_id;
     bench_.grey = request.grey;
   } else if (next.sensor_epoch != state_.sensor_epoch) {
-    // The same hologram stays on the SLM, but measurements of it belong to a new epoch.
+    // The hologram on the SLM stays, but measurements of it now belong to a new epoch.
     deps_.slm.show_when_possible({hologram_id, shown_epoch(next), next.pattern, bench_.grey});
   }
   return {};
 }
 
-/// Loads the references and calibrations that were set aside because they belong to this LUT and
-/// flatness. Returns whether there were any.
+/// Loads the references and calibrations that were measured with this LUT and flatness, and were
+/// not used while others were active. Returns whether any were found.
 bool SensorKeeper::load_for_slm(const ActiveSlm& slm, Knowledge& knowledge) {
   bench_.origins.use_slm(slm);
   auto references = bench_.references.load_again();
@@ -297,8 +298,8 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   events_.publish_stale(bound.reference.get(), bench_.camera);
 }
 
-/// Writes or removes the files of an active change, then calls `done`. A change whose file cannot
-/// be written stays active; if a file cannot be removed, the change is undone.
+/// Writes or removes the files of an active change, then calls `done`. If a file cannot be written,
+/// the change stays active. If a file cannot be removed, the change is undone.
 void SensorKeeper::update_files(SensorEdit edit, SensorView changed, Done done) {
   const auto files = std::make_shared<SensorEdit>(std::move(edit));
   if (files->keep) {

@@ -29,17 +29,18 @@ struct SensorKeeperDeps {
   SlmLoop& slm;
   Events& events;
   DaemonStore& store;
-  /// Called before the plan becomes active: in the prepare thread, except for the first plan.
+  /// Called before a plan becomes active, in the prepare thread. For the first plan it is called in
+  /// the thread that calls SensorKeeper::make.
   std::function<void(const MeasurementPlan&, SensorView)> on_plan;
 };
 
-/// Agent of the prepare thread, which makes all changes of the sensor.
+/// Agent of the prepare thread. All changes of the sensor are made in this thread.
 class SensorKeeper : public Agent {
  public:
   using Done = std::function<void(Result<SensorView>)>;
 
-  /// Loads the stored measurements of this bench. Errors: the configured lattice, LUT file or
-  /// flatness file cannot be used.
+  /// Loads the stored measurements of this bench and activates the first plan. Errors: the
+  /// configured lattice, LUT file or flatness file cannot be used.
   static Result<std::unique_ptr<SensorKeeper>> make(const Config& config,
                                                     const SensorKeeperDeps& deps);
 
@@ -47,34 +48,34 @@ class SensorKeeper : public Agent {
   void on_close() override { mailbox_.close(); }
 
   SensorView snapshot() const { return snapshot_.get(); }
-  /// Any thread: whether a job holds the sensor, which then does not take templates.
+  /// Any thread: whether a job holds the sensor. Meanwhile use_templates has no effect.
   bool is_held_by_job() const { return held_by_job_.load(); }
 
   // Any thread. Requests are carried out in order by the prepare thread, which also calls the
   // callbacks.
 
   /// Applies a change completely, or not at all. `active` is called once the change is active, and
-  /// not if it fails. `done` is called when its files have been written or removed too, or at once
-  /// if there are none. Errors: those of may_change and of the change; the display does not take
-  /// the hologram; no plan can be built.
+  /// not on an error. `done` is called when the change's files have been written or removed, too,
+  /// or at once if it has no files. Errors: those of may_change and of the change; the display does
+  /// not take the hologram; no plan can be built.
   void edit(Hold as, SensorChange change, Done done, std::function<void()> active = nullptr);
   /// Calls `then` when all changes requested so far have been carried out.
   void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
-  /// Releases the hold of `by`, then calls `then`. After a job the previous hologram and settings
-  /// are restored, as soon as a display is connected.
+  /// Releases the sensor if `by` holds it, then calls `then`. After a job, restores the previous
+  /// settings, and the previous hologram as soon as a display is connected.
   void release(Hold by, std::function<void()> then);
-  /// Reports the camera's current settings and identity. If region or pixel format changed, a plan
-  /// for the new image becomes active. Measurements of another camera are no longer used.
+  /// Call when the camera's settings or identity have changed. If region or pixel format differ, a
+  /// plan for the new image becomes active. Measurements made with another camera are not used.
   void camera_changed(const CameraSettings& camera, const std::optional<CameraInfo>& info);
-  /// Measures frames by these templates. Ignored if the sensor has changed, or while a job holds
-  /// it; not used if the reference has changed.
+  /// Builds a plan that measures frames with these templates. No effect if the sensor's epoch has
+  /// changed, or while a job holds the sensor. Templates for another reference are not used.
   void use_templates(ActiveTemplates templates);
 
   // Prepare thread only.
 
-  /// Whether the sensor is free. Errc::refused: the message says what to wait for.
+  /// Whether the sensor is free to be held. Errc::refused: the message says what to wait for.
   Result<void> may_hold() const { return may_change(hold_, Hold::unheld()); }
-  /// Reserves the sensor for `by` until `release`. It must be free.
+  /// Reserves the sensor for `by` until `release`. The sensor must be free (may_hold).
   void hold(Hold by);
 
  private:
@@ -101,18 +102,18 @@ class SensorKeeper : public Agent {
   Plans plans_;
   SensorEvents events_;
   Hold hold_;
-  std::atomic<bool> held_by_job_{false};  ///< of hold_, for other threads
-  std::optional<SensorShown> lease_;      ///< what to restore when the job ends
+  std::atomic<bool> held_by_job_{false};  ///< copy of hold_ for other threads
+  std::optional<SensorShown> lease_;      ///< settings to restore when the job ends
   Mailbox mailbox_;
   std::uint64_t next_hologram_id_ = 1;
   Guarded<SensorView> snapshot_;
 };
 
-/// Errc::refused: the SLM shows another pattern than the sensor.
+/// Checks that the SLM shows the sensor. Errc::refused: it shows another pattern.
 Result<void> check_shows_sensor(const SensorSnapshot& sensor);
 
-/// Errc::refused (field "pixel_format"): the spots are too small for the lit pixels of a colour
-/// camera.
+/// Checks that this pixel format can be measured. Errc::refused (field "pixel_format"): on a colour
+/// camera too few pixels per spot see the laser.
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format);
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// Snapshot of the sensor for other threads.
+/// Snapshot of the sensor's state, for threads other than the prepare thread.
 #pragma once
 
 #include <cstdint>
@@ -25,24 +25,24 @@ struct SensorShown {
   std::vector<Mode> aberration;  ///< introduced, RMS-normalised waves
 };
 
-/// Immutable and shared by all readers.
+/// The sensor's settings and active measurements. Immutable and shared by all readers.
 struct SensorSnapshot : SensorShown {
   TemplateReport templates;      ///< how much of tracking.templates is active
   OperatorReport mode_operator;  ///< the operator of plan `plan_id`
   std::vector<Mode> correction;  ///< subtracted from the hologram
   std::uint64_t hologram_id = 0;
-  std::uint64_t sensor_epoch = 0;  ///< of plan `plan_id`
-  OpticsConfig optics;  ///< in the camera's region, registered if there is a registration
-  std::optional<Registration> registration;  ///< active, pixels of the camera's whole sensor
+  std::uint64_t sensor_epoch = 0;  ///< the sensor's epoch in plan `plan_id`
+  OpticsConfig optics;             ///< pixels of the camera's region; with the registration, if any
+  std::optional<Registration> registration;  ///< the active one; pixels of the camera's sensor
   std::uint64_t plan_id = 0;  ///< the active plan, built from the settings of this snapshot
   int subapertures = 0;
   std::vector<int> modes_j;
-  std::vector<int> position_modes_j;  ///< the first of them, which positions determine
+  std::vector<int> position_modes_j;  ///< leading part of modes_j that spot positions determine
   /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
   /// problem.
   std::string layout_fault;
-  std::shared_ptr<const Reference> reference;      ///< the active one; null: none
-  std::shared_ptr<const Calibration> calibration;  ///< the one that applies; null: none
+  std::shared_ptr<const Reference> reference;      ///< the active one; null: no reference
+  std::shared_ptr<const Calibration> calibration;  ///< the one that applies; null: none does
   std::shared_ptr<const ActiveSlm> slm;            ///< LUT and flatness; never null
 };
 using SensorView = std::shared_ptr<const SensorSnapshot>;

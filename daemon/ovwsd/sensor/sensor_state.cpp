@@ -32,7 +32,7 @@ std::optional<Registration> registration_of(const SensorState& state, const Benc
   return rebased(*state.registration, base_grating_cpp(state.sensor, bench.slm));
 }
 
-/// Converts the registration, which counts from the corner of the camera's sensor, to the region.
+/// Converts the registration from pixels of the camera's whole sensor to pixels of the region.
 OpticsConfig optics_of(const SensorState& state, const BenchOptics& bench) {
   OpticsConfig optics = bench.optics;
   if (const auto map = registration_of(state, bench)) {

@@ -18,7 +18,7 @@
 
 namespace ovws {
 
-/// The configured optics. A registration replaces a part of them.
+/// The configured optics. A registration replaces px_per_cycle and the centre.
 struct BenchOptics {
   OpticsConfig optics;
   SlmGeometry slm;
@@ -26,7 +26,7 @@ struct BenchOptics {
 
 struct SensorState : SensorShown {
   std::vector<Mode> correction;                        ///< subtracted from the hologram
-  std::shared_ptr<const Image<std::uint8_t>> painted;  ///< image of a job, for pattern `test`
+  std::shared_ptr<const Image<std::uint8_t>> painted;  ///< image drawn by a job, for pattern `test`
   Roi roi;
   PixelFormat format = PixelFormat::mono8;
   std::optional<MeasuredRegistration> registration;  ///< pixels of the camera's whole sensor
@@ -34,21 +34,23 @@ struct SensorState : SensorShown {
   std::shared_ptr<const HologramRenderer> renderer;  ///< draws holograms of `sensor` with `slm`
   /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;
-  bool by_positions = false;  ///< a job measures: positions count, which come from one tracker
-  ActiveTemplates templates;  ///< used where they belong to epoch and reference
+  bool by_positions = false;  ///< a job measures: use spot positions, not templates
+  ActiveTemplates templates;  ///< used if their epoch, reference and calibration match
 };
 
-/// Modes of the hologram shown, see shown_modes in core/optics/hologram.hpp.
+/// Zernike modes in the hologram shown, see shown_modes in core/optics/hologram.hpp.
 std::vector<Mode> shown_modes(const SensorState& state);
 /// Epoch of the hologram shown; 0 (nothing to measure) unless the pattern is `sensor`.
 std::uint64_t shown_epoch(const SensorState& state);
-/// Whether both states show the same hologram.
+/// Whether states `a` and `b` show the same hologram.
 bool same_hologram(const SensorState& a, const SensorState& b);
+/// Grey levels of the state's hologram: the job's image, or rendered now.
 std::shared_ptr<const Image<std::uint8_t>> hologram_of(const SensorState& state);
 
-/// The registration, converted from the base grating that it was measured with to the current one.
+/// The registration, converted from the base grating of its measurement to the current base
+/// grating.
 std::optional<Registration> registration_of(const SensorState& state, const BenchOptics& bench);
-/// Optics relative to the camera's region of interest, registered if there is a registration.
+/// Optics in pixels of the camera's region of interest, with the registration, if there is one.
 OpticsConfig optics_of(const SensorState& state, const BenchOptics& bench);
 /// Spot positions of a flat wavefront, pixels of the camera's region.
 std::vector<Vec2> model_positions(const SensorState& state, const BenchOptics& bench);
@@ -58,12 +60,13 @@ double lambda_d_of(const SensorState& state, const BenchOptics& bench);
 /// Replaces the renderer by one for the state's sensor and SLM. Errors: those of
 /// HologramRenderer::make.
 Result<void> renew_renderer(SensorState& state);
-/// Errors: the SLM's pixels cannot sample the phase of these modes.
+/// Checks the modes shown. Errors: the SLM's pixels cannot sample the modes' phase (Nyquist).
 Result<void> check_sampling(const SensorState& state);
-/// Errors: neighbouring spots are too close for the tracker, or do not determine as many modes as
-/// are requested.
+/// Checks the spot layout. Errors: neighbouring spots are too close for the tracker, or the spots
+/// do not determine as many modes as requested.
 Result<void> check_spots(const SensorState& state, const BenchOptics& bench);
-/// Errors: those of check_spots; too many spots fall outside the camera's region.
+/// Checks spots and camera region. Errors: those of check_spots; too many spots fall outside the
+/// camera's region.
 Result<void> check_layout(const SensorState& state, const BenchOptics& bench);
 
 }  // namespace ovws

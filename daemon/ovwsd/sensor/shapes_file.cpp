@@ -87,7 +87,7 @@ Result<MeasuredShapes> shapes_from(const json& content, int spots,
       shapes.spots.push_back(spot_from(one, side, bin, modes_j.size()));
     }
     return shapes;
-  } catch (const std::exception& error) {  // of the JSON library, or of this file
+  } catch (const std::exception& error) {  // thrown by the JSON library or `demand`
     return fail(Errc::invalid, "shapes", std::string("cannot be used: ") + error.what());
   }
 }

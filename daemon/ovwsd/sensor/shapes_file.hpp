@@ -1,4 +1,4 @@
-/// Measured shapes in the file of a calibration, and in recordings.
+/// Measured spot shapes as JSON, for calibration files and recordings.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,11 +9,11 @@
 
 namespace ovws {
 
-/// Light and derivatives are kept bit for bit.
+/// Encodes measured spot shapes. Intensities and derivatives are preserved bit for bit.
 nlohmann::json shapes_content(const MeasuredShapes& shapes);
 
-/// `spots`: of the calibration; its matrix is of `leading_j`. Errc::invalid, field "shapes": parts
-/// are missing or do not fit these, or each other.
+/// Decodes measured spot shapes. `spots`: the calibration's number of spots; `leading_j`: the modes
+/// of its matrix. Errc::invalid, field "shapes": parts are missing or inconsistent.
 Result<MeasuredShapes> shapes_from(const nlohmann::json& content, int spots,
                                    const std::vector<int>& leading_j);
 

@@ -25,10 +25,10 @@ double sum_of(const Vec2& squares) {
   return squares.x + squares.y;
 }
 
-/// Allowance for noise, in units of the mean square that it causes on average. Chosen for the worst
-/// case, noise that all spots share (vibration): one false refusal in 400.
+/// Allowance for noise in the squared drift, in units of the mean square that noise causes. Chosen
+/// for the worst case, noise common to all spots (vibration): one false refusal in 400.
 constexpr double kDriftAllowance = 6.0;
-constexpr double kScatterSigmas = 3.0;  // standard deviations of one series of frames
+constexpr double kScatterSigmas = 3.0;  // standard deviations, for one series of frames
 
 /// Whether the drift or the scatter (RMS over all spots, x and y) exceeds `max_motion_px` by more
 /// than noise explains. Von Neumann's test: the variance of independent noise is half the mean
@@ -104,7 +104,7 @@ void SpotAverager::measure_motion(SpotAverage& average) const {
     const double first = sums.found_first, second = sums.found - sums.found_first;
     if (first < 1.0 || second < 1.0) continue;
     ++halved;
-    // The second half's mean less the first's, from the mean of all.
+    // Mean of the second half minus mean of the first half, from the mean of all frames.
     const Vec2 moved = (double(sums.found) / second) * (sums.mean - sums.mean_first);
     drift += moved.x * moved.x + moved.y * moved.y;
     drift_noise += own_noise * (1.0 / first + 1.0 / second);
@@ -144,7 +144,7 @@ std::vector<int> saturated_spots(const SpotAverage& average) {
 }
 
 Result<void> check_average(const SpotAverage& average, double max_motion_px) {
-  // Saturation first, for it loses spots as well.
+  // Check saturation before motion, because saturation is the cause if it also loses spots.
   const double looks = double(average.frames) * double(average.saturated.size());
   const double saturated =
       std::accumulate(average.saturated.begin(), average.saturated.end(), 0.0) / looks;

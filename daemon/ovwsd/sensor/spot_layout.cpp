@@ -25,9 +25,9 @@ constexpr int kRegionStep = 16;  // px: every camera accepts multiples of it
 struct Layout {
   std::vector<Vec2> spots_px;
   double lambda_d_px = 0.0;
-  double nearest = std::numeric_limits<double>::infinity();  ///< distance of two spots, lambda/d
-  Vec2 reach_px;           ///< largest distance from the base spot, in x and in y
-  double margin_px = 0.0;  ///< recommended distance of a spot's centre from the edge
+  double nearest = std::numeric_limits<double>::infinity();  ///< closest two spots, lambda/d
+  Vec2 reach_px;           ///< largest distance of a spot from the base spot, in x and in y
+  double margin_px = 0.0;  ///< recommended distance of a spot's centre from the image's edge
 };
 
 Layout layout_of(const SpotBench& bench) {
@@ -49,8 +49,8 @@ Layout layout_of(const SpotBench& bench) {
   return layout;
 }
 
-/// Size of the smallest region, centred on the base spot, that contains all spots after their
-/// distances are multiplied by `factor`.
+/// Size in pixels of the smallest region, centred on the base spot, that contains all spots after
+/// their distances from the base spot are multiplied by `factor`.
 Vec2 region_for(const Layout& layout, double factor) {
   const auto side = [&](double reach_px) {
     const double px = 2.0 * (factor * reach_px + layout.margin_px) + 1.0;
@@ -63,15 +63,15 @@ bool fits(Vec2 region, const Roi& roi) {
   return region.x <= roi.width && region.y <= roi.height;
 }
 
-/// Whether a region centred on the base spot would contain the zeroth order, which outshines the
-/// spots.
+/// Whether a region centred on the base spot would contain the SLM's zeroth order, which is much
+/// brighter than the spots.
 bool contains_zeroth_order(Vec2 region, const SpotBench& bench) {
   const Vec2 away_px =
       px_per_cycle(bench.optics, bench.slm) * base_grating_cpp(bench.sensor, bench.slm);
   return std::abs(away_px.x) < 0.5 * region.x && std::abs(away_px.y) < 0.5 * region.y;
 }
 
-/// Rounds up, or down, to two significant digits.
+/// Rounding to two significant digits, up or down, for proposed settings.
 double rounded_up(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
   return unit * std::ceil(value / unit - 1e-9);
@@ -85,7 +85,7 @@ std::string spot_name(int charge) {
   return charge == 0 ? "bright spots" : fmt::format("vortices of charge {}", charge);
 }
 
-/// How many spots fall outside the region, and whether the others determine the modes.
+/// Number of spots outside the camera's region, and whether the spots inside determine the modes.
 struct Visibility {
   int missing = 0;
   bool determined = false;
@@ -117,7 +117,7 @@ Visibility visibility_of(const SpotBench& bench, const Layout& layout) {
   return visibility;
 }
 
-/// Proposes settings that put neighbouring spots far enough apart.
+/// Proposes settings at which neighbouring spots have the recommended distance.
 std::string wider_spacing(const SpotBench& bench, const Layout& layout) {
   const double factor = recommended_spot_distance(bench.sensor.charge) / layout.nearest;
   const int fewer = int(bench.sensor.subapertures_across / std::sqrt(factor));
@@ -134,7 +134,7 @@ std::string wider_spacing(const SpotBench& bench, const Layout& layout) {
          fmt::format("sensor.subapertures_across to {}", fewer);
 }
 
-/// Proposes a setting that avoids a larger region.
+/// Proposes a setting at which all spots fit into the present region.
 std::string alternative_to_region(const SpotBench& bench, const Layout& layout) {
   const auto share = [&](double fixed_px) {
     const double x = (0.5 * (bench.roi.width - 1) - fixed_px) / layout.reach_px.x;
@@ -199,7 +199,7 @@ Result<void> check_mode_count(const SpotBench& bench) {
                     "positions are measured: set null",
                     by_positions));
   }
-  OpticsConfig centred = bench.optics;  // wherever the region is, which may be moved next
+  OpticsConfig centred = bench.optics;  // the region may still be moved
   centred.centre_px.reset();
   const Vec2 region = region_for(layout_of(bench), 1.0);
   const ModeBench modes{bench.sensor,  bench.slm,     centred,

@@ -10,7 +10,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kMeasuredReachWaves = 0.02;  // RMS from the wavefront of the calibration
+constexpr double kMeasuredReachWaves = 0.02;  // RMS distance from the calibration's wavefront
 
 PixelNoise in_16_bits(PixelNoise noise, PixelFormat format) {
   const double scale = to_16_bits(format);
@@ -20,7 +20,8 @@ PixelNoise in_16_bits(PixelNoise noise, PixelFormat format) {
   return noise;
 }
 
-/// The mean image of a reference in 16 bits. `noise`: of a single frame, in 16 bits.
+/// Mean image of a reference in 16-bit DN, and its noise. `of_frame`: noise of a single frame in
+/// 16-bit DN, which averaging reduces.
 struct MeanImage {
   Image<std::uint16_t> dn;
   PixelNoise noise;

@@ -1,4 +1,4 @@
-/// Where the templates of the tracker `fit` come from: the diffraction model, and a calibration.
+/// Template sources for the tracker `fit`: the diffraction model and a calibration.
 #pragma once
 
 #include <cstdint>
@@ -16,43 +16,44 @@
 
 namespace ovws {
 
-/// The noise of a frame, DN of the format.
+/// Returns the pixel noise of a frame, in DN of the pixel format that is returned with it.
 using FrameNoise = std::function<std::pair<PixelNoise, PixelFormat>(PointModel&)>;
 
-/// The wavefront of these spots against the model, by the slopes of their positions, for the modes
-/// of the plan; 0 for modes that positions do not determine. None: too few spots are found.
+/// Modes of the plan, reconstructed from the displacements of `spots` from the model's positions.
+/// Modes that positions do not determine are 0. None: too few spots are found.
 std::optional<std::vector<double>> modes_against_model(const SensorSnapshot& sensor,
                                                        const SlmGeometry& slm, int cols, int rows,
                                                        std::span<const SpotFix> spots);
 
-/// The diffraction model of the sensor's spots, and of its reference. Errors: those of
-/// SpotRenderer::make and PointModel::use_reference; Errc::refused, field "reference": it has no
-/// mean image, or too few of its spots are known.
+/// Diffraction model of the sensor's spots, fitted to the mean image of its reference, if the
+/// reference is measured. Errors: those of SpotRenderer::make and PointModel::use_reference;
+/// Errc::refused, field "reference": it has no mean image, or too few known spots.
 Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm, int cols,
                                   int rows, const FrameNoise& frame_noise);
 
-/// Templates of a calibration are exact for this bench, but only near the wavefront that it was
-/// measured at; rendered ones follow any wavefront, and are as exact as the model of the bench.
+/// Chooses between measured and rendered templates. Measured templates come from a calibration:
+/// they are exact for this bench, but only near the calibration's wavefront. Rendered templates
+/// follow any wavefront, and are as exact as the model of the bench.
 class SpotsModel {
  public:
-  /// Of the sensor's reference, and of its calibration if that is active. `images`: present frames,
-  /// which give the noise. Errors, if neither can be used: those of SpotRenderer::make,
-  /// PointModel::use_reference and MeasuredModel::use_reference; Errc::refused, field "reference":
-  /// it has no mean image, or too few of its spots are known; field "calibration": its spots lie
-  /// outside the image.
+  /// Makes the models from the sensor's reference and, if active, its calibration. `images`:
+  /// present frames, which give the noise. Errc::refused, field "reference": it has no mean image.
+  /// Errors if neither model can be used: those of rendered_model without an active calibration;
+  /// with one, Errc::refused, field "reference", and the reason why the calibration cannot be used.
   static Result<SpotsModel> make(const SensorSnapshot& sensor, const SlmGeometry& slm,
                                  std::span<const ImageView> images);
 
-  /// Those that the calibration measured, if the last of `images` is within their reach; else null.
+  /// Measured templates, if the wavefront of the last of `images` is within 0.02 wave RMS of the
+  /// calibration's wavefront; else null.
   std::shared_ptr<const FrameFit> measured_near(std::span<const ImageView> images) const;
   bool has_measured() const { return measured_.has_value(); }
-  /// Why an active calibration is not used; empty: it is used, or there is none.
+  /// Why an active calibration is not used; empty: it is used, or no calibration is active.
   const std::string& unmeasured() const { return unmeasured_; }
 
-  /// Templates about the wavefront of the last of `images`, looked for from each of `starts` in
-  /// turn; the images before it give the noise. Those of the calibration, if they are near, or if
-  /// nothing else describes the image. `fixed`: modes shown that are not measured. Errors: those of
-  /// PointModel::templates and MeasuredModel::templates.
+  /// Templates about the wavefront of the last of `images`; the earlier images give the noise. Uses
+  /// the measured templates if they are near, or if no rendered ones describe the image. Rendering
+  /// begins at each of `starts` in turn, with at most `renderings` each. `fixed`: modes shown that
+  /// are not measured. Errors: those of PointModel::templates and MeasuredModel::templates.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
                                                     std::span<const std::vector<double>> starts,
                                                     std::span<const Mode> fixed, int renderings);
@@ -60,15 +61,15 @@ class SpotsModel {
  private:
   SpotsModel() = default;
 
-  std::optional<PointModel> rendered_;  ///< none: the model does not explain the reference
+  std::optional<PointModel> rendered_;  ///< none: the model cannot explain the reference
   std::optional<MeasuredModel> measured_;
   std::string unmeasured_;
 };
 
-/// When the calibration was taken whose measured templates are active; 0: none.
+/// Time (UTC) at which the calibration that gives measured templates was taken; 0: none does.
 std::int64_t active_calibration_ns(const SensorSnapshot& sensor);
 
-/// Modes on the SLM that are not measured.
+/// Modes shown on the SLM that are not among the measured modes.
 std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<int>& measured);
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// Watches for periods without a valid frame: since when, why, and what the daemon does about it.
+/// Validity watch: since when and why no frame has been valid, and what the daemon does about it.
 #pragma once
 
 #include <atomic>
@@ -11,34 +11,35 @@
 
 namespace ovws {
 
-/// Progress of the search for the wavefront. Times are CLOCK_MONOTONIC.
+/// Progress of the wavefront search. Times are CLOCK_MONOTONIC.
 struct SearchProgress {
   bool running = false;
-  int searches = 0;          ///< since frames were last valid
-  std::int64_t next_ns = 0;  ///< next search of the unchanged image
+  int searches = 0;          ///< failed searches since frames were last valid
+  std::int64_t next_ns = 0;  ///< time of the next search, if the image does not change
 };
 
-/// Watches settled frames of a sensor with a reference. One thread calls `on_frame`, one calls
-/// `announce` and the methods of the search; any thread may call the rest.
+/// Watches settled frames of a sensor with a reference. The publish thread calls `on_frame`. The
+/// search thread calls `announce` and `search_*`. Any thread may call the other methods.
 class ValidityWatch {
  public:
-  /// What is wrong with the newest invalid frame.
+  /// Lack of valid frames: what is wrong with the newest invalid frame.
   struct Lack {
     std::int64_t since_ns = 0;  ///< start of the invalid period, CLOCK_MONOTONIC
     int tracked = 0, spots = 0;
     bool explained = true;  ///< false: no wavefront explains the spots' positions
-    bool waits = false;     ///< the positions must be confirmed by templates first
-    bool searched = true;   ///< the tracker is `fit`, so that the wavefront is searched
+    bool waits = false;     ///< true: templates must confirm the positions first
+    bool searched = true;   ///< true: the tracker is `fit`, so the daemon searches the wavefront
   };
 
   void on_frame(bool valid, const Lack& lack, std::int64_t now_ns);
 
-  /// None if the newest frame was valid, or if no frame came for 1.5 s, which has another cause.
+  /// Why frames are invalid. None if the newest frame was valid, or if no frame came for 1.5 s:
+  /// missing frames have another cause, which is reported elsewhere.
   std::optional<Lack> lack(std::int64_t now_ns) const;
-  /// Whether the newest frame was valid, or there was none yet.
+  /// Whether the newest frame was valid, or no frame has come yet.
   bool is_valid() const { return since_ns_ == 0; }
-  /// Describes the lack for status and events; none if there is none. `now_ns` (CLOCK_MONOTONIC)
-  /// and `utc_ns` are the same moment.
+  /// Describes the invalid period for the status message; none if frames are valid. `now_ns`
+  /// (CLOCK_MONOTONIC) and `utc_ns` (UTC) are two clocks read at one moment.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid(std::int64_t now_ns,
                                                                 std::int64_t utc_ns) const;
 
@@ -55,11 +56,11 @@ class ValidityWatch {
   std::atomic<int> tracked_{0}, spots_{0};
   std::atomic<bool> explained_{true}, waits_{false}, searched_{true};
   Guarded<SearchProgress> progress_;
-  std::int64_t announced_ns_ = 0;  ///< start of the announced invalid period; 0: none
+  std::int64_t announced_ns_ = 0;  ///< start of the invalid period announced; 0: none is
 };
 
-/// Describes an invalid period for status and events. `now_ns` (CLOCK_MONOTONIC) and `utc_ns` are
-/// the same moment.
+/// Describes an invalid period for status and events. `now_ns` (CLOCK_MONOTONIC) and `utc_ns` (UTC)
+/// are two clocks read at one moment.
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
                                                     const SearchProgress& search,
                                                     std::int64_t now_ns, std::int64_t utc_ns);

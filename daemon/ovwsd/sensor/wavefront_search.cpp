@@ -17,22 +17,23 @@ namespace {
 
 constexpr std::chrono::milliseconds kTurn(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
-constexpr int kFrames = 3;  // the first ones give the noise; the last is measured
+constexpr int kFrames = 3;  // frames for a search: two give the noise, the last is measured
 constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
-constexpr double kMaxResidual = 1.5;  // standard errors
+constexpr double kMaxResidual = 1.5;  // RMS residual of the estimates, in standard errors
 constexpr double kCalmResidual = 0.7, kFarInAirWaves = 0.05;
-constexpr double kMoreResidual = 1.3;                    // over that at the operating point
-constexpr int kFewRenderings = 8, kManyRenderings = 12;  // from a valid frame, and from another
-// For an image that was searched twice and stays as it is: finds 2 waves RMS.
+constexpr double kMoreResidual = 1.3;                    // times the operating point's residual
+constexpr int kFewRenderings = 8, kManyRenderings = 12;  // per start: valid frame; invalid frame
+// Renderings for an unchanged image after two failed searches: finds wavefronts of 2 waves RMS.
 constexpr int kMostRenderings = 40;
-constexpr std::int64_t kRestNs = 30'000'000;  // between looks at frames
+constexpr std::int64_t kRestNs = 30'000'000;  // minimum pause between two search attempts
 constexpr std::int64_t kGiveUpNs = 3'000'000'000;
 constexpr std::int64_t kLookAgainNs = 1'000'000'000;
-constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // another frame gives a better noise estimate
+constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // a failed model: new frames give new noise
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
-/// Whether templates about this frame's wavefront would measure it better: it has drifted away, the
-/// linear templates leave more than noise, or less than the air that they allow for.
+/// Whether new templates about this frame's wavefront would measure it better: if the
+/// wavefront has drifted away, if the linear templates leave more than noise, or if they leave less
+/// than the air turbulence that they allow for.
 bool is_drifted(const FrameRecord& record) {
   double variance = 0.0;
   for (int k = 0; k < record.mode_count; ++k) {
@@ -57,7 +58,7 @@ std::vector<Mode> shown_by(const SensorSnapshot& sensor) {
   return shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
 }
 
-/// What a frame at the operating point reads.
+/// Coefficients of a frame at the operating point, relative to the reference.
 std::vector<double> coefficients_of(const OperatingPoint& point) {
   std::vector<double> waves = point.waves;
   for (std::size_t k = 0; k < waves.size(); ++k) waves[k] -= point.reference_waves[k];
@@ -66,14 +67,14 @@ std::vector<double> coefficients_of(const OperatingPoint& point) {
 
 }  // namespace
 
-/// What a model depends on.
+/// Key of a model: everything that the model depends on.
 struct WavefrontSearch::Key {
   std::uint64_t sensor_epoch = 0;
   int cols = 0, rows = 0;
   std::vector<int> modes_j;
-  int estimates = 0;  ///< of each spot
+  int estimates = 0;  ///< number of estimates from each spot
   std::int64_t reference_taken_ns = 0;
-  std::int64_t calibration_taken_ns = 0;  ///< of the active measured templates; 0: none
+  std::int64_t calibration_taken_ns = 0;  ///< of active measured templates; 0: none
 
   Key(const FrameCopy& frame, const SensorSnapshot& sensor)
       : sensor_epoch(sensor.sensor_epoch),
@@ -86,13 +87,13 @@ struct WavefrontSearch::Key {
   friend bool operator==(const Key&, const Key&) = default;
 };
 
-/// The model of one sensor and its reference. A failure is kept for some time, too: the same
-/// reference would fail again.
+/// Model of one sensor and its reference. A failure to make the model is kept for kTryAgainNs,
+/// because the unchanged reference would fail again.
 struct WavefrontSearch::Model {
   Key key;
   Result<SpotsModel> spots = fail(Errc::refused, "reference", "");
-  std::int64_t failed_until_ns = 0;  ///< when another frame may be tried
-  std::vector<double> last{};        ///< coefficients of the last operating point that was rendered
+  std::int64_t failed_until_ns = 0;  ///< time to try again with other frames
+  std::vector<double> last{};        ///< coefficients of the last rendered operating point
 
   bool has_failed() const { return !spots && monotonic_ns() < failed_until_ns; }
   void set_failed(Error why) {
@@ -140,16 +141,16 @@ bool WavefrontSearch::do_work() {
   } catch (const std::bad_alloc&) {
     const Error why{Errc::refused, "camera.roi",
                     "there is not enough memory for a model of this image"};
-    if (model_) model_->spots = fail(why);  // the next frame may find memory
+    if (model_) model_->spots = fail(why);  // retry: memory may be free then
     report(fail(why), began_ns);
   }
   frames_.clear();
   return true;
 }
 
-/// Takes the next frame of the active sensor. Returns whether there are enough of them. In a closed
-/// loop each frame may have a hologram of its own; that does not matter as long as the holograms
-/// differ in measured modes only.
+/// Takes the next frame of the active sensor. Returns whether there are kFrames successive frames.
+/// In a closed loop each frame may have another hologram: frames are used together as long as the
+/// holograms differ in measured modes only.
 bool WavefrontSearch::take_frame(const SensorSnapshot& sensor) {
   const FrameCopy* const frame = inbox_.next(kFramePatience);
   if (frame == nullptr || !sensor.reference) return false;
@@ -167,8 +168,8 @@ bool WavefrontSearch::take_frame(const SensorSnapshot& sensor) {
   return frames_.size() == kFrames;
 }
 
-/// Begins to try this frame, unless one failed that looks like it, and was measured by the same
-/// plan.
+/// Begins a search of this frame if SearchPolicy allows one. An image counts as unchanged if it
+/// looks like the image searched last and has the plan of that image.
 bool WavefrontSearch::begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor) {
   next_ns_ = monotonic_ns() + kRestNs;
   const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
@@ -188,7 +189,7 @@ bool WavefrontSearch::begin_if_due(const FrameCopy& frame, const SensorSnapshot&
 }
 
 /// Whether to try the calibration's measured templates, which are more accurate than the active
-/// rendered ones: the wavefront may have come near the calibration's.
+/// rendered templates. The wavefront may have come near the calibration's wavefront.
 bool WavefrontSearch::looks_for_calibration() const {
   const bool described = described_.load(std::memory_order_relaxed);
   return described && !measured_ && model_ && model_->spots && model_->spots->has_measured() &&
@@ -219,7 +220,7 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   return {};
 }
 
-/// Null: the present ones do as well.
+/// Finds templates for the frame. Null: keep the active templates.
 Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const ImageView> images,
                                                                const FrameCopy& frame,
                                                                const SensorSnapshot& sensor) {
@@ -232,13 +233,13 @@ Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const I
   const bool described = described_.load(std::memory_order_relaxed);
   const bool same = fit && (*fit)->point().measured && measured_ && described;
   if (!same) return fit;
-  next_ns_ = monotonic_ns() + kLookAgainNs;  // far from the calibration, and nothing is rendered
+  next_ns_ = monotonic_ns() + kLookAgainNs;  // the calibration's again: wait before the next try
   return nullptr;
 }
 
-/// Where to look for the wavefront of a frame: where it was measured, with 0 for modes that
-/// positions do not determine. If it is not valid, first at the reference, from where most are
-/// found, and last where it was before.
+/// Start points of the search, as coefficients. For a valid frame: its measured coefficients, with
+/// 0 for modes that positions do not determine. For an invalid frame: first the reference (all 0),
+/// from which most wavefronts are found, then the measured coefficients, then the last found ones.
 std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame) const {
   std::vector<std::vector<double>> all;
   if (std::isfinite(frame.coefficients.front())) {
@@ -262,8 +263,9 @@ void WavefrontSearch::make_model(std::span<const ImageView> images, const Sensor
                {{"rendered", true}});
 }
 
-/// Rests after a failure for as long as it took, because images of moving air never look alike, and
-/// announces a new one. When nothing has been found for some time, positions have to do.
+/// Handles the result of a search. After a failure, pauses for as long as the search took, because
+/// images of moving air always count as changed, and publishes a new reason. After kGiveUpNs of
+/// failures, gives templates up, so that modes come from spot positions.
 void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns) {
   const std::int64_t now_ns = monotonic_ns();
   if (rendered) {
@@ -287,7 +289,7 @@ void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns
                {{"rendered", false}});
 }
 
-/// Frames are described by templates, by new ones or by those that there were.
+/// Resets the search when templates describe the frames, whether new templates or the active ones.
 void WavefrontSearch::succeed() {
   next_ns_ = std::max(next_ns_, monotonic_ns() + kRestNs);
   policy_.reset();

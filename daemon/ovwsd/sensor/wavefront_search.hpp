@@ -1,4 +1,5 @@
-/// Searches the wavefront of frames that are not measured well, and renders templates about it.
+/// Wavefront search for frames that the active templates do not describe, with new templates as the
+/// result.
 #pragma once
 
 #include <atomic>
@@ -23,14 +24,14 @@
 
 namespace ovws {
 
-/// Agent of the search thread. When templates do not describe the frames, or the wavefront has
-/// drifted from their operating point, it finds the wavefront of the next frame by rendering its
-/// spots, which takes some 50 ms, or up to a second for a frame that is not valid. Templates
-/// about it go to the SensorKeeper; in air they allow for modes that are not measured. After a
-/// failure, SearchPolicy decides when to try again. When nothing has been found for three seconds,
-/// or nothing can be, templates are given up: positions count, as far as they determine the modes.
-/// Near the wavefront of a calibration its templates are used. With other trackers than `fit` it
-/// only watches whether frames are valid.
+/// Agent of the search thread. It works when templates do not describe the frames, or when the
+/// wavefront has drifted from the templates' operating point. It then finds the wavefront of the
+/// next frame by rendering spots: some 50 ms, or up to a second for a frame that is not valid.
+/// Templates about the found wavefront go to the SensorKeeper. In turbulent air they allow for
+/// modes that are not measured. Near a calibration's wavefront, the calibration's templates are
+/// used. After a failure, SearchPolicy decides when to try again. After three seconds without
+/// success, templates are given up, and modes come from spot positions. With other trackers than
+/// `fit` the agent only watches whether frames are valid.
 class WavefrontSearch : public Agent {
  public:
   WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
@@ -41,7 +42,7 @@ class WavefrontSearch : public Agent {
 
   /// Publish thread: call for every frame.
   void on_frame(const FrameRecord& record);
-  /// Any thread: why no frame is valid; nothing if frames are.
+  /// Any thread: why no frame is valid; none if frames are valid.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const {
     return validity_.why_invalid(monotonic_ns(), utc_ns());
   }
@@ -67,21 +68,21 @@ class WavefrontSearch : public Agent {
   SensorKeeper& keeper_;
   Events& events_;
   FrameInbox inbox_;
-  std::unique_ptr<Model> model_;  ///< of the frame tried last
+  std::unique_ptr<Model> model_;  ///< model used for the frame searched last
   std::atomic<bool> wanted_{false};
-  std::atomic<bool> described_{false};  ///< the newest frame, by its plan's templates
+  std::atomic<bool> described_{false};  ///< the plan's templates describe the newest frame
   std::atomic<std::int64_t> found_ns_{0};
   ValidityWatch validity_;
   // Search thread only.
-  std::int64_t next_ns_ = 0;       ///< not before
-  std::vector<FrameCopy> frames_;  ///< of one plan and hologram, in a row
+  std::int64_t next_ns_ = 0;       ///< do not search before this time
+  std::vector<FrameCopy> frames_;  ///< successive frames of one sensor epoch and image size
   SearchPolicy policy_;
   std::int64_t failing_since_ns_ = 0;  ///< 0: not failing
-  std::optional<BinnedImage> tried_;   ///< the image tried last
+  std::optional<BinnedImage> tried_;   ///< the image searched last
   std::uint64_t tried_plan_id_ = 0;
-  std::string failure_;             ///< announced
-  bool measured_ = false;           ///< the templates given last are of the calibration
-  std::int64_t look_again_ns_ = 0;  ///< whether frames are near the calibration: not before
+  std::string failure_;             ///< reason in the last failure event; empty: none
+  bool measured_ = false;           ///< the last templates were the calibration's
+  std::int64_t look_again_ns_ = 0;  ///< do not try the calibration's templates before
 };
 
 }  // namespace ovws

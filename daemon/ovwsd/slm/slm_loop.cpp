@@ -61,7 +61,8 @@ void SlmLoop::carry_out(Job& job) {
     abandoned = job.abandoned;
     job.done.set_value(done);
   }
-  // The caller got a timeout error and assumes that the previous hologram is shown: show that.
+  // The caller of `show` got a timeout error and assumes that the previous hologram is shown:
+  // present the previous one again.
   if (abandoned && done && before) (void)present(*before);
 }
 
@@ -151,7 +152,8 @@ SlmLoop::Pending SlmLoop::wait_for_work() {
   return std::exchange(pending_, {});
 }
 
-/// The display counts as open once it shows the requested hologram.
+/// Opens the display and presents the requested hologram. Only then is the display reported as
+/// open.
 void SlmLoop::try_open() {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_display(config_);
@@ -187,8 +189,8 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   return {};
 }
 
-/// Closes the display after a fault. Nothing is known to be shown until try_open has made a new
-/// one.
+/// Closes the display after a fault. No hologram counts as shown until try_open has opened the
+/// display again.
 void SlmLoop::fault(const Error& why) {
   display_.reset();
   shown_ = ShownHologram{};

@@ -23,10 +23,10 @@
 
 namespace ovws {
 
-/// A hologram to present, with what the frame path must know of it.
+/// Hologram to present, with the numbers that the frame path needs.
 struct HologramRequest {
   std::uint64_t hologram_id = 0;
-  std::uint64_t sensor_epoch = 0;  ///< 0: not a sensor hologram, nothing to measure
+  std::uint64_t sensor_epoch = 0;  ///< 0: not a sensor hologram, frames are not measured
   HologramKind kind = HologramKind::sensor;
   std::shared_ptr<const Image<std::uint8_t>> grey;
 };
@@ -34,19 +34,19 @@ struct HologramRequest {
 struct SlmSnapshot {
   bool healthy = false;
   std::optional<DisplayInfo> info;
-  std::uint64_t hologram_id = 0;  ///< shown now; 0: none
+  std::uint64_t hologram_id = 0;  ///< the hologram shown now; 0: none
   HologramKind kind = HologramKind::sensor;
   std::int64_t t_presented_mono_ns = 0;
   std::int64_t t_settled_mono_ns = 0;
-  std::string fault;      ///< why it is not healthy; empty if it is
-  bool at_fault = false;  ///< it is present, but cannot be used until a person fixes the fault
+  std::string fault;      ///< why the SLM is not healthy; empty if healthy
+  bool at_fault = false;  ///< a person must fix the fault before the display can be used
 };
 
-/// Comparison of the display's buffer, read back, with the hologram presented.
+/// Readback check of the display: compares its buffer with the presented hologram.
 struct SlmVerdict {
   std::uint64_t hologram_id = 0;
-  std::uint32_t crc32 = 0;        ///< of the grey levels presented, row by row
-  std::uint32_t crc32_shown = 0;  ///< of the grey levels read back
+  std::uint32_t crc32 = 0;        ///< CRC-32 of the presented grey levels, row by row
+  std::uint32_t crc32_shown = 0;  ///< CRC-32 of the grey levels read back
   int differing_pixels = 0;
 };
 
@@ -54,7 +54,7 @@ struct SlmLoopDeps {
   LatestValue<ShownHologram>& shown;
   Counters& counters;
   Events& events;
-  /// Main thread: health, or why it is not healthy, changed.
+  /// Called in the main thread when the SLM's health, or the reason of its fault, has changed.
   std::function<void(const SlmSnapshot&)> on_change;
 };
 
@@ -63,22 +63,23 @@ class SlmLoop : public Agent {
   SlmLoop(SlmConfig config, SlmLoopDeps deps);
   ~SlmLoop() override;
 
-  /// Main thread: one turn; waits 20 ms at most for work.
+  /// One turn of the main thread; waits up to 20 ms for work.
   bool do_work() override;
-  /// Main thread, after the last turn: pending calls of `show` and `verify` fail, later ones are
-  /// refused.
+  /// Ends the loop; main thread, after the last turn. Pending calls of `show` and `verify` fail,
+  /// later calls are refused.
   void close();
 
-  /// Any thread but the main one: presents the hologram, and returns when the display has accepted
-  /// it. Fails after 2 s; the previous hologram then remains the one to show.
+  /// Presents the hologram, and returns when the display has accepted it. It blocks, so the main
+  /// thread must not call it. Fails after 2 s; the previous hologram then stays active.
   Result<void> show(HologramRequest request);
-  /// Thread-safe, returns at once: presents the hologram as soon as there is a display, before any
-  /// later `show`. A later call replaces a hologram that still waits.
+  /// Presents the hologram as soon as a display is open, before any later `show`. Thread-safe,
+  /// returns at once. A later call replaces a hologram that still waits.
   void show_when_possible(HologramRequest request);
 
-  /// Thread-safe: reads back the display's buffer and compares it with the hologram presented last.
-  /// `done` is called in the main thread. A difference is an event. Errors: there is no display or
-  /// no hologram, or the display system does not allow reading.
+  /// Reads back the display's buffer and compares it with the hologram presented last. Thread-safe;
+  /// `done` is called in the main thread (after close: in the caller's). A difference is also
+  /// reported as an event. Errors: there is no display or no hologram, or the display system does
+  /// not allow reading.
   void verify(std::function<void(Result<SlmVerdict>)> done);
 
   SlmSnapshot snapshot() const { return snapshot_.get(); }

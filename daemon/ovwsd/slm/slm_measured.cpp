@@ -19,7 +19,7 @@ using nlohmann::json;
 
 constexpr double kMaxRad = 1000.0;
 
-/// Reads the fields that both kinds have.
+/// Reads the fields that a measured LUT and a measured flatness have in common.
 template <class T>
 void read_common(ObjectReader& r, T& measured) {
   for (const char* key : {"t_taken_ns", "frames", "origin"}) r.require(key);
@@ -34,7 +34,8 @@ void read_common(ObjectReader& r, T& measured) {
   if (origin != nullptr && origin->is_object()) measured.origin = *origin;
 }
 
-/// The first of `parts` that was another in this section of the origin; empty: none was.
+/// Compares a section of a measurement's origin with the present values `parts`. Describes the
+/// first value that differs; empty: all are equal.
 std::string difference(const json& origin, const char* section,
                        std::initializer_list<std::pair<const char*, json>> parts) {
   const json then = origin.value(section, json::object());
@@ -46,8 +47,7 @@ std::string difference(const json& origin, const char* section,
   return {};
 }
 
-/// Why something that was measured with `origin` cannot be used with the configured SLM; empty: it
-/// can.
+/// Why a measurement with this `origin` does not fit the configured SLM; empty: it fits.
 std::string slm_mismatch(const json& origin, const Config& config) {
   const SlmGeometry& now = config.slm.geometry;
   const std::string other =
@@ -141,7 +141,8 @@ Result<MeasuredFlatness> FlatnessKind::read(const json& content) const {
   return flatness;
 }
 
-/// Compares the SLM, the optics, and the map of slm.flatness that the measurement is added to.
+/// Why a flatness cannot be used: another SLM, other optics, or another slm.flatness map than the
+/// one that it was measured with.
 std::string FlatnessKind::obstacle(const MeasuredFlatness& flatness) const {
   if (auto other = slm_mismatch(flatness.origin, config); !other.empty()) return other;
   if (flatness.configured_sha256 != configured_sha256) {

@@ -1,5 +1,4 @@
-/// Measured LUT and flatness of the SLM, their files, and the hologram settings that follow from
-/// them.
+/// Measured LUT and flatness of the SLM, with their files and the resulting hologram settings.
 #pragma once
 
 #include <cstdint>
@@ -15,56 +14,57 @@
 
 namespace ovws {
 
-/// Result of lut.run: the SLM's phase response.
+/// Result of lut.run: the SLM's phase response, and the LUT that corrects it.
 struct MeasuredLut {
   std::int64_t t_taken_ns = 0;
-  int frames = 0;  ///< averaged for each hologram
+  int frames = 0;  ///< number of frames averaged for each hologram
   PhaseResponse response;
   PhaseTable table;       ///< the LUT that makes the response linear
-  nlohmann::json origin;  ///< what it was measured with; see ReferenceBench
-  std::string sha256;     ///< of its file in the state store; empty: it is not stored
+  nlohmann::json origin;  ///< bench of the measurement; see ReferenceBench
+  std::string sha256;     ///< SHA-256 of the stored file; empty: not stored
 };
 
-/// Result of flatness.run: the phase error, whose opposite is added to the hologram.
+/// Result of flatness.run: the SLM's phase error. The hologram adds the opposite of this error.
 struct MeasuredFlatness {
   std::int64_t t_taken_ns = 0;
-  int frames = 0;                            ///< averaged at each place of the scan
+  int frames = 0;                            ///< frames averaged at each place of the scan
   int iterations = 0;                        ///< number of scans
-  double pupil_diameter_px = 0.0;            ///< of the circle on which the modes are defined
+  double pupil_diameter_px = 0.0;            ///< circle on which the modes are defined
   std::vector<Mode> modes;                   ///< j >= 3, RMS-normalised waves
   std::vector<double> standard_error_waves;  ///< of each mode
   double residual_rms_waves = 0.0;           ///< RMS change of the modes in the last scan
-  nlohmann::json configured_sha256;  ///< of the map of slm.flatness that it is added to; null: none
-  nlohmann::json origin;             ///< as in MeasuredLut
+  nlohmann::json configured_sha256;  ///< SHA-256 of the configured flatness map; null: no map
+  nlohmann::json origin;             ///< bench of the measurement; as in MeasuredLut
   std::string sha256;
 };
 
-/// The SLM data in use; immutable. A null measurement means that the configuration's file is used,
-/// if there is one.
+/// SLM data in use: measurements and hologram settings. Immutable. If a measurement is null, the
+/// file of the configuration is used, if there is one.
 struct ActiveSlm {
   std::shared_ptr<const MeasuredLut> lut;
   std::shared_ptr<const MeasuredFlatness> flatness;
   HologramConfig hologram;  ///< its sensor settings are not used
-  /// Geometry and checksums; images that were taken with another identity cannot be compared.
+  /// SLM identity: geometry and checksums. Images taken with different identities cannot be
+  /// compared.
   nlohmann::json identity;
 };
 
-/// Checksum of the hologram's flatness map, as in slm_identity; null: there is no map.
+/// SHA-256 of the hologram's flatness map, as in slm_identity; null: there is no map.
 nlohmann::json flatness_sha256(const HologramConfig& hologram);
 
 /// The SLM's identity (SlmIdentity) as JSON. A checksum is null if there is neither a file nor a
 /// measurement.
 nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut);
 
-/// Combines measurements with `configured`, the settings from the configuration's files. A measured
-/// LUT replaces that of the file. A measured flatness is added to the file's flatness map, which
-/// was active during the measurement.
+/// Combines measurements with `configured`, the hologram settings from the configuration's files. A
+/// measured LUT replaces the LUT of the file. A measured flatness is added to the file's flatness
+/// map, because this map was active during the measurement.
 std::shared_ptr<const ActiveSlm> active_slm(const Config& config, const HologramConfig& configured,
                                             std::shared_ptr<const MeasuredLut> lut,
                                             std::shared_ptr<const MeasuredFlatness> flatness);
 
-/// Measured LUTs as a Kind of Kept. One can be used with an SLM of the same size and pitch at the
-/// same wavelength.
+/// Measured LUT as a Kind of Kept (the store). A LUT can be used with an SLM of the same size and
+/// pixel pitch at the same wavelength.
 struct LutKind {
   using Item = MeasuredLut;
   static constexpr const char *kKind = "lut", *kEvent = "slm", *kTitle = "LUT",
@@ -77,14 +77,14 @@ struct LutKind {
   std::string obstacle(const Item& lut) const;
 };
 
-/// Measured flatnesses as a Kind of Kept. One can be used with the same SLM and optics, and with
-/// the same configured flatness map, to which it is added.
+/// Measured flatness as a Kind of Kept (the store). A flatness can be used with the same SLM, the
+/// same optics and the same configured flatness map, to which it is added.
 struct FlatnessKind {
   using Item = MeasuredFlatness;
   static constexpr const char *kKind = "flatness", *kEvent = "slm", *kTitle = kKind,
                               *kMethod = "flatness.run";
   Config config;
-  nlohmann::json configured_sha256;  ///< of the map of slm.flatness; null: there is none
+  nlohmann::json configured_sha256;  ///< SHA-256 of the slm.flatness map; null: no map
 
   std::string name(const Item&) const { return "slm"; }
   nlohmann::json content(const Item& flatness) const;

@@ -13,7 +13,7 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kTurnNs = 50'000'000;
-constexpr std::int64_t kPauseNs = 10'000'000;  // between two looks for open requests
+constexpr std::int64_t kPauseNs = 10'000'000;  // between two checks for open requests
 
 }  // namespace
 
@@ -56,7 +56,7 @@ void ImagePublisher::serve(const FrameRecord& record) {
   try {
     frames_.serve_pixels(record);
   } catch (const std::bad_alloc&) {
-    counters_.add(Counter::messages_dropped);  // the request stays open
+    counters_.add(Counter::messages_dropped);  // the request that ran out of memory stays open
   }
 }
 

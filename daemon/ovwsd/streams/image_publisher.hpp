@@ -19,21 +19,21 @@
 namespace ovws {
 
 struct ImagePublisherConfig {
-  double rate_hz = 10.0;  ///< 0: nothing is sent
+  double rate_hz = 10.0;  ///< images per second; 0: no images are sent
   double wavelength_nm = 632.0;
   int phase_size_px = 128;
 };
 
-/// The images thread's agent.
+/// Agent of the images thread.
 class ImagePublisher : public Agent {
  public:
-  /// `frames` outlives this object; its requests for pixels are served between the images.
+  /// `frames` must outlive this object. Its requests for pixels are served between two images.
   ImagePublisher(Publisher socket, const ImagePublisherConfig& config, Pipeline& pipeline,
                  Counters& counters, FrameBroker& frames);
 
   bool do_work() override;
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
-  /// Thread-safe: sets the rate of images and phase maps; 0: none.
+  /// Sets the rate of images and phase maps, in Hz; 0: none are sent. Thread-safe.
   void set_rate(double rate_hz) {
     rate_hz_.store(rate_hz);
     next_ns_.store(0);

@@ -29,10 +29,11 @@ struct StreamPublisherDeps {
   LatencyHistogram& published_latency;
 };
 
-/// The fields that `wavefront` and `spots` share, but for `seq` and the publish times.
+/// Frame fields that the `wavefront` and `spots` messages have in common, except `seq` and the
+/// publish times.
 FrameMessage frame_message(const FrameRecord& record, double wavelength_nm);
 
-/// The publish thread's agent, which alone uses the socket.
+/// Agent of the publish thread. No other thread uses the socket.
 class StreamPublisher : public Agent {
  public:
   StreamPublisher(Publisher socket, double wavelength_nm, StreamPublisherDeps deps);

@@ -66,7 +66,8 @@ cpu_set_t set_of(const std::vector<int>& cpus) {
 Result<void> check_cpus(const std::vector<int>& cpus) {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
-  // With more processors than a cpu_set_t holds, pinning reports the error when the threads start.
+  // sched_getaffinity fails if the host has more processors than a cpu_set_t holds. Pinning then
+  // reports the error when the threads start.
   if (cpus.empty() || sched_getaffinity(0, sizeof(allowed), &allowed) != 0) return {};
   std::vector<int> usable;
   for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
@@ -109,7 +110,8 @@ Result<void> ThreadPlan::prepare_process() {
 }
 
 Result<void> ThreadPlan::lock_memory() const {
-  // What the display's driver loads later is large, and most of it is never used.
+  // Lock later mappings only when first used (MCL_ONFAULT): the display driver maps much memory,
+  // and most of it is never used.
   if (mlockall(MCL_CURRENT) == 0 && mlockall(MCL_FUTURE | MCL_ONFAULT) == 0) return {};
   const std::string why = std::strerror(errno);
   if (policy_ == RealtimePolicy::enforce) {
@@ -183,8 +185,8 @@ Result<void> ThreadPlan::pin(Running& running) const {
 }
 
 void ThreadPlan::run(Running& running) {
-  // Linux has a nice value per thread. Raising it is always allowed. It is not lowered where the
-  // whole process runs at a higher one.
+  // On Linux each thread has its own nice value, and a thread may always raise it. Keep the value
+  // if the whole process already runs at a higher one.
   const int ours = getpriority(PRIO_PROCESS, 0);
   if (running.row->nice > ours) setpriority(PRIO_PROCESS, id_t(gettid()), running.row->nice);
   bool whole = true;
@@ -198,7 +200,7 @@ void ThreadPlan::run(Running& running) {
   running.ending.set_value();
 }
 
-/// Runs `work`; false if an exception left it, which is then reported.
+/// Runs `work`. If an exception leaves `work`, reports the exception and returns false.
 bool ThreadPlan::guarded(const ThreadRow& row, const std::function<void()>& work) {
   try {
     work();
@@ -211,8 +213,8 @@ bool ThreadPlan::guarded(const ThreadRow& row, const std::function<void()>& work
   return false;
 }
 
-/// Waits a second, so that a turn that always fails is reported once a second and uses no processor
-/// time.
+/// Waits a second after a failed turn. A turn that always fails is thus reported once a second and
+/// uses no processor time.
 void ThreadPlan::pause(const Running& running) {
   constexpr std::int64_t kPauseNs = 1'000'000'000;
   constexpr std::chrono::milliseconds kStep(20);
@@ -234,9 +236,9 @@ void ThreadPlan::report(const ThreadRow& row, const std::string& what) {
     } else {
       spdlog::error("thread {} failed: {}", row.name, what);
     }
-  } catch (const std::exception&) {  // no memory for the text: the decision stands without it
+  } catch (const std::exception&) {  // no memory for the text: decide without it
   }
-  if (is_fatal) has_fatal_failure_ = true;  // last: the main thread then reads the text, and ends
+  if (is_fatal) has_fatal_failure_ = true;  // set last: the main thread then reads the text, ends
 }
 
 std::string ThreadPlan::fatal_failure() const {
@@ -268,7 +270,7 @@ void ThreadPlan::end_soon(const std::vector<ThreadRole>& roles) {
 }
 
 std::string ThreadPlan::wait_for_end(const std::vector<ThreadRole>& roles, double patience_s) {
-  constexpr std::chrono::milliseconds kMinWait(200);  // also after a thread that did not end
+  constexpr std::chrono::milliseconds kMinWait(200);  // per thread, once another one has not ended
   std::string held;
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(patience_s);
   for (auto running = threads_.rbegin(); running != threads_.rend(); ++running) {

@@ -1,5 +1,5 @@
-/// The thread table: which threads the daemon has, how they are scheduled, and what they may wait
-/// for. No other code creates threads.
+/// Thread table: the daemon's threads, their scheduling, and what each thread may wait for. No
+/// other code creates threads.
 #pragma once
 
 #include <array>
@@ -39,26 +39,26 @@ enum class ThreadRole {
   display,
 };
 
-/// The reaction to a turn that takes too long.
+/// Reaction to a hung turn, which takes longer than the row's longest_turn_s.
 enum class OnHang {
-  restart,  ///< our own fault: the systemd watchdog is no longer fed
-  report,   ///< a device or long work blocks the thread, and would block that of a new process
+  restart,  ///< a bug in ovwsd: stop feeding the systemd watchdog, which restarts ovwsd
+  report,   ///< a device or long work blocks the thread; a restart would not help
 };
 
 /// The reaction to an exception that leaves a turn.
 enum class OnException {
-  go_on,    ///< the turn is lost, the next one begins after a second
+  go_on,    ///< drop the turn, begin the next one after a second
   restart,  ///< frames or holograms may be left half done: the process ends, systemd restarts it
 };
 
 struct ThreadRow {
   ThreadRole role;
-  const char* name;          ///< as in /proc and top
+  const char* name;          ///< thread name in /proc and top
   int fifo_priority;         ///< SCHED_FIFO priority; 0: the system's normal scheduling
-  const char* may_wait_for;  ///< and nothing else
+  const char* may_wait_for;  ///< all that a turn may block on
   double longest_turn_s;     ///< a turn that takes longer counts as hung
   OnHang on_hang;
-  int nice = 0;  ///< above 0: gives way to all other threads of normal scheduling
+  int nice = 0;  ///< above 0: gives way to other threads of normal scheduling
   OnException on_exception = OnException::go_on;
 };
 
@@ -92,70 +92,69 @@ constexpr std::array<ThreadRow, 18> kThreadTable{{
     {ThreadRole::status, "status", 0, "the clock", 5.0, OnHang::restart},
     {ThreadRole::replay, "replay", 0, "the next frame of ovws replay", 5.0, OnHang::report},
     {ThreadRole::display, "main", 0, "the display", 5.0, OnHang::report, 0,
-     OnException::restart},  // made by the system
+     OnException::restart},  // the main thread, which the system creates
 }};
 
-/// Reduces the default stack size to 1 MiB, for threads of libraries, too: whole stacks count
-/// against the limit of locked memory (RLIMIT_MEMLOCK). Call once, before any thread is created.
+/// Reduces the default stack size to 1 MiB, also for threads of libraries. With locked memory, a
+/// whole stack counts against the limit RLIMIT_MEMLOCK. Call once, before any thread is created.
 void keep_stacks_small();
 
-/// Checks that this process may run on these processors; if not, Errc::invalid, field
+/// Checks that this process may run on the processors `cpus`. Error: Errc::invalid, field
 /// pipeline.cpus.
 Result<void> check_cpus(const std::vector<int>& cpus);
 
 struct HungThread {
   const ThreadRow* row = nullptr;
-  double turn_s = 0.0;  ///< so far
+  double turn_s = 0.0;  ///< duration of the present turn so far
 };
 
-/// Report of an exception that left a turn of this thread.
+/// Thread failure: an exception that left a turn of the thread.
 struct ThreadFailure {
   const ThreadRow* row = nullptr;
   std::string what;
 };
-/// Called in the thread that failed.
+/// Callback for a thread failure; called in the thread that failed.
 using OnThreadFailure = std::function<void(const ThreadFailure&)>;
 
-/// Starts agents on threads, detects hung threads, and stops them. Main thread only, unless stated
-/// otherwise.
+/// Starts agents on threads, detects hung threads, and stops threads. Call the methods in the main
+/// thread only, unless stated otherwise.
 class ThreadPlan {
  public:
-  /// Threads of the frame path (those with a SCHED_FIFO priority) are pinned to `frame_path_cpus`,
-  /// which check_cpus has accepted; empty: they run on any processor. Exceptions that leave a turn
-  /// are passed to `on_failure`, or logged if there is none.
+  /// Pins the threads of the frame path (those with a SCHED_FIFO priority) to `frame_path_cpus`,
+  /// which check_cpus has accepted; empty: any processor. `on_failure` receives each exception that
+  /// leaves a turn; without `on_failure`, the exception is logged.
   explicit ThreadPlan(RealtimePolicy policy, std::vector<int> frame_path_cpus = {},
                       OnThreadFailure on_failure = {});
   ~ThreadPlan();
   ThreadPlan(const ThreadPlan&) = delete;
   ThreadPlan& operator=(const ThreadPlan&) = delete;
 
-  /// Locks the process's memory (mlockall): the program and its libraries as a whole, memory that
-  /// is mapped later as it is first used. Keeps the processor out of deep idle states
-  /// (/dev/cpu_dma_latency). What the system refuses is a warning, with `enforce` an error.
+  /// Locks the process's memory (mlockall): program and libraries at once, later mappings when
+  /// first used. Keeps the processor out of deep idle states (/dev/cpu_dma_latency). A request that
+  /// the system refuses is a warning; with `enforce`, an error.
   Result<void> prepare_process();
-  /// Runs `agent` in a new thread until stop_all. Processors that it cannot be pinned to are an
-  /// error; with `enforce`, a refused priority is one, too.
+  /// Runs `agent` in a new thread until stop_all. Fails if the thread cannot be pinned to its
+  /// processors; with `enforce`, also if the system refuses the real-time priority.
   Result<void> start(ThreadRole role, Agent& agent);
-  /// Runs `agent` in the calling thread until `stop` is set, or until an exception leaves a turn of
-  /// a thread whose row then ends the process.
+  /// Runs `agent` in the calling thread until `stop` is set. Also returns after an exception has
+  /// left a turn of a thread whose row says OnException::restart.
   void run_here(ThreadRole role, Agent& agent, const std::atomic<bool>& stop);
-  /// Asks these threads to end after their turn, and does not wait. Any thread.
+  /// Requests that these threads end after their present turn. Does not wait. Thread-safe.
   void end_soon(const std::vector<ThreadRole>& roles);
-  /// Joins these threads, last started first, within `patience_s` in all. A thread may be blocked
-  /// by a device that no longer answers, or by work that cannot be interrupted: then its name is
-  /// returned, and the process must end without destroying what that thread uses. Empty: all ended.
-  /// One caller at a time.
+  /// Joins these threads, last started first, within `patience_s` seconds in total. Returns the
+  /// name of a thread that did not end; empty: all ended. A device or long work can block a thread.
+  /// The process must then end without destroying what this thread uses. One caller at a time.
   std::string wait_for_end(const std::vector<ThreadRole>& roles, double patience_s);
-  /// end_soon and wait_for_end for all threads that have not ended yet.
+  /// Stops all threads that have not ended yet: end_soon, then wait_for_end.
   std::string stop_all(double patience_s);
 
-  /// Thread-safe: why the process must end and be restarted; empty: there is no reason.
+  /// Why the process must end and be restarted; empty: no reason. Thread-safe.
   std::string fatal_failure() const;
 
-  /// Thread-safe: the threads whose turn takes longer than their row allows.
+  /// Hung threads: their present turn takes longer than their row allows. Thread-safe.
   std::vector<HungThread> hung_threads() const;
-  /// Status thread: whether `stop` of run_here has been seen set for `patience_s` while the turn
-  /// still lasts.
+  /// Whether the present turn of run_here has gone on for `patience_s` seconds since this method
+  /// first saw `stop` set. Called by the status thread.
   bool stop_overdue(double patience_s);
 
  private:
@@ -173,13 +172,13 @@ class ThreadPlan {
   OnThreadFailure on_failure_;
   std::atomic<bool> has_fatal_failure_{false};
   std::string fatal_failure_;
-  int dma_latency_fd_ = -1;  ///< the request holds while it is open; -1: none
+  int dma_latency_fd_ = -1;  ///< idle-state limit, active while this file is open; -1: none
   /// Guards threads_, which the status thread reads, and fatal_failure_.
   mutable std::mutex mutex_;
   std::vector<std::unique_ptr<Running>> threads_;
   std::unique_ptr<Running> here_;
   const std::atomic<bool>* stop_here_ = nullptr;
-  std::int64_t stop_seen_ns_ = 0;  ///< 0: not yet
+  std::int64_t stop_seen_ns_ = 0;  ///< CLOCK_MONOTONIC when `stop` was first seen set; 0: not yet
 };
 
 }  // namespace ovws

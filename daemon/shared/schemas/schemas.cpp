@@ -22,7 +22,7 @@ extern const std::string_view kExamples;
 
 namespace {
 
-/// "experiment.gain_sweep" as "Experiment: gain sweep".
+/// Title of a method: "Experiment: gain sweep" for "experiment.gain_sweep".
 std::string title_of(std::string name) {
   name[0] = char(std::toupper(name[0]));
   std::replace(name.begin(), name.end(), '_', ' ');

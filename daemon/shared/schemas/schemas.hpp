@@ -10,8 +10,8 @@ namespace ovws {
 
 struct Schema {
   std::string name;  ///< "camera.set", "stream.wavefront"
-  /// For a method: {title, description, params, result}, the last two JSON Schemas. For a stream:
-  /// the JSON Schema of its messages' JSON part. All have examples.
+  /// For a method: {title, description, params, result}, where `params` and `result` are JSON
+  /// Schemas. For a stream: the JSON Schema of its messages' JSON part. All schemas have examples.
   nlohmann::json json;
 };
 
