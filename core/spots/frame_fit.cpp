@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "core/wavefront/cholesky.hpp"
+#include "core/base/cholesky.hpp"
 
 namespace ovws {
 namespace {

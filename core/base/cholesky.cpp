@@ -1,4 +1,4 @@
-#include "core/wavefront/cholesky.hpp"
+#include "core/base/cholesky.hpp"
 
 #include <cmath>
 
