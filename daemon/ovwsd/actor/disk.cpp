@@ -21,7 +21,7 @@ Result<void> Disk::request(Task task) {
     return fail(Errc::unavailable, "",
                 "too many requests already wait for the disk: see `store` of system.status");
   }
-  // Counted until the task has run, or was dropped at the end.
+  // The request counts until its task has run or is dropped when the mailbox closes.
   std::shared_ptr<void> counted(nullptr, [this](void*) { requests_.fetch_sub(1); });
   post([task = std::move(task), counted = std::move(counted)] { task(); });
   return {};

@@ -1,4 +1,4 @@
-/// The disk thread's agent: runs blocking disk work for the other threads.
+/// Agent of the disk thread: runs blocking disk work for other threads.
 #pragma once
 
 #include <atomic>
@@ -17,18 +17,19 @@ class Disk : public Agent {
   /// Limit of queued client requests: a disk that does not answer must not fill the memory.
   static constexpr int kMaxRequests = 64;
 
-  /// From now on tasks are queued for the disk thread, which is started next.
+  /// Queues tasks for the disk thread from now on. Call this just before the disk thread starts.
   void begin() { begun_.store(true); }
-  /// Thread-safe. The disk thread runs tasks in order, and the caller does not wait. Before begin
-  /// (at start-up, and in tests) a task runs at once, in the calling thread.
+  /// Queues a task; the disk thread runs tasks in order, and the caller does not wait. Before
+  /// `begin` (at start-up and in tests), the task runs at once in the calling thread. Thread-safe.
   void post(Task task);
-  /// The same for a client's request. Errc::unavailable if kMaxRequests are queued already.
+  /// Queues a task for a client's request. Errc::unavailable if kMaxRequests are already queued.
   Result<void> request(Task task);
-  /// Call before the thread starts: `work` runs each turn, and again at once while it returns true.
+  /// Sets the work for each turn of the disk thread. `work` is repeated at once while it returns
+  /// true. Call this before the thread starts.
   void each_turn(std::function<bool()> work) { work_ = std::move(work); }
 
   bool do_work() override;
-  /// Runs all tasks posted so far; later ones are dropped.
+  /// Runs all tasks posted so far; drops tasks that are posted later.
   void on_close() override;
 
  private:

@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-/// Limit of an event's text, which may quote a device or a client.
+/// Limit of an event's text in bytes, because it may quote a device or a client.
 constexpr std::size_t kMaxTextBytes = 2000;
 
 spdlog::level::level_enum log_level(Severity severity) {

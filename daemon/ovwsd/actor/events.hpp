@@ -14,12 +14,12 @@ class Events {
  public:
   explicit Events(StreamQueue& queue) : queue_(queue) {}
 
-  /// Thread-safe. `kind` as in the `event` message, `text` one sentence for a person, `data` fields
-  /// for a program.
+  /// Emits an event with the fields of the `event` message: `text` is one sentence for a person,
+  /// `data` has fields for a program. Thread-safe.
   void emit(std::string kind, Severity severity, std::string text,
             nlohmann::json data = nlohmann::json::object());
 
-  /// Thread-safe: requests a status message at once, for a change that is no event.
+  /// Requests a status message at once, for a change without an event. Thread-safe.
   void status_changed();
 
  private:

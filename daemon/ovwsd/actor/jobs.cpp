@@ -40,7 +40,8 @@ int Jobs::begin(std::string kind, std::function<void()> cancel, std::function<do
   return id;
 }
 
-/// Never drops a running job: a client waits for its end.
+/// Drops the oldest ended job above kMaxRemembered. Running jobs are kept, because a client waits
+/// for their end.
 void Jobs::drop_oldest() {
   if (jobs_.size() <= kMaxRemembered) return;
   const auto ended = std::find_if(jobs_.begin(), jobs_.end(), [](const auto& one) {
@@ -54,7 +55,7 @@ void Jobs::report_progress(int id) {
   const auto now = get(id);
   if (!now || now->state != JobState::running) return;
   const int quarters = int(now->progress * kQuarters);
-  // Held while the event is emitted, so that the job's end cannot come first.
+  // Hold the lock while the event is emitted, so that the job's end event cannot come first.
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
   if (found == jobs_.end() || found->second.job.state != JobState::running) return;
@@ -107,7 +108,8 @@ std::optional<StatusMessage::FailedJob> Jobs::last_failed() const {
   return failed_.empty() ? std::nullopt : std::optional(failed_.back());
 }
 
-/// A cancelled job leaves the previous failure of its kind in place.
+/// Records a failed job, and clears the failure of its kind after a success. A cancelled job leaves
+/// the previous failure in place.
 void Jobs::note_end(const JobReport& job) {
   if (job.state == JobState::cancelled) return;
   std::erase_if(failed_, [&job](const auto& one) { return one.kind == job.kind; });

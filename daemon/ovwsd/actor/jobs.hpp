@@ -1,4 +1,4 @@
-/// Jobs: long commands, each with a number, a progress, and a reported end.
+/// Jobs: long commands, each with a number, progress reports and an end event.
 #pragma once
 
 #include <functional>
@@ -16,29 +16,30 @@
 
 namespace ovws {
 
-/// Thread-safe. Numbers and reports jobs; Procedures runs them, one at a time. The last 100 jobs
-/// are remembered.
+/// Job table: numbers jobs and reports their state; Procedures runs one job at a time. Remembers
+/// the last 100 jobs. Thread-safe.
 class Jobs {
  public:
   explicit Jobs(Events& events) : events_(events) {}
 
-  /// Registers a running job and returns its number. `cancel(id)` calls `cancel` and `get` calls
-  /// `progress`, from any thread and without our lock.
+  /// Registers a running job and returns its number. `cancel(id)` calls `cancel`, and `get` calls
+  /// `progress`, in any thread and without holding the lock of Jobs.
   int begin(std::string kind, std::function<void()> cancel, std::function<double()> progress);
-  /// Emits an event when a running job has passed the next quarter.
+  /// Emits an event each time the progress of a running job has passed another quarter.
   void report_progress(int id);
   void finish(int id, nlohmann::json result);
   void fail_job(int id, Error error);
-  /// Errc::invalid if there is no such job. A job that has ended, or whose result is in use, stays
-  /// as it is.
+  /// Cancels a job and returns its state. A job that has ended, or whose result is in use, is not
+  /// changed. Errc::invalid if no job has this number.
   Result<JobReport> cancel(int id);
-  /// The job's result is adopted now: from here on the job is not cancelled. False if it has ended.
+  /// Marks the job's result as in use; from then on the job cannot be cancelled. Returns false if
+  /// the job has already ended.
   bool use_result(int id);
   Result<JobReport> get(int id) const;
-  /// The latest failure since the daemon's start, kept longer than the job itself. A job of the
-  /// same kind that succeeds clears it.
+  /// The latest job failure since the daemon's start, kept longer than the job's entry. A later job
+  /// of the failed job's kind clears the failure if it succeeds.
   std::optional<StatusMessage::FailedJob> last_failed() const;
-  bool runs(int id) const;  ///< false once it was finished, failed or cancelled
+  bool runs(int id) const;  ///< false once the job has finished, failed or been cancelled
 
  private:
   struct Entry {
@@ -48,7 +49,7 @@ class Jobs {
     int reported_quarters = 0;
     bool result_in_use = false;
   };
-  // Call with mutex_ locked.
+  // Call drop_oldest and note_end with mutex_ locked; `end` locks it.
   void drop_oldest();
   void note_end(const JobReport& job);
   bool end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
@@ -56,7 +57,7 @@ class Jobs {
   Events& events_;
   mutable std::mutex mutex_;
   std::map<int, Entry> jobs_;
-  std::vector<StatusMessage::FailedJob> failed_;  ///< at most one per kind, the latest last
+  std::vector<StatusMessage::FailedJob> failed_;  ///< at most one per kind, latest last
   int next_id_ = 1;
 };
 

@@ -9,12 +9,12 @@
 
 namespace ovws {
 
-/// Not for the frame path: it locks and allocates.
+/// Task queue with a mutex. Do not use it in the frame path: it locks and allocates.
 class Mailbox {
  public:
   using Task = std::function<void()>;
 
-  /// Thread-safe.
+  /// Queues a task, or drops it after `close`. Thread-safe.
   void post(Task task) {
     {
       const std::lock_guard lock(mutex_);
@@ -24,15 +24,15 @@ class Mailbox {
     ready_.notify_one();
   }
 
-  /// Owner's thread: drops the queued tasks, and refuses new ones.
+  /// Drops the queued tasks, and from now on drops new tasks. Owner's thread only.
   void close() {
-    std::deque<Task> dropped;  // destroyed without the lock: a destructor may notify the sender
+    std::deque<Task> dropped;  // destroyed after the unlock: a destructor may notify a sender
     const std::lock_guard lock(mutex_);
     closed_ = true;
     dropped.swap(tasks_);
   }
 
-  /// Owner's thread: waits at most `timeout` for a task, and runs it. False if none came.
+  /// Waits at most `timeout` for a task and runs it; false if no task came. Owner's thread only.
   bool run_one(std::chrono::milliseconds timeout) {
     Task task;
     {

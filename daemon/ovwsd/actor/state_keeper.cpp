@@ -27,7 +27,8 @@ std::optional<std::string> StateKeeper::fault() const {
   return text;
 }
 
-/// Call with mutex_ locked, so that the events of two threads keep their order.
+/// Sets a condition and emits an event if the state changes. Call with mutex_ locked, so that
+/// events of different threads keep their order.
 void StateKeeper::set_locked(bool Conditions::*condition, bool holds) {
   const DaemonState before = state_of(conditions_);
   conditions_.*condition = holds;

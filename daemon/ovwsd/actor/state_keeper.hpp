@@ -1,5 +1,5 @@
-/// The daemon's state machine: takes the conditions of devices and jobs, and decides which actions
-/// are allowed.
+/// The daemon's state machine: derives the state from the conditions of devices and jobs, and
+/// decides which actions are allowed.
 #pragma once
 
 #include <map>
@@ -13,19 +13,19 @@
 
 namespace ovws {
 
-/// Thread-safe. Each change of state is an event.
+/// Keeps the daemon's state and emits an event for each change of state. Thread-safe.
 class StateKeeper {
  public:
   explicit StateKeeper(Events& events) : events_(events) {}
 
-  /// Sets one of the conditions that determine the state.
+  /// Sets a condition of the daemon (camera, display, job, ...), from which the state is derived.
   void set(bool Conditions::*condition, bool holds);
-  /// Sets the fault of `device`, which is present and cannot be used until a person fixes `cause`.
-  /// An empty cause clears it.
+  /// Sets the fault of `device`: the device is present, but unusable until a person fixes `cause`.
+  /// An empty `cause` clears the fault.
   void set_fault(const std::string& device, const std::string& cause);
-  /// All faults, each with its device; none if there is no fault.
+  /// Text of all faults, each with its device; none if there is no fault.
   std::optional<std::string> fault() const;
-  /// Whether the present state allows `action`; see `permit`.
+  /// Checks whether the current state allows `action`; see `permit`.
   Result<void> check(Action action) const;
   std::string name() const;
 
@@ -35,7 +35,7 @@ class StateKeeper {
   Events& events_;
   mutable std::mutex mutex_;
   Conditions conditions_;
-  std::map<std::string, std::string> causes_;  ///< of the faults, by device
+  std::map<std::string, std::string> causes_;  ///< causes of the faults, by device
 };
 
 }  // namespace ovws

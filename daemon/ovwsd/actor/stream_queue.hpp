@@ -16,8 +16,8 @@
 
 namespace ovws {
 
-/// Thread-safe, bounded. Numbers the messages of each topic (`seq`) in order of arrival. When it is
-/// full the oldest message is dropped and counted; receivers see a gap in `seq`.
+/// Bounded queue, thread-safe. Numbers the messages of each topic (`seq`) in order of arrival. When
+/// the queue is full, the oldest message is dropped and counted; receivers see a gap in `seq`.
 class StreamQueue {
  public:
   using Message = std::variant<EventMessage, StatusMessage, RefinedMessage>;
@@ -40,7 +40,7 @@ class StreamQueue {
     return message;
   }
 
-  /// How many messages were dropped since the last call.
+  /// Returns the number of messages dropped since the last call, and resets the count.
   std::uint64_t take_dropped() {
     const std::lock_guard lock(mutex_);
     return std::exchange(dropped_, 0);

@@ -14,13 +14,13 @@ namespace ovws {
 namespace {
 
 constexpr std::int64_t kRetryNs = 1'000'000'000;
-// A busy host, or a busy camera's, may hold frames up for more than a second.
+// Frame timeout: a busy host or a busy camera may delay frames for more than a second.
 constexpr double kPatienceS = 2.0;
 constexpr double kFirstFramePatienceS = 5.0;
-constexpr std::size_t kMaxFaultBytes = 1000;  // a reason may quote the camera
+constexpr std::size_t kMaxFaultBytes = 1000;  // limit, because a reason may quote the camera
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
-/// A reason why no frame can be used, and the remedy.
+/// Cause of unusable frames: its counter, and a text with the remedy.
 struct Unusable {
   Counter counter;
   const char* text;
@@ -34,7 +34,8 @@ constexpr std::array<Unusable, 3> kUnusable{
      {Counter::frames_out_of_order,
       "every frame arrives out of order; check that the network has only one path to the camera"}}};
 
-/// Removes "camera." from the error's field: drivers name configuration keys, clients know params.
+/// Removes "camera." from the error's field: drivers report configuration keys, but clients use the
+/// names of params.
 Error in_params(Error error) {
   constexpr std::string_view kSection = "camera.";
   if (error.field.starts_with(kSection)) error.field.erase(0, kSection.size());
@@ -75,12 +76,12 @@ bool CameraActor::do_work() {
 
 void CameraActor::on_close() {
   mailbox_.close();
-  // The frame path may still hold pointers into the camera: better leaked than dangling.
+  // Leak the camera if the frame path still holds pointers into it, so that no pointer dangles.
   if (camera_ && !close_camera()) (void)camera_.release();
 }
 
 void CameraActor::change(CameraSet change, Applied done) {
-  // Answered here: a camera that does not answer may block the camera thread for seconds.
+  // Reply in the caller's thread: a silent camera may block the camera thread for seconds.
   const CameraSnapshot now = snapshot_.get();
   if (!now.connected && !now.at_fault) return done(not_connected(now));
   if (change.gives(&CameraSettings::gain_db) && now.limits && now.limits->gain_raw)
@@ -112,7 +113,7 @@ void CameraActor::restore_gain(double gain_db, std::function<void()> then) {
     change.put(&CameraSettings::gain_db, gain_db);
     carry_out(change, [this, gain_db, change](const Result<CameraSnapshot>& applied) {
       if (applied) return;
-      settings_.gain_db = gain_db;  // requested at the next connection or camera.set
+      settings_.gain_db = gain_db;  // applied at the next connection or camera.set
       keep_asked(change);
       if (camera_ && !lost_) {
         deps_.events.emit("camera", Severity::warning,
@@ -133,7 +134,7 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   const auto wanted = within_limits(change.applied_to(settings_), *limits_, change.clamp());
   if (!wanted) return done(fail(wanted.error()));
   if (const auto applied = apply(*wanted); !applied) {
-    // Its settings are unknown: it was reset, or does not answer.
+    // The camera's settings are unknown: it was reset, or does not answer.
     if (camera_ && !lost_ && !camera_->alive()) lose(applied.error());
     if (!camera_ && !needs_intervention(applied.error())) return reopen(change, done);
     return done(fail(in_params(applied.error())));
@@ -144,7 +145,7 @@ void CameraActor::carry_out(const CameraSet& change, const Applied& done) {
   done(snapshot_.get());
 }
 
-/// Reopens the camera with the change: it refused its previous settings, or has lost them.
+/// Reopens the camera with the change, because it refused or lost its previous settings.
 void CameraActor::reopen(const CameraSet& change, const Applied& done) {
   open_with(change);
   const CameraSnapshot now = snapshot_.get();
@@ -154,7 +155,7 @@ void CameraActor::reopen(const CameraSet& change, const Applied& done) {
       fail(Errc::invalid, "camera", "the camera cannot be used with these settings: " + now.fault));
 }
 
-/// Opens the camera with `change` applied; settings_ changes only if the camera accepts it.
+/// Opens the camera with `change` applied. settings_ changes only if the camera accepts the change.
 void CameraActor::open_with(const CameraSet& change) {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_camera(config_);
@@ -180,7 +181,7 @@ void CameraActor::open_with(const CameraSet& change) {
   publish_connected();
 }
 
-/// Stores an accepted request; with `clamp`, stores its values clamped to the present limits.
+/// Stores an accepted request in asked_; with `clamp`, clamps its values to the current limits.
 void CameraActor::keep_asked(const CameraSet& change) {
   asked_ = change.applied_to(asked_);
   if (change.clamp() && limits_) asked_ = within_limits(asked_, *limits_, true).value_or(asked_);
@@ -201,7 +202,7 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   return deps_.pipeline.attach(*camera_);
 }
 
-/// Disconnects the camera, which is then reopened as a new object.
+/// Disconnects the camera and publishes the fault. do_work later reopens it as a new object.
 void CameraActor::lose(const Error& why) {
   lost_ = true;
   limits_.reset();
@@ -209,7 +210,7 @@ void CameraActor::lose(const Error& why) {
   close_camera();
 }
 
-/// Destroys the camera. False if the frame path still holds frames of it: try again later.
+/// Destroys the camera. Returns false if the frame path still holds its frames: try again later.
 bool CameraActor::close_camera() {
   if (!deps_.pipeline.detach()) return false;
   camera_->stop();
@@ -238,8 +239,8 @@ CameraActor::UnusableFrames CameraActor::count_unusable() const {
   return counts;
 }
 
-/// Emits an event with the most frequent reason why frames were unusable since the last usable one.
-/// False if no frame came.
+/// Emits an event with the most frequent cause of unusable frames since the last usable frame.
+/// Returns false if no unusable frame came.
 bool CameraActor::report_unusable() {
   UnusableFrames since = count_unusable();
   for (std::size_t k = 0; k < since.size(); ++k) since[k] -= unusable_before_[k];
@@ -251,8 +252,8 @@ bool CameraActor::report_unusable() {
   return true;
 }
 
-/// How long the camera may send nothing: three frame periods, or the exposure and a patience,
-/// whichever is longer. Until the first frame after a change it may still use the previous
+/// Frame timeout, s: the longer of three frame periods and exposure plus patience (2 s; 5 s before
+/// the first frame). Until the first frame after a change the camera may still use the previous
 /// settings.
 double CameraActor::frame_timeout_s() const {
   const std::int64_t last_ns = deps_.pipeline.last_sign_mono_ns();
@@ -268,8 +269,8 @@ double CameraActor::silent_s(std::int64_t last_ns) const {
   return 1e-9 * double(monotonic_ns() - std::max(attached_ns_, last_ns));
 }
 
-/// Reads the limits again, because they depend on the settings: the longest exposure on the rate,
-/// the rate on the region.
+/// Reads the camera's limits again, because they depend on the settings: the maximum exposure on
+/// the frame rate, and the frame rate on the region.
 void CameraActor::refresh_limits() {
   if (auto limits = camera_->limits()) limits_ = *limits;
 }
@@ -282,10 +283,10 @@ Result<CameraSettings> CameraActor::apply(const CameraSettings& wanted) {
 
 Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   const std::int64_t t_begin_ns = monotonic_ns();
-  // A frame that is exposed while the registers are written belongs to neither setting.
+  // A frame exposed during the register writes has neither the old nor the new settings.
   write_applied_settings(settings_, wanted, t_begin_ns, ShownHologram::kNever);
   auto applied = camera_->apply(wanted);
-  // Until the camera is open again, the settings of no frame are known.
+  // The settings of all frames stay unknown until the camera is open again.
   if (!applied && !camera_->alive()) return applied;
   const std::int64_t t_end_ns = monotonic_ns();
   write_applied_settings(settings_, applied.value_or(settings_), t_begin_ns, t_end_ns);
@@ -296,7 +297,8 @@ Result<CameraSettings> CameraActor::apply_live(const CameraSettings& wanted) {
   return applied;
 }
 
-/// Changes the image's size or format: one transaction, rolled back if the camera refuses it.
+/// Changes the image's size or format with the stream stopped. Restores the previous settings if
+/// the camera refuses the change.
 Result<CameraSettings> CameraActor::apply_stopped(const CameraSettings& wanted) {
   const CameraSettings before = settings_;
   if (auto detached = deps_.pipeline.detach(); !detached) {
@@ -348,7 +350,7 @@ void CameraActor::publish_absent(const Error& why) {
   publish(std::move(now));
 }
 
-/// Publishes the camera's state; a new fault is an event.
+/// Publishes the camera's state, and emits an event for a new fault.
 void CameraActor::publish(CameraSnapshot now) {
   now.settings = settings_;
   now.asked = asked_;

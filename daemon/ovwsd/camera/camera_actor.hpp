@@ -20,15 +20,15 @@
 
 namespace ovws {
 
-/// The state of the camera, copied for other threads.
+/// Copy of the camera's state for other threads.
 struct CameraSnapshot {
   bool connected = false;
   std::optional<CameraInfo> info;
-  CameraSettings settings;  ///< as read back; while not connected, as requested
-  CameraSettings asked;     ///< as requested; the camera may have rounded it to `settings`
+  CameraSettings settings;  ///< as read back; as requested while disconnected
+  CameraSettings asked;     ///< as requested; `settings` may differ by rounding
   std::optional<CameraLimits> limits;
-  std::string fault;      ///< why it is not connected; empty if it is
-  bool at_fault = false;  ///< it is present, but cannot be used until a person fixes the fault
+  std::string fault;      ///< why the camera is not connected; empty if connected
+  bool at_fault = false;  ///< the camera is present, but unusable until a person fixes the fault
 };
 
 struct CameraActorDeps {
@@ -36,14 +36,14 @@ struct CameraActorDeps {
   LatestValue<AppliedSettings>& settings;
   Counters& counters;
   Events& events;
-  /// Whether settings may be changed now; called in the camera thread when a change is applied.
+  /// Checks whether settings may change now. Camera thread; not called for a job's changes.
   std::function<Result<void>()> may_change;
-  /// Called in the camera thread after each published change: of settings, which may change the
-  /// image's size or format, of the connection, or of the fault.
+  /// Called in the camera thread after each published change of settings, connection or fault. New
+  /// settings may change the image's size or format.
   std::function<void(const CameraSnapshot&)> on_change;
 };
 
-/// An agent of the camera thread.
+/// Agent of the camera thread: owns the camera.
 class CameraActor : public Agent {
  public:
   using Applied = std::function<void(Result<CameraSnapshot>)>;
@@ -54,21 +54,22 @@ class CameraActor : public Agent {
   bool do_work() override;
   void on_close() override;
 
-  /// Thread-safe: applies the change in the camera thread, and calls `done` there with the settings
-  /// then in use. A camera at fault is reopened with the change. Without a camera, and for a gain
-  /// in dB that the camera does not have, `done` is called at once in the caller's thread.
+  /// Applies the change in the camera thread, and calls `done` there with the settings in use
+  /// afterwards. A camera at fault is reopened with the change. Without a camera, or for a gain in
+  /// dB that the camera does not have, `done` gets the error at once in the caller's thread.
+  /// Thread-safe.
   void change(CameraSet change, Applied done);
-  /// The same for the running job, without may_change.
+  /// Applies a change for the running job in the camera thread, without a check of may_change.
   void change_for_job(CameraSet change, Applied done);
-  /// As `change`; while no camera is connected, the settings are kept for the next connection.
+  /// Applies a change as `change` does, or keeps it for the next connection of a camera.
   void change_or_keep(CameraSet change, Applied done);
-  /// Thread-safe: restores `gain_db` after a job, now or at the next connection. `then` is called
-  /// in the camera thread, or destroyed if that has ended.
+  /// Restores `gain_db` after a job, now or at the next connection. `then` is called in the camera
+  /// thread, or destroyed uncalled if that thread has ended. Thread-safe.
   void restore_gain(double gain_db, std::function<void()> then);
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
-  using UnusableFrames = std::array<std::uint64_t, 3>;  ///< in the order of kUnusable
+  using UnusableFrames = std::array<std::uint64_t, 3>;  ///< counts in the order of kUnusable
 
   void carry_out(const CameraSet& change, const Applied& done);
   void reopen(const CameraSet& change, const Applied& done);
@@ -96,18 +97,18 @@ class CameraActor : public Agent {
   CameraActorDeps deps_;
   Mailbox mailbox_;
   std::unique_ptr<Camera> camera_;
-  bool lost_ = false;        ///< camera_ is destroyed as soon as the frame path has let go of it
-  CameraSettings settings_;  ///< last read back; requested again after a reconnection
+  bool lost_ = false;        ///< camera_ is destroyed as soon as the frame path releases its frames
+  CameraSettings settings_;  ///< last read back; applied again after a reconnection
   CameraSettings asked_;     ///< the request that settings_ result from
-  std::int64_t settings_since_ns_ = 0;     ///< when settings_ had been written
+  std::int64_t settings_since_ns_ = 0;     ///< time at which settings_ had been written
   double previous_frame_timeout_s_ = 0.0;  ///< frame_timeout_s with the previous settings
   std::optional<CameraLimits> limits_;
   std::int64_t next_try_ns_ = 0;
   std::int64_t attached_ns_ = 0;
   bool ever_connected_ = false;
-  std::int64_t last_frame_ns_ = 0;    ///< the last usable frame that watch_frames saw
-  UnusableFrames unusable_before_{};  ///< the counts at that frame
-  bool unusable_reported_ = false;    ///< an event has said that frames arrive, none of them usable
+  std::int64_t last_frame_ns_ = 0;    ///< time of the last usable frame seen
+  UnusableFrames unusable_before_{};  ///< counts at the last usable frame
+  bool unusable_reported_ = false;    ///< an event has reported that all frames are unusable
   Guarded<CameraSnapshot> snapshot_;
 };
 

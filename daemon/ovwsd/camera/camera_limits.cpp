@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-/// Checks values against their ranges, or clamps them, and keeps the first error.
+/// Range check of settings: refuses or clamps values out of range. Keeps the first error.
 class LimitCheck {
  public:
   explicit LimitCheck(bool clamp) : clamp_(clamp) {}
@@ -29,7 +29,7 @@ class LimitCheck {
     }
   }
 
-  /// Accepts the gain only in the camera's own unit.
+  /// Checks the gain, which must be in the camera's own unit: dB or raw steps.
   void gain(CameraSettings& settings, const CameraLimits& limits) {
     const bool in_db = !std::isnan(settings.gain_db) && settings.gain_db != 0.0;
     if (limits.gain_raw) {

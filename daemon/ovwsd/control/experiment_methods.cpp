@@ -14,9 +14,9 @@
 namespace ovws {
 namespace {
 
-/// Checks the gains against the camera's range. With `clamp`, gains_db outside it are removed.
-/// Errc::invalid: the reference gain or, without `clamp`, one of gains_db is outside; no gain
-/// remains; or the camera has no gain in dB.
+/// Checks the gains against the camera's range. With `clamp`, removes entries of gains_db outside
+/// the range. Errc::invalid: the reference gain is outside the range; without `clamp`, an entry of
+/// gains_db is outside; no gain remains; or the camera has no gain in dB.
 Result<GainSweepRun> within(GainSweepRun run, const CameraLimits& limits) {
   GainSweep& sweep = run.sweep;
   if (limits.gain_raw) return fail(no_gain_in_db("gains_db", limits));
@@ -69,8 +69,7 @@ void start(Services& services, const ExperimentRun& run, const Reply<JobNumber>&
                             });
 }
 
-/// Starts a gain sweep. A request for the run that is being measured already returns that run's
-/// job.
+/// Starts a gain sweep. Replies with the job's number if a job already measures the run.
 void gain_sweep(Services& services, GainSweepRun asked, Reply<JobNumber> reply) {
   if (const auto limits = services.camera.snapshot().limits) {
     auto possible = within(std::move(asked), *limits);

@@ -18,7 +18,7 @@
 
 namespace ovws {
 
-// Include the headers of the parts that you use: all of them take seconds to compile.
+// Include only headers of the parts that you use: all parts together take seconds to compile.
 class CameraActor;
 class ClientGuard;
 class ClosedLoop;
@@ -38,8 +38,8 @@ class StatusReporter;
 
 /// The parts of the daemon that the handlers use.
 struct Services {
-  const Config& config;                 ///< as the daemon was started with
-  const Guarded<LoadedConfig>& loaded;  ///< as last loaded: at the start, or by a reload
+  const Config& config;                 ///< configuration at the daemon's start
+  const Guarded<LoadedConfig>& loaded;  ///< last loaded, at the start or by a reload
   StateKeeper& state;
   CameraActor& camera;
   SensorKeeper& keeper;
@@ -56,19 +56,19 @@ struct Services {
   Disk& disk;
 };
 
-/// Converts an error to the failure of a call.
+/// Converts an error to a JSON-RPC failure.
 inline RpcAnswer failed(const Error& error) {
   return tl::make_unexpected(rpc_failure(error));
 }
 
-/// The reply to one call: an R or an error, exactly once, from any thread. Copies answer the same
-/// call.
+/// Reply to one JSON-RPC call: call it exactly once, from any thread, with an R or an error. All
+/// copies reply to the same call.
 template <class R>
 class Reply {
  public:
   explicit Reply(RpcReply reply) : reply_(std::move(reply)) {}
   void operator()(const R& result) const { reply_(to_json(result)); }
-  /// JSON that has the fields of R.
+  /// Replies with JSON that already has the fields of R.
   void operator()(JsonOf<R> result) const { reply_(std::move(result.json)); }
   void operator()(const Error& error) const { reply_(failed(error)); }
   template <class Value>
@@ -81,7 +81,7 @@ class Reply {
   RpcReply reply_;
 };
 
-/// Replies with the number of the job that has started.
+/// Makes a callback that replies with the number of the started job, or with its error.
 inline auto with_job_number(Reply<JobNumber> reply) {
   return [reply = std::move(reply)](Result<int> job) {
     if (!job) return reply(job.error());
@@ -91,16 +91,16 @@ inline auto with_job_number(Reply<JobNumber> reply) {
 
 struct MethodRow {
   const char* name;
-  Role role;  ///< the client needs at least this role
+  Role role;  ///< minimum role of the client
   Action action;
   /// Decodes the params, checks that the daemon's state allows the action, and calls the handler.
   void (*call)(const MethodRow& row, Services& services, const nlohmann::json& params,
                RpcReply reply);
 };
 
-/// Makes the row of a method in proto/methods.hpp. Its handler `answer(services, params,
-/// Reply<R>)`, or without params `answer(services, Reply<R>)`, is called in the control thread and
-/// must not block; it replies at once or later.
+/// Makes the row of a method in proto/methods.hpp. The handler is `answer(services, params,
+/// Reply<R>)`, or `answer(services, Reply<R>)` for a method without params. It runs in the control
+/// thread and must not block; it may reply later.
 template <const auto& method, auto answer>
 constexpr MethodRow row(Role role, Action action) {
   using M = std::remove_cvref_t<decltype(method)>;
@@ -122,17 +122,17 @@ constexpr MethodRow row(Role role, Action action) {
       }};
 }
 
-// One file for each part of the daemon; a new method is one function and one row.
+// Method rows, one source file for each part of the daemon. Add a method as a function and a row.
 std::span<const MethodRow> sensor_methods();
 std::span<const MethodRow> experiment_methods();
 std::span<const MethodRow> system_methods();
 
 /// Calls a method for a client. Checks the client's key (empty without `security`) and role, then
-/// the params, then the daemon's state: a typo is reported even if the state does not allow the
-/// call. The error for an unknown method names the nearest known one.
+/// the params, then the daemon's state, so that a typo is reported even if the state forbids the
+/// call. The error for an unknown method names the nearest known method.
 void dispatch(Services& services, const std::string& key, const std::string& method,
               const nlohmann::json& params, RpcReply reply);
-/// All methods by name, with the role that each needs.
+/// Names of all methods with the minimum role of each.
 std::vector<std::pair<std::string, Role>> method_roles();
 
 }  // namespace ovws

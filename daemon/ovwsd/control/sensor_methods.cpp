@@ -17,7 +17,7 @@
 namespace ovws {
 namespace {
 
-/// `report(services, sensor)` makes the result of a method.
+/// Result type of a method, which `report(services, sensor)` makes.
 template <auto report>
 using ReportOf = std::invoke_result_t<decltype(report), const Services&, const SensorSnapshot&>;
 
@@ -26,7 +26,7 @@ void get(Services& services, Reply<ReportOf<report>> reply) {
   reply(report(services, *services.keeper.snapshot()));
 }
 
-/// Changes the sensor, and replies with the report of the changed one.
+/// Changes the sensor, and replies with the report of the changed sensor.
 template <auto report>
 void edit(Services& services, Hold as, SensorChange change, Reply<ReportOf<report>> reply) {
   services.keeper.edit(as, std::move(change),
@@ -50,7 +50,7 @@ void run(Services& services, const typename std::remove_cvref_t<decltype(method)
       with_job_number(std::move(reply)));
 }
 
-/// Activates what a job has measured. Returns the report of the sensor: the job's result.
+/// Activates the measurement of a job. Returns the job's result, which is the report of the sensor.
 template <auto report>
 Result<Json> use(const Services& services, Bench& bench, SensorChange change) {
   if (auto used = bench.use(std::move(change)); !used) return fail(used.error());
@@ -64,7 +64,7 @@ ModesReport modes_of(const Services& /*services*/, const SensorSnapshot& now) {
 constexpr auto aberration_of = modes_of<&SensorSnapshot::aberration>;
 constexpr auto correction_of = modes_of<&SensorSnapshot::correction>;
 
-// Allowed with the loop closed, too: the loop then corrects the aberration.
+// An aberration may be introduced even while the loop is closed: the loop then corrects it.
 void introduce(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
   edit<aberration_of>(services, Hold::of_loop(), set_aberration(change.modes), std::move(reply));
 }
@@ -95,7 +95,7 @@ KnownCalibration calibration_of(const Services& /*services*/, const SensorSnapsh
                             {*c.origin}}};
 }
 
-/// Warns of a calibration without some spots or modes: it is usable, but a person must know.
+/// Emits a warning event if the calibration lacks spots or modes: it is usable, but less accurate.
 void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
   std::vector<int> dropped_j;
   for (const DroppedMode& mode : matrix.dropped) dropped_j.push_back(mode.j);
@@ -209,8 +209,8 @@ SensorReport sensor_of(const Services& /*services*/, const SensorSnapshot& now) 
           now.subapertures,           now.modes_j,   now.hologram_id};
 }
 
-/// Removes "sensor." and "tracking." from the error's field: the core names configuration keys,
-/// clients know params.
+/// Removes "sensor." and "tracking." from the error's field: the core reports configuration keys,
+/// but clients use the names of params.
 Error in_params(Error error) {
   for (const std::string_view section : {"sensor.", "tracking."}) {
     if (error.field.starts_with(section)) error.field.erase(0, section.size());

@@ -140,7 +140,7 @@ StatusMessage StatusReporter::current() const {
   return status;
 }
 
-/// Measures rates and latencies since the last call, which is about a second ago.
+/// Measures rates and latencies since the last call, about one second ago.
 void StatusReporter::measure() {
   const Marks now{monotonic_ns(), deps_.counters.get(Counter::frames_grabbed),
                   deps_.counters.get(Counter::frames_published), deps_.images.sent()};
@@ -160,8 +160,8 @@ void StatusReporter::measure() {
   measured_.set(std::move(measured));
 }
 
-/// Emits an event for each thread that has begun to hang or has recovered. Ends the process if the
-/// display blocks a requested stop.
+/// Emits an event for each thread that has stopped running or has recovered. Ends the process if
+/// the display blocks a requested stop.
 void StatusReporter::watch_threads() {
   if (deps_.threads.stop_overdue(kStopTimeoutS)) deps_.end_without_display();
   std::set<const ThreadRow*> hung;
@@ -179,7 +179,7 @@ void StatusReporter::watch_threads() {
   hung_ = std::move(hung);
 }
 
-/// Feeds the systemd watchdog, unless a thread hangs that only a restart can recover.
+/// Feeds the systemd watchdog, except while a thread is hung that only a restart can recover.
 void StatusReporter::feed_watchdog() {
   const auto ours = [](const ThreadRow* row) { return row->on_hang == OnHang::restart; };
   if (std::any_of(hung_.begin(), hung_.end(), ours)) return;

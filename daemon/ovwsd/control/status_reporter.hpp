@@ -53,18 +53,18 @@ struct StatusDeps {
   ThreadPlan& threads;
   Reloader& reloader;
   ClientGuard& clients;
-  /// Ends the process after a stop request if the display blocks the main thread. Returns only if
-  /// the main thread has begun to stop by itself.
+  /// Ends the process after a stop request while the display blocks the main thread. Returns only
+  /// if the main thread has begun to stop by itself.
   std::function<void()> end_without_display;
 };
 
-/// The status thread's agent: publishes a status message once a second, and at once after a change.
+/// Agent of the status thread: publishes a status message every second, and at once after a change.
 class StatusReporter : public Agent {
  public:
   explicit StatusReporter(StatusDeps deps);
 
   bool do_work() override;
-  /// Thread-safe: status as of now; rates and latencies are those of the last status message.
+  /// Current status; rates and latencies are those of the last periodic measurement. Thread-safe.
   StatusMessage current() const;
 
  private:
@@ -84,7 +84,7 @@ class StatusReporter : public Agent {
   std::int64_t started_ns_;
   std::int64_t next_ns_ = 0;
   std::int64_t next_feed_ns_ = 0;
-  std::set<const ThreadRow*> hung_;  ///< and reported as such
+  std::set<const ThreadRow*> hung_;  ///< threads already reported as hung
   Marks marks_;
   Guarded<Measured> measured_;
 };

@@ -41,7 +41,7 @@ Config in_use(const Services& services) {
 }
 
 void get_config(Services& services, Reply<Config> reply) {
-  // In the format of the file: 0 for a gain in dB that the camera does not have.
+  // dump_config uses the file's format: gain_db is 0 if the camera has no gain in dB.
   reply(JsonOf<Config>{json_of(dump_config(in_use(services)))});
 }
 
@@ -128,7 +128,7 @@ Json make_description() {
 }
 
 void describe(Services& /*services*/, Reply<Description> reply) {
-  static const Json kDescription = make_description();  // it takes milliseconds
+  static const Json kDescription = make_description();  // made once, because it takes milliseconds
   reply(JsonOf<Description>{kDescription});
 }
 

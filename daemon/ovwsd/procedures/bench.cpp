@@ -12,7 +12,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kPollInterval(20);  // of a stop, while a call waits
+constexpr std::chrono::milliseconds kPollInterval(20);  // interval of checks for a stop of the job
 constexpr double kMinPatienceS = 10.0;
 constexpr std::chrono::milliseconds kFilePatience(2000);
 
@@ -20,7 +20,7 @@ Error stopped_error() {
   return {Errc::refused, "", "the job was stopped"};
 }
 
-/// Longest wait for the next frame.
+/// Longest wait for the next frame, s: three frame periods or exposures, at least 10 s.
 double patience_s(const CameraSettings& camera) {
   return std::max(kMinPatienceS,
                   3.0 * std::max(1.0 / camera.frame_rate_hz, 1e-6 * camera.exposure_us));
@@ -61,8 +61,8 @@ Result<void> Bench::check_shown(std::int64_t presented_mono_ns) const {
               "the SLM's display was lost and came back during the job: start the job again");
 }
 
-/// Waits for the answer of another thread, or for a stop. The promise is shared, because the answer
-/// may come after this call has returned.
+/// Waits for the result of another thread, or for a stop of the job. Callers share the promise with
+/// that thread, because the result may come after this call has returned.
 template <class T>
 Result<T> Bench::wait_for(std::future<Result<T>> future) {
   while (future.wait_for(kPollInterval) != std::future_status::ready) {
@@ -70,14 +70,14 @@ Result<T> Bench::wait_for(std::future<Result<T>> future) {
   }
   try {
     return future.get();
-  } catch (const std::future_error&) {  // the thread that was asked has ended
+  } catch (const std::future_error&) {  // the other thread ended without an answer
     return fail(stopped_error());
   }
 }
 
 Result<void> Bench::edit(SensorChange change) {
   if (stopped()) return fail(stopped_error());
-  // Answered once, in the prepare thread: when the change is active or has failed.
+  // The promise is set once, in the prepare thread, when the change is active or has failed.
   auto promise = std::make_shared<std::optional<std::promise<Result<void>>>>(std::in_place);
   auto future = (*promise)->get_future();
   const auto answer = [promise](Result<void> result) {
@@ -156,7 +156,7 @@ void Bench::restore_gain() {
   auto done = restored->get_future();
   deps_.camera.restore_gain(*gain_before_db_, [restored] { restored->set_value(); });
   restored.reset();
-  done.wait();  // also if the camera thread has ended: the promise is then broken
+  done.wait();  // returns also if the camera thread has ended, which breaks the promise
 }
 
 Result<void> Bench::wait_watching(const FrameBroker::Request& watch, double min_ms, int frames) {

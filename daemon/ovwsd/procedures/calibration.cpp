@@ -14,8 +14,9 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxDrift = 0.05;  // lambda/d, from the first average without a poke to the last
-// Default amplitudes of a poke. The light changes in proportion in a smaller range than positions.
+constexpr double kMaxDrift = 0.05;  // lambda/d, drift of the spots from before to after all pokes
+// Default poke amplitudes, waves RMS. Pixel intensities are linear in the amplitude over a smaller
+// range than spot positions.
 constexpr double kPositionPokeWaves = 0.15, kShapePokeWaves = 0.03;
 
 Result<std::vector<int>> modes_to_poke(const CalibrationRun& run,
@@ -32,8 +33,8 @@ Result<std::vector<int>> modes_to_poke(const CalibrationRun& run,
   return modes_j;
 }
 
-/// Refuses an incomplete matrix if `all` modes were requested. A missing mode would be read as
-/// other modes, so frames would be valid but wrong.
+/// Refuses an incomplete matrix if `all` modes were requested. The reconstructor would attribute a
+/// missing mode to other modes, so frames would be valid but wrong.
 Result<void> check_complete(const InteractionMatrix& matrix, bool all) {
   if (!all || matrix.dropped.empty()) return {};
   std::string modes;
@@ -48,17 +49,18 @@ Result<void> check_complete(const InteractionMatrix& matrix, bool all) {
                   "(amplitude_waves), or request the other modes only (modes)");
 }
 
-/// What the pokes of all modes showed.
+/// Measurements of the pokes of all modes.
 struct Measured {
-  PushPullRun places;             ///< of modes that positions determine
-  std::vector<PokedSpots> cells;  ///< of `cells_j`; empty: measured by positions
+  PushPullRun places;             ///< pokes of modes that spot positions determine
+  std::vector<PokedSpots> cells;  ///< pokes of the modes `cells_j`; empty: positions only
   std::vector<int> cells_j;
   SpotCells resting;
   std::vector<DroppedMode> dropped;
   bool any_lost = false;
 };
 
-/// Adds a poke to those of positions, if they determine its mode, and of shapes.
+/// Adds a poke to the shape pokes if it has pixels, and to the position pokes if spot positions
+/// determine its mode.
 void add(Poke poke, const ModeOperator& model, Measured& measured) {
   const int j = poke.places.j;
   if (poke.cells.plus.size() > 0) {
@@ -96,7 +98,8 @@ Result<Measured> measure_all(Bench& bench, Pokes& pokes, const std::vector<int>&
   return measured;
 }
 
-/// The modes of the matrix first, then those that only shapes determine.
+/// Spot shapes of the modes of the matrix, followed by the modes that only shapes determine. Null:
+/// the spots were measured by positions.
 std::shared_ptr<const MeasuredShapes> shapes_of(const SpotMeter& meter, const Measured& measured,
                                                 const std::vector<int>& matrix_j,
                                                 const std::vector<int>& by_positions_j) {

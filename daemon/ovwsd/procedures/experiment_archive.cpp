@@ -16,14 +16,16 @@ using nlohmann::json;
 
 constexpr const char* kKind = "experiment";
 
-/// Key that identifies the execution of a run that a file belongs to. After `anew`, files of an
+/// JSON key for the start time of the execution that wrote a file. After `anew`, files of an
 /// earlier execution are ignored even if they could not be deleted.
 constexpr const char* kStamp = "run_t_begun_ns";
 
-/// Parts of a run that have a file each. References are numbered by arm, the others by cell.
+/// Parts of a run, each with its own file. References are numbered by arm, cells and images by
+/// cell.
 enum class Part { reference, cell, picture };
 
-/// Images have a kind of their own: they take many megabytes and are read only on request.
+/// Kind of a run's files in the state store. Images have a separate kind, because they take many
+/// megabytes and are read only on request.
 std::string kind_of(const ExperimentRun& run, Part part = Part::cell) {
   return fmt::format("{}{}-{}", kKind, part == Part::picture ? "-picture" : "", run.name);
 }
@@ -38,7 +40,7 @@ struct Header {
   ExperimentRun run;
   std::int64_t t_opened_ns = 0;
 };
-/// None: the file is not a valid header.
+/// Decodes the header of a run; none if the file is not a valid header.
 std::optional<Header> header_of(const StateItem& item) {
   const json& content = item.content;
   if (!content.is_object() || !content.contains("request") || !content.contains("bench")) {
@@ -77,11 +79,11 @@ std::vector<Header> headers(const DaemonStore& store) {
 }
 
 struct Measured {
-  std::vector<json> references;  ///< one for each arm; null: none is stored
-  std::vector<json> cells;       ///< the same for cells, without the images' pixels
+  std::vector<json> references;  ///< one for each arm; null: not stored
+  std::vector<json> cells;       ///< one for each cell, without image pixels; null: not stored
 };
-/// Results of this execution of the run, identified by t_begun_ns. Ignores leftovers of earlier
-/// ones.
+/// Results of this execution of the run, identified by t_begun_ns. Ignores files of earlier
+/// executions.
 Measured measured_in(const DaemonStore& store, const ExperimentRun& run) {
   Measured kept{std::vector<json>(run.request.arms.size()), std::vector<json>(run.request.cells())};
   store.load(kind_of(run), [&](StateItem item) {
@@ -99,7 +101,7 @@ Measured measured_in(const DaemonStore& store, const ExperimentRun& run) {
   return kept;
 }
 
-/// Errors: the file was neither written nor queued for writing.
+/// Writes a file, or queues it for a retry. Errors: the file was neither written nor queued.
 Result<void> put_file(DaemonStore& store, const std::string& kind, const std::string& name,
                       const json& content) {
   const auto kept = store.put_and_wait(kind, name, content);
@@ -127,8 +129,8 @@ Result<void> drop_measured(DaemonStore& store, const ExperimentRun& run) {
   return drop(Part::picture, run.request.cells());
 }
 
-/// Deletes all but the latest runs. `current` is excluded by name, because the clock may have been
-/// set back and it may not look the latest.
+/// Deletes the oldest runs beyond kMaxRuns. The run `current` is kept by name, because it may not
+/// look the latest if the clock was set back.
 void drop_oldest(DaemonStore& store, const std::string& current) {
   auto stored = headers(store);
   std::erase_if(stored, [&current](const Header& one) { return one.run.name == current; });
@@ -185,7 +187,8 @@ Result<void> ExperimentArchive::open(bool anew) {
   return {};
 }
 
-/// Ignores files without a header: they are left over from a run whose deletion was interrupted.
+/// Loads the stored results of `run` if its header is on the disk. Without a header the results are
+/// ignored, because the start time of their execution is unknown.
 void ExperimentArchive::load_if_stored(ExperimentRun run) {
   {
     const std::lock_guard lock(mutex_);
@@ -223,7 +226,7 @@ void ExperimentArchive::put_reference(int arm, json reference) {
   remember_failure(put(store_, run, Part::reference, arm, std::move(reference)));
 }
 
-/// Writes the cell to disk before publishing it, so that a published cell survives a restart.
+/// Writes the cell to disk before it is published, so that a published cell survives a restart.
 void ExperimentArchive::put_cell(int cell, json measured) {
   const ExperimentRun run = current_run();
   json& picture = measured["picture"];

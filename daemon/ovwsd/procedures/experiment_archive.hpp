@@ -1,5 +1,5 @@
-/// Archive of gain sweeps. Stores each cell as it is measured, so that an interrupted sweep can be
-/// continued: for each run one file with its header, and one for each reference, cell and image.
+/// Archive of gain sweeps. Stores each cell as soon as it is measured, so that an interrupted sweep
+/// can continue. A run has a header file, and a file for each reference, cell and image.
 #pragma once
 
 #include <cstdint>
@@ -24,23 +24,23 @@ struct ExperimentRun {
   std::int64_t t_begun_ns = 0;
   bool anew = false;  ///< delete earlier results and start over
 };
-/// A run that begins now.
+/// Makes a run that begins now. Its name is a hash of the request and the bench.
 ExperimentRun experiment_run(const GainSweepRun& asked, nlohmann::json bench);
 
-/// Holds the most recently requested run in memory; earlier runs stay on disk.
+/// Gain sweep archive with the most recently requested run in memory; earlier runs stay on disk.
 /// Thread-safe.
 class ExperimentArchive {
  public:
-  static constexpr std::size_t kMaxRuns = 4;  ///< on disk; the oldest is deleted first
+  static constexpr std::size_t kMaxRuns = 4;  ///< runs on disk; the oldest is deleted first
 
   explicit ExperimentArchive(DaemonStore& store) : store_(store) {}
 
-  /// At the daemon's start: loads the most recently requested run. Waits for the disk.
+  /// Loads the most recently requested run when the daemon starts. Blocks on the disk.
   void load();
 
-  // Called by the job's thread; these wait for the disk. If a file cannot be written, the sweep
-  // continues and `result` reports why.
-  /// Opens the run of `begin_job`: loads what was measured of it before, or deletes it if `anew`.
+  // The job's thread calls `open`, `put_reference` and `put_cell`, which block on the disk. If a
+  // file cannot be written, the sweep continues and `result` reports why.
+  /// Opens the run that `begin_job` selected. Loads its earlier results, or deletes them if `anew`.
   /// Retries earlier failed writes. Errors (Errc::unavailable): the earlier results cannot be
   /// deleted.
   Result<void> open(bool anew);
@@ -49,18 +49,18 @@ class ExperimentArchive {
   nlohmann::json reference(int arm) const;  ///< null: not measured yet
   bool has_cell(int cell) const;
 
-  /// Makes `run` the current run, which job `job` measures. Call it before the job's number is
-  /// published. If it was not the current run, or if it starts over (`anew`), it has no cells until
-  /// `open`. Never waits.
+  /// Makes `run` the current run, measured by job `job`. Call this before the job's number is
+  /// published. A run that was not current before, or that starts over (`anew`), has no cells until
+  /// `open`. Never blocks on the disk.
   void begin_job(const ExperimentRun& run, int job);
   void end_job();
-  /// The job that is measuring the run; none: no job is.
+  /// Number of the job that is measuring the run; none if no job measures it.
   std::optional<int> job_of(const std::string& run) const;
 
   nlohmann::json result() const;  ///< result of experiment.get
-  /// Result of experiment.cell. Calls `done` at once, or in the disk thread if the cell's image
-  /// must be read. Errc::invalid: no such cell. Errc::refused: it has not been measured yet.
-  /// Errc::unavailable: too many requests are waiting for the disk.
+  /// Passes the result of experiment.cell to `done`: at once, or in the disk thread if the cell's
+  /// image must be read. Errc::invalid: no cell has this number. Errc::refused: the cell has not
+  /// been measured yet. Errc::unavailable: too many requests are waiting for the disk.
   void cell(int number, std::function<void(Result<nlohmann::json>)> done);
 
  private:
@@ -73,7 +73,7 @@ class ExperimentArchive {
   void read(const ExperimentRun& run);
   void load_if_stored(ExperimentRun run);
   ExperimentRun current_run() const;
-  /// False: the write failed, and the reason is remembered.
+  /// Stores the reason of a failed write for `result`. Returns false if the write failed.
   bool remember_failure(const Result<void>& kept);
   std::optional<std::string> image_in_memory(const ExperimentRun& run, int cell) const;
   std::optional<std::string> why_not_kept() const;  // call with mutex_ locked
@@ -85,7 +85,7 @@ class ExperimentArchive {
   bool load_pending_ = false;  ///< the stored results have not been loaded yet
   std::vector<nlohmann::json> references_;
   std::vector<nlohmann::json> cells_;    ///< as in experiment.cell, without the images' pixels
-  std::map<int, std::string> pictures_;  ///< images that could not be stored, by cell
+  std::map<int, std::string> pictures_;  ///< base64 images that could not be stored, by cell number
   std::optional<Job> job_;
   std::optional<std::string> not_kept_reason_;  ///< why a write failed; none: no failure
 };

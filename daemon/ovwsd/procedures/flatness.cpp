@@ -15,12 +15,12 @@ namespace {
 
 constexpr int kMaxScans = 5;
 constexpr double kNoiseFactor = 2.0;  // converged below this many standard errors of the fit
-constexpr double kMinChange = 0.003;  // waves RMS: or below this change
+constexpr double kMinChange = 0.003;  // waves RMS: also converged below this change
 constexpr double kMaxChange = 0.01;   // waves RMS: a larger change is refused
 constexpr double kMaxResidual = 0.1;  // lambda/d RMS: limit of the fit residual
 constexpr int kFirstMode = 3;         // tilts (j = 1, 2) are not part of the flatness
-// Diameter of the probe, relative to a subaperture. A bright spot's peak scales with its fourth
-// power. A vortex of charge 1 has a quarter of the peak of a bright spot, one of charge 2 a tenth.
+// Probe diameter relative to a subaperture. A bright spot's peak scales with the diameter's fourth
+// power. A vortex of charge 1 has 1/4 of a bright spot's peak, and a vortex of charge 2 has 1/10.
 constexpr double kProbeDiameter = 0.7, kProbeDiameterHighCharge = 0.5;
 
 /// Root sum square of the difference over the modes j >= kFirstMode.
@@ -49,9 +49,9 @@ class Scanner {
 
   const std::vector<int>& modes_j() const { return fit_.modes_j(); }
   double spot_lambda_d_px() const { return spots_.lambda_d_px; }
-  /// Scans once with the opposite of `error` added to the hologram. `error`: RMS-normalised waves
-  /// of modes_j(). Found is the whole error: what was shown is subtracted. `from` .. `to`: this
-  /// scan's share of the job's progress, within 0 .. 1.
+  /// Scans once with `error`, except its tilts, subtracted from the hologram. `error`:
+  /// RMS-normalised waves of modes_j(). The result is the whole error: the fit removes the modes
+  /// shown. `from` .. `to`: this scan's share of the job's progress, within 0 .. 1.
   Result<ScanFit::Found> scan(const std::vector<double>& error, double from, double to);
 
  private:
@@ -90,7 +90,7 @@ Result<ScanFit::Found> Scanner::scan(const std::vector<double>& error, double fr
   return fit_.fit(at_px, shown);
 }
 
-/// Adds the previously active flatness, because the scan measured on top of it.
+/// Adds the previously active flatness, which was part of the hologram during the scans.
 void add_before(MeasuredFlatness& measured, const MeasuredFlatness& before) {
   for (std::size_t k = 0; k < before.modes.size(); ++k) {
     const auto same = std::find_if(measured.modes.begin(), measured.modes.end(),

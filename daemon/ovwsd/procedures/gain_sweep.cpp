@@ -22,7 +22,7 @@ namespace {
 using nlohmann::json;
 using Places = std::vector<Vec2>;
 
-constexpr int kMaxFramesToFind = 20;                // the frame path searches at least every 16th
+constexpr int kMaxFramesToFind = 20;                // search runs at least every 16th frame
 constexpr std::size_t kMaxImagePixels = 9'000'000;  // keeps a reply with the image below 16 MiB
 constexpr double kExposureTolerance = 1e-3;  // relative: a reopened camera may round differently
 
@@ -93,7 +93,7 @@ Result<void> check_reference(const SweepArm& arm, const ReferenceMeasured& measu
                   measured.positions_px.size(), arm.charge));
 }
 
-/// One frame, reduced to 8 bits. None: it is too large for a reply.
+/// Takes one image, reduced to 8 bits. None: the image is too large for a reply.
 Result<std::optional<CellMeasured::Picture>> take_image(Bench& bench) {
   const auto seen = bench.picture(1);
   if (!seen) return fail(seen.error());
@@ -124,9 +124,9 @@ class Sweep {
   Sweep(Bench& bench, const SlmGeometry& slm, const ExperimentRun& run, ExperimentArchive& archive)
       : bench_(bench), slm_(slm), run_(run), sweep_(run.request), archive_(archive) {}
 
-  /// Refused if the bench's settings differ from those of the run.
+  /// Errc::refused: the bench settings differ from the bench settings of the run.
   Result<void> check_bench() const;
-  /// Refused if the spots have moved since the run's references were taken. Checks one arm only.
+  /// Errc::refused: the spots of the first arm with a reference have moved since it was taken.
   Result<void> check_table();
   Result<void> measure_reference(int arm);
   Result<void> measure_cell(int number);
@@ -148,9 +148,9 @@ Result<void> Sweep::check_bench() const {
                           sweep_bench(*bench_.sensor(), bench_.camera(), run_.bench["optics"]));
 }
 
-/// Waits until all spots are found. After spots were lost at the previous gain, the frame path
-/// searches only every few frames; frames before that would still show the effect of that gain.
-/// Gives up after kMaxFramesToFind frames. NaN: lost.
+/// Waits until all spots are found, for kMaxFramesToFind frames at most. NaN: the spot is lost. The
+/// frame path searches for spots lost at the previous gain only every few frames. Frames before the
+/// search would still show the effect of the previous gain.
 Result<Places> Sweep::find_spots() {
   Places found;
   for (int k = 0; k < kMaxFramesToFind && (k == 0 || count_lost(found) > 0); ++k) {
@@ -162,7 +162,7 @@ Result<Places> Sweep::find_spots() {
   return found;
 }
 
-/// Finds the spots of the same sensor at another gain, then restores the gain.
+/// Finds the sensor's spots at the gain `gain_db`, then restores the previous gain.
 Result<Places> Sweep::find_spots_at(double gain_db) {
   const double before_db = bench_.camera().settings.gain_db;
   if (auto set = set_gain(bench_, gain_db); !set) return fail(set.error());
@@ -171,7 +171,8 @@ Result<Places> Sweep::find_spots_at(double gain_db) {
   return found;
 }
 
-/// A job's frames are measured by positions. For `fit` these are then measured from all pixels.
+/// Records a series of frames. During a job the frame path measures spot positions; for the tracker
+/// `fit` the positions are then measured again from all pixels.
 Result<std::vector<SeriesFrame>> Sweep::series(const SweepArm& arm, int frames, FromPixels from) {
   if (arm.tracker.kind == TrackerKind::fit) {
     const SensorView now = bench_.sensor();
@@ -191,8 +192,8 @@ Result<std::vector<SeriesFrame>> Sweep::reference_series(const SweepArm& arm) {
   return series(arm, sweep_.reference_frames);
 }
 
-/// For fixed windows it compares the tracker's positions: the centroid in a fixed window follows
-/// only part of a spot's motion.
+/// Compares the tracker's positions even if the arm uses fixed windows: the centroid in a fixed
+/// window follows only part of a spot's motion.
 Result<void> Sweep::check_table() {
   for (int arm = 0; arm < int(sweep_.arms.size()); ++arm) {
     const SweepArm& with = sweep_.arms[std::size_t(arm)];
@@ -256,7 +257,7 @@ Result<void> Sweep::measure_cell(int number) {
   } else {
     auto found = find_spots();
     if (found && count_lost(*found) > 0 && cell.with.tracker.kind == TrackerKind::fit) {
-      // Positions of the frame path are lost with saturated tops that `fit` still measures.
+      // The frame path loses spots with saturated tops, which `fit` can still measure.
       found = find_spots_at(sweep_.reference_gain_db);
     }
     if (!found) return fail(found.error());

@@ -13,7 +13,7 @@ namespace {
 /// Patch diameters to try, relative to a subaperture. The largest that does not saturate is used.
 constexpr std::array<double, 5> kRelativeDiameters{1.0, 0.7, 0.5, 0.35, 0.25};
 constexpr std::array<int, 8> kTrials{128, 160, 192, 224, 255, 96, 64, 32};
-constexpr double kMinContrast = 3.0;  // brightest pixel, relative to that at grey level 0
+constexpr double kMinContrast = 3.0;  // brightest pixel relative to the brightest at grey level 0
 
 Error saturated_error() {
   return {Errc::refused, "camera.exposure_us",
@@ -30,8 +30,8 @@ class LutBench {
         now_(bench.sensor()),
         map_(px_per_cycle(now_->optics, slm)) {}
 
-  /// Chooses the largest patches that do not saturate, and the brightest grey level as the fixed
-  /// one.
+  /// Chooses the largest patches that do not saturate. The grey level with the brightest spot
+  /// becomes the fixed level.
   Result<void> choose();
   Result<std::complex<double>> beat(int grey);
   /// Determines whether the phase rises or falls with the grey level.
@@ -60,7 +60,7 @@ Result<FringeReading> LutBench::read(const Painter& paint) {
                      map_);
 }
 
-// Captures by value: after a cancel the painter may be called when this function has returned.
+// The painter captures by value: after a cancel it may be called when `read` has returned.
 Result<FringeReading> LutBench::read(int grey, int fixed) {
   return read([patches = patches_, sensor = now_->sensor, slm = slm_, grey, fixed](
                   const HologramRenderer&, Image<std::uint8_t>& picture) {
@@ -90,7 +90,7 @@ Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
   return with_sign(std::move(rising), {seen_dn[0], seen_dn[2]}, {seen_dn[1], seen_dn[3]});
 }
 
-/// Tries one patch diameter. False: a pixel is saturated.
+/// Tries one patch diameter, relative to a subaperture. Returns false if a pixel is saturated.
 Result<bool> LutBench::try_patches(double relative_diameter) {
   patches_ =
       fringe_patches(now_->sensor, map_, relative_diameter,
@@ -128,8 +128,8 @@ Result<std::complex<double>> LutBench::beat(int grey) {
   return fail(saturated_error());
 }
 
-/// Measures all grey levels upwards and then downwards; drift shows as the difference of the two.
-/// `from` .. `to`: its share of the progress.
+/// Measures all grey levels upwards and then downwards; the difference of the two passes shows
+/// drift. `from` .. `to`: this sweep's share of the progress.
 Result<std::vector<GreyBeat>> sweep(Bench& bench, LutBench& lut_bench,
                                     const std::vector<int>& greys, double from, double to) {
   std::vector<GreyBeat> beats;
@@ -146,9 +146,9 @@ Result<std::vector<GreyBeat>> sweep(Bench& bench, LutBench& lut_bench,
   return beats;
 }
 
-/// Adaptive sampling: starts with evenly spaced levels and adds levels until the phases of
-/// neighbours are close. Each pass measures all levels again, because drift between passes would
-/// bend the curve.
+/// Adaptive sampling: starts with evenly spaced levels and adds levels until neighbouring levels
+/// have close phases. Each pass measures all levels again, because drift between passes would bend
+/// the curve.
 Result<std::vector<GreyBeat>> measure_beats(Bench& bench, LutBench& lut_bench, int levels) {
   std::vector<int> greys;
   for (int k = 0; k < levels; ++k) greys.push_back(int(std::lround(255.0 * k / (levels - 1))));

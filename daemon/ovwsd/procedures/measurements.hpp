@@ -1,4 +1,5 @@
-/// The procedures: what the bench measures of itself. Each fails with the errors of Bench, too.
+/// Measurement procedures of the bench: calibration, flatness, LUT, reference, registration and
+/// settle time. Each procedure also fails with the errors of Bench.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,48 +16,49 @@ namespace ovws {
 
 /// `calibration.run`: measures the interaction matrix by push-pull poking. Shows each mode with
 /// both signs on top of the current aberration, and averages the spots of settled frames. At the
-/// end the aberration alone is shown again. Errors: those of interaction_matrix; Errc::invalid,
-/// field "modes": the lattice does not determine a requested mode; Errc::refused, field "modes":
-/// all modes were requested, spots were lost, and a mode cannot be measured.
+/// end the SLM shows the aberration without a poke. Errors: those of interaction_matrix;
+/// Errc::invalid, field "modes": the lattice does not determine a requested mode; Errc::refused,
+/// field "modes": all modes were requested, spots were lost, and a mode cannot be measured.
 Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry& slm,
                                                 const CalibrationRun& run);
 
 /// `flatness.run`: measures the flatness error of the SLM and the optics by scanning a single
 /// aperture with a bright spot over the pupil (ScanGrid). All positions use the same grating, so
-/// the spot's displacements are the local slopes. Fits the modes (ScanFit), shows their opposite
-/// and scans again until they no longer change. The aperture is smaller than a subaperture, which
-/// makes the spot about as bright as the sensor's vortices. The result includes the previously
-/// active flatness, but no tilts, which belong to the registration; its origin is not set. Errors:
-/// those of ScanFit::fit. Errc::refused: no registration, a correction is active, or a flatness of
-/// another pupil is active; no wavefront explains the positions, or the iteration does not
-/// converge.
+/// the spot's displacements are the local slopes. Fits the modes (ScanFit), shows them with
+/// opposite sign, and scans again until the modes no longer change. The aperture is smaller than a
+/// subaperture, so that the spot is about as bright as the sensor's vortices. The result includes
+/// the previously active flatness. It has no tilts, which belong to the registration; its origin is
+/// not set. Errors: those of ScanFit::fit. Errc::refused: no registration, a correction is active,
+/// or a flatness of another pupil is active; no wavefront explains the positions, or the iteration
+/// does not converge.
 Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames);
 
 /// `lut.run`: measures the SLM's phase response by interference of two patches of the pupil
-/// (core/optics/grey_fringe.hpp). One patch shows each grey level in turn, upwards and then
-/// downwards, the other a fixed level. The patches are as large as possible without saturating the
-/// camera. The result's origin is not set. Errors: those of phase_response; Errc::refused: the spot
-/// is saturated or too dark.
+/// (core/optics/grey_fringe.hpp). One patch shows all grey levels, first upwards and then
+/// downwards; the other patch shows a fixed level. The patches are as large as possible without
+/// saturating the camera. The result's origin is not set. Errors: those of phase_response;
+/// Errc::refused: the spot is saturated or too dark.
 Result<MeasuredLut> measure_lut(Bench& bench, const SlmGeometry& slm, const LutRun& run);
 
-/// Errc::refused: the SLM does not show the sensor; or, field "allow_aberration", an aberration is
-/// introduced, which would become part of the reference.
+/// Checks whether a reference can be taken. Errc::refused: the SLM does not show the sensor.
+/// Errc::refused, field "allow_aberration": an aberration is introduced, which would become part of
+/// the reference.
 Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take);
 
-/// `reference.take`: averages the spots of settled frames and the pixels of some of them, activates
-/// the result and returns the job's result. Errors: those of can_take_reference and use_reference;
-/// Errc::refused, field "camera": the camera's settings changed meanwhile.
+/// `reference.take`: averages the spots of settled frames and the pixels of some of these frames.
+/// Activates the reference and returns the job's result. Errors: those of can_take_reference and
+/// use_reference; Errc::refused, field "camera": the camera's settings changed during the job.
 Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take);
 
 /// `registration.run`: registers the camera to the SLM. Shows the base subaperture alone with
 /// several gratings, which move its spot over most of the field. Then fits an affine map to the
-/// spot's positions. Works for any rotation, parity and scale. The base spot is in pixels of the
-/// camera's whole sensor. Errc::refused: the spot is not found, or no affine map fits its
+/// spot's positions. Works for any rotation, parity and scale. The result's base spot is in pixels
+/// of the camera's whole sensor. Errc::refused: the spot is not found, or no affine map fits its
 /// positions.
 Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames);
 
-/// `slm.settle`: measures the SLM's settle time. Moves one spot to and fro, and records the
-/// intensity at both places in every frame, settled or not. Times count from the moment the display
+/// `slm.settle`: measures the SLM's settle time. Moves one spot between two places, and records the
+/// intensity at each place in every frame, settled or not. Times count from the moment the display
 /// presented each hologram. Errors: those of Bench::check_shown and step_time.
 Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const SettleRun& run);
 

@@ -10,11 +10,12 @@
 
 namespace ovws {
 
-/// Thread-safe.
+/// Counter of files that are still being written. Thread-safe.
 class PendingFiles : public std::enable_shared_from_this<PendingFiles> {
  public:
-  /// Returns a token; a file is pending as long as its token lives. Store the token in the callback
-  /// for the end of the write, so that it is released even if the callback is never called.
+  /// Adds a pending file and returns its token; the file is pending until the token is destroyed.
+  /// Store the token in the write's completion callback, so that it is released even if the
+  /// callback is never called.
   std::shared_ptr<void> add() {
     {
       const std::lock_guard lock(mutex_);
@@ -22,7 +23,7 @@ class PendingFiles : public std::enable_shared_from_this<PendingFiles> {
     }
     return {nullptr, [self = shared_from_this()](void*) { self->end_one(); }};
   }
-  /// Waits until no file is pending. False: some still are after `patience`.
+  /// Waits until no file is pending. Returns false if files are still pending after `patience`.
   bool wait_for(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     return none_.wait_for(lock, patience, [this] { return count_ == 0; });

@@ -13,12 +13,12 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxStep = 0.01;     // lambda/d, from a poke to its repetition, beyond noise
+constexpr double kMaxStep = 0.01;     // lambda/d, motion between two measurements, beyond noise
 constexpr double kNoiseFactor = 4.0;  // standard errors that count as noise
-constexpr int kMaxTries = 4;          // of a poke while the bench moves
+constexpr int kMaxTries = 4;          // repetitions of a poke while the bench moves
 constexpr int kMinFrames = 2;
-constexpr int kMaxHalvings = 2;     // of the amplitude
-constexpr double kMinLevel = 0.25;  // of a spot's light at rest: less is a lost spot
+constexpr int kMaxHalvings = 2;     // of the poke amplitude
+constexpr double kMinLevel = 0.25;  // relative to the brightest spot: a fainter spot is lost
 
 std::vector<Mode> with_poke(std::vector<Mode> shown, int j, double waves) {
   const auto at =
@@ -35,7 +35,7 @@ SpotMeans means_of(const SpotAverage& average) {
   return {found_positions(average), average.standard_error_px};
 }
 
-/// Mean light of the cells above the darkest, DN.
+/// Mean intensity of the spots' windows above each window's darkest bin, DN.
 double intensity_of(const SpotCells& cells) {
   double sum = 0.0;
   int known = 0;
@@ -47,13 +47,13 @@ double intensity_of(const SpotCells& cells) {
   return known > 0 ? sum / known : 0.0;
 }
 
-/// The same noise in all pixels, as large as on average: positions are then found as by
-/// displacement_operator, whatever the intensity.
+/// Uniform pixel noise of average size, so that positions agree with displacement_operator at any
+/// intensity.
 PixelNoise even(const PixelNoise& noise, double mean_dn) {
   return {noise.constant_dn2 + noise.per_dn * mean_dn, 0.0};
 }
 
-/// How far the bench moved between two measurements of the same poke, px RMS beyond noise.
+/// Motion of the bench between two measurements of a poke, camera pixels RMS beyond noise.
 double step_px(const Poke& first, const Poke& second) {
   const SpotDrift plus = drift_between(first.places.plus, second.places.plus);
   const SpotDrift minus = drift_between(first.places.minus, second.places.minus);
@@ -69,7 +69,8 @@ Poke mean_of_both(const Poke& first, const Poke& second) {
            0.5F * (first.cells.minus + second.cells.minus)}};
 }
 
-/// Those of the reference; without one, where frames show spots, and the model the others.
+/// Spot positions of the reference. Without a reference: positions found in frames, and model
+/// positions for lost spots.
 Result<std::vector<Vec2>> places_of_spots(Bench& bench, const SlmGeometry& slm, int frames) {
   const SensorView sensor = bench.sensor();
   if (sensor->reference) return sensor->reference->positions_px;
@@ -178,7 +179,8 @@ Result<Poke> Pokes::once(int j, double amplitude_waves) {
               {amplitude_waves, std::move(plus->cells), std::move(minus->cells)}};
 }
 
-/// A bench that moved in between would add its movement to the derivative.
+/// Repeats a poke until two successive measurements agree, and returns their mean. Motion of the
+/// bench during a poke would add to the derivative.
 Result<Poke> Pokes::twice(int j, double amplitude_waves) {
   auto last = once(j, amplitude_waves);
   double step = 0.0;

@@ -1,4 +1,4 @@
-/// Pokes of calibration.run: modes shown with either sign, and what frames show of them.
+/// Pokes of calibration.run: shows each mode with both signs and measures the spots.
 #pragma once
 
 #include <memory>
@@ -12,22 +12,23 @@
 
 namespace ovws {
 
-/// Averages of one hologram.
+/// Spot measurements of one hologram, averaged over frames.
 struct ShownSpots {
   SpotMeans places;
   SpotCells cells;  ///< empty: measured by the tracker's positions
 };
 
-/// Either the tracker's positions in frames, or the spots' pixels in a mean image and positions
-/// from these. Pixels give a position for every lit spot, also for those that trackers lose.
+/// Spot meter: uses either the tracker's positions in frames, or positions fitted to the spots'
+/// pixels in a mean image. Pixels give a position for every lit spot, even if trackers lose it.
 class SpotMeter {
  public:
-  /// Measures the spots at rest, which the bench shows, in two mean images of a monochrome camera.
-  /// Errors: those of Bench; Errc::refused, field "camera.roi": the spots' windows do not fit.
+  /// Measures the spots at rest (without a poke) in two mean images of a monochrome camera. The SLM
+  /// must already show the hologram at rest. Errors: those of Bench; Errc::refused, field
+  /// "camera.roi": the spots' windows do not fit.
   static Result<SpotMeter> of_images(Bench& bench, const SlmGeometry& slm, int frames);
   static SpotMeter of_positions() { return {}; }
 
-  /// Of the hologram that the bench shows. Errors: those of Bench.
+  /// Measures the spots of the current hologram in `frames` frames. Errors: those of Bench.
   Result<ShownSpots> measure(Bench& bench, int frames) const;
 
   bool uses_images() const { return !windows_.empty(); }
@@ -37,11 +38,11 @@ class SpotMeter {
  private:
   ShownSpots measured_in(const Image<float>& mean_dn) const;
 
-  std::vector<SpotWindow> windows_;  ///< empty: positions
+  std::vector<SpotWindow> windows_;  ///< empty: measures by the tracker's positions
   std::vector<Vec2> places_px_;
   PixelFormat format_ = PixelFormat::mono8;
   std::vector<RenderedSpot> resting_;
-  PixelNoise noise_;  ///< of a mean image in 16 bits
+  PixelNoise noise_;  ///< pixel noise of a mean image scaled to 16 bits
 };
 
 struct Poke {
@@ -49,25 +50,26 @@ struct Poke {
   PokedSpots cells;  ///< empty: measured by the tracker's positions
 };
 
-/// A poke, or why the SLM cannot show it.
+/// Result of a poke; without `poke`, `reason` tells why the SLM cannot show the mode.
 struct Poked {
   std::optional<Poke> poke;
   std::string reason;
 };
 
-/// On top of the aberration that is shown when it is made.
+/// Pokes modes on top of the aberration that the SLM shows when the object is constructed.
 class Pokes {
  public:
-  /// `frames` are averaged for each sign, half of them in a repetition.
+  /// Averages `frames` frames for each sign, half of them in each of two measurements.
   Pokes(Bench& bench, SpotMeter meter, int frames, double lambda_d_px);
 
   const SpotMeter& meter() const { return meter_; }
 
-  /// Without any poke. Errors: those of Bench.
+  /// Measures the spots without a poke. Errors: those of Bench.
   Result<ShownSpots> rest();
-  /// Halves the amplitude up to twice if the SLM cannot show it, or if spots of `resting` are lost:
-  /// a strong poke of a high mode may lose spots at the rim. Everything is measured twice.
-  /// Errors: those of Bench; Errc::refused: the bench moved each time.
+  /// Pokes mode `j` with both signs and measures it at least twice. Halves the amplitude up to two
+  /// times if the SLM cannot show it, or if spots of `resting` are lost: strong pokes of high modes
+  /// may lose spots at the rim. Errors: those of Bench; Errc::refused: the bench moved between all
+  /// repetitions.
   Result<Poked> poke(int j, double amplitude_waves, const SpotMeans& resting);
 
  private:

@@ -15,7 +15,7 @@ bool is_at_rim(const Image<float>& light, Vec2 at, double rim_px) {
          at.y > light.height - 1.0 - rim_px;
 }
 
-/// Saturated pixels are NaN in a mean image.
+/// True if a pixel near `at` is NaN: saturated pixels are NaN in a mean image.
 bool is_saturated(const Image<float>& light, Vec2 at, double reach_px) {
   const int reach = int(std::ceil(reach_px)), cx = int(at.x), cy = int(at.y);
   for (int y = std::max(0, cy - reach); y < std::min(light.height, cy + reach + 1); ++y) {

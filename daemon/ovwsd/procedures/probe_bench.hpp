@@ -8,15 +8,15 @@
 
 namespace ovws {
 
-/// For the thread of one procedure.
+/// Measures images of probes, in the thread of one procedure.
 class ProbeBench {
  public:
-  /// `frames` are averaged for each image.
+  /// Averages `frames` frames for each image.
   ProbeBench(Bench& bench, int frames) : bench_(bench), frames_(frames) {}
 
-  /// Shows the probe and returns its image minus the image without a probe, DN. NaN where a frame
-  /// was saturated. Errors: those of Bench; Errc::refused, field "camera": the camera's region
-  /// changed meanwhile.
+  /// Shows the probe and returns its image minus the image without a probe, DN. NaN at pixels that
+  /// were saturated in a frame. Errors: those of Bench; Errc::refused, field "camera": the camera's
+  /// region changed during the job.
   Result<Image<float>> light(const Probe& probe);
 
  private:
@@ -27,11 +27,11 @@ class ProbeBench {
 
 struct ProbeSpot {
   Vec2 rough;                ///< centre of the intensity, camera pixels
-  std::optional<Vec2> fine;  ///< found by find_probe; none: it found nothing
+  std::optional<Vec2> fine;  ///< position found by find_probe, camera pixels; none: not found
 };
 
-/// Finds the spot in an image of ProbeBench::light. None: no spot stands out of the noise, or it is
-/// closer than 1.5 lambda/d to the image's edge. Errors (Errc::refused, field
+/// Finds the spot in an image of ProbeBench::light. None: no spot is above the noise, or the spot
+/// is closer than 1.5 lambda/d to the image's edge. Errors (Errc::refused, field
 /// "camera.exposure_us"): the spot is saturated.
 Result<std::optional<ProbeSpot>> probe_spot(const Image<float>& light, const SpotModel& spots);
 

@@ -35,7 +35,7 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
                        "another job is running: wait until it ends, or call job.cancel"));
     }
     run_ = run;
-    begun_ = true;  // do_work must not start it before it is complete
+    begun_ = true;  // do_work must not start the run before it is complete
   }
   if (auto free = deps_.bench.keeper.may_hold(); !free) {
     release();
@@ -114,15 +114,16 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
   }
 }
 
-/// Restores gain and hologram and releases the sensor before the job ends. A client may start the
-/// next job as soon as it sees the end. A disk that does not answer delays only the end of the job.
+/// Restores gain and hologram and releases the sensor before the job ends, because a client may
+/// start the next job as soon as a job has ended. A disk that does not answer delays only the end
+/// of the job.
 void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result) {
   run->bench->restore_gain();
   auto given_back = std::make_shared<std::promise<void>>();
   auto done = given_back->get_future();
   deps_.bench.keeper.release(Hold::of_job(run->job), [given_back] { given_back->set_value(); });
   given_back.reset();
-  done.wait();  // also if the prepare thread has ended: the promise is then broken
+  done.wait();  // returns also if the prepare thread has ended, which breaks the promise
   const int job = run->job;
   {
     const std::lock_guard lock(mutex_);
@@ -130,7 +131,7 @@ void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::
   }
   deps_.on_job(false);
   release();
-  // Keeps `run` alive: it provides the progress until the job has ended.
+  // The callback keeps `run` alive, because `run` provides the progress until the job has ended.
   run->bench->pending_files()->when_none([run, &jobs = deps_.bench.jobs, job, result] {
     if (result) return jobs.finish(job, *result);
     jobs.fail_job(job, result.error());

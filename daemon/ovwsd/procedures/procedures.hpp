@@ -18,28 +18,28 @@
 
 namespace ovws {
 
-/// Measures, and returns the job's result.
+/// A procedure: measures with the bench and returns the job's result as JSON.
 using Procedure = std::function<Result<nlohmann::json>(Bench&)>;
 
 struct ProceduresDeps {
   BenchDeps bench;
-  /// Any thread: a job began (true) or ended (false).
+  /// Called in any thread when a job has begun (true) or ended (false).
   std::function<void(bool)> on_job;
 };
 
-/// Agent of the procedure thread.
+/// Agent of the procedure thread: runs one procedure at a time.
 class Procedures : public Agent {
  public:
   explicit Procedures(ProceduresDeps deps) : deps_(std::move(deps)) {}
 
-  /// Thread-safe: starts a job, which holds the sensor until it ends. Calls `done` in the prepare
-  /// thread with the job's number. Errc::refused: another job is running, the loop or a reload
-  /// holds the sensor, or the daemon is stopping.
+  /// Starts a job, which holds the sensor until the job ends. Thread-safe. Calls `done` in the
+  /// prepare thread with the job's number. Errc::refused: another job is running, the loop or a
+  /// reload holds the sensor, or the daemon is stopping.
   void start(const std::string& kind, Procedure procedure, std::function<void(Result<int>)> done);
-  /// Thread-safe: calls `then` when no procedure holds the sensor: at once, or in the procedure
-  /// thread.
+  /// Calls `then` when no procedure holds the sensor: at once, or later in the procedure thread.
+  /// Thread-safe.
   void when_free(std::function<void()> then);
-  /// Thread-safe: refuses new jobs and stops the running one within a fraction of a second.
+  /// Refuses new jobs and stops the running job within a fraction of a second. Thread-safe.
   void end_soon();
 
   bool do_work() override;
@@ -63,7 +63,7 @@ class Procedures : public Agent {
   std::condition_variable asked_;
   std::shared_ptr<Run> run_;  ///< null: no job runs or waits to run
   std::vector<std::function<void()>> waiting_;
-  bool begun_ = false;  ///< run_ is not ready yet, or is running
+  bool begun_ = false;  ///< true while run_ is prepared or running
   bool ending_ = false;
 };
 

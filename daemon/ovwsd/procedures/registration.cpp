@@ -13,15 +13,16 @@
 namespace ovws {
 namespace {
 
-constexpr double kReach = 0.7;   // of the field that the sensor's spots occupy
+constexpr double kReach = 0.7;   // fraction of the field that the sensor's spots occupy
 constexpr double kMaxCpp = 0.5;  // Nyquist limit of the SLM
-// lambda/d: limits of the fit residual, for positions of the tracker and for intensity centres.
+// Limits of the fit residual, lambda/d: for tracker positions and for intensity centres.
 constexpr double kMaxResidual = 0.02, kMaxRoughResidual = 0.1;
-constexpr std::size_t kMaxOutliers = 2;  // positions that may be ghosts
+constexpr std::size_t kMaxOutliers = 2;  // dropped positions, which may be ghosts
 constexpr int kMaxCharge = 2;            // of the probe
-constexpr double kMaxScaleError = 0.03;  // relative; above it, locate the spots at the new scale
+constexpr double kMaxScaleError = 0.03;  // relative; if exceeded, locate the spots at the new scale
 
-/// Grating steps around the base. The first ones are repeated at the end to reveal motion.
+/// Grating steps around the base grating, in units of the reach. Three steps are repeated at the
+/// end to reveal motion of the bench.
 constexpr std::array<Vec2, 12> kSteps{{{0, 0},
                                        {1, 0},
                                        {-1, 0},
@@ -37,7 +38,7 @@ constexpr std::array<Vec2, 12> kSteps{{{0, 0},
 
 struct Look {
   Vec2 offset_cpp;
-  Image<float> light;  ///< minus the image without the probe
+  Image<float> light;  ///< image minus the image without the probe, DN
 };
 
 double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
@@ -63,7 +64,7 @@ Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int ch
   return looks;
 }
 
-/// Positions of the probe: intensity centres, and the tracker's.
+/// Positions of the probe: intensity centres (rough) and tracker positions (fine).
 struct Sights {
   std::vector<ProbeSight> rough, fine;
 };
@@ -85,7 +86,7 @@ double distance_px(const Registration& map, const ProbeSight& sight) {
   return norm(sight.at_px - (map.base_px + map.px_per_cycle * sight.offset_cpp));
 }
 
-/// Fits the map. Leaves out up to kMaxOutliers positions that fit worst, which may be ghosts.
+/// Fits the affine map. Drops up to kMaxOutliers of the worst positions, which may be ghosts.
 Result<Registration> fit_without_outliers(std::vector<ProbeSight> sights, double max_residual_px) {
   for (std::size_t outliers = 0;; ++outliers) {
     const auto map = fit_registration(sights);
@@ -104,8 +105,8 @@ Result<Registration> fit_without_outliers(std::vector<ProbeSight> sights, double
   }
 }
 
-/// Uses the tracker's positions unless it lost some of the spots. Under a strong aberration
-/// only the intensity centre is reliable.
+/// Fits the map to tracker positions, or to intensity centres if the tracker lost a spot. Under a
+/// strong aberration only the intensity centre is reliable.
 Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
                             const SpotModel& spots) {
   const auto sights = sights_of(bench, looks, spots);

@@ -14,9 +14,9 @@ namespace {
 constexpr double kStep = 3.0;    // lambda/d to each side of the base spot
 constexpr double kRadius = 1.5;  // lambda/d: half-width of the square whose intensity is averaged
 constexpr int kMaxCharge = 2;    // of a probe
-constexpr int kBefore = 3, kAfter = 24;  // frames of each hologram, at least
+constexpr int kBefore = 3, kAfter = 24;  // least frames before and after each change
 
-constexpr std::size_t kMaxFrames = 100'000;  // after each change
+constexpr std::size_t kMaxFrames = 100'000;  // recorded for each change
 
 struct ToAndFro {
   std::array<Vec2, 2> frequencies_cpp, places_px;
@@ -46,7 +46,7 @@ struct Seen {
   std::int64_t t_device_ns = 0;
   std::int64_t t_arrival_mono_ns = 0;
   double exposure_us = 0.0;
-  std::array<double, 2> mean_dn{};  ///< of the pixels around each place
+  std::array<double, 2> mean_dn{};  ///< mean of the pixels around each place
 };
 
 double mean_around(const ImageView& image, Vec2 place, double radius_px) {
@@ -72,8 +72,9 @@ Seen look_at(const FrameRecord& record, const ToAndFro& moves) {
   return seen;
 }
 
-/// Exposures by the camera's own clock, which knows no queue: the frame that came soonest after its
-/// stamp came at the end of its exposure.
+/// Exposure start times by the camera's clock (if it has none, by arrival), ms after the
+/// presentation. Queues do not delay that clock. The frame with the shortest delay is assumed to
+/// arrive at the end of its exposure.
 std::vector<StepFrame> after(const std::vector<Seen>& seen, std::int64_t presented_ns) {
   std::int64_t soonest_ns = std::numeric_limits<std::int64_t>::max();
   bool stamped = true;
@@ -120,7 +121,8 @@ Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const Se
     if (auto stands = bench.check_shown(presented_ns); !stands) return fail(stands.error());
     watch.reset();
     const auto frames = after(seen, presented_ns);
-    // The first one: a camera that stamps late may place the last one before the change behind it.
+    // The first frame gives the level before the change. The last frame before the change is
+    // unsafe: a camera that stamps late may place it after the change.
     const auto step = step_time(frames, frames.front().light);
     if (!step) return fail(step.error());
     steps.push_back(*step);

@@ -97,8 +97,8 @@ SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
     }
     motion.mean_px = motion.mean_px + moved;
     ++compared;
-    // Standard error of the motion per axis. It assumes that single frames of the earlier mean
-    // scatter as much as these.
+    // Standard error of the motion per axis, if single frames of the earlier mean scatter as much
+    // as `frames`.
     const Vec2 error = now.standard_error_px[i];
     const double more = 1.0 + double(now.found[i]) / std::max(1, frames_before);
     motion.standard_error_px =

@@ -1,5 +1,5 @@
-/// Evaluates the frames of a gain sweep: of one cell, and whether the bench has moved since the
-/// sweep took its references. Pure functions.
+/// Evaluates the frames of a gain sweep: the results of one cell, and the motion of the bench since
+/// the references were taken. Pure functions.
 #pragma once
 
 #include <string>
@@ -14,7 +14,8 @@
 
 namespace ovws {
 
-/// Mean position of each spot; NaN if it is found in fewer than half of the frames, or once only.
+/// Mean position of each spot; NaN if the spot is found in fewer than half of the frames, or only
+/// once.
 std::vector<Vec2> mean_positions(const std::vector<SeriesFrame>& frames);
 /// Median level and noise of the found spots, and the brightest pixel.
 SpotLevels levels_of(const std::vector<SeriesFrame>& frames);
@@ -23,14 +24,15 @@ std::vector<CellMeasured::Frame> judge_frames(const std::vector<SeriesFrame>& fr
                                               const Reconstructor& reconstructor,
                                               const std::vector<Mode>& introduced);
 
-/// Motion between two mean positions of the spots, camera pixels. Includes the common tilt.
+/// Motion between two mean positions of the spots, camera pixels. Includes the motion common to all
+/// spots (tilt).
 struct SpotMotion {
-  int lost = 0;  ///< spots found in fewer than half of the frames; the other fields leave them out
+  int lost = 0;  ///< spots found in fewer than half of the frames; other fields ignore lost spots
   Vec2 mean_px;  ///< mean over the spots
   double largest_px = 0.0;  ///< largest distance that a single spot moved
   int largest_at = 0;       ///< subaperture of that spot
   /// Largest standard error of a spot's motion along one axis, from the scatter in `frames`. The
-  /// earlier frames are assumed to have the same scatter.
+  /// frames of the earlier mean are assumed to scatter equally.
   double standard_error_px = 0.0;
 };
 
@@ -39,12 +41,12 @@ struct SpotMotion {
 SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
                        const std::vector<SeriesFrame>& frames);
 
-/// Largest allowed motion of a spot, in lambda/d: 1/20.
+/// Largest allowed motion of a spot, in units of lambda/d.
 constexpr double kMaxMotion = 0.05;
 
-/// Errc::refused, field "anew": a spot is lost, or has moved by more than `limit_px`.
-/// Errc::refused, field "reference_frames": four standard errors exceed the limit, so motion cannot
-/// be excluded. `arm`: its name, for the message.
+/// Checks that the spots have not moved. Errc::refused, field "anew": a spot is lost, or has moved
+/// by more than `limit_px`. Errc::refused, field "reference_frames": four standard errors exceed
+/// the limit, so motion cannot be excluded. `arm`: the arm's name, for the message.
 Result<void> check_unmoved(const SpotMotion& motion, double limit_px, const std::string& arm);
 
 }  // namespace ovws

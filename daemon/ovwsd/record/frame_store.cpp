@@ -74,13 +74,13 @@ void FrameStore::take(const FrameRecord& record, bool with_image) {
   if (with_image) copy_image(record.frame.image, *frame);
   frame->row.picture_dropped =
       record.pixels_missed || (with_image && frame->pixels.empty()) ? 1 : 0;
-  (void)full_.try_push(frame);  // has room for all frames
+  (void)full_.try_push(frame);  // never full: it has room for all frames
 }
 
 void FrameStore::copy_image(const ImageView& image, TakenFrame& to) {
   const std::size_t bytes = row_bytes(image.format, image.width);
   std::byte* picture = nullptr;
-  if (bytes * std::size_t(image.height) != image_bytes_) return;  // not the file's size
+  if (bytes * std::size_t(image.height) != image_bytes_) return;  // another size than the file's
   if (!free_images_.try_pop(picture)) return;
   to.pixels = {picture, image_bytes_};
   for (int y = 0; y < image.height; ++y) {

@@ -1,5 +1,5 @@
-/// The frame buffer of a recording: copies of frames between pipeline and file, in memory allocated
-/// once.
+/// Frame buffer of a recording: holds copies of frames until they are written to the file, in
+/// memory that is allocated once.
 #pragma once
 
 #include <atomic>
@@ -23,26 +23,26 @@ struct TakenFrame {
   std::span<std::byte> pixels;  ///< without padding; empty: no image
 };
 
-/// A pair of SPSC ring buffers, for full and for free frames: one thread takes frames, one writes
-/// them.
+/// SPSC ring buffers of full and free frames, between the thread that takes frames and the thread
+/// that writes them.
 class FrameStore {
  public:
-  static constexpr std::size_t kMaxFrames = 4096;  ///< without their images
+  static constexpr std::size_t kMaxFrames = 4096;  ///< limit of frames, not of images
 
   /// Allocates room for `pictures` images of `image_bytes` each, and for kMaxFrames frames.
   /// Throws std::bad_alloc.
   FrameStore(std::size_t pictures, std::size_t image_bytes);
 
-  /// Taking thread, frames in the order of their numbers: copies a frame. Without room for it the
-  /// frame is dropped, or only its image.
+  /// Copies a frame into the buffer; called by the taking thread, in the order of frame numbers. If
+  /// the buffer is full, the frame or only its image is dropped.
   void take(const FrameRecord& record, bool with_image);
 
   // Writing thread.
-  TakenFrame* next(int timeout_us);  ///< nullptr: none came
+  TakenFrame* next(int timeout_us);  ///< nullptr: no frame within the timeout
   void give_back(TakenFrame* frame);
-  /// Number of frames that came after the one of that number, taken or dropped; 0: all.
+  /// Number of frames, taken or dropped, after frame `number`. If `number` is 0, counts all frames.
   std::uint64_t taken_after(std::uint64_t number) const;
-  /// Whether images come faster than they are written: less than half of their room is free.
+  /// True if less than half of the image buffers are free: the disk is too slow for the images.
   bool behind() const { return free_images_.size_approx() < pictures_ / 2; }
 
  private:
@@ -50,10 +50,10 @@ class FrameStore {
 
   std::vector<TakenFrame> frames_;
   const std::size_t pictures_, image_bytes_;
-  std::vector<std::unique_ptr<std::byte[]>> memory_;  ///< of each image
+  std::vector<std::unique_ptr<std::byte[]>> memory_;  ///< one block for each image
   SpscRing<TakenFrame*> free_frames_, full_;
   SpscRing<std::byte*> free_images_;
-  std::atomic<std::uint64_t> first_number_{0}, last_number_{0};  ///< 0: none came yet
+  std::atomic<std::uint64_t> first_number_{0}, last_number_{0};  ///< 0: no frame yet
 };
 
 }  // namespace ovws

@@ -101,15 +101,15 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
       point(plan.fit ? std::optional(plan.fit->point()) : std::nullopt) {}
 
 Document make_document(std::string kind, const json& content) {
-  // A camera's name may hold bytes that are not UTF-8.
+  // Use json_text: a camera's name may contain bytes that are not UTF-8.
   Document document{std::move(kind), json_text(content), {}};
   document.sha256 = sha256_hex(document.text);
   return document;
 }
 
-/// Returns the SHA-256 of the reference's document, and adds this document to `all` unless it was
-/// the last reference added: a closed loop makes ten plans a second with the same reference, whose
-/// image takes a megabyte.
+/// Returns the SHA-256 of the reference's document. Adds the document to `all` unless it was the
+/// last reference added. A closed loop makes ten plans a second with one reference, whose image
+/// takes a megabyte.
 const std::string& PlanDocuments::reference_of(const std::shared_ptr<const Reference>& reference,
                                                std::vector<Document>& all) {
   const bool same = reference_ && reference_->t_taken_ns == reference->t_taken_ns &&
@@ -121,7 +121,8 @@ const std::string& PlanDocuments::reference_of(const std::shared_ptr<const Refer
   return reference_sha256_ = all.back().sha256;
 }
 
-/// The same for a calibration, whose shapes take megabytes.
+/// Returns the SHA-256 of the calibration's document. Adds the document to `all` unless it was the
+/// last calibration added, because its shapes take megabytes.
 const std::string& PlanDocuments::calibration_of(
     const std::shared_ptr<const Calibration>& calibration, std::vector<Document>& all) {
   if (calibration_ && calibration_->t_taken_ns == calibration->t_taken_ns) {

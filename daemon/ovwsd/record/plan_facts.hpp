@@ -1,5 +1,5 @@
 /// The documents of a recording: the plan, reference, operator, calibration and SLM that a frame
-/// was measured with. Each is one JSON text, identified by its checksum.
+/// was measured with. A document is one JSON text, identified by its checksum.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,8 @@
 
 namespace ovws {
 
-/// The part of a plan that is recorded, copied because the plan may be gone when it is written.
+/// The part of a plan that is recorded. It is copied, because the plan may be deleted before the
+/// recorder writes it.
 struct PlanFacts {
   PlanFacts(const MeasurementPlan& plan, SensorView view);
 
@@ -29,11 +30,11 @@ struct PlanFacts {
   double reference_introduced_rms_waves = 0.0;
   OperatorKind mode_operator = OperatorKind::slopes;
   std::vector<int> modes_j;           ///< of the coefficients
-  std::vector<int> position_modes_j;  ///< the first of them, which `slopes` determines
+  std::vector<int> position_modes_j;  ///< the first of modes_j, which `slopes` determines
   Eigen::MatrixXd slopes;
-  SensorView sensor;                    ///< as it was when the plan was adopted
+  SensorView sensor;                    ///< sensor state when the plan was adopted
   Eigen::MatrixXd nuisance;             ///< see Reconstructor
-  std::optional<OperatingPoint> point;  ///< of the templates, which are large and not kept
+  std::optional<OperatingPoint> point;  ///< of the templates, which are too large to copy
 };
 
 struct Document {
@@ -43,13 +44,13 @@ struct Document {
 };
 Document make_document(std::string kind, const nlohmann::json& content);
 
-/// Makes the documents of one recording. One thread.
+/// Makes the documents of one recording. Used by one thread.
 class PlanDocuments {
  public:
   /// The documents that describe this plan: reference, operator, calibration and SLM as far as they
-  /// exist, and last the plan, which names the others by their SHA-256. Those that an earlier call
-  /// returned are left out; of operating points, which are one-off, only the last one. A call with
-  /// a new reference that has an image takes 0.1 s.
+  /// exist, and last the plan, which names the other documents by their SHA-256. Omits documents
+  /// that an earlier call returned. An operating point is omitted only if it equals the last one.
+  /// With a new reference that has an image, a call takes 0.1 s.
   std::vector<Document> of(const PlanFacts& facts);
 
  private:
@@ -58,12 +59,13 @@ class PlanDocuments {
   const std::string& calibration_of(const std::shared_ptr<const Calibration>& calibration,
                                     std::vector<Document>& all);
 
-  /// SHA-256 of documents that rarely change: not of plans, ten a second in a closed loop.
+  /// SHA-256 of returned documents that rarely change. Plans are excluded: a closed loop makes ten
+  /// per second.
   std::set<std::string> given_;
   std::string point_sha256_;                    ///< of the operating point written last
   std::shared_ptr<const Reference> reference_;  ///< the reference written last
   std::string reference_sha256_;
-  std::shared_ptr<const Calibration> calibration_;  ///< the same
+  std::shared_ptr<const Calibration> calibration_;  ///< the calibration written last
   std::string calibration_sha256_;
 };
 

@@ -1,5 +1,6 @@
-/// A frame's measurement depends on its pixels, its plan, the start positions of its spots, and
-/// what was known about hologram and settings. The file holds all of these, so the replay is exact.
+/// Replay of a recording. A frame's measurement depends on its pixels, its plan, the start
+/// positions of its spots, and the known state of hologram and camera settings. The file has all
+/// this data, so the replay is exact.
 #include "daemon/ovwsd/record/player.hpp"
 
 #include <spdlog/fmt/fmt.h>
@@ -52,7 +53,7 @@ class SteppedCamera final : public Camera {
                  header_.height, std::ptrdiff_t(row_bytes(header_.format, header_.width)),
                  header_.format, next_->left_justified_bits};
     out.justification_known = true;
-    // Numbered again from 1: a camera that was reopened may have started from 0.
+    // Frames are renumbered from 1: a reopened camera may have restarted its numbers from 0.
     out.frame_id = ++count_;
     out.t_device_ns = 0;
     out.t_arrival_ns = next_->t_arrival_ns;
@@ -93,7 +94,7 @@ bool same_verdicts(const FrameRecord& now, const RecordedFrame& then) {
          same_bits(now.reconstruction.rms_waves, then.rms_waves);
 }
 
-/// Why the plan cannot measure images of this recording; empty: it can.
+/// Why the plan cannot measure images of this recording; empty if it can.
 std::string other_image(const RecordingHeader& header, const MeasurementPlan& plan) {
   if (header.width == plan.roi.width && header.height == plan.roi.height &&
       header.format == plan.format) {
@@ -125,10 +126,10 @@ struct Player::Impl {
   LatestValue<AppliedSettings> settings;
   Pipeline pipeline{{0, 8}, {counters, shown, settings}};
   ThreadPlan threads{RealtimePolicy::ignore};
-  /// By their number in the replay.
+  /// Plans by their number in the replay.
   std::map<std::uint64_t, std::unique_ptr<MeasurementPlan>> made;
-  const MeasurementPlan* plan = nullptr;  ///< in use
-  std::uint64_t plan_id = 0;              ///< its number in the recording
+  const MeasurementPlan* plan = nullptr;  ///< plan in use
+  std::uint64_t plan_id = 0;              ///< number of `plan` in the recording
   std::uint64_t next_plan_id = 1;
   std::string why_no_plan;
   std::size_t next = 0;
@@ -141,8 +142,8 @@ struct Player::Impl {
   Result<void> measure(PlayedFrame& frame);
 };
 
-/// Makes a recorded plan the pipeline's. The pipeline needs rising plan numbers, but a recorded
-/// loop returns to earlier plans, so each use gets a new number.
+/// Gives a recorded plan to the pipeline under a new number. The pipeline requires rising plan
+/// numbers, but a recording can return to an earlier plan.
 void Player::Impl::use_plan(std::uint64_t id) {
   if (plan != nullptr && id == plan_id) return;
   auto built = plans.make(id);
@@ -162,7 +163,8 @@ void Player::Impl::use_plan(std::uint64_t id) {
   });
 }
 
-/// Sets hologram and settings such that the frame path reaches the recorded verdicts.
+/// Sets the hologram and camera settings so that the frame path reaches the recorded verdicts
+/// (`still`, `settled`, `settings_known`).
 void Player::Impl::set_conditions(const RecordedFrame& frame) {
   AppliedSettings applied;
   applied.gain_db = applied.previous_gain_db = frame.gain_db;
@@ -200,7 +202,7 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   for (const RecordedSpot& spot : *spots) {
     starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
   }
-  // Only a frame that follows can be explained by positions, and only after one that does.
+  // A frame that positions explain follows (FrameRecord::follows), so the frame before it did.
   pipeline.resume(*plan, starts, frame.recorded.explained != 0, frame.recorded.searched != 0);
   set_conditions(frame.recorded);
   camera.give(frame.recorded);

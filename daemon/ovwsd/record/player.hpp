@@ -15,7 +15,7 @@ namespace ovws {
 
 struct PlayedFrame {
   RecordedFrame recorded;
-  bool replayed = false;  ///< else `reason` says why not
+  bool replayed = false;  ///< if false, `reason` says why
   std::string reason;
   bool same = false;  ///< spots, coefficients and verdicts equal the recorded ones bit by bit
   bool valid = false;
@@ -33,7 +33,7 @@ class Player {
   Player& operator=(const Player&) = delete;
 
   RecordingReader& reader();
-  /// Replays the next frame; none: there is no further one. An error: the file is damaged.
+  /// Replays the next frame; none at the end of the recording. Errors: the file is damaged.
   Result<std::optional<PlayedFrame>> step();
 
  private:

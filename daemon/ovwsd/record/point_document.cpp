@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxWaves = 1000.0;  // of a mode: beyond, the recording is damaged
+constexpr double kMaxWaves = 1000.0;  // limit of a mode; a recording that exceeds it is damaged
 
 json pairs(const std::vector<Vec2>& points) {
   json all = json::array();
@@ -22,7 +22,7 @@ json pairs(const std::vector<Vec2>& points) {
   return all;
 }
 
-/// Real and imaginary part of each coefficient of each subaperture.
+/// Field coefficients of each subaperture as JSON: real and imaginary parts in turn.
 json numbers(const std::vector<SensorField::LocalField>& fields) {
   json all = json::array();
   for (const SensorField::LocalField& field : fields) {
@@ -35,7 +35,8 @@ json numbers(const std::vector<SensorField::LocalField>& fields) {
   return all;
 }
 
-/// Errc::invalid, field "path": a part does not fit the others.
+/// Checks an operating point. Errc::invalid, field "path": its parts are inconsistent or out of
+/// range.
 Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t spots) {
   const auto as_many = [spots](std::size_t count) { return count == 0 || count == spots; };
   const auto moderate = [](double waves) { return std::abs(waves) < kMaxWaves; };

@@ -11,16 +11,17 @@
 
 namespace ovws {
 
-/// Sensor, optics and operating point: all that determines the templates.
+/// Content of the document: sensor, optics and operating point, which determine the templates.
 nlohmann::json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
                              const SensorSnapshot& sensor, const Roi& roi);
 
-/// Renders the templates of such a document again: the same, bit for bit, on the same kind of CPU.
-/// Keeps the last renderer. Throws exceptions of the JSON library. One thread at a time.
+/// Renders the templates of recorded documents again, bit-identical on the same kind of CPU. Keeps
+/// the last renderer. Throws exceptions of the JSON library. Used by one thread at a time.
 class PointReader {
  public:
-  /// `roi`, `modes_j` (valid ones) and `calibration` (its document, or null): of the plan.
-  /// Errc::invalid, field "path": the document has others, or parts that do not fit.
+  /// Renders the templates for a plan's `roi`, `modes_j` (valid ones) and `calibration` (its
+  /// document, or null). Errc::invalid, field "path": the document belongs to another image size or
+  /// other modes, or its parts are inconsistent.
   Result<std::shared_ptr<const FrameFit>> read(const nlohmann::json& content, const Roi& roi,
                                                const std::vector<int>& modes_j,
                                                const nlohmann::json& calibration);

@@ -47,7 +47,7 @@ SpotModel spot_model(const json& plan) {
            lit.at("diagonal").get<bool>()}};
 }
 
-/// Checks that the parts are consistent, and within the limits that later code relies on.
+/// Checks that the parts of a plan are consistent, and within the limits that later code requires.
 Result<void> check(const MeasurementPlan& plan, const json& rows,
                    const std::vector<int>& position_modes_j) {
   const std::size_t spots = plan.predicted_px.size();
@@ -104,9 +104,9 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
   return plans;
 }
 
-/// Reads exactly what plan_facts.cpp writes; anything else throws an exception of the JSON library.
+/// Decodes a plan document of plan_facts.cpp; other content throws a JSON library exception.
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
-  // Older versions searched spots beside the frame path.
+  // Older versions searched for spots outside the frame path, which a replay cannot repeat.
   const json none = json::array();
   if (!from.value("torn", none).empty() || !from.value("search_px", none).empty()) {
     return fail(Errc::refused, "path", "an older version's search for spots is not in a recording");
@@ -155,7 +155,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   return plan;
 }
 
-/// The templates of the plan, if it has any.
+/// Renders the templates of the plan, if it has an operating point.
 Result<void> RecordedPlans::read_templates(const json& from, MeasurementPlan& plan) {
   const json point = from.value("operating_point", json());
   if (point.is_null()) return {};
@@ -188,7 +188,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::make(std::uint64_t plan_
   if (found == plans_.end()) return unfit("is missing: number " + std::to_string(plan_id));
   try {
     return read(json_of(found->second));
-  } catch (const std::exception& error) {  // of the JSON library, or for a missing document
+  } catch (const std::exception& error) {  // from the JSON library, or for a missing document
     return unfit(std::string("cannot be read: ") + error.what());
   }
 }

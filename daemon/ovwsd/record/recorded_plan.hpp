@@ -14,26 +14,27 @@
 
 namespace ovws {
 
-/// The plans of one recording, made on request. One thread at a time.
+/// Measurement plans of one recording, made on request. Used by one thread at a time.
 class RecordedPlans {
  public:
-  /// Errc::invalid: a document does not match its checksum, or a plan has no number.
+  /// Reads the plans of a recording. Errc::invalid: a document does not match its checksum, or a
+  /// plan has no number.
   static Result<RecordedPlans> of(RecordingReader& reader);
 
-  /// Makes the plan of that number. Errors: Errc::invalid if there is none, or its parts are
-  /// inconsistent; Errc::refused if an older version measured in a way that this one does not have.
+  /// Makes the plan with number `plan_id`. Errc::invalid: there is no such plan, or its parts are
+  /// inconsistent. Errc::refused: an older version measured by a method that this version lacks.
   Result<std::unique_ptr<MeasurementPlan>> make(std::uint64_t plan_id);
 
  private:
   Result<std::unique_ptr<MeasurementPlan>> read(const nlohmann::json& from);
   Result<void> read_templates(const nlohmann::json& from, MeasurementPlan& plan);
 
-  std::map<std::uint64_t, std::string> plans_;    ///< text by number
-  std::map<std::string, std::string> documents_;  ///< text by checksum
+  std::map<std::uint64_t, std::string> plans_;    ///< plan texts by plan number
+  std::map<std::string, std::string> documents_;  ///< document texts by checksum
   PointReader points_;
   std::shared_ptr<const FrameFit> fit_;  ///< the templates rendered last
-  std::string fit_key_;                  ///< checksum of its operating point
-  std::string fit_calibration_;          ///< checksum of the calibration that was active then
+  std::string fit_key_;                  ///< checksum of the operating point of fit_
+  std::string fit_calibration_;          ///< checksum of the calibration of fit_
   Roi fit_roi_;
 };
 

@@ -23,15 +23,16 @@ namespace fs = std::filesystem;
 constexpr int kTurnUs = 20'000;
 constexpr std::chrono::milliseconds kIdle{50};
 constexpr std::int64_t kFlushNs = 250'000'000;
-// Limits of remembered plans. Each may hold a reference's image, so while nothing is recorded only
-// plans of frames in flight are kept; while recording, those of all frames that wait for the disk.
+// Limits of remembered plans, each of which may hold a reference's image. While nothing is
+// recorded, only plans of frames in flight are kept. A recording keeps the plans of all frames that
+// wait for the disk.
 constexpr std::size_t kIdleFacts = 4;
 constexpr std::size_t kMaxFacts = FrameStore::kMaxFrames + kIdleFacts;
 constexpr std::uint64_t kMinFreeBytes = 64 << 20;  // free disk space that a recording leaves
 
 constexpr const char* kGone =
     "its file was removed or moved while it was written; do so only after record.stop";
-constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write the rest when the daemon stops
+constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write remaining frames at a stop
 constexpr const char* kTooSlow =
     "the disk was too slow to write the last frames: use a faster disk, or a smaller camera.roi";
 constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left; delete some files";
@@ -125,7 +126,7 @@ struct Recorder::Running {
   RecordingHeader header;
   std::unique_ptr<RecordFile> file;
   PlanDocuments documents;
-  /// Camera settings whose frames have not come yet, with the time of their change.
+  /// New camera settings before their first frame, with the monotonic time of the change, ns.
   std::deque<std::pair<std::int64_t, Document>> camera_documents;
   std::string camera_sha256;  ///< of the newest camera settings
   std::int64_t t_begin_mono_ns = monotonic_ns();
@@ -174,7 +175,8 @@ void Recorder::camera_changed(const CameraSettings& settings,
   mailbox_.post([this, settings, info, changed_ns = monotonic_ns()] {
     if (!running_) return;
     Document now = make_document("camera", camera_content(settings, info));
-    // A camera that is looked for is announced every second.
+    // Repeated settings are ignored: while the daemon searches for a camera, it announces them
+    // every second.
     if (std::exchange(running_->camera_sha256, now.sha256) == now.sha256) return;
     running_->camera_documents.emplace_back(changed_ns, std::move(now));
   });
@@ -244,7 +246,7 @@ Result<void> Recorder::begin(const Begin& begin) {
   running->camera_sha256 = camera.sha256;
   if (auto added = add_first_documents(*running->file, begin, camera); !added) {
     running->file.reset();
-    ::unlink(path->c_str());  // else its name would be taken at the next attempt
+    ::unlink(path->c_str());  // otherwise the next attempt could not use this name
     return added;
   }
   taker_.exchange(std::move(*store));
@@ -322,11 +324,11 @@ std::optional<Recorder::Ending> Recorder::write(const TakenFrame& frame) {
   return std::nullopt;
 }
 
-/// Writes the documents of a plan. Ends the recording if the plan is for another image, with which
-/// all its frames come, recorded with their image or without.
+/// Writes the documents of a plan. Ends the recording if the plan is for another image region or
+/// format, because all frames of the plan then have that image, even if it is not recorded.
 std::optional<Recorder::Ending> Recorder::write_plan(std::uint64_t plan_id) {
   const auto facts = facts_of(plan_id);
-  if (!facts) return std::nullopt;  // a reader notices that the plan is missing
+  if (!facts) return std::nullopt;  // a reader of the file detects the missing plan
   const RecordingHeader& header = running_->header;
   const Roi& roi = facts->roi;
   const Roi recorded{header.x, header.y, header.width, header.height};
@@ -359,7 +361,7 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
   return {};
 }
 
-/// Writes the frames that are left. Returns why it could not finish; empty: it did.
+/// Writes the frames still in the buffer. Returns why it stopped early; empty if all are written.
 std::string Recorder::write_rest(std::int64_t until_ns) {
   Running& r = *running_;
   while (TakenFrame* const frame = taker_.store()->next(0)) {

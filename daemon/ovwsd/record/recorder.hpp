@@ -1,5 +1,5 @@
-/// The recorder: writes every frame that leaves the pipeline, with all that its measurement depends
-/// on, to one HDF5 file. The pipeline never waits for it.
+/// The recorder: writes every frame from the pipeline, and all data that its measurement depends
+/// on, to one HDF5 file. The pipeline never waits for the recorder.
 #pragma once
 
 #include <atomic>
@@ -31,10 +31,10 @@ class RecordTaker : public Agent {
 
   bool do_work() override;
 
-  /// From now on frames are copied to `store`; nullptr: they are not copied. Returns the previous
-  /// store. Thread-safe.
+  /// Copies frames to `store` from now on; nullptr stops the copying. Returns the previous store.
+  /// Thread-safe.
   std::unique_ptr<FrameStore> exchange(std::unique_ptr<FrameStore> store);
-  /// Write thread, which alone exchanges it.
+  /// Current store. Call this in the write thread only, which also exchanges the store.
   FrameStore* store() const { return store_.get(); }
 
  private:
@@ -43,7 +43,7 @@ class RecordTaker : public Agent {
   std::unique_ptr<FrameStore> store_;
 };
 
-/// The write thread's agent.
+/// Agent of the write thread: writes the frames to the HDF5 file.
 class Recorder : public Agent {
  public:
   using Done = std::function<void(Result<RecordReport>)>;
@@ -61,31 +61,31 @@ class Recorder : public Agent {
 
   bool do_work() override;
   /// Ends the recording. Writes the frames still in memory, for two minutes at most, and counts the
-  /// rest.
+  /// frames that remain unwritten.
   void on_close() override;
   Agent& taker() { return taker_; }
 
-  // Any thread; `done` is called in the write thread. Errors of `start`: Errc::refused (a recording
-  // runs, there is no folder, the file exists, the image is too large), Errc::unavailable (disk or
-  // memory).
+  // `start` and `stop` may be called in any thread; `done` is called in the write thread. Errors of
+  // `start`: Errc::refused (a recording runs, there is no folder, the file exists, the image is too
+  // large), Errc::unavailable (disk or memory).
   void start(Begin begin, Done done);
   void stop(Done done);
   RecordReport report() const { return report_.get(); }
   /// Frames of the last recording that could not be written when the daemon stopped; 0 if none.
   /// Frames dropped before that are not counted.
   std::uint64_t lost_at_stop() const { return lost_at_stop_.load(); }
-  /// Any thread, before a frame can be measured with the plan: announces the plan.
+  /// Announces a plan to the recorder, before any frame can be measured with it. Any thread.
   void add_plan(const MeasurementPlan& plan, SensorView sensor);
-  /// Any thread: announces new camera settings or another camera.
+  /// Announces new camera settings or another camera to the recorder. Any thread.
   void camera_changed(const CameraSettings& settings, const std::optional<CameraInfo>& info);
 
  private:
   struct Running;
   /// What to do with frames that still wait in memory when a recording ends.
   enum class Rest {
-    write,  ///< write them: they belong to the recording
-    drop,   ///< drop and count them: they belong to it, but cannot be written
-    after,  ///< ignore them: they came after its end
+    write,  ///< write the frames, which belong to the recording
+    drop,   ///< drop and count frames that belong to it, but cannot be written
+    after,  ///< ignore frames that came after the end of the recording
   };
   enum class Cause { trouble, asked_for, daemon_stops };
   struct Ending {

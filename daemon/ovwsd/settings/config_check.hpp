@@ -1,4 +1,4 @@
-/// Checks whether a configuration that was read without errors also describes a usable sensor.
+/// Configuration checks after parsing: whether the values describe a usable sensor.
 #pragma once
 
 #include "config/config.hpp"
@@ -6,12 +6,13 @@
 
 namespace ovws {
 
-/// Validates what parsing cannot: driver names, CPU numbers, LUT and flatness files, lattice and
-/// tracker settings. Called at start, at reload and by `ovws doctor`; opens no device. Endpoints
-/// and keys: see check_security.
+/// Validates values that the parser cannot check: driver names, CPU numbers, LUT and flatness
+/// files, lattice and tracker settings. Called at start, at reload and by `ovws doctor`; opens no
+/// device. Endpoints and keys: see check_security.
 Result<void> check_usable(const Config& config);
-/// Errc::invalid (field "sensor.spacing" or "camera.roi") if, by this configuration alone, the
-/// spots fall outside the camera's region or are too close for the tracker; see spot_layout.hpp.
+/// Checks the spot layout by the configuration alone. Errc::invalid (field "sensor.spacing" or
+/// "camera.roi"): spots fall outside the camera's region or are too close for the tracker; see
+/// spot_layout.hpp.
 Result<void> check_sees_spots(const Config& config);
 
 }  // namespace ovws

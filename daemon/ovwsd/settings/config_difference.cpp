@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-/// Prefixes of the keys that can change at run time; kFixed are the exceptions.
+/// Prefixes of keys that can change at run time, except those that begin with a prefix in kFixed.
 constexpr std::array<std::string_view, 11> kLive{"camera.pixel_format",
                                                  "camera.exposure_us",
                                                  "camera.gain_db",
@@ -74,7 +74,7 @@ ConfigDifference difference(const Config& before, const Config& after) {
     }
   };
   look_at(wanted, now, true);
-  look_at(now, wanted, false);  // keys that `after` has not: a list became null
+  look_at(now, wanted, false);  // keys missing in `after`: a list became null
   return keys;
 }
 

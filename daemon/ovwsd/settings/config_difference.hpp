@@ -1,4 +1,4 @@
-/// The configuration in use, and how it differs from a configuration file.
+/// Configuration in use, and its differences from a configuration file.
 #pragma once
 
 #include <string>
@@ -12,30 +12,30 @@
 
 namespace ovws {
 
-/// Thread-safe: `started`, with the reloaded stream and log settings, and with the settings that
-/// camera, sensor and refinement use now. With it as its file, a restarted daemon would come back
-/// as it is now.
+/// Configuration in use: `started` with the reloaded stream and log settings, and the current
+/// settings of camera, sensor and refinement. A daemon that starts with it as its file has the
+/// present settings. Thread-safe.
 Config config_in_use(const Config& started, const LoadedConfig& loaded, const CameraActor& camera,
                      const SensorKeeper& keeper, const LiveRefiner& refiner);
 
 /// Dotted keys whose values differ.
 struct ConfigDifference {
-  std::vector<std::string> live;     ///< that can change at run time
-  std::vector<std::string> restart;  ///< that need a restart
+  std::vector<std::string> live;     ///< keys that can change at run time
+  std::vector<std::string> restart;  ///< keys that need a restart
 };
 
-/// Whether this dotted key can change at run time.
+/// True if the setting with this dotted key can change at run time.
 bool changes_live(std::string_view key);
 
-/// Compares two configurations key by key. Each entry of a list has a key of its own.
+/// Compares two configurations key by key. Each entry of a list has its own key.
 ConfigDifference difference(const Config& before, const Config& after);
 
-/// Undoes the camera's rounding: a value of `file` that equals the value in use becomes the value
-/// that was requested when the camera rounded to it.
+/// Undoes the camera's rounding. A value of `file` that equals the value in use is replaced by the
+/// requested value, which the camera had rounded.
 CameraSettings as_requested(CameraSettings file, const CameraSnapshot& now);
 
-/// `in_use`, but with the file's value where exactly that was requested of the camera: a rounded
-/// value does not count as a change.
+/// Returns `in_use` with the file's value wherever `asked` equals the file's value, so that a value
+/// that the camera rounded does not count as a change.
 CameraSettings as_in_file(CameraSettings in_use, const CameraSettings& asked,
                           const CameraSettings& file);
 

@@ -60,7 +60,7 @@ class RightsOf {
     if (!taken_) return;
     const bool back = ::seteuid(0) == 0 && ::setegid(group_) == 0 &&
                       ::setgroups(groups_.size(), groups_.data()) == 0;
-    if (!back) std::abort();  // all that follows would run as the wrong user
+    if (!back) std::abort();  // otherwise the process would run on as the wrong user
   }
   RightsOf(const RightsOf&) = delete;
   RightsOf& operator=(const RightsOf&) = delete;
@@ -80,7 +80,7 @@ bool is_missing(const std::string& path) {
   return ::access(path.c_str(), F_OK) != 0 && errno == ENOENT;
 }
 
-/// The command that shows which folder on the path denies access.
+/// Shell command that shows which folder of the path denies access.
 std::string path_check_command(const std::string& path) {
   return "namei -l " + path;
 }
@@ -114,8 +114,8 @@ std::string fix_of_clients(const std::string& path, bool readable, const User& u
   return readable ? "sudoedit " + path : path_check_command(path);
 }
 
-/// Whether a check by this user also holds for the daemon's: root owns the file, and this user can
-/// read it.
+/// True if a check of the clients file by the caller also holds for the daemon's user: root owns
+/// the file, and the caller can read it.
 bool is_conclusive(const std::string& clients) {
   struct stat about {};
   return ::stat(clients.c_str(), &about) == 0 && about.st_uid == 0 && can_read(clients);

@@ -13,9 +13,9 @@
 namespace ovws {
 namespace {
 
-/// Completes the error's field to a configuration key: control methods report it without its
-/// section. For a saved value adds where it is kept, since a person would look in the configuration
-/// file.
+/// Completes the error's field to a configuration key, because control methods report it without
+/// its section. For a saved value, adds the overlay's path to the reason: a person would otherwise
+/// look in the configuration file.
 Error with_section(std::string section, Error error, const LoadedConfig& read) {
   for (const char* key : {"tracker", "template", "operator", "mode_count", "estimates"}) {
     if (error.field == key) section = "tracking";
@@ -36,8 +36,8 @@ std::string listed(const std::vector<std::string>& keys) {
   return fmt::format("{}", fmt::join(keys, ", "));
 }
 
-/// Reads and checks the configuration. Catches exceptions, which would leave the sensor held for
-/// ever.
+/// Reads and checks the configuration. Catches exceptions, which would otherwise leave the sensor
+/// held forever.
 Result<LoadedConfig> read_again(const std::string& path) {
   try {
     auto read = load_with_saved(path);
@@ -115,7 +115,7 @@ void Reloader::change_sensor(const Reload& reload) {
       after{reload.after.sensor, reload.after.tracking};
   SensorSet change = SensorSet::whole(after);
   if (after.tracking.mode_operator == before.tracking.mode_operator) {
-    // The operator stays as it is: a request for it could be refused now.
+    // Do not request the unchanged operator: the request could be refused now.
     change.forget(&TrackingSettings::mode_operator);
   }
   const bool same = to_json(after) == to_json(before);
@@ -129,7 +129,7 @@ void Reloader::change_sensor(const Reload& reload) {
                     });
 }
 
-/// Rolls back refinement and camera. The sensor, which comes last, has not changed.
+/// Rolls back refinement and camera. The sensor is changed last, so there is no change to undo.
 void Reloader::roll_back(const Reload& reload, const Error& why) {
   if (!(reload.after.refine == reload.before.refine)) {
     (void)deps_.refiner.change(RefineSet::whole(reload.before.refine),
@@ -181,8 +181,8 @@ void Reloader::refuse(const Error& why, const char* what_stays) {
       {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }
 
-/// Releases the sensor before the event is published: a client that sees it may start a job at
-/// once.
+/// Releases the sensor before the event is published, because a client may start a job as soon as
+/// it receives the event.
 void Reloader::end(Severity severity, std::string text, nlohmann::json data) {
   deps_.keeper.release(Hold::of_reload(),
                        [this, severity, text = std::move(text), data = std::move(data)]() mutable {

@@ -20,8 +20,8 @@
 namespace ovws {
 
 struct ReloadDeps {
-  const Config& config;           ///< as the daemon was started with
-  Guarded<LoadedConfig>& loaded;  ///< as last loaded; a reload that is applied replaces it
+  const Config& config;           ///< configuration at the daemon's start
+  Guarded<LoadedConfig>& loaded;  ///< last loaded; an applied reload replaces it
   const StateKeeper& state;
   CameraActor& camera;
   SensorKeeper& keeper;
@@ -31,22 +31,22 @@ struct ReloadDeps {
   Disk& disk;
 };
 
-/// One reload at a time, all or nothing: camera, refinement, then sensor, each as by its method of
-/// the control socket. If a part refuses, the earlier changes are rolled back. Meanwhile no job
-/// starts and nothing else changes the sensor. Keys that need a restart are reported, and not
-/// applied. The outcome is an event of kind `config`.
+/// Applies one reload at a time, completely or not at all. Changes camera, refinement, then sensor,
+/// as the methods of the control socket do. If a part refuses, the earlier changes are rolled back.
+/// During a reload no job starts and nothing else changes the sensor. Keys that need a restart are
+/// reported, but not applied. An event of kind `config` reports the outcome.
 class Reloader {
  public:
   explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}
 
-  /// Async-signal-safe.
+  /// Requests a reload. Async-signal-safe.
   void request() { requested_.store(true); }
-  /// Status thread: starts a requested reload in the prepare thread, and does not wait for it.
+  /// Starts a requested reload in the prepare thread without waiting for its end. Status thread.
   void poll();
 
  private:
   struct Reload {
-    Config before, after;  ///< the camera's settings as asked for, not as read back
+    Config before, after;  ///< camera settings as requested, not as read back
     ConfigDifference keys;
     LoadedConfig read;
   };

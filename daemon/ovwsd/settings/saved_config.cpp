@@ -35,8 +35,8 @@ constexpr int kMaxDepth = 8;
 
 using Group = std::vector<std::string>;
 
-/// Groups of keys whose values belong together: if one of them was edited in the file, the file's
-/// values are used for the whole group.
+/// Groups of keys whose values depend on each other. If one key of a group was edited in the file,
+/// the file's values are used for the whole group.
 const std::array<Group, 3>& groups() {
   static const std::array<Group, 3> all{
       {{"camera.gain_db", "camera.gain_raw"},
@@ -62,7 +62,8 @@ std::string pointer_of(std::string key) {
   return "/" + key;
 }
 
-/// The configuration file that an overlay belongs to; null: the daemon was started without one.
+/// Absolute path of the configuration file that an overlay belongs to; null: the daemon was started
+/// without a file.
 json owner_of(const std::string& path) {
   if (path.empty()) return nullptr;
   std::error_code unknown;
@@ -70,7 +71,7 @@ json owner_of(const std::string& path) {
   return (unknown ? fs::path(path) : whole).lexically_normal().string();
 }
 
-/// Compares the two paths in canonical form, links resolved.
+/// True if both paths are equal in canonical form, with links resolved.
 bool is_same_file(const std::string& one, const std::string& other) {
   const auto canonical = [](const std::string& path) {
     std::error_code unknown;
@@ -80,7 +81,7 @@ bool is_same_file(const std::string& one, const std::string& other) {
   return canonical(one) == canonical(other);
 }
 
-/// Whether the overlay was saved for this file.
+/// True if an overlay with the owner `file` was saved for the configuration file `path`.
 bool belongs_to(const json& file, const std::string& path) {
   if (!file.is_string() || path.empty()) return file == owner_of(path);
   return is_same_file(file.get<std::string>(), path);
@@ -95,7 +96,7 @@ struct Overlay {
   std::map<std::string, Saved> saved;
 };
 
-/// None: there is no such file.
+/// Reads a file of at most 1 MiB; none if the file does not exist.
 Result<std::optional<std::string>> read_text(const std::string& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
@@ -128,8 +129,8 @@ Result<Overlay> parse_overlay(const std::string& text) {
   return overlay;
 }
 
-/// Accepts only keys that `config.save` can write: endpoints, keys and folders come from the
-/// configuration file alone.
+/// Accepts only settings that `config.save` can write. Endpoints, key files and folders may come
+/// from the configuration file only.
 Result<void> check_keys(const Overlay& overlay, const json& file) {
   for (const auto& [key, entry] : overlay.saved) {
     if (!changes_live(key) || !file.contains(pointer_of(key))) {
@@ -167,7 +168,7 @@ Result<void> apply_overlay(LoadedConfig& loaded, const Overlay& overlay) {
   if (!effective) return fail(effective.error());
   if (auto usable = check_usable(*effective); !usable) {
     if (check_usable(loaded.file)) return usable;
-    return {};  // the overlay may be valid: it is the file that has to be fixed first
+    return {};  // the file is not usable, so the overlay may still be valid
   }
   loaded.effective = std::move(*effective);
   loaded.saved = std::move(saved);
@@ -193,7 +194,7 @@ void read_overlay(LoadedConfig& loaded) {
   if (const auto laid = apply_overlay(loaded, *overlay); !laid) reject(laid.error());
 }
 
-/// Refuses to overwrite the saved values of another configuration file: its daemon still needs
+/// Refuses to overwrite the saved values of another configuration file, whose daemon still needs
 /// them.
 Result<void> check_ours(const std::string& overlay, const json& owner) {
   const auto text = read_text(overlay);
@@ -290,7 +291,7 @@ SavedValues values_to_save(const LoadedConfig& loaded, const Config& in_use) {
 Result<void> write_saved(const std::string& overlay, const SavedValues& values) {
   if (auto ours = check_ours(overlay, values.owner); !ours) return ours;
   if (values.keys.empty()) return remove_file(overlay);
-  std::error_code ignored;  // replace_file reports a folder that is missing
+  std::error_code ignored;  // replace_file reports a missing folder
   fs::create_directories(fs::path(overlay).parent_path(), ignored);
   return replace_file(overlay, values.text);
 }

@@ -24,7 +24,7 @@ std::optional<std::string> state_directory_of(const StateConfig& config) {
   if (config.directory) return config.directory;
   const char* const list = std::getenv("STATE_DIRECTORY");
   if (list == nullptr || *list == '\0') return std::nullopt;
-  const std::string_view all = list;  // systemd separates several by colons
+  const std::string_view all = list;  // systemd separates folders by colons
   return std::string(all.substr(0, all.find(':')));
 }
 
@@ -101,8 +101,8 @@ void DaemonStore::drop_all(std::string_view kind, const std::vector<std::string>
   }
 }
 
-/// The write of the same kind and name that is queued, being carried out, or displaced by a drop
-/// that is; null: none.
+/// Pending write of the kind and name of `newer`: queued, in progress, or displaced by a pending
+/// deletion. Null: no write is pending.
 std::shared_ptr<const DaemonStore::Item> DaemonStore::write_before(const Item& newer) const {
   const auto last = std::find_if(items_.rbegin(), items_.rend(), [&](const Item& one) {
     return one.kind == newer.kind && one.name == newer.name;
@@ -111,8 +111,8 @@ std::shared_ptr<const DaemonStore::Item> DaemonStore::write_before(const Item& n
   return last->text ? std::make_shared<const Item>(*last) : last->displaced;
 }
 
-/// Removes the queued items of the same kind and name, and returns them without the one that is
-/// being written, whose result turn() reports.
+/// Removes queued items with the kind and name of `newer`, and returns them. An item that is being
+/// written is removed but not returned, because turn() reports its result.
 std::list<DaemonStore::Item> DaemonStore::take_out(const Item& newer) {
   std::list<Item> taken;
   for (auto at = items_.begin(); at != items_.end();) {
@@ -127,7 +127,7 @@ std::list<DaemonStore::Item> DaemonStore::take_out(const Item& newer) {
   return taken;
 }
 
-/// Queues an item in place of older ones of the same kind and name. An item beyond the memory limit
+/// Queues an item in place of older items with its kind and name. An item beyond the memory limit
 /// is refused; with Older::set_aside the outdated file is then still set aside.
 void DaemonStore::queue(Item item) {
   std::list<Item> displaced;
@@ -151,7 +151,7 @@ void DaemonStore::queue(Item item) {
     }
   }
   for (const Item& one : displaced) {
-    if (one.why) continue;  // its failure was reported before
+    if (one.why) continue;  // the failure of this item was reported before
     one.tried(fail(Errc::refused, "", "a newer item replaced it before it was written"));
   }
   if (refused) {
@@ -230,15 +230,15 @@ Result<std::string> DaemonStore::write(const Item& item) {
   return kept;
 }
 
-/// Removes an item that is done from the queue, or marks it for a retry. A drop is tried once: its
-/// caller undoes the change that it belongs to, and a write that waited before waits again.
+/// Removes a finished item from the queue, or marks it for a retry. A deletion is tried once. If
+/// the deletion fails, its caller undoes the change, and the displaced write is queued again.
 void DaemonStore::settle(const Item& item, const Result<std::string>& done) {
   const auto now = std::find_if(items_.begin(), items_.end(),
                                 [&](const Item& one) { return one.number == item.number; });
   if (done && item.text) why_read_only_.reset();
   if (done && item.why) make_all_due();  // the disk has room again
   if (!done) next_try_ns_ = monotonic_ns() + kRetryNs;
-  if (now == items_.end()) return;  // a newer one has taken its place
+  if (now == items_.end()) return;  // a newer item has replaced this one
   if (!done && item.text) {
     if (!now->why) ++refused_;
     now->why = done.error().reason;

@@ -1,4 +1,4 @@
-/// The daemon's state store: a write queue in front of the state files, which reports what cannot
+/// The daemon's state store: a write queue in front of the state files. Reports items that cannot
 /// be written.
 #pragma once
 
@@ -22,68 +22,72 @@
 
 namespace ovws {
 
-/// `config.directory`, or the first folder of $STATE_DIRECTORY; none: neither is set.
+/// State folder: `config.directory`, or else the first folder of $STATE_DIRECTORY; none if neither
+/// is set.
 std::optional<std::string> state_directory_of(const StateConfig& config);
 
 /// Write-behind queue of state items, which the disk thread writes. An item whose write fails stays
 /// queued and is retried every two seconds. Only the newest item of a kind and name is queued.
-/// Thread-safe. Without a store the daemon works all the same, and keeps nothing.
+/// Thread-safe. Without a store the daemon still works, but saves nothing.
 class DaemonStore {
  public:
-  /// The result of a write: the item's checksum, or why it is not stored (yet). Called in the disk
-  /// thread after the first attempt, and again if a later one succeeds; in the caller's thread if
-  /// there is no attempt.
+  /// Callback with the result of a write: the item's checksum, or why the item is not stored yet.
+  /// Called in the disk thread after the first attempt, and again if a later attempt succeeds. If
+  /// there is no attempt, it is called in the caller's thread.
   using Tried = std::function<void(const Result<std::string>& kept)>;
   using Dropped = std::function<void(const Result<void>& dropped)>;
-  /// What happens to the item of the same name on the disk while the new one cannot be written.
+  /// Treatment of the previous file on the disk while the new item cannot be written.
   enum class Older {
     stays,
-    set_aside,  ///< renamed: it is outdated, and a restart must not load it
+    set_aside,  ///< renamed, because a restart must not load outdated data
   };
-  /// Limit of the memory of queued items; an item beyond it is not stored.
+  /// Memory limit of all queued items, bytes; an item that exceeds the limit is not stored.
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{128} << 20;
 
   /// Opens the store in state_directory_of(config); blocks on the disk. Emits an event if no folder
-  /// is configured, or if it is unusable or read-only. Items in a read-only folder are loaded.
-  /// Without `disk`, the calling thread carries out every operation at once.
+  /// is configured, or if the folder is unusable or read-only. Items in a read-only folder are
+  /// loaded. Without `disk`, the calling thread carries out every operation at once.
   DaemonStore(const StateConfig& config, Events& events, Disk* disk = nullptr);
 
-  // Any thread; these never block on the disk.
-  /// Queues the write of an item. Errors: Errc::unavailable (no store, too much queued), or as of
-  /// replace_file; Errc::refused: a newer item replaced it in the queue.
+  // Non-blocking methods, for any thread: they never wait for the disk.
+  /// Queues the write of an item; `tried` gets the result. Errors: those of replace_file;
+  /// Errc::unavailable: no store, or too much is queued; Errc::refused: a newer item replaced the
+  /// queued item.
   void put(std::string_view kind, std::string_view name, const nlohmann::json& content, Older older,
            Tried tried);
   /// Deletes an item, queued or on the disk, in one attempt. Errors: see remove_file; without a
-  /// store there is nothing to delete.
+  /// store the deletion succeeds.
   void drop(std::string_view kind, std::string_view name, Dropped dropped);
   /// Deletes several items; `dropped` is called once, with the first error.
   void drop_all(std::string_view kind, const std::vector<std::string>& names, Dropped dropped);
-  /// The callback for `put` that reports the result as an event of kind `kind` about `title`, then
-  /// calls `then` with the checksum; empty: the item is not stored.
+  /// Makes a callback for `put`. The callback emits an event of kind `kind` with the result for
+  /// `title`. Then it calls `then` with the checksum, which is empty if the item is not stored.
   Tried reporting(std::string kind, std::string title, std::int64_t t_taken_ns,
                   std::function<void(const std::string& sha256)> then);
-  /// Why the write of an item of this kind failed; none: no failed one is queued.
+  /// Why the write of an item of this kind failed; none if no failed item of the kind is queued.
   std::optional<std::string> why_queued(std::string_view kind) const;
   bool is_queued(std::string_view kind, std::string_view name) const;
   StatusMessage::StorePart report() const;
-  /// Runs `task` in the disk thread, after what was queued there before. Errors: see Disk::request.
+  /// Runs `task` in the disk thread, after all tasks queued earlier. Errors: see Disk::request.
   Result<void> request(Disk::Task task);
 
-  // Threads that may block on the disk; an older item stays.
+  // Blocking methods, for threads that may wait for the disk. A failed write keeps the previous
+  // file.
   Result<std::string> put_and_wait(std::string_view kind, std::string_view name,
                                    const nlohmann::json& content);
   Result<void> drop_and_wait(std::string_view kind, std::string_view name);
-  /// Returns when everything queued has been tried once more.
+  /// Retries all queued items now, and returns when each has been tried once.
   void try_again_and_wait();
-  /// The queued item, or else the one on the disk.
+  /// Finds the queued item, or else the item on the disk; none if neither exists.
   std::optional<StateItem> find(std::string_view kind, std::string_view name) const;
-  /// The same for all items of a kind; see StateStore::load. An event reports each damaged file,
-  /// which is not used.
+  /// Passes all items of a kind to `take`, queued or on the disk; see StateStore::load. Damaged
+  /// files are not used; an event reports each.
   void load(std::string_view kind, const std::function<void(StateItem)>& take) const;
 
-  /// Disk thread, each turn: tries one item. True if another one is due.
+  /// Tries to write one queued item; called in the disk thread. True if another item is due.
   bool turn();
-  /// The daemon stops: calls that wait return with Errc::unavailable from now on.
+  /// Ends blocking calls when the daemon stops: they return at once, with Errc::unavailable if a
+  /// result is missing.
   void end_soon();
   /// Number of items that are not on the disk yet.
   int queued() const;
@@ -94,10 +98,10 @@ class DaemonStore {
     std::shared_ptr<const std::string> text;  ///< null: delete the item, or set it aside
     Older older = Older::stays;
     Tried tried;
-    std::uint64_t number = 0;          ///< in the order of the requests
+    std::uint64_t number = 0;          ///< increases in the order of requests
     bool due = true;                   ///< try it in the next turn
     std::optional<std::string> why{};  ///< why the last attempt failed
-    /// The write that this item took out of the queue; it waits again if nothing can be deleted.
+    /// Queued write that this deletion displaced; it is queued again if the deletion fails.
     std::shared_ptr<const Item> displaced{};
   };
   void queue(Item item);
@@ -121,11 +125,11 @@ class DaemonStore {
   mutable std::mutex mutex_;  ///< never held while the disk works
   std::condition_variable tried_;
   std::list<Item> items_;                ///< oldest first
-  std::optional<std::uint64_t> trying_;  ///< its number
+  std::optional<std::uint64_t> trying_;  ///< number of the item being written
   std::uint64_t last_number_ = 0;
   std::int64_t next_try_ns_ = 0;
-  int refused_ = 0;                           ///< items whose write failed since all was written
-  std::optional<std::string> why_read_only_;  ///< until a write succeeds
+  int refused_ = 0;                           ///< items failed since the queue was last empty
+  std::optional<std::string> why_read_only_;  ///< cleared when a write succeeds
   bool ending_ = false;
 };
 

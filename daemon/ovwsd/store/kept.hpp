@@ -39,7 +39,7 @@ std::string title_of(const typename Kind::Item& item) {
 ///     // Only of kinds that depend on LUT and flatness; the items have their `origin`.
 ///     const ReferenceBench* bench;
 ///
-/// One thread at a time. Only `load` blocks on the disk.
+/// Call the methods in one thread at a time. Only `load` blocks on the disk.
 template <class Kind>
 class Kept {
  public:
@@ -53,8 +53,8 @@ class Kept {
   Kept(Kind kind, DaemonStore& store, Events& events)
       : kind_(std::move(kind)), store_(store), events_(events) {}
 
-  /// Loads the items that can be used. An event names each file with its checksum and the time of
-  /// its measurement, and why it is not used; such a file stays on the disk.
+  /// Loads all usable items. An event reports each file with its checksum and measurement time, and
+  /// why an item is not used. Unused files stay on the disk.
   Items load() {
     Items usable;
     store_.load(Kind::kKind, [&](const StateItem& item) {
@@ -63,8 +63,8 @@ class Kept {
     return by_age(std::move(usable));
   }
 
-  /// The items that only another LUT or flatness had ruled out, and that can be used now; each
-  /// once.
+  /// Returns items that were unusable only with the previous LUT or flatness, and are usable now.
+  /// Each item is returned once.
   Items load_again() {
     Items usable;
     for (auto& [name, found] : std::exchange(waiting_for_slm_, {})) {
@@ -77,9 +77,9 @@ class Kept {
     return by_age(std::move(usable));
   }
 
-  /// Stores an item. The items `replaced` are deleted once it is stored. `done` is called in the
-  /// disk thread with the checksum; it is empty if the item could not be stored, which an event
-  /// reports. A later success calls it again.
+  /// Stores an item, and then deletes the items `replaced`. Calls `done` in the disk thread with
+  /// the item's checksum. The checksum is empty if the write failed, which an event reports. Calls
+  /// `done` again if a later attempt succeeds.
   void keep(const Item& item, const std::vector<std::string>& replaced = {},
             Stored done = nullptr) {
     const std::string name = kind_.name(item);
@@ -96,8 +96,8 @@ class Kept {
     drop_oldest();
   }
 
-  /// Deletes the items of these names. `done` is called in the disk thread; an error: some files
-  /// are still on the disk.
+  /// Deletes the items with these names. Calls `done` in the disk thread; an error means that some
+  /// files are still on the disk.
   void drop(const std::vector<std::string>& names, DaemonStore::Dropped done) {
     for (const std::string& name : names) forget(name);
     store_.drop_all(Kind::kKind, names, std::move(done));
@@ -117,12 +117,12 @@ class Kept {
 
   static constexpr bool kOfSlm = requires(const Kind& kind) { kind.bench; };
 
-  /// Whether the obstacle is another LUT or flatness, and nothing else.
+  /// True if only a different LUT or flatness prevents the use of the item.
   bool needs_other_slm(const Item& item) const {
     if constexpr (kOfSlm) return kind_.bench->has_other_slm_only(*item.origin);
     return false;
   }
-  /// Whether it was measured with the LUT and flatness that are active.
+  /// True if the item was measured with the active LUT and flatness.
   bool fits_slm(const Item& item) const {
     if constexpr (kOfSlm) return (*item.origin)["slm"] == kind_.bench->slm();
     return false;
@@ -159,8 +159,8 @@ class Kept {
     return use({file.name, file.path, std::move(*item)});
   }
 
-  /// Null: the item cannot be used now. It is remembered if another LUT or flatness would change
-  /// that.
+  /// Returns the item, or null if it cannot be used now. Remembers an item that another LUT or
+  /// flatness would make usable.
   std::shared_ptr<const Item> use(Found found) {
     const std::string remedy = fmt::format("; undo what has changed, or run {}", Kind::kMethod);
     Item& item = found.item;
@@ -202,7 +202,7 @@ class Kept {
   Kind kind_;
   DaemonStore& store_;
   Events& events_;
-  std::vector<File> files_;                       ///< undamaged ones, used or not
+  std::vector<File> files_;                       ///< undamaged files, used or not
   std::map<std::string, Found> waiting_for_slm_;  ///< by name
 };
 

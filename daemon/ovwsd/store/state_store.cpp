@@ -27,7 +27,7 @@ constexpr std::uintmax_t kMaxFileBytes = 1U << 30;
 constexpr std::string_view kSumBegin = ",\n\"sha256\": \"";
 constexpr std::string_view kSumEnd = "\"\n}\n";
 constexpr std::size_t kSumDigits = 64;
-constexpr const char* kOutdatedSuffix = ".outdated";  // behind the name of a file that is set aside
+constexpr const char* kOutdatedSuffix = ".outdated";  // added to the name of a file set aside
 constexpr std::size_t kSealSize = kSumBegin.size() + kSumDigits + kSumEnd.size();
 
 tl::unexpected<Error> damaged(const std::string& reason) {
@@ -119,10 +119,10 @@ Result<StateStore> StateStore::open(const std::string& directory) {
         directory + " cannot be read: " + failed.message() + "; give the daemon's user access");
   }
   StateStore store(directory);
-  // Done first: the leftovers may be what fills the disk.
+  // Leftovers are removed before the write test, because they may fill the disk.
   store.leftovers_ = remove_leftovers(directory);
-  // Tests with a real write, because permissions do not show whether one succeeds. A full disk
-  // would still take an empty file.
+  // Write test with real data: permissions do not show whether a write succeeds, and a full disk
+  // still accepts an empty file.
   constexpr std::size_t kProbeBytes = 4096;
   const std::string probe = directory + "/.write-test";
   auto writable = replace_file(probe, std::string(kProbeBytes, '\n'));

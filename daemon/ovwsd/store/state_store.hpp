@@ -1,8 +1,8 @@
 /// Persistent state: one JSON file with a checksum for each item. Kind and name identify an item.
 ///
 /// A file is JSON text: {"schema": "ovws.state.KIND/1", "content": {…}, "sha256": "…"}. The
-/// checksum covers all bytes before its own line, so that no changed byte goes unnoticed.
-/// replace_file writes every file: a kill or a power cut leaves the old one or the new one.
+/// checksum covers all bytes before its own line. replace_file writes each file atomically: after a
+/// kill or a power cut, the file is complete, either old or new.
 #pragma once
 
 #include <functional>
@@ -17,8 +17,9 @@
 
 namespace ovws {
 
-/// Converts content to the text of a file with its checksum, and back. Errors (Errc::invalid): the
-/// text is cut off, damaged, or of another schema. The caller checks the meaning of the content.
+/// Converts content to file text with a checksum (seal), and back (unseal). Errors of unseal
+/// (Errc::invalid): the text is cut off, damaged, or of another schema. The caller checks the
+/// meaning of the content.
 std::string seal(std::string_view schema, const nlohmann::json& content);
 struct Unsealed {
   nlohmann::json content;
@@ -32,56 +33,56 @@ struct StateItem {
   std::string sha256;
 };
 
-/// A file that cannot be used, and why; it stays where it is.
+/// Path of an unusable file and the reason; the file is left in place.
 struct BadState {
   std::string path, reason;
 };
 
-/// The lock (flock), held while a copy lives, at most until the process ends. Null where nothing
-/// can be locked: the folder cannot be made or opened, or its file system has no locks.
+/// Folder lock (flock), held while a copy of the pointer exists, at most until the process ends.
+/// Null if locking is impossible: the folder cannot be made or opened, or its file system has no
+/// locks.
 using FolderLock = std::shared_ptr<const int>;
 
-/// Makes the folder if there is none, and locks it. Errc::unavailable (field "state.directory") if
-/// another process holds it.
+/// Creates the folder if it is missing, and locks it. Errc::unavailable (field "state.directory")
+/// if another process holds the lock.
 Result<FolderLock> lock_folder(const std::string& folder);
 
-/// The files of a state directory. Thread-safe, but two threads may not write the same item at
-/// once. All calls block on the disk.
+/// Store of the files in a state directory. Thread-safe, but two threads may not write one item at
+/// a time. All calls block on the disk.
 class StateStore {
  public:
-  /// Makes the directory if there is none, and removes leftovers of a killed writer. Errors
-  /// (Errc::unavailable, field "state.directory"): it cannot be made or read.
+  /// Creates the directory if it is missing, and removes leftovers of a killed writer. Errors
+  /// (Errc::unavailable, field "state.directory"): the directory cannot be created or read.
   static Result<StateStore> open(const std::string& directory);
 
-  /// Why nothing can be written there, and what to do; none: it can. Existing items are read all
-  /// the same.
+  /// Why the directory cannot be written, and what to do; none if it can. Existing items are still
+  /// read.
   const std::optional<std::string>& why_read_only() const { return why_read_only_; }
-  int leftovers() const { return leftovers_; }  ///< that `open` removed
+  int leftovers() const { return leftovers_; }  ///< number of leftover files that `open` removed
 
   /// The text of an item's file.
   static std::string text_of(std::string_view kind, const nlohmann::json& content);
-  /// Kinds and names are of [a-z0-9_-]. Replaces the item of that name atomically and returns its
-  /// checksum. Errors: see replace_file.
+  /// Writes an item atomically and returns its checksum. Kinds and names consist of [a-z0-9_-].
+  /// Errors: see replace_file.
   Result<std::string> put(std::string_view kind, std::string_view name,
                           const nlohmann::json& content);
-  /// The same with a text that `text_of` made.
+  /// Writes an item, as `put`, from a text that `text_of` made.
   Result<std::string> put_text(std::string_view kind, std::string_view name, std::string_view text);
-  /// Deletes an item; it is no error if there is none. Errors: see remove_file.
+  /// Deletes an item; a missing item is no error. Errors: see remove_file.
   Result<void> drop(std::string_view kind, std::string_view name);
-  /// Renames the item's file, so that it is not loaded any more: it is outdated, and its successor
-  /// cannot be written. The next put or drop of that name removes it. It is no error if there is
-  /// none.
+  /// Renames an outdated file whose successor cannot be written, so that it is no longer loaded.
+  /// The next put or drop of this name deletes the renamed file. A missing file is no error.
   Result<void> set_aside(std::string_view kind, std::string_view name);
-  /// Makes the directory again if it was removed; true: it was.
+  /// Creates the directory again if it was removed. Returns true if it was created.
   bool recreate_directory();
 
-  /// The item of that name; none if there is none, or its file is damaged.
+  /// Reads an item; none if its file is missing or damaged.
   std::optional<StateItem> find(std::string_view kind, std::string_view name) const;
-  /// The item that a file with this text would hold.
+  /// The item that a file with the text `text` would hold.
   StateItem item_of(std::string_view kind, std::string_view name, std::string_view text) const;
 
-  /// Hands over the items of a kind, by name and one at a time, for they may be large. Returns the
-  /// damaged files.
+  /// Passes the items of a kind to `take`, sorted by name, and one at a time because they may be
+  /// large. Returns the damaged files.
   std::vector<BadState> load(std::string_view kind,
                              const std::function<void(StateItem)>& take) const;
 
