@@ -29,8 +29,8 @@ struct FringePatches {
 };
 
 /// Chooses distance and diameter of the patches. The distance is half the pupil diameter, or less
-/// if the fringe period would be below 4 `lit` camera pixels. The diameter is `share` (0 .. 1)
-/// times a subaperture's diameter, but at most half the distance.
+/// if the fringe period would be below 4 of the camera pixels that `lit` describes. The diameter is
+/// `share` (0 .. 1) times a subaperture's diameter, but at most half the distance.
 FringePatches fringe_patches(const SensorConfig& sensor, const PxPerCycle& map, double share,
                              const LitPixels& lit = {});
 

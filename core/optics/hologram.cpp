@@ -296,10 +296,10 @@ Result<void> HologramRenderer::check_sampling(std::span<const Mode> modes) const
     if (found.x <= kNyquistCpp && found.y <= kNyquistCpp) continue;
     return fail(Errc::invalid, "modes",
                 "too steep for the SLM: subaperture " + std::to_string(i) + " needs " +
-                    std::to_string(found.x) + " x " + std::to_string(found.y) +
-                    " cycles per SLM pixel, of which its grating takes " +
-                    std::to_string(s.frequency_cpp.x) + " x " + std::to_string(s.frequency_cpp.y) +
-                    "; the limit is 0.5: reduce the aberration or the grating");
+                    std::to_string(found.x) + " (x) and " + std::to_string(found.y) +
+                    " (y) cycles per SLM pixel; the limit is 0.5. Its grating alone needs " +
+                    std::to_string(s.frequency_cpp.x) + " and " +
+                    std::to_string(s.frequency_cpp.y) + ": reduce the aberration or the grating");
   }
   return {};
 }

@@ -16,8 +16,8 @@ struct Subaperture {
 
 struct Lattice {
   double diameter_px = 0.0;  ///< of one subaperture, SLM pixels: D / M
-  std::vector<Subaperture>
-      subapertures;  ///< sorted by V_y, then V_x; each circle lies entirely inside the pupil
+  /// Sorted by y, then x, of the centres; each circle lies entirely inside the pupil.
+  std::vector<Subaperture> subapertures;
 };
 
 /// Places all subapertures that lie entirely inside the pupil, or touch its edge from inside. The

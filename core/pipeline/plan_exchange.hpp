@@ -24,7 +24,8 @@ class PlanExchange {
   /// Smallest plan id that the frame path or a record may still use.
   std::uint64_t oldest_in_use() const;
 
-  /// Acquisition thread, between two frames: switches to the plan offered last. nullptr: no plan.
+  /// Acquisition thread, between two frames: switches to the plan offered last, and returns the
+  /// measurement of the plan now in use. nullptr: no plan has been offered yet.
   Measurement* adopt() OVWS_NONBLOCKING;
 
  private:

@@ -27,8 +27,9 @@ constexpr double kUsualHigherWaves = 0.01, kLeastHigherWaves = 0.001, kMaxHigher
 constexpr double kMinOverShapes = 0.1, kMaxOverShapes = 2.0, kScatters = 2.0, kSmallExcess = 5e-4;
 constexpr double kFarOver = 2.0, kUnsettled = 0.1;
 constexpr int kHigherRounds = 4, kHigherRenderings = 5;
-// Residual limits against false minima: fraction of a window's width; ratio to the reference's.
-constexpr double kMaxResidual = 0.0005, kMaxOverReference = 2.0;
+// Limits against false minima: a fit is accepted up to the larger one.
+constexpr double kMaxResidual = 0.0005;    // residual as position error, fraction of window width
+constexpr double kMaxOverReference = 2.0;  // ratio of the residual to that of the reference's fit
 
 }  // namespace
 

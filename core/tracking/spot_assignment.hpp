@@ -23,8 +23,9 @@ class SpotAssignment {
   static constexpr int kNone = -1;
 
   struct Rules {
-    double min_share = 0.5;  ///< least share of the subapertures that a match must explain
-    /// Largest displacement that is tried for the spot of a seed subaperture, camera pixels.
+    double min_share = 0.5;  ///< least share of the subapertures for which a match has a spot
+    /// Largest displacement tried for the spot of the seed (the subaperture at which a match
+    /// begins), camera pixels.
     double max_shift_px = std::numeric_limits<double>::infinity();
   };
 

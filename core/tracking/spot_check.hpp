@@ -32,7 +32,7 @@ class SpotCheck {
   struct Verdict {
     bool passed = false;
     double quality = 0.0;  ///< contrast: 1 - dark/bright part above background, or the fit's share
-    double level = 0.0;    ///< the bright part above the local background, DN
+    double level = 0.0;    ///< mean of the bright core or ring above the background, DN
     double noise = 0.0;    ///< RMS pixel noise, DN
   };
 

@@ -64,7 +64,8 @@ Result<void> sdl::SlmWindow::flush() {
 
 Result<std::unique_ptr<Display>> open_sdl_display(const SdlConfig& config) {
   if (sdl::Video::is_open()) {
-    return fail(Errc::refused, "slm.display", "a display is open already: close it first");
+    return fail(Errc::refused, "slm.display",
+                "program error: the display was opened twice; restart ovwsd");
   }
   const auto driver = sdl::choose_driver();
   if (!driver) return fail(driver.error());

@@ -68,7 +68,8 @@ Result<void> SensorKeeper::begin() {
   auto plan = planned();
   if (!plan && state.registration) {
     deps_.events.emit("registration", Severity::warning,
-                      "the stored registration is not used: " + plan.error().reason,
+                      "the stored registration is not used: " + plan.error().reason +
+                          "; restore the settings, or run registration.run again",
                       {{"used", false}});
     state.registration.reset();
     plan = planned();
