@@ -19,7 +19,7 @@ enum class SchemaOf { params, change, result };
 /// Collects the schema of each struct once, so that other schemas refer to it by "#/$defs/NAME".
 struct SchemaParts {
   SchemaOf of = SchemaOf::result;
-  bool may_be_absent = false;  ///< true within the fields of an inlined optional
+  bool may_be_absent = false;  ///< true while the fields of an optional struct are added
   Json parts = Json::object();
 };
 

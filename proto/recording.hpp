@@ -53,7 +53,7 @@ struct RecordedSpot {
 /// first frame that it applies to.
 struct RecordedDocument {
   std::array<char, 16> kind{};    ///< "plan", "reference", …
-  std::array<char, 64> sha256{};  ///< of the text, hexadecimal
+  std::array<char, 64> sha256{};  ///< SHA-256 of the document's text, hexadecimal
   std::uint64_t from_frame = 0;   ///< row of `frames`
   std::uint64_t first_byte = 0, bytes = 0;
 };

@@ -53,7 +53,7 @@ class SensorField {
   /// Pupil field of the last propagate(), one value per cell of cells().runs. If outside() is
   /// false, only the values of the subapertures are valid.
   std::span<const std::complex<float>> pupil() const { return pupil_; }
-  /// Complex far field of the last propagate() in window(), see FarField.
+  /// Complex far field of the last propagate(), at the points of window(); units as in FarField.
   const Image<std::complex<float>>& far() const { return far_; }
 
  private:

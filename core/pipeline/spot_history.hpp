@@ -41,7 +41,7 @@ class SpotHistory {
   /// Whether the settled frame `record`, tracked from `starts()`, follows (see SpotHistory).
   bool is_followed_by(const FrameRecord& record) const OVWS_NONBLOCKING;
 
-  /// Updates the history with the spots of a settled frame, and with `record.follows`.
+  /// Updates the history with the spots of a settled frame, and with its verdict `record.follows`.
   void learn(const FrameRecord& record) OVWS_NONBLOCKING;
 
  private:

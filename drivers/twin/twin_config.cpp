@@ -202,7 +202,9 @@ Result<Config> load_config(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (!file || !(text << file.rdbuf())) {
-    return fail(Errc::unavailable, "", "cannot read the configuration file " + path);
+    return fail(
+        Errc::unavailable, "",
+        "cannot read the configuration file " + path + ": check the path and the permissions");
   }
   auto config = parse_config(text.str());
   if (!config) config.error().reason += " (in " + path + ")";

@@ -1,4 +1,4 @@
-/// Field tables of jobs.
+/// Field tables of jobs: the JSON fields of their messages, for reading, writing and schemas.
 #pragma once
 
 #include <optional>

@@ -12,8 +12,9 @@
 namespace ovws::study {
 namespace {
 
-constexpr int kRenderings = 6;
-constexpr std::size_t kOwn = 2;  ///< index of the tracker's own slopes, the start of iterations
+constexpr int kRenderings = 6;  // of the spots, in the fit of all pixels
+// Index of the tracker's own slope operator among the operators; the fit starts at its result.
+constexpr std::size_t kOwn = 2;
 
 SensorConfig sensor_of(const OperatorTools& tools) {
   SensorConfig sensor = tools.geometry.sensor;

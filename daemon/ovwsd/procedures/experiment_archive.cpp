@@ -20,8 +20,8 @@ constexpr const char* kKind = "experiment";
 /// earlier execution are ignored even if they could not be deleted.
 constexpr const char* kStamp = "run_t_begun_ns";
 
-/// Parts of a run, each with its own file. References are numbered by arm, cells and images by
-/// cell.
+/// Parts of a gain-sweep run, each with its own file. An arm is one sensor; a cell is one arm with
+/// one aberration at one gain. References are numbered by arm, cells and their images by cell.
 enum class Part { reference, cell, picture };
 
 /// Kind of a run's files in the state store. Images have a separate kind, because they take many

@@ -24,7 +24,8 @@ struct Knowledge {
   std::shared_ptr<LastOperators> diffractive = std::make_shared<LastOperators>();
 };
 
-/// The reference, calibration and operator that apply to a state.
+/// The reference, calibration and mode operator (matrix from displacements to modes) that are valid
+/// for one sensor state.
 struct Bound {
   std::shared_ptr<const Reference> reference;
   std::shared_ptr<const Calibration> calibration;

@@ -139,8 +139,10 @@ Result<void> ThreadPlan::keep_processor_awake() {
                     "): give the daemon's group write access (70-ovws-camera.rules), or set "
                     "\"realtime\": \"ignore\"");
   }
-  spdlog::warn("{} cannot be written ({}): idle states of the processor may delay frames",
-               kDmaLatency, why);
+  spdlog::warn(
+      "{} cannot be written ({}): idle states of the processor may delay frames; start "
+      "ovwsd as its service, or give its user write access",
+      kDmaLatency, why);
   return {};
 }
 
