@@ -1,4 +1,4 @@
-/// Search policy: decides when to search the wavefront again.
+/// Search policy: decides when to search the wavefront again, and when to render new templates.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +11,20 @@ enum class Doubt {
   partial,  ///< frames are valid, but new templates would measure better
   blind,    ///< no frame is valid
 };
+
+/// How well the active templates measure a frame.
+struct TemplateDrift {
+  double drift_waves = 0.0;     ///< RMS change of all modes since the templates were rendered
+  double sigma_waves = 0.0;     ///< standard error of drift_waves by noise
+  double residual = 0.0;        ///< RMS residual of the fit of the modes, standard errors
+  double point_residual = 0.0;  ///< residual of the image for which the templates were rendered
+  bool in_air = false;          ///< the templates allow for modes above the measured ones
+};
+
+/// Whether new templates about the frame's wavefront would measure it better: if the wavefront has
+/// drifted by more than noise, if the linear templates leave more than noise, or if they leave less
+/// than the air turbulence that they allow for.
+bool is_drifted(const TemplateDrift& frame);
 
 /// Exponential backoff that restarts whenever the image changes. A changed image is searched at
 /// once if the doubt is `blind`, and at most every kCalmPauseNs if it is `partial`. An unchanged

@@ -18,10 +18,6 @@ namespace {
 constexpr std::chrono::milliseconds kTurn(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
 constexpr int kFrames = 3;  // frames for a search: two give the noise, the last is measured
-constexpr double kDriftWaves = 0.02, kBentWaves = 0.002, kDriftSigmas = 3.0;
-constexpr double kMaxResidual = 1.5;  // RMS residual of the estimates, in standard errors
-constexpr double kCalmResidual = 0.7, kFarInAirWaves = 0.05;
-constexpr double kMoreResidual = 1.3;                    // times the operating point's residual
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // per start: valid frame; invalid frame
 // Renderings for an unchanged image after two failed searches: finds wavefronts of 2 waves RMS.
 constexpr int kMostRenderings = 40;
@@ -31,23 +27,17 @@ constexpr std::int64_t kLookAgainNs = 1'000'000'000;
 constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // a failed model: new frames give new noise
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
-/// Whether new templates about this frame's wavefront would measure it better: if the
-/// wavefront has drifted away, if the linear templates leave more than noise, or if they leave less
-/// than the air turbulence that they allow for.
-bool is_drifted(const FrameRecord& record) {
+TemplateDrift drift_of(const FrameRecord& record) {
   double variance = 0.0;
   for (int k = 0; k < record.mode_count; ++k) {
     variance += std::pow(double(record.sigma_waves[std::size_t(k)]), 2);
   }
   const FrameFit& fit = *record.plan->fit;
-  const double expected = kMoreResidual * fit.at_point().residual;
-  const bool is_bent = record.templates.residual > std::max(kMaxResidual, expected);
-  const double by_chance = kDriftSigmas * std::sqrt(variance);
-  const double limit = std::max(is_bent ? kBentWaves : kDriftWaves, by_chance);
-  const bool in_air = fit.point().higher_waves > 0.0;
-  if (!in_air) return record.templates.drift_waves > limit;
-  const bool has_calmed = record.templates.residual < kCalmResidual * fit.at_point().residual;
-  return is_bent || has_calmed || record.templates.drift_waves > std::min(limit, kFarInAirWaves);
+  return {.drift_waves = record.templates.drift_waves,
+          .sigma_waves = std::sqrt(variance),
+          .residual = record.templates.residual,
+          .point_residual = fit.at_point().residual,
+          .in_air = fit.point().higher_waves > 0.0};
 }
 
 bool can_be_rendered(const FrameRecord& record) {
@@ -111,7 +101,7 @@ WavefrontSearch::~WavefrontSearch() = default;
 void WavefrontSearch::on_frame(const FrameRecord& record) {
   if (!record.settled) return;
   const bool wanted = record.plan->wants_templates() && can_be_rendered(record) &&
-                      (!record.templates.credible || is_drifted(record));
+                      (!record.templates.credible || is_drifted(drift_of(record)));
   described_.store(record.templates.credible, std::memory_order_relaxed);
   wanted_.store(wanted, std::memory_order_relaxed);
   if (!record.plan->referenced()) return;

@@ -1,4 +1,4 @@
-/// The schedule of image searches, tested with injected time.
+/// The schedule of image searches, tested with injected time; and when templates have drifted.
 #include "daemon/ovwsd/sensor/search_policy.hpp"
 
 #include <gtest/gtest.h>
@@ -77,6 +77,60 @@ TEST(SearchPolicy, CountsTriesOfTheSameImage) {
   EXPECT_EQ(clock.policy.tries(), 1);
   clock.policy.reset();
   EXPECT_EQ(clock.policy.tries(), 0);
+}
+
+constexpr TemplateDrift kNear{.drift_waves = 0.015,
+                              .sigma_waves = 0.001,
+                              .residual = 1.0,
+                              .point_residual = 1.0,
+                              .in_air = false};
+
+TemplateDrift drifted_by(double waves) {
+  TemplateDrift frame = kNear;
+  frame.drift_waves = waves;
+  return frame;
+}
+
+TEST(IsDrifted, AFarWavefrontNeedsNewTemplates) {
+  EXPECT_FALSE(is_drifted(kNear));
+  EXPECT_TRUE(is_drifted(drifted_by(0.021)));
+}
+
+TEST(IsDrifted, NoiseAloneIsNoDrift) {
+  TemplateDrift dim = drifted_by(0.055);
+  dim.sigma_waves = 0.02;
+  EXPECT_FALSE(is_drifted(dim));
+  dim.drift_waves = 0.065;
+  EXPECT_TRUE(is_drifted(dim));
+}
+
+TEST(IsDrifted, AResidualAboveNoiseAllowsLittleDrift) {
+  TemplateDrift bent = drifted_by(0.005);
+  bent.residual = 1.6;
+  EXPECT_TRUE(is_drifted(bent));
+  bent.drift_waves = 0.0025;
+  EXPECT_FALSE(is_drifted(bent)) << "within three standard errors";
+  bent.drift_waves = 0.005;
+  bent.point_residual = 1.4;
+  EXPECT_FALSE(is_drifted(bent)) << "new templates would leave as much";
+}
+
+TEST(IsDrifted, InAirAResidualThatChangesIsEnough) {
+  TemplateDrift air = kNear;
+  air.in_air = true;
+  EXPECT_FALSE(is_drifted(air));
+  air.residual = 0.65;
+  EXPECT_TRUE(is_drifted(air)) << "the air has calmed";
+  air.residual = 1.55;
+  EXPECT_TRUE(is_drifted(air)) << "it has become stronger";
+}
+
+TEST(IsDrifted, InAirNoiseHidesNoFarWavefront) {
+  TemplateDrift air = drifted_by(0.055);
+  air.sigma_waves = 0.1;
+  EXPECT_FALSE(is_drifted(air));
+  air.in_air = true;
+  EXPECT_TRUE(is_drifted(air));
 }
 
 }  // namespace
