@@ -23,7 +23,7 @@ SpotWindow window_of(double lambda_d_px, double half_width) {
 }
 
 double window_half_width(int modes, int subapertures_across) {
-  return modes > optimal_mode_count(subapertures_across) ? 2.3 : 2.0;
+  return modes > optimal_mode_count(subapertures_across) ? 2.6 : 2.0;
 }
 
 SpotWindow moved_to(Vec2 place_px, SpotWindow window, int cols, int rows) {

@@ -25,8 +25,9 @@ struct SpotWindow {
 /// Window size for spots of size lambda/d; the position stays unset. Bins 2 x 2 pixels if lambda/d
 /// is at least 10 pixels, which loses no information. `half_width` in units of lambda/d.
 SpotWindow window_of(double lambda_d_px, double half_width);
-/// Half the width of windows for j = 1 to `modes`, units of lambda/d: 2.0, or 2.3 for more modes
-/// than positions determine, because higher modes change the intensity farther out.
+/// Half the width of windows for j = 1 to `modes`, units of lambda/d: 2.0, or 2.6 for more modes
+/// than positions determine, because higher modes change the intensity farther out. For 44 modes at
+/// 0.3 wave RMS, 2.0 loses 32 % of accuracy against all pixels, 2.3 27 %, and 2.6 21 %.
 double window_half_width(int modes, int subapertures_across);
 /// Centres the window on `place_px`, inside an image that is at least as large as the window.
 SpotWindow moved_to(Vec2 place_px, SpotWindow window, int cols, int rows);
