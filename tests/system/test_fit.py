@@ -102,6 +102,7 @@ class Fit(BenchCase):
         self.assertGreater(valid, 45)
         self.assertLess(off, 0.015)
         self.assertLess(abs(off / sigma - 1.0), 0.6)
+        self.assert_replays_the_same("air", [])
         twin.call("twin.set", {"turbulence": None})
         self.call("sensor.set", {"mode_count": None})
 
@@ -149,9 +150,11 @@ class Fit(BenchCase):
         self.assert_replays_the_same("18", [draw(rng, 0.05), draw(rng, 0.3)])
 
     def assert_replays_the_same(self, name, wavefronts):
-        stream = self.stream("wavefront")
-        self.fitted(stream, 5, self.call("system.status")["slm"]["hologram_id"])
+        """Records frames of the hologram that is shown, and of each of the wavefronts; replays them."""
+        stream, shown = self.stream("wavefront"), self.call("system.status")["slm"]["hologram_id"]
+        self.fitted(stream, 5, shown)
         self.call("record.start", {"name": name})
+        self.recorded_frames(20)
         for modes in wavefronts:
             self.fitted(stream, 10, self.show(modes))
         self.call("record.stop")

@@ -282,6 +282,22 @@ class Replay(BenchCase):
         print(f"\n  {tried // 7} changes")
         self.assertIn(1, statuses)
 
+    def test_an_operating_point_with_impossible_higher_modes_is_reported(self):
+        self.take_reference(20)
+        stream = self.stream("wavefront")
+        wait_for(lambda: (frame := stream.next(1.0)) and frame["valid"] and frame["sigma"][0] is not None, 20.0, "a frame measured by templates")
+        self.call("record.start", {"name": "point"})
+        self.recorded_frames(20)
+        self.call("record.stop")
+        changed = self.bench.directory / "changed_point.h5"
+        for value, text in ((-0.01, "parts that do not fit"), (1e9, "parts that do not fit"), ("x", "number")):
+            with self.subTest(value=value):
+                shutil.copy(self.path("point"), changed)
+                change_document(changed, "operating_point", ("higher_waves",), value)
+                done = self.replay(changed)
+                self.assertEqual(done.returncode, 1, done)
+                self.assertIn(text, done.stdout + done.stderr)
+
     def test_a_plan_of_another_region_is_reported_at_once(self):
         self.call("record.start", {"name": "region"})
         self.recorded_frames(21)
