@@ -12,14 +12,14 @@
 
 namespace ovws {
 
-/// Kind of JSON Schema. `params`: omitted fields take their default. `change`: omitted fields stay
-/// unchanged. `result`: every field is present.
+/// Kind of JSON Schema. `params`: omitted fields, unless required, take their default. `change`:
+/// omitted fields stay unchanged. `result`: every field is present, except left_out ones.
 enum class SchemaOf { params, change, result };
 
 /// Collects the schema of each struct once, so that other schemas refer to it by "#/$defs/NAME".
 struct SchemaParts {
   SchemaOf of = SchemaOf::result;
-  bool may_be_absent = false;  ///< true while the fields of an optional struct are added
+  bool may_be_absent = false;  ///< true while the fields of an inlined optional are added
   Json parts = Json::object();
 };
 

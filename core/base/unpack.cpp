@@ -52,7 +52,8 @@ struct Plain {
 #define OVWS_AVX2 __attribute__((target("avx2")))
 
 /// Byte shuffle and shifts that extract eight adjacent packed pixels from 16 bytes. `pick` selects
-/// the two bytes of each pixel. Multiplying by `up` shifts left and drops the next pixel's bits.
+/// the two bytes of each pixel. Multiplying by `up` shifts left. p10, p12: drops the next
+/// pixel's bits; packed10, packed12: aligns the pixel's low bits, and a mask drops the other's.
 struct Recipe {
   alignas(16) std::array<std::uint8_t, 16> pick{};
   alignas(16) std::array<std::uint16_t, 8> up{};

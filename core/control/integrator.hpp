@@ -35,9 +35,10 @@ enum class LoopEnd { none, too_few_spots, at_limit, growing };
 
 /// Leaky integrator, one step per usable frame: c <- (1 - leak) c + gain r, where r is the residual
 /// measured with the correction c subtracted from the hologram. Clamping c itself prevents
-/// integrator windup. The loop ends if the residual RMS grows above its low-pass filtered level.
-/// The filter's time constant is `patience_s` for a falling residual, and ten times that for a
-/// rising one. Times are CLOCK_MONOTONIC ns. Not thread-safe.
+/// integrator windup. The loop ends if the residual RMS exceeds `growth` times its low-pass
+/// filtered level, and `floor_waves`, for `patience_s` without interruption. The filter's time
+/// constant is `patience_s` for a falling residual, and ten times that for a rising one. Times are
+/// CLOCK_MONOTONIC ns. Not thread-safe.
 class Integrator {
  public:
   /// Starts from `correction`, RMS-normalised waves; modes that are not corrected keep their value.

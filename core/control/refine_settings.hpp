@@ -18,7 +18,7 @@ struct RefineSetup {
   std::optional<double> electrons_per_dn;  ///< electrons per DN at 0 dB gain; none: unknown
   double read_noise_e = 5.0;               ///< RMS, without quantisation noise
   double black_level_dn = 0.0;
-  std::optional<double> saturation_dn;      ///< pixels at or above are ignored; none: full scale
+  std::optional<double> saturation_dn;  ///< from 90 % of it on pixels are ignored; none: full scale
   PixelFormat format = PixelFormat::mono8;  ///< pixel format of all values in DN
   bool spot_amplitudes = false;  ///< kept for older clients: amplitudes are always fitted
 
@@ -30,7 +30,8 @@ struct RefineCamera {
   double electrons_per_dn = 1.0;
   double read_noise_e = 5.0;  ///< RMS, including the rounding to whole DN
   double black_dn = 0.0;
-  double saturated_dn = std::numeric_limits<double>::infinity();  ///< brighter pixels are ignored
+  /// Saturation: pixels that are expected above 90 % of it are ignored.
+  double saturated_dn = std::numeric_limits<double>::infinity();
 };
 
 /// Whether two refine settings give equal fits: only `enabled` and `rate_hz` may differ.

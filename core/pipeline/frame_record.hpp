@@ -87,7 +87,8 @@ struct FrameRecord {
   /// How well the plan's templates describe the frame. If `credible`, they give spots and modes.
   FittedFrame templates;
   /// The frame is settled and its spots can be trusted (SpotHistory): templates describe the frame,
-  /// or the spots moved in small steps from a trusted frame or from the reference.
+  /// or every spot is near its place in the previous settled frame, which follows, or, while the
+  /// plan awaits templates, near its place in the reference.
   bool follows = false;
   Reconstruction reconstruction;
   /// A wavefront explains the spots, but nothing confirms it. Either the plan has or awaits

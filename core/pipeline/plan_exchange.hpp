@@ -25,7 +25,8 @@ class PlanExchange {
   std::uint64_t oldest_in_use() const;
 
   /// Acquisition thread, between two frames: switches to the plan offered last, and returns the
-  /// measurement of the plan now in use. nullptr: no plan has been offered yet.
+  /// measurement of the plan now in use. nullptr: no plan was offered yet, or nullptr was
+  /// offered last.
   Measurement* adopt() OVWS_NONBLOCKING;
 
  private:

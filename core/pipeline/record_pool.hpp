@@ -32,7 +32,8 @@ struct Entry : FrameRecord {
     holds_.fetch_add(1, std::memory_order_relaxed);
     if (pixels) pixel_holds_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// Release a hold, from any thread; the acquisition thread frees the entry on its next iteration.
+  /// Release a hold, from any thread. The acquisition thread returns the buffer, or frees the
+  /// entry, on its next iteration after the last hold on it was released.
   void release_pixels() OVWS_NONBLOCKING { pixel_holds_.fetch_sub(1, std::memory_order_release); }
   void release() OVWS_NONBLOCKING { holds_.fetch_sub(1, std::memory_order_release); }
 

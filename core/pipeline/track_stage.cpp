@@ -63,7 +63,8 @@ void TrackStage::track(Entry& entry, int begin, int end, TrackScratch& scratch) 
   }
 }
 
-/// Measures by the plan's templates. If they do not describe the frame, tracks all spots.
+/// Measures by the plan's templates. If they do not describe the frame, tracks the spots with fresh
+/// starts; the others are lost.
 void TrackStage::fit(Entry& entry) OVWS_NONBLOCKING {
   const auto count = std::size_t(entry.spot_count), modes = entry.plan->fit->modes_j().size();
   entry.templates = entry.plan->fit->solve(

@@ -23,7 +23,7 @@ enum class Counter : std::uint8_t {
   frames_dropped,         ///< discarded: no free frame record, or too many held by the publisher
   frames_unsettled,       ///< published with settled = false
   frames_invalid,         ///< published with valid = false
-  frames_unexplained,     ///< invalid because no wavefront explains the spots
+  frames_unexplained,     ///< invalid: no wavefront explains the spots, or none is confirmed
   frames_published,       ///< handed to the publisher
   spots_lost,             ///< subapertures whose spot was not found, summed over frames
   acquisitions,           ///< searches of the whole image for the spots

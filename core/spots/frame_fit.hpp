@@ -62,7 +62,8 @@ class FrameFit {
 
   /// Least-squares fit of the modes to the estimates of the spots that the templates describe,
   /// without outliers. Writes a coefficient and its standard error for each of modes_j,
-  /// RMS-normalised waves, and each spot's position; NaN if unknown. Use them only if the result is
+  /// RMS-normalised waves; NaN if not determined. Then also writes each spot's fix, NaN for spots
+  /// not used; if the modes are not determined, `fixes` stays unchanged. Use the results only if
   /// credible. RT-safe.
   FittedFrame solve(std::span<const SpotEstimates> found, Scratch& scratch,
                     std::span<float> coefficients, std::span<float> sigma_waves,

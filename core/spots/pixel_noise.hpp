@@ -12,7 +12,8 @@ namespace ovws {
 struct PixelNoise {
   double constant_dn2 = 1.0;  ///< constant variance of one camera pixel
   double per_dn = 0.0;        ///< variance per DN of intensity, in DN: DN per electron
-  double saturated_dn = std::numeric_limits<double>::infinity();  ///< brighter pixels are not used
+  /// Saturation: pixels that are expected above 90 % of it are not used.
+  double saturated_dn = std::numeric_limits<double>::infinity();
 
   /// Variance of a binned pixel: the sum of `pixels` camera pixels with `intensity_dn` in total.
   double variance(double intensity_dn, int pixels) const {

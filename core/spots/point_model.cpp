@@ -47,8 +47,10 @@ Result<PointModel::Found> PointModel::approach(const ImageView& image, const Pix
     found.waves = std::move(waves);
     const auto step = damped_step(found.pass);
     if (!step) {
-      return fail(Errc::refused, "image",
-                  "the spots do not determine the modes: set a smaller tracking.mode_count");
+      return fail(
+          Errc::refused, "image",
+          "the spots do not determine the modes: check exposure, focus and optics, or set a "
+          "smaller tracking.mode_count");
     }
     found.step = step->waves;
     found.away_waves = step->waves.norm();

@@ -41,8 +41,8 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
                    Saturated saturated = Saturated::left_out);
 
 /// Weighted least squares over the estimates of all spots: the change of the modes since the
-/// rendering, waves, and its covariance. Spots too faint to be fitted are not used. None if the
-/// other spots do not determine the modes.
+/// rendering, waves, and its covariance. Spots that are too faint, saturated or outside the image
+/// are not used. None if the other spots do not determine the modes.
 struct WavefrontStep {
   Eigen::VectorXd waves;
   Eigen::MatrixXd covariance;

@@ -17,9 +17,9 @@ class Trend {
   /// Adds a `wavefront` message. If it begins a new bin, returns the message for browsers about the
   /// bin that ended. Over all frames: `t_ns` (end of the bin), `span_s`, `frames` and `gap` (frames
   /// received and lost), `lost_max` (most spots lost in one frame), `latency_median_us`,
-  /// `latency_max_us`, `j`. Over the valid frames since `j` last changed: `valid` (their number),
-  /// `rms_waves` and `coefficients` (means), `rms_max_waves`. Without a valid frame, `valid` is 0
-  /// and the means and maximum are null.
+  /// `latency_max_us`. `j`: modes of the last valid frame, [] without one. Over the valid frames
+  /// since `j` last changed: `valid` (their number), `rms_waves` and `coefficients` (means),
+  /// `rms_max_waves`. Without a valid frame, `valid` is 0 and the means and maximum are null.
   std::optional<nlohmann::json> add(const nlohmann::json& wavefront);
 
  private:

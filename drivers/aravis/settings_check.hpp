@@ -36,9 +36,10 @@ Result<void> check_region_suits_format(PixelFormat format, const Roi& roi);
 /// changed).
 Result<void> check_exposure_fits_rate(const CameraSettings& wanted, const CameraSettings& current);
 
-/// Detects a camera reset: whether `applied`, read back after a change from `before` to `wanted`,
-/// differs in a setting that was to stay. Exposure and frame rate limit each other, so a change of
-/// one may change the other without a reset.
+/// Detects the reset of a streaming camera: whether `applied`, read back after a change from
+/// `before` to `wanted`, differs in a setting that was to stay. Do not use it with the stream
+/// stopped: a new region or format may change exposure or rate. Exposure and rate limit each other,
+/// so a change of one may change the other without a reset.
 bool has_unrequested_change(const CameraSettings& wanted, const CameraSettings& before,
                             const CameraSettings& applied);
 

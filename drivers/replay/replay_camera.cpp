@@ -77,7 +77,7 @@ class ReplayCamera final : public Camera {
   std::array<std::atomic<bool>, kBuffers> lent_{};
   std::atomic<bool> alive_{true};
   std::atomic<std::int64_t> period_ns_{10'000'000};
-  // Used only by the acquisition thread and by `start`.
+  // Used by the acquisition thread, and by `start` and `stop`, which exclude stream calls.
   bool streaming_ = false;
   std::size_t next_ = 0;
   std::uint64_t round_ids_ = 0;  ///< offset of this round's frame numbers to the first round's

@@ -34,10 +34,10 @@ Result<std::int64_t> sdl::SlmWindow::present(const Image<std::uint8_t>& grey) {
   if (const auto alive = connection(); !alive) return fail(alive.error());
   SDL_Surface* surface = SDL_GetWindowSurface(canvas_.get());
   if (surface == nullptr || !exact(*surface, info_)) {
-    return fail(Errc::device, "slm.display",
-                "SDL provides no 32-bit surface of the display's size (" +
-                    std::string(SDL_GetError()) +
-                    "): set DefaultDepth 24 in the X server's configuration, and restart it");
+    return fail(
+        Errc::device, "slm.display",
+        "SDL provides no 32-bit surface of the display's size (" + std::string(SDL_GetError()) +
+            "): check the output's mode and 24-bit colour, then restart the display system");
   }
   expand(grey, *surface);
   if (const auto shown = flush(); !shown) return fail(shown.error());

@@ -45,8 +45,9 @@ class Faults {
   void order(const Fault& fault);
   Fault active() const;  ///< active fault with its remaining frames or seconds
 
-  /// Returns what happens to a new frame. Aravis's thread calls this once per new frame. Blocks
-  /// during a freeze or delay, until it is over, `stop` is requested or a new fault is ordered.
+  /// Returns what happens to a new frame. Aravis's thread calls this for each new frame, except
+  /// while a duplicated or reordered frame is kept. Blocks during a freeze or delay, until it is
+  /// over, `stop` is requested or a new fault is ordered.
   FrameFate next_frame(const std::stop_token& stop);
   bool unplugged() const;
 

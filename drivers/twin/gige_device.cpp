@@ -159,7 +159,7 @@ void GigeDevice::fill(ArvBuffer* buffer) {
 }
 
 /// Sends the kept frame if it is due, with its original number and time instead of Aravis's.
-/// Returns false if no kept frame is due.
+/// Returns false if no kept frame is due, or if its size no longer fits: it is then dropped.
 bool GigeDevice::send_again(ArvBuffer* buffer, const CameraSettings& settings) {
   if (!kept_ || kept_->others-- > 0) return false;
   const Kept kept = std::move(*kept_);

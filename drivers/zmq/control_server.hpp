@@ -35,9 +35,9 @@ class ControlServer : public Agent {
   /// turn, each client's requests in order. A client's next request waits while 64 of its requests
   /// (or 8 KiB) are being carried out, or 128 of its replies (or 4 MiB) are unread. Up to 8 MiB of
   /// requests are queued per client, 32 MiB in total; requests beyond these limits get
-  /// `overload_reply`, or no reply while 1024 replies of the client are unread. With a gate, this
-  /// server checks the keys for all sockets bound with the gate; bind this server last. Errors as
-  /// in Publisher::bind.
+  /// `overload_reply`, or no reply while 1024 replies of the client or 16384 in total are unread.
+  /// With a gate, this server checks the keys for all sockets bound with the gate; bind this server
+  /// last. Errors as in Publisher::bind.
   static Result<std::unique_ptr<ControlServer>> bind(const std::string& endpoint,
                                                      ControlLimits limits, ControlHandler handler,
                                                      Gate* gate = nullptr);

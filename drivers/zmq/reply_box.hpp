@@ -27,7 +27,8 @@ constexpr ClientLoad kMaxPerClient{64, 8 << 10, 128, 4 << 20};
 /// Limits of all clients together. At a limit only clients with nothing outstanding are served.
 constexpr ClientLoad kMaxAllClients{128, 1 << 20, 16384, 32 << 20};
 
-/// Limit of a client's unread replies. At the limit, a request that cannot be queued gets no reply.
+/// Limit of a client's unread replies. At this limit, or at the limit of all clients' replies, a
+/// request that cannot be queued gets no reply.
 constexpr std::size_t kMaxRefusals = 1024;
 
 /// Reply queue, kept alive by the server, by reply functions and by unsent replies. After the

@@ -62,7 +62,7 @@ void print_failed_job(const json& failed) {
         field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
 }
 
-/// Formats a result of aberration.get; empty text: no aberration is shown on the SLM.
+/// Formats a result of aberration.get; empty text: no aberration is introduced.
 std::string aberration_text(const json& aberration) {
   double square = 0.0;
   std::string text;

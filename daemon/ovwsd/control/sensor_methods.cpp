@@ -95,7 +95,8 @@ KnownCalibration calibration_of(const Services& /*services*/, const SensorSnapsh
                             {*c.origin}}};
 }
 
-/// Emits a warning event if the calibration lacks spots or modes: it is usable, but less accurate.
+/// Emits a warning event if the calibration lacks spots or modes. It is usable, but aberration in a
+/// missing mode appears as other modes.
 void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
   std::vector<int> dropped_j;
   for (const DroppedMode& mode : matrix.dropped) dropped_j.push_back(mode.j);

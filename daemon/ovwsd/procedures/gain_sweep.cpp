@@ -55,8 +55,9 @@ Result<Reconstructor> reconstructor_of(const SensorSnapshot& sensor, const SlmGe
   const auto lattice = make_lattice(sensor.sensor, slm);
   if (!lattice) return fail(lattice.error());
   if (lattice->subapertures.size() != reference_px.size()) {
-    return fail(Errc::internal, "",
-                "the reference belongs to another lattice: take a new reference");
+    return fail(
+        Errc::internal, "",
+        "the sweep's reference belongs to another lattice: repeat the sweep with \"anew\": true");
   }
   const int charge = sensor.sensor.charge;
   const double tilt = sensor.tracking.tracker == TrackerKind::fit

@@ -17,8 +17,9 @@ constexpr double kMaxStep = 0.01;     // lambda/d, motion between two measuremen
 constexpr double kNoiseFactor = 4.0;  // standard errors that count as noise
 constexpr int kMaxTries = 4;          // repetitions of a poke while the bench moves
 constexpr int kMinFrames = 2;
-constexpr int kMaxHalvings = 2;     // of the poke amplitude
-constexpr double kMinLevel = 0.25;  // relative to the brightest spot: a fainter spot is lost
+constexpr int kMaxHalvings = 2;  // of the poke amplitude
+// Least share of its light at rest that a found spot keeps, relative to the best spot's share.
+constexpr double kMinLevel = 0.25;
 
 std::vector<Mode> with_poke(std::vector<Mode> shown, int j, double waves) {
   const auto at =

@@ -202,7 +202,9 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   for (const RecordedSpot& spot : *spots) {
     starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
   }
-  // A frame that positions explain follows (FrameRecord::follows), so the frame before it did.
+  // `explained` stands for "the frame before follows" (FrameRecord::follows), which is not recorded
+  // and matters only if positions measure the frame, its plan has or awaits templates, and the
+  // frame is not at its reference: then it is explained only if the frame before follows.
   pipeline.resume(*plan, starts, frame.recorded.explained != 0, frame.recorded.searched != 0);
   set_conditions(frame.recorded);
   camera.give(frame.recorded);

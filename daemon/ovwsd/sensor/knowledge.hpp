@@ -45,7 +45,8 @@ std::shared_ptr<const Calibration> calibration_for(const SensorState& state,
                                                    const BenchOptics& bench);
 
 /// Whether the reference was taken with this state's sensor, tracking, region, LUT and flatness,
-/// and with this camera. An unknown camera counts as equal; a model reference may have any LUT.
+/// and with this camera. An unknown camera counts as equal; for a model reference LUT and
+/// flatness do not matter.
 bool is_for(const Reference& reference, const SensorState& state, const Knowledge& knowledge);
 /// Why a reference with this state's sensor, tracking and region cannot be used. Empty if the
 /// reference can be used, or if its sensor, tracking or region is another.

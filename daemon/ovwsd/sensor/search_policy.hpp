@@ -21,9 +21,10 @@ struct TemplateDrift {
   bool in_air = false;          ///< the templates allow for modes above the measured ones
 };
 
-/// Whether new templates about the frame's wavefront would measure it better: if the wavefront has
-/// drifted by more than noise, if the linear templates leave more than noise, or if they leave less
-/// than the air turbulence that they allow for.
+/// Whether new templates about the frame's wavefront would measure it better. Without `in_air`: if
+/// it drifted by more than noise and 0.02 wave, or 0.002 wave if the fit leaves more than noise.
+/// `in_air`: also if the fit leaves more than noise, or less than the air that the templates allow
+/// for, or at any drift above 0.05 wave.
 bool is_drifted(const TemplateDrift& frame);
 
 /// Exponential backoff that restarts whenever the image changes. A changed image is searched at

@@ -28,7 +28,7 @@ class ValidityWatch {
     int tracked = 0, spots = 0;
     bool explained = true;  ///< false: no wavefront explains the spots' positions
     bool waits = false;     ///< true: templates must confirm the positions first
-    bool searched = true;   ///< true: the tracker is `fit`, so the daemon searches the wavefront
+    bool searched = true;   ///< templates can measure frames, so the wavefront is searched
   };
 
   void on_frame(bool valid, const Lack& lack, std::int64_t now_ns);
@@ -38,7 +38,7 @@ class ValidityWatch {
   std::optional<Lack> lack(std::int64_t now_ns) const;
   /// Whether the newest frame was valid, or no frame has come yet.
   bool is_valid() const { return since_ns_ == 0; }
-  /// Describes the invalid period for the status message; none if frames are valid. `now_ns`
+  /// Describes the invalid period for the status message; none as for `lack`. `now_ns`
   /// (CLOCK_MONOTONIC) and `utc_ns` (UTC) are two clocks read at one moment.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid(std::int64_t now_ns,
                                                                 std::int64_t utc_ns) const;

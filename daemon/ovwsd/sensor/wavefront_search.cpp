@@ -227,9 +227,9 @@ Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const I
   return nullptr;
 }
 
-/// Start points of the search, as coefficients. For a valid frame: its measured coefficients, with
-/// 0 for modes that positions do not determine. For an invalid frame: first the reference (all 0),
-/// from which most wavefronts are found, then the measured coefficients, then the last found ones.
+/// Start points of the search, as coefficients. For a valid frame: its coefficients. For an invalid
+/// frame: first the reference (all 0), from which most wavefronts are found; then its coefficients,
+/// if any, with 0 for modes that positions do not determine; then the last found ones.
 std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame) const {
   std::vector<std::vector<double>> all;
   if (std::isfinite(frame.coefficients.front())) {

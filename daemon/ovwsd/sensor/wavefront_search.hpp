@@ -29,9 +29,10 @@ namespace ovws {
 /// next frame by rendering spots: some 50 ms, or up to a second for a frame that is not valid.
 /// Templates about the found wavefront go to the SensorKeeper. In turbulent air they allow for
 /// modes that are not measured. Near a calibration's wavefront, the calibration's templates are
-/// used. After a failure, SearchPolicy decides when to try again. After three seconds without
-/// success, templates are given up, and modes come from spot positions. With other trackers than
-/// `fit` the agent only watches whether frames are valid.
+/// used. After a failure, SearchPolicy decides when to try again. Templates are given up, so that
+/// modes come from spot positions, at once if no model can be made, or after three seconds of
+/// failures while no templates describe the frames. With other trackers than `fit` the agent only
+/// watches whether frames are valid.
 class WavefrontSearch : public Agent {
  public:
   WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
@@ -42,7 +43,7 @@ class WavefrontSearch : public Agent {
 
   /// Publish thread: call for every frame.
   void on_frame(const FrameRecord& record);
-  /// Any thread: why no frame is valid; none if frames are valid.
+  /// Any thread: why no frame is valid; none if frames are valid, or if none came for 1.5 s.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const {
     return validity_.why_invalid(monotonic_ns(), utc_ns());
   }
