@@ -27,6 +27,7 @@ export function build(parent) {
     head.append(title, value);
     const canvas = element("canvas");
     canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", `${chart.title} over the last three minutes`);
     figure.append(head, canvas);
     parent.append(figure);
     return { ...chart, canvas, value };
