@@ -220,16 +220,19 @@ bool CameraActor::close_camera() {
 }
 
 /// Frame watchdog: disconnects a silent camera, which Aravis notices only after about 5 s, and
-/// reports a camera whose frames are all unusable.
+/// reports a camera whose frames are all unusable. A camera that has just stopped is not reported:
+/// its last frame may have been cut off.
 void CameraActor::watch_frames() {
-  if (silent_s(deps_.pipeline.last_sign_mono_ns()) > frame_timeout_s()) {
+  const double sign_s = silent_s(deps_.pipeline.last_sign_mono_ns());
+  if (sign_s > frame_timeout_s()) {
     return lose({Errc::device, "camera",
                  "the camera sends no frames: check its cable and the firewall; run ovws doctor"});
   }
   const std::int64_t last_ns = deps_.pipeline.last_frame_mono_ns();
   if (last_ns != std::exchange(last_frame_ns_, last_ns)) unusable_before_ = count_unusable();
   const bool unusable = silent_s(last_ns) > frame_timeout_s();
-  unusable_reported_ = unusable && (unusable_reported_ || report_unusable());
+  const bool sends = sign_s < 0.5 * frame_timeout_s();
+  unusable_reported_ = unusable && (unusable_reported_ || (sends && report_unusable()));
 }
 
 CameraActor::UnusableFrames CameraActor::count_unusable() const {

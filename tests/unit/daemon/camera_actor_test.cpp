@@ -276,6 +276,14 @@ TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
   EXPECT_EQ(texts[2].find("incomplete"), std::string::npos);
 }
 
+TEST_F(CameraActorTest, CameraThatStopsWithinAFrameSendsNoFrames) {
+  std::this_thread::sleep_for(300ms);  // the frames so far are incomplete
+  device_.sends = GrabStatus::timeout;
+  for (int turn = 0; turn < 400 && actor_->snapshot().connected; ++turn) actor_->do_work();
+  EXPECT_NE(actor_->snapshot().fault.find("sends no frames"), std::string::npos);
+  EXPECT_TRUE(events_with("counter").empty());
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Camera>> open_camera(const CameraConfig& /*config*/) {
