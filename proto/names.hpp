@@ -35,7 +35,8 @@ inline constexpr NamesOf kNames<PixelFormat> = []() -> const std::vector<std::st
   }();
   return names;
 };
-/// Tracker name of older versions, accepted as `fit` with kFormerEstimates estimates per spot.
+/// Tracker name of older versions. In settings it means `fit` with kFormerEstimates numbers from
+/// each spot, unless `estimates` is given. Recorded plans of this tracker are refused.
 inline constexpr std::string_view kFormerTracker = "matched";
 constexpr int kFormerEstimates = 2;
 /// Names of all trackers, then kFormerTracker.

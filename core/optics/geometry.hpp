@@ -60,7 +60,8 @@ struct OpticsConfig {
   double focal_length_mm = 200.0;
   double magnification = 1.0;
   double camera_pitch_um = 3.45;
-  /// Position of the base subaperture's spot in the ROI, camera pixels. If none: the image centre.
+  /// Position in the ROI of the base subaperture's spot (the subaperture at the pupil's centre, see
+  /// make_lattice), camera pixels. If none: the image centre.
   std::optional<Vec2> centre_px;
   /// Measured registration. If none, px_per_cycle() computes the scale S from wavelength, focal
   /// length, magnification and pitches, and assumes no rotation.

@@ -77,8 +77,9 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   if (in_air()) allow_for(higher);
 }
 
-/// Computes how higher modes increase the variances (`growth_`). Whitened estimates of one spot are
-/// uncorrelated, but a higher mode changes all spots at once.
+/// Computes `growth_`: the factor by which the unmeasured higher modes, above modes_j, increase
+/// each variance. Whitening covers their effects within one spot. But a higher mode changes all
+/// spots at once, so its effects are summed over the spots before they are squared.
 void FrameFit::allow_for(std::span<const HigherErrors> higher) {
   const Eigen::Index modes = inverse_.rows();
   Eigen::MatrixXd own = Eigen::MatrixXd::Zero(modes, modes), shared;

@@ -291,8 +291,8 @@ Result<void> RecordFile::add_document(std::string_view kind, std::string_view sh
       m.documents.rows() + m.new_documents.size() >= kMaxRecordedDocuments) {
     return fail(Errc::refused, "path",
                 m.path +
-                    ": the recording has reached its maximum of plans and events: start another "
-                    "one with record.start");
+                    ": the recording is full, because the settings, the hologram or the reference "
+                    "changed too often: start another one with record.start");
   }
   RecordedDocument row;
   kind.copy(row.kind.data(), row.kind.size() - 1);

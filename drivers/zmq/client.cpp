@@ -27,9 +27,9 @@ std::vector<zmq::message_t> receive_parts(zmq::socket_t& socket) {
 Result<void> set_keys(zmq::socket_t& socket, const std::optional<ClientKeys>& keys) {
   if (!keys) return {};
   if (!is_curve_key(keys->server_key)) {
-    return fail(
-        Errc::invalid, "server_key",
-        "must be the daemon's public key: 40 characters, as ovws keygen printed them there");
+    return fail(Errc::invalid, "server_key",
+                "must be the daemon's public key: the 40 characters that ovws keygen printed when "
+                "the daemon's key was made");
   }
   if (public_key_of(keys->own.secret_key) != keys->own.public_key) {
     return fail(Errc::invalid, "key", "is not a pair of keys: make one with ovws keygen");

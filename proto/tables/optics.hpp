@@ -20,8 +20,8 @@ struct Wire<PxPerCycle> {
     if (reader.failed() || !reader.has(field.key)) return;
     if (read.scale() < limits::kMinPxPerCycle) {
       return reader.fault(field.key,
-                          "this matrix is almost singular: give [xx, xy, yx, yy] in camera pixels "
-                          "per cycle per SLM pixel");
+                          "the scale of this matrix, sqrt |xx yy - xy yx|, is below 1: give [xx, "
+                          "xy, yx, yy] in camera pixels per cycle per SLM pixel");
     }
     out = read;
   }

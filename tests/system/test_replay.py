@@ -290,7 +290,7 @@ class Replay(BenchCase):
         self.recorded_frames(20)
         self.call("record.stop")
         changed = self.bench.directory / "changed_point.h5"
-        for value, text in ((-0.01, "parts that do not fit"), (1e9, "parts that do not fit"), ("x", "number")):
+        for value, text in ((-0.01, "do not belong together"), (1e9, "do not belong together"), ("x", "number")):
             with self.subTest(value=value):
                 shutil.copy(self.path("point"), changed)
                 change_document(changed, "operating_point", ("higher_waves",), value)

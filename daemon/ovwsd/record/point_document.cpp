@@ -51,7 +51,9 @@ Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t s
       as_many(point.deviations.fields.size()) && moderate(point.higher_waves) &&
       point.higher_waves >= 0.0 && point.estimates >= 1 && point.estimates <= kMaxSpotEstimates;
   if (fits) return {};
-  return fail(Errc::invalid, "path", "the recording's operating point has parts that do not fit");
+  return fail(Errc::invalid, "path",
+              "the recording is damaged: numbers in its operating point are out of range or do not "
+              "belong together; use an intact copy");
 }
 
 std::vector<Mode> modes_from(const json& all) {

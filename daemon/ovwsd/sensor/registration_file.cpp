@@ -47,7 +47,8 @@ Result<Registration> registration_from(const json& content) {
   out.px_per_cycle = {map[0], map[1], map[2], map[3]};
   out.standard_error = {error[0], error[1], error[2], error[3]};
   if (out.px_per_cycle.scale() < limits::kMinPxPerCycle) {
-    return fail(Errc::invalid, "registration.px_per_cycle", "has too small a scale");
+    return fail(Errc::invalid, "registration.px_per_cycle",
+                "has a scale below 1 camera pixel per cycle per SLM pixel");
   }
   return out;
 }
@@ -64,14 +65,16 @@ Result<MeasuredRegistration> RegistrationKind::read(const json& content) const {
   if (!content.is_object() || !content.contains("registration") || !content.contains("slm")) {
     return fail(Errc::invalid, "", "it contains no registration");
   }
-  if (content["slm"] != to_json(slm)) {
-    return fail(
-        Errc::invalid, "",
-        "it is of another SLM: " + json_text(content["slm"]) + ", not " + json_text(to_json(slm)));
-  }
   auto registration = registration_from(content["registration"]);
   if (!registration) return fail(registration.error());
-  return MeasuredRegistration{*registration, content.value("camera", json()), ""};
+  return MeasuredRegistration{*registration, content.value("camera", json()), "", content["slm"]};
+}
+
+std::string RegistrationKind::obstacle(const MeasuredRegistration& registration) const {
+  const json now = to_json(slm);
+  if (registration.slm.is_null() || registration.slm == now) return {};
+  return "it was measured with the SLM " + json_text(registration.slm) +
+         ", and the configuration has " + json_text(now);
 }
 
 }  // namespace ovws

@@ -14,6 +14,7 @@ namespace ovws {
 struct MeasuredRegistration : Registration {
   nlohmann::json camera;  ///< {vendor, model, serial}; null: unknown
   std::string sha256;     ///< checksum of the file; empty: not stored
+  nlohmann::json slm{};   ///< geometry of the SLM in the file; null: the configured one
 };
 
 /// Registrations of one SLM, as the item type of Kept.
@@ -26,7 +27,7 @@ struct RegistrationKind {
   std::string name(const Item&) const { return "camera"; }
   nlohmann::json content(const Item& registration) const;
   Result<Item> read(const nlohmann::json& content) const;
-  std::string obstacle(const Item&) const { return {}; }
+  std::string obstacle(const Item& registration) const;
 };
 using KeptRegistration = Kept<RegistrationKind>;
 
