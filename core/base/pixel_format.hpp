@@ -87,6 +87,7 @@ struct ColourPlane {
   int x = 0, y = 0;
 
   bool everything() const { return step == 1; }
+  bool has(int px, int py) const { return (px - x) % step == 0 && (py - y) % step == 0; }
   /// Number of the plane's pixels along an axis of `size` camera pixels, counted from `first`.
   int count(int size, int first) const { return (size - first + step - 1) / step; }
   /// Converts a position: to_image from plane pixels to camera pixels, from_image back.
@@ -103,6 +104,15 @@ struct LitPixels {
   bool diagonal = false;  ///< green laser: the diagonal plane, other(), detects it, too
 
   ColourPlane other() const { return {plane.step, plane.x ^ 1, plane.y ^ 1}; }
+  /// Whether the laser reaches camera pixel (`px`, `py`).
+  bool has(int px, int py) const { return plane.has(px, py) || (diagonal && other().has(px, py)); }
+
+  /// Whether these are all pixels, or a plane of a Bayer pattern.
+  bool exist() const {
+    const bool bayer =
+        plane.step == 2 && plane.x >= 0 && plane.x <= 1 && plane.y >= 0 && plane.y <= 1;
+    return bayer || *this == LitPixels{};
+  }
 
   friend bool operator==(const LitPixels&, const LitPixels&) = default;
 };

@@ -58,17 +58,6 @@ inline RefineSetup in_format(RefineSetup settings, PixelFormat format) {
   return settings;
 }
 
-/// Checks that the camera's pixel format has no colour filters if refinement is enabled. Else
-/// Errc::refused, field "enabled".
-inline Result<void> check_refinable(const RefineSetup& settings) {
-  if (!settings.enabled || traits_of(settings.format).filter == ColourFilter::none) return {};
-  return fail(
-      Errc::refused, "enabled",
-      "the camera's " + std::string(pixel_format_name(settings.format)) +
-          " cannot be refined: the diffraction model does not support colour filters; set the "
-          "camera's pixel_format to a Mono one first");
-}
-
 /// Checks that involve several settings. Errors (Errc::invalid): `field` is the setting's key.
 inline Result<void> check_refine(const RefineSetup& settings) {
   if (settings.enabled && !settings.electrons_per_dn) {

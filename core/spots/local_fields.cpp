@@ -51,8 +51,8 @@ Eigen::VectorXd step_of(const Eigen::VectorXd& cells, const RenderedSpot& render
   Eigen::VectorXd weights(light.size());
   for (Eigen::Index c = 0; c < light.size(); ++c) {
     const double brightest = std::max(light(c), cells(c) - of.background_dn * pixels);
-    const bool clipped = brightest >= of.ceiling_dn * pixels;
-    weights(c) = clipped ? 0.0 : 1.0 / (std::max(1.0, of.chi2) * noise.variance(light(c), pixels));
+    const bool used = rendered.window.is_lit(c) && brightest < of.ceiling_dn * pixels;
+    weights(c) = !used ? 0.0 : 1.0 / (std::max(1.0, of.chi2) * noise.variance(light(c), pixels));
   }
   Eigen::MatrixXd change(light.size(), 2 * kCount + 1);
   change.leftCols(2 * kCount) = level * per_number.cast<double>();

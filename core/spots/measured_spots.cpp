@@ -20,17 +20,18 @@ bool MeasuredShapes::are_inside(int cols, int rows) const {
   });
 }
 
-/// Central differences of binned pixels. At the edge, uses the difference of the next inner pixel.
+/// Central differences of binned pixels, of the same colour. At the edge, uses the difference of
+/// the next inner pixel.
 Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& window) {
-  const auto side = Eigen::Index(window.side);
-  const float by = 1.0F / float(2 * window.bin);
+  const auto side = Eigen::Index(window.side), step = Eigen::Index(window.lit.plane.step);
+  const float by = 1.0F / float(2 * step * window.bin);
   Eigen::MatrixXf change(light.size(), 2);
   for (Eigen::Index c = 0; c < light.size(); ++c) {
     const Eigen::Index row = c / side, column = c % side;
-    const Eigen::Index x = row * side + std::clamp<Eigen::Index>(column, 1, side - 2);
-    const Eigen::Index y = std::clamp<Eigen::Index>(row, 1, side - 2) * side + column;
-    change(c, 0) = by * (light(x - 1) - light(x + 1));
-    change(c, 1) = by * (light(y - side) - light(y + side));
+    const Eigen::Index x = row * side + std::clamp<Eigen::Index>(column, step, side - 1 - step);
+    const Eigen::Index y = std::clamp<Eigen::Index>(row, step, side - 1 - step) * side + column;
+    change(c, 0) = by * (light(x - step) - light(x + step));
+    change(c, 1) = by * (light(y - step * side) - light(y + step * side));
   }
   return change;
 }
@@ -67,7 +68,7 @@ std::vector<RenderedSpot> measured_spots(std::span<const SpotWindow> windows,
                          return is_known(poke.plus, column) && is_known(poke.minus, column);
                        });
     if (known && is_inside(spot)) {
-      spot.light = resting.col(column).array() - dark_level(resting.col(column));
+      spot.light = resting.col(column).array() - dark_level(resting.col(column), spot.window);
     }
     for (std::size_t k = 0; known && k < pokes.size(); ++k) {
       spot.per_wave.col(Eigen::Index(k)) =

@@ -15,7 +15,7 @@ namespace ovws {
 using SpotCells = Eigen::MatrixXf;
 SpotCells cells_in(const Image<float>& mean_dn, std::span<const SpotWindow> windows);
 
-/// Derivative of the binned pixels with respect to a displacement of the spot along x and y.
+/// Derivative of the lit binned pixels with respect to a displacement of the spot along x and y.
 Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& window);
 
 /// Push-pull poke of a mode: binned pixels of the mean images with either sign.
@@ -37,6 +37,7 @@ struct MeasuredShapes {
   std::vector<int> modes_j;  ///< OSA indices of the modes of the derivatives
   std::vector<RenderedSpot> spots;
 
+  const LitPixels& lit() const { return spots.front().window.lit; }
   /// Whether all windows lie in an image of this size.
   bool are_inside(int cols, int rows) const;
 };

@@ -24,7 +24,7 @@ Result<ModeErrors> mode_errors(const ModeBench& bench, int modes) {
   std::vector<int> modes_j(static_cast<std::size_t>(modes));
   std::iota(modes_j.begin(), modes_j.end(), 1);
   auto renderer = SpotRenderer::make(bench.sensor, bench.slm, bench.optics, bench.cols, bench.rows,
-                                     std::move(modes_j), {});
+                                     std::move(modes_j), {.lit = bench.lit});
   if (!renderer) return fail(renderer.error());
   const std::vector<RenderedSpot> spots =
       renderer->render(std::vector<double>(static_cast<std::size_t>(modes)));

@@ -1,6 +1,7 @@
 /// How many modes the spots of a sensor determine.
 #pragma once
 
+#include "core/base/pixel_format.hpp"
 #include "core/base/result.hpp"
 #include "core/optics/geometry.hpp"
 
@@ -13,6 +14,7 @@ struct ModeBench {
   const OpticsConfig& optics;
   int cols = 0, rows = 0;  ///< size of the camera image
   int estimates = 0;
+  LitPixels lit{};  ///< camera pixels that the laser reaches
 };
 
 /// Standard errors of the modes j = 1 to `modes` for a flat wavefront, 500 electrons in the

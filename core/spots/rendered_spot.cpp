@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/optics/zernike.hpp"
 #include "core/spots/spot_sums.hpp"
@@ -9,15 +10,16 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxOffCentre = 0.25;   // offset of a spot, fraction of a window's width
-constexpr Eigen::Index kDarkShare = 10;  // one of this many pixels around a spot is dark
+constexpr double kMaxOffCentre = 0.25;     // offset of a spot, fraction of a window's width
+constexpr std::ptrdiff_t kDarkShare = 10;  // one of this many pixels around a spot is dark
 
 }  // namespace
 
-SpotWindow window_of(double lambda_d_px, double half_width) {
+SpotWindow window_of(double lambda_d_px, double half_width, const LitPixels& lit) {
   constexpr double kMinBinnedPx = 10.0;
   SpotWindow window;
-  window.bin = lambda_d_px >= kMinBinnedPx ? 2 : 1;
+  window.lit = lit;
+  window.bin = lit.plane.everything() && lambda_d_px >= kMinBinnedPx ? 2 : 1;
   window.side = std::max(kMinSide, int(std::ceil(2.0 * half_width * lambda_d_px / window.bin)));
   return window;
 }
@@ -42,9 +44,13 @@ bool is_inside(const RenderedSpot& spot) {
   return std::max(std::abs(off.x), std::abs(off.y)) <= kMaxOffCentre * pixels;
 }
 
-double dark_level(Eigen::VectorXf cells) {
-  const auto dark = cells.begin() + cells.size() / kDarkShare;
-  std::nth_element(cells.begin(), dark, cells.end());
+double dark_level(const Eigen::VectorXf& cells, const SpotWindow& window) {
+  std::vector<float> lit;
+  for (Eigen::Index c = 0; c < cells.size(); ++c) {
+    if (window.is_lit(c)) lit.push_back(cells(c));
+  }
+  const auto dark = lit.begin() + std::ptrdiff_t(lit.size()) / kDarkShare;
+  std::nth_element(lit.begin(), dark, lit.end());
   return double(*dark);
 }
 

@@ -3,28 +3,35 @@
 
 #include <Eigen/Core>
 
+#include "core/base/pixel_format.hpp"
 #include "core/base/vec2.hpp"
 #include "core/optics/piece_moments.hpp"
 
 namespace ovws {
 
 /// Pixel window around a spot: a square of binned pixels ("cells"), each the sum of bin x bin
-/// camera pixels.
+/// camera pixels. Behind a Bayer filter bin is 1, and only the cells that the laser reaches count.
 struct SpotWindow {
   int left = 0;  ///< first camera pixel
   int top = 0;
-  int side = 0;  ///< binned pixels along each axis
-  int bin = 1;   ///< camera pixels of a binned pixel, along each axis
+  int side = 0;     ///< binned pixels along each axis
+  int bin = 1;      ///< camera pixels of a binned pixel, along each axis
+  LitPixels lit{};  ///< camera pixels that the laser reaches
 
   int cells() const { return side * side; }
+  /// Whether the laser reaches binned pixel `cell`.
+  bool is_lit(Eigen::Index cell) const {
+    return lit.plane.everything() || lit.has(left + int(cell) % side, top + int(cell) / side);
+  }
   PixelBox pixels() const { return {left, top, side * bin, side * bin}; }
 
   friend bool operator==(const SpotWindow&, const SpotWindow&) = default;
 };
 
 /// Window size for spots of size lambda/d; the position stays unset. Bins 2 x 2 pixels if lambda/d
-/// is at least 10 pixels, which loses no information. `half_width` in units of lambda/d.
-SpotWindow window_of(double lambda_d_px, double half_width);
+/// is at least 10 pixels, which loses no information, and if the laser reaches all pixels.
+/// `half_width` in units of lambda/d.
+SpotWindow window_of(double lambda_d_px, double half_width, const LitPixels& lit = {});
 /// Half the width of windows for j = 1 to `modes`, units of lambda/d: 2.0, or 2.6 for more modes
 /// than positions determine, because higher modes change the intensity farther out. The error of 44
 /// modes at 0.3 wave RMS and SNR 22 is 1.33 of the bound of all pixels with 2.0, 1.24 with 2.6.
@@ -50,7 +57,7 @@ struct RenderedSpot {
 
 /// Whether the spot is well inside its window, which stays inside the image.
 bool is_inside(const RenderedSpot& spot);
-/// Dark level around a spot: a tenth of its binned pixels is darker.
-double dark_level(Eigen::VectorXf cells);
+/// Dark level around a spot: a tenth of its lit binned pixels is darker.
+double dark_level(const Eigen::VectorXf& cells, const SpotWindow& window);
 
 }  // namespace ovws

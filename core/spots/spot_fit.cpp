@@ -61,7 +61,7 @@ double excess_intensity(const SpotTemplates& spot, const SpotEstimates& found) {
 
 double excess_scatter_of(const SpotTemplates& spot, double level_dn) {
   const double light = level_dn * spot.window.bin * spot.window.bin * spot.intensity_norm;
-  return std::sqrt(2.0 * spot.window.cells()) / (light * light);
+  return std::sqrt(2.0 * spot.lit) / (light * light);
 }
 
 SpotFit::Scratch SpotFit::make_scratch() const {

@@ -27,11 +27,6 @@ struct SpotEstimates {
   std::array<float, kMaxSpotEstimates> values{};
 };
 
-/// Whether images of this format can be fitted: those without colour filters.
-inline bool can_fit(PixelFormat format) {
-  return traits_of(format).filter == ColourFilter::none;
-}
-
 /// Fraction of the spot's weighted intensity that the templates do not explain, beyond noise.
 double excess_intensity(const SpotTemplates& spot, const SpotEstimates& found);
 /// Standard error of excess_intensity by noise, for a spot of this level, DN of a camera pixel.

@@ -84,7 +84,7 @@ Result<SpotRenderer> SpotRenderer::make(const SensorConfig& sensor, const SlmGeo
   const double half_width =
       options.half_width > 0.0 ? options.half_width
                                : window_half_width(int(modes_j.size()), sensor.subapertures_across);
-  const SpotWindow window = window_of(spot_px, half_width);
+  const SpotWindow window = window_of(spot_px, half_width, options.lit);
   if (window.side * window.bin > std::min(cols, rows)) {
     return fail(Errc::invalid, "optics",
                 "a window of " + std::to_string(window.side * window.bin) +

@@ -24,6 +24,7 @@ class SpotRenderer {
     double half_width = 0.0;    ///< half the width of a window, lambda/d; 0: window_half_width
     double reach = 6.0;         ///< distance up to which subapertures are neighbours, lambda/d
     bool light_outside = true;  ///< also render the field outside the subapertures
+    LitPixels lit{};            ///< camera pixels that the laser reaches
   };
 
   /// `cols` x `rows`: size of the camera image. Errors: those of SensorField::make, and

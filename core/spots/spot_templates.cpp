@@ -34,9 +34,10 @@ Basis make_basis(const RenderedSpot& spot, const CellLevel& level, const PixelNo
   basis.root.resize(cells);
   for (Eigen::Index c = 0; c < cells; ++c) {
     const double intensity_dn = level.intensity_dn * double(spot.light(c));
-    const bool used = intensity_dn < level.ceiling_dn;
+    const bool used = spot.window.is_lit(c) && intensity_dn < level.ceiling_dn;
     basis.root(c) = used ? 1.0 / std::sqrt(noise.variance(intensity_dn, pixels)) : 0.0;
     made.used += used ? 1 : 0;
+    made.lit += spot.window.is_lit(c) ? 1 : 0;
     if (used) made.brightest_intensity = std::max(made.brightest_intensity, double(spot.light(c)));
   }
   basis.level = basis.root.cwiseProduct(spot.light.cast<double>());
@@ -62,7 +63,7 @@ Weighted weighted(const RenderedSpot& spot, const CellLevel& level, const PixelN
   spot_of.made.place_px = spot.place_px;
   if (!(spot.light.maxCoeff() > 0.0F)) return spot_of;
   spot_of.basis = make_basis(spot, level, noise, spot_of.made);
-  if (2 * spot_of.made.used < spot.light.size()) return spot_of;
+  if (2 * spot_of.made.used < spot_of.made.lit) return spot_of;
   spot_of.modes = spot_of.basis.free(spot.per_wave);
   return spot_of;
 }

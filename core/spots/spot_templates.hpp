@@ -25,7 +25,8 @@ struct SpotTemplates {
 
   SpotWindow window;
   Vec2 place_px;
-  int used = 0;                      ///< number of binned pixels with a weight
+  int lit = 0;                       ///< number of binned pixels that the laser reaches
+  int used = 0;                      ///< number of them with a weight
   double brightest_intensity = 0.0;  ///< brightest of the used pixels, as rendered
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows;  ///< x padded cells
   Eigen::VectorXf weights;      ///< 1 / variance of each binned pixel, padded with 0

@@ -233,23 +233,13 @@ PairNoise noise_between(const ImageView& one, const ImageView& other,
   for (const RenderedSpot& spot : rendered) {
     pixels = pixels_of(spot.window);
     const Eigen::VectorXd a = cells_of(one, spot.window), b = cells_of(other, spot.window);
-    const double floor = dark_level(Eigen::VectorXf((0.5 * (a + b)).cast<float>()));
+    const double floor = dark_level(Eigen::VectorXf((0.5 * (a + b)).cast<float>()), spot.window);
     for (Eigen::Index c = 0; c < a.size(); ++c) {
+      if (!spot.window.is_lit(c)) continue;
       sums.add(0.5 * (a(c) + b(c)) - floor, 0.5 * std::pow(a(c) - b(c), 2));
     }
   }
   return {sums.line(pixels), sums.y};
-}
-
-/// Camera pixels of a window; one row for each line of the image.
-Eigen::MatrixXf pixels_in(const ImageView& image, const SpotWindow& window) {
-  const PixelBox box = window.pixels();
-  Eigen::MatrixXf all(box.height, box.width);
-  visit_rows(image, box.x, box.y, box.width, box.height,
-             [&](int x, int y, const auto* pixels, int run) {
-               for (int k = 0; k < run; ++k) all(y - box.y, x + k - box.x) = float(pixels[k]);
-             });
-  return all;
 }
 
 }  // namespace
@@ -264,18 +254,24 @@ PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedS
 }
 
 PixelNoise noise_of(const ImageView& image, std::span<const RenderedSpot> rendered) {
+  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Eigen::Matrix3f kernel;
   kernel << 1, -2, 1, -2, 4, -2, 1, -2, 1;
   NoiseSums sums;
   for (const RenderedSpot& spot : rendered) {
-    const Eigen::MatrixXf all = pixels_in(image, spot.window);
-    const double floor = dark_level(all.reshaped());
-    for (Eigen::Index x = 1; x + 1 < all.cols(); ++x) {
-      for (Eigen::Index y = 1; y + 1 < all.rows(); ++y) {
-        const auto around = all.block<3, 3>(y - 1, x - 1);
-        const double left = double(around.cwiseProduct(kernel).sum());
-        sums.add(double(around.mean()) - floor, left * left / double(kernel.squaredNorm()));
-      }
+    SpotWindow window = spot.window;
+    window.side *= std::exchange(window.bin, 1);
+    const Eigen::VectorXf pixels = cells_of(image, window).cast<float>();
+    const Eigen::Map<const RowMajor> grid(pixels.data(), window.side, window.side);
+    const double floor = dark_level(pixels, window);
+    const Eigen::Index step = window.lit.plane.step, last = window.side - 1 - step;
+    for (Eigen::Index c = 0; c < pixels.size(); ++c) {
+      const Eigen::Index y = c / window.side, x = c % window.side;
+      if (!window.is_lit(c) || std::min(x, y) < step || std::max(x, y) > last) continue;
+      const Eigen::Matrix3f around =
+          grid(Eigen::seqN(y - step, 3, step), Eigen::seqN(x - step, 3, step));
+      const double left = double(around.cwiseProduct(kernel).sum());
+      sums.add(double(around.mean()) - floor, left * left / double(kernel.squaredNorm()));
     }
   }
   return sums.line(1.0);

@@ -62,8 +62,8 @@ double higher_waves_of(const SpotPass& pass, const WavefrontStep& step);
 /// intensity may change between images. For shot noise, `rendered` must be near the images.
 PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedSpot> rendered);
 /// Estimates pixel noise from one image with a kernel that removes smooth intensity (Immerkaer,
-/// CVIU 64, 300, 1996). The result is too large if lambda/d is below some 8 pixels, because the
-/// kernel does not remove spots of that size.
+/// CVIU 64, 300, 1996). The result is too large if lambda/d is below some 8 pixels (of one colour,
+/// behind a Bayer filter), because the kernel does not remove spots of that size.
 PixelNoise noise_of(const ImageView& image, std::span<const RenderedSpot> rendered);
 
 }  // namespace ovws

@@ -31,10 +31,6 @@ Result<Config> config_of(const MeasureOptions& options) {
   }
   if (options.refine) {
     config->tracking.tracker = TrackerKind::fit;
-  } else if (config->tracking.tracker == TrackerKind::fit &&
-             !can_fit(config->camera.settings.pixel_format)) {
-    config->tracking.tracker = TrackerKind::lg;
-    config->tracking.mode_count.reset();
   }
   if (!options.templates.empty()) {
     config->tracking.templates =

@@ -117,11 +117,6 @@ Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan)
 Result<Measurement> Measurement::make(const Config& config, const ImageView& like,
                                       const std::optional<ImageView>& reference,
                                       const std::optional<RefineCamera>& camera) {
-  if (camera && !can_fit(config.camera.settings.pixel_format)) {
-    return fail(Errc::refused, "refine",
-                "the model does not support colour filters: measure without --refine, or set a "
-                "Mono camera.pixel_format in the configuration");
-  }
   auto by_model = plan_for(config, like, std::nullopt);
   if (!by_model) return fail(by_model.error());
   Reference taken;
@@ -157,8 +152,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   if (!plan) return fail(plan.error());
   Measurement made(std::move(*plan));
   made.camera_ = camera;
-  const PixelFormat camera_format = config.camera.settings.pixel_format;
-  if (config.tracking.tracker != TrackerKind::fit || !can_fit(camera_format)) return made;
+  if (config.tracking.tracker != TrackerKind::fit) return made;
   if (auto used = made.use_templates(config, like, reference, absolute); !used) {
     return fail(used.error());
   }
@@ -171,7 +165,7 @@ Result<void> Measurement::use_templates(const Config& config, const ImageView& l
                                         const std::optional<ImageView>& reference,
                                         std::span<const float> start) {
   auto renderer = SpotRenderer::make(config.sensor, config.slm.geometry, config.optics, like.width,
-                                     like.height, plan_->modes_j, {});
+                                     like.height, plan_->modes_j, {.lit = plan_->spots.lit});
   if (!renderer && !reference && !camera_) return {};  // the image is too small for a spot
   if (!renderer) return fail(renderer.error());
   PointModel model(std::move(*renderer), config.tracking.estimates);

@@ -127,13 +127,13 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
   const SensorSnapshot& now = *view;
   const auto lattice = make_lattice(now.sensor, slm);
   if (!lattice) return fail(lattice.error());
-  const bool by_images =
-      now.tracking.tracker == TrackerKind::fit &&
-      traits_of(bench.camera().settings.pixel_format).filter == ColourFilter::none;
+  const CameraSettings camera = bench.camera().settings;
+  const bool by_images = now.tracking.tracker == TrackerKind::fit;
   ModeOperator model =
       slope_operator(*lattice, now.sensor, now.tracking, px_per_cycle(now.optics, slm));
   if (by_images) {
-    auto made = displacement_operator(now.sensor, slm, now.optics, bench.camera().settings.roi,
+    auto made = displacement_operator(now.sensor, slm, now.optics, camera.roi,
+                                      lit_pixels(camera.pixel_format, now.optics.wavelength_nm),
                                       model.modes_j);
     if (!made) return fail(made.error());
     model = std::move(*made);

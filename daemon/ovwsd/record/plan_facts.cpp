@@ -5,6 +5,7 @@
 #include "daemon/ovwsd/record/point_document.hpp"
 #include "daemon/ovwsd/sensor/calibration_file.hpp"
 #include "daemon/ovwsd/sensor/reference_file.hpp"
+#include "daemon/ovwsd/sensor/shapes_file.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
@@ -47,7 +48,6 @@ json slm_content(const ActiveSlm& slm) {
 
 json plan_content(const PlanFacts& facts) {
   const SensorSnapshot& now = *facts.sensor;
-  const LitPixels& lit = facts.spots.lit;
   return {{"plan_id", facts.id},
           {"sensor_epoch", facts.sensor_epoch},
           {"hologram_id", facts.hologram_id},
@@ -57,11 +57,7 @@ json plan_content(const PlanFacts& facts) {
           {"template", wire_name(now.tracking.templates)},
           {"own_templates", now.templates.own},
           {"lambda_d_px", facts.spots.lambda_d_px},
-          {"lit",
-           {{"step", lit.plane.step},
-            {"x", lit.plane.x},
-            {"y", lit.plane.y},
-            {"diagonal", lit.diagonal}}},
+          {"lit", lit_content(facts.spots.lit)},
           {"roi", to_json(facts.roi)},
           {"pixel_format", pixel_format_name(facts.format)},
           {"predicted_px", to_json(facts.predicted_px)},

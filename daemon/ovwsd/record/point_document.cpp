@@ -117,22 +117,24 @@ json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
           {"higher_waves", point.higher_waves}};
 }
 
-Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, const Roi& roi,
-                                                          const std::vector<int>& modes_j,
+Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content,
+                                                          const MeasurementPlan& plan,
                                                           const json& calibration) {
+  const std::vector<int>& modes_j = plan.modes_j;
   const json& model = content.at("model");
-  const bool is_for = model.at("width").get<int>() == roi.width &&
-                      model.at("height").get<int>() == roi.height &&
+  const bool is_for = model.at("width").get<int>() == plan.roi.width &&
+                      model.at("height").get<int>() == plan.roi.height &&
                       model.at("j").get<std::vector<int>>() == modes_j;
   if (!is_for) {
     return fail(Errc::invalid, "path",
                 "the recording's operating point is for other images or modes");
   }
-  if (content.value("measured", false)) return from_shapes(content, roi, modes_j, calibration);
+  if (content.value("measured", false)) return from_shapes(content, plan, calibration);
   if (!content.value("ln_amplitude", json::array()).empty()) {
     return fail(Errc::refused, "path", "templates of an older version cannot be rendered again");
   }
-  if (std::string key = model.dump(); !renderer_ || key != renderer_key_) {
+  std::string key = model.dump() + lit_content(plan.spots.lit).dump();
+  if (!renderer_ || key != renderer_key_) {
     renderer_.reset();
     const auto sensor = decode<SensorConfig>(model.at("sensor"));
     if (!sensor) return fail(sensor.error());
@@ -141,7 +143,7 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, c
     const auto optics = decode<OpticsConfig>(model.at("optics"));
     if (!optics) return fail(optics.error());
     auto made = SpotRenderer::make(*sensor, *slm, *optics, model.at("width").get<int>(),
-                                   model.at("height").get<int>(), modes_j, {});
+                                   model.at("height").get<int>(), modes_j, {.lit = plan.spots.lit});
     if (!made) return fail(made.error());
     renderer_ = std::make_unique<SpotRenderer>(std::move(*made));
     renderer_key_ = std::move(key);
@@ -156,8 +158,7 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content, c
 }
 
 Result<std::shared_ptr<const FrameFit>> PointReader::from_shapes(const json& content,
-                                                                 const Roi& roi,
-                                                                 const std::vector<int>& modes_j,
+                                                                 const MeasurementPlan& plan,
                                                                  const json& calibration) {
   const int spots = calibration.at("spots").get<int>();
   const auto leading_j = calibration.at("modes_j").get<std::vector<int>>();
@@ -165,13 +166,14 @@ Result<std::shared_ptr<const FrameFit>> PointReader::from_shapes(const json& con
   if (!shapes)
     return fail(Errc::invalid, "path", "the recording's calibration " + shapes.error().reason);
   OperatingPoint point = point_from(content);
-  if (auto fits = check(point, modes_j.size(), std::size_t(spots)); !fits) {
+  if (auto fits = check(point, plan.modes_j.size(), std::size_t(spots)); !fits) {
     return fail(fits.error());
   }
-  if (shapes->modes_j != modes_j || !shapes->are_inside(roi.width, roi.height)) {
+  if (shapes->modes_j != plan.modes_j || shapes->lit() != plan.spots.lit ||
+      !shapes->are_inside(plan.roi.width, plan.roi.height)) {
     return fail(Errc::invalid, "path", "the recording's calibration is for other images or modes");
   }
-  return std::make_shared<const FrameFit>(std::move(point), shapes->spots, modes_j);
+  return std::make_shared<const FrameFit>(std::move(point), shapes->spots, plan.modes_j);
 }
 
 }  // namespace ovws

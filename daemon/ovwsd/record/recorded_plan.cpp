@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/sensor/shapes_file.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
@@ -40,11 +41,8 @@ Eigen::MatrixXd matrix(const json& rows, std::size_t columns) {
 }
 
 SpotModel spot_model(const json& plan) {
-  const json& lit = plan.at("lit");
-  return {plan.at("charge").get<int>(),
-          plan.at("lambda_d_px").get<double>(),
-          {{lit.at("step").get<int>(), lit.at("x").get<int>(), lit.at("y").get<int>()},
-           lit.at("diagonal").get<bool>()}};
+  return {plan.at("charge").get<int>(), plan.at("lambda_d_px").get<double>(),
+          lit_from(plan.at("lit"))};
 }
 
 /// Checks that the parts of a plan are consistent, and within the limits that later code requires.
@@ -70,10 +68,8 @@ Result<void> check(const MeasurementPlan& plan, const json& rows,
       !std::equal(position_modes_j.begin(), position_modes_j.end(), modes_j.begin())) {
     return unfit("has modes that are not those of its operator");
   }
-  const ColourPlane& lit = plan.spots.lit.plane;
   if (plan.roi.width < 1 || plan.roi.width > kMaxSide || plan.roi.height < 1 ||
-      plan.roi.height > kMaxSide || lit.step < 1 || lit.step > 2 || lit.x < 0 || lit.x > 1 ||
-      lit.y < 0 || lit.y > 1) {
+      plan.roi.height > kMaxSide || !plan.spots.lit.exist()) {
     return unfit("has an invalid image size or Bayer plane");
   }
   return {};
@@ -164,17 +160,18 @@ Result<void> RecordedPlans::read_templates(const json& from, MeasurementPlan& pl
   const bool of_other_shapes =
       fit_ && fit_->point().measured && calibrated.dump() != fit_calibration_;
   if (key != fit_key_ || of_other_shapes || !fit_ || fit_->modes_j() != plan.modes_j ||
-      !(fit_roi_ == plan.roi)) {
+      !(fit_roi_ == plan.roi) || fit_lit_ != plan.spots.lit) {
     const json content = json_of(documents_.at(point.get<std::string>()));
     const bool measured = content.value("measured", false);
     const json calibration =
         measured ? json_of(documents_.at(calibrated.get<std::string>())) : json();
-    auto fit = points_.read(content, plan.roi, plan.modes_j, calibration);
+    auto fit = points_.read(content, plan, calibration);
     if (!fit) return fail(fit.error());
     fit_ = std::move(*fit);
     fit_key_ = key;
     fit_calibration_ = calibrated.dump();
     fit_roi_ = plan.roi;
+    fit_lit_ = plan.spots.lit;
   }
   if (int(fit_->point().levels_dn.size()) != plan.subapertures()) {
     return unfit("has templates for other spots");

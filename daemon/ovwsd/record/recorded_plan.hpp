@@ -36,6 +36,7 @@ class RecordedPlans {
   std::string fit_key_;                  ///< checksum of the operating point of fit_
   std::string fit_calibration_;          ///< checksum of the calibration of fit_
   Roi fit_roi_;
+  LitPixels fit_lit_;
 };
 
 }  // namespace ovws

@@ -142,7 +142,6 @@ Result<RefineSetup> LiveRefiner::change(const RefineSet& change, PixelFormat for
       next.saturation_dn = std::min(*next.saturation_dn, full_scale_dn(next.format));
     }
     if (auto whole = check_refine(next); !whole) return fail(of_given(whole.error(), change, next));
-    if (auto can = check_refinable(next); !can) return fail(can.error());
     settings = next;
     return next;
   });

@@ -18,6 +18,7 @@ struct Key {
   SensorConfig sensor;
   TrackingSettings tracking;
   int cols = 0, rows = 0;
+  LitPixels lit;
   decltype(OpticsConfig::registered) registered;
   decltype(OpticsConfig::centre_px) centre_px;
   std::vector<int> modes_j, position_modes_j;
@@ -26,8 +27,9 @@ struct Key {
 
   bool operator==(const Key& other) const {
     return sensor == other.sensor && tracking == other.tracking && cols == other.cols &&
-           rows == other.rows && registered == other.registered && centre_px == other.centre_px &&
-           modes_j == other.modes_j && position_modes_j == other.position_modes_j &&
+           rows == other.rows && lit == other.lit && registered == other.registered &&
+           centre_px == other.centre_px && modes_j == other.modes_j &&
+           position_modes_j == other.position_modes_j &&
            reference_taken_ns == other.reference_taken_ns && same_fit(settings, other.settings);
   }
 };
@@ -41,6 +43,7 @@ Key key_of(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSet
           sensor.tracking,
           frame.image.width,
           frame.image.height,
+          lit_pixels(frame.image.format, sensor.optics.wavelength_nm),
           sensor.optics.registered,
           sensor.optics.centre_px,
           sensor.modes_j,
@@ -69,9 +72,6 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
     out.refusal = std::move(why);
     return out;
   };
-  if (traits_of(frame.image.format).filter != ColourFilter::none) {
-    return refused("the model does not support colour filters: set a Mono pixel_format");
-  }
   if (std::isnan(frame.gain_db)) return refused(kNoGainInDb);
   if (auto made = make_bench(frame, sensor, settings); !made) return refused(made.error().reason);
   if (!bench_->model) {
@@ -114,14 +114,7 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
   if (picture != nullptr && std::isnan(picture->gain_db)) {
     return fail(Errc::refused, "reference", kNoGainInDb);
   }
-  if (picture != nullptr && !shows(picture->format, {})) {
-    return fail(
-        Errc::refused, "reference",
-        "the reference's image was taken in " + std::string(pixel_format_name(picture->format)) +
-            ", and the model does not support colour filters: set a Mono pixel_format, then "
-            "take a new reference");
-  }
-  auto model = rendered_model(sensor, slm_, key.cols, key.rows, [&](PointModel&) {
+  auto model = rendered_model(sensor, slm_, frame.image, [&](PointModel&) {
     return std::pair(pixel_noise(refine_camera(settings, picture->format, picture->gain_db)),
                      picture->format);
   });

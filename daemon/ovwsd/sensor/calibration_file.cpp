@@ -138,7 +138,7 @@ std::string CalibrationKind::obstacle(Calibration& calibration) const {
     optics.registered = calibration.key.px_per_cycle;
     optics.centre_px = calibration.key.base_px - Vec2{double(key.roi.x), double(key.roi.y)};
     auto made = displacement_operator(key.sensor, bench->config().slm.geometry, optics, key.roi,
-                                      model.modes_j);
+                                      calibration.shapes->lit(), model.modes_j);
     if (!made) return made.error().reason;
     model = std::move(*made);
   }

@@ -45,8 +45,9 @@ ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor, 
 
 Result<ModeOperator> displacement_operator(const SensorConfig& sensor, const SlmGeometry& slm,
                                            const OpticsConfig& optics, const Roi& roi,
-                                           std::vector<int> modes_j) {
-  auto renderer = SpotRenderer::make(sensor, slm, optics, roi.width, roi.height, modes_j, {});
+                                           const LitPixels& lit, std::vector<int> modes_j) {
+  auto renderer =
+      SpotRenderer::make(sensor, slm, optics, roi.width, roi.height, modes_j, {.lit = lit});
   if (!renderer) return fail(renderer.error());
   auto rendered = renderer->render(std::vector<double>(modes_j.size()));
   for (RenderedSpot& spot : rendered) spot.per_px = change_by_shift(spot.light, spot.window);

@@ -31,11 +31,11 @@ ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor, 
                             const PxPerCycle& map);
 
 /// Displacements of the spots by each mode about a flat wavefront, computed from the model as
-/// SpotMeter measures displacements in mean images: least squares of the pixels, equally weighted.
-/// Errors: those of SpotRenderer::make.
+/// SpotMeter measures displacements in mean images: least squares of the pixels that the laser
+/// reaches, equally weighted. Errors: those of SpotRenderer::make.
 Result<ModeOperator> displacement_operator(const SensorConfig& sensor, const SlmGeometry& slm,
                                            const OpticsConfig& optics, const Roi& roi,
-                                           std::vector<int> modes_j);
+                                           const LitPixels& lit, std::vector<int> modes_j);
 
 /// Everything that a diffractive operator depends on, except the SLM.
 struct OperatorKey {

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 
-#include "core/spots/spot_fit.hpp"
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/reference_spots.hpp"
@@ -49,9 +48,7 @@ std::vector<Vec2> predicted(const PlanInputs& inputs) {
 
 /// Modes of the plan: first those that spot positions determine, then those that only templates
 /// determine.
-std::vector<int> measured_modes(const TrackingSettings& tracking, PixelFormat format,
-                                const ModeOperator& positions) {
-  if (!can_fit(format)) return positions.modes_j;
+std::vector<int> measured_modes(const TrackingSettings& tracking, const ModeOperator& positions) {
   if (positions.shapes) return positions.shapes->modes_j;
   const bool measured = positions.kind == OperatorKind::measured;
   return measured ? positions.modes_j : with_shapes(tracking, positions.modes_j);
@@ -119,8 +116,8 @@ Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
                                   : slope_operator(inputs.lattice, inputs.sensor, inputs.tracking,
                                                    px_per_cycle(inputs.optics, inputs.slm));
   plan->mode_operator = modes.kind;
-  plan->modes_j = measured_modes(inputs.tracking, inputs.format, modes);
-  plan->fits_shapes = inputs.tracking.tracker == TrackerKind::fit && can_fit(inputs.format) &&
+  plan->modes_j = measured_modes(inputs.tracking, modes);
+  plan->fits_shapes = inputs.tracking.tracker == TrackerKind::fit &&
                       (modes.kind != OperatorKind::measured || modes.shapes);
   // A calibration with shapes measures displacements of whole spots. They differ from the tracker's
   // positions, so the model's slopes are used.

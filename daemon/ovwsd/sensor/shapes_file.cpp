@@ -32,9 +32,11 @@ Eigen::MatrixXf floats(const json& text, Eigen::Index rows, Eigen::Index cols) {
   return out;
 }
 
-RenderedSpot spot_from(const json& one, int side, int bin, std::size_t modes) {
+RenderedSpot spot_from(const json& one, const SpotWindow& size, std::size_t modes) {
   RenderedSpot spot;
-  spot.window = {one.at("left").get<int>(), one.at("top").get<int>(), side, bin};
+  spot.window = size;
+  spot.window.left = one.at("left").get<int>();
+  spot.window.top = one.at("top").get<int>();
   spot.place_px = {one.at("x").get<double>(), one.at("y").get<double>()};
   const auto inside = [](double at) { return at >= 0.0 && at < double(kMaxPlace); };
   demand(inside(spot.window.left) && inside(spot.window.top) && std::isfinite(spot.place_px.x) &&
@@ -48,6 +50,16 @@ RenderedSpot spot_from(const json& one, int side, int bin, std::size_t modes) {
 }
 
 }  // namespace
+
+json lit_content(const LitPixels& lit) {
+  return {
+      {"step", lit.plane.step}, {"x", lit.plane.x}, {"y", lit.plane.y}, {"diagonal", lit.diagonal}};
+}
+
+LitPixels lit_from(const json& content) {
+  return {{content.at("step").get<int>(), content.at("x").get<int>(), content.at("y").get<int>()},
+          content.at("diagonal").get<bool>()};
+}
 
 json shapes_content(const MeasuredShapes& shapes) {
   const SpotWindow& window = shapes.spots.front().window;
@@ -64,6 +76,7 @@ json shapes_content(const MeasuredShapes& shapes) {
   return {{"modes_j", shapes.modes_j},
           {"side", window.side},
           {"bin", window.bin},
+          {"lit", lit_content(window.lit)},
           {"spots", std::move(spots)}};
 }
 
@@ -73,9 +86,12 @@ Result<MeasuredShapes> shapes_from(const json& content, int spots,
     MeasuredShapes shapes;
     shapes.modes_j = content.at("modes_j").get<std::vector<int>>();
     const auto& modes_j = shapes.modes_j;
-    const int side = content.at("side").get<int>(), bin = content.at("bin").get<int>();
-    demand(side >= kMinSide && side <= kMaxSide && (bin == 1 || bin == 2),
-           "its windows have an invalid size");
+    SpotWindow window{0, 0, content.at("side").get<int>(), content.at("bin").get<int>()};
+    demand(window.side >= kMinSide && window.side <= kMaxSide, "its windows have an invalid size");
+    if (content.contains("lit")) window.lit = lit_from(content["lit"]);
+    const int largest_bin = window.lit.plane.everything() ? 2 : 1;
+    demand(window.lit.exist() && window.bin >= 1 && window.bin <= largest_bin,
+           "its windows have invalid pixels");
     demand(modes_j.size() >= leading_j.size() && modes_j.size() <= std::size_t(kMaxZernikeIndex) &&
                std::equal(leading_j.begin(), leading_j.end(), modes_j.begin()) &&
                std::all_of(modes_j.begin(), modes_j.end(),
@@ -84,7 +100,7 @@ Result<MeasuredShapes> shapes_from(const json& content, int spots,
     demand(spots > 0 && content.at("spots").size() == std::size_t(spots),
            "it has another number of spots");
     for (const json& one : content.at("spots")) {
-      shapes.spots.push_back(spot_from(one, side, bin, modes_j.size()));
+      shapes.spots.push_back(spot_from(one, window, modes_j.size()));
     }
     return shapes;
   } catch (const std::exception& error) {  // thrown by the JSON library or `demand`

@@ -9,6 +9,10 @@
 
 namespace ovws {
 
+/// Lit pixels as JSON. Decoding throws exceptions of the JSON library.
+nlohmann::json lit_content(const LitPixels& lit);
+LitPixels lit_from(const nlohmann::json& content);
+
 /// Encodes measured spot shapes. Intensities and derivatives are preserved bit for bit.
 nlohmann::json shapes_content(const MeasuredShapes& shapes);
 

@@ -193,17 +193,16 @@ Result<void> check_mode_count(const SpotBench& bench) {
     return refuse(fmt::format("positions of these spots determine {} modes: set null{}",
                               by_positions, by_shapes ? ", or more" : ", or use the tracker fit"));
   }
-  if (!can_fit(bench.format)) {
-    return refuse(
-        fmt::format("positions of these spots determine {} modes, and with a colour camera only "
-                    "positions are measured: set null",
-                    by_positions));
-  }
   OpticsConfig centred = bench.optics;  // the region may still be moved
   centred.centre_px.reset();
   const Vec2 region = region_for(layout_of(bench), 1.0);
-  const ModeBench modes{bench.sensor,  bench.slm,     centred,
-                        int(region.x), int(region.y), tracking.estimates};
+  const ModeBench modes{bench.sensor,
+                        bench.slm,
+                        centred,
+                        int(region.x),
+                        int(region.y),
+                        tracking.estimates,
+                        lit_pixels(bench.format, bench.optics.wavelength_nm)};
   const auto errors = mode_errors(modes, requested);
   if (!errors) return fail(errors.error());
   if (errors->are_determined()) return {};

@@ -36,9 +36,9 @@ struct SpotBench {
 Result<void> check_spots_apart(const SpotBench& bench);
 
 /// Checks the requested number of modes. Errc::invalid, field "tracking.mode_count": it is more
-/// than the spots determine, less than positions determine, or, with a colour camera, more than
-/// positions determine. The message says how many modes are possible, with which error. Renders the
-/// spots, which is slow, if more modes are requested than positions determine.
+/// than the spots determine, or less than positions determine. The message says how many modes are
+/// possible, with which error. Renders the spots, which is slow, if more modes are requested than
+/// positions determine.
 Result<void> check_mode_count(const SpotBench& bench);
 
 /// Checks that the camera's region contains enough spots. Errc::invalid, field "camera.roi": the

@@ -40,6 +40,11 @@ Result<MeasuredModel> measured_model(const SensorSnapshot& sensor,
   if (!shapes.are_inside(images.back().width, images.back().height)) {
     return fail(Errc::refused, "calibration", "its spots lie outside the image: calibrate again");
   }
+  if (shapes.lit() != lit_pixels(images.back().format, sensor.optics.wavelength_nm)) {
+    return fail(Errc::refused, "calibration",
+                "it was measured with other colour filters than those of " +
+                    std::string(pixel_format_name(images.back().format)) + ": calibrate again");
+  }
   MeasuredModel model(shapes.spots, shapes.modes_j, sensor.tracking.estimates);
   const MeanImage mean(*sensor.reference->picture,
                        in_16_bits(noise_of(images, model.spots()), images.back().format));
@@ -83,10 +88,12 @@ std::optional<std::vector<double>> modes_against_model(const SensorSnapshot& sen
   return waves;
 }
 
-Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm, int cols,
-                                  int rows, const FrameNoise& frame_noise) {
-  auto renderer =
-      SpotRenderer::make(sensor.sensor, slm, sensor.optics, cols, rows, sensor.modes_j, {});
+Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm,
+                                  const ImageView& like, const FrameNoise& frame_noise) {
+  const int cols = like.width, rows = like.height;
+  const LitPixels lit = lit_pixels(like.format, sensor.optics.wavelength_nm);
+  auto renderer = SpotRenderer::make(sensor.sensor, slm, sensor.optics, cols, rows, sensor.modes_j,
+                                     {.lit = lit});
   if (!renderer) return fail(renderer.error());
   PointModel model(std::move(*renderer), sensor.tracking.estimates);
   if (!sensor.reference || sensor.reference->source == ReferenceSource::model) {
@@ -94,6 +101,12 @@ Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometr
     return model;
   }
   if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoImage);
+  if (const PixelFormat taken = sensor.reference->picture->format; !shows(taken, lit)) {
+    return fail(Errc::refused, "reference",
+                "the reference was taken in " + std::string(pixel_format_name(taken)) +
+                    ", and its colour filters are not those of " +
+                    std::string(pixel_format_name(like.format)) + ": take a new reference");
+  }
   std::vector<SpotFix> spots;
   for (const Vec2 at : known_positions(*sensor.reference)) {
     spots.push_back({float(at.x), float(at.y)});
@@ -121,7 +134,7 @@ Result<SpotsModel> SpotsModel::make(const SensorSnapshot& sensor, const SlmGeome
     }
   }
   const ImageView& like = images.back();
-  auto rendered = rendered_model(sensor, slm, like.width, like.height, [&](PointModel& model) {
+  auto rendered = rendered_model(sensor, slm, like, [&](PointModel& model) {
     const std::vector<double> flat(sensor.modes_j.size());
     return std::pair(noise_of(images, model.rendered(flat)), like.format);
   });

@@ -25,11 +25,12 @@ std::optional<std::vector<double>> modes_against_model(const SensorSnapshot& sen
                                                        const SlmGeometry& slm, int cols, int rows,
                                                        std::span<const SpotFix> spots);
 
-/// Diffraction model of the sensor's spots, fitted to the mean image of its reference, if the
-/// reference is measured. Errors: those of SpotRenderer::make and PointModel::use_reference;
-/// Errc::refused, field "reference": it has no mean image, or too few known spots.
-Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm, int cols,
-                                  int rows, const FrameNoise& frame_noise);
+/// Diffraction model of the sensor's spots in images like `like`, fitted to the mean image of its
+/// reference, if the reference is measured. Errors: those of SpotRenderer::make and
+/// PointModel::use_reference; Errc::refused, field "reference": it has no mean image, too few known
+/// spots, or other colour filters than `like`.
+Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometry& slm,
+                                  const ImageView& like, const FrameNoise& frame_noise);
 
 /// Chooses between measured and rendered templates. Measured templates come from a calibration:
 /// they are exact for this bench, but only near the calibration's wavefront. Rendered templates

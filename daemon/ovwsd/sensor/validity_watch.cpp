@@ -49,11 +49,9 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                lack.waits       ? ", but templates have not confirmed them yet"
                                : lack.explained ? ""
                                                 : ", but no wavefront explains their positions");
-  invalid.action =
-      !lack.searched
-          ? "use the tracker fit and a Mono pixel_format: it also finds strong aberrations"
-      : lack.waits ? "wait: templates of this wavefront are being rendered"
-                   : action_of(search, now_ns);
+  invalid.action = !lack.searched ? "use the tracker fit: it also finds strong aberrations"
+                   : lack.waits   ? "wait: templates of this wavefront are being rendered"
+                                  : action_of(search, now_ns);
   invalid.searches = search.searches;
   if (lack.searched && !search.running && !lack.waits)
     invalid.t_next_search_ns = utc_ns + std::max<std::int64_t>(search.next_ns - now_ns, 0);

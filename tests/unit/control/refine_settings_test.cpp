@@ -32,17 +32,6 @@ TEST(RefineSetup, WhatOnlyTogetherIsWrongIsRefused) {
   EXPECT_EQ(fault_of(settings), "");
 }
 
-TEST(RefineSetup, AColourCameraIsNotRefined) {
-  RefineSetup settings;
-  settings.format = PixelFormat::bayer_rg12;
-  EXPECT_TRUE(check_refinable(settings));
-  settings.enabled = true;
-  settings.electrons_per_dn = 2.0;
-  EXPECT_EQ(fault_of(settings), "");  // so that it can stay on while the camera changes
-  ASSERT_FALSE(check_refinable(settings));
-  EXPECT_EQ(check_refinable(settings).error().field, "enabled");
-}
-
 TEST(RefineSetup, FollowTheFormatThereAndBack) {
   RefineSetup settings;
   settings.electrons_per_dn = 40.0;

@@ -52,8 +52,7 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_EQ(waits.action, "wait: templates of this wavefront are being rendered");
   EXPECT_FALSE(waits.t_next_search_ns);
   const auto plain = invalid_in_words({2 * kS, 7, 19, true, false, false}, {}, 4 * kS, utc_ns);
-  EXPECT_EQ(plain.action,
-            "use the tracker fit and a Mono pixel_format: it also finds strong aberrations");
+  EXPECT_EQ(plain.action, "use the tracker fit: it also finds strong aberrations");
   EXPECT_FALSE(plain.t_next_search_ns);
 }
 

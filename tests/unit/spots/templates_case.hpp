@@ -46,9 +46,10 @@ class Templates : public testing::Test {
     return *one;
   }
   /// `half_width` of the windows, lambda/d.
-  static SpotRenderer renderer(int charge, int modes, double half_width = 2.0) {
+  static SpotRenderer renderer(int charge, int modes, double half_width = 2.0,
+                               const LitPixels& lit = {}) {
     return SpotRenderer::make(sensor_of(charge), {}, {}, kImagePx, kImagePx, first_modes(modes),
-                              {half_width})
+                              {.half_width = half_width, .lit = lit})
         .value();
   }
   /// Electrons.
