@@ -113,11 +113,4 @@ LitPixels lit_pixels(PixelFormat format, double wavelength_nm) {
   return {{2, red_x ^ 1, red_y}, true};
 }
 
-bool shows(PixelFormat format, const LitPixels& lit) {
-  constexpr std::array kOfEachColour{450.0, 532.0, 633.0};
-  return traits_of(format).filter == C::none ||
-         std::any_of(kOfEachColour.begin(), kOfEachColour.end(),
-                     [&](double nm) { return lit_pixels(format, nm) == lit; });
-}
-
 }  // namespace ovws

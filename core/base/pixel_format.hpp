@@ -122,8 +122,4 @@ struct LitPixels {
 /// pattern begins at the image's first pixel. A monochrome format gives all pixels.
 LitPixels lit_pixels(PixelFormat format, double wavelength_nm);
 
-/// Whether images in `format` contain the pixels `lit`: true if the format is monochrome, or if
-/// `lit` is one of the colour planes of its Bayer pattern.
-bool shows(PixelFormat format, const LitPixels& lit);
-
 }  // namespace ovws

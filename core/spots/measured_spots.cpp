@@ -25,11 +25,14 @@ bool MeasuredShapes::are_inside(int cols, int rows) const {
 Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& window) {
   const auto side = Eigen::Index(window.side), step = Eigen::Index(window.lit.plane.step);
   const float by = 1.0F / float(2 * step * window.bin);
+  const auto inner = [&](Eigen::Index k) {
+    return k < step ? k + step : k >= side - step ? k - step : k;
+  };
   Eigen::MatrixXf change(light.size(), 2);
   for (Eigen::Index c = 0; c < light.size(); ++c) {
     const Eigen::Index row = c / side, column = c % side;
-    const Eigen::Index x = row * side + std::clamp<Eigen::Index>(column, step, side - 1 - step);
-    const Eigen::Index y = std::clamp<Eigen::Index>(row, step, side - 1 - step) * side + column;
+    const Eigen::Index x = row * side + inner(column);
+    const Eigen::Index y = inner(row) * side + column;
     change(c, 0) = by * (light(x - step) - light(x + step));
     change(c, 1) = by * (light(y - step * side) - light(y + step * side));
   }
@@ -44,6 +47,7 @@ SpotCells cells_in(const Image<float>& mean_dn, std::span<const SpotWindow> wind
       const float* const row = mean_dn.row(box.y + y) + box.x;
       const int first = y / windows[i].bin * windows[i].side;
       for (int x = 0; x < box.width; ++x) {
+        if (!windows[i].lit.has(box.x + x, box.y + y)) continue;
         cells(first + x / windows[i].bin, Eigen::Index(i)) += row[x];
       }
     }

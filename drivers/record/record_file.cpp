@@ -291,7 +291,7 @@ Result<void> RecordFile::add_document(std::string_view kind, std::string_view sh
       m.documents.rows() + m.new_documents.size() >= kMaxRecordedDocuments) {
     return fail(Errc::refused, "path",
                 m.path +
-                    ": the recording is full, because the settings, the hologram or the reference "
+                    ": the recording is full, because the settings, the hologram or the wavefront "
                     "changed too often: start another one with record.start");
   }
   RecordedDocument row;

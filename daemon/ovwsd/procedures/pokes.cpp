@@ -36,13 +36,19 @@ SpotMeans means_of(const SpotAverage& average) {
   return {found_positions(average), average.standard_error_px};
 }
 
-/// Mean intensity of the spots' windows above each window's darkest bin, DN.
-double intensity_of(const SpotCells& cells) {
+/// Mean intensity of the spots' lit binned pixels above each window's darkest one, DN.
+double intensity_of(const SpotCells& cells, std::span<const SpotWindow> windows) {
   double sum = 0.0;
   int known = 0;
-  for (Eigen::Index i = 0; i < cells.cols(); ++i) {
-    if (!cells.col(i).allFinite()) continue;
-    sum += double(cells.col(i).mean() - cells.col(i).minCoeff());
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    const auto all = cells.col(Eigen::Index(i));
+    if (!all.allFinite()) continue;
+    std::vector<float> lit;
+    for (Eigen::Index c = 0; c < all.size(); ++c) {
+      if (windows[i].is_lit(c)) lit.push_back(all(c));
+    }
+    const Eigen::Map<const Eigen::VectorXf> values(lit.data(), Eigen::Index(lit.size()));
+    sum += double(values.mean() - values.minCoeff());
     ++known;
   }
   return known > 0 ? sum / known : 0.0;
@@ -122,7 +128,7 @@ Result<SpotMeter> SpotMeter::of_images(Bench& bench, const SlmGeometry& slm, int
              second = in_16_bits(pictures[1], meter.format_);
   const std::array views{view_of(first, PixelFormat::mono16), view_of(second, PixelFormat::mono16)};
   const double mean_intensity =
-      to_16_bits(meter.format_) * intensity_of(resting) / (window.bin * window.bin);
+      to_16_bits(meter.format_) * intensity_of(resting, meter.windows_) / (window.bin * window.bin);
   meter.noise_ = even(noise_of(views, meter.resting_), mean_intensity);
   return meter;
 }

@@ -22,9 +22,9 @@ struct ShownSpots {
 /// pixels in a mean image. Pixels give a position for every lit spot, even if trackers lose it.
 class SpotMeter {
  public:
-  /// Measures the spots at rest (without a poke) in two mean images of a monochrome camera. The SLM
-  /// must already show the hologram at rest. Errors: those of Bench; Errc::refused, field
-  /// "camera.roi": the spots' windows do not fit.
+  /// Measures the spots at rest (without a poke) in two mean images. The SLM must already show the
+  /// hologram at rest. Errors: those of Bench; Errc::refused, field "camera.roi": the spots'
+  /// windows do not fit.
   static Result<SpotMeter> of_images(Bench& bench, const SlmGeometry& slm, int frames);
   static SpotMeter of_positions() { return {}; }
 

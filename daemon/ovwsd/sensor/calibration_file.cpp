@@ -126,6 +126,9 @@ std::string CalibrationKind::obstacle(Calibration& calibration) const {
   if (calibration.origin->value("/tracking/tracker"_json_pointer, "") == kFormerTracker) {
     return "it was measured by the tracker matched of an older version";
   }
+  if (!calibration.shapes && key.tracking.tracker == TrackerKind::fit) {
+    return "it has no spot shapes, because an older version measured it";
+  }
   std::string why =
       bench->obstacle(*calibration.origin, key, std::size_t(calibration.matrix.spots()));
   if (!why.empty()) return why;

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxSide = 1024, kMaxPlace = 1 << 16;
+constexpr int kMaxSide = 2080, kMaxPlace = 1 << 16;
 
 void demand(bool holds, const char* what) {
   if (!holds) throw std::runtime_error(what);

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/spots/mode_limit.hpp"
-#include "core/spots/spot_fit.hpp"
 #include "core/tracking/spot_geometry.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"

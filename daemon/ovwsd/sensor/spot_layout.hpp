@@ -28,7 +28,7 @@ struct SpotBench {
   const OpticsConfig& optics;
   const SlmGeometry& slm;
   const Roi& roi;
-  PixelFormat format = PixelFormat::mono8;
+  PixelFormat format;
 };
 
 /// Checks the distance of neighbouring spots. Errc::invalid, field "sensor.spacing": it is less

@@ -101,7 +101,8 @@ Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometr
     return model;
   }
   if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoImage);
-  if (const PixelFormat taken = sensor.reference->picture->format; !shows(taken, lit)) {
+  const PixelFormat taken = sensor.reference->picture->format;
+  if (lit_pixels(taken, sensor.optics.wavelength_nm) != lit) {
     return fail(Errc::refused, "reference",
                 "the reference was taken in " + std::string(pixel_format_name(taken)) +
                     ", and its colour filters are not those of " +

@@ -49,8 +49,10 @@ Result<void> check_usable(const Config& config) {
 Result<void> check_sees_spots(const Config& config) {
   const auto lattice = make_lattice(config.sensor, config.slm.geometry);
   if (!lattice) return fail(lattice.error());
-  const SpotBench bench{*lattice,      config.sensor,       config.tracking,
-                        config.optics, config.slm.geometry, config.camera.settings.roi};
+  const CameraSettings& camera = config.camera.settings;
+  const SpotBench bench{*lattice,           config.sensor,       config.tracking,
+                        config.optics,      config.slm.geometry, camera.roi,
+                        camera.pixel_format};
   if (auto apart = check_spots_apart(bench); !apart) return apart;
   if (auto checked = check_mode_count(bench); !checked) return checked;
   return check_spots_in_region(bench);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/spots/measured_spots.hpp"
 #include "tests/unit/spots/templates_case.hpp"
 
 namespace ovws {
@@ -100,6 +101,24 @@ TEST_P(ColourTemplates, TakeUpTheBenchOfAReference) {
   ASSERT_TRUE(fit) << fit.error().reason;
   const Frame frame = measured(**fit, view_of(image, camera.format));
   EXPECT_LT(error(frame.waves, truth), 2.0 * error(frame.sigma, Waves(truth.size(), 0.0)) + 0.001);
+}
+
+TEST_P(ColourTemplates, TakeDerivativesFromPixelsOfOneColour) {
+  SpotWindow window = window_of(12.0, 2.0, GetParam().lit());
+  window.left = 7, window.top = 4;
+  Eigen::VectorXf light(window.cells());
+  for (Eigen::Index c = 0; c < light.size(); ++c) {
+    light(c) = window.is_lit(c) ? 3.0F * float(c % window.side) - float(c / window.side) : 1000.0F;
+  }
+  const Eigen::MatrixXf change = change_by_shift(light, window);
+  int lit = 0;
+  for (Eigen::Index c = 0; c < light.size(); ++c) {
+    if (!window.is_lit(c)) continue;
+    ++lit;
+    EXPECT_EQ(change(c, 0), -3.0F) << c;
+    EXPECT_EQ(change(c, 1), 1.0F) << c;
+  }
+  EXPECT_GT(4 * lit, window.cells() - 4 * window.side);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ColourTemplates,
