@@ -68,7 +68,7 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
     px_error_ += variance * std::pow(spot.px_error / level, 2);
   }
   const SpotWindow& window = spots_.spots().front().window;
-  max_residual_px_ = kMaxResidualShare * window.side * window.bin;
+  max_residual_px_ = kMaxResidualShare * window.width_px();
   px_error_ = std::sqrt(px_error_ / std::max(usable_spots, 1));
   const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
   if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) return;

@@ -46,7 +46,7 @@ Result<std::shared_ptr<const FrameFit>> MeasuredModel::templates(
   point.max_excess = kMaxExcess;
   auto fit = std::make_shared<FrameFit>(std::move(point), spots_, modes_j_);
   const SpotWindow& window = spots_.front().window;
-  if (!fit->check(images.back(), kMaxResidual * window.side * window.bin).credible) {
+  if (!fit->check(images.back(), kMaxResidual * window.width_px()).credible) {
     return fail(Errc::refused, "image",
                 "too few spots look as the calibration measured them: calibrate again");
   }

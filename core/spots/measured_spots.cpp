@@ -23,8 +23,8 @@ bool MeasuredShapes::are_inside(int cols, int rows) const {
 /// Central differences of binned pixels, of the same colour. At the edge, uses the difference of
 /// the next inner pixel.
 Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& window) {
-  const auto side = Eigen::Index(window.side), step = Eigen::Index(window.lit.plane.step);
-  const float by = 1.0F / float(2 * step * window.bin);
+  const auto side = Eigen::Index(window.side), step = Eigen::Index(window.colour_step());
+  const float by = 1.0F / float(2 * step * window.pitch());
   const auto inner = [&](Eigen::Index k) {
     return k < step ? k + step : k >= side - step ? k - step : k;
   };
@@ -42,15 +42,9 @@ Eigen::MatrixXf change_by_shift(const Eigen::VectorXf& light, const SpotWindow& 
 SpotCells cells_in(const Image<float>& mean_dn, std::span<const SpotWindow> windows) {
   SpotCells cells = SpotCells::Zero(windows.front().cells(), Eigen::Index(windows.size()));
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    const PixelBox box = windows[i].pixels();
-    for (int y = 0; y < box.height; ++y) {
-      const float* const row = mean_dn.row(box.y + y) + box.x;
-      const int first = y / windows[i].bin * windows[i].side;
-      for (int x = 0; x < box.width; ++x) {
-        if (!windows[i].lit.has(box.x + x, box.y + y)) continue;
-        cells(first + x / windows[i].bin, Eigen::Index(i)) += row[x];
-      }
-    }
+    each_pixel(windows[i], [&](Eigen::Index cell, int x, int y) {
+      if (windows[i].lit.has(x, y)) cells(cell, Eigen::Index(i)) += mean_dn.at(x, y);
+    });
   }
   return cells;
 }

@@ -253,7 +253,7 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
   auto fit = fit_at(found, noise, fixed);
   const SpotWindow& window = found.rendered.front().window;
   const double allowed_px =
-      std::max(kMaxResidual * window.side * window.bin, kMaxOverReference * reference_residual_px_);
+      std::max(kMaxResidual * window.width_px(), kMaxOverReference * reference_residual_px_);
   const FittedFrame& found_again = fit->check(image, allowed_px);
   if (!found_again.credible) {
     return fail(Errc::refused, "image",

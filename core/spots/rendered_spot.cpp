@@ -20,7 +20,7 @@ SpotWindow window_of(double lambda_d_px, double half_width, const LitPixels& lit
   SpotWindow window;
   window.lit = lit;
   window.bin = lit.plane.everything() && lambda_d_px >= kMinBinnedPx ? 2 : 1;
-  window.side = std::max(kMinSide, int(std::ceil(2.0 * half_width * lambda_d_px / window.bin)));
+  window.side = std::max(kMinSide, int(std::ceil(2.0 * half_width * lambda_d_px / window.pitch())));
   return window;
 }
 
@@ -29,17 +29,19 @@ double window_half_width(int modes, int subapertures_across) {
 }
 
 SpotWindow moved_to(Vec2 place_px, SpotWindow window, int cols, int rows) {
-  const int pixels = window.side * window.bin;
-  const auto first = [&](double at, int size) {
-    return int(std::clamp(std::round(at - 0.5 * (pixels - 1)), 0.0, double(size - pixels)));
+  const int pixels = window.width_px(), step = window.plane_step();
+  const auto first = [&](double at, int size, int plane) {
+    const int most = (size - pixels - plane) / step;
+    const double steps = std::round((at - 0.5 * (pixels - 1) - plane) / step);
+    return plane + step * int(std::clamp(steps, 0.0, double(most)));
   };
-  window.left = first(place_px.x, cols);
-  window.top = first(place_px.y, rows);
+  window.left = first(place_px.x, cols, step > 1 ? window.lit.plane.x : 0);
+  window.top = first(place_px.y, rows, step > 1 ? window.lit.plane.y : 0);
   return window;
 }
 
 bool is_inside(const RenderedSpot& spot) {
-  const double pixels = spot.window.side * spot.window.bin, middle = 0.5 * (pixels - 1.0);
+  const double pixels = spot.window.width_px(), middle = 0.5 * (pixels - 1.0);
   const Vec2 off = spot.place_px - Vec2{spot.window.left + middle, spot.window.top + middle};
   return std::max(std::abs(off.x), std::abs(off.y)) <= kMaxOffCentre * pixels;
 }

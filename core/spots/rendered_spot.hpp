@@ -3,14 +3,16 @@
 
 #include <Eigen/Core>
 
-#include "core/base/pixel_format.hpp"
+#include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
 #include "core/optics/piece_moments.hpp"
 
 namespace ovws {
 
 /// Pixel window around a spot: a square of binned pixels ("cells"), each the sum of bin x bin
-/// camera pixels. Behind a Bayer filter bin is 1, and only the cells that the laser reaches count.
+/// camera pixels. Of a colour camera bin is 1. Where one colour plane sees the laser, the cells are
+/// the pixels of that plane. A green laser is seen by two of them: then the cells are all pixels,
+/// of which every second is lit.
 struct SpotWindow {
   int left = 0;  ///< first camera pixel
   int top = 0;
@@ -19,11 +21,18 @@ struct SpotWindow {
   LitPixels lit{};  ///< camera pixels that the laser reaches
 
   int cells() const { return side * side; }
+  /// Camera pixels between neighbouring pixels of the cells.
+  int plane_step() const { return lit.diagonal ? 1 : lit.plane.step; }
+  /// Cells between neighbouring cells of one colour.
+  int colour_step() const { return lit.diagonal ? lit.plane.step : 1; }
+  /// Camera pixels between neighbouring cells, along each axis.
+  int pitch() const { return bin * plane_step(); }
+  int width_px() const { return side * pitch(); }
   /// Whether the laser reaches binned pixel `cell`.
   bool is_lit(Eigen::Index cell) const {
-    return lit.plane.everything() || lit.has(left + int(cell) % side, top + int(cell) / side);
+    return !lit.diagonal || lit.has(left + int(cell) % side, top + int(cell) / side);
   }
-  PixelBox pixels() const { return {left, top, side * bin, side * bin}; }
+  PixelBox pixels() const { return {left, top, width_px(), width_px()}; }
 
   friend bool operator==(const SpotWindow&, const SpotWindow&) = default;
 };
@@ -38,6 +47,21 @@ SpotWindow window_of(double lambda_d_px, double half_width, const LitPixels& lit
 double window_half_width(int modes, int subapertures_across);
 /// Centres the window on `place_px`, inside an image that is at least as large as the window.
 SpotWindow moved_to(Vec2 place_px, SpotWindow window, int cols, int rows);
+
+/// The colour plane that the cells of `window` are on, or the whole image. RT-safe.
+inline ImageView seen_by(const SpotWindow& window, const ImageView& image) {
+  return window.plane_step() > 1 ? on_plane(image, window.lit.plane) : image;
+}
+/// Calls `visit(cell, x, y)` for every camera pixel (x, y) of every binned pixel.
+void each_pixel(const SpotWindow& window, auto&& visit) {
+  for (int cell = 0; cell < window.cells(); ++cell) {
+    const int x = window.left + cell % window.side * window.pitch();
+    const int y = window.top + cell / window.side * window.pitch();
+    for (int k = 0; k < window.bin * window.bin; ++k) {
+      visit(Eigen::Index(cell), x + k % window.bin, y + k / window.bin);
+    }
+  }
+}
 
 /// Rendered spot; its binned pixels are row-major. Intensity is relative: the brightest binned
 /// pixel of all spots for a flat wavefront is 1. A spot at the image's edge or beyond has intensity

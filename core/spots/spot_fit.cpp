@@ -25,7 +25,8 @@ Loaded load_from(const PixelRows<T>& pixels, const SpotWindow& window, float* ce
   return {offset, float(bin_cells(pixels, window.side, window.bin, offset, cells))};
 }
 
-Loaded load_cells(const ImageView& image, const SpotWindow& window, SpotFit::Scratch& scratch) {
+Loaded load_cells(const ImageView& whole, const SpotWindow& window, SpotFit::Scratch& scratch) {
+  const ImageView image = seen_by(window, whole);
   if (in_place(image)) {
     const std::ptrdiff_t bytes = image.stride_bytes;
     if (bytes_in_place(image) == 1) {
@@ -35,12 +36,12 @@ Loaded load_cells(const ImageView& image, const SpotWindow& window, SpotFit::Scr
     return load_from<std::uint16_t>({image.row<std::uint16_t>(window.top) + window.left, bytes / 2},
                                     window, scratch.cells.data());
   }
+  const int left = window.left / window.plane_step(), top = window.top / window.plane_step();
   const int count = window.side * window.bin;
   std::uint16_t* const copy = scratch.pixels.data();
-  visit_rows(
-      image, window.left, window.top, count, count, [&](int x, int y, const auto* pixels, int run) {
-        std::copy_n(pixels, run, copy + std::ptrdiff_t(y - window.top) * count + x - window.left);
-      });
+  visit_rows(image, left, top, count, count, [&](int x, int y, const auto* pixels, int run) {
+    std::copy_n(pixels, run, copy + std::ptrdiff_t(y - top) * count + x - left);
+  });
   return load_from<std::uint16_t>({copy, count}, window, scratch.cells.data());
 }
 
@@ -67,8 +68,8 @@ double excess_scatter_of(const SpotTemplates& spot, double level_dn) {
 SpotFit::Scratch SpotFit::make_scratch() const {
   std::size_t pixels = 0, cells = 0, sums = 0;
   for (const SpotTemplates& spot : spots_) {
-    const PixelBox box = spot.window.pixels();
-    pixels = std::max(pixels, std::size_t(box.width) * box.height);
+    const auto count = std::size_t(spot.window.side * spot.window.bin);
+    pixels = std::max(pixels, count * count);
     cells = std::max(cells, std::size_t(padded(spot.window.cells())));
     sums = std::max(sums, std::size_t(spot.rows.rows()));
   }

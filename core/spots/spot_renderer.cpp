@@ -42,16 +42,6 @@ std::vector<Mode> modes_of(const std::vector<int>& modes_j, std::span<const doub
   return modes;
 }
 
-/// Adds camera pixels (`pixels`, row-major) to the binned pixels that contain them.
-template <class Pixels>
-void bin_into(const SpotWindow& window, const Pixels& pixels, auto&& cells) {
-  const Eigen::Index columns = Eigen::Index(window.side) * window.bin;
-  for (Eigen::Index p = 0; p < pixels.size(); ++p) {
-    const Eigen::Index row = p / columns / window.bin, column = p % columns / window.bin;
-    cells(row * window.side + column) += pixels(p);
-  }
-}
-
 /// Converts values at the centre of each binned pixel to sums over its camera pixels. For 2 x 2
 /// pixels, three neighbouring binned pixels give the second derivative.
 void sum_over_cells(const SpotWindow& window, Eigen::MatrixXf& columns) {
@@ -85,9 +75,9 @@ Result<SpotRenderer> SpotRenderer::make(const SensorConfig& sensor, const SlmGeo
       options.half_width > 0.0 ? options.half_width
                                : window_half_width(int(modes_j.size()), sensor.subapertures_across);
   const SpotWindow window = window_of(spot_px, half_width, options.lit);
-  if (window.side * window.bin > std::min(cols, rows)) {
+  if (window.width_px() > std::min(cols, rows)) {
     return fail(Errc::invalid, "optics",
-                "a window of " + std::to_string(window.side * window.bin) +
+                "a window of " + std::to_string(window.width_px()) +
                     " pixels around a spot does not fit into the image");
   }
   field->set_outside(options.light_outside);
@@ -194,17 +184,13 @@ std::vector<Eigen::MatrixXf> SpotRenderer::per_field(std::span<const RenderedSpo
 FarPoints SpotRenderer::middles_of(const SpotWindow& window) const {
   const double middle = 0.5 * (window.bin - 1);
   return {Vec2{window.left + middle, window.top + middle}, window.side, window.side,
-          double(window.bin)};
+          double(window.pitch())};
 }
 
 void SpotRenderer::add_intensity(RenderedSpot& spot) const {
-  const PixelBox box = spot.window.pixels();
-  Eigen::ArrayXf pixels(Eigen::Index(box.width) * box.height);
-  for (int y = 0; y < box.height; ++y) {
-    const Eigen::Map<const Eigen::ArrayXcf> far(field_.far().row(box.y + y) + box.x, box.width);
-    pixels.segment(Eigen::Index(y) * box.width, box.width) = float(to_intensity_) * far.abs2();
-  }
-  bin_into(spot.window, pixels, spot.light);
+  each_pixel(spot.window, [&](Eigen::Index cell, int x, int y) {
+    spot.light(cell) += float(to_intensity_) * std::norm(field_.far().row(y)[x]);
+  });
 }
 
 /// Complex field at the centre of each binned pixel, x along the rows. Within a binned pixel, the
@@ -222,9 +208,9 @@ Eigen::MatrixXcf SpotRenderer::field_of_cells(const RenderedSpot& spot, Vec2 cen
     const auto back = std::complex<float>(
         std::polar(1.0 / (window.bin * window.bin), 2.0 * std::numbers::pi * cycles));
     for (int y = 0; y < window.side; ++y) {
-      const std::complex<float>* far = field_.far().row(box.y + row + y * window.bin) + box.x;
+      const std::complex<float>* far = field_.far().row(box.y + row + y * window.pitch()) + box.x;
       for (int x = 0; x < window.side; ++x) {
-        cells(x, y) += product(back, far[column + x * window.bin]);
+        cells(x, y) += product(back, far[column + x * window.pitch()]);
       }
     }
   }

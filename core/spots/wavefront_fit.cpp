@@ -42,11 +42,12 @@ std::vector<SpotEstimates> fit_all(const ImageView& image, const SpotFit& fit) {
 
 Eigen::VectorXd cells_of(const ImageView& image, const SpotWindow& window) {
   Eigen::VectorXd cells = Eigen::VectorXd::Zero(window.cells());
-  const PixelBox box = window.pixels();
-  visit_rows(image, box.x, box.y, box.width, box.height,
+  const int left = window.left / window.plane_step(), top = window.top / window.plane_step();
+  const int count = window.side * window.bin;
+  visit_rows(seen_by(window, image), left, top, count, count,
              [&](int x, int y, const auto* pixels, int run) {
                for (int k = 0; k < run; ++k) {
-                 cells((y - box.y) / window.bin * window.side + (x + k - box.x) / window.bin) +=
+                 cells((y - top) / window.bin * window.side + (x + k - left) / window.bin) +=
                      double(pixels[k]);
                }
              });
@@ -264,7 +265,7 @@ PixelNoise noise_of(const ImageView& image, std::span<const RenderedSpot> render
     const Eigen::VectorXf pixels = cells_of(image, window).cast<float>();
     const Eigen::Map<const RowMajor> grid(pixels.data(), window.side, window.side);
     const double floor = dark_level(pixels, window);
-    const Eigen::Index step = window.lit.plane.step, last = window.side - 1 - step;
+    const Eigen::Index step = window.colour_step(), last = window.side - 1 - step;
     for (Eigen::Index c = 0; c < pixels.size(); ++c) {
       const Eigen::Index y = c / window.side, x = c % window.side;
       if (!window.is_lit(c) || std::min(x, y) < step || std::max(x, y) > last) continue;

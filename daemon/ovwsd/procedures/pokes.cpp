@@ -112,7 +112,7 @@ Result<SpotMeter> SpotMeter::of_images(Bench& bench, const SlmGeometry& slm, int
       window_of(lambda_d_px(sensor->optics, slm, sensor->sensor),
                 window_half_width(int(sensor->modes_j.size()), sensor->sensor.subapertures_across),
                 lit_pixels(meter.format_, sensor->optics.wavelength_nm));
-  if (window.side * window.bin > std::min(cols, rows)) {
+  if (window.width_px() > std::min(cols, rows)) {
     return fail(Errc::refused, "camera.roi", "is smaller than the window around a spot");
   }
   auto places_px = places_of_spots(bench, slm, frames);

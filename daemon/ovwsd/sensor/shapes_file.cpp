@@ -38,6 +38,8 @@ RenderedSpot spot_from(const json& one, const SpotWindow& size, std::size_t mode
   spot.window.left = one.at("left").get<int>();
   spot.window.top = one.at("top").get<int>();
   spot.place_px = {one.at("x").get<double>(), one.at("y").get<double>()};
+  demand(size.plane_step() == 1 || size.lit.has(spot.window.left, spot.window.top),
+         "a spot's window begins on another colour");
   const auto inside = [](double at) { return at >= 0.0 && at < double(kMaxPlace); };
   demand(inside(spot.window.left) && inside(spot.window.top) && std::isfinite(spot.place_px.x) &&
              std::isfinite(spot.place_px.y),

@@ -108,7 +108,9 @@ TEST_P(ColourTemplates, TakeDerivativesFromPixelsOfOneColour) {
   window.left = 7, window.top = 4;
   Eigen::VectorXf light(window.cells());
   for (Eigen::Index c = 0; c < light.size(); ++c) {
-    light(c) = window.is_lit(c) ? 3.0F * float(c % window.side) - float(c / window.side) : 1000.0F;
+    const auto x = float(c % window.side * window.pitch()),
+               y = float(c / window.side * window.pitch());
+    light(c) = window.is_lit(c) ? 3.0F * x - y : 1000.0F;
   }
   const Eigen::MatrixXf change = change_by_shift(light, window);
   int lit = 0;
