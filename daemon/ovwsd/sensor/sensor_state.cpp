@@ -78,8 +78,8 @@ Result<void> check_spots(const SensorState& state, const BenchOptics& bench) {
 Result<void> check_layout(const SensorState& state, const BenchOptics& bench) {
   if (auto checked = check_spots(state, bench); !checked) return checked;
   const OpticsConfig optics = optics_of(state, bench);
-  return check_spots_in_region(
-      {state.renderer->lattice(), state.sensor, state.tracking, optics, bench.slm, state.roi});
+  return check_spots_in_region({state.renderer->lattice(), state.sensor, state.tracking, optics,
+                                bench.slm, state.roi, state.format});
 }
 
 }  // namespace ovws
