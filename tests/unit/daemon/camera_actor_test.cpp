@@ -277,7 +277,9 @@ TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
 }
 
 TEST_F(CameraActorTest, CameraThatStopsWithinAFrameSendsNoFrames) {
-  std::this_thread::sleep_for(300ms);  // the frames so far are incomplete
+  const auto incomplete = [this] { return counters_.get(Counter::frames_incomplete); };
+  for (int turn = 0; turn < 2000 && incomplete() < 10; ++turn) std::this_thread::sleep_for(2ms);
+  ASSERT_GE(incomplete(), 10U);
   device_.sends = GrabStatus::timeout;
   for (int turn = 0; turn < 400 && actor_->snapshot().connected; ++turn) actor_->do_work();
   EXPECT_NE(actor_->snapshot().fault.find("sends no frames"), std::string::npos);
