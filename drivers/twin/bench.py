@@ -74,8 +74,10 @@ def _end_with_parent():
 
 def free_displays():
     """Display numbers that seem free. Xorg's own search (-displayfd) is not used: it only sees its
-    network namespace, and takes over the socket file of a server in another one."""
-    for number in range(90, 1000):
+    network namespace, and takes over the socket file of a server in another one. Every process
+    searches from another number, so that none takes the number of a server that another process
+    starts again."""
+    for number in range(100 + os.getpid() % 800, 1000):
         if not any(os.path.exists(path.format(number)) for path in (X_LOCK, X_SOCKET)):
             yield number
 

@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from case import BenchCase, main, wait_for
+from case import BenchCase, bench_module, main, wait_for
 
 
 class Absent(BenchCase):
@@ -29,7 +29,7 @@ class Absent(BenchCase):
         self.settled_frames(self.stream("wavefront"), 10)
 
     def test_display_comes_later(self):
-        display = 400
+        display = next(bench_module.free_displays())
         self.bench.display = f":{display}"
         self.bench.start_twin()
         self.start_daemon()
