@@ -54,17 +54,26 @@ Basis make_basis(const RenderedSpot& spot, const CellLevel& level, const PixelNo
 struct Weighted {
   SpotTemplates made;
   Basis basis;
-  Eigen::MatrixXd modes;  ///< weighted derivatives after Basis::free; empty: the spot is not used
+  bool used = false;
+  Eigen::MatrixXd modes;     ///< weighted derivatives after Basis::free
+  Eigen::MatrixXd products;  ///< modes^T modes
 };
 
-Weighted weighted(const RenderedSpot& spot, const CellLevel& level, const PixelNoise& noise) {
+Weighted weighted(const RenderedSpot& spot, const CellLevel& level, const PixelNoise& noise,
+                  int estimates) {
   Weighted spot_of;
   spot_of.made.window = spot.window;
   spot_of.made.place_px = spot.place_px;
   if (!(spot.light.maxCoeff() > 0.0F)) return spot_of;
   spot_of.basis = make_basis(spot, level, noise, spot_of.made);
-  if (2 * spot_of.made.used < spot_of.made.lit) return spot_of;
+  spot_of.used = 2 * spot_of.made.used >= spot_of.made.lit;
+  if (!spot_of.used || estimates == 0) return spot_of;
   spot_of.modes = spot_of.basis.free(spot.per_wave);
+  const Eigen::Index count = spot_of.modes.cols();
+  Eigen::MatrixXd& products = spot_of.products;
+  products.setZero(count, count);
+  products.selfadjointView<Eigen::Lower>().rankUpdate(spot_of.modes.transpose());
+  products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
   return spot_of;
 }
 
@@ -74,11 +83,10 @@ Eigen::MatrixXd covariance_of(std::span<const Weighted> spots, std::span<const C
   constexpr double kRidge = 1e-6;
   Eigen::MatrixXd information;
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    const Eigen::MatrixXd& modes = spots[i].modes;
-    if (modes.size() == 0) continue;
-    if (information.size() == 0) information.setZero(modes.cols(), modes.cols());
-    information.noalias() +=
-        levels[i].intensity_dn * levels[i].intensity_dn * modes.transpose() * modes;
+    const Eigen::MatrixXd& products = spots[i].products;
+    if (products.size() == 0) continue;
+    if (information.size() == 0) information.setZero(products.rows(), products.cols());
+    information += levels[i].intensity_dn * levels[i].intensity_dn * products;
   }
   const double most = information.size() > 0 ? information.diagonal().maxCoeff() : 0.0;
   if (!(most > 0.0)) return Eigen::MatrixXd::Identity(information.rows(), information.cols());
@@ -93,15 +101,20 @@ void finish(const RenderedSpot& spot, const Eigen::MatrixXd& covariance, int est
   const Basis& basis = spot_of.basis;
   const Eigen::MatrixXd& modes = spot_of.modes;
   SpotTemplates& made = spot_of.made;
-  const Eigen::MatrixXd worth = modes * covariance;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(worth.transpose() * worth);
   const Eigen::Index count = std::min<Eigen::Index>(estimates, modes.cols());
-  const Eigen::VectorXd values = eigen.eigenvalues().tail(count).cwiseMax(0.0).cwiseSqrt();
-  if (!(values.minCoeff() > 0.0)) return;
-  const Eigen::MatrixXd leading =
-      worth * eigen.eigenvectors().rightCols(count) * values.cwiseInverse().asDiagonal();
-  made.per_wave = leading.transpose() * modes;
-  if (spot.per_monomial.size() > 0) {
+  Eigen::MatrixXd leading(spot.light.size(), count);
+  if (count > 0) {
+    // Singular vectors of modes * covariance, from its small square.
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance * spot_of.products *
+                                                               covariance);
+    const Eigen::VectorXd values = eigen.eigenvalues().tail(count).cwiseMax(0.0).cwiseSqrt();
+    if (!(values.minCoeff() > 0.0)) return;
+    const Eigen::MatrixXd worth =
+        covariance * eigen.eigenvectors().rightCols(count) * values.cwiseInverse().asDiagonal();
+    leading.noalias() = modes * worth;
+    made.per_wave.noalias() = worth.transpose() * spot_of.products;
+  }
+  if (count > 0 && spot.per_monomial.size() > 0) {
     made.higher = leading.transpose() * basis.free(spot.per_monomial) *
                   spot.higher.transpose().cast<double>();
   }
@@ -140,12 +153,12 @@ std::vector<SpotTemplates> make_templates(std::span<const RenderedSpot> spots,
                                           const PixelNoise& noise, int estimates) {
   std::vector<Weighted> all;
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    all.push_back(weighted(spots[i], levels[i], noise));
+    all.push_back(weighted(spots[i], levels[i], noise, estimates));
   }
   const Eigen::MatrixXd covariance = covariance_of(all, levels);
   std::vector<SpotTemplates> made;
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    if (all[i].modes.size() > 0) finish(spots[i], covariance, estimates, all[i]);
+    if (all[i].used) finish(spots[i], covariance, estimates, all[i]);
     made.push_back(std::move(all[i].made));
   }
   return made;

@@ -60,9 +60,9 @@ struct CellLevel {
 };
 
 /// Makes the templates of all spots. `levels` and `noise` give the weights; a spot of level 0 has
-/// equal weights and no effect on the others. `estimates`: number per spot, at least 1, at most the
-/// number of modes. A spot without intensity, or with too few binned pixels below the ceiling, gets
-/// no rows.
+/// equal weights and no effect on the others. `estimates`: number per spot, at most the number of
+/// modes; 0 suffices for level, background and position. A spot without intensity, or with too few
+/// binned pixels below the ceiling, gets no rows.
 std::vector<SpotTemplates> make_templates(std::span<const RenderedSpot> spots,
                                           std::span<const CellLevel> levels,
                                           const PixelNoise& noise, int estimates);

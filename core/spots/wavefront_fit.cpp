@@ -92,7 +92,7 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
   // First pass with equal weights, because the levels are not known yet.
   std::vector<CellLevel> levels(rendered.size());
   const std::vector<SpotEstimates> first =
-      fit_all(image, SpotFit(make_templates(rendered, levels, noise, 1)));
+      fit_all(image, SpotFit(make_templates(rendered, levels, noise, 0)));
   std::vector<double> lit, dark;
   for (const SpotEstimates& spot : first) {
     if (spot.level > 0.0F) lit.push_back(double(spot.level));

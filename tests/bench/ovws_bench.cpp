@@ -9,6 +9,7 @@
 
 #include "core/optics/hologram.hpp"
 #include "core/spots/frame_fit.hpp"
+#include "core/spots/spot_renderer.hpp"
 #include "core/tracking/acquisition.hpp"
 #include "core/tracking/lg_contour.hpp"
 #include "core/wavefront/reconstructor.hpp"
@@ -139,6 +140,35 @@ void hologram(State& state) {
   }
 }
 
+/// Diffraction model of the default bench, for a number of modes.
+SpotRenderer renderer_of(int modes) {
+  constexpr int kImagePx = 512;
+  std::vector<int> modes_j(modes);
+  std::iota(modes_j.begin(), modes_j.end(), 1);
+  return SpotRenderer::make({}, {}, {}, kImagePx, kImagePx, modes_j, {}).value();
+}
+
+/// Renders all spots with their derivatives.
+void render(State& state) {
+  SpotRenderer renderer = renderer_of(int(state.range(0)));
+  std::vector<double> waves(std::size_t(state.range(0)), 0.02);
+  for (auto _ : state) {
+    waves[3] = -waves[3];
+    benchmark::DoNotOptimize(renderer.render(waves));
+  }
+}
+
+/// Makes the templates of rendered spots.
+void templates(State& state) {
+  const std::vector<double> waves(std::size_t(state.range(0)), 0.02);
+  const std::vector<RenderedSpot> spots = renderer_of(int(state.range(0))).render(waves);
+  const std::vector<CellLevel> levels(spots.size(), CellLevel{kPeakDn, 65000.0});
+  const PixelNoise noise{25.0, 1.0};
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(make_templates(spots, levels, noise, kMaxSpotEstimates));
+  }
+}
+
 /// Reference: copies one 32-bit frame.
 void memcpy_mark(State& state) {
   const std::vector<std::uint32_t> from(std::size_t(state.range(0) * state.range(1)), 7U);
@@ -169,6 +199,8 @@ BENCHMARK(reconstruct)
     ->Arg(91)
     ->Arg(400)
     ->Unit(benchmark::kMicrosecond);
+BENCHMARK(render)->Name("BM_Render")->Arg(18)->Arg(44)->Unit(benchmark::kMicrosecond);
+BENCHMARK(templates)->Name("BM_Templates")->Arg(18)->Arg(44)->Unit(benchmark::kMicrosecond);
 BENCHMARK(hologram)->Name("BM_Hologram")->Apply(screens);
 BENCHMARK(memcpy_mark)->Name("BM_MemcpyMark")->Apply(screens);
 
