@@ -175,7 +175,7 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
   std::fill(coefficients.begin(), coefficients.end(), std::numeric_limits<float>::quiet_NaN());
   std::fill(sigma_waves.begin(), sigma_waves.end(), std::numeric_limits<float>::quiet_NaN());
   FittedFrame frame;
-  const double brightness = select(found, scratch, frame);
+  const double brightness = frame.brightness = select(found, scratch, frame);
   for (;;) {
     const bool enough =
         inverse_.size() > 0 && brightness > 0.0 && kMaxLostShare * frame.lost <= point_.lit;
@@ -193,11 +193,11 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
   frame.credible = frame.drift_waves < kMaxDriftWaves && small;
   const double scale =
       std::max(1.0, frame.residual) / (in_air() ? std::min(1.0, brightness) : brightness);
-  const double bent = kBentPerWave * frame.drift_waves * frame.drift_waves;
+  frame.bent_waves = kBentPerWave * frame.drift_waves * frame.drift_waves;
   for (std::size_t k = 0; k < coefficients.size(); ++k) {
     const auto row = Eigen::Index(k);
     const double variance = scale * scale * growth_(row) * scratch.variances(row) +
-                            bent * bent / double(coefficients.size());
+                            frame.bent_waves * frame.bent_waves / double(coefficients.size());
     coefficients[k] = float(point_.waves[k] - point_.reference_waves[k] + scratch.step(row));
     sigma_waves[k] = float(std::sqrt(variance));
   }

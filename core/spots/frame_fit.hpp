@@ -22,6 +22,8 @@ struct FittedFrame {
   double residual = 0.0;
   double residual_px = 0.0;  ///< `residual` as a position error, camera pixels
   double drift_waves = 0.0;  ///< RMS change of all modes from the operating point
+  double bent_waves = 0.0;   ///< error of all modes that the drift causes, RMS
+  double brightness = 0.0;   ///< intensity over that at the operating point
 };
 
 /// Template fit of a whole frame; immutable after `check`. Templates are exact at the operating

@@ -19,6 +19,8 @@ struct PixelNoise {
   double variance(double intensity_dn, int pixels) const {
     return constant_dn2 * pixels + per_dn * std::max(intensity_dn, 0.0);
   }
+
+  friend bool operator==(const PixelNoise&, const PixelNoise&) = default;
 };
 
 }  // namespace ovws

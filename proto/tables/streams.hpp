@@ -276,7 +276,9 @@ inline constexpr auto kTable<RefinedMessage::Fit> = [] {
                                 Bounds::at_least(0)),
       field<&F::peak_e>("brightest pixel of the model above the background, electrons"),
       field<&F::background_e>("background of a pixel above the black level, electrons"),
-      field<&F::iterations>("number of iterations of the fit", Bounds::at_least(0))};
+      field<&F::iterations>(
+          "number of renderings; 0: those of an earlier frame are exact for this one, too",
+          Bounds::at_least(0))};
 }();
 
 template <>

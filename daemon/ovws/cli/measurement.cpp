@@ -213,7 +213,8 @@ void Measurement::fit(const ImageView& image, Measured& measured) {
 void Measurement::refine(const ImageView& image, Measured& measured) {
   for (const std::vector<double>& start : starts(measured)) {
     const PointModel::Starts one(&start, 1);
-    auto found = counts_from_image_ ? ovws::refine(*model_, image, *camera_, one, {})
+    std::shared_ptr<const FrameFit> templates;
+    auto found = counts_from_image_ ? ovws::refine(*model_, image, *camera_, one, {}, templates)
                                     : refine_absolute(*model_, image, *camera_, one, {});
     measured.refused = found ? found->doubt(*camera_).value_or("") : found.error().reason;
     if (!found) continue;

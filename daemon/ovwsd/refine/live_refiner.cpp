@@ -52,8 +52,8 @@ bool LiveRefiner::do_work() {
     if (report.state == "off") report.state = "waiting";
   });
   const std::int64_t period_ns = std::int64_t(1e9 / settings.rate_hz);
-  const std::int64_t left_ns = last_begun_ns_ + period_ns - monotonic_ns();
-  if (last_begun_ns_ != 0 && left_ns > 0) {
+  const std::int64_t left_ns = last_due_ns_ + period_ns - monotonic_ns();
+  if (last_due_ns_ != 0 && left_ns > 0) {
     std::this_thread::sleep_for(
         std::min(std::chrono::nanoseconds(left_ns), std::chrono::nanoseconds(kTurn)));
     return false;
@@ -67,7 +67,8 @@ bool LiveRefiner::do_work() {
   const SensorView view = keeper_.snapshot();
   const SensorSnapshot& sensor = *view;
   if (frame->plan_id != sensor.plan_id) return false;  // the sensor has changed since this frame
-  last_begun_ns_ = monotonic_ns();
+  // The wait for a frame must not lower the mean rate.
+  last_due_ns_ = std::max(last_due_ns_ + period_ns, monotonic_ns() - period_ns);
   refine(*frame, sensor, settings);
   return true;
 }

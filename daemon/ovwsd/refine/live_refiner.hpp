@@ -52,7 +52,7 @@ class LiveRefiner : public Agent {
   FrameInbox inbox_;
   Guarded<RefineSetup> settings_;
   Guarded<StatusMessage::RefinePart> report_;
-  std::int64_t last_begun_ns_ = 0;     ///< start of the last fit; 0: none yet
+  std::int64_t last_due_ns_ = 0;       ///< when the last fit was due; 0: none yet
   std::int64_t waiting_since_ns_ = 0;  ///< start of the wait for a frame; 0: not waiting
 };
 

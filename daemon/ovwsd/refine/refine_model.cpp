@@ -59,6 +59,7 @@ Key key_of(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSet
 struct RefineModel::Bench {
   Key key;
   Result<PointModel> model;
+  std::shared_ptr<const FrameFit> templates{};  ///< of the last frame that was refined anew
 };
 
 RefineModel::RefineModel(const SlmGeometry& slm) : slm_(slm) {}
@@ -94,9 +95,10 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
       shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
   const std::int64_t begun_ns = monotonic_ns();
   const std::vector<Mode> fixed = fixed_modes(shown, sensor.modes_j);
-  auto found = out.against_reference
-                   ? ovws::refine(*bench_->model, frame.image, camera, starts, fixed)
-                   : refine_absolute(*bench_->model, frame.image, camera, starts, fixed);
+  auto found =
+      out.against_reference
+          ? ovws::refine(*bench_->model, frame.image, camera, starts, fixed, bench_->templates)
+          : refine_absolute(*bench_->model, frame.image, camera, starts, fixed);
   out.duration_ms = 1e-6 * double(monotonic_ns() - begun_ns);
   if (!found) return refused(found.error().reason);
   out.modes = std::move(*found);
@@ -118,7 +120,7 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
     return std::pair(pixel_noise(refine_camera(settings, picture->format, picture->gain_db)),
                      picture->format);
   });
-  bench_ = std::make_unique<Bench>(Bench{std::move(key), std::move(model)});
+  bench_ = std::make_unique<Bench>(Bench{std::move(key), std::move(model), nullptr});
   return {};
 }
 

@@ -29,8 +29,9 @@ class RefineModel {
   ~RefineModel();
 
   /// Refines one frame. `sensor`: the sensor state with which the frame was measured. `settings`
-  /// must have electrons_per_dn. A fit takes tens of milliseconds; the first frame with a new
-  /// sensor or reference takes some tenths of a second.
+  /// must have electrons_per_dn. A fit takes some 0.1 ms while the templates of an earlier frame
+  /// are exact, else tens of milliseconds; the first frame with a new sensor or reference, and
+  /// every frame without a reference, take some tenths of a second.
   RefinedFrame refine(const FrameCopy& frame, const SensorSnapshot& sensor,
                       const RefineSetup& settings);
 

@@ -9,6 +9,10 @@ namespace ovws {
 namespace {
 
 constexpr int kRenderings = 20;
+// Templates of an earlier image are used again up to these limits.
+constexpr double kMaxBent = 0.2;       // error by the drift over the standard error
+constexpr double kMaxBrighter = 0.05;  // change of the intensity, fraction
+constexpr double kMaxOverPoint = 1.2;  // residual over that of their own image
 
 /// Field amplitudes of the subapertures, RMS 1. A spot's level is relative to its rendering, so the
 /// amplitude is that of the rendering, which comes from the reference, times the root of the level.
@@ -25,9 +29,22 @@ std::vector<double> amplitudes_of(const PointModel& model,
   return amplitudes;
 }
 
-RefinedModes modes_of(const PointModel& model, const FrameFit& fit, const ImageView& image,
-                      const RefineCamera& camera) {
-  const FrameFit::Measured all = fit.measure(image);
+/// Whether templates of an earlier image, which measured `all`, are as good as the image's own.
+bool are_exact(const FrameFit& fit, const FrameFit::Measured& all, const PixelNoise& noise,
+               std::span<const Mode> fixed) {
+  const bool same_setup =
+      fit.point().noise == noise && std::ranges::equal(fit.point().fixed, fixed);
+  if (!same_setup || !all.frame.credible) return false;
+  double variance = 0.0;
+  for (const float sigma : all.sigma_waves) variance += double(sigma) * double(sigma);
+  return all.frame.bent_waves < kMaxBent * std::sqrt(variance) &&
+         std::abs(all.frame.brightness - 1.0) < kMaxBrighter &&
+         all.frame.lost <= fit.at_point().lost &&
+         all.frame.residual < kMaxOverPoint * std::max(1.0, fit.at_point().residual);
+}
+
+RefinedModes modes_of(const PointModel& model, const FrameFit& fit, const FrameFit::Measured& all,
+                      const RefineCamera& camera, int iterations) {
   RefinedModes modes;
   modes.waves.assign(all.coefficients.begin(), all.coefficients.end());
   for (std::size_t k = 0; k < modes.waves.size(); ++k) {
@@ -48,7 +65,7 @@ RefinedModes modes_of(const PointModel& model, const FrameFit& fit, const ImageV
   modes.chi2_per_pixel /= std::max(lit, 1);
   modes.background_e /= std::max(lit, 1);
   modes.peak_e = peak_dn * camera.electrons_per_dn;
-  modes.iterations = model.renderings();
+  modes.iterations = iterations;
   modes.amplitudes = amplitudes_of(model, all.estimates);
   return modes;
 }
@@ -100,10 +117,18 @@ std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera) const
 }
 
 Result<RefinedModes> refine(PointModel& model, const ImageView& image, const RefineCamera& camera,
-                            PointModel::Starts starts, std::span<const Mode> fixed) {
-  const auto fit = model.templates(image, pixel_noise(camera), starts, fixed, kRenderings);
-  if (!fit) return fail(fit.error());
-  return modes_of(model, **fit, image, camera);
+                            PointModel::Starts starts, std::span<const Mode> fixed,
+                            std::shared_ptr<const FrameFit>& templates) {
+  const PixelNoise noise = pixel_noise(camera);
+  if (templates) {
+    const FrameFit::Measured all = templates->measure(image);
+    if (are_exact(*templates, all, noise, fixed))
+      return modes_of(model, *templates, all, camera, 0);
+  }
+  auto found = model.templates(image, noise, starts, fixed, kRenderings);
+  if (!found) return fail(found.error());
+  templates = std::move(*found);
+  return modes_of(model, *templates, templates->measure(image), camera, model.renderings());
 }
 
 Result<RefinedModes> refine_absolute(PointModel& model, const ImageView& image,
@@ -124,7 +149,7 @@ Result<RefinedModes> refine_absolute(PointModel& model, const ImageView& image,
   const std::vector<std::vector<double>> none{std::vector<double>(waves.size())};
   const auto fit = model.templates(image, noise, none, fixed, kRenderings);
   if (!fit) return fail(fit.error());
-  RefinedModes modes = modes_of(model, **fit, image, camera);
+  RefinedModes modes = modes_of(model, **fit, (*fit)->measure(image), camera, model.renderings());
   for (std::size_t k = 0; k < waves.size(); ++k) {
     modes.waves[k] += model.reference_waves()[k];
     modes.sigma_waves[k] = model.reference_sigma_waves()[k];

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,9 +41,12 @@ struct RefinedModes {
 
 /// Iterative fit of the modes, begun at each of `starts` until one converges. Every iteration
 /// renders all spots, which takes some 15 ms on the default bench. `fixed`: modes shown that are
-/// not measured. Errors: those of PointModel::templates.
+/// not measured. `templates`: those of an earlier image of this model, or null. If they are exact
+/// for this image, too, they are used without an iteration; else they are replaced. Errors: those
+/// of PointModel::templates.
 Result<RefinedModes> refine(PointModel& model, const ImageView& image, const RefineCamera& camera,
-                            PointModel::Starts starts, std::span<const Mode> fixed);
+                            PointModel::Starts starts, std::span<const Mode> fixed,
+                            std::shared_ptr<const FrameFit>& templates);
 
 /// Iterative fit of the modes without a reference: coefficients count from the model's flat
 /// wavefront. The model first learns from the image how the bench deviates over each subaperture.

@@ -1,8 +1,14 @@
 /// What the live refinement takes from frames and from references, without any fit.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <numeric>
+#include <vector>
 
+#include "core/optics/noise.hpp"
+#include "core/optics/sensor_model.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
 #include "daemon/ovwsd/sensor/reference_image.hpp"
@@ -142,6 +148,69 @@ TEST(RefineCamera, FollowsGainAndFormat) {
   EXPECT_EQ(deep.saturated_dn, 4095.0);
   EXPECT_NEAR(pixel_noise(plain).constant_dn2, 9.0 / 1600.0 + 1.0 / 12.0, 1e-9);
   EXPECT_NEAR(pixel_noise(plain).per_dn, 1.0 / 40.0, 1e-12);
+}
+
+/// Images of the default bench, one electron a DN, and their refinement with the templates of the
+/// image before.
+class RefineTest : public testing::Test {
+ protected:
+  static constexpr int kImagePx = 512, kModes = 9;
+  static constexpr double kPeakE = 1000.0, kReadNoiseE = 5.0;
+
+  RefineTest() {
+    std::iota(modes_j_.begin(), modes_j_.end(), 1);
+    model_.emplace(SpotRenderer::make({}, {}, {}, kImagePx, kImagePx, modes_j_, {}).value(), 8);
+    model_->use_model();
+  }
+
+  /// Refines an image of `waves` of mode 3, with new noise.
+  RefinedModes refined(double waves, double peak_e = kPeakE) {
+    const std::vector<Mode> shown{{3, waves}};
+    Image<float> light = bench_.intensity(shown).value();
+    scale(light, peak_e / bench_.peak_of_spots(light, shown));
+    Noise noise(++images_, 3);
+    Image<std::uint16_t> dn(kImagePx, kImagePx);
+    for (std::size_t k = 0; k < dn.pixels.size(); ++k) {
+      const double electrons =
+          double(noise.poisson(light.pixels[k])) + kReadNoiseE * double(noise.normal());
+      dn.pixels[k] = std::uint16_t(std::lround(std::max(0.0, electrons + 50.0)));
+    }
+    std::vector<double> start(kModes);
+    start[2] = waves + 0.01;
+    auto found =
+        refine(*model_, view_of(dn, PixelFormat::mono16), camera_, {&start, 1}, fixed_, templates_);
+    EXPECT_TRUE(found) << (found ? "" : found.error().reason);
+    for (int k = 0; found && k < kModes; ++k) {
+      EXPECT_NEAR(found->waves[k], k == 2 ? waves : 0.0, 5.0 * found->sigma_waves[k]) << k + 1;
+    }
+    return found.value_or(RefinedModes{});
+  }
+
+  SensorModel bench_ = SensorModel::make({}, {}, {}, kImagePx, kImagePx).value();
+  std::vector<int> modes_j_ = std::vector<int>(kModes);
+  std::optional<PointModel> model_;
+  RefineCamera camera_{1.0, kReadNoiseE, 50.0};
+  std::vector<Mode> fixed_;
+  std::shared_ptr<const FrameFit> templates_;
+  std::uint64_t images_ = 0;
+};
+
+TEST_F(RefineTest, UsesTemplatesAgainWhileTheyAreExact) {
+  EXPECT_GT(refined(0.2).iterations, 0);
+  EXPECT_EQ(refined(0.2).iterations, 0);
+  EXPECT_EQ(refined(0.201).iterations, 0);
+}
+
+TEST_F(RefineTest, RendersAnewForAnotherWavefrontLightOrCamera) {
+  refined(0.2);
+  EXPECT_GT(refined(0.25).iterations, 0);
+  EXPECT_EQ(refined(0.25).iterations, 0);
+  EXPECT_GT(refined(0.25, 0.8 * kPeakE).iterations, 0);
+  camera_.read_noise_e = 6.0;
+  EXPECT_GT(refined(0.25, 0.8 * kPeakE).iterations, 0);
+  EXPECT_EQ(refined(0.25, 0.8 * kPeakE).iterations, 0);
+  fixed_ = {{20, 1e-6}};
+  EXPECT_GT(refined(0.25, 0.8 * kPeakE).iterations, 0);
 }
 
 TEST(RefinedModes, SaysWhyItCannotBeBelieved) {
