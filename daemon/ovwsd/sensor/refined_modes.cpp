@@ -66,6 +66,7 @@ RefinedModes modes_of(const PointModel& model, const FrameFit& fit, const FrameF
   modes.background_e /= std::max(lit, 1);
   modes.peak_e = peak_dn * camera.electrons_per_dn;
   modes.iterations = iterations;
+  modes.higher_waves = fit.point().higher_waves;
   modes.amplitudes = amplitudes_of(model, all.estimates);
   return modes;
 }
@@ -107,7 +108,9 @@ std::optional<std::string> RefinedModes::doubt(const RefineCamera& camera) const
         "increase the exposure",
         max_sigma);
   }
-  if (!(chi2_per_pixel < kMaxChi2)) {
+  const bool explained =
+      chi2_per_pixel < kMaxChi2 || (higher_waves > 0.0 && std::isfinite(chi2_per_pixel));
+  if (!explained) {
     return fmt::format(
         "the model does not explain the image (chi2 per pixel is {:.1f}): check the "
         "configured noise, the optics and the illumination",

@@ -32,6 +32,8 @@ struct RefinedModes {
   double peak_e = 0.0;              ///< model's brightest pixel above background, electrons
   double background_e = 0.0;        ///< electrons per pixel, above the black level
   int iterations = 0;
+  /// RMS of modes above the measured ones, whose effect `sigma_waves` includes; 0: there are none.
+  double higher_waves = 0.0;
   std::vector<double> amplitudes{};  ///< field of each subaperture, RMS 1; 0: no spot
 
   /// Why the result is not credible, as a message; none: it is credible. Reasons: no signal, too

@@ -225,6 +225,8 @@ TEST(RefinedModes, SaysWhyItCannotBeBelieved) {
   modes.sigma_waves = {0.001};
   modes.chi2_per_pixel = 9.0;
   EXPECT_NE(modes.doubt(camera)->find("9.0"), std::string::npos);
+  modes.higher_waves = 0.01;
+  EXPECT_FALSE(modes.doubt(camera).has_value()) << "higher modes explain it";
   modes.chi2_per_pixel = std::nan("");
   EXPECT_TRUE(modes.doubt(camera));
 }
