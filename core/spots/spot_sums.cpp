@@ -120,33 +120,51 @@ std::uint16_t Bin16(const PixelRows<std::uint16_t>& pixels, int side, int bin, f
   return bin_any(pixels, side, bin, offset, cells);
 }
 
-/// kRows dot products in one pass, so that the pixels are loaded only once.
-template <int kRows>
-void dot(const float* rows, const float* cells, int length, float* sums) {
+/// kRowGroup dot products in one pass, so that the pixels are loaded only once. Written out,
+/// because the compiler keeps an array of sums in memory, which takes three times as long.
+void dot(const std::int16_t* rows, const float* cells, int length, float* sums) {
   const Floats f;
-  std::array<hn::Vec<Floats>, kRows> total;
-  for (auto& t : total) t = hn::Zero(f);
+  const auto at = [&](int row, int c) {
+    const hn::Rebind<std::int16_t, Floats> packed;
+    const auto numbers = hn::LoadU(packed, rows + std::ptrdiff_t(row) * length + c);
+    return hn::ConvertTo(f, hn::PromoteTo(Ints(), numbers));
+  };
+  auto sum0 = hn::Zero(f), sum1 = sum0, sum2 = sum0, sum3 = sum0;
   for (int c = 0; c < length; c += int(hn::Lanes(f))) {
     const auto v = hn::LoadU(f, cells + c);
-    for (int r = 0; r < kRows; ++r) {
-      total[r] = hn::MulAdd(hn::LoadU(f, rows + std::ptrdiff_t(r) * length + c), v, total[r]);
-    }
+    sum0 = hn::MulAdd(at(0, c), v, sum0);
+    sum1 = hn::MulAdd(at(1, c), v, sum1);
+    sum2 = hn::MulAdd(at(2, c), v, sum2);
+    sum3 = hn::MulAdd(at(3, c), v, sum3);
   }
-  for (int r = 0; r < kRows; ++r) sums[r] = hn::GetLane(hn::SumOfLanes(f, total[r]));
+  sums[0] = hn::GetLane(hn::SumOfLanes(f, sum0));
+  sums[1] = hn::GetLane(hn::SumOfLanes(f, sum1));
+  sums[2] = hn::GetLane(hn::SumOfLanes(f, sum2));
+  sums[3] = hn::GetLane(hn::SumOfLanes(f, sum3));
 }
 
-float Dots(const float* rows, int count, const float* weights, const float* cells, int length,
-           float* sums) {
-  int r = 0;
-  for (; r + 4 <= count; r += 4) dot<4>(rows + std::ptrdiff_t(r) * length, cells, length, sums + r);
-  for (; r < count; ++r) dot<1>(rows + std::ptrdiff_t(r) * length, cells, length, sums + r);
+/// Sum of weights * cells^2, by two sums that do not wait for each other.
+float square_sum(const float* weights, const float* cells, int length) {
   const Floats f;
-  auto squares = hn::Zero(f);
-  for (int c = 0; c < length; c += int(hn::Lanes(f))) {
+  const int step = int(hn::Lanes(f));
+  const auto add = [&](int c, auto sum) {
     const auto v = hn::LoadU(f, cells + c);
-    squares = hn::MulAdd(hn::Mul(v, v), hn::LoadU(f, weights + c), squares);
+    return hn::MulAdd(hn::Mul(v, v), hn::LoadU(f, weights + c), sum);
+  };
+  auto even = hn::Zero(f), odd = even;
+  int c = 0;
+  for (; c + step < length; c += 2 * step) even = add(c, even), odd = add(c + step, odd);
+  if (c < length) even = add(c, even);
+  return hn::GetLane(hn::SumOfLanes(f, hn::Add(even, odd)));
+}
+
+float Dots(const PackedRows& rows, const float* weights, const float* cells, float* sums) {
+  static_assert(kRowGroup == 4);
+  for (int r = 0; r < rows.count; r += kRowGroup) {
+    dot(rows.first + std::ptrdiff_t(r) * rows.length, cells, rows.length, sums + r);
   }
-  return hn::GetLane(hn::SumOfLanes(f, squares));
+  for (int r = 0; r < rows.count; ++r) sums[r] *= rows.scales[r];
+  return square_sum(weights, cells, rows.length);
 }
 
 }  // namespace
@@ -170,9 +188,8 @@ std::uint16_t bin_cells(const PixelRows<std::uint16_t>& pixels, int side, int bi
   return HWY_DYNAMIC_DISPATCH(Bin16)(pixels, side, bin, offset, cells);
 }
 
-float dot_rows(const float* rows, int count, const float* weights, const float* cells, int length,
-               float* sums) {
-  return HWY_DYNAMIC_DISPATCH(Dots)(rows, count, weights, cells, length, sums);
+float dot_rows(const PackedRows& rows, const float* weights, const float* cells, float* sums) {
+  return HWY_DYNAMIC_DISPATCH(Dots)(rows, weights, cells, sums);
 }
 
 }  // namespace ovws
