@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "core/base/pixels.hpp"
@@ -12,7 +11,6 @@ namespace ovws {
 namespace {
 
 constexpr double kMinSignal = 5.0;  // smallest level of a spot, in standard errors
-constexpr float kLargest = 32767.0F;
 
 /// Binned pixels of a window, minus `offset` per pixel (the value of its first pixel). Without the
 /// offset, a small spot on a high background would lose digits in the sums.
@@ -47,11 +45,6 @@ Loaded load_cells(const ImageView& whole, const SpotWindow& window, SpotFit::Scr
   return load_from<std::uint16_t>({copy, count}, window, scratch.cells.data());
 }
 
-/// Number of a spot's template rows, with the rows of zeros that complete the last group.
-int whole_groups(const SpotTemplates& spot) {
-  return (int(spot.rows.rows()) + kRowGroup - 1) / kRowGroup * kRowGroup;
-}
-
 float square_sum(std::span<const float> values) {
   float sum = 0.0F;
   for (const float v : values) sum += v * v;
@@ -72,30 +65,13 @@ double excess_scatter_of(const SpotTemplates& spot, double level_dn) {
   return std::sqrt(2.0 * spot.lit) / (light * light);
 }
 
-SpotFit::SpotFit(std::vector<SpotTemplates> spots) : spots_(std::move(spots)) {
-  for (const SpotTemplates& spot : spots_) {
-    Packed& packed = packed_.emplace_back();
-    for (Eigen::Index r = 0; r < spot.rows.rows(); ++r) {
-      const bool known = spot.rows.row(r).allFinite();
-      const float most = known ? spot.rows.row(r).cwiseAbs().maxCoeff() : 0.0F;
-      const float scale = most > 0.0F ? most / kLargest : 1.0F;
-      packed.scales.push_back(known ? scale : std::numeric_limits<float>::quiet_NaN());
-      for (const float value : spot.rows.row(r)) {
-        packed.rows.push_back(std::int16_t(known ? std::lround(value / scale) : 0));
-      }
-    }
-    packed.scales.resize(std::size_t(whole_groups(spot)));
-    packed.rows.resize(packed.scales.size() * std::size_t(spot.rows.cols()));
-  }
-}
-
 SpotFit::Scratch SpotFit::make_scratch() const {
   std::size_t pixels = 0, cells = 0, sums = 0;
   for (const SpotTemplates& spot : spots_) {
     const auto count = std::size_t(spot.window.side * spot.window.bin);
     pixels = std::max(pixels, count * count);
     cells = std::max(cells, std::size_t(padded(spot.window.cells())));
-    sums = std::max(sums, std::size_t(whole_groups(spot)));
+    sums = std::max(sums, std::size_t(spot.rows.rows()));
   }
   return {std::vector<std::uint16_t>(pixels), std::vector<float>(cells, 0.0F),
           std::vector<float>(sums, 0.0F)};
@@ -104,14 +80,12 @@ SpotFit::Scratch SpotFit::make_scratch() const {
 SpotEstimates SpotFit::fit(const ImageView& image, std::size_t number, Scratch& scratch) const {
   const SpotTemplates& spot = spots_[number];
   SpotEstimates found;
-  const int count = spot.estimates();
-  if (spot.rows.rows() == 0) return found;
+  const int rows = int(spot.rows.rows()), count = spot.estimates();
+  if (rows == 0) return found;
   const Loaded loaded = load_cells(image, spot.window, scratch);
   float* const sums = scratch.sums.data();
-  const Packed& packed = packed_[number];
-  const float squares = dot_rows(
-      {packed.rows.data(), packed.scales.data(), int(packed.scales.size()), int(spot.rows.cols())},
-      spot.weights.data(), scratch.cells.data(), sums);
+  const float squares = dot_rows(spot.rows.data(), rows, spot.weights.data(), scratch.cells.data(),
+                                 int(spot.rows.cols()), sums);
   const float explained = square_sum({sums, SpotTemplates::kX}) +
                           square_sum({sums + SpotTemplates::kFixed, std::size_t(count)});
   const double background = double(sums[SpotTemplates::kBackground]) / spot.even_norm;

@@ -41,7 +41,7 @@ class SpotFit {
     std::vector<float> cells, sums;
   };
 
-  explicit SpotFit(std::vector<SpotTemplates> spots);
+  explicit SpotFit(std::vector<SpotTemplates> spots) : spots_(std::move(spots)) {}
 
   const std::vector<SpotTemplates>& spots() const { return spots_; }
   Scratch make_scratch() const;
@@ -51,15 +51,7 @@ class SpotFit {
                     Scratch& scratch) const OVWS_NONBLOCKING;
 
  private:
-  /// Template rows as 16-bit numbers, because the time of a fit is that of reading them: exact to
-  /// 1/65,000 of the largest.
-  struct Packed {
-    std::vector<std::int16_t> rows;
-    std::vector<float> scales;
-  };
-
   std::vector<SpotTemplates> spots_;
-  std::vector<Packed> packed_;
 };
 
 }  // namespace ovws

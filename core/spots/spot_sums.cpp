@@ -120,14 +120,22 @@ std::uint16_t Bin16(const PixelRows<std::uint16_t>& pixels, int side, int bin, f
   return bin_any(pixels, side, bin, offset, cells);
 }
 
-/// kRowGroup dot products in one pass, so that the pixels are loaded only once. Written out,
-/// because the compiler keeps an array of sums in memory, which takes three times as long.
-void dot(const std::int16_t* rows, const float* cells, int length, float* sums) {
+/// Dot product of one row.
+void dot(const float* row, const float* cells, int length, float* sum) {
+  const Floats f;
+  auto total = hn::Zero(f);
+  for (int c = 0; c < length; c += int(hn::Lanes(f))) {
+    total = hn::MulAdd(hn::LoadU(f, row + c), hn::LoadU(f, cells + c), total);
+  }
+  *sum = hn::GetLane(hn::SumOfLanes(f, total));
+}
+
+/// Dot products of four rows, so that the pixels are loaded only once. Written out, because the
+/// compiler keeps an array of sums in memory, which takes twice as long.
+void dot_four(const float* rows, const float* cells, int length, float* sums) {
   const Floats f;
   const auto at = [&](int row, int c) {
-    const hn::Rebind<std::int16_t, Floats> packed;
-    const auto numbers = hn::LoadU(packed, rows + std::ptrdiff_t(row) * length + c);
-    return hn::ConvertTo(f, hn::PromoteTo(Ints(), numbers));
+    return hn::LoadU(f, rows + std::ptrdiff_t(row) * length + c);
   };
   auto sum0 = hn::Zero(f), sum1 = sum0, sum2 = sum0, sum3 = sum0;
   for (int c = 0; c < length; c += int(hn::Lanes(f))) {
@@ -143,28 +151,19 @@ void dot(const std::int16_t* rows, const float* cells, int length, float* sums) 
   sums[3] = hn::GetLane(hn::SumOfLanes(f, sum3));
 }
 
-/// Sum of weights * cells^2, by two sums that do not wait for each other.
-float square_sum(const float* weights, const float* cells, int length) {
+float Dots(const float* rows, int count, const float* weights, const float* cells, int length,
+           float* sums) {
+  int r = 0;
+  for (; r + 4 <= count; r += 4)
+    dot_four(rows + std::ptrdiff_t(r) * length, cells, length, sums + r);
+  for (; r < count; ++r) dot(rows + std::ptrdiff_t(r) * length, cells, length, sums + r);
   const Floats f;
-  const int step = int(hn::Lanes(f));
-  const auto add = [&](int c, auto sum) {
+  auto squares = hn::Zero(f);
+  for (int c = 0; c < length; c += int(hn::Lanes(f))) {
     const auto v = hn::LoadU(f, cells + c);
-    return hn::MulAdd(hn::Mul(v, v), hn::LoadU(f, weights + c), sum);
-  };
-  auto even = hn::Zero(f), odd = even;
-  int c = 0;
-  for (; c + step < length; c += 2 * step) even = add(c, even), odd = add(c + step, odd);
-  if (c < length) even = add(c, even);
-  return hn::GetLane(hn::SumOfLanes(f, hn::Add(even, odd)));
-}
-
-float Dots(const PackedRows& rows, const float* weights, const float* cells, float* sums) {
-  static_assert(kRowGroup == 4);
-  for (int r = 0; r < rows.count; r += kRowGroup) {
-    dot(rows.first + std::ptrdiff_t(r) * rows.length, cells, rows.length, sums + r);
+    squares = hn::MulAdd(hn::Mul(v, v), hn::LoadU(f, weights + c), squares);
   }
-  for (int r = 0; r < rows.count; ++r) sums[r] *= rows.scales[r];
-  return square_sum(weights, cells, rows.length);
+  return hn::GetLane(hn::SumOfLanes(f, squares));
 }
 
 }  // namespace
@@ -188,8 +187,9 @@ std::uint16_t bin_cells(const PixelRows<std::uint16_t>& pixels, int side, int bi
   return HWY_DYNAMIC_DISPATCH(Bin16)(pixels, side, bin, offset, cells);
 }
 
-float dot_rows(const PackedRows& rows, const float* weights, const float* cells, float* sums) {
-  return HWY_DYNAMIC_DISPATCH(Dots)(rows, weights, cells, sums);
+float dot_rows(const float* rows, int count, const float* weights, const float* cells, int length,
+               float* sums) {
+  return HWY_DYNAMIC_DISPATCH(Dots)(rows, count, weights, cells, length, sums);
 }
 
 }  // namespace ovws

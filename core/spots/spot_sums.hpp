@@ -31,20 +31,9 @@ constexpr int padded(int cells) {
   return (cells + kMinSide - 1) / kMinSide * kMinSide;
 }
 
-constexpr int kRowGroup = 4;
-
-/// Template rows, `length` (padded) numbers each: row r is scales[r] times its 16-bit numbers.
-/// `count` is a multiple of kRowGroup.
-struct PackedRows {
-  const std::int16_t* first = nullptr;
-  const float* scales = nullptr;
-  int count = 0;
-  int length = 0;
-};
-
-/// Dot products of template rows: sums[r] = row r . cells. Returns the sum of weights * cells^2.
-/// RT-safe.
-float dot_rows(const PackedRows& rows, const float* weights, const float* cells,
+/// Dot products of template rows: sums[r] = rows[r] . cells, for `count` rows `length` (padded)
+/// floats apart. Returns the sum of weights * cells^2. RT-safe.
+float dot_rows(const float* rows, int count, const float* weights, const float* cells, int length,
                float* sums) OVWS_NONBLOCKING;
 
 }  // namespace ovws
