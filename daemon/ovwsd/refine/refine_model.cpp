@@ -59,7 +59,7 @@ Key key_of(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSet
 struct RefineModel::Bench {
   Key key;
   Result<PointModel> model;
-  std::shared_ptr<const FrameFit> templates{};  ///< of the last frame that was refined anew
+  std::shared_ptr<const FrameFit> templates{};  ///< of the last frame that was rendered
 };
 
 RefineModel::RefineModel(const SlmGeometry& slm) : slm_(slm) {}

@@ -1,4 +1,4 @@
-/// What the live refinement takes from frames and from references, without any fit.
+/// What the live refinement takes from frames and from references, and when it renders again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -201,7 +201,7 @@ TEST_F(RefineTest, UsesTemplatesAgainWhileTheyAreExact) {
   EXPECT_EQ(refined(0.201).iterations, 0);
 }
 
-TEST_F(RefineTest, RendersAnewForAnotherWavefrontLightOrCamera) {
+TEST_F(RefineTest, RendersAgainForAnotherWavefrontLightOrCamera) {
   refined(0.2);
   EXPECT_GT(refined(0.25).iterations, 0);
   EXPECT_EQ(refined(0.25).iterations, 0);
