@@ -76,8 +76,8 @@ std::optional<PixelFormat> pixel_format_from_code(std::uint32_t code);
 
 /// Bytes of a row of `width` pixels, rounded up, because every row begins at a byte boundary.
 std::size_t row_bytes(PixelFormat format, int width);
-/// Pixels per group: smallest number of pixels (1, 2 or 4) that fill whole bytes and, if packed,
-/// whole pairs. The width of an image must be a multiple of this number.
+/// Smallest number of pixels (1, 2 or 4) that fill whole bytes. Packed formats store pixels in
+/// pairs, so their number is even. The width of an image must be a multiple of this number.
 int pixels_per_group(PixelFormat format);
 
 /// A Bayer colour plane: every `step`-th pixel of a camera image along both axes, from (x, y) on.

@@ -14,10 +14,10 @@ namespace ovws {
 /// minimum is the undelayed arrival time. One thread at a time. RT-safe.
 class ArrivalClock {
  public:
-  /// The undelayed arrival time in CLOCK_MONOTONIC ns; exposure times count back from it. It is
-  /// never later than `arrival_mono_ns`, and equal if the camera sends no timestamps (`device_ns`
-  /// is 0). The error is at most the drift between host and camera clock over 10 s. A camera clock
-  /// that is set back restarts the estimate.
+  /// The time at which the frame would have arrived without a queue, CLOCK_MONOTONIC ns; exposure
+  /// times count back from it. It is never later than `arrival_mono_ns`, and equal if the camera
+  /// sends no timestamps (`device_ns` is 0). The error is at most the drift between the clocks of
+  /// host and camera in 10 s. If the camera's clock is set back, the minimum is sought again.
   std::int64_t undelayed_mono_ns(std::int64_t arrival_mono_ns,
                                  std::int64_t device_ns) OVWS_NONBLOCKING {
     if (device_ns == 0) return arrival_mono_ns;

@@ -33,7 +33,8 @@ constexpr double kMaxOverReference = 2.0;  // ratio of the residual to that of t
 
 }  // namespace
 
-/// Gauss-Newton iteration until the rendering is near the image. Starts with `rendered`.
+/// Gauss-Newton iteration of the coefficients, from `waves` on, until the next step would be at
+/// most `near_waves` long, or for `renderings`. `rendered`: the spots at `waves`.
 Result<PointModel::Found> PointModel::approach(const ImageView& image, const PixelNoise& noise,
                                                std::vector<double> waves,
                                                std::vector<RenderedSpot> rendered,
@@ -119,8 +120,8 @@ Result<void> PointModel::count_from(const Found& found, const ImageView& image,
   if (reference_excess_ <= kMaxReferenceExcess && found.away_waves <= kFarReferenceWaves) return {};
   return fail(
       Errc::refused, "reference",
-      "the model does not explain the reference's image: check focus and optics, then take a new "
-      "reference");
+      "the diffraction model does not explain the reference's image: check the focus, and that the "
+      "keys optics.* are those of the bench, then take a new reference");
 }
 
 void PointModel::use_model() {

@@ -21,7 +21,7 @@
 
 namespace ovws::web {
 
-/// Server data that browsers receive with the bench's health.
+/// Facts about the web server that browsers receive with the state of daemon, camera and SLM.
 struct ServerFacts {
   int browsers = 0;
   nlohmann::json refused;

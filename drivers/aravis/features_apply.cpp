@@ -37,8 +37,10 @@ Result<CameraSettings> CameraFeatures::fit(const CameraSettings& wanted,
   if (auto suits = check_region_suits_format(fitted.pixel_format, fitted.roi); !suits)
     return fail(suits.error());
   if (auto done = fit_gain(current, *now, fitted); !done) return fail(done.error());
-  // Exposure and frame rate may limit each other's range, so write_time checks their ranges. They
-  // are checked here only if the exposure exceeds the frame period, to report the better reason.
+  // Exposure and frame rate may limit each other's range, so their ranges are checked only when
+  // they are written (write_time). But if the exposure exceeds the frame period, they are checked
+  // here: an exposure that the camera can never have is reported as that, not as too long for the
+  // rate.
   if (auto both = check_exposure_fits_rate(wanted, current); !both) {
     auto exposure =
         fit_value("camera.exposure_us", "an exposure", wanted.exposure_us, now->exposure_us);

@@ -11,7 +11,7 @@ namespace ovws {
 /// Opens a recording. Errors, field "camera.id": those of RecordingReader::open, and Errc::invalid
 /// for a recording without images.
 ///
-/// In addition to the port's guarantees:
+/// In addition to what the interface Camera guarantees:
 /// - Region and pixel format are the recording's; other values are refused. Gain and exposure are
 ///   always those of the recording's first frame with known settings. `frame_rate_hz` is the replay
 ///   rate; the recording's own rate gives the original speed.

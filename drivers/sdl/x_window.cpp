@@ -124,7 +124,8 @@ class XWindow final : public SlmWindow {
     if (x_server_lost()) return fail(lost_server());
     const std::string refusal = take_x_error();
     if (refusal.empty()) return {};
-    return fail(changed("the X server refused a request: " + refusal));
+    return fail(
+        changed("the X server refused to draw the hologram: " + refusal + "; run ovws doctor"));
   }
 
   Result<Image<std::uint32_t>> read_back() override {

@@ -26,7 +26,8 @@ struct Gate::Parts {
     retry,   ///< 300: temporary error; the client retries. For subscribers, which never learn
              ///< the reason and whose key may be added later
   };
-  /// Enables CURVE on a socket. Call it before the socket is bound.
+  /// Makes a socket encrypt, and admit only clients with a known key (CURVE, ZeroMQ's security).
+  /// `unknown_key`: what other clients are told. Call it before the socket is bound.
   void guard(zmq::socket_t& socket, UnknownKey unknown_key);
   /// Appends the sockets that `serve` reads to the poll list `items`.
   void add_to(std::vector<zmq_pollitem_t>& items);

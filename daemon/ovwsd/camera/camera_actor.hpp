@@ -59,7 +59,8 @@ class CameraActor : public Agent {
   /// dB that the camera does not have, `done` gets the error at once in the caller's thread.
   /// Thread-safe.
   void change(CameraSet change, Applied done);
-  /// Applies a change for the running job in the camera thread, without a check of may_change.
+  /// The same for the job that runs, which may change the camera when clients may not: may_change
+  /// is not asked.
   void change_for_job(CameraSet change, Applied done);
   /// Applies a change as `change` does, or keeps it for the next connection of a camera.
   void change_or_keep(CameraSet change, Applied done);

@@ -67,8 +67,8 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
   return {};
 }
 
-/// Whether an invalid frame may still steer the loop: at most one of kMinSpotsPerLost spots is
-/// lost, and the fit residual is small.
+/// Whether an invalid frame may still steer the loop: it is settled and has a reference, at most
+/// one spot in every kMinSpotsPerLost is lost, and the fit residual is at most kMaxResidual.
 bool is_rough_guide(const FrameRecord& record) {
   const Reconstruction& found = record.reconstruction;
   return record.settled && record.plan->referenced() && found.determined &&

@@ -131,7 +131,9 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content,
   }
   if (content.value("measured", false)) return from_shapes(content, plan, calibration);
   if (!content.value("ln_amplitude", json::array()).empty()) {
-    return fail(Errc::refused, "path", "templates of an older version cannot be rendered again");
+    return fail(Errc::refused, "path",
+                "the recording was made by an older version of ovwsd, whose templates this version "
+                "cannot compute: replay it with that version");
   }
   std::string key = model.dump() + lit_content(plan.spots.lit).dump();
   if (!renderer_ || key != renderer_key_) {
