@@ -327,11 +327,12 @@ bool SimulatedBench::is_running() {
 
 Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure procedure) {
   std::promise<Result<int>> begun;
-  procedures_->start(kind, std::move(procedure),
-                     [&begun](Result<int> job) { begun.set_value(std::move(job)); });
+  procedures_->start(kind, std::move(procedure), [this, &begun](Result<int> job) {
+    if (job) job_ = *job;  // now: the procedure may cancel itself at once
+    begun.set_value(std::move(job));
+  });
   const Result<int> job = begun.get_future().get();
   if (!job) return fail(job.error());
-  job_ = *job;
   for (const auto end = std::chrono::steady_clock::now() + 60s;
        std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(2ms)) {
     const auto report = jobs_.get(*job);

@@ -28,13 +28,16 @@ def own_mounts():
 
 
 def wait_for(condition, timeout_s=10.0, what="the condition"):
-    """Polls condition() and returns its first true value; fails after `timeout_s`."""
-    end = time.monotonic() + timeout_s
-    while time.monotonic() < end:
+    """Polls condition() and returns its first true value; fails after `timeout_s`. A condition that waits by itself, such as
+    for a message, is asked again at once."""
+    end, in_time = time.monotonic() + timeout_s, True
+    while in_time:
+        begun = time.monotonic()
+        in_time = begun < end  # asked once more if this process stood still meanwhile
         value = condition()
         if value:
             return value
-        time.sleep(0.02)
+        time.sleep(max(0.0, begun + 0.02 - time.monotonic()))
     raise AssertionError(f"{what} did not come true within {timeout_s} s")
 
 

@@ -47,7 +47,11 @@ class DiskCase(BenchCase):
 
     def files(self):
         """The contents of all stored files, including those set aside as outdated."""
-        return {path.name.removesuffix(".outdated"): path.read_bytes() for path in self.state.iterdir() if path.name != "filler"}
+        found = {}
+        for path in self.state.iterdir():
+            if path.name != "filler" and path.suffix != ".ovws-tmp":  # the daemon tries to write again and again
+                found[path.name.removesuffix(".outdated")] = path.read_bytes()
+        return found
 
     @contextlib.contextmanager
     def flowing(self):
@@ -58,10 +62,10 @@ class DiskCase(BenchCase):
         yield
         end = self.call("system.status")["t_ns"]
         while last["t_publish_ns"] < end:
-            message = stream.next(2.0)
+            message = stream.next(5.0)
             self.assertIsNotNone(message, "the stream stands still")
             self.assertEqual(message["seq"], last["seq"] + 1)
-            self.assertLess(message["t_arrival_ns"] - last["t_arrival_ns"], 2e9)
+            self.assertLess(message["t_arrival_ns"] - last["t_arrival_ns"], 5e9)
             last = message
         stream.close()
         self.assertEqual(self.call("system.status")["counters"]["frames_dropped"], dropped)

@@ -4,7 +4,7 @@ import time
 
 from case import BenchCase, Client, main, wait_for
 
-ANSWER_S = 0.5
+ANSWER_S = 2.0  # the camera is silent for longer; a busy machine may need a second
 
 
 class CameraFaults(BenchCase):
@@ -75,13 +75,13 @@ class CameraFaults(BenchCase):
         rose = self.fault("frames_late", {"kind": "delay", "delay_ms": 150, "frames": 10}, 10)
         self.assertGreaterEqual(rose["frames_unsettled"], rose["frames_late"])
         self.assertGreaterEqual(rose["frames_invalid"], rose["frames_late"])
-        self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 150, "seconds": 5.0})
+        self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 150, "seconds": 30.0})
         delayed_at_ns = time.time_ns()
         message = wait_for(lambda: (m := self.wavefront.next(2.0)) and m["t_device_ns"] > delayed_at_ns and m, what="a frame exposed after that")
-        for _ in range(20):
+        for _ in range(10):
             self.assertFalse(message["settled"] or message["valid"])
             self.assertEqual(set(message["coefficients"]), {None})
-            message = self.wavefront.next(2.0)
+            message = self.wavefront.next(5.0)
         held_up_us = wait_for(lambda: (us := self.call("system.status")["latency"]["arrived"]["max_us"]) > 100e3 and us, what="the delay in the status")
         self.assertLess(held_up_us, 10e6)
         self.twin.call("twin.fault", {"kind": "none"})

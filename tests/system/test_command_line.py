@@ -60,7 +60,7 @@ class CommandLine(BenchCase):
         self.assertRegex(self.ovws("status"), r"(?m)^loop +open$")
         self.assertNotIn("failed", self.ovws("status"))
         self.take_reference(10)
-        self.call("loop.close", {"patience_s": 0.5})
+        self.call("loop.close")
         wait_for(lambda: self.call("loop.get")["steps"] > 3, what="steps")
         self.assertRegex(self.ovws("status"), r"(?m)^loop +closed, \d+ steps, correction 0\.\d+ wave RMS, residual 0\.\d+ wave RMS$")
         self.call("loop.open")
@@ -94,9 +94,9 @@ class CommandLine(BenchCase):
     def test_watching_what_does_not_come(self):
         said = self.ovws("watch", "refined", code=1)
         self.assertIn("refine.enabled: refinement is off", said)
-        self.assertIn("no event message arrived within 0.3 s", self.ovws("--timeout", 0.3, "watch", "event", code=3))
+        self.assertIn("no event message arrived within 2 s", self.ovws("--timeout", 2, "watch", "event", code=3))
         self.call("refine.set", {"enabled": True, "electrons_per_dn": 39.2, "rate_hz": 0.01})
-        self.assertIn("no refined message arrived within 0.3 s", self.ovws("watch", "refined", "--timeout", 0.3, code=3))
+        self.assertIn("no refined message arrived within 2 s", self.ovws("watch", "refined", "--timeout", 2, code=3))
 
     def test_exit_codes(self):
         for endpoint in ("127.0.0.1", "127.0.0.1:7702", "tcp://127.0.0.1", "tcp://:7702", "tcp://127.0.0.1:77020", "tcp://127.0.0.1:port", ""):
@@ -158,7 +158,7 @@ class CommandLine(BenchCase):
                 self.assertEqual(watch.wait(5.0), 1)
 
     def test_watch(self):
-        self.assertIn("NOT VALID: no reference: ovws call reference.take", self.ovws("watch", "-n", 1))
+        wait_for(lambda: "NOT VALID: no reference: ovws call reference.take" in self.ovws("watch", "-n", 1), what="a frame that is not late")
         self.take_reference(10)
         lines = self.ovws("--json", "watch", "wavefront", "-n", 5).splitlines()
         self.assertEqual(len(lines), 5)
@@ -186,17 +186,17 @@ class CommandLine(BenchCase):
         self.addCleanup(watch.stdout.close)
         self.addCleanup(watch.wait)
         self.addCleanup(watch.kill)
-        self.assertTrue(any(line.endswith(" valid\n") for line in itertools.islice(watch.stdout, 2000)))
+        self.assertTrue(any(line.endswith(" valid\n") for line in itertools.islice(watch.stdout, 20_000)))
         self.assertTrue(any(self.reports_the_change(watch, 0.01 * k) for k in range(1, 40)))
         self.client.call("sensor.set", {"charge": 2})
-        self.assertTrue(any("NOT VALID: no reference" in line for line in itertools.islice(watch.stdout, 2000)))
+        self.assertTrue(any("NOT VALID: no reference" in line for line in itertools.islice(watch.stdout, 20_000)))
 
     def test_a_grating_is_distinguished_from_a_change(self):
         self.take_reference(10)
         self.call("slm.show", {"pattern": "grating"})
         warning = "NOT VALID: the SLM shows a grating: no wavefront is measured"
         wait_for(lambda: warning in self.ovws("watch", "-n", 1), what="the grating in watch")
-        done = subprocess.run([self.bench.programs / "ovws", "--timeout", "1", "snapshot", "-o", self.bench.directory / "shot"],
+        done = subprocess.run([self.bench.programs / "ovws", "--timeout", "5", "snapshot", "-o", self.bench.directory / "shot"],
                               capture_output=True, text=True, timeout=30)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn(warning, done.stderr)
@@ -217,7 +217,7 @@ class CommandLine(BenchCase):
 
     def test_snapshot_without_a_reference(self):
         def said():
-            done = subprocess.run([self.bench.programs / "ovws", "--timeout", "1", "snapshot", "-o", self.bench.directory],
+            done = subprocess.run([self.bench.programs / "ovws", "--timeout", "5", "snapshot", "-o", self.bench.directory],
                                   capture_output=True, text=True, timeout=30)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("NOT VALID: ", done.stderr)
@@ -228,11 +228,11 @@ class CommandLine(BenchCase):
             self.assertTrue((self.bench.directory / f"ovws-{name}.png").exists())
 
     def test_snapshot_that_cannot_be_written(self):
-        done = self.ovws("--timeout", 1, "snapshot", "-o", self.bench.directory / "nowhere" / "shot", code=1)
+        done = self.ovws("--timeout", 5, "snapshot", "-o", self.bench.directory / "nowhere" / "shot", code=1)
         self.assertIn(f"the folder {self.bench.directory}/nowhere does not exist", done)
         self.assertFalse((self.bench.directory / "nowhere").exists())
         (self.bench.directory / "shot-camera.png").mkdir()
-        done = self.ovws("--timeout", 1, "snapshot", "-o", self.bench.directory / "shot", code=1)
+        done = self.ovws("--timeout", 5, "snapshot", "-o", self.bench.directory / "shot", code=1)
         self.assertIn(f"the folder {self.bench.directory} exists", done)
 
     def test_pictures_without_a_daemon(self):

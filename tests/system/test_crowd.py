@@ -50,7 +50,7 @@ class Crowd(BenchCase):
         self.status.drain()
         p99, last, heard, end = [], None, 0, time.monotonic() + seconds
         while time.monotonic() < end:
-            message = self.reader.next(1.0)
+            message = self.reader.next(5.0)
             self.assertIsNotNone(message, "the stream stopped")
             self.assertTrue(last is None or message["seq"] == last + 1, "a message was lost")
             last, heard = message["seq"], heard + 1
@@ -99,7 +99,7 @@ class Crowd(BenchCase):
             nonlocal heard, come
             if come < COME_AND_GO:
                 guests = [self.subscriber() for _ in range(10)]
-                heard += sum(guest.poll(1000) > 0 for guest in guests)
+                heard += sum(guest.poll(10_000) > 0 for guest in guests)
                 come += len(guests)
                 for guest in guests:
                     guest.close(0)

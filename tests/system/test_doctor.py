@@ -20,6 +20,8 @@ ALONE = ["unshare", "--pid", "--fork", "--mount-proc"]  # hides services of this
 class DoctorCase(BenchCase):
     """`examine` runs the doctor with the configuration of `config`."""
 
+    timeout_s = 0.5  # of an answer of the daemon
+
     def setUp(self):
         own_mounts()
         super().setUp()
@@ -27,7 +29,7 @@ class DoctorCase(BenchCase):
     def run_doctor(self, *arguments, config=None, before=(), program=None, env=None):
         path = self.bench.directory / "doctor.json"
         path.write_text(config if isinstance(config, str) else json.dumps(config or self.config()))
-        command = [*before, program or self.bench.programs / "ovws", "--timeout", "0.5", "doctor", "--config", path, *arguments]
+        command = [*before, program or self.bench.programs / "ovws", "--timeout", str(self.timeout_s), "doctor", "--config", path, *arguments]
         return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=60, env=env or self.environment(),
                               cwd="/")
 
@@ -76,6 +78,8 @@ class DoctorCase(BenchCase):
 
 class Well(DoctorCase):
     """A healthy bench with a running daemon."""
+
+    timeout_s = 5.0
 
     def start_daemon(self):
         self.daemon_config = self.config()

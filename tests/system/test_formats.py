@@ -64,6 +64,7 @@ class Formats(BenchCase):
     def test_a_colour_camera_is_registered_and_calibrated(self):
         """Also rotated: the first steps with the paper's camera."""
         self.bench.stop("ovws-twin")
+        self.wait_until("waiting_for_camera", 20.0)
         self.bench.start_twin(STILL | {"camera": {"rotation_deg": 20.0}})
         self.wait_until("running", 20.0)
         self.call("camera.set", {"pixel_format": "BayerRG8", "frame_rate_hz": 60.0})

@@ -145,8 +145,8 @@ class Messages(BenchCase):
         self.checked_message(numbers["wavefront"], "wavefront")  # without a reference
         self.take_reference(20)
         self.settled_frames(numbers["wavefront"], 1)
-        wavefront, _ = self.checked_message(numbers["wavefront"], "wavefront")
-        self.assertTrue(wavefront["valid"])
+        while not self.checked_message(numbers["wavefront"], "wavefront")[0]["valid"]:  # a busy machine makes some late
+            pass
         spots = None
         while not (spots and spots["valid"]):  # the oldest messages are of frames that were not settled
             spots, binary = self.checked_message(numbers["spots"], "spots")

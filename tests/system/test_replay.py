@@ -146,10 +146,11 @@ class Replay(BenchCase):
         self.call("camera.set", {"exposure_us": 500.0})
         self.take_reference(10, allow_aberration=True)
         self.settled_frames(stream, 10)
-        self.call("record.stop")
+        lacking = self.call("record.stop")["pictures_dropped"]  # a busy machine may be too slow for one
+        self.assertLess(lacking, 20)
         changes = self.replayed("changes")
         print("\n ", changes, len(list(self.open("changes").documents("plan"))), "plans")
-        self.assertEqual(changes["same"], changes["frames"])
+        self.assertEqual(changes["same"], changes["frames"] - lacking)
         self.assertGreater(changes["frames"], changes["valid"])
         frames = self.open("changes").frames
         for name in ("rms_waves", "fit_residual_px"):

@@ -81,7 +81,7 @@ class Standing(SlowDisk):
         self.wait_until("running")
         saved = self.in_background("config.save")
         slowest_s, hologram, reason = 0.0, 0, ""
-        while time.monotonic() - began < STANDS_S:
+        while time.monotonic() - began < (30.0 if not reason else STANDS_S):
             asked = time.monotonic()
             status = self.call("system.status")
             hologram = self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.02 * (hologram % 2)}]})["hologram_id"]

@@ -50,8 +50,8 @@ class Split(BenchCase):
         stream = self.stream("wavefront")
         for modes in (*map(random_modes, (1, 2, 3)), {}):
             self.hide(modes)
-            took_s, _ = self.frames_until_valid(stream, 5.0)
-            wait_for(lambda: all(frame["sigma"][0] is not None for frame in self.newest(stream, 5)), 5.0, "fitted frames")
+            took_s, _ = self.frames_until_valid(stream, 20.0)
+            wait_for(lambda: all(frame["sigma"][0] is not None for frame in self.newest(stream, 5)), 20.0, "fitted frames")
             frames = self.newest(stream)
             error = self.error(frames, modes)
             print(f"\n  {len(modes)} modes: valid after {took_s:.2f} s, {min(f['tracked'] for f in frames)} of 19 spots, error of all modes {error:.4f} wave")
@@ -71,13 +71,13 @@ class Split(BenchCase):
         self.assertEqual([frame["valid"] for frame in frames], [False] * 3)
         self.assertEqual({value for frame in frames for value in [*frame["coefficients"], frame["rms_waves"]]}, {None})
         self.assertGreater(min(residuals), 0.045 * 12.55)
-        said = wait_for(lambda: self.call("system.status")["sensor"]["invalid"], 5.0)
+        said = wait_for(lambda: self.call("system.status")["sensor"]["invalid"], 20.0)
         self.assertIn("fit", said["action"])
         self.hide({})
         self.call("sensor.set", {"tracker": "fit"})
         self.take_reference()
         self.hide(modes)
-        took_s, _ = self.frames_until_valid(stream, 5.0)
+        took_s, _ = self.frames_until_valid(stream, 20.0)
         error = self.error([frame for frame in self.newest(stream) if frame["valid"]], modes)
         print(f"\n  thresholded, wavefront 2: residual {max(residuals):.2f} px; {said['action']}: valid after {took_s:.2f} s, error of all modes {error:.4f} wave")
         self.assertLess(error, 0.01)
@@ -95,8 +95,10 @@ class Split(BenchCase):
         """Twelve wavefronts, each as soon as a single search may have ended; then one stays for a while and is removed."""
         self.take_reference()
         stream = self.stream("wavefront")
-        self.hide(random_modes(19))
-        alone_s, _ = self.frames_until_valid(stream, 5.0)
+        alone_s = 0.0
+        for seed in (17, 18, 19):
+            self.hide(random_modes(seed))
+            alone_s = max(alone_s, self.frames_until_valid(stream, 20.0)[0])
         stay = max(70, int(150 * alone_s))  # frames, 100 a second
         valid = count = 0
         for seed in range(20, 32):
@@ -104,11 +106,11 @@ class Split(BenchCase):
             frames = self.newest(stream, stay)
             valid, count = valid + sum(frame["valid"] for frame in frames), count + len(frames)
         self.hide(random_modes(32))
-        took_s, _ = self.frames_until_valid(stream, 5.0)
+        took_s, _ = self.frames_until_valid(stream, 20.0)
         error = self.error([frame for frame in self.newest(stream, 40) if frame["valid"]], random_modes(32))
         frames = self.newest(stream, 400)
         self.hide({})
-        gone_s, frame = self.frames_until_valid(stream, 2.0)
+        gone_s, frame = self.frames_until_valid(stream, 20.0)
         print(f"\n  one search takes {alone_s:.2f} s; twelve wavefronts: {valid} of {count} frames valid; the next is after {took_s:.2f} s, error {error:.3f} wave; "
               f"when it has gone after {gone_s:.2f} s")
         self.assertGreater(valid, count // 4)  # 75 % on a quiet machine

@@ -9,17 +9,15 @@ class Unplug(BenchCase):
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
         stream = self.stream("wavefront")
-        first = stream.next(5.0)
+        before = stream.next(10.0)
         twin.call("twin.fault", {"kind": "unplug", "seconds": 2.0})
-        frames, last = 1, first
-        while last["t_arrival_ns"] < first["t_arrival_ns"] + 6_000_000_000:
-            last = stream.next(10.0)
-            frames += 1 + last["gap"]
-        due = 1 + 100.0 * 1e-9 * (last["t_arrival_ns"] - first["t_arrival_ns"])
+        while (after := stream.next(20.0))["t_arrival_ns"] < before["t_arrival_ns"] + 1_500_000_000:
+            before = after
+        due = 100.0 * 1e-9 * (after["t_arrival_ns"] - before["t_arrival_ns"])
         reconnects = self.call("system.status")["counters"]["camera_reconnects"]
-        print(f"\n  {frames} frames sent or counted as missing, {due:.0f} due, {reconnects} reconnections")
+        print(f"\n  {after['gap'] + 1} frames sent or counted as missing, {due:.0f} due, {reconnects} reconnections")
         self.assertGreaterEqual(reconnects, 1)
-        self.assertLess(abs(frames - due), 0.1 * due)
+        self.assertLess(abs(after["gap"] + 1 - due), 0.1 * due)
 
     def incomplete(self):
         return self.call("system.status")["counters"]["frames_incomplete"]
@@ -30,27 +28,26 @@ class Unplug(BenchCase):
         stream = self.stream("wavefront")
         for seconds in (0.1, 0.3, 0.6, 3.0):
             with self.subTest(seconds=seconds):
-                before = stream.next(10.0)
                 incomplete = self.incomplete()
                 twin.call("twin.fault", {"kind": "incomplete", "seconds": 9})  # the camera's properties change while it disconnects
                 wait_for(lambda: self.incomplete() > incomplete, what="an incomplete frame")
-                begun = time.monotonic()
                 twin.call("twin.fault", {"kind": "unplug", "seconds": seconds})
-                wait_for(lambda: stream.next(10.0)["t_arrival_ns"] > before["t_arrival_ns"] + (seconds + 0.05) * 1e9, 30.0, "frames")
-                print(f"\n  {seconds} s: frames again after {time.monotonic() - begun:.1f} s")
+                plugged_ns = time.time_ns() + seconds * 1e9
+                frame = wait_for(lambda: (m := stream.next(1.0)) and m["t_arrival_ns"] > plugged_ns and m, 30.0, "frames")
+                print(f"\n  {seconds} s: frames again after {seconds + 1e-9 * (frame['t_arrival_ns'] - plugged_ns):.1f} s")
                 self.assertTrue(twin.call("twin.get")["camera"]["plugged"])
 
     def test_the_closed_loop_waits_for_a_camera_that_was_unplugged_shortly(self):
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
         self.take_reference(10)
-        self.call("loop.close")
+        self.call("loop.close", {"patience_s": 20.0})
         wait_for(lambda: self.call("loop.get")["steps"] > 3, what="steps")
         reconnects = self.call("system.status")["counters"]["camera_reconnects"]
         twin.call("twin.fault", {"kind": "unplug", "seconds": 0.5})
-        wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > reconnects, what="the reconnection")
+        wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > reconnects, 30.0, "the reconnection")
         steps = self.call("loop.get")["steps"]
-        wait_for(lambda: not self.call("loop.get")["closed"] or self.call("loop.get")["steps"] > steps + 3, what="steps again")
+        wait_for(lambda: not self.call("loop.get")["closed"] or self.call("loop.get")["steps"] > steps + 3, 30.0, "steps again")
         report = self.call("loop.get")
         self.call("loop.open")
         self.assertTrue(report["closed"], report)
@@ -60,6 +57,7 @@ class Unplug(BenchCase):
         self.addCleanup(twin.close)
         mine = {"exposure_us": 300.0, "frame_rate_hz": 60.0, "pixel_format": "Mono12", "gain_db": 3.0, "roi": {"x": 0, "y": 16, "width": 512, "height": 480}}
         mine = self.call("camera.set", mine)["applied"]
+        self.client.timeout_s = 30.0  # the camera is written to again and again, and then opened again
         stream = self.stream("wavefront")
         for gain_db in (5.0, 6.0):
             with self.subTest(gain_db=gain_db):

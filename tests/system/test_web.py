@@ -4,6 +4,7 @@ import json
 import os
 import signal
 import socket
+import statistics
 import time
 import zlib
 from io import BytesIO
@@ -198,16 +199,16 @@ class Web(WebCase):
 
     def test_the_daemon_hardly_notices_a_browser(self):
         daemon = self.bench.process("ovwsd").pid
-        spent = {}
-        for name in ("alone", "watched"):
+        spent = {"alone": [], "watched": []}
+        for name in 5 * ("alone", "watched"):
             stream = self.messages() if name == "watched" else None
-            before, end = cpu_s(daemon), time.monotonic() + 2.0
-            while time.monotonic() < end:
+            before, begun = cpu_s(daemon), time.monotonic()
+            while time.monotonic() < begun + 1.0:
                 next(stream) if stream else time.sleep(0.1)
-            spent[name] = (cpu_s(daemon) - before) / 2.0
-        cost = spent["watched"] - spent["alone"]
-        print(f"\n  the daemon: {100 * spent['alone']:.1f} % of a core alone, {100 * spent['watched']:.1f} % with a browser")
-        self.assertLess(cost, 0.05)
+            spent[name].append((cpu_s(daemon) - before) / (time.monotonic() - begun))
+        alone, watched = (statistics.median(spent[name]) for name in ("alone", "watched"))
+        print(f"\n  the daemon: {100 * alone:.1f} % of a core alone, {100 * watched:.1f} % with a browser")
+        self.assertLess(watched - alone, 0.05)
 
     def test_commands_and_the_daemons_own_refusals(self):
         applied = self.command("camera.set", {"gain_db": 6})["result"]["applied"]

@@ -182,10 +182,10 @@ TEST_F(DisplayTrouble, WithoutAnyDisplaySystemItIsUnavailable) {
 }
 
 TEST_F(DisplayTrouble, AServerThatDoesNotAnswerIsUnavailable) {
-  setenv("DISPLAY", ":9999", 1);
+  setenv("DISPLAY", ":29999", 1);
   const Error error = refused(slm_config());
   EXPECT_EQ(error.code, Errc::unavailable);
-  EXPECT_TRUE(has(error.reason, ":9999")) << error.reason;
+  EXPECT_TRUE(has(error.reason, ":29999")) << error.reason;
 }
 
 TEST_F(DisplayTrouble, SdlDriversThatShowNothingAreUnavailable) {
@@ -265,6 +265,16 @@ TEST_F(DisplayTrouble, AWindowOverTheSlmIsNoticedByItsNameAndOpeningAgainIsOnTop
   EXPECT_EQ(watch(*display, 1.5), "");
 }
 
+/// Checks the display until the image is complete again, for 10 s at most.
+template <class CountWrong>
+bool is_redrawn(Display& display, CountWrong count_wrong) {
+  for (int turn = 0; turn < 50; ++turn) {
+    if (!watch(display, 0.2).empty()) return false;
+    if (count_wrong() == 0) return true;
+  }
+  return false;
+}
+
 TEST_F(DisplayTrouble, WhatIsReadBackIsWhatStandsThereWhoeverDrewIt) {
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
@@ -284,8 +294,7 @@ TEST_F(DisplayTrouble, WhatIsReadBackIsWhatStandsThereWhoeverDrewIt) {
     const Intruder intruder;
     EXPECT_GT(differing(), 100);
   }
-  EXPECT_EQ(watch(*display, 0.2), "");
-  EXPECT_EQ(differing(), 0);
+  EXPECT_TRUE(is_redrawn(*display, differing));
 }
 
 TEST_F(DisplayTrouble, AnUncoveredImageIsDrawnAgain) {
@@ -294,8 +303,7 @@ TEST_F(DisplayTrouble, AnUncoveredImageIsDrawnAgain) {
   const auto picture = random_image(5);
   ASSERT_TRUE(display->present(picture));
   { const Intruder brief; }
-  EXPECT_EQ(watch(*display, 0.2), "");
-  EXPECT_EQ(wrong_pixels(picture), 0);
+  EXPECT_TRUE(is_redrawn(*display, [&] { return wrong_pixels(picture); }));
 }
 
 TEST_F(DisplayTrouble, AWindowDestroyedByAnotherProgramIsNoticed) {

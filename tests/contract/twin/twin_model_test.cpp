@@ -206,6 +206,7 @@ TEST_F(RunningBench, GivesTheLightOfWhatIsShownNow) {
   EXPECT_EQ(sent(bench.begin(kWindow)), light);
   bench.go_dark();
   EXPECT_EQ(sent(bench.begin(kWindow))->intensity->pixels, dark->intensity->pixels);
+  worker = {};  // nobody computes the light of another window
   EXPECT_FALSE(scene(bench.begin({0, 0, 64, 64}), nullptr, milliseconds(0)));
 }
 
@@ -245,7 +246,7 @@ TEST_F(RunningBench, SendsFramesWhileTheDisplayChangesFasterThanFarFieldsAreComp
   for (int frame = 0; frame < 10; ++frame) {
     const std::uint64_t begun = bench.begin(kWindow);
     Light ready, light;
-    while ((light = scene(begun, ready, milliseconds(400))) != ready) ready = light;
+    while ((light = scene(begun, ready, milliseconds(20'000))) != ready) ready = light;
     ASSERT_TRUE(light) << "frame " << frame;
   }
 }
