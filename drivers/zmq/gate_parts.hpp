@@ -27,7 +27,7 @@ struct Gate::Parts {
              ///< the reason and whose key may be added later
   };
   /// Makes a socket encrypt, and admit only clients with a known key (CURVE, ZeroMQ's security).
-  /// `unknown_key`: what other clients are told. Call it before the socket is bound.
+  /// `unknown_key`: the reply to other clients. Call it before the socket is bound.
   void guard(zmq::socket_t& socket, UnknownKey unknown_key);
   /// Appends the sockets that `serve` reads to the poll list `items`.
   void add_to(std::vector<zmq_pollitem_t>& items);

@@ -1,10 +1,11 @@
 """Each camera fault has its own counter; frames around it are measured, and requests are answered."""
 import json
+import statistics
 import time
 
 from case import BenchCase, Client, main, wait_for
 
-ANSWER_S = 2.0  # the camera is silent for longer; a busy machine may need a second
+ANSWER_S, LONGEST_ANSWER_S = 0.5, 2.0  # of half of the answers; of each, because a busy machine delays some
 
 
 class CameraFaults(BenchCase):
@@ -17,7 +18,11 @@ class CameraFaults(BenchCase):
         self.take_reference(20)
         self.wavefront = self.stream("wavefront")
         self.settled_frames(self.wavefront, 5)
-        self.slowest_s = 0.0
+        self.answers_s = []
+
+    def assert_answered(self):
+        self.assertLess(statistics.median(self.answers_s), ANSWER_S)
+        self.assertLess(max(self.answers_s), LONGEST_ANSWER_S)
 
     def counters(self):
         return self.call("system.status")["counters"]
@@ -27,7 +32,7 @@ class CameraFaults(BenchCase):
         for method, params in (("system.status", {}), ("camera.get", {}), ("aberration.set", {"modes": []}), ("config.get", {})):
             asked = time.monotonic()
             self.call(method, params)
-            self.slowest_s = max(self.slowest_s, time.monotonic() - asked)
+            self.answers_s.append(time.monotonic() - asked)
 
     def fault(self, counter, fault, least):
         """Injects the fault and waits for its counter; returns the increase of each counter."""
@@ -45,7 +50,7 @@ class CameraFaults(BenchCase):
         rose = {name: value - before[name] for name, value in self.counters().items() if value != before[name]}
         print(f"\n  {fault}\n    { {name: value for name, value in rose.items() if 'frames' in name} }")
         self.assertEqual(self.call("system.status")["state"], "running")
-        self.assertLess(self.slowest_s, ANSWER_S)
+        self.assert_answered()
         return rose
 
     def test_lost_incomplete_duplicated_and_out_of_order(self):
@@ -103,8 +108,8 @@ class CameraFaults(BenchCase):
                         gap = max(gap, message["gap"])
                 self.settled_frames(self.wavefront, 20)
                 rose = {name: value - before[name] for name, value in self.counters().items() if value != before[name]}
-                print(f"\n  frozen {seconds} s: gap {gap}, slowest answer {self.slowest_s:.3f} s\n    {json.dumps(rose)}")
-                self.assertLess(self.slowest_s, ANSWER_S)
+                print(f"\n  frozen {seconds} s: gap {gap}, slowest answer {max(self.answers_s):.3f} s\n    {json.dumps(rose)}")
+                self.assert_answered()
                 self.assertEqual(rose.get("camera_reconnects", 0), reconnects)
                 if reconnects:
                     self.assertGreater(gap, 0.8 * 100 * seconds)
@@ -129,10 +134,10 @@ class CameraFaults(BenchCase):
         self.call("camera.set", {"roi": {"x": 16, "y": 16, "width": 480, "height": 480}})
         stopped_s = time.monotonic() - asked
         self.ask()
-        print(f"\n  registers slow by 20 ms: gain and exposure {live_s:.3f} s, region {stopped_s:.3f} s, others {self.slowest_s:.3f} s")
+        print(f"\n  registers slow by 20 ms: gain and exposure {live_s:.3f} s, region {stopped_s:.3f} s, others {max(self.answers_s):.3f} s")
         self.assertGreater(live_s, 0.040)
         self.assertLess(live_s, ANSWER_S)
-        self.assertLess(self.slowest_s, ANSWER_S)
+        self.assert_answered()
         self.assertEqual(self.twin.call("twin.get")["camera"]["roi"]["width"], 480)
         self.assertEqual(self.call("system.status")["counters"]["camera_reconnects"], 0)
         self.call("camera.set", {"roi": {"x": 0, "y": 0, "width": 512, "height": 512}})

@@ -1,6 +1,7 @@
 """A camera that dies or hangs: detected soon, reported, and used again soon after it returns."""
 import os
 import signal
+import statistics
 import time
 
 from case import BenchCase, Client, main, wait_for
@@ -8,7 +9,7 @@ from case import BenchCase, Client, main, wait_for
 CAMERA = {"gain_db": 3.0, "exposure_us": 1500.0, "frame_rate_hz": 80.0, "pixel_format": "Mono12",
           "roi": {"x": 8, "y": 16, "width": 488, "height": 480}}
 PERIOD_S = 1.0 / CAMERA["frame_rate_hz"]
-ANSWER_S = 2.0  # the camera is silent for longer; a busy machine may need a second
+ANSWER_S, LONGEST_ANSWER_S = 0.5, 2.0  # of half of the answers; of each, because a busy machine delays some
 PATIENCE_S = max(3.0 * PERIOD_S, 1e-6 * CAMERA["exposure_us"] + 2.0)
 ABSENT_S = [0.3, 4.0, 10.0] + ([60.0] if os.environ.get("OVWS_LONG_ABSENCE") else [])
 
@@ -21,7 +22,11 @@ class CameraKilled(BenchCase):
         self.take_reference(20)
         self.wavefront, self.events = self.stream("wavefront"), self.stream("event")
         self.settled_frames(self.wavefront, 5)
-        self.slowest_s = 0.0
+        self.answers_s = []
+
+    def assert_answered(self):
+        self.assertLess(statistics.median(self.answers_s), ANSWER_S)
+        self.assertLess(max(self.answers_s), LONGEST_ANSWER_S)
 
     def wait_for_fault(self, since):
         """Seconds until the camera counts as gone by its event; checks status and frames too."""
@@ -65,12 +70,12 @@ class CameraKilled(BenchCase):
         for method, params in (("system.status", {}), ("camera.get", {}), ("aberration.set", {"modes": []})):
             asked = time.monotonic()
             self.call(method, params)
-            self.slowest_s = max(self.slowest_s, time.monotonic() - asked)
+            self.answers_s.append(time.monotonic() - asked)
         if absent:
             asked = time.monotonic()
             self.assertIn("camera", str(self.refused("camera.set", {"gain_db": 1.0})))
-            self.slowest_s = max(self.slowest_s, time.monotonic() - asked)
-        self.assertLess(self.slowest_s, ANSWER_S)
+            self.answers_s.append(time.monotonic() - asked)
+        self.assert_answered()
 
     def last_frame(self):
         frame = self.wavefront.next(2.0)
@@ -103,7 +108,7 @@ class CameraKilled(BenchCase):
                 away = 1e-9 * (first["t_arrival_ns"] - before["t_arrival_ns"]) / PERIOD_S
                 seen = f"seen after {seen_s:.2f} s" if seen_s else "not to be seen yet"
                 print(f"\n  away {absent_s} s: {seen}, valid {back_s:.2f} s after it answered, "
-                      f"{gap} of {away:.0f} frames missing, slowest answer {self.slowest_s:.3f} s")
+                      f"{gap} of {away:.0f} frames missing, slowest answer {max(self.answers_s):.3f} s")
                 self.assertLess(back_s, max(0.0, PATIENCE_S - absent_s) + 5.0)
                 self.assertLess(abs(gap - away), 0.1 * away + 20)
                 wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] == reconnects + 1, 5.0, "a reconnect, counted")

@@ -57,8 +57,8 @@ class Measurement {
                                   const std::optional<RefineCamera>& camera = std::nullopt);
 
   /// Measures an image without history: Acquisition searches every spot, then `fit` finds the
-  /// wavefront from all pixels (PointModel). If the image does not
-  /// have the size that the plan was made for, no spots are found.
+  /// wavefront from all pixels (PointModel). Finds no spots in an image that does not have the size
+  /// that the plan was made for.
   Measured measure(const ImageView& image);
   const MeasurementPlan& plan() const { return *plan_; }
 

@@ -333,8 +333,8 @@ TEST_F(TwinOnBench, SustainsTwoHundredFramesPerSecondWithoutLosingOne) {
     std::printf("  %.1f frames/s, reused %d, nudges %d, late %d\n", double(frames) / 5.0,
                 after["reused"].get<int>() - before["reused"].get<int>(),
                 after["nudges"].get<int>() - before["nudges"].get<int>(), late);
-    EXPECT_GT(frames, 250U);
-    return int(last - first - frames) + late;
+    const int too_few = frames > 500 ? 0 : 1;
+    return int(last - first - frames) + late + too_few;
   };
   EXPECT_EQ(first_exact(0, lost_in_5_s), 0);
 }
@@ -425,9 +425,8 @@ TEST_F(TwinOnBench, ComesBackAfterItWasUnplugged) {
 TEST_F(TwinOnBench, FreezesAndGoesOn) {
   bench.show(sensor);
   bench.start(settings);
-  const std::int64_t before_ns = bench.newer_frame().t_device_ns;
+  std::int64_t last_ns = bench.newer_frame().t_device_ns, longest_ns = 0;
   bench.call("twin.fault", {{"kind", "freeze"}, {"seconds", 0.5}});
-  std::int64_t last_ns = before_ns, longest_ns = 0;
   GrabbedFrame frame;
   for (int n = 0; n < 100 && longest_ns < 400'000'000; ++n) {
     if (bench.camera().grab(frame, std::chrono::milliseconds(1000)) != GrabStatus::frame) continue;
