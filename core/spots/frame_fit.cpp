@@ -19,8 +19,11 @@ constexpr double kMaxResidualShare = 0.005;  // fraction of a window's width
 constexpr int kMaxPointLostShare = 8;        // as kMaxLostShare, at the operating point
 constexpr double kMaxResidualInAir = 2.0;    // standard errors, with known higher modes
 constexpr double kMaxPointResidual = 1.3;    // standard errors, at the operating point
-constexpr double kMaxDriftWaves = 0.15;      // RMS; beyond, templates are no better than positions
-constexpr double kBentPerWave = 1.2;         // template error over squared drift, 1 / wave
+// Error of all modes over squared drift, 1 / wave, relative to their noise over that of the best
+// mode if it were alone: the same for 18 to 44 modes, charges 0 and 1, and 0.05 to 0.9 wave RMS.
+constexpr double kBent = 0.18;
+constexpr double kMaxDriftWaves = 0.15;  // RMS; farther ones were not examined
+constexpr double kMaxBentWaves = 0.03;   // RMS, or that of the noise; beyond, positions are as good
 constexpr double kMaxOverCeiling = 1.1;
 constexpr double kOverTheory = 2.0;        // variance by higher modes over theory, turbulence
 constexpr double kMinConditioning = 1e-9;  // of the normal equations
@@ -71,7 +74,8 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   max_residual_px_ = kMaxResidualShare * window.width_px();
   px_error_ = std::sqrt(px_error_ / std::max(usable_spots, 1));
   const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
-  if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) return;
+  const bool determined = modes > 0 && solver.info() == Eigen::Success;
+  if (!determined || !(solver.rcond() > kMinConditioning)) return;
   inverse_ = solver.solve(Eigen::MatrixXd::Identity(modes, modes));
   growth_ = Eigen::VectorXd::Ones(modes);
   if (in_air()) allow_for(higher);
@@ -190,10 +194,12 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
   const bool small = in_air()
                          ? frame.residual < kMaxResidualInAir
                          : frame.residual < kMaxResidual || frame.residual_px < max_residual_px_;
-  frame.credible = frame.drift_waves < kMaxDriftWaves && small;
+  const double noise_waves = std::sqrt(growth_.dot(scratch.variances)) / brightness;
+  frame.bent_waves = error_by_drift(scratch, noise_waves);
+  frame.credible = frame.drift_waves < kMaxDriftWaves &&
+                   frame.bent_waves < std::max(kMaxBentWaves, noise_waves) && small;
   const double scale =
       std::max(1.0, frame.residual) / (in_air() ? std::min(1.0, brightness) : brightness);
-  frame.bent_waves = kBentPerWave * frame.drift_waves * frame.drift_waves;
   for (std::size_t k = 0; k < coefficients.size(); ++k) {
     const auto row = Eigen::Index(k);
     const double variance = scale * scale * growth_(row) * scratch.variances(row) +
@@ -209,6 +215,13 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
     fixes[i].level = found[i].level;
   }
   return frame;
+}
+
+/// Error of all modes because the templates are not linear, RMS. The part of the step that is noise
+/// does not count.
+double FrameFit::error_by_drift(const Scratch& scratch, double noise_waves) const {
+  const double drift = std::max(0.0, scratch.step.squaredNorm() - noise_waves * noise_waves);
+  return kBent * std::sqrt(scratch.variances.sum() * normal_.diagonal().maxCoeff()) * drift;
 }
 
 /// Covariance of the modes from the spots in use; null if too few spots determine the modes.

@@ -28,8 +28,8 @@ struct FittedFrame {
 
 /// Template fit of a whole frame; immutable after `check`. Templates are exact at the operating
 /// point, the wavefront for which they were rendered. Coefficient errors grow with the square of
-/// the distance from that point: 0.0005 wave at 0.02 wave RMS, 0.003 at 0.05 and 0.01 to 0.02 at
-/// 0.1 (default bench, 18 modes).
+/// the distance from that point. RMS of all modes at 0.1 wave RMS from it (default bench): 0.01 for
+/// 18 modes and 0.03 for 44; about twice as much about a wavefront of 1.2 wave.
 class FrameFit {
  public:
   /// `rendered`: every spot at the operating point, with derivatives for `modes_j`.
@@ -84,6 +84,7 @@ class FrameFit {
   bool solve_normal(std::span<const SpotEstimates> found, Scratch& scratch) const;
   double select(std::span<const SpotEstimates> found, Scratch& scratch, FittedFrame& frame) const;
   double left_of(std::size_t spot, const SpotEstimates& found, const Scratch& scratch) const;
+  double error_by_drift(const Scratch& scratch, double noise_waves) const;
   int summarise(std::span<const SpotEstimates> found, const Scratch& scratch, double brightness,
                 FittedFrame& frame) const;
 

@@ -256,16 +256,16 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
   const double allowed_px =
       std::max(kMaxResidual * window.width_px(), kMaxOverReference * reference_residual_px_);
   const FittedFrame& found_again = fit->check(image, allowed_px);
-  if (!found_again.credible) {
-    return fail(Errc::refused, "image",
-                "too few spots look as the model renders them: check exposure, focus and optics");
-  }
   // Undamped step: the earlier steps were damped. In a dim image, a large undamped step may be the
   // only sign of a wrong wavefront.
   if (found_again.drift_waves > kFarWaves) {
     return fail(
         Errc::refused, "image",
         "all renderings of the search found no wavefront: check exposure, focus and optics");
+  }
+  if (!found_again.credible) {
+    return fail(Errc::refused, "image",
+                "too few spots look as the model renders them: check exposure, focus and optics");
   }
   return fit;
 }

@@ -28,13 +28,13 @@ constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // a failed model: new fra
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
 TemplateDrift drift_of(const FrameRecord& record) {
-  double variance = 0.0;
+  double variance = -std::pow(record.templates.bent_waves, 2);  // drift adds to sigma_waves
   for (int k = 0; k < record.mode_count; ++k) {
     variance += std::pow(double(record.sigma_waves[std::size_t(k)]), 2);
   }
   const FrameFit& fit = *record.plan->fit;
   return {.drift_waves = record.templates.drift_waves,
-          .sigma_waves = std::sqrt(variance),
+          .sigma_waves = std::sqrt(std::max(variance, 0.0)),
           .residual = record.templates.residual,
           .point_residual = fit.at_point().residual,
           .in_air = fit.point().higher_waves > 0.0};

@@ -90,7 +90,53 @@ TEST_F(Templates, FindTheWavefrontFromARoughStart) {
   }
 }
 
-/// Strong wavefronts split spots, and 44 modes have false minima.
+struct Distance {
+  int charge, modes;
+  double rms;  ///< of the operating point, waves
+};
+
+/// Away from the operating point, errors grow faster the more modes there are and the stronger the
+/// wavefront is. The standard errors allow for it, and far frames are not credible.
+class AwayFromTheirPoint : public Templates, public testing::WithParamInterface<Distance> {};
+
+TEST_P(AwayFromTheirPoint, TemplatesKnowTheirError) {
+  const auto [charge, modes, rms] = GetParam();
+  const PixelNoise noise{kReadNoiseE * kReadNoiseE, 1.0};
+  PointModel model(renderer(charge, modes), kMaxSpotEstimates);
+  model.use_model();
+  int credible = 0;
+  double worst = 0.0, squares = 0.0, claims = 0.0;
+  for (unsigned draw = 1; draw <= 3; ++draw) {
+    const Waves point = random(modes, rms, draw), step = random(modes, 1.0, draw + 100);
+    const auto image = exposed(light(charge, point), kReadNoiseE, draw);
+    const std::vector<Waves> start{point};
+    const auto fit = model.templates(view(image), noise, start, {}, 8);
+    ASSERT_TRUE(fit) << fit.error().reason;
+    for (const double away : {-0.15, -0.1, -0.03, 0.03, 0.1, 0.15}) {
+      Waves truth = point;
+      for (std::size_t k = 0; k < truth.size(); ++k) truth[k] += away * step[k];
+      const auto moved = exposed(light(charge, truth), kReadNoiseE, draw);
+      const Frame frame = measured(**fit, view(moved));
+      EXPECT_TRUE(frame.fitted.credible || std::abs(away) > 0.03) << away << ", draw " << draw;
+      if (!frame.fitted.credible) continue;
+      ++credible;
+      worst = std::max(worst, error(frame.waves, truth));
+      squares += std::pow(error(frame.waves, truth), 2);
+      for (std::size_t k = 2; k < truth.size(); ++k) claims += std::pow(double(frame.sigma[k]), 2);
+    }
+  }
+  std::printf("  %d of 18 credible, error %.3f, claimed %.3f, worst %.3f wave\n", credible,
+              std::sqrt(squares / credible), std::sqrt(claims / credible), worst);
+  EXPECT_LT(worst, 0.08);
+  EXPECT_LT(squares, 2.0 * claims);
+  EXPECT_GT(9.0 * squares, claims) << "the standard errors are too large";
+}
+
+INSTANTIATE_TEST_SUITE_P(Templates, AwayFromTheirPoint,
+                         testing::Values(Distance{1, 9, 0.3}, Distance{1, 18, 0.3},
+                                         Distance{0, 18, 0.3}, Distance{1, 18, 0.9},
+                                         Distance{1, 44, 0.3}, Distance{1, 44, 0.6}));
+
 TEST_F(Templates, FindStrongWavefrontsFromAFlatStart) {
   constexpr int kDraws = 12;
   struct Case {
