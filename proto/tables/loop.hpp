@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/control/integrator.hpp"
+#include "core/control/loop_settings.hpp"
 #include "proto/tables/modes.hpp"
 #include "proto/tables/time.hpp"
 

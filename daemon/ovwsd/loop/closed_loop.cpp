@@ -9,6 +9,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/control/integrator.hpp"
 #include "core/port/clock.hpp"
 
 namespace ovws {
@@ -67,6 +68,15 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
   return {};
 }
 
+/// Makes the integrator of a mode, with its own gain if it has one.
+ModalControl::MakeLaw integrators(const LoopSettings& settings) {
+  return [settings](int j, double correction_waves) {
+    const auto own = std::ranges::find(settings.gains, j, &ModeGain::j);
+    const double gain = own != settings.gains.end() ? own->gain : settings.gain;
+    return std::make_unique<Integrator>(gain, settings.leak, correction_waves);
+  };
+}
+
 /// Whether an invalid frame may still steer the loop: it is settled and has a reference, at most
 /// one spot in every kMinSpotsPerLost is lost, and the fit residual is at most kMaxResidual.
 bool is_rough_guide(const FrameRecord& record) {
@@ -97,8 +107,10 @@ void ClosedLoop::add(const FrameRecord& record) {
     // Spot positions, unlike templates, measure only the leading modes of the plan.
     newest_.modes_j =
         record.templates.credible ? record.plan->modes_j : record.plan->reconstructor->modes_j();
-    newest_.residual_waves.assign(record.coefficients.begin(),
-                                  record.coefficients.begin() + newest_.modes_j.size());
+    const auto modes = std::ptrdiff_t(newest_.modes_j.size());
+    newest_.residual_waves.assign(record.coefficients.begin(), record.coefficients.begin() + modes);
+    newest_.sigma_waves.assign(record.sigma_waves.begin(), record.sigma_waves.begin() + modes);
+    newest_.t_ns = record.frame.t_arrival_mono_ns - std::llround(500.0 * record.exposure_us);
     has_sample_ = true;
   }
   filled_.notify_one();
@@ -107,25 +119,27 @@ void ClosedLoop::add(const FrameRecord& record) {
 bool ClosedLoop::do_work() {
   const bool asked = mailbox_.run_one(is_closed() ? std::chrono::milliseconds(0) : kTurn);
   if (!is_closed()) return asked;
-  if (take_sample()) {
-    act();
+  if (const SensorView sensor = take_sample()) {
+    act(*sensor);
     return true;
   }
-  const LoopEnd end = integrator_->wait(monotonic_ns(), deps_.spots_found_ns());
+  const LoopEnd end = watch_->wait(monotonic_ns(), deps_.spots_found_ns());
   if (end != LoopEnd::none)
     set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
   return asked;
 }
 
-/// Waits for a sample, for kTurn at most. False if no sample came, or if it was measured with an
-/// older hologram: a later step has corrected that error already.
-bool ClosedLoop::take_sample() {
+/// Waits for a sample, for kTurn at most, and returns the sensor that it was measured with. Null if
+/// no sample came, or if it was measured with an older hologram: a later step has corrected that
+/// error already.
+SensorView ClosedLoop::take_sample() {
   std::unique_lock lock(mutex_);
-  if (!filled_.wait_for(lock, kTurn, [this] { return has_sample_; })) return false;
+  if (!filled_.wait_for(lock, kTurn, [this] { return has_sample_; })) return nullptr;
   std::swap(taken_, newest_);
   has_sample_ = false;
   lock.unlock();
-  return taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
+  SensorView sensor = deps_.keeper.snapshot();
+  return taken_.hologram_id == sensor->hologram_id ? sensor : nullptr;
 }
 
 Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
@@ -136,7 +150,8 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   });
   if (!held) return fail(held.error());
   const SensorSnapshot& sensor = **held;
-  integrator_.emplace(settings, sensor.correction, monotonic_ns());
+  control_.emplace(settings, sensor.correction, integrators(settings));
+  watch_.emplace(settings, monotonic_ns());
   LoopReport report;
   report.settings = settings;
   report_.set(report);
@@ -172,11 +187,15 @@ LoopReport ClosedLoop::report() const {
   return report;
 }
 
-void ClosedLoop::act() {
-  const LoopEnd end = integrator_->step(taken_.modes_j, taken_.residual_waves, monotonic_ns());
+void ClosedLoop::act(const SensorSnapshot& sensor) {
+  const std::int64_t now_ns = monotonic_ns();
+  control_->observe({taken_.t_ns, taken_.modes_j, taken_.residual_waves, taken_.sigma_waves},
+                    sensor.correction);
+  control_->step(now_ns);
+  const LoopEnd end = watch_->step(control_->residual_rms_waves(), control_->at_limit(), now_ns);
   if (end != LoopEnd::none)
     return set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
-  if (auto shown = show(integrator_->correction()); !shown) {
+  if (auto shown = show(control_->correction()); !shown) {
     return set_closed(false, "the correction cannot be shown: " + shown.error().reason,
                       Severity::warning);
   }
@@ -220,8 +239,8 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
 
 void ClosedLoop::report_step() {
   LoopReport report = report_.get();
-  report.steps = integrator_->steps();
-  report.residual_rms_waves = integrator_->residual_rms_waves();
+  report.steps = control_->steps();
+  report.residual_rms_waves = control_->residual_rms_waves();
   report_.set(report);
 }
 

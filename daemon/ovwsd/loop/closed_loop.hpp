@@ -1,4 +1,4 @@
-/// The closed loop: steps the integrator with each usable frame's coefficients, and shows the new
+/// The closed loop: gives the control laws each usable frame's coefficients, and shows the new
 /// correction on the SLM.
 #pragma once
 
@@ -11,7 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/control/integrator.hpp"
+#include "core/control/loop_watch.hpp"
+#include "core/control/modal_control.hpp"
 #include "core/pipeline/frame_record.hpp"
 #include "core/rt/agent.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
@@ -32,11 +33,11 @@ struct ClosedLoopDeps {
   std::function<std::int64_t()> spots_found_ns;
 };
 
-/// Closed-loop control in the loop thread: one integrator step per hologram. A step uses a valid
-/// frame that was exposed while the newest hologram stood still. After 0.3 s without a valid frame,
-/// a step also uses a frame with a small fit residual and up to a third of its spots lost. The
-/// correction then separates overlapping spots, so that frames can become valid again. The
-/// integrator's patience begins again when a search finds lost spots.
+/// Closed-loop control in the loop thread: one step per hologram. A step uses a valid frame that
+/// was exposed while the newest hologram stood still. After 0.3 s without a valid frame, a step
+/// also uses a frame with a small fit residual and up to a third of its spots lost. The correction
+/// then separates overlapping spots, so that frames can become valid again. The patience begins
+/// again when a search finds lost spots.
 class ClosedLoop : public Agent {
  public:
   using Done = std::function<void(Result<LoopReport>)>;
@@ -64,12 +65,13 @@ class ClosedLoop : public Agent {
   struct Sample {
     std::uint64_t hologram_id = 0;
     std::vector<int> modes_j;
-    std::vector<float> residual_waves;
+    std::vector<float> residual_waves, sigma_waves;
+    std::int64_t t_ns = 0;  ///< about the middle of the exposure, CLOCK_MONOTONIC
   };
   Result<LoopReport> begin(const LoopSettings& settings);
   Result<LoopReport> end(bool keep);
-  bool take_sample();
-  void act();
+  SensorView take_sample();
+  void act(const SensorSnapshot& sensor);
   Result<void> show(const std::vector<Mode>& correction);
   Result<SensorView> hold(const LoopSettings& settings);
   Result<SensorView> ask(const std::function<void(SensorKeeper::Done)>& what);
@@ -87,7 +89,8 @@ class ClosedLoop : public Agent {
   Guarded<LoopReport> report_;
 
   // Used by the loop thread only.
-  std::optional<Integrator> integrator_;
+  std::optional<ModalControl> control_;
+  std::optional<LoopWatch> watch_;
   Sample taken_;
 };
 
