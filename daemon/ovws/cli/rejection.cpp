@@ -94,7 +94,7 @@ class Recorder {
   study::RecordedLoop end() {
     recorded_.device_clock = std::none_of(stamps_.begin(), stamps_.end(),
                                           [](const Stamps& s) { return s.device_ns == 0; });
-    study::Recording kept;
+    ModeSeries kept;
     kept.modes_waves.resize(recorded_.recording.modes_waves.size());
     for (std::size_t i = 0; i < stamps_.size(); ++i) {
       const Stamps &first = stamps_.front(), &now = stamps_[i];
@@ -325,7 +325,7 @@ Measured measure(const Common& common, const json& params, double seconds) {
   if (!correction) return tl::make_unexpected(correction.error());
   study::RejectionMeasured measured;
   measured.modes_j = modes->get<std::vector<int>>();
-  measured.segment_s = study::segment_s(seconds);
+  measured.segment_s = segment_s(seconds);
   auto open = record(common, {false, seconds, seconds, measured.modes_j});
   if (!open) return tl::make_unexpected(open.error());
   measured.open = std::move(*open);
@@ -356,7 +356,7 @@ int run_rejection(const Common& common, const json& params, double seconds,
                   {Errc::refused, "",
                    fmt::format("frames are too rare for a spectrum, one every {:.2g} s: record for "
                                "longer (--seconds)",
-                               study::median_interval_s(measured->closed.recording.times_s))});
+                               median_interval_s(measured->closed.recording.times_s))});
   }
   json summary = study::rejection_summary(*measured, found);
   summary["version"] = OVWS_VERSION;

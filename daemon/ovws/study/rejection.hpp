@@ -7,44 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "core/control/spectrum.hpp"
 #include "daemon/ovws/study/figure.hpp"
 
 namespace ovws::study {
 
-/// A time series of modes, frame by frame.
-struct Recording {
-  std::vector<double> times_s;  ///< strictly increasing
-  /// [mode][frame], RMS-normalised waves; each as long as times_s.
-  std::vector<std::vector<double>> modes_waves;
-};
-
-/// Median frame interval, s. Requires at least two frames.
-double median_interval_s(const std::vector<double>& times_s);
-
 /// RMS over all frames of the root sum square of all modes, waves.
-double rms_waves(const Recording& recording);
-
-/// Linear interpolation of `values` at begin_s + k * step_s, k = 0 … count-1; constant beyond the
-/// ends. `times_s` increases; both arrays have the same length, at least 1.
-std::vector<double> resample(const std::vector<double>& times_s, const std::vector<double>& values,
-                             double begin_s, double step_s, int count);
-
-/// One-sided power spectral density: the sum of all power_per_hz times step_hz is the variance.
-struct Spectrum {
-  double step_hz = 0.0;
-  std::vector<double> power_per_hz;  ///< wave^2/Hz; k-th value: at the frequency (k + 1) * step_hz
-  double hz(std::size_t k) const { return double(k + 1) * step_hz; }
-};
-
-/// Segment length for a recording of about `seconds`: three segments that overlap by half, but at
-/// most 60 s, so that longer recordings have more segments.
-double segment_s(double seconds);
-
-/// Power spectral density by Welch's method (IEEE Trans. Audio 15, 70, 1967), summed over the
-/// modes. The series is resampled at about the median frame interval, so that a segment is a whole
-/// number of intervals. Segments overlap by half, have their means removed and get Hann windows.
-/// Empty if the recording is shorter than a segment, or if a segment has fewer than 8 intervals.
-Spectrum spectrum(const Recording& recording, double segment_s);
+double rms_waves(const ModeSeries& recording);
 
 struct RejectionPoint {
   double hz = 0.0, db = 0.0;
@@ -59,15 +28,14 @@ std::vector<RejectionPoint> rejection(const Spectrum& open, const Spectrum& clos
 /// log frequency. None: the rejection is above the level from the start, or never.
 std::optional<double> crossing_hz(const std::vector<RejectionPoint>& rejection, double level_db);
 
-/// Control law of core/control/integrator.hpp, and its step rate.
+/// The loop's integrator, and its step rate.
 struct LoopLaw {
   double gain = 0.5, leak = 0.0;
   double steps_hz = 0.0;
 };
 
-/// Error transfer function of a leaky-integrator loop without delay beyond its own step:
-/// |1 - (1 - leak) z^-1| / |1 - (1 - leak - gain) z^-1| with z = exp(2 pi i f / steps_hz), in dB.
-/// NaN above half of steps_hz.
+/// Rejection of an integrator without delay beyond its own step (Integrator::transfer), dB. NaN
+/// above half of steps_hz.
 double integrator_db(double hz, const LoopLaw& law);
 
 /// Rejection in a band from `from_hz` (included) to `to_hz` (excluded).
@@ -83,7 +51,7 @@ std::vector<RejectionBand> octave_bands(const Spectrum& open, const Spectrum& cl
 
 /// A recording, and the counts of received and lost frames.
 struct RecordedLoop {
-  Recording recording;
+  ModeSeries recording;
   int received = 0;           ///< frames whose message arrived
   int lost = 0;               ///< frames without a message
   bool device_clock = true;   ///< times_s are device time stamps; false: arrival times
