@@ -29,10 +29,12 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
 
 }  // namespace
 
-Measurement::Measurement(const MeasurementPlan& measured_plan, int workers)
+Measurement::Measurement(const MeasurementPlan& measured_plan, int workers,
+                         const Measurement* before)
     : plan(checked(measured_plan)),
       plan_id(plan.id),
-      acquisition(plan.spots, plan.predicted_px, plan.roi.width, plan.roi.height),
+      acquisition(plan.spots, plan.predicted_px, plan.roi.width, plan.roi.height,
+                  before != nullptr ? &before->acquisition : nullptr),
       neighbourhood(plan.predicted_px),
       reconstruct_scratch(plan.reconstructor->make_scratch()) {
   for (int k = 0; k < std::max(workers, 1); ++k) {

@@ -12,11 +12,13 @@
 
 namespace ovws {
 
-/// Measurement plan (read-only) and its working memory, each part for one thread at a time.
+/// Measurement plan (read-only) and its working memory, each part for one thread at a time. Frames
+/// are searched for spots in their order, so that measurements can share the memory for that.
 struct Measurement {
-  /// `workers`: number of tracker threads; values below 1 count as 1. Throws std::logic_error on an
-  /// incomplete plan.
-  Measurement(const MeasurementPlan& measured_plan, int workers);
+  /// `workers`: number of tracker threads; values below 1 count as 1. `before`: the measurement of
+  /// the plan before, for Acquisition; null: none. Throws std::logic_error on an incomplete plan.
+  Measurement(const MeasurementPlan& measured_plan, int workers,
+              const Measurement* before = nullptr);
 
   const MeasurementPlan& plan;  ///< may be destroyed before this object: then only plan_id is valid
   const std::uint64_t plan_id;

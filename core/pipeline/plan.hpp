@@ -37,11 +37,11 @@ struct MeasurementPlan {
   /// the frame follows (FrameRecord::follows).
   bool awaits_templates = false;
   bool fits_shapes = false;  ///< whether frames shall be measured by templates
-  std::unique_ptr<const SpotTracker> tracker;
+  std::shared_ptr<const SpotTracker> tracker;
   std::vector<int> modes_j;  ///< OSA indices of the measured modes
   /// Reconstructs the leading modes of `modes_j` from spot positions. These are all modes, unless
   /// templates determine more.
-  std::unique_ptr<const Reconstructor> reconstructor;
+  std::shared_ptr<const Reconstructor> reconstructor;
   /// Templates for `modes_j` about an operating point. They measure a frame near that wavefront
   /// from all its pixels, without the tracker. Null: not ready yet.
   std::shared_ptr<const FrameFit> fit;

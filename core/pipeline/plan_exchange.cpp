@@ -15,7 +15,8 @@ void PlanExchange::offer(const MeasurementPlan* plan) {
     return;
   }
   if (plan->id < next_id_) throw std::logic_error("the id of a measurement plan must increase");
-  measurements_.push_back(std::make_unique<Measurement>(*plan, workers_));
+  const Measurement* const before = measurements_.empty() ? nullptr : measurements_.back().get();
+  measurements_.push_back(std::make_unique<Measurement>(*plan, workers_, before));
   next_id_ = plan->id + 1;
   offered_.store(measurements_.back().get(), std::memory_order_release);
 }

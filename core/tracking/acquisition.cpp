@@ -26,12 +26,17 @@ bool closer(Vec2 a, Vec2 b, double distance) {
 }  // namespace
 
 Acquisition::Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
-                         int image_height)
+                         int image_height, const Acquisition* before)
     : spots_(spots),
       image_width_(image_width),
       image_height_(image_height),
-      candidates_(spots, image_width, image_height, max_candidates(predicted_px.size())),
       assignment_(predicted_px, max_candidates(predicted_px.size())) {
+  const bool same = before != nullptr && before->spots_ == spots &&
+                    before->image_width_ == image_width && before->image_height_ == image_height &&
+                    before->assignment_.size() == assignment_.size();
+  candidates_ = same ? before->candidates_
+                     : std::make_shared<CandidateFinder>(spots, image_width, image_height,
+                                                         max_candidates(predicted_px.size()));
   verified_.reserve(std::size_t(max_candidates(predicted_px.size())));
   positions_.reserve(verified_.capacity());
 }
@@ -40,7 +45,6 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
                          std::span<SpotFix> out) {
   std::fill(out.begin(), out.end(), SpotFix{});
   positions_.clear();
-  bright_ = {};
   if (image.width != image_width_ || image.height != image_height_) return 0;
   verify(image, tracker, scratch);
   const std::span<const int> matched = assignment_.match(positions_);
@@ -65,8 +69,7 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
 void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
                          TrackScratch& scratch) {
   verified_.clear();
-  bright_ = candidates_.find(image);
-  for (const Vec2 start : bright_) {
+  for (const Vec2 start : candidates_->find(image)) {
     const SpotFix fix = tracker.track(image, start, scratch);
     if (fix.found() && !taken(position(fix), verified_)) verified_.push_back(fix);
   }
@@ -74,16 +77,6 @@ void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
   positions_.clear();
   std::erase_if(verified_, [](const SpotFix& fix) { return !fix.found(); });
   for (const SpotFix& fix : verified_) positions_.push_back(position(fix));
-}
-
-std::vector<Vec2> Acquisition::seen() const {
-  std::vector<Vec2> seen = positions_;
-  const std::size_t count = std::min(bright_.size(), std::size_t(assignment_.size() * 4 / 3));
-  for (const Vec2 at : bright_.first(count)) {
-    const auto near = [&](Vec2 other) { return closer(other, at, spots_.lambda_d_px); };
-    if (std::none_of(seen.begin(), seen.end(), near)) seen.push_back(at);
-  }
-  return seen;
 }
 
 SpotFix Acquisition::search_where_expected(int i, const ImageView& image,

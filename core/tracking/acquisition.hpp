@@ -1,6 +1,7 @@
 /// Acquisition: finds every spot in one image without history and assigns it to a subaperture.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -17,8 +18,13 @@ namespace ovws {
 /// off the frame path.
 class Acquisition {
  public:
+  /// Shares its memory for the image with `before`, if there is one and it has as many spots of
+  /// this kind in images of this size. Then use both from one thread at a time.
   Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
-              int image_height);
+              int image_height, const Acquisition* before = nullptr);
+  // No copies: they would share the memory unnoticed.
+  Acquisition(Acquisition&&) = default;
+  Acquisition& operator=(Acquisition&&) = default;
 
   /// Finds candidate spots in the whole image, verifies each with `tracker` and assigns the
   /// verified spots to subapertures (SpotAssignment). Displacements from `predicted_px` may exceed
@@ -31,10 +37,6 @@ class Acquisition {
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out) OVWS_NONBLOCKING;
 
-  /// Positions of the spots in the last image, camera pixels: first the verified spots, then bright
-  /// candidates that the tracker rejected. Empty if the last image had another size.
-  std::vector<Vec2> seen() const;
-
  private:
   void verify(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch);
   SpotFix search_where_expected(int i, const ImageView& image, const SpotTracker& tracker,
@@ -44,11 +46,10 @@ class Acquisition {
   SpotModel spots_;
   int image_width_;
   int image_height_;
-  CandidateFinder candidates_;
+  std::shared_ptr<CandidateFinder> candidates_;
   SpotAssignment assignment_;
   std::vector<SpotFix> verified_;
-  std::vector<Vec2> positions_;   ///< positions of the spots in verified_, camera pixels
-  std::span<const Vec2> bright_;  ///< candidates of the last image
+  std::vector<Vec2> positions_;  ///< positions of the spots in verified_, camera pixels
 };
 
 }  // namespace ovws

@@ -42,11 +42,12 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   auto lattice = make_lattice(config.sensor, config.slm.geometry);
   if (!lattice) return fail(lattice.error());
   const Roi roi{0, 0, like.width, like.height};
-  const std::vector<Mode> nothing_shown;
-  return build_plan({1, 1, 1, *lattice, config.sensor, config.tracking, config.optics,
-                     config.slm.geometry, roi, like.format,
-                     lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
-                     nothing_shown, reference ? &*reference : nullptr, mode_operator});
+  auto builder = PlanBuilder::make(
+      {1, *lattice, config.sensor, config.tracking, config.optics, config.slm.geometry, roi,
+       like.format, lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
+       reference ? &*reference : nullptr, mode_operator});
+  if (!builder) return fail(builder.error());
+  return builder->plan(1, 1, {});
 }
 
 /// The configured mode operator for images of this size; null: use the plan's slopes operator.

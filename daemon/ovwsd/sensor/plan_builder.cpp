@@ -9,43 +9,6 @@
 namespace ovws {
 namespace {
 
-Eigen::MatrixXd slopes_of(const PlanInputs& inputs, const std::vector<int>& modes_j) {
-  return slope_matrix(inputs.lattice, inputs.sensor, modes_j,
-                      tilt_radius(inputs.sensor.charge, inputs.tracking),
-                      px_per_cycle(inputs.optics, inputs.slm));
-}
-
-/// Displacement of every spot by `modes`, computed with the slope matrix, camera pixels.
-std::vector<Vec2> displacements(const PlanInputs& inputs, const std::vector<Mode>& modes) {
-  std::vector<int> modes_j;
-  Eigen::VectorXd waves(Eigen::Index(modes.size()));
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    modes_j.push_back(modes[i].j);
-    waves[Eigen::Index(i)] = modes[i].waves;
-  }
-  const Eigen::VectorXd moved = slopes_of(inputs, modes_j) * waves;
-  std::vector<Vec2> result;
-  for (Eigen::Index i = 0; i + 1 < moved.size(); i += 2) result.push_back({moved[i], moved[i + 1]});
-  return result;
-}
-
-void add(std::vector<Vec2>& points, const std::vector<Vec2>& moves, double sign) {
-  for (std::size_t i = 0; i < points.size(); ++i) points[i] = points[i] + sign * moves[i];
-}
-
-std::vector<Vec2> predicted(const PlanInputs& inputs) {
-  if (inputs.reference == nullptr) {
-    auto spots = model_spots_px(inputs.lattice, inputs.sensor, inputs.slm, inputs.optics,
-                                inputs.roi.width, inputs.roi.height);
-    add(spots, displacements(inputs, inputs.aberration), 1.0);
-    return spots;
-  }
-  auto spots = inputs.reference->positions_px;
-  add(spots, displacements(inputs, inputs.aberration), 1.0);
-  add(spots, displacements(inputs, inputs.reference->aberration), -1.0);
-  return spots;
-}
-
 /// Modes of the plan: first those that spot positions determine, then those that only templates
 /// determine.
 std::vector<int> measured_modes(const TrackingSettings& tracking, const ModeOperator& positions) {
@@ -92,40 +55,73 @@ TemplateReport template_report(const TrackingSettings& tracking) {
   return {0, "template has no effect any more: fit takes the spots' shapes from the reference"};
 }
 
-Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs) {
-  auto plan = std::make_unique<MeasurementPlan>();
-  plan->id = inputs.id;
-  plan->sensor_epoch = inputs.sensor_epoch;
-  plan->hologram_id = inputs.hologram_id;
-  plan->charge = inputs.sensor.charge;
-  plan->tracker_kind = inputs.tracking.tracker;
-  plan->spots = {inputs.sensor.charge, lambda_d_px(inputs.optics, inputs.slm, inputs.sensor),
-                 inputs.lit};
-  plan->roi = inputs.roi;
-  plan->format = inputs.format;
-  plan->predicted_px = predicted(inputs);
-  if (inputs.reference != nullptr) {
-    plan->reference_px = known_positions(*inputs.reference);
-    plan->reference_introduced_rms_waves = rms_waves(inputs.reference->introduced);
+PlanBuilder::PlanBuilder(const PlanInputs& inputs)
+    : lattice_(inputs.lattice),
+      sensor_(inputs.sensor),
+      tilt_radius_(tilt_radius(inputs.sensor.charge, inputs.tracking)),
+      px_per_cycle_(px_per_cycle(inputs.optics, inputs.slm)) {}
+
+Eigen::MatrixXd PlanBuilder::slopes_of(const std::vector<int>& modes_j) const {
+  return slope_matrix(lattice_, sensor_, modes_j, tilt_radius_, px_per_cycle_);
+}
+
+/// Displaces every spot by `modes`, computed with the slope matrix.
+void PlanBuilder::displace(std::vector<Vec2>& points, const std::vector<Mode>& modes, double sign) {
+  for (const Mode& mode : modes) {
+    Eigen::VectorXd& moves = moves_px_[mode.j];
+    if (moves.size() == 0) moves = slopes_of({mode.j});
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto row = 2 * Eigen::Index(i);
+      points[i] = points[i] + sign * mode.waves * Vec2{moves[row], moves[row + 1]};
+    }
   }
-  auto tracker = make_tracker(inputs.tracking, plan->spots);
+}
+
+Result<PlanBuilder> PlanBuilder::make(const PlanInputs& inputs) {
+  PlanBuilder builder(inputs);
+  MeasurementPlan& plan = builder.first_;
+  plan.sensor_epoch = inputs.sensor_epoch;
+  plan.charge = inputs.sensor.charge;
+  plan.tracker_kind = inputs.tracking.tracker;
+  plan.spots = {inputs.sensor.charge, lambda_d_px(inputs.optics, inputs.slm, inputs.sensor),
+                inputs.lit};
+  plan.roi = inputs.roi;
+  plan.format = inputs.format;
+  if (inputs.reference != nullptr) {
+    plan.predicted_px = inputs.reference->positions_px;
+    builder.displace(plan.predicted_px, inputs.reference->aberration, -1.0);
+    plan.reference_px = known_positions(*inputs.reference);
+    plan.reference_introduced_rms_waves = rms_waves(inputs.reference->introduced);
+  } else {
+    plan.predicted_px = model_spots_px(inputs.lattice, inputs.sensor, inputs.slm, inputs.optics,
+                                       inputs.roi.width, inputs.roi.height);
+  }
+  auto tracker = make_tracker(inputs.tracking, plan.spots);
   if (!tracker) return fail(tracker.error());
-  plan->tracker = std::move(*tracker);
+  plan.tracker = std::move(*tracker);
   const ModeOperator& modes = inputs.mode_operator != nullptr
                                   ? *inputs.mode_operator
-                                  : slope_operator(inputs.lattice, inputs.sensor, inputs.tracking,
-                                                   px_per_cycle(inputs.optics, inputs.slm));
-  plan->mode_operator = modes.kind;
-  plan->modes_j = measured_modes(inputs.tracking, modes);
-  plan->fits_shapes = inputs.tracking.tracker == TrackerKind::fit &&
-                      (modes.kind != OperatorKind::measured || modes.shapes);
+                                  : slope_operator(builder.lattice_, builder.sensor_,
+                                                   builder.tilt_radius_, builder.px_per_cycle_);
+  plan.mode_operator = modes.kind;
+  plan.modes_j = measured_modes(inputs.tracking, modes);
+  plan.fits_shapes = inputs.tracking.tracker == TrackerKind::fit &&
+                     (modes.kind != OperatorKind::measured || modes.shapes);
   // A calibration with shapes measures displacements of whole spots. They differ from the tracker's
   // positions, so the model's slopes are used.
-  plan->reconstructor = std::make_unique<Reconstructor>(
-      modes.shapes ? slopes_of(inputs, modes.modes_j) : modes.slopes, modes.modes_j,
-      plan->reference_px,
-      rotation_column(inputs.lattice, inputs.sensor, px_per_cycle(inputs.optics, inputs.slm),
-                      inputs.reference));
+  plan.reconstructor = std::make_shared<const Reconstructor>(
+      modes.shapes ? builder.slopes_of(modes.modes_j) : modes.slopes, modes.modes_j,
+      plan.reference_px,
+      rotation_column(inputs.lattice, inputs.sensor, builder.px_per_cycle_, inputs.reference));
+  return builder;
+}
+
+std::unique_ptr<MeasurementPlan> PlanBuilder::plan(std::uint64_t id, std::uint64_t hologram_id,
+                                                   const std::vector<Mode>& aberration) {
+  auto plan = std::make_unique<MeasurementPlan>(first_);
+  plan->id = id;
+  plan->hologram_id = hologram_id;
+  displace(plan->predicted_px, aberration, 1.0);
   return plan;
 }
 

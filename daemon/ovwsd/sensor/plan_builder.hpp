@@ -1,9 +1,9 @@
-/// Builds measurement plans from the sensor's state. Pure functions, too slow for the frame path.
+/// Builds measurement plans from the sensor's state; too slow for the frame path.
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "config/config.hpp"
@@ -17,9 +17,7 @@
 namespace ovws {
 
 struct PlanInputs {
-  std::uint64_t id = 0;
   std::uint64_t sensor_epoch = 0;
-  std::uint64_t hologram_id = 0;  ///< the hologram that shows `aberration`
   const Lattice& lattice;
   const SensorConfig& sensor;
   const TrackingSettings& tracking;
@@ -28,7 +26,6 @@ struct PlanInputs {
   const Roi& roi;
   PixelFormat format = PixelFormat::mono8;
   LitPixels lit{};                              ///< pixels of a colour camera that see the laser
-  const std::vector<Mode>& aberration;          ///< shown on the SLM: introduced minus correction
   const Reference* reference = nullptr;         ///< null: no reference
   const ModeOperator* mode_operator = nullptr;  ///< null: use slope_operator
 };
@@ -52,7 +49,28 @@ Result<void> check_daemon_tracker(const TrackingSettings& tracking);
 /// Reports that the obsolete setting `template` has no effect, if it is set.
 TemplateReport template_report(const TrackingSettings& tracking);
 
-/// Builds the plan that measures frames. Errors: those of make_tracker.
-Result<std::unique_ptr<MeasurementPlan>> build_plan(const PlanInputs& inputs);
+/// Builds the plans of one sensor, which differ only in their hologram. They share what takes
+/// milliseconds to make: tracker, reconstructor and slopes. Not thread-safe.
+class PlanBuilder {
+ public:
+  /// Errors: those of make_tracker.
+  static Result<PlanBuilder> make(const PlanInputs& inputs);
+
+  /// Builds the plan for a hologram that shows `aberration`: introduced minus correction.
+  std::unique_ptr<MeasurementPlan> plan(std::uint64_t id, std::uint64_t hologram_id,
+                                        const std::vector<Mode>& aberration);
+
+ private:
+  explicit PlanBuilder(const PlanInputs& inputs);
+  Eigen::MatrixXd slopes_of(const std::vector<int>& modes_j) const;
+  void displace(std::vector<Vec2>& points, const std::vector<Mode>& modes, double sign);
+
+  MeasurementPlan first_;  ///< without a hologram: predicted_px are those of a flat one
+  Lattice lattice_;
+  SensorConfig sensor_;
+  double tilt_radius_;
+  PxPerCycle px_per_cycle_;
+  std::map<int, Eigen::VectorXd> moves_px_;  ///< by mode: displacements of the spots (2N) by 1 wave
+};
 
 }  // namespace ovws

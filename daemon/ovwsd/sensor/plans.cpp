@@ -1,7 +1,5 @@
 #include "daemon/ovwsd/sensor/plans.hpp"
 
-#include "daemon/ovwsd/sensor/plan_builder.hpp"
-
 namespace ovws {
 namespace {
 
@@ -34,14 +32,38 @@ void use(const ActiveTemplates& templates, const SensorState& state, const Bound
 
 }  // namespace
 
+/// The last plan's builder, unless the sensor has changed.
+Result<PlanBuilder*> Plans::builder_for(const SensorState& state, const Bound& bound) {
+  const OpticsConfig optics = optics_of(state, bench_);
+  const Reference* const reference = bound.reference.get();
+  Sensor sensor{state.sensor_epoch,
+                state.renderer,
+                state.tracking,
+                px_per_cycle(optics, bench_.slm),
+                optics.centre_px,
+                state.roi,
+                state.format,
+                reference != nullptr && reference->source == ReferenceSource::model,
+                reference != nullptr ? reference->t_taken_ns : 0,
+                bound.mode_operator};
+  if (builder_ && sensor == sensor_) return &*builder_;
+  builder_.reset();
+  auto made = PlanBuilder::make({state.sensor_epoch, state.renderer->lattice(), state.sensor,
+                                 state.tracking, optics, bench_.slm, state.roi, state.format,
+                                 lit_pixels(state.format, bench_.optics.wavelength_nm), reference,
+                                 bound.mode_operator.get()});
+  if (!made) return fail(made.error());
+  builder_.emplace(std::move(*made));
+  sensor_ = std::move(sensor);
+  return &*builder_;
+}
+
 Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, const Bound& bound,
                                                       std::uint64_t hologram_id) {
-  auto plan =
-      build_plan({next_id_++, state.sensor_epoch, hologram_id, state.renderer->lattice(),
-                  state.sensor, state.tracking, optics_of(state, bench_), bench_.slm, state.roi,
-                  state.format, lit_pixels(state.format, bench_.optics.wavelength_nm),
-                  shown_modes(state), bound.reference.get(), bound.mode_operator.get()});
-  if (plan) ovws::use(state.templates, state, bound, **plan);
+  auto builder = builder_for(state, bound);
+  if (!builder) return fail(builder.error());
+  auto plan = (*builder)->plan(next_id_++, hologram_id, shown_modes(state));
+  ovws::use(state.templates, state, bound, *plan);
   return plan;
 }
 

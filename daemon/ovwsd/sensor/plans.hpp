@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <list>
 #include <memory>
+#include <optional>
 
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/plan.hpp"
 #include "daemon/ovwsd/sensor/knowledge.hpp"
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/ovwsd/sensor/sensor_state.hpp"
 
 namespace ovws {
@@ -26,9 +28,27 @@ class Plans {
   void retire();
 
  private:
+  /// What all plans of one builder have in common.
+  struct Sensor {
+    std::uint64_t epoch = 0;
+    std::shared_ptr<const HologramRenderer> renderer;  ///< of one sensor on one SLM
+    TrackingSettings tracking;
+    PxPerCycle px_per_cycle;
+    std::optional<Vec2> centre_px;  ///< OpticsConfig::centre_px
+    Roi roi;
+    PixelFormat format = PixelFormat::mono8;
+    bool by_model = false;                ///< model reference: its positions follow from the above
+    std::int64_t reference_taken_ns = 0;  ///< UTC; 0: no reference
+    std::shared_ptr<const ModeOperator> mode_operator;
+    friend bool operator==(const Sensor&, const Sensor&) = default;
+  };
+  Result<PlanBuilder*> builder_for(const SensorState& state, const Bound& bound);
+
   Pipeline& pipeline_;
   BenchOptics bench_;
   std::uint64_t next_id_ = 1;
+  Sensor sensor_;  ///< of builder_
+  std::optional<PlanBuilder> builder_;
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is active
 };
 

@@ -86,6 +86,62 @@ TEST_F(PlansTest, APlanHasTheNextNumberAndIsBuiltFromTheState) {
   EXPECT_NE(built()->predicted_px, bound_.reference->positions_px);
 }
 
+TEST_F(PlansTest, PlansOfOneSensorShareWhatTheirHologramsDoNotChange) {
+  const auto first = built();
+  state_.aberration = {{4, 0.3}};
+  ++state_.templates.sensor_epoch;
+  const auto second = built();
+  EXPECT_EQ(second->tracker, first->tracker);
+  EXPECT_EQ(second->reconstructor, first->reconstructor);
+  EXPECT_NE(second->predicted_px, first->predicted_px);
+  state_.aberration.clear();
+  EXPECT_EQ(built()->predicted_px, first->predicted_px);
+}
+
+/// `bind` copies a model reference each time.
+TEST_F(PlansTest, PlansOfAModelReferenceShareThemToo) {
+  auto model = std::make_shared<Reference>(*bound_.reference);
+  model->source = ReferenceSource::model;
+  bound_.reference = model;
+  const auto first = built();
+  bound_.reference = std::make_shared<Reference>(*model);
+  EXPECT_EQ(built()->reconstructor, first->reconstructor);
+}
+
+TEST_F(PlansTest, AnotherSensorGetsPlansOfItsOwn) {
+  const auto expect_another = [&, like = state_, bound = bound_](const char* what, auto change) {
+    state_ = like;
+    bound_ = bound;
+    const auto before = built();
+    change();
+    const auto after = built();
+    EXPECT_NE(after->reconstructor, before->reconstructor) << what;
+    EXPECT_NE(after->tracker, before->tracker) << what;
+  };
+  expect_another("epoch", [&] { ++state_.sensor_epoch; });
+  // An edit that fails after its plan was built leaves the epoch to the next edit.
+  expect_another("charge at the same epoch", [&] {
+    state_.sensor.charge = 2;
+    EXPECT_TRUE(renew_renderer(state_));
+  });
+  expect_another("tracking", [&] { state_.tracking.tracker = TrackerKind::lg; });
+  expect_another("region", [&] { state_.roi.x += 16; });
+  expect_another("format", [&] { state_.format = PixelFormat::mono12; });
+  expect_another("reference", [&] {
+    auto newer = std::make_shared<Reference>(*bound_.reference);
+    newer->t_taken_ns = 8;
+    bound_.reference = newer;
+  });
+  expect_another("no reference", [&] { bound_.reference = nullptr; });
+  expect_another("operator", [&] {
+    const auto plan = built();
+    auto made = std::make_shared<ModeOperator>();
+    made->modes_j = plan->reconstructor->modes_j();
+    made->slopes = plan->reconstructor->slopes();
+    bound_.mode_operator = made;
+  });
+}
+
 TEST_F(PlansTest, APlanGetsTheTemplatesOfItsStateAndNoOthers) {
   state_.templates = templates();
   const auto plan = built();

@@ -125,6 +125,24 @@ TEST_P(Acquire, FindsNothingInAnImageOfAnotherSize) {
   EXPECT_EQ(acquire(Image<std::uint8_t>(512, 500, 3)), 0);
 }
 
+/// One for another hologram, which shares the memory for the image.
+TEST_P(Acquire, FindsTheSameWithMemoryThatIsShared) {
+  const std::vector<Mode> focus{{4, 0.3}};
+  const auto flat = expose8(bench_.light({}), 200.0, 1.0, 2.0);
+  const auto focused = expose8(bench_.light(focus), 200.0, 1.0, 2.0);
+  std::vector<Vec2> places = bench_.model_px;
+  for (int i = 0; i < int(places.size()); ++i) places[std::size_t(i)] = truth(i, focus);
+  Acquisition next(model_, places, 512, 512, &acquisition_);
+  std::vector<SpotFix> found(fixes_.size());
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_EQ(acquire(flat), bench_.subapertures());
+    EXPECT_EQ(next.acquire(view_of(focused), *tracker_, scratch_, found), bench_.subapertures());
+  }
+  Acquisition small(model_, bench_.model_px, 256, 256, &next);
+  EXPECT_EQ(small.acquire(view_of(flat), *tracker_, scratch_, found), 0);
+  EXPECT_EQ(acquire(flat), bench_.subapertures());
+}
+
 TEST_P(Acquire, DoesNotAllocate) {
   const auto image = expose8(bench_.light({}, {4}), 200.0);
   const test::AllocGuard guard;
