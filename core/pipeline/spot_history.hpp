@@ -10,13 +10,17 @@
 
 namespace ovws {
 
-/// Spot history from settled frames. One thread at a time; only the constructor allocates.
+/// Last positions of the spots in settled frames, from which the next frame's tracking starts. One
+/// thread at a time; only the constructor allocates.
 ///
 /// Also judges whether spot positions can be trusted: after a sudden change, spots may be lost or
-/// mistaken for each other. A frame *follows* if templates describe it, or if the previous frame
-/// follows and every spot of the reference is within lambda/d / 4 of its start. While the first
-/// templates are awaited, a frame also follows if every spot is that close to its reference
-/// position.
+/// mistaken for each other. A frame *follows* if one of these is true:
+/// - Templates describe it.
+/// - The previous frame follows, and every spot of the reference was found in both frames, at most
+/// a
+///   quarter of lambda/d from where its tracking started.
+/// - The first templates are awaited, and every spot of the reference is found at most a quarter of
+///   lambda/d from its reference position.
 class SpotHistory {
  public:
   SpotHistory();

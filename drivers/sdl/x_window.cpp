@@ -21,7 +21,7 @@ using Picture = std::unique_ptr<XImage, DestroyImage>;
 Error lost_server() {
   return {Errc::device, "slm.display",
           "the connection to the X server was lost (the server ended or closed it); start the "
-          "server, and the display is opened again"};
+          "server; ovwsd then opens the display by itself"};
 }
 
 constexpr const char* kHowToKeep =

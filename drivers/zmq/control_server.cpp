@@ -31,8 +31,9 @@ struct Incoming {
   std::size_t count = 0;
 };
 
-/// Number of envelope frames: routing ids up to and including the first empty delimiter before the
-/// last frame. A DEALER may omit the delimiter; then the envelope is the first routing id alone.
+/// Number of frames before the request, which is the last frame: routing ids, then an empty
+/// delimiter. A DEALER may omit the delimiter. If there is none before a frame that is too long for
+/// a routing id, only the first frame counts.
 std::size_t envelope_size(const Incoming& in) {
   for (std::size_t k = 1; k + 1 < in.parts.size(); ++k) {
     if (in.parts[k].size() == 0) return k + 1;

@@ -47,9 +47,9 @@ struct Publisher::Impl {
     return {};
   }
 
-  /// Rebinds if the gate's generation has changed; returns whether the socket is bound. Unbinding
-  /// closes all connections. libzmq closes the old listener later, in its own thread; until then
-  /// the address is in use and binding fails.
+  /// Rebinds after Gate::end_streams, which increases the gate's generation: unbinding disconnects
+  /// all subscribers, who must then authenticate again. Returns whether the socket is bound. libzmq
+  /// closes the old listener later, in its own thread; until then binding fails.
   bool is_bound() {
     if (gate == nullptr) return true;
     const unsigned wanted = gate->parts().generation.load();

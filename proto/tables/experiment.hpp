@@ -300,8 +300,9 @@ inline constexpr auto kTable<CellReport> = Fields{
             return waves;
           });
         },
-        "coefficients of each frame minus the reference, RMS-normalised waves, rounded to 1e-6; "
-        "empty: too few spots")
+        "coefficients of each frame, relative to the arm's reference, RMS-normalised waves, "
+        "rounded "
+        "to 1e-6; an empty list: the frame has too few spots")
         .with_nulls(),
     computed("saturated_fractions",
              [](auto& c) {

@@ -44,17 +44,18 @@ inline constexpr auto kTable<LutMeasured> = Fields{
              "number of measured grey levels, each measured twice", {2, 256}),
     computed(
         "phase_rad", [](auto& m) { return m.response.phase_rad; },
-        "phase of each grey level relative to grey level 0, rising or falling throughout, radians; "
+        "smoothed phase of each grey level relative to grey level 0, rising or falling throughout, "
+        "radians; "
         "its sign is that with which a blazed grating sends its light to the camera"),
     computed(
         "standard_error_rad", [](auto& m) { return m.response.standard_error_rad; },
         "standard error of each phase relative to grey level 0, radians", Bounds::at_least(0)),
     computed(
         "noise_rad", [](auto& m) { return m.response.noise_rad; },
-        "RMS error of one measured level, radians", Bounds::at_least(0)),
+        "RMS noise of the measured phase of one grey level, radians", Bounds::at_least(0)),
     computed(
         "residual_rad", [](auto& m) { return m.response.residual_rad; },
-        "RMS of the measured levels about phase_rad, radians", Bounds::at_least(0)),
+        "RMS difference between the measured phases and phase_rad, radians", Bounds::at_least(0)),
     computed(
         "depth_rad", [](auto& m) { return m.response.depth_rad(); },
         "absolute phase of grey level 255, radians", Bounds::at_least(0)),

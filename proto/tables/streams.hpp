@@ -78,8 +78,8 @@ inline constexpr auto kTable<FrameMessage> = Fields{
         "root sum square of the coefficients without piston and tilts, waves; null if not valid",
         Bounds::at_least(0)),
     field<&FrameMessage::fit_residual_px>(
-        "RMS of the displacements that the modes do not explain, camera pixels; also for a frame "
-        "that is not valid because of it",
+        "RMS of the displacements that the modes do not explain, camera pixels; given even if the "
+        "frame is not valid because it is too large",
         Bounds::at_least(0)),
     field<&FrameMessage::gain_db>(
         "gain of this frame, dB; null: unknown, or the camera has no gain in dB", limits::kGainDb),

@@ -26,7 +26,7 @@ void get(Services& services, Reply<ReportOf<report>> reply) {
   reply(report(services, *services.keeper.snapshot()));
 }
 
-/// Changes the sensor, and replies with the report of the changed sensor.
+/// Makes the change, and replies with `report(services, sensor)` of the changed sensor.
 template <auto report>
 void edit(Services& services, Hold as, SensorChange change, Reply<ReportOf<report>> reply) {
   services.keeper.edit(as, std::move(change),

@@ -89,7 +89,7 @@ Result<void> check_sizes(const Reference& reference) {
   const ReferenceKey& key = reference.key;
   const std::size_t spots = reference.positions_px.size();
   if (spots == 0 || reference.standard_error_px.size() != spots) {
-    return invalid("positions_px", "and standard_error_px must be of equal length, and not empty");
+    return invalid("positions_px", "must not be empty, and must be as long as standard_error_px");
   }
   const auto* const picture = reference.picture.get();
   if (picture != nullptr &&

@@ -1,4 +1,5 @@
-/// Search policy: decides when to search the wavefront again, and when to render new templates.
+/// Search policy: decides when to search the wavefront again, and when to render new templates. How
+/// long a search goes on is decided in wavefront_search.cpp.
 #pragma once
 
 #include <cstdint>

@@ -50,9 +50,9 @@ class DaemonStore {
   DaemonStore(const StateConfig& config, Events& events, Disk* disk = nullptr);
 
   // Non-blocking methods, for any thread: they never wait for the disk.
-  /// Queues the write of an item; `tried` gets the result. Errors: those of replace_file;
-  /// Errc::unavailable: no store, or too much is queued; Errc::refused: a newer item replaced the
-  /// queued item.
+  /// Queues the write of an item. `tried` gets the checksum, or an error. Errc::unavailable: there
+  /// is no store, too much is queued, or the disk does not take it. Errc::refused: a newer item of
+  /// this kind and name took its place in the queue.
   void put(std::string_view kind, std::string_view name, const nlohmann::json& content, Older older,
            Tried tried);
   /// Deletes an item, queued or on the disk, in one attempt. Errors: see remove_file; without a
