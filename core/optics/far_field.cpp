@@ -1,6 +1,8 @@
 #include "core/optics/far_field.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -32,6 +34,12 @@ struct Lanes {
 };
 
 using Values = std::vector<std::complex<Lanes>>;
+
+/// The numbers at two places: real part, imaginary part, real part, imaginary part.
+Lanes::Vector pair(const std::complex<float>* a, const std::complex<float>* b) {
+  const Lanes::Vector both = {a->real(), a->imag(), b->real(), b->imag()};
+  return both;
+}
 
 std::complex<Lanes> unit_phasor(double turns) {
   const double angle = 2.0 * std::numbers::pi * (turns - std::round(turns));
@@ -106,14 +114,16 @@ ChirpZ::ChirpZ(const Axis& axis)
 
 void ChirpZ::load(const std::complex<float>* in, int lines) {
   const std::size_t inputs = before_.size();
+  // In place of a missing line, the last one is transformed again.
+  std::array<const std::complex<float>*, Lanes::kLanes> line{};
+  for (int i = 0; i < Lanes::kLanes; ++i) {
+    line[std::size_t(i)] = in + std::size_t(std::min(i, lines - 1)) * inputs;
+  }
   for (std::size_t x = 0; x < inputs; ++x) {
-    Lanes::Vector real{}, imaginary{};
-    for (int i = 0; i < lines; ++i) {
-      const std::complex<float> value = in[std::size_t(i) * inputs + x];
-      real[i] = value.real();
-      imaginary[i] = value.imag();
-    }
-    padded_[x] = std::complex<Lanes>(real, imaginary) * before_[x];
+    const Lanes::Vector one = pair(line[0] + x, line[1] + x), two = pair(line[2] + x, line[3] + x);
+    padded_[x] = std::complex<Lanes>(__builtin_shufflevector(one, two, 0, 2, 4, 6),
+                                     __builtin_shufflevector(one, two, 1, 3, 5, 7)) *
+                 before_[x];
   }
   std::fill(padded_.begin() + std::ptrdiff_t(inputs), padded_.end(), std::complex<Lanes>());
 }
@@ -127,9 +137,15 @@ void ChirpZ::convolve() {
 void ChirpZ::store(int lines, std::complex<float>* out, int stride) const {
   for (std::size_t k = 0; k < after_.size(); ++k) {
     const std::complex<Lanes> value = padded_[k] * after_[k];
-    for (int i = 0; i < lines; ++i) {
-      out[k * std::size_t(stride) + std::size_t(i)] = {value.real().of_line[i],
-                                                       value.imag().of_line[i]};
+    const Lanes::Vector real = value.real().of_line, imaginary = value.imag().of_line;
+    const auto of_lines = std::bit_cast<std::array<std::complex<float>, Lanes::kLanes>>(
+        std::array<Lanes::Vector, 2>{__builtin_shufflevector(real, imaginary, 0, 4, 1, 5),
+                                     __builtin_shufflevector(real, imaginary, 2, 6, 3, 7)});
+    std::complex<float>* to = out + k * std::size_t(stride);
+    if (lines == Lanes::kLanes) {
+      std::copy_n(of_lines.data(), Lanes::kLanes, to);
+    } else {
+      std::copy_n(of_lines.data(), lines, to);
     }
   }
 }
