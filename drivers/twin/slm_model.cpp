@@ -8,6 +8,7 @@
 
 #include "core/base/complex_product.hpp"
 #include "core/optics/circle_columns.hpp"
+#include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
 namespace ovws::twin {
@@ -100,6 +101,7 @@ void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade
   const Vec2 centre{(width - 1) / 2.0, (height - 1) / 2.0};
   const double diameter = config_.sensor.pupil_diameter_px;
   const WavefrontRows wavefront(modes, centre, diameter);
+  const std::vector<std::complex<float>>& phasors = unit_phasors();
   std::vector<double> waves(std::size_t(width), 0.0);
   for (int y = 0; y < height; ++y) {
     const Columns pupil = columns_in_circle(centre, diameter, y, width);
@@ -108,7 +110,7 @@ void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade
     std::complex<float>* row = incident_.row(y);
     for (int x = 0; x < width; ++x) {
       const double surface = surface_waves_.width > 0 ? double(surface_waves_.at(x, y)) : 0.0;
-      row[x] = phasor(waves[std::size_t(x)] + surface);
+      row[x] = phasors[phase16(waves[std::size_t(x)] + surface)];
       if (amplitude_.width > 0) row[x] *= amplitude_.at(x, y);
     }
   }
