@@ -1,12 +1,14 @@
 #include "drivers/twin/bench_model.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <thread>
 
+#include "core/optics/circle_columns.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/wavefront/slope_model.hpp"
+#include "drivers/twin/in_halves.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -17,11 +19,16 @@ double vortex_peak_intensity(const SensorConfig& sensor) {
   return peak * peak;
 }
 
-/// Runs work(first, end, worker) on the two halves of the range 0 .. count - 1 in parallel.
-template <class Work>
-void in_halves(int count, const Work& work) {
-  const std::jthread helper([&] { work(count / 2, count, 1); });
-  work(0, count / 2, 0);
+/// Calls visit(y, begin, end) for each run of pixels beside the pupil, row by row.
+template <class Visit>
+void beside_pupil(const Config& config, const Visit& visit) {
+  const auto& [width, height, pitch_um] = config.slm.geometry;
+  const Vec2 centre{(width - 1) / 2.0, (height - 1) / 2.0};
+  for (int y = 0; y < height; ++y) {
+    const Columns pupil = columns_in_circle(centre, config.sensor.pupil_diameter_px, y, width);
+    visit(y, 0, pupil.begin);
+    visit(y, pupil.end, width);
+  }
 }
 
 }  // namespace
@@ -32,22 +39,55 @@ BenchModel::BenchModel(const Config& config)
       unit_(vortex_peak_intensity(config.sensor)),
       slm_field_(config.slm.geometry.width_px, config.slm.geometry.height_px) {}
 
+void BenchModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades) {
+  slm_.set_aberration(modes, shades);
+  grey_ = {};
+}
+
+void BenchModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
+  screen_.reset();
+  if (turbulence == nullptr) return;
+  const SlmGeometry& slm = config_.slm.geometry;
+  screen_.emplace(*turbulence, t_ns, Vec2{(slm.width_px - 1) / 2.0, (slm.height_px - 1) / 2.0},
+                  config_.sensor.pupil_diameter_px, Decimator::kMaxReach);
+}
+
 void BenchModel::set_window(const Roi& window, const CameraGeometry& geometry) {
   const SlmGeometry& slm = config_.slm.geometry;
   view_.emplace(camera_map(config_, geometry), slm, window);
+  pupil_.emplace(slm, config_.sensor.pupil_diameter_px, view_->grid());
   far_field_.emplace(slm, view_->grid(), 2);
-  far_ = {view_->grid().cols, view_->grid().rows};
+  far_ = beside_pupil_ = {view_->grid().cols, view_->grid().rows};
   pixel_field_ = {window.width, window.height};
+  grey_ = {};
+}
+
+/// Updates pupil_ and beside_pupil_ to these grey levels.
+void BenchModel::propagate_light(const Image<std::uint8_t>& grey) {
+  bool same_beside = !grey_.pixels.empty();
+  if (same_beside) {
+    beside_pupil(config_, [&](int y, int begin, int end) {
+      same_beside =
+          same_beside && std::equal(grey.row(y) + begin, grey.row(y) + end, grey_.row(y) + begin);
+    });
+  }
+  in_halves(slm_field_.height,
+            [&](int first, int end, int) { slm_.modulate(grey, first, end, slm_field_); });
+  pupil_->set_light(slm_field_);
+  if (!same_beside) {
+    Image<std::complex<float>> beside(slm_field_.width, slm_field_.height);
+    beside_pupil(config_, [&](int y, int begin, int end) {
+      std::copy(slm_field_.row(y) + begin, slm_field_.row(y) + end, beside.row(y) + begin);
+    });
+    propagate_in_halves(*far_field_, beside, beside_pupil_);
+  }
+  grey_ = grey;
 }
 
 const Image<std::complex<float>>& BenchModel::field(const Image<std::uint8_t>& grey) {
-  in_halves(slm_field_.height, [&](int first, int end, int worker) {
-    slm_.modulate(grey, first, end, slm_field_);
-    far_field_->transform_rows(slm_field_, first, end, worker);
-  });
-  in_halves(far_.width, [&](int first, int end, int worker) {
-    far_field_->transform_columns(first, end, worker, far_);
-  });
+  if (grey.pixels != grey_.pixels) propagate_light(grey);
+  far_ = beside_pupil_;
+  pupil_->add_to(far_, screen_ ? &*screen_ : nullptr);
   in_halves(pixel_field_.height,
             [&](int first, int end, int) { view_->read(far_, first, end, pixel_field_); });
   return pixel_field_;

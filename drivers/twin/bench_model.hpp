@@ -10,6 +10,7 @@
 #include "core/optics/far_field.hpp"
 #include "core/port/camera.hpp"
 #include "drivers/twin/camera_view.hpp"
+#include "drivers/twin/pupil_field.hpp"
 #include "drivers/twin/slm_model.hpp"
 #include "drivers/twin/twin_config.hpp"
 
@@ -20,28 +21,31 @@ class BenchModel {
  public:
   explicit BenchModel(const Config& config);
 
-  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {}) {
-    slm_.set_aberration(modes, shades);
-  }
-  void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
-    slm_.set_turbulence(turbulence, t_ns);
-  }
+  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {});
+  void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);
   /// Sets the camera's region, in sensor pixels. The region may extend beyond the sensor.
   void set_window(const Roi& window, const CameraGeometry& geometry);
 
   /// Intensity |far field|^2 in the window, in units of the brightest pixel of an ideal charge-1
-  /// spot. Call set_window first. Takes 30 to 100 ms on two threads.
+  /// spot. Call set_window first. Fast if only the turbulence has changed since the last call, or
+  /// the grey levels inside the pupil.
   Image<float> intensity(const Image<std::uint8_t>& grey);
   /// Complex far field F = sum exp(i phase) exp(-2 pi i (u x + v y)) up to its sign. The reference
   /// is valid until the next call. Call set_window first.
   const Image<std::complex<float>>& field(const Image<std::uint8_t>& grey);
 
  private:
+  void propagate_light(const Image<std::uint8_t>& grey);
+
   Config config_;
   SlmModel slm_;
   double unit_;  ///< |far field|^2 in the brightest pixel of an ideal charge-1 spot
+  std::optional<PupilScreen> screen_;  ///< turbulence
   std::optional<CameraView> view_;
-  std::optional<FarField> far_field_;
+  std::optional<PupilField> pupil_;
+  std::optional<FarField> far_field_;  ///< of the light beside the pupil
+  Image<std::uint8_t> grey_;  ///< that of pupil_ and beside_pupil_; empty: they are to be computed
+  Image<std::complex<float>> beside_pupil_;  ///< far field of the light beside the pupil
   Image<std::complex<float>> slm_field_, far_, pixel_field_;
 };
 

@@ -17,12 +17,17 @@ namespace ovws::twin {
 /// points long. Immutable after construction, so thread-safe.
 class PupilScreen {
  public:
-  /// The pupil is given in SLM pixels and must be at least 1 pixel wide.
-  PupilScreen(const Turbulence& turbulence, std::int64_t t_ns, Vec2 centre_px, double diameter_px);
+  /// The pupil is given in SLM pixels and must be at least 1 pixel wide. `margin_px`: how far the
+  /// screen extends beyond the pupil's square.
+  PupilScreen(const Turbulence& turbulence, std::int64_t t_ns, Vec2 centre_px, double diameter_px,
+              double margin_px = 0.0);
 
   /// Multiplies the pixels of row y that lie in the pupil by exp(2 pi i waves); `row` begins at
   /// column 0 and has `width` pixels.
   void modulate(int y, int width, std::complex<float>* row) const;
+  /// The same for `count` values at every `step_px`-th pixel of row y, from first_x_px on. All must
+  /// lie on the screen.
+  void modulate(int y, int first_x_px, int step_px, int count, std::complex<float>* values) const;
 
  private:
   static constexpr int kTaps = 6;
