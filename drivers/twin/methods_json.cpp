@@ -16,12 +16,25 @@ Json json_of(const CameraGeometry& geometry) {
 
 Json json_of(const std::optional<TurbulenceConfig>& turbulence) {
   if (!turbulence) return nullptr;
+  Json layers = Json::array(), vibrations = Json::array();
+  for (const AirLayer& layer : turbulence->layers) {
+    layers.push_back({{"strength", layer.strength},
+                      {"speed_pupils_per_s", layer.speed_pupils_per_s},
+                      {"direction_deg", layer.direction_deg}});
+  }
+  for (const Vibration& vibration : turbulence->vibrations) {
+    vibrations.push_back({{"j", vibration.j},
+                          {"rms_waves", vibration.rms_waves},
+                          {"frequency_hz", vibration.frequency_hz}});
+  }
   return {{"rms_waves", turbulence->rms_waves},
           {"speed_pupils_per_s", turbulence->speed_pupils_per_s},
           {"direction_deg", turbulence->direction_deg},
           {"outer_scale_pupils", turbulence->outer_scale_pupils},
           {"seed", turbulence->seed},
-          {"tilt", turbulence->tilt}};
+          {"tilt", turbulence->tilt},
+          {"layers", layers},
+          {"vibrations", vibrations}};
 }
 
 Json json_of(const std::vector<Mode>& aberration) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 
+#include "core/optics/wavefront_rows.hpp"
 #include "core/optics/zernike.hpp"
 
 namespace ovws::twin {
@@ -29,6 +31,18 @@ double kappa_of(Vec2 cycles_per_radius) {
   return kTwoPi * norm(cycles_per_radius);
 }
 
+Vec2 radii_per_s(const AirLayer& layer) {
+  const double towards = layer.direction_deg * std::numbers::pi / 180.0;
+  return 2.0 * layer.speed_pupils_per_s * Vec2{std::cos(towards), std::sin(towards)};
+}
+
+/// Fraction of a cycle that has passed since UTC 0. A double cannot resolve it over decades of
+/// nanoseconds.
+double fraction_of_cycle(long double cycles_per_s, std::int64_t t_ns) {
+  const long double cycles = cycles_per_s * (long double)(t_ns)*1e-9L;
+  return double(cycles - std::floor(cycles));
+}
+
 std::complex<double> power_of_i(int m) {
   constexpr std::array<std::complex<double>, 4> kPowers{{{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
   return kPowers[std::size_t(m % 4)];
@@ -37,22 +51,25 @@ std::complex<double> power_of_i(int m) {
 }  // namespace
 
 Turbulence::Turbulence(const TurbulenceConfig& config) : config_(config), waves_(kWaves) {
-  const double towards = config.direction_deg * std::numbers::pi / 180.0;
-  radii_per_s_ = 2.0 * config.speed_pupils_per_s * Vec2{std::cos(towards), std::sin(towards)};
+  std::vector<AirLayer> layers = config.layers;
+  if (layers.empty()) layers.push_back({1.0, config.speed_pupils_per_s, config.direction_deg});
   std::mt19937_64 random{std::uint64_t(config.seed)};
   const auto uniform = [&random] { return double(random() >> 11) * 0x1.0p-53; };
   const double lowest = std::log(0.25 / std::max(config.outer_scale_pupils, 1.0));
   const double highest = std::log(kMaxCycles);
   for (int k = 0; k < kWaves; ++k) {
     Wave& wave = waves_[std::size_t(k)];
+    const AirLayer& layer = layers[std::size_t(k) % layers.size()];
     const double cycles = std::exp(lowest + (highest - lowest) * (k + uniform()) / kWaves);
     const double direction = kTwoPi * uniform();
     wave.cycles_per_radius = (0.5 * cycles) * Vec2{std::cos(direction), std::sin(direction)};
     wave.start_cycles = uniform();
+    wave.radii_per_s = radii_per_s(layer);
     const double knee = 1.0 / config.outer_scale_pupils;
     // The power in a spectral ring of width d ln f is f^2 times the spectral density; the amplitude
     // is its square root.
-    wave.waves = cycles * std::pow(cycles * cycles + knee * knee, -11.0 / 12.0);
+    wave.waves =
+        std::sqrt(layer.strength) * cycles * std::pow(cycles * cycles + knee * knee, -11.0 / 12.0);
   }
   scale_to_rms();
   for (Wave& wave : waves_) fill_modes(wave);
@@ -80,15 +97,33 @@ void Turbulence::fill_modes(Wave& wave) const {
 }
 
 double Turbulence::phase_at_centre(const Wave& wave, std::int64_t t_ns) const {
-  // long double: a double cannot resolve a fraction of a cycle over decades of nanoseconds.
   const long double cycles_per_s =
-      (long double)(wave.cycles_per_radius.x) * (long double)(radii_per_s_.x) +
-      (long double)(wave.cycles_per_radius.y) * (long double)(radii_per_s_.y);
-  const long double cycles = cycles_per_s * (long double)(t_ns)*1e-9L;
-  return kTwoPi * (wave.start_cycles - double(cycles - std::floor(cycles)));
+      (long double)(wave.cycles_per_radius.x) * (long double)(wave.radii_per_s.x) +
+      (long double)(wave.cycles_per_radius.y) * (long double)(wave.radii_per_s.y);
+  return kTwoPi * (wave.start_cycles - fraction_of_cycle(cycles_per_s, t_ns));
 }
 
-Turbulence::Modes Turbulence::all_modes(std::int64_t t_ns) const {
+Turbulence::Modes Turbulence::vibration_modes(std::int64_t t_ns) const {
+  Modes modes{};
+  for (const Vibration& vibration : config_.vibrations) {
+    modes[std::size_t(vibration.j)] +=
+        std::numbers::sqrt2 * vibration.rms_waves *
+        std::sin(kTwoPi * fraction_of_cycle(vibration.frequency_hz, t_ns));
+  }
+  return modes;
+}
+
+/// What is added to the plane waves: vibrations, and the opposite of piston and tilts without
+/// `tilt`.
+Turbulence::Modes Turbulence::added_modes(std::int64_t t_ns) const {
+  Modes added = vibration_modes(t_ns);
+  if (config_.tilt) return added;
+  const Modes air = air_modes(t_ns);
+  for (std::size_t j = 0; j < kRemoved; ++j) added[j] -= air[j];
+  return added;
+}
+
+Turbulence::Modes Turbulence::air_modes(std::int64_t t_ns) const {
   Modes modes{};
   for (const Wave& wave : waves_) {
     const double phase = phase_at_centre(wave, t_ns);
@@ -101,8 +136,9 @@ Turbulence::Modes Turbulence::all_modes(std::int64_t t_ns) const {
 }
 
 Turbulence::Modes Turbulence::modes(std::int64_t t_ns) const {
-  Modes modes = all_modes(t_ns);
-  if (!config_.tilt) std::fill(modes.begin(), modes.begin() + kRemoved, 0.0);
+  Modes modes = air_modes(t_ns);
+  const Modes added = added_modes(t_ns);
+  std::transform(modes.begin(), modes.end(), added.begin(), modes.begin(), std::plus<>());
   return modes;
 }
 
@@ -112,9 +148,8 @@ double Turbulence::waves(Vec2 at, std::int64_t t_ns) const {
     const Vec2 f = wave.cycles_per_radius;
     sum += wave.waves * std::cos(phase_at_centre(wave, t_ns) + kTwoPi * (f.x * at.x + f.y * at.y));
   }
-  if (config_.tilt) return sum;
-  const Modes removed = all_modes(t_ns);
-  for (int j = 0; j < kRemoved; ++j) sum -= removed[std::size_t(j)] * zernike(j, at);
+  const Modes added = added_modes(t_ns);
+  for (int j = 0; j < kModes; ++j) sum += added[std::size_t(j)] * zernike(j, at);
   return sum;
 }
 
@@ -136,15 +171,14 @@ Eigen::MatrixXf Turbulence::sample(Vec2 first, double step, int points, std::int
     }
   }
   Eigen::MatrixXf sum = along_x * along_y;
-  if (config_.tilt) return sum;
-  const Modes removed = all_modes(t_ns);
-  const Eigen::ArrayXf index = Eigen::ArrayXf::LinSpaced(points, 0.0F, float(points - 1));
-  const auto tilt = [&](double slope, double start) {
-    return (index * float(slope * step) + float(slope * start)).matrix().eval();
-  };
-  sum.array() -= float(removed[0]);
-  sum.rowwise() -= tilt(zernike_gradient(1, {}).y * removed[1], first.y).transpose();
-  sum.colwise() -= tilt(zernike_gradient(2, {}).x * removed[2], first.x);
+  std::vector<Mode> modes;
+  for (int j = 0; const double added : added_modes(t_ns)) modes.push_back({j++, added});
+  const WavefrontRows added(modes, (-1.0 / step) * first, 2.0 / step);
+  Eigen::VectorXd line(points);
+  for (int y = 0; y < points; ++y) {
+    added.waves(y, 0, {line.data(), std::size_t(points)});
+    sum.col(y) += line.cast<float>();
+  }
   return sum;
 }
 

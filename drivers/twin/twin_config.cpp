@@ -17,6 +17,8 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kMaxConfigDepth = 16;
+constexpr std::size_t kMaxLayers = 8, kMaxVibrations = 16;
+constexpr double kMaxPupilsPerS = 1000.0;
 
 void read_rotation(ObjectReader& r, CameraGeometry& geometry) {
   int mirror = int(geometry.mirror);
@@ -156,11 +158,24 @@ void read_turbulence(ObjectReader& r, std::optional<TurbulenceConfig>& turbulenc
   TurbulenceConfig& t = turbulence.emplace();
   r.object("turbulence", [&t](ObjectReader& in) {
     in.number("rms_waves", t.rms_waves, 0.0, 10.0);
-    in.number("speed_pupils_per_s", t.speed_pupils_per_s, 0.0, 1000.0);
+    in.number("speed_pupils_per_s", t.speed_pupils_per_s, 0.0, kMaxPupilsPerS);
     in.number("direction_deg", t.direction_deg, -360.0, 360.0);
     in.number("outer_scale_pupils", t.outer_scale_pupils, 0.1, 1000.0);
     in.integer("seed", t.seed, 0, 1'000'000);
     in.boolean("tilt", t.tilt);
+    in.objects("layers", kMaxLayers, [&t](ObjectReader& layer_in, std::size_t) {
+      AirLayer& layer = t.layers.emplace_back();
+      layer_in.number("strength", layer.strength, 0.001, 1000.0);
+      layer_in.number("speed_pupils_per_s", layer.speed_pupils_per_s, 0.0, kMaxPupilsPerS);
+      layer_in.number("direction_deg", layer.direction_deg, -360.0, 360.0);
+    });
+    in.objects("vibrations", kMaxVibrations, [&t](ObjectReader& vibration_in, std::size_t) {
+      Vibration& vibration = t.vibrations.emplace_back();
+      for (const char* key : {"j", "rms_waves", "frequency_hz"}) vibration_in.require(key);
+      vibration_in.integer("j", vibration.j, 1, Turbulence::kModes - 1);
+      vibration_in.number("rms_waves", vibration.rms_waves, 0.0, 10.0);
+      vibration_in.number("frequency_hz", vibration.frequency_hz, 0.0, 1000.0);
+    });
   });
 }
 

@@ -51,6 +51,56 @@ TEST(Turbulence, IsCarriedByTheWindAsItIs) {
   }
 }
 
+TEST(Turbulence, EachLayerIsCarriedByItsWind) {
+  const std::vector<AirLayer> still{{2.0, 0.0, 0.0}, {1.0, 0.0, 0.0}};
+  std::vector<AirLayer> one_moves = still;
+  one_moves[1].speed_pupils_per_s = 3.0;
+  const Turbulence unmoved({.layers = still}), moved({.layers = one_moves});
+  // In a long time the moving layer forgets itself: twice its part of the variance.
+  double change = 0.0, power = 0.0;
+  for (int n = 0; n < 300; ++n) {
+    const std::int64_t t_ns = kNow + n * 7 * kSecond;
+    EXPECT_EQ(unmoved.waves({0.3, 0.1}, t_ns), unmoved.waves({0.3, 0.1}, kNow));
+    const auto now = moved.modes(t_ns), later = moved.modes(t_ns + 5 * kSecond);
+    for (std::size_t j = 3; j < now.size(); ++j) change += std::pow(later[j] - now[j], 2);
+    const auto other = Turbulence({.seed = n + 2}).modes(kNow);
+    for (std::size_t j = 3; j < now.size(); ++j) power += other[j] * other[j];
+  }
+  EXPECT_NEAR(change / power, 2.0 / 3.0, 0.2);
+}
+
+TEST(Turbulence, VibrationsAreSinesOfTheirModes) {
+  const Turbulence air(
+      {.rms_waves = 0.0, .tilt = false, .vibrations = {{1, 0.03, 5.0}, {4, 0.05, 17.0}}});
+  double tilt = 0.0, defocus = 0.0;
+  constexpr int kMoments = 1000;  // over one second: whole numbers of periods
+  for (int n = 0; n < kMoments; ++n) {
+    const std::int64_t t_ns = kNow + n * kSecond / kMoments;
+    const auto modes = air.modes(t_ns);
+    tilt += modes[1] * modes[1] / kMoments;
+    defocus += modes[4] * modes[4] / kMoments;
+    EXPECT_NEAR(modes[1], air.modes(t_ns + kSecond / 5)[1], 1e-6);
+    const Vec2 at{0.2, -0.6};
+    EXPECT_NEAR(air.waves(at, t_ns), modes[1] * zernike(1, at) + modes[4] * zernike(4, at), 1e-12);
+  }
+  EXPECT_NEAR(std::sqrt(tilt), 0.03, 1e-6);
+  EXPECT_NEAR(std::sqrt(defocus), 0.05, 1e-6);
+}
+
+TEST(Turbulence, ASampleIsTheWavefrontOnItsGrid) {
+  for (const bool tilt : {true, false}) {
+    const Turbulence air({.tilt = tilt, .vibrations = {{7, 0.1, 3.0}}});
+    const Vec2 first{-1.1, -1.2};
+    const Eigen::MatrixXf sample = air.sample(first, 0.15, 16, kNow);
+    for (int y = 0; y < 16; ++y) {
+      for (int x = 0; x < 16; ++x) {
+        const Vec2 at = first + 0.15 * Vec2{double(x), double(y)};
+        EXPECT_NEAR(sample(x, y), air.waves(at, kNow), 1e-5);
+      }
+    }
+  }
+}
+
 TEST(Turbulence, ModesAreItsProjectionOverThePupil) {
   for (const bool tilt : {true, false}) {
     const Turbulence air({.rms_waves = 0.3, .outer_scale_pupils = 3.0, .tilt = tilt});
