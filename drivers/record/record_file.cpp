@@ -22,7 +22,7 @@ namespace {
 using hdf5::Handle;
 
 constexpr hsize_t kTableChunk = 1024;   // rows per chunk of a dataset
-constexpr hsize_t kNumberChunk = 8192;  // rows per chunk of the datasets spots and coefficients
+constexpr hsize_t kNumberChunk = 8192;  // rows per chunk of the spots' and coefficients' datasets
 constexpr hsize_t kTextChunk = 1 << 16;
 // Deflate level, compatible with HDF5's built-in filter. Level 1 is two to four times as fast as
 // higher levels, which save only a few percent more.
@@ -160,7 +160,7 @@ struct RecordFile::Impl {
   Handle summary_type = hdf5::row_type(kSummaryFields, sizeof(RecordedSummary));
   Handle file;  // order matters: datasets are closed first, then the file, then the types
   Handle pictures, summary;
-  Table frames, spots, coefficients, documents, text;
+  Table frames, spots, coefficients, sigma_waves, documents, text;
   std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor;
   std::vector<std::byte> packed;
   hsize_t image_count = 0;
@@ -170,7 +170,7 @@ struct RecordFile::Impl {
   std::uint64_t first_spot = 0, first_coefficient = 0;
   std::vector<RecordedFrame> new_frames;
   std::vector<RecordedSpot> new_spots;
-  std::vector<float> new_coefficients;
+  std::vector<float> new_coefficients, new_sigma_waves;
   std::vector<RecordedDocument> new_documents;
 
   Impl(std::string file_path, const RecordingHeader& header)
@@ -209,6 +209,7 @@ bool RecordFile::Impl::create_tables(const RecordingHeader& header) {
          create_images(file, header) && Table::create(file, "frames", frame_type, kTableChunk) &&
          Table::create(file, "spots", spot_type, kNumberChunk) &&
          Table::create(file, "coefficients", H5T_IEEE_F32LE, kNumberChunk) &&
+         Table::create(file, "sigma_waves", H5T_IEEE_F32LE, kNumberChunk) &&
          Table::create(file, "documents", document_type, kTableChunk) &&
          Table::create(file, "text", H5T_STD_U8LE, kTextChunk) &&
          write_units(file, "frames", kFrameFields) && write_units(file, "spots", kSpotFields) &&
@@ -221,8 +222,8 @@ bool RecordFile::Impl::begin_swmr() {
   pictures = Handle(H5Dopen2(file, "pictures", H5P_DEFAULT), H5Dclose);
   summary = Handle(H5Dopen2(file, "summary", H5P_DEFAULT), H5Dclose);
   return pictures && summary && frames.open(file, "frames") && spots.open(file, "spots") &&
-         coefficients.open(file, "coefficients") && documents.open(file, "documents") &&
-         text.open(file, "text");
+         coefficients.open(file, "coefficients") && sigma_waves.open(file, "sigma_waves") &&
+         documents.open(file, "documents") && text.open(file, "text");
 }
 
 bool RecordFile::Impl::create(const RecordingHeader& header) {
@@ -271,7 +272,8 @@ Result<std::int64_t> RecordFile::add_image(std::span<const std::byte> pixels, bo
 }
 
 void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
-                           std::span<const float> coefficients) {
+                           std::span<const float> coefficients,
+                           std::span<const float> sigma_waves) {
   Impl& m = *impl_;
   frame.first_spot = m.first_spot;
   frame.first_coefficient = m.first_coefficient;
@@ -282,6 +284,7 @@ void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> sp
   m.new_frames.push_back(frame);
   m.new_spots.insert(m.new_spots.end(), spots.begin(), spots.end());
   m.new_coefficients.insert(m.new_coefficients.end(), coefficients.begin(), coefficients.end());
+  m.new_sigma_waves.insert(m.new_sigma_waves.end(), sigma_waves.begin(), sigma_waves.end());
 }
 
 Result<void> RecordFile::add_document(std::string_view kind, std::string_view sha256,
@@ -336,6 +339,8 @@ bool RecordFile::Impl::append_all() {
          spots.append(std::span<const RecordedSpot>(new_spots), spot_type) && spots.flush() &&
          coefficients.append(std::span<const float>(new_coefficients), H5T_IEEE_F32LE) &&
          coefficients.flush() &&
+         sigma_waves.append(std::span<const float>(new_sigma_waves), H5T_IEEE_F32LE) &&
+         sigma_waves.flush() &&
          frames.append(std::span<const RecordedFrame>(new_frames), frame_type) && frames.flush();
 }
 
@@ -346,6 +351,7 @@ Result<void> RecordFile::flush(std::uint64_t frames_dropped, std::uint64_t pictu
   m.new_documents.clear();
   m.new_spots.clear();
   m.new_coefficients.clear();
+  m.new_sigma_waves.clear();
   m.new_frames.clear();
   RecordedSummary now{m.frames.rows(), frames_dropped, m.image_count, pictures_dropped, utc_ns()};
   if (!m.write_summary(now)) return m.mark_broken("the recording cannot be written");
@@ -362,7 +368,8 @@ Result<void> RecordFile::close(std::uint64_t frames_dropped, std::uint64_t pictu
   errno = 0;
   const bool closed = m.write_summary(last) && m.pictures.close() && m.summary.close() &&
                       m.frames.close() && m.spots.close() && m.coefficients.close() &&
-                      m.documents.close() && m.text.close() && m.file.close();
+                      m.sigma_waves.close() && m.documents.close() && m.text.close() &&
+                      m.file.close();
   if (!closed) return m.mark_broken("the recording cannot be closed");
   return {};
 }

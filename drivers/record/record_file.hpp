@@ -27,9 +27,9 @@ class RecordFile {
   /// image is stored uncompressed, which saves CPU time.
   Result<std::int64_t> add_image(std::span<const std::byte> pixels, bool compress);
   /// Adds a frame, buffered until the next flush. Fills in its first_spot, spots, first_coefficient
-  /// and coefficients.
+  /// and coefficients. `sigma_waves`: standard errors, as many as `coefficients`.
   void add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
-                 std::span<const float> coefficients);
+                 std::span<const float> coefficients, std::span<const float> sigma_waves);
   /// Adds a document that applies from the next added frame on. `kind` has at most 15 bytes.
   /// Errc::refused if more documents or text would exceed the limits of RecordingReader.
   Result<void> add_document(std::string_view kind, std::string_view sha256, std::string_view text);

@@ -145,7 +145,8 @@ struct RecordingReader::Impl {
   Handle file;
   Handle pictures;
   hsize_t image_count = 0;
-  Rows spots, coefficients, text, documents;
+  Rows spots, coefficients, sigma_waves, text, documents;
+  bool has_sigma_waves = true;  ///< older versions did not record them
   RecordingHeader header;
   RecordedSummary summary;
   std::vector<RecordedFrame> frames;
@@ -229,8 +230,11 @@ bool RecordingReader::Impl::open_tables() {
       !read_rows(last, summary_type, 0, 1, &summary)) {
     return false;
   }
+  has_sigma_waves = H5Lexists(file, "sigma_waves", H5P_DEFAULT) > 0;
   return open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots) &&
          open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMaxRows, coefficients) &&
+         (!has_sigma_waves ||
+          open_rows(file, "sigma_waves", H5T_IEEE_F32LE, sizeof(float), kMaxRows, sigma_waves)) &&
          open_rows(file, "documents", document_type, sizeof(RecordedDocument),
                    kMaxRecordedDocuments, documents) &&
          open_rows(file, "text", H5T_STD_U8LE, 1, kMaxRecordedTextBytes, text);
@@ -242,6 +246,8 @@ bool RecordingReader::Impl::is_complete(const RecordedFrame& frame) const {
   };
   return fits(frame.first_spot, frame.spots, spots.count) &&
          fits(frame.first_coefficient, frame.coefficients, coefficients.count) &&
+         (!has_sigma_waves ||
+          fits(frame.first_coefficient, frame.coefficients, sigma_waves.count)) &&
          frame.picture >= -1 && frame.picture < std::int64_t(image_count) &&
          frame.left_justified_bits < 16;
 }
@@ -302,6 +308,16 @@ Result<std::vector<float>> RecordingReader::coefficients(const RecordedFrame& fr
   if (!read_rows(impl_->coefficients, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
                  all.data())) {
     return impl_->unreadable("the file is damaged: the coefficients of a frame cannot be read");
+  }
+  return all;
+}
+
+Result<std::vector<float>> RecordingReader::sigma_waves(const RecordedFrame& frame) {
+  if (!impl_->has_sigma_waves) return {};
+  std::vector<float> all(frame.coefficients);
+  if (!read_rows(impl_->sigma_waves, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
+                 all.data())) {
+    return impl_->unreadable("the file is damaged: the standard errors of a frame cannot be read");
   }
   return all;
 }

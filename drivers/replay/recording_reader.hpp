@@ -33,6 +33,9 @@ class RecordingReader {
 
   Result<std::vector<RecordedSpot>> spots(const RecordedFrame& frame);
   Result<std::vector<float>> coefficients(const RecordedFrame& frame);
+  /// Standard errors of the coefficients, waves. Empty for recordings of older versions, which do
+  /// not have them.
+  Result<std::vector<float>> sigma_waves(const RecordedFrame& frame);
   /// Reads the image of a frame that has one: image_bytes() into `out`.
   Result<void> picture(const RecordedFrame& frame, std::span<std::byte> out);
   /// The JSON documents of the recording (plans, and what they refer to: proto/RECORDING.md) in

@@ -41,7 +41,7 @@ std::vector<char> whole_recording() {
   for (int i = 0; i < kFrames; ++i) {
     RecordedFrame frame;
     frame.picture = *(*file)->add_image(pixels, i != 1);
-    (*file)->add_frame(frame, spots, coefficients);
+    (*file)->add_frame(frame, spots, coefficients, coefficients);
   }
   if (!(*file)->close(0, 0)) std::abort();
   std::ifstream in(path, std::ios::binary);
@@ -58,6 +58,7 @@ void read_all(const std::string& path) {
   for (const RecordedFrame& frame : (*reader)->frames()) {
     (void)(*reader)->spots(frame);
     (void)(*reader)->coefficients(frame);
+    (void)(*reader)->sigma_waves(frame);
     (void)(*reader)->picture(frame, pixels);
   }
   (void)(*reader)->documents();

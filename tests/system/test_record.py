@@ -89,13 +89,16 @@ class Record(RecordCase):
         self.assertEqual(run.summary | {"t_written_ns": 0}, {"frames": len(run.frames), "frames_dropped": 0, "pictures": len(run.frames) - missing,
                                                             "pictures_dropped": missing, "t_written_ns": 0, "ended": 1})
         ids = list(run.frames["frame_id"])
-        coefficients = run.coefficients()
+        coefficients, sigma_waves = run.coefficients(), run.sigma_waves()
         compared = 0
         for frame_id, message in published.items():
             if frame_id not in ids:
                 continue  # before the first or after the last recorded frame
             row = ids.index(frame_id)
             self.assertEqual([numpy.float32(c) for c in message["coefficients"]], list(coefficients[row]))
+            if message["valid"]:
+                sigma = numpy.array([numpy.nan if s is None else s for s in message["sigma"]], numpy.float32)
+                self.assertTrue(numpy.array_equal(sigma, sigma_waves[row], equal_nan=True))
             self.assertEqual(int(run.frames["t_arrival_ns"][row]), message["t_arrival_ns"])
             self.assertEqual(run.frames["gain_db"][row], message["gain_db"])
             compared += 1

@@ -84,7 +84,7 @@ def change_text(file):
 DAMAGES = {
     "no frames": forget("frames"), "no spots": forget("spots"), "no coefficients": forget("coefficients"), "no documents": forget("documents"),
     "no text": forget("text"), "no pictures": forget("pictures"), "spots cut off": cut("spots", 30), "pictures cut off": cut("pictures", 2),
-    "coefficients cut off": cut("coefficients", 30), "documents cut off": cut("documents", 0), "text cut off": cut("text", 50),
+    "coefficients cut off": cut("coefficients", 30), "errors cut off": cut("sigma_waves", 30), "documents cut off": cut("documents", 0), "text cut off": cut("text", 50),
     "another text": change_text, "a plan that is not there": change_field("frames", "plan_id", 99),
     "a picture that is not there": change_field("frames", "picture", 10**6), "another number of spots": change_field("frames", "spots", 7),
     "no camera": forget_attribute("camera_vendor"), "no pixel format": forget_attribute("pixel_format"), "no schema": forget_attribute("schema")}
@@ -110,8 +110,13 @@ class Replay(BenchCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout[-300:])
         return json.loads(done.stdout.splitlines()[-1])
 
-    def test_the_same_numbers_come_out_bit_for_bit(self):
+    def wait_for_templates(self):
+        """Takes a reference; afterwards templates measure the frames, which takes a moment on a busy machine."""
         self.take_reference(20)
+        self.fitted_frames(self.stream("wavefront"), 1)
+
+    def test_the_same_numbers_come_out_bit_for_bit(self):
+        self.wait_for_templates()
         self.call("record.start", {"name": "still"})
         self.recorded_frames(100)
         lacking = self.call("record.stop")["pictures_dropped"]  # a busy machine may have dropped some
@@ -130,7 +135,16 @@ class Replay(BenchCase):
             for name, value in dict(file.attrs).items():
                 if isinstance(value, str):
                     file.attrs[name] = numpy.bytes_(value)
+            del file["sigma_waves"]
         self.assertEqual(self.replayed("older"), still)
+        with Recording(self.path("older")) as older:
+            self.assertTrue(numpy.isnan(older.sigma_waves()).all())
+        with h5py.File(self.path("older"), "r+") as file:
+            sigma_waves = self.open("still").sigma_waves().ravel()
+            sigma_waves[numpy.flatnonzero(numpy.isfinite(sigma_waves))[-1]] += numpy.float32(1e-6)
+            file.create_dataset("sigma_waves", data=sigma_waves, maxshape=(None,), chunks=(8192,))
+        changed = self.replay(self.path("older"))
+        self.assertEqual((changed.returncode, json.loads(changed.stdout.splitlines()[-1])["same"]), (1, still["same"] - 1))
         stepped = self.replay(self.path("still"), "--step", input="\n\n")
         self.assertEqual(len(stepped.stdout.splitlines()), 4)  # three frames and the summary
 
@@ -189,21 +203,25 @@ class Replay(BenchCase):
         self.assertIn("roi.width", str(self.refused("camera.set", {"roi": {"width": 256}})))
 
     def test_other_programs_read_it(self):
-        self.take_reference(20)
+        self.wait_for_templates()
         self.call("record.start", {"name": "out"})
         self.recorded_frames(50)
         self.call("record.stop")
         run, folder = self.open("out"), self.bench.directory
         coefficients = run.coefficients().copy()
         coefficients[run.frames["valid"] == 0] = numpy.nan  # frames that were late, on a busy machine
-        self.assertGreater(numpy.isfinite(coefficients[:, 2]).sum(), 0.5 * len(run.frames))
+        sigma_waves = numpy.where(run.frames["valid"][:, None] == 1, run.sigma_waves(), numpy.nan)
+        for known in (coefficients, sigma_waves):
+            self.assertGreater(numpy.isfinite(known[:, 2]).sum(), 0.5 * len(run.frames))
         self.export("out", "--csv", folder / "out.csv", "--npz", folder / "out.npz", "--fits", folder / "out.fits", "--pictures")
         with open(folder / "out.csv", newline="") as file:
             lines = list(csv.DictReader(file))
-        written = [float(line["j3"] or "nan") for line in lines]
-        self.assertTrue(numpy.array_equal(written, coefficients[:, 2].astype(float), equal_nan=True))
+        for name, known in (("j3", coefficients), ("sigma_j3", sigma_waves)):
+            written = [float(line[name] or "nan") for line in lines]
+            self.assertTrue(numpy.array_equal(written, known[:, 2].astype(float), equal_nan=True))
         with numpy.load(folder / "out.npz") as arrays:
             self.assertTrue(numpy.array_equal(arrays["coefficients"], coefficients, equal_nan=True))
+            self.assertTrue(numpy.array_equal(arrays["sigma_waves"], sigma_waves, equal_nan=True))
             self.assertEqual(list(arrays["frames"]["frame_id"]), list(run.frames["frame_id"]))
         with fits.open(folder / "out.fits") as hdus:
             hdus.verify("exception")
@@ -211,6 +229,7 @@ class Replay(BenchCase):
             self.assertEqual((sensor["TYPE"], sensor["MEASUREMENTS"], sensor["N_VALID_SUBAPERTURES"]), ("Shack-Hartmann", "INTREF<SPOTS>", 19))
             self.assertEqual(hdus["SPOTS"].data.shape, (len(run.frames), 2, 19))
             self.assertTrue(numpy.array_equal(hdus["COEFFICIENTS"].data, coefficients, equal_nan=True))
+            self.assertTrue(numpy.array_equal(hdus["SIGMA"].data, sigma_waves, equal_nan=True))
             self.assertEqual(list(hdus["AOT_TIME"].data["FRAME_NUMBERS"][0]), list(run.frames["frame_id"]))
             self.assertTrue((hdus["PICTURES"].data[3] == run.picture(3)).all())
 
@@ -284,9 +303,7 @@ class Replay(BenchCase):
         self.assertIn(1, statuses)
 
     def test_an_operating_point_with_impossible_higher_modes_is_reported(self):
-        self.take_reference(20)
-        stream = self.stream("wavefront")
-        wait_for(lambda: (frame := stream.next(1.0)) and frame["valid"] and frame["sigma"][0] is not None, 20.0, "a frame measured by templates")
+        self.wait_for_templates()
         self.call("record.start", {"name": "point"})
         self.recorded_frames(20)
         self.call("record.stop")

@@ -27,8 +27,11 @@ json line_of(const PlayedFrame& frame) {
            {"same", frame.same},
            {"valid", frame.valid},
            {"j", frame.modes_j},
-           {"coefficients", nullptr}};
-  if (frame.valid) out["coefficients"] = frame.coefficients;
+           {"coefficients", nullptr},
+           {"sigma", nullptr}};
+  if (!frame.valid) return out;
+  out["coefficients"] = frame.coefficients;
+  out["sigma"] = frame.sigma_waves;
   return out;
 }
 

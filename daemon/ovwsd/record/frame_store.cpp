@@ -70,6 +70,8 @@ void FrameStore::take(const FrameRecord& record, bool with_image) {
   }
   frame->coefficients.assign(record.coefficients.begin(),
                              record.coefficients.begin() + record.mode_count);
+  frame->sigma_waves.assign(record.sigma_waves.begin(),
+                            record.sigma_waves.begin() + record.mode_count);
   frame->pixels = {};
   if (with_image) copy_image(record.frame.image, *frame);
   frame->row.picture_dropped =

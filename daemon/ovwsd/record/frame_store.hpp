@@ -19,7 +19,7 @@ struct TakenFrame {
   RecordedFrame row;  ///< without the positions of its parts in the file
   std::uint64_t number = 0;
   std::vector<RecordedSpot> spots;
-  std::vector<float> coefficients;
+  std::vector<float> coefficients, sigma_waves;
   std::span<std::byte> pixels;  ///< without padding; empty: no image
 };
 

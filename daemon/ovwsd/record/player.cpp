@@ -106,12 +106,14 @@ std::string other_image(const RecordingHeader& header, const MeasurementPlan& pl
 }
 
 bool same(const FrameRecord& now, const RecordedFrame& then, std::span<const RecordedSpot> spots,
-          std::span<const float> coefficients) {
+          std::span<const float> coefficients, std::span<const float> sigma_waves) {
   return now.spot_count == int(spots.size()) && now.mode_count == int(coefficients.size()) &&
          same_verdicts(now, then) &&
          std::equal(spots.begin(), spots.end(), now.spots.begin(),
                     [](const RecordedSpot& a, const SpotFix& b) { return same_spot(b, a); }) &&
          std::equal(coefficients.begin(), coefficients.end(), now.coefficients.begin(),
+                    same_bits<float>) &&
+         std::equal(sigma_waves.begin(), sigma_waves.end(), now.sigma_waves.begin(),
                     same_bits<float>);
 }
 
@@ -189,6 +191,8 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
   if (!spots) return fail(spots.error());
   const auto coefficients = reader->coefficients(frame.recorded);
   if (!coefficients) return fail(coefficients.error());
+  const auto sigma_waves = reader->sigma_waves(frame.recorded);
+  if (!sigma_waves) return fail(sigma_waves.error());
   if (auto read = reader->picture(frame.recorded, camera.pixels()); !read) return read;
   if (spots->size() != plan->predicted_px.size()) {
     frame.reason = "its number of spots is not its plan's";
@@ -214,11 +218,13 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
     return {};
   }
   frame.replayed = true;
-  frame.same = same(*record, frame.recorded, *spots, *coefficients);
+  frame.same = same(*record, frame.recorded, *spots, *coefficients, *sigma_waves);
   frame.valid = record->valid;
   frame.modes_j = plan->modes_j;
   frame.coefficients.assign(record->coefficients.begin(),
                             record->coefficients.begin() + record->mode_count);
+  frame.sigma_waves.assign(record->sigma_waves.begin(),
+                           record->sigma_waves.begin() + record->mode_count);
   pipeline.release(record);
   return {};
 }

@@ -17,10 +17,12 @@ struct PlayedFrame {
   RecordedFrame recorded;
   bool replayed = false;  ///< if false, `reason` says why
   std::string reason;
-  bool same = false;  ///< spots, coefficients and verdicts equal the recorded ones bit by bit
+  /// Spots, coefficients, standard errors and verdicts equal the recorded ones bit by bit.
+  bool same = false;
   bool valid = false;
   std::vector<int> modes_j;
-  std::vector<float> coefficients;  ///< waves, as measured in the replay
+  /// As measured in the replay, waves. Standard errors are NaN if positions measured the frame.
+  std::vector<float> coefficients, sigma_waves;
 };
 
 /// Called by one thread; starts the pipeline's acquisition thread itself.

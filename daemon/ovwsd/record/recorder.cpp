@@ -357,7 +357,7 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
     if (!picture) return fail(picture.error());
     row.picture = *picture;
   }
-  r.file->add_frame(row, frame.spots, frame.coefficients);
+  r.file->add_frame(row, frame.spots, frame.coefficients, frame.sigma_waves);
   return {};
 }
 

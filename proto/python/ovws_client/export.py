@@ -4,7 +4,8 @@
 
 FITS (needs astropy; Debian: python3-astropy) follows the Adaptive Optics Telemetry standard (AOT 1.0) as far as it applies: AOT_TIME,
 AOT_DETECTORS and AOT_WAVEFRONT_SENSORS with the images that they refer to. The other mandatory tables exist without rows, because a
-bench has no telescope, sky or stars. The modal coefficients, for which AOT has no place, are in an extra image, COEFFICIENTS.
+bench has no telescope, sky or stars. The modal coefficients and their standard errors, for which AOT has no place, are in extra images,
+COEFFICIENTS and SIGMA.
 """
 import argparse
 import datetime
@@ -18,30 +19,33 @@ SETTINGS = ("gain_db", "gain_raw", "exposure_us")
 EMPTY_TABLES = ("AOT_ATMOSPHERIC_PARAMETERS", "AOT_ABERRATIONS", "AOT_TELESCOPES", "AOT_SCORING_CAMERAS", "AOT_WAVEFRONT_CORRECTORS", "AOT_LOOPS")
 
 
-def good_coefficients(run):
-    """Coefficients of all frames, frames x modes, waves; NaN in frames that are not valid."""
-    coefficients = run.coefficients().copy()
-    coefficients[run.frames["valid"] == 0] = numpy.nan
-    return coefficients
+def good(run, waves):
+    """Coefficients or standard errors, frames x modes; NaN in frames that are not valid."""
+    waves = waves.copy()
+    waves[run.frames["valid"] == 0] = numpy.nan
+    return waves
 
 
 def to_csv(run, path):
-    """Writes one line per frame: times and settings (gain_raw only for a camera without gain in dB), then j1, j2, … in waves. Unknown and
-    invalid values are empty. Raises ValueError, and writes no file, if the number of modes changed during the recording."""
-    names = [f"j{j}" for j in run.modes(0)] if len(run.frames) else []
-    all_coefficients = good_coefficients(run)
+    """Writes one line per frame: times and settings (gain_raw only for a camera without gain in dB), then j1, j2, … in waves, then their
+    standard errors sigma_j1, sigma_j2, …. Unknown and invalid values are empty. Raises ValueError, and writes no file, if the number of modes
+    changed during the recording."""
+    modes = run.modes(0) if len(run.frames) else []
+    names = [f"{prefix}{j}" for prefix in ("j", "sigma_j") for j in modes]
+    values = numpy.concatenate([good(run, run.coefficients()), good(run, run.sigma_waves())], axis=1)
     raw = "gain_raw" in run.frames.dtype.names and not numpy.isnan(run.frames["gain_raw"]).all()
     columns = (*FRAME_COLUMNS, "gain_raw") if raw else FRAME_COLUMNS
     with open(path, "w", encoding="ascii") as out:
         print(*columns, *names, sep=",", file=out)
-        for row, coefficients in zip(run.frames, all_coefficients):
+        for row, waves in zip(run.frames, values):
             known = ("" if numpy.isnan(row[name]) or (name in SETTINGS and not row["settings_known"]) else row[name] for name in columns)
-            print(*known, *("" if numpy.isnan(c) else repr(float(c)) for c in coefficients), sep=",", file=out)
+            print(*known, *("" if numpy.isnan(c) else repr(float(c)) for c in waves), sep=",", file=out)
 
 
 def to_npz(run, path):
-    """Writes the arrays `frames`, `spots`, `coefficients` and `j`."""
-    arrays = {"frames": run.frames, "spots": run.spots(), "coefficients": good_coefficients(run), "j": numpy.array(run.modes(0))}
+    """Writes the arrays `frames`, `spots`, `coefficients`, `sigma_waves` and `j`."""
+    arrays = {"frames": run.frames, "spots": run.spots(), "coefficients": good(run, run.coefficients()),
+              "sigma_waves": good(run, run.sigma_waves()), "j": numpy.array(run.modes(0))}
     numpy.savez_compressed(path, **arrays)
 
 
@@ -114,10 +118,11 @@ def _images(fits, run, pictures):
     yield image("LEVELS", spots["level"], "count")
     if plan["reference_px"]:
         yield image("REFERENCE", numpy.array(plan["reference_px"]).T, "pix", times=None)
-    coefficients = image("COEFFICIENTS", good_coefficients(run), "")
-    coefficients.header["BASIS"] = ("zernike-osa-rms", "waves of WAVELENGTH, RMS-normalised")
-    coefficients.header["MODES"] = " ".join(str(j) for j in run.modes(0))
-    yield coefficients
+    for name, waves in (("COEFFICIENTS", run.coefficients()), ("SIGMA", run.sigma_waves())):
+        modal = image(name, good(run, waves), "")
+        modal.header["BASIS"] = ("zernike-osa-rms", "waves of WAVELENGTH, RMS-normalised")
+        modal.header["MODES"] = " ".join(str(j) for j in run.modes(0))
+        yield modal
     if pictures:
         yield image("PICTURES", numpy.stack([run.picture(frame) for frame in numpy.flatnonzero(run.frames["picture"] >= 0)]), "count", times="pictures")
 

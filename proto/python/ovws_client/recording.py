@@ -91,6 +91,12 @@ class Recording:
         Only those of frames with `valid` set can be trusted."""
         return self._parts("coefficients", "first_coefficient", "coefficients", frame)
 
+    def sigma_waves(self, frame=None):
+        """Standard errors of `coefficients`, waves. NaN where positions measured the frame, and in recordings of older versions."""
+        if "sigma_waves" not in self.file:
+            return numpy.full_like(self.coefficients(frame), numpy.nan)
+        return self._parts("sigma_waves", "first_coefficient", "coefficients", frame)
+
     def modes(self, frame):
         """OSA/ANSI indices of a frame's coefficients."""
         return self.modes_of(self.plan(frame))

@@ -45,7 +45,7 @@ std::string make_recording(const std::string& name, int skipped, bool with_image
     frame.frame_id = std::uint64_t(i < anew ? 100 + i : 1 + i - anew);
     frame.exposure_us = 2000.0;
     if (with_images) frame.picture = *(*file)->add_image(pixels, i % 2 == 0);
-    (*file)->add_frame(frame, {}, {});
+    (*file)->add_frame(frame, {}, {}, {});
   }
   EXPECT_TRUE((*file)->close(0, 0));
   return path;

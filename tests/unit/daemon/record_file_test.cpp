@@ -49,7 +49,8 @@ Result<void> add_one(RecordFile& file, int number) {
   const auto picture = file.add_image(pixels, false);
   if (!picture) return fail(picture.error());
   frame.picture = *picture;
-  file.add_frame(frame, std::vector<RecordedSpot>(7), std::vector<float>(5));
+  file.add_frame(frame, std::vector<RecordedSpot>(7), std::vector<float>(5),
+                 std::vector<float>(5, 0.25F));
   return file.flush(0, 0);
 }
 
@@ -65,6 +66,7 @@ void expect_readable(const std::string& path, int flushed) {
     EXPECT_EQ(frame.frame_id, std::uint64_t(i + 1));
     EXPECT_TRUE((*reader)->spots(frame));
     EXPECT_TRUE((*reader)->coefficients(frame));
+    EXPECT_EQ((*reader)->sigma_waves(frame).value(), std::vector<float>(5, 0.25F));
     ASSERT_TRUE((*reader)->picture(frame, pixels));
     EXPECT_EQ(pixels[0], std::byte(i + 1));
   }
