@@ -1,13 +1,14 @@
 #include "core/base/unpack.hpp"
 
-#ifdef __x86_64__
-#include <immintrin.h>
-#endif
+#include <array>
 
-#include <algorithm>
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/base/unpack.cpp"
+#include <hwy/foreach_target.h>  // IWYU pragma: keep
+#include <hwy/highway.h>
 
-#include "core/base/runnable.hpp"
-
+#ifndef OVWS_UNPACK_SCALAR
+#define OVWS_UNPACK_SCALAR
 namespace ovws {
 namespace {
 
@@ -41,15 +42,10 @@ std::uint16_t pixel_at(const PackedRow& row, std::ptrdiff_t x) {
   }
 }
 
-struct Plain {
-  template <L kLayout, int kStep>
-  static void row(const PackedRow& row, int from, int count, std::uint16_t* out) {
-    for (std::ptrdiff_t i = 0; i < count; ++i) out[i] = pixel_at<kLayout>(row, from + i * kStep);
-  }
-};
-
-#ifdef __x86_64__
-#define OVWS_AVX2 __attribute__((target("avx2")))
+template <L kLayout, int kStep>
+void plain_row(const PackedRow& row, int from, int count, std::uint16_t* out) {
+  for (std::ptrdiff_t i = 0; i < count; ++i) out[i] = pixel_at<kLayout>(row, from + i * kStep);
+}
 
 /// Byte shuffle and shifts that extract eight adjacent packed pixels from 16 bytes. `pick` selects
 /// the two bytes of each pixel. Multiplying by `up` shifts left. p10, p12: drops the next
@@ -80,99 +76,112 @@ constexpr Recipe recipe(int phase) {
   return r;
 }
 
-struct Avx2 {
-  template <L kLayout, int kStep>
-  OVWS_AVX2 static void row(const PackedRow& row, int from, int count, std::uint16_t* out) {
-    int i = 0;
-    for (; i + 8 <= count && readable<kLayout, kStep>(row, from + i * kStep); i += 8) {
-      put<kLayout, kStep>(row, from + i * kStep, out + i);
-    }
-    const int last = count - 8;  // the last block may overlap the previous one
-    if (i < count && last >= 0 && readable<kLayout, kStep>(row, from + last * kStep)) {
-      return put<kLayout, kStep>(row, from + last * kStep, out + last);
-    }
-    for (; i < count; ++i) out[i] = pixel_at<kLayout>(row, from + std::ptrdiff_t(i) * kStep);
-  }
-
- private:
-  template <L kLayout>
-  static std::ptrdiff_t first_byte(std::ptrdiff_t x) {
-    if constexpr (kLayout == L::bytes) return x;
-    if constexpr (kLayout == L::words) return 2 * x;
-    if constexpr (is_p(kLayout)) return bits_of(kLayout) * x / 8;
-    return x / 2 * 3;
-  }
-
-  template <L kLayout, int kStep>
-  static bool readable(const PackedRow& row, std::ptrdiff_t x) {
-    constexpr int kRead = kLayout == L::bytes ? 8 : 16;
-    return first_byte<kLayout>(x + 8 * (kStep - 1)) + kRead <= row.bytes;
-  }
-
-  template <L kLayout>
-  OVWS_AVX2 static __m128i eight(const PackedRow& row, std::ptrdiff_t x) {
-    const auto* from = reinterpret_cast<const __m128i*>(row.first + first_byte<kLayout>(x));
-    if constexpr (kLayout == L::bytes) {
-      return _mm_cvtepu8_epi16(_mm_loadl_epi64(from));
-    } else if constexpr (kLayout == L::words) {
-      return _mm_srl_epi16(_mm_loadu_si128(from), _mm_cvtsi32_si128(row.shift));
-    } else {
-      static constexpr std::array<Recipe, 4> kRecipes{recipe<kLayout>(0), recipe<kLayout>(1),
-                                                      recipe<kLayout>(2), recipe<kLayout>(3)};
-      constexpr int kBits = bits_of(kLayout), kPhases = kLayout == L::p10 ? 4 : 2;
-      const Recipe& r = kRecipes[std::size_t(x % kPhases)];
-      const auto pick = _mm_load_si128(reinterpret_cast<const __m128i*>(r.pick.data()));
-      const auto up = _mm_load_si128(reinterpret_cast<const __m128i*>(r.up.data()));
-      const __m128i words = _mm_shuffle_epi8(_mm_loadu_si128(from), pick);
-      const __m128i moved = _mm_mullo_epi16(words, up);
-      if constexpr (is_p(kLayout)) return _mm_srli_epi16(moved, 16 - kBits);
-      const __m128i low = _mm_set1_epi16((1 << (kBits - 8)) - 1);
-      return _mm_or_si128(_mm_slli_epi16(_mm_srli_epi16(words, 8), kBits - 8),
-                          _mm_and_si128(_mm_srli_epi16(moved, 4), low));
-    }
-  }
-
-  template <L kLayout, int kStep>
-  OVWS_AVX2 static void put(const PackedRow& row, std::ptrdiff_t x, std::uint16_t* out) {
-    __m128i pixels = eight<kLayout>(row, x);
-    if constexpr (kStep == 2) {
-      const __m128i even = _mm_set1_epi32(0xFFFF);
-      pixels = _mm_packus_epi32(_mm_and_si128(pixels, even),
-                                _mm_and_si128(eight<kLayout>(row, x + 8), even));
-    }
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(out), pixels);
-  }
-};
+}  // namespace
+}  // namespace ovws
 #endif
 
-template <class Build, L kLayout>
-constexpr std::array<UnpackRow, 2> both_steps() {
-  return {Build::template row<kLayout, 1>, Build::template row<kLayout, 2>};
-}
+HWY_BEFORE_NAMESPACE();
+namespace ovws::HWY_NAMESPACE {
+namespace {
 
-template <class Build>
-constexpr UnpackKernels kernels(std::string_view name) {
-  return {name,
-          {both_steps<Build, L::bytes>(), both_steps<Build, L::words>(),
-           both_steps<Build, L::p10>(), both_steps<Build, L::p12>(),
-           both_steps<Build, L::packed10>(), both_steps<Build, L::packed12>()}};
-}
+#if HWY_TARGET == HWY_SCALAR
 
-#ifdef __x86_64__
-constexpr std::array kAll{kernels<Plain>("plain"), kernels<Avx2>("avx2")};
+template <L kLayout, int kStep>
+constexpr UnpackRow kRow = plain_row<kLayout, kStep>;
+
 #else
-constexpr std::array kAll{kernels<Plain>("plain")};
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Words = hn::FixedTag<std::uint16_t, 8>;
+using Bytes = hn::FixedTag<std::uint8_t, 16>;
+using Vector = hn::Vec<Words>;
+
+template <L kLayout>
+constexpr std::ptrdiff_t first_byte(std::ptrdiff_t x) {
+  if constexpr (kLayout == L::bytes) return x;
+  if constexpr (kLayout == L::words) return 2 * x;
+  if constexpr (is_p(kLayout)) return bits_of(kLayout) * x / 8;
+  return x / 2 * 3;
+}
+
+template <L kLayout, int kStep>
+bool readable(const PackedRow& row, std::ptrdiff_t x) {
+  constexpr int kRead = kLayout == L::bytes ? 8 : 16;
+  return first_byte<kLayout>(x + 8 * (kStep - 1)) + kRead <= row.bytes;
+}
+
+/// Eight adjacent pixels.
+template <L kLayout>
+Vector eight(const PackedRow& row, std::ptrdiff_t x) {
+  const auto* from = reinterpret_cast<const std::uint8_t*>(row.first + first_byte<kLayout>(x));
+  if constexpr (kLayout == L::bytes) {
+    return hn::PromoteTo(Words(), hn::LoadU(hn::Rebind<std::uint8_t, Words>(), from));
+  } else if constexpr (kLayout == L::words) {
+    return hn::ShiftRightSame(hn::BitCast(Words(), hn::LoadU(Bytes(), from)), row.shift);
+  } else {
+    static constexpr std::array<Recipe, 4> kRecipes{recipe<kLayout>(0), recipe<kLayout>(1),
+                                                    recipe<kLayout>(2), recipe<kLayout>(3)};
+    constexpr int kBits = bits_of(kLayout), kPhases = kLayout == L::p10 ? 4 : 2;
+    const Recipe& r = kRecipes[std::size_t(x % kPhases)];
+    const auto pick = hn::Load(Bytes(), r.pick.data());
+    const Vector words = hn::BitCast(Words(), hn::TableLookupBytes(hn::LoadU(Bytes(), from), pick));
+    const Vector moved = hn::Mul(words, hn::Load(Words(), r.up.data()));
+    if constexpr (is_p(kLayout)) return hn::ShiftRight<16 - kBits>(moved);
+    const Vector low = hn::Set(Words(), (1 << (kBits - 8)) - 1);
+    return hn::Or(hn::ShiftLeft<kBits - 8>(hn::ShiftRight<8>(words)),
+                  hn::And(hn::ShiftRight<4>(moved), low));
+  }
+}
+
+template <L kLayout, int kStep>
+void put(const PackedRow& row, std::ptrdiff_t x, std::uint16_t* out) {
+  Vector pixels = eight<kLayout>(row, x);
+  if constexpr (kStep == 2) pixels = hn::ConcatEven(Words(), eight<kLayout>(row, x + 8), pixels);
+  hn::StoreU(pixels, Words(), out);
+}
+
+template <L kLayout, int kStep>
+void row(const PackedRow& row, int from, int count, std::uint16_t* out) {
+  int i = 0;
+  for (; i + 8 <= count && readable<kLayout, kStep>(row, from + i * kStep); i += 8) {
+    put<kLayout, kStep>(row, from + i * kStep, out + i);
+  }
+  const int last = count - 8;  // the last block may overlap the previous one
+  if (i < count && last >= 0 && readable<kLayout, kStep>(row, from + last * kStep)) {
+    return put<kLayout, kStep>(row, from + last * kStep, out + last);
+  }
+  plain_row<kLayout, kStep>(row, from + i * kStep, count - i, out + i);
+}
+
+template <L kLayout, int kStep>
+constexpr UnpackRow kRow = row<kLayout, kStep>;
+
 #endif
+
+UnpackRow Choose(PixelLayout layout, int step) {
+  static constexpr std::array<std::array<UnpackRow, 2>, 6> kRows{
+      {{kRow<L::bytes, 1>, kRow<L::bytes, 2>},
+       {kRow<L::words, 1>, kRow<L::words, 2>},
+       {kRow<L::p10, 1>, kRow<L::p10, 2>},
+       {kRow<L::p12, 1>, kRow<L::p12, 2>},
+       {kRow<L::packed10, 1>, kRow<L::packed10, 2>},
+       {kRow<L::packed12, 1>, kRow<L::packed12, 2>}}};
+  return kRows[std::size_t(layout)][std::size_t(step - 1)];
+}
 
 }  // namespace
+}  // namespace ovws::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
 
-std::span<const UnpackKernels> all_unpack_kernels() {
-  return std::span(kAll).first(std::min(kAll.size(), runnable_builds()));
-}
+#if HWY_ONCE
+namespace ovws {
+
+HWY_EXPORT(Choose);
 
 UnpackRow unpack_row(PixelLayout layout, int step) {
-  static const UnpackKernels& fastest = all_unpack_kernels().back();
-  return fastest.rows[std::size_t(layout)][std::size_t(step - 1)];
+  return HWY_DYNAMIC_DISPATCH(Choose)(layout, step);
 }
 
 }  // namespace ovws
+#endif  // HWY_ONCE

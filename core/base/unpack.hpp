@@ -1,11 +1,8 @@
-/// SIMD unpacking of packed, Bayer and MSB-aligned pixels, with run-time dispatch.
+/// SIMD unpacking of packed, Bayer and MSB-aligned pixels, with run-time dispatch (Highway).
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
-#include <string_view>
 
 #include "core/base/pixel_format.hpp"
 
@@ -22,17 +19,7 @@ struct PackedRow {
 /// pixel of the row. RT-safe.
 using UnpackRow = void (*)(const PackedRow& row, int from, int count, std::uint16_t* out);
 
-/// One SIMD build of the unpacking loops. All builds give identical results.
-struct UnpackKernels {
-  std::string_view name;
-  /// Unpacking functions, indexed by PixelLayout, then by step - 1 (every or every second pixel).
-  std::array<std::array<UnpackRow, 2>, 6> rows;
-};
-
-/// SIMD builds of the unpacking loops that this CPU can run, the fastest last.
-std::span<const UnpackKernels> all_unpack_kernels();
-
-/// Fastest unpacking loop for a layout. `step`: 1 unpacks every pixel, 2 every second pixel.
+/// Unpacking loop for a layout, for this CPU. `step`: 1 unpacks every pixel, 2 every second pixel.
 UnpackRow unpack_row(PixelLayout layout, int step);
 
 }  // namespace ovws
