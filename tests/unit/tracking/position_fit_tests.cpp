@@ -61,8 +61,8 @@ TEST_P(PositionFitTest, RecoversAnySubPixelPositionFromAround) {
     const SpotFix fix =
         track(view_of(image, PixelFormat::mono16), truth + Vec2{off(random), off(random)});
     ASSERT_TRUE(fix.found());
-    EXPECT_NEAR(fix.x, truth.x, 0.003);
-    EXPECT_NEAR(fix.y, truth.y, 0.003);
+    EXPECT_NEAR(fix.x, truth.x, 0.002);
+    EXPECT_NEAR(fix.y, truth.y, 0.002);
     EXPECT_GT(fix.quality, 0.98F);
   }
 }
@@ -110,7 +110,7 @@ TEST_P(PositionFitTest, IsNotDrawnAsideByAnAberratedSpot) {
     }
   }
   std::printf("  charge %d: worst error %.4f px\n", GetParam(), worst);
-  EXPECT_LT(worst, 0.003);
+  EXPECT_LT(worst, 0.002);
 }
 
 TEST_P(PositionFitTest, IsExactWithASaturatedTop) {
