@@ -81,9 +81,10 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   if (in_air()) allow_for(higher);
 }
 
-/// Computes `growth_`: the factor by which the unmeasured higher modes, above modes_j, increase
-/// each variance. Whitening covers their effects within one spot. But a higher mode changes all
-/// spots at once, so its effects are summed over the spots before they are squared.
+/// Computes `growth_`: for each mode, the factor by which the modes above modes_j, which are not
+/// fitted, increase the variance of its coefficient. The whitening of a spot's estimates allows for
+/// their errors as if they were independent from spot to spot. But a higher mode changes all spots
+/// together, so the errors that it causes add up over the spots, and their sum is squared.
 void FrameFit::allow_for(std::span<const HigherErrors> higher) {
   const Eigen::Index modes = inverse_.rows();
   Eigen::MatrixXd own = Eigen::MatrixXd::Zero(modes, modes), shared;

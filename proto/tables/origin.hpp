@@ -102,7 +102,7 @@ inline constexpr auto kTable<Origin> =
            field<&Origin::aberration>(
                "modes shown on purpose, corrections included, RMS-normalised waves"),
            field<&Origin::introduced>(
-               "introduced part of aberration, without the correction; omitted: none")
+               "`aberration` without the correction; the key is left out if nothing was introduced")
                .or_left_out(),
            field<&Origin::hologram_sha256>("SHA-256 of the shown hologram's grey levels, row by "
                                            "row; null: the reference is the model's")};

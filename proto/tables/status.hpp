@@ -159,7 +159,8 @@ inline constexpr auto kTable<StatusMessage> = Fields{
         "whether the loop is closed")
         .among(texts<"open", "closed">),
     field<&StatusMessage::failed_job>(
-        "last failed job since the start whose kind has not succeeded since; null: none"),
+        "latest job that failed since the daemon's start, unless a later one of its kind "
+        "succeeded; null: none"),
     field<&StatusMessage::rates>("rates since the last status"),
     field<&StatusMessage::counters>("all counters, since the start").among(counter_names),
     field<&StatusMessage::latency>(

@@ -127,7 +127,8 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content,
                       model.at("j").get<std::vector<int>>() == modes_j;
   if (!is_for) {
     return fail(Errc::invalid, "path",
-                "the recording's operating point is for other images or modes");
+                "the recording's operating point does not fit its frames: its modes or its image "
+                "size differ");
   }
   if (content.value("measured", false)) return from_shapes(content, plan, calibration);
   if (!content.value("ln_amplitude", json::array()).empty()) {
@@ -173,7 +174,9 @@ Result<std::shared_ptr<const FrameFit>> PointReader::from_shapes(const json& con
   }
   if (shapes->modes_j != plan.modes_j || shapes->lit() != plan.spots.lit ||
       !shapes->are_inside(plan.roi.width, plan.roi.height)) {
-    return fail(Errc::invalid, "path", "the recording's calibration is for other images or modes");
+    return fail(Errc::invalid, "path",
+                "the recording's calibration does not fit its frames: its modes, its image size or "
+                "its colour filters differ");
   }
   return std::make_shared<const FrameFit>(std::move(point), shapes->spots, plan.modes_j);
 }

@@ -30,13 +30,15 @@ struct ReferenceKey {
   friend bool operator==(const ReferenceKey&, const ReferenceKey&) = default;
 };
 
-/// Key of a reference. Settings that do not affect spot positions get a fixed value: operator, mode
-/// count, estimates and `templates`. Tracker `fit` becomes `lg`, which finds equal positions.
+/// Settings that a reference depends on. Those without effect on positions get a fixed value:
+/// operator, mode count, estimates and `templates`. Tracker `fit` becomes `lg`, which finds equal
+/// positions.
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi);
 
-/// Key of a calibration. It keeps the tracker `fit` and its mode count, because a calibration with
-/// `fit` also measures spot shapes, for as many modes as requested.
+/// Settings that a calibration depends on: those of reference_key, and with tracker `fit` also
+/// `fit` itself and its mode count. A calibration with `fit` measures spot shapes, too, for as many
+/// modes as requested.
 ReferenceKey calibrated_sensor(const SensorConfig& sensor, const TrackingSettings& tracking,
                                const Roi& roi);
 
