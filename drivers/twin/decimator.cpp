@@ -31,9 +31,10 @@ std::vector<float> low_pass(int bin, double half_band) {
   std::vector<float> taps;
   for (int t = -reach; t <= reach; ++t) {
     const double at = double(t) / reach;
-    taps.push_back(float(sinc(double(t) / bin) *
-                         std::cyl_bessel_i(0.0, kKaiserBeta * std::sqrt(1.0 - at * at)) /
-                         std::cyl_bessel_i(0.0, kKaiserBeta)));
+    const double tap = sinc(double(t) / bin) *
+                       std::cyl_bessel_i(0.0, kKaiserBeta * std::sqrt(1.0 - at * at)) /
+                       std::cyl_bessel_i(0.0, kKaiserBeta);
+    taps.push_back(t % bin == 0 && t != 0 ? 0.0F : float(tap));  // a sinc's zeros, not rounded
   }
   return taps;
 }
@@ -71,7 +72,8 @@ void Decimator::along(const std::complex<float>* in, std::complex<float>* out) c
   Numbers sums = numbers(out, outputs_);
   sums = taps_[std::size_t(reach())] * shifted(reach());
   for (int t = 0; t < reach(); ++t) {
-    sums += taps_[std::size_t(t)] * (shifted(t) + shifted(2 * reach() - t));
+    const float tap = taps_[std::size_t(t)];
+    if (tap != 0.0F) sums += tap * (shifted(t) + shifted(2 * reach() - t));
   }
 }
 
@@ -81,7 +83,8 @@ void Decimator::down(const Image<std::complex<float>>& in, int k, std::complex<f
   const int first = position(k) - reach();
   const int begin = std::max(0, -first), end = std::min(int(taps_.size()), inputs_ - first);
   for (int t = begin; t < end; ++t) {
-    sums += taps_[std::size_t(t)] * numbers(in.row(first + t), in.width);
+    const float tap = taps_[std::size_t(t)];
+    if (tap != 0.0F) sums += tap * numbers(in.row(first + t), in.width);
   }
 }
 
