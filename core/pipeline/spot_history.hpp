@@ -17,8 +17,7 @@ namespace ovws {
 /// mistaken for each other. A frame *follows* if one of these is true:
 /// - Templates describe it.
 /// - The previous frame follows, and every spot of the reference was found in both frames, at most
-/// a
-///   quarter of lambda/d from where its tracking started.
+///   a quarter of lambda/d from where its tracking started.
 /// - The first templates are awaited, and every spot of the reference is found at most a quarter of
 ///   lambda/d from its reference position.
 class SpotHistory {

@@ -23,7 +23,7 @@ constexpr double kMaxPointResidual = 1.3;    // standard errors, at the operatin
 // mode if it were alone: the same for 18 to 44 modes, charges 0 and 1, and 0.05 to 0.9 wave RMS.
 constexpr double kBent = 0.18;
 constexpr double kMaxDriftWaves = 0.15;  // RMS; farther ones were not examined
-constexpr double kMaxBentWaves = 0.03;   // RMS, or that of the noise; beyond, positions are as good
+constexpr double kMaxBentWaves = 0.03;   // RMS, or that of the noise; beyond, positions are used
 constexpr double kMaxOverCeiling = 1.1;
 constexpr double kOverTheory = 2.0;        // variance by higher modes over theory, turbulence
 constexpr double kMinConditioning = 1e-9;  // of the normal equations
