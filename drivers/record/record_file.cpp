@@ -285,6 +285,7 @@ void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> sp
   m.new_spots.insert(m.new_spots.end(), spots.begin(), spots.end());
   m.new_coefficients.insert(m.new_coefficients.end(), coefficients.begin(), coefficients.end());
   m.new_sigma_waves.insert(m.new_sigma_waves.end(), sigma_waves.begin(), sigma_waves.end());
+  m.new_sigma_waves.resize(m.new_coefficients.size(), NAN);  // the rows of both belong together
 }
 
 Result<void> RecordFile::add_document(std::string_view kind, std::string_view sha256,

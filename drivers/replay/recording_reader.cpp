@@ -230,8 +230,10 @@ bool RecordingReader::Impl::open_tables() {
       !read_rows(last, summary_type, 0, 1, &summary)) {
     return false;
   }
-  has_sigma_waves = H5Lexists(file, "sigma_waves", H5P_DEFAULT) > 0;
-  return open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots) &&
+  const htri_t sigmas = H5Lexists(file, "sigma_waves", H5P_DEFAULT);
+  has_sigma_waves = sigmas > 0;
+  return sigmas >= 0 &&
+         open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots) &&
          open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMaxRows, coefficients) &&
          (!has_sigma_waves ||
           open_rows(file, "sigma_waves", H5T_IEEE_F32LE, sizeof(float), kMaxRows, sigma_waves)) &&

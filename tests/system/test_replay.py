@@ -140,8 +140,10 @@ class Replay(BenchCase):
         with Recording(self.path("older")) as older:
             self.assertTrue(numpy.isnan(older.sigma_waves()).all())
         with h5py.File(self.path("older"), "r+") as file:
-            sigma_waves = self.open("still").sigma_waves().ravel()
-            sigma_waves[numpy.flatnonzero(numpy.isfinite(sigma_waves))[-1]] += numpy.float32(1e-6)
+            run = self.open("still")
+            sigma_waves, replayed = run.sigma_waves(), run.frames["picture"] >= 0
+            sigma_waves[numpy.flatnonzero(replayed & numpy.isfinite(sigma_waves[:, 0]))[-1], 0] += numpy.float32(1e-6)
+            sigma_waves = sigma_waves.ravel()
             file.create_dataset("sigma_waves", data=sigma_waves, maxshape=(None,), chunks=(8192,))
         changed = self.replay(self.path("older"))
         self.assertEqual((changed.returncode, json.loads(changed.stdout.splitlines()[-1])["same"]), (1, still["same"] - 1))

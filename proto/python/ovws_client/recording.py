@@ -93,7 +93,9 @@ class Recording:
 
     def sigma_waves(self, frame=None):
         """Standard errors of `coefficients`, waves. NaN where positions measured the frame, and in recordings of older versions."""
-        if "sigma_waves" not in self.file:
+        with reading("sigma_waves"):
+            known = self.file.get("sigma_waves", getlink=True) is not None
+        if not known:
             return numpy.full_like(self.coefficients(frame), numpy.nan)
         return self._parts("sigma_waves", "first_coefficient", "coefficients", frame)
 
