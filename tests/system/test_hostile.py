@@ -244,6 +244,8 @@ class Hostile(BenchCase):
             for client in clients:
                 self.assertTrue(client.poll(10000))
                 client.recv()
+        self.call("sensor.set", {"charge": 1, "tracker": "fit", "subapertures_across": 5})
+        self.fitted_frames(self.stream("wavefront"), 10)  # the same model as before
         grown = self.allocator_mib() - before
         print(f"\n  {len(changes)} commands of each of three clients: the allocator +{grown:.1f} MiB")
         self.assertLess(grown, MOST_ALLOCATOR_GROWTH_MIB)
