@@ -20,6 +20,8 @@ class MeasuredModel {
       : spots_(std::move(spots)), modes_j_(std::move(modes_j)), estimates_(estimates) {}
 
   std::span<const RenderedSpot> spots() const { return spots_; }
+  /// Wavefront of the reference, relative to that of the calibration, waves.
+  const std::vector<double>& reference_waves() const { return reference_waves_; }
 
   /// Sets the reference: coefficients count from the wavefront of this image. Errc::refused, field
   /// "reference": that wavefront is too far from the wavefront of the calibration.

@@ -7,6 +7,7 @@
 
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
+#include "core/optics/zernike.hpp"
 #include "core/spots/rendered_spot.hpp"
 
 namespace ovws {
@@ -37,6 +38,8 @@ std::vector<RenderedSpot> measured_spots(std::span<const SpotWindow> windows,
 struct MeasuredShapes {
   std::vector<int> modes_j;  ///< OSA indices of the modes of the derivatives
   std::vector<RenderedSpot> spots;
+  std::vector<double> poke_waves{};  ///< amplitude for each of modes_j; empty: not known
+  std::vector<Mode> fixed{};         ///< other modes that the SLM showed meanwhile
 
   const LitPixels& lit() const { return spots.front().window.lit; }
   /// Whether all windows lie in an image of this size.

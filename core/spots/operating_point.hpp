@@ -18,12 +18,14 @@ struct SpotDeviations {
 };
 
 /// Operating point: the wavefront for which templates are made, and all their other inputs except
-/// sensor and optics, or calibration. Equal operating points give equal templates.
+/// sensor, optics and calibration. Equal operating points give equal templates.
 struct OperatingPoint {
   std::vector<double> waves;            ///< measured modes of the wavefront, RMS-normalised
   std::vector<double> reference_waves;  ///< wavefront of the reference, zero of the coefficients
   std::vector<Mode> fixed;              ///< modes on the SLM that are not measured
   SpotDeviations deviations;
+  /// Wavefront of the calibration that corrects the rendering (SpotCorrection); empty: none does.
+  std::vector<double> corrected_at;
   PixelNoise noise;
   int lit = 0;  ///< number of spots in the reference
   std::vector<double>

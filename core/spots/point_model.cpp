@@ -80,6 +80,7 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
                                        std::span<const double> start_waves,
                                        std::span<const Mode> fixed) {
   renderings_ = 0;
+  end_correction();
   SpotDeviations deviations, best;
   std::vector<double> waves(start_waves.begin(), start_waves.end()), best_waves, px_per_wave;
   for (int i = 0; i < renderer_.spots(); ++i) px_per_wave.push_back(renderer_.px_per_wave(i));
@@ -124,7 +125,22 @@ Result<void> PointModel::count_from(const Found& found, const ImageView& image,
       "keys optics.* are those of the bench, then take a new reference");
 }
 
+void PointModel::end_correction() {
+  renderer_.set_correction({});
+  corrected_at_.clear();
+}
+
+void PointModel::correct_by(const MeasuredShapes& measured, std::span<const double> coefficients) {
+  end_correction();
+  std::vector<double> at_waves = from_reference(coefficients);
+  auto made = SpotCorrection::make(renderer_, measured, at_waves);
+  if (!made) return;
+  renderer_.set_correction(std::move(made));
+  corrected_at_ = std::move(at_waves);
+}
+
 void PointModel::use_model() {
+  end_correction();
   renderer_.set_deviations({});
   reference_waves_.assign(renderer_.modes_j().size(), 0.0);
   reference_sigma_waves_ = reference_waves_;
@@ -286,6 +302,7 @@ std::shared_ptr<FrameFit> PointModel::fit_at(const Found& found, const PixelNois
   point.reference_waves = reference_waves_;
   point.fixed.assign(fixed.begin(), fixed.end());
   point.deviations = renderer_.deviations();
+  point.corrected_at = corrected_at_;
   point.noise = noise;
   point.levels_dn = found.pass.levels_dn();
   for (std::size_t i = 0; i < point.levels_dn.size(); ++i) {

@@ -15,8 +15,8 @@
 namespace ovws {
 
 /// Diffraction model of one sensor on one bench. Use it from one thread at a time, off the frame
-/// path: a rendering takes some 15 ms on the default bench. A reference takes ten renderings, or
-/// fifty on a bench that is very unlike the model.
+/// path: a rendering takes some 15 ms on the default bench. use_reference needs some ten
+/// renderings, or fifty if the bench deviates strongly from the model.
 class PointModel {
  public:
   /// `estimates`: number of estimates per spot, 2 to kMaxSpotEstimates.
@@ -29,6 +29,11 @@ class PointModel {
   /// does not explain the image; field "image": the spots do not determine the modes.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise,
                              std::span<const double> start_waves, std::span<const Mode> fixed);
+  /// Corrects renderings by the spots that a calibration measured (SpotCorrection, where possible),
+  /// with two renderings of the light for each mode. `coefficients`: the calibration's wavefront,
+  /// relative to the reference. Call after use_reference.
+  void correct_by(const MeasuredShapes& measured, std::span<const double> coefficients);
+  void end_correction();
   /// Uses the ideal model: coefficients count from its flat wavefront, without deviations.
   void use_model();
   /// Wavefront of the reference and its standard errors, waves; 0 after use_model.
@@ -98,6 +103,7 @@ class PointModel {
   std::vector<double> reference_waves_, reference_sigma_waves_;
   std::vector<double> reference_levels_;  ///< levels of the reference's spots, DN; 0: not found
   double reference_excess_ = 0.0, reference_residual_px_ = 0.0;
+  std::vector<double> corrected_at_;  ///< wavefront of the calibration; empty: no correction
 };
 
 }  // namespace ovws

@@ -121,7 +121,7 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
     spot.per_wave.setZero(spot.window.cells(), Eigen::Index(modes_j_.size()));
     spot.per_px.setZero(spot.window.cells(), 2);
     if (!is_inside(spot)) continue;
-    add_intensity(spot);
+    spot.light = intensity_in(spot.window);
     const Eigen::MatrixXcf far = field_of_cells(spot, field_.cells().pieces[i].centre_px);
     for (const int piece : pieces) {
       const bool own = piece == int(i);
@@ -132,7 +132,17 @@ std::vector<RenderedSpot> SpotRenderer::render(std::span<const double> waves,
     sum_over_cells(spot.window, spot.per_px);
     sum_over_cells(spot.window, spot.per_monomial);
   }
+  if (correction_) correction_->add_to(rendered, waves, fixed);
   return rendered;
+}
+
+std::vector<Eigen::VectorXf> SpotRenderer::light_in(std::span<const RenderedSpot> spots,
+                                                    std::span<const double> waves,
+                                                    std::span<const Mode> fixed) {
+  propagate(modes_of(modes_j_, waves, fixed), deviations_.fields);
+  std::vector<Eigen::VectorXf> light;
+  for (const RenderedSpot& spot : spots) light.push_back(intensity_in(spot.window));
+  return light;
 }
 
 /// Propagates the field with the deviations. Outside the subapertures, the amplitude is a smooth
@@ -187,10 +197,12 @@ FarPoints SpotRenderer::middles_of(const SpotWindow& window) const {
           double(window.pitch())};
 }
 
-void SpotRenderer::add_intensity(RenderedSpot& spot) const {
-  each_pixel(spot.window, [&](Eigen::Index cell, int x, int y) {
-    spot.light(cell) += float(to_intensity_) * std::norm(field_.far().row(y)[x]);
+Eigen::VectorXf SpotRenderer::intensity_in(const SpotWindow& window) const {
+  Eigen::VectorXf light = Eigen::VectorXf::Zero(window.cells());
+  each_pixel(window, [&](Eigen::Index cell, int x, int y) {
+    light(cell) += float(to_intensity_) * std::norm(field_.far().row(y)[x]);
   });
+  return light;
 }
 
 /// Complex field at the centre of each binned pixel, x along the rows. Within a binned pixel, the

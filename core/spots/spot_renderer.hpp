@@ -1,6 +1,7 @@
 /// Rendering: the expected image of every spot for a given wavefront, with its derivatives.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "core/optics/sensor_field.hpp"
 #include "core/spots/operating_point.hpp"
 #include "core/spots/rendered_spot.hpp"
+#include "core/spots/spot_correction.hpp"
 
 namespace ovws {
 
@@ -45,8 +47,22 @@ class SpotRenderer {
     return 1.0 / (field_.window().step_cpp * field_.cells().pieces[std::size_t(spot)].radius_px);
   }
 
-  void set_deviations(SpotDeviations deviations) { deviations_ = std::move(deviations); }
+  /// Sets the deviations of the bench. Ends the correction, which is relative to them.
+  void set_deviations(SpotDeviations deviations) {
+    deviations_ = std::move(deviations);
+    correction_.reset();
+  }
   const SpotDeviations& deviations() const { return deviations_; }
+
+  /// Corrects later renderings; none: no longer.
+  void set_correction(std::optional<SpotCorrection> correction) {
+    correction_ = std::move(correction);
+  }
+  /// Size of the windows; its position has no meaning.
+  const SpotWindow& window_size() const { return window_; }
+  /// Intensity of the binned pixels in the windows of `spots`, without correction.
+  std::vector<Eigen::VectorXf> light_in(std::span<const RenderedSpot> spots,
+                                        std::span<const double> waves, std::span<const Mode> fixed);
 
   /// Derivatives of each binned pixel with respect to the field over the spot's own subaperture:
   /// first the real, then the imaginary parts of its LocalField coefficients. `rendered` must be
@@ -63,12 +79,13 @@ class SpotRenderer {
   SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWindow window, double reach_px);
   void propagate(std::span<const Mode> modes, std::span<const SensorField::LocalField> fields);
   FarPoints middles_of(const SpotWindow& window) const;
-  void add_intensity(RenderedSpot& spot) const;
+  Eigen::VectorXf intensity_in(const SpotWindow& window) const;
   Eigen::MatrixXcf field_of_cells(const RenderedSpot& spot, Vec2 centre_px) const;
   void add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& far, int piece, bool own);
 
   SensorField field_;
   SpotDeviations deviations_;
+  std::optional<SpotCorrection> correction_;
   std::vector<int> modes_j_;
   PieceMoments moments_;
   SpotWindow window_;  ///< size of every window

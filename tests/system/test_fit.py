@@ -6,6 +6,7 @@ import subprocess
 import time
 
 from case import BenchCase, Client, main
+from ovws_client.recording import Recording
 
 
 def draw(rng, rms, last=18):
@@ -133,7 +134,7 @@ class Fit(BenchCase):
         self.assertEqual(found["template_modes_j"], list(range(1, 19)))
         self.assertEqual((found["disagreement"], found["disagreement_reason"], found["dropped"], found["lost_spots"]), ("none", None, [], []))
         stream, rng = self.stream("wavefront"), random.Random(7)
-        for rms, most in ((0.0, 0.003), (0.015, 0.004), (0.3, 0.01)):  # the last is too far from the calibration, and rendered
+        for rms, most in ((0.0, 0.003), (0.015, 0.004), (0.08, 0.004), (0.3, 0.01)):  # 0.08: rendered and corrected; 0.3: too far for that
             with self.subTest(rms=rms):
                 modes = draw(rng, rms)
                 frames, _ = self.fitted(stream, 40, self.show(modes))
@@ -141,7 +142,8 @@ class Fit(BenchCase):
                 print(f"\n  {rms:.3f} wave: error {median:.5f} wave")
                 self.assertLess(median, most)
         self.show({})
-        self.assert_replays_the_same("measured", [draw(rng, 0.005)])
+        points = self.assert_replays_the_same("measured", [draw(rng, 0.005), draw(rng, 0.08), {}])
+        self.assertEqual({(point["measured"], len(point["corrected_at"])) for point in points}, {(True, 0), (False, 18)})
         self.call("sensor.set", {"operator": "slopes"})
 
     def test_a_replay_gives_the_same_numbers(self):
@@ -164,6 +166,8 @@ class Fit(BenchCase):
         print(f"\n  {replayed}")
         self.assertEqual(replayed["same"], replayed["replayed"], done.stderr)
         self.assertGreater(replayed["replayed"], 0.5 * replayed["frames"])
+        with Recording(path) as run:
+            return list(run.documents("operating_point"))
 
 
 if __name__ == "__main__":

@@ -310,10 +310,12 @@ class Replay(BenchCase):
         self.recorded_frames(20)
         self.call("record.stop")
         changed = self.bench.directory / "changed_point.h5"
-        for value, text in ((-0.01, "do not belong together"), (1e9, "do not belong together"), ("x", "number")):
-            with self.subTest(value=value):
+        for field, value, text in (("higher_waves", -0.01, "do not belong together"), ("higher_waves", 1e9, "do not belong together"),
+                                   ("higher_waves", "x", "number"), ("corrected_at", [0.0], "cannot be read"),
+                                   ("corrected_at", [0.0] * 18, "cannot be read"), ("measured", True, "cannot be read")):
+            with self.subTest(field=field, value=value):
                 shutil.copy(self.path("point"), changed)
-                change_document(changed, "operating_point", ("higher_waves",), value)
+                change_document(changed, "operating_point", (field,), value)
                 done = self.replay(changed)
                 self.assertEqual(done.returncode, 1, done)
                 self.assertIn(text, done.stdout + done.stderr)

@@ -10,6 +10,8 @@
 #include "core/wavefront/matrix_comparison.hpp"
 #include "daemon/ovwsd/procedures/pokes.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/sensor/plan_builder.hpp"
+#include "daemon/ovwsd/sensor/spots_model.hpp"
 
 namespace ovws {
 namespace {
@@ -102,7 +104,8 @@ Result<Measured> measure_all(Bench& bench, Pokes& pokes, const std::vector<int>&
 /// the spots were measured by positions.
 std::shared_ptr<const MeasuredShapes> shapes_of(const SpotMeter& meter, const Measured& measured,
                                                 const std::vector<int>& matrix_j,
-                                                const std::vector<int>& by_positions_j) {
+                                                const std::vector<int>& by_positions_j,
+                                                const std::vector<Mode>& shown) {
   if (!meter.uses_images()) return nullptr;
   MeasuredShapes shapes{matrix_j, {}};
   for (const int j : measured.cells_j) {
@@ -114,7 +117,9 @@ std::shared_ptr<const MeasuredShapes> shapes_of(const SpotMeter& meter, const Me
   for (const int j : shapes.modes_j) {
     const auto at = std::find(measured.cells_j.begin(), measured.cells_j.end(), j);
     cells.push_back(measured.cells[std::size_t(at - measured.cells_j.begin())]);
+    shapes.poke_waves.push_back(cells.back().amplitude_waves);
   }
+  shapes.fixed = fixed_modes(shown, shapes.modes_j);
   shapes.spots = measured_spots(meter.windows(), meter.places_px(), measured.resting, cells);
   return std::make_shared<const MeasuredShapes>(std::move(shapes));
 }
@@ -162,7 +167,8 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
   calibration.frames = run.frames;
   calibration.t_taken_ns = utc_ns();
   calibration.comparison = compare(*matrix, model);
-  calibration.shapes = shapes_of(pokes.meter(), *measured, matrix->modes_j, model.modes_j);
+  calibration.shapes = shapes_of(pokes.meter(), *measured, matrix->modes_j, model.modes_j,
+                                 shown_modes(HologramKind::sensor, now.aberration, now.correction));
   calibration.matrix = std::move(*matrix);
   return calibration;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "daemon/ovwsd/sensor/shapes_file.hpp"
 #include "proto/tables/modes.hpp"
@@ -47,6 +48,9 @@ Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t s
       std::all_of(point.fixed.begin(), point.fixed.end(), known) &&
       std::all_of(point.waves.begin(), point.waves.end(), moderate) &&
       point.waves.size() == modes && point.reference_waves.size() == modes &&
+      point.fixed.size() <= std::size_t(kMaxZernikeIndex) &&
+      std::all_of(point.corrected_at.begin(), point.corrected_at.end(), moderate) &&
+      (point.corrected_at.empty() || point.corrected_at.size() == modes) &&
       point.levels_dn.size() == spots && as_many(point.deviations.offsets_px.size()) &&
       as_many(point.deviations.fields.size()) && moderate(point.higher_waves) &&
       point.higher_waves >= 0.0 && point.estimates >= 1 && point.estimates <= kMaxSpotEstimates;
@@ -78,6 +82,7 @@ OperatingPoint point_from(const json& content) {
       field[k] = {numbers.at(2 * k).get<double>(), numbers.at(2 * k + 1).get<double>()};
     }
   }
+  point.corrected_at = content.value("corrected_at", std::vector<double>{});
   point.noise.constant_dn2 = content.at("noise_constant_dn2").get<double>();
   point.noise.per_dn = content.at("noise_per_dn").get<double>();
   point.lit = content.at("lit").get<int>();
@@ -88,6 +93,17 @@ OperatingPoint point_from(const json& content) {
   point.measured = content.value("measured", false);
   point.higher_waves = content.value("higher_waves", 0.0);
   return point;
+}
+
+/// Checks that measured spots belong to the frames of a plan.
+Result<void> check(const MeasuredShapes& shapes, const MeasurementPlan& plan) {
+  if (shapes.modes_j == plan.modes_j && shapes.lit() == plan.spots.lit &&
+      shapes.are_inside(plan.roi.width, plan.roi.height)) {
+    return {};
+  }
+  return fail(Errc::invalid, "path",
+              "the recording's calibration does not fit its frames: its modes, its image size or "
+              "its colour filters differ");
 }
 
 }  // namespace
@@ -107,6 +123,7 @@ json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
           {"fixed", to_json(point.fixed)},
           {"offsets_px", pairs(point.deviations.offsets_px)},
           {"fields", numbers(point.deviations.fields)},
+          {"corrected_at", point.corrected_at},
           {"noise_constant_dn2", point.noise.constant_dn2},
           {"noise_per_dn", point.noise.per_dn},
           {"lit", point.lit},
@@ -119,7 +136,7 @@ json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
 
 Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content,
                                                           const MeasurementPlan& plan,
-                                                          const json& calibration) {
+                                                          const CalibrationText& calibration) {
   const std::vector<int>& modes_j = plan.modes_j;
   const json& model = content.at("model");
   const bool is_for = model.at("width").get<int>() == plan.roi.width &&
@@ -130,55 +147,89 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content,
                 "the recording's operating point does not fit its frames: its modes or its image "
                 "size differ");
   }
-  if (content.value("measured", false)) return from_shapes(content, plan, calibration);
+  OperatingPoint point = point_from(content);
+  const bool calibrated = point.measured || !point.corrected_at.empty();
+  if (calibrated) {
+    if (auto used = use_shapes(calibration, plan); !used) return fail(used.error());
+  }
+  if (!point.measured) {
+    if (auto used = use_model(content, plan); !used) return fail(used.error());
+  }
+  const std::size_t spots = calibrated ? shapes_->spots.size() : std::size_t(renderer_->spots());
+  if (auto fits = check(point, modes_j.size(), spots); !fits) return fail(fits.error());
+  if (point.measured) {
+    return std::make_shared<const FrameFit>(std::move(point), shapes_->spots, modes_j);
+  }
+  if (auto used = use_bench(content, point); !used) return fail(used.error());
+  const auto rendered = renderer_->render(point.waves, point.fixed);
+  return std::make_shared<const FrameFit>(std::move(point), rendered, modes_j);
+}
+
+/// Reads the calibration's spots, unless they are those of the last document.
+Result<void> PointReader::use_shapes(const CalibrationText& text, const MeasurementPlan& plan) {
+  if (!shapes_ || text.sha256 != shapes_sha256_) {
+    shapes_.reset();
+    const json calibration = text.read();
+    const int spots = calibration.at("spots").get<int>();
+    const auto leading_j = calibration.at("modes_j").get<std::vector<int>>();
+    auto shapes = shapes_from(calibration.at("shapes"), spots, leading_j);
+    if (!shapes) {
+      return fail(Errc::invalid, "path", "the recording's calibration " + shapes.error().reason);
+    }
+    shapes_ = std::move(*shapes);
+    shapes_sha256_ = text.sha256;
+  }
+  return check(*shapes_, plan);
+}
+
+/// Gives the renderer the deviations and the correction of a document, unless it has them.
+Result<void> PointReader::use_bench(const json& content, const OperatingPoint& point) {
+  std::string key = content.at("offsets_px").dump() + content.value("fields", json()).dump();
+  const bool corrected = !point.corrected_at.empty();
+  if (corrected) key += content.at("corrected_at").dump() + shapes_sha256_;
+  if (key == bench_key_) return {};
+  bench_key_.clear();
+  renderer_->set_deviations(point.deviations);
+  if (corrected) {
+    auto correction = int(shapes_->spots.size()) == renderer_->spots()
+                          ? SpotCorrection::make(*renderer_, *shapes_, point.corrected_at)
+                          : std::nullopt;
+    if (!correction) {
+      return fail(Errc::invalid, "path",
+                  "the recording's calibration cannot have corrected its templates: use an intact "
+                  "copy");
+    }
+    renderer_->set_correction(std::move(correction));
+  }
+  bench_key_ = std::move(key);
+  return {};
+}
+
+/// Makes the renderer, unless it is that of the last document.
+Result<void> PointReader::use_model(const json& content, const MeasurementPlan& plan) {
   if (!content.value("ln_amplitude", json::array()).empty()) {
     return fail(Errc::refused, "path",
                 "the recording was made by an older version of ovwsd, whose templates this version "
                 "cannot compute: replay it with that version");
   }
+  const json& model = content.at("model");
   std::string key = model.dump() + lit_content(plan.spots.lit).dump();
-  if (!renderer_ || key != renderer_key_) {
-    renderer_.reset();
-    const auto sensor = decode<SensorConfig>(model.at("sensor"));
-    if (!sensor) return fail(sensor.error());
-    const auto slm = decode<SlmGeometry>(model.at("slm"));
-    if (!slm) return fail(slm.error());
-    const auto optics = decode<OpticsConfig>(model.at("optics"));
-    if (!optics) return fail(optics.error());
-    auto made = SpotRenderer::make(*sensor, *slm, *optics, model.at("width").get<int>(),
-                                   model.at("height").get<int>(), modes_j, {.lit = plan.spots.lit});
-    if (!made) return fail(made.error());
-    renderer_ = std::make_unique<SpotRenderer>(std::move(*made));
-    renderer_key_ = std::move(key);
-  }
-  OperatingPoint point = point_from(content);
-  if (auto fits = check(point, modes_j.size(), std::size_t(renderer_->spots())); !fits) {
-    return fail(fits.error());
-  }
-  renderer_->set_deviations(point.deviations);
-  const auto rendered = renderer_->render(point.waves, point.fixed);
-  return std::make_shared<const FrameFit>(std::move(point), rendered, modes_j);
-}
-
-Result<std::shared_ptr<const FrameFit>> PointReader::from_shapes(const json& content,
-                                                                 const MeasurementPlan& plan,
-                                                                 const json& calibration) {
-  const int spots = calibration.at("spots").get<int>();
-  const auto leading_j = calibration.at("modes_j").get<std::vector<int>>();
-  const auto shapes = shapes_from(calibration.at("shapes"), spots, leading_j);
-  if (!shapes)
-    return fail(Errc::invalid, "path", "the recording's calibration " + shapes.error().reason);
-  OperatingPoint point = point_from(content);
-  if (auto fits = check(point, plan.modes_j.size(), std::size_t(spots)); !fits) {
-    return fail(fits.error());
-  }
-  if (shapes->modes_j != plan.modes_j || shapes->lit() != plan.spots.lit ||
-      !shapes->are_inside(plan.roi.width, plan.roi.height)) {
-    return fail(Errc::invalid, "path",
-                "the recording's calibration does not fit its frames: its modes, its image size or "
-                "its colour filters differ");
-  }
-  return std::make_shared<const FrameFit>(std::move(point), shapes->spots, plan.modes_j);
+  if (renderer_ && key == renderer_key_) return {};
+  renderer_.reset();
+  bench_key_.clear();
+  const auto sensor = decode<SensorConfig>(model.at("sensor"));
+  if (!sensor) return fail(sensor.error());
+  const auto slm = decode<SlmGeometry>(model.at("slm"));
+  if (!slm) return fail(slm.error());
+  const auto optics = decode<OpticsConfig>(model.at("optics"));
+  if (!optics) return fail(optics.error());
+  auto made =
+      SpotRenderer::make(*sensor, *slm, *optics, model.at("width").get<int>(),
+                         model.at("height").get<int>(), plan.modes_j, {.lit = plan.spots.lit});
+  if (!made) return fail(made.error());
+  renderer_ = std::make_unique<SpotRenderer>(std::move(*made));
+  renderer_key_ = std::move(key);
+  return {};
 }
 
 }  // namespace ovws

@@ -156,20 +156,19 @@ Result<void> RecordedPlans::read_templates(const json& from, MeasurementPlan& pl
   const json point = from.value("operating_point", json());
   if (point.is_null()) return {};
   const json calibrated = from.value("calibration", json());
+  const std::string sha256 = calibrated.is_string() ? calibrated.get<std::string>() : "";
   const std::string key = point.dump();
-  const bool of_other_shapes =
-      fit_ && fit_->point().measured && calibrated.dump() != fit_calibration_;
+  const bool of_other_shapes = fit_ && !fit_calibration_.empty() && sha256 != fit_calibration_;
   if (key != fit_key_ || of_other_shapes || !fit_ || fit_->modes_j() != plan.modes_j ||
       !(fit_roi_ == plan.roi) || fit_lit_ != plan.spots.lit) {
     const json content = json_of(documents_.at(point.get<std::string>()));
-    const bool measured = content.value("measured", false);
-    const json calibration =
-        measured ? json_of(documents_.at(calibrated.get<std::string>())) : json();
-    auto fit = points_.read(content, plan, calibration);
+    auto fit =
+        points_.read(content, plan, {sha256, [&] { return json_of(documents_.at(sha256)); }});
     if (!fit) return fail(fit.error());
     fit_ = std::move(*fit);
     fit_key_ = key;
-    fit_calibration_ = calibrated.dump();
+    const bool calibrate = fit_->point().measured || !fit_->point().corrected_at.empty();
+    fit_calibration_ = calibrate ? sha256 : "";
     fit_roi_ = plan.roi;
     fit_lit_ = plan.spots.lit;
   }

@@ -34,7 +34,7 @@ class RecordedPlans {
   PointReader points_;
   std::shared_ptr<const FrameFit> fit_;  ///< the templates rendered last
   std::string fit_key_;                  ///< checksum of the operating point of fit_
-  std::string fit_calibration_;          ///< checksum of the calibration of fit_
+  std::string fit_calibration_;  ///< checksum of the calibration that fit_ needs; empty: none
   Roi fit_roi_;
   LitPixels fit_lit_;
 };

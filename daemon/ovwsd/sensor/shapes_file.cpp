@@ -8,6 +8,8 @@
 #include "core/optics/zernike.hpp"
 #include "core/spots/spot_sums.hpp"
 #include "daemon/shared/encoding.hpp"
+#include "proto/limits.hpp"
+#include "proto/tables/modes.hpp"
 
 namespace ovws {
 namespace {
@@ -51,6 +53,25 @@ RenderedSpot spot_from(const json& one, const SpotWindow& size, std::size_t mode
   return spot;
 }
 
+/// Reads how the modes were poked, which older files do not have.
+void read_pokes(const json& content, MeasuredShapes& shapes) {
+  constexpr double kMinPokeWaves = 1e-4, kMaxFixedWaves = 1000.0;
+  shapes.poke_waves = content.value("poke_waves", std::vector<double>{});
+  demand(shapes.poke_waves.empty() || shapes.poke_waves.size() == shapes.modes_j.size(),
+         "it has another number of pokes than of modes");
+  for (const double waves : shapes.poke_waves) {
+    demand(waves >= kMinPokeWaves && waves <= limits::kPokeWaves.max, "a poke is out of range");
+  }
+  const json fixed = content.value("fixed", json::array());
+  demand(fixed.size() <= std::size_t(kMaxZernikeIndex), "it has too many other modes");
+  for (const json& one : fixed) {
+    const Mode& mode =
+        shapes.fixed.emplace_back(Mode{one.at("j").get<int>(), one.at("waves").get<double>()});
+    demand(mode.j >= 0 && mode.j <= kMaxZernikeIndex && std::abs(mode.waves) <= kMaxFixedWaves,
+           "a mode is out of range");
+  }
+}
+
 }  // namespace
 
 json lit_content(const LitPixels& lit) {
@@ -79,6 +100,8 @@ json shapes_content(const MeasuredShapes& shapes) {
           {"side", window.side},
           {"bin", window.bin},
           {"lit", lit_content(window.lit)},
+          {"poke_waves", shapes.poke_waves},
+          {"fixed", to_json(shapes.fixed)},
           {"spots", std::move(spots)}};
 }
 
@@ -99,6 +122,7 @@ Result<MeasuredShapes> shapes_from(const json& content, int spots,
                std::all_of(modes_j.begin(), modes_j.end(),
                            [](int j) { return j >= 1 && j <= kMaxZernikeIndex; }),
            "its modes are not those of the matrix");
+    read_pokes(content, shapes);
     demand(spots > 0 && content.at("spots").size() == std::size_t(spots),
            "it has another number of spots");
     for (const json& one : content.at("spots")) {

@@ -126,26 +126,34 @@ Result<SpotsModel> SpotsModel::make(const SensorSnapshot& sensor, const SlmGeome
                                     std::span<const ImageView> images) {
   if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoImage);
   SpotsModel made;
-  if (active_calibration_ns(sensor) != 0) {
-    auto measured = measured_model(sensor, images);
-    if (measured) {
-      made.measured_ = std::move(*measured);
-    } else {
-      made.unmeasured_ = measured.error().reason;
-    }
-  }
   const ImageView& like = images.back();
-  auto rendered = rendered_model(sensor, slm, like, [&](PointModel& model) {
+  made.rendered_ = rendered_model(sensor, slm, like, [&](PointModel& model) {
     const std::vector<double> flat(sensor.modes_j.size());
     return std::pair(noise_of(images, model.rendered(flat)), like.format);
   });
-  if (rendered) made.rendered_ = std::move(*rendered);
-  if (!rendered && !made.measured_) {
-    return fail(made.unmeasured_.empty()
-                    ? rendered.error()
-                    : Error{Errc::refused, "reference", std::move(made.unmeasured_)});
-  }
+  if (auto used = made.use_calibration(sensor, images); !used) return fail(used.error());
   return made;
+}
+
+Result<void> SpotsModel::use_calibration(const SensorSnapshot& sensor,
+                                         std::span<const ImageView> images) {
+  measured_.reset();
+  unmeasured_.clear();
+  if (rendered_) rendered_->end_correction();
+  if (active_calibration_ns(sensor) == 0) {
+    return rendered_ ? Result<void>{} : fail(rendered_.error());
+  }
+  auto measured = measured_model(sensor, images);
+  if (!measured) {
+    unmeasured_ = measured.error().reason;
+    return rendered_ ? Result<void>{} : fail(Errc::refused, "reference", unmeasured_);
+  }
+  measured_ = std::move(*measured);
+  if (!rendered_) return {};
+  std::vector<double> calibrated = measured_->reference_waves();
+  for (double& waves : calibrated) waves = -waves;
+  rendered_->correct_by(*sensor.calibration->shapes, calibrated);
+  return {};
 }
 
 std::shared_ptr<const FrameFit> SpotsModel::measured_near(std::span<const ImageView> images) const {

@@ -34,7 +34,8 @@ Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometr
 
 /// Chooses between measured and rendered templates. Measured templates come from a calibration:
 /// they are exact for this bench, but only near the calibration's wavefront. Rendered templates
-/// follow any wavefront, and are as exact as the model of the bench.
+/// follow any wavefront, and are as exact as the model of the bench; not far from the calibration,
+/// it corrects them.
 class SpotsModel {
  public:
   /// Makes the models from the sensor's reference and, if active, its calibration. `images`:
@@ -44,10 +45,15 @@ class SpotsModel {
   static Result<SpotsModel> make(const SensorSnapshot& sensor, const SlmGeometry& slm,
                                  std::span<const ImageView> images);
 
+  /// Replaces the calibration by the sensor's active one, if any; the reference is that of `make`.
+  /// Errors as those of `make`.
+  Result<void> use_calibration(const SensorSnapshot& sensor, std::span<const ImageView> images);
+
   /// Measured templates, if the wavefront of the last of `images` is within 0.02 wave RMS of the
   /// calibration's wavefront; else null.
   std::shared_ptr<const FrameFit> measured_near(std::span<const ImageView> images) const;
   bool has_measured() const { return measured_.has_value(); }
+  bool has_rendered() const { return rendered_.has_value(); }
   /// Why an active calibration is not used; empty: it is used, or no calibration is active.
   const std::string& unmeasured() const { return unmeasured_; }
 
@@ -62,7 +68,7 @@ class SpotsModel {
  private:
   SpotsModel() = default;
 
-  std::optional<PointModel> rendered_;  ///< none: the model cannot explain the reference
+  Result<PointModel> rendered_ = fail(Errc::refused, "reference", "");  ///< why it cannot be used
   std::optional<MeasuredModel> measured_;
   std::string unmeasured_;
 };

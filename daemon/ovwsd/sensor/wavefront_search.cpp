@@ -74,6 +74,10 @@ struct WavefrontSearch::Key {
         estimates(sensor.tracking.estimates),
         reference_taken_ns(sensor.reference->t_taken_ns),
         calibration_taken_ns(active_calibration_ns(sensor)) {}
+  bool equals_except_calibration(Key other) const {
+    other.calibration_taken_ns = calibration_taken_ns;
+    return *this == other;
+  }
   friend bool operator==(const Key&, const Key&) = default;
 };
 
@@ -192,12 +196,16 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   std::vector<ImageView> images;
   for (const FrameCopy& one : frames) images.push_back(one.image);
   Key next(frame, sensor);
-  if (!model_ || !(model_->key == next)) {
+  const bool is_other = !model_ || !(model_->key == next);
+  if (is_other) {
     failing_since_ns_ = 0;
-    model_ = std::make_unique<Model>(Model{std::move(next)});
+    const bool keep = model_ && model_->spots && model_->spots->has_rendered() &&
+                      next.equals_except_calibration(model_->key);
+    if (!keep) model_ = std::make_unique<Model>(Model{next});
+    model_->key = std::move(next);
   }
   const Key& key = model_->key;
-  if (!model_->spots && !model_->has_failed()) make_model(images, sensor);
+  if (is_other || (!model_->spots && !model_->has_failed())) make_model(images, sensor);
   if (!model_->spots) return fail(model_->spots.error());
   look_again_ns_ = monotonic_ns() + kLookAgainNs;
   auto fit = found(images, frame, sensor);
@@ -243,9 +251,14 @@ std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame)
   return all;
 }
 
+/// Makes the model for its key. If there is one already, only its calibration is out of date.
 void WavefrontSearch::make_model(std::span<const ImageView> images, const SensorSnapshot& sensor) {
   measured_ = false;
-  model_->spots = SpotsModel::make(sensor, slm_, images);
+  if (!model_->spots) {
+    model_->spots = SpotsModel::make(sensor, slm_, images);
+  } else if (auto used = model_->spots->use_calibration(sensor, images); !used) {
+    model_->spots = fail(used.error());
+  }
   if (!model_->spots) return model_->set_failed(model_->spots.error());
   const std::string& why = model_->spots->unmeasured();
   if (why.empty()) return;

@@ -11,7 +11,7 @@ namespace {
 using nlohmann::json;
 
 MeasuredShapes shapes_with(const LitPixels& lit) {
-  MeasuredShapes shapes{{1, 2}, {}};
+  MeasuredShapes shapes{{1, 2}, {}, {0.03, 0.015}, {{21, -0.1}}};
   for (int i = 0; i < 2; ++i) {
     RenderedSpot& spot = shapes.spots.emplace_back();
     spot.window = window_of(12.0, 2.0, lit);
@@ -32,6 +32,8 @@ TEST(ShapesFile, HoldsTheShapesAndTheirLitPixels) {
     ASSERT_TRUE(read) << read.error().reason;
     EXPECT_EQ(read->lit(), lit);
     EXPECT_EQ(read->modes_j, shapes.modes_j);
+    EXPECT_EQ(read->poke_waves, shapes.poke_waves);
+    EXPECT_EQ(read->fixed, shapes.fixed);
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_EQ(read->spots[i].window, shapes.spots[i].window);
       EXPECT_EQ(read->spots[i].light, shapes.spots[i].light);
@@ -47,6 +49,30 @@ TEST(ShapesFile, OfAnOlderVersionHoldsShapesOfAllPixels) {
   const auto read = shapes_from(content, 2, {1, 2});
   ASSERT_TRUE(read) << read.error().reason;
   EXPECT_EQ(read->lit(), LitPixels{});
+}
+
+TEST(ShapesFile, OfAnOlderVersionDoesNotKnowThePokes) {
+  json content = shapes_content(shapes_with({}));
+  content.erase("poke_waves");
+  content.erase("fixed");
+  const auto read = shapes_from(content, 2, {1, 2});
+  ASSERT_TRUE(read) << read.error().reason;
+  EXPECT_TRUE(read->poke_waves.empty() && read->fixed.empty());
+}
+
+TEST(ShapesFile, WithImpossiblePokesIsRefused) {
+  const json good = shapes_content(shapes_with({}));
+  for (const auto& [key, value] : {std::pair{"poke_waves", json{0.03}},
+                                   {"poke_waves", json{0.03, 0.0}},
+                                   {"poke_waves", json{0.03, 1.0}},
+                                   {"poke_waves", json{0.03, nullptr}},
+                                   {"fixed", json::array({{{"j", -1}, {"waves", 0.1}}})},
+                                   {"fixed", json::array({{{"j", 21}, {"waves", 1e9}}})},
+                                   {"fixed", json(5)}}) {
+    json content = good;
+    content[key] = value;
+    EXPECT_FALSE(shapes_from(content, 2, {1, 2})) << key << " " << value;
+  }
 }
 
 TEST(ShapesFile, WithImpossiblePixelsIsRefused) {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/optics/hologram.hpp"
+#include "core/spots/measured_spots.hpp"
 #include "tests/unit/spots/templates_case.hpp"
 
 namespace ovws {
@@ -60,7 +61,33 @@ class UnevenBench {
   double level_ = 0.0;
 };
 
-class LocalFields : public Templates {};
+class LocalFields : public Templates {
+ public:
+  /// What a calibration measures about a flat wavefront, without noise.
+  static MeasuredShapes calibrated(UnevenBench& bench, const Waves& resting, double peak_e) {
+    const int modes = int(resting.size());
+    std::vector<SpotWindow> windows;
+    std::vector<Vec2> places_px;
+    for (const RenderedSpot& spot : renderer(1, modes, 0.0).render(resting)) {
+      windows.push_back(spot.window);
+      places_px.push_back(spot.place_px);
+    }
+    const auto cells = [&](const Waves& waves) {
+      return cells_in(bench.light(waves, peak_e), windows);
+    };
+    std::vector<PokedSpots> pokes;
+    MeasuredShapes shapes{first_modes(modes), {}};
+    for (std::size_t k = 0; k < resting.size(); ++k) {
+      const double poke = k % 3 == 0 ? 0.015 : 0.03;  // some modes were poked by less
+      Waves plus = resting, minus = resting;
+      plus[k] += poke, minus[k] -= poke;
+      pokes.push_back({poke, cells(plus), cells(minus)});
+      shapes.poke_waves.push_back(poke);
+    }
+    shapes.spots = measured_spots(windows, places_px, cells(resting), pokes);
+    return shapes;
+  }
+};
 
 TEST_F(LocalFields, OfUnevenAndCutLightAreLearnedFromTheReference) {
   constexpr double kPeak = 4000.0;
@@ -84,6 +111,43 @@ TEST_F(LocalFields, OfUnevenAndCutLightAreLearnedFromTheReference) {
       EXPECT_LT(error(frame.waves, truth), modes == 18 ? 0.004 : 0.01);
     }
   }
+}
+
+/// The calibration was taken 0.005 wave from the reference. At 0.02 wave the gain is less.
+TEST_F(LocalFields, ACalibrationCorrectsRenderingsNearIt) {
+  constexpr int kModes = 44;
+  constexpr double kPeak = 20000.0;
+  UnevenBench bench;
+  const PixelNoise noise{25.0, 1.0};
+  const Waves flat(kModes, 0.0), resting = random(kModes, 0.005, 8);
+  PointModel points(renderer(1, kModes, 0.0), 8);
+  const auto reference = exposed(bench.light(flat, kPeak), kReadNoiseE, 1);
+  ASSERT_TRUE(points.use_reference(view(reference), noise, flat, {}));
+  const std::array rms_waves{0.0, 0.05, 0.1, 0.3};
+  const auto errors = [&] {
+    std::vector<double> all;
+    for (const double rms : rms_waves) {
+      const Waves truth = rms > 0.0 ? random(kModes, rms, 5) : flat;
+      const auto image = exposed(bench.light(truth, kPeak), kReadNoiseE, 2);
+      const auto fit = points.templates(view(image), noise, std::vector<Waves>{flat}, {}, 8);
+      EXPECT_TRUE(fit) << rms;
+      all.push_back(fit ? error(measured(**fit, view(image)).waves, truth) : NAN);
+    }
+    return all;
+  };
+  const auto rendered = errors();
+  points.correct_by(calibrated(bench, resting, kPeak), resting);
+  const auto corrected = errors();
+  for (std::size_t k = 0; k < rms_waves.size(); ++k) {
+    std::printf("  %.2f wave: error %.5f wave, corrected %.5f\n", rms_waves[k], rendered[k],
+                corrected[k]);
+  }
+  EXPECT_LT(corrected[0], 0.001);
+  EXPECT_LT(corrected[1], std::min(0.002, 0.7 * rendered[1]));
+  EXPECT_LT(corrected[2], std::min(0.0045, 0.9 * rendered[2]));
+  EXPECT_LT(corrected[3], 1.2 * rendered[3]);
+  points.end_correction();
+  EXPECT_EQ(errors(), rendered);
 }
 
 }  // namespace
