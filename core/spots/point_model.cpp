@@ -28,7 +28,9 @@ constexpr double kMinOverShapes = 0.1, kMaxOverShapes = 2.0, kScatters = 2.0, kS
 constexpr double kFarOver = 2.0, kUnsettled = 0.1;
 constexpr int kHigherRounds = 4, kHigherRenderings = 5;
 // Limits against false minima: a fit is accepted up to the larger one.
-constexpr double kMaxResidual = 0.0005;    // residual as position error, fraction of window width
+constexpr double kMaxResidual = 0.0005;  // residual as position error, fraction of window width
+// The same at the end of a search that lost no spot, whose shapes differ less than by strong air.
+constexpr double kMaxWholeResidual = 0.002, kMaxWholeExcess = 0.002;
 constexpr double kMaxOverReference = 2.0;  // ratio of the residual to that of the reference's fit
 
 }  // namespace
@@ -190,6 +192,7 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
   Result<std::shared_ptr<const FrameFit>> fit = fail(Errc::refused, "image", "no start is known");
   std::optional<Found> near;
   PixelNoise noise_near;
+  std::shared_ptr<const FrameFit> whole;
   renderings_ = 0;
   for (const std::vector<double>& start : starts) {
     std::vector<double> waves = from_reference(start);
@@ -197,15 +200,33 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
     const PixelNoise noise = noise_from(rendered);
     auto found = approach(image, noise, std::move(waves), std::move(rendered), fixed, kNearWaves,
                           renderings);
-    fit = found ? accepted(*found, image, noise, fixed) : fail(found.error());
+    fit = found ? accepted(*found, image, noise, fixed, kMaxResidual) : fail(found.error());
     if (fit) return fit;
     if (!found || found->away_waves > kFarWaves) continue;
-    if (near && near->pass.chi2() < found->pass.chi2()) continue;
+    whole = accepted_whole(*found, image, noise, fixed);
+    if (!whole && near && near->pass.chi2() < found->pass.chi2()) continue;
     near = std::move(*found), noise_near = noise;
+    if (whole) break;
   }
   if (!near) return fit;
-  const auto rough = with_higher_modes(image, noise_near, std::move(*near), fixed);
-  return rough ? accepted(*rough, image, noise_near, fixed) : fit;
+  if (const auto rough = with_higher_modes(image, noise_near, std::move(*near), fixed)) {
+    auto in_air = accepted(*rough, image, noise_near, fixed, kMaxResidual);
+    if (in_air || !whole) return in_air;
+  }
+  if (whole) return whole;
+  return fit;
+}
+
+/// Templates of a search that has arrived and lost no spot. A false minimum loses spots, so these
+/// may leave more than others: errors of a model that does not quite describe the bench.
+std::shared_ptr<const FrameFit> PointModel::accepted_whole(const Found& found,
+                                                           const ImageView& image,
+                                                           const PixelNoise& noise,
+                                                           std::span<const Mode> fixed) const {
+  const double excess = found.pass.excess() - reference_excess_;
+  if (found.away_waves > kNearWaves || excess > kMaxWholeExcess) return nullptr;
+  auto fit = accepted(found, image, noise, fixed, kMaxWholeResidual);
+  return fit && (*fit)->at_point().lost == 0 ? std::move(*fit) : nullptr;
 }
 
 /// Continues the search with errors by higher modes, whose strength the estimates give. None: the
@@ -260,7 +281,8 @@ bool PointModel::are_explained_by(double higher_waves, const Found& found) const
 Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
                                                              const ImageView& image,
                                                              const PixelNoise& noise,
-                                                             std::span<const Mode> fixed) const {
+                                                             std::span<const Mode> fixed,
+                                                             double max_residual) const {
   if (!(found.pass.excess() < allowed_excess()) || found.away_waves > kFarWaves) {
     return fail(
         Errc::refused, "image",
@@ -268,9 +290,8 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
         "configuration");
   }
   auto fit = fit_at(found, noise, fixed);
-  const SpotWindow& window = found.rendered.front().window;
-  const double allowed_px =
-      std::max(kMaxResidual * window.width_px(), kMaxOverReference * reference_residual_px_);
+  const double allowed_px = std::max(max_residual * found.rendered.front().window.width_px(),
+                                     kMaxOverReference * reference_residual_px_);
   const FittedFrame& found_again = fit->check(image, allowed_px);
   // Undamped step: the earlier steps were damped. In a dim image, a large undamped step may be the
   // only sign of a wrong wavefront.

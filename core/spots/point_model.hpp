@@ -50,8 +50,9 @@ class PointModel {
   /// Start wavefronts of a search, as coefficients relative to the reference.
   using Starts = std::span<const std::vector<double>>;
   /// Finds the wavefront of the last of `images` and makes templates about it. Tries `starts` in
-  /// order, with at most `renderings` renderings each. If no start leads to the wavefront, a few
-  /// more renderings about the nearest result allow for modes above the measured ones. All images
+  /// order, with at most `renderings` renderings each. A start that loses no spot ends the search.
+  /// If no start leads to the wavefront exactly, a few more renderings about the nearest result
+  /// allow for modes above the measured ones. All images
   /// give the noise (noise_of). From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60
   /// images (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
@@ -92,7 +93,11 @@ class PointModel {
                                                    std::span<const Mode> fixed, int renderings);
   Result<std::shared_ptr<const FrameFit>> accepted(const Found& found, const ImageView& image,
                                                    const PixelNoise& noise,
-                                                   std::span<const Mode> fixed) const;
+                                                   std::span<const Mode> fixed,
+                                                   double max_residual) const;
+  std::shared_ptr<const FrameFit> accepted_whole(const Found& found, const ImageView& image,
+                                                 const PixelNoise& noise,
+                                                 std::span<const Mode> fixed) const;
   double allowed_excess() const;
   std::shared_ptr<FrameFit> fit_at(const Found& found, const PixelNoise& noise,
                                    std::span<const Mode> fixed) const;
