@@ -10,9 +10,9 @@
 
 namespace ovws {
 
-/// Leaky integrator: c <- (1 - leak) c + gain r, with the residual r of the last frame and the
-/// correction c in its hologram. As it counts from the correction shown, a limited or delayed
-/// correction does not wind up.
+/// Leaky integrator: the next correction is (1 - leak) c + gain r, where r is the residual of the
+/// last frame, and c the correction in the hologram of that frame. It starts from the correction
+/// that was really shown, so a limited or delayed correction does not wind up.
 class Integrator final : public ModeLaw {
  public:
   /// `gain`: 0 to 1; `leak`: 0 to below 1. Starts with `correction_waves`.

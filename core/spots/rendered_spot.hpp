@@ -45,7 +45,8 @@ SpotWindow window_of(double lambda_d_px, double half_width, const LitPixels& lit
 /// than positions determine, because higher modes change the intensity farther out. The error of 44
 /// modes at 0.3 wave RMS and SNR 22 is 1.33 of the bound of all pixels with 2.0, 1.24 with 2.6.
 double window_half_width(int modes, int subapertures_across);
-/// Centres the window on `place_px`, inside an image that is at least as large as the window.
+/// Returns the window with its centre at `place_px`, or as near as the image's edges allow. The
+/// image must be at least as large as the window.
 SpotWindow moved_to(Vec2 place_px, SpotWindow window, int cols, int rows);
 
 /// The colour plane that the cells of `window` are on, or the whole image. RT-safe.

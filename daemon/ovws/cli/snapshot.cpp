@@ -147,7 +147,7 @@ cv::Mat camera_image(const Messages& messages, const std::string& warning) {
   cv::cvtColor(large, picture, cv::COLOR_GRAY2BGR);
   draw_spots(picture, messages.at("spots"));
   write_line(picture, 0,
-             fmt::format("frame {}  charge {}  {} of {} spots",
+             fmt::format("frame {}  charge {}  {} of {} spots found",
                          spots.at("frame_id").get<std::uint64_t>(), spots.at("charge").get<int>(),
                          spots.at("tracked").get<int>(), spots.at("subapertures").get<int>()));
   write_line(picture, 1, "circle: found   cross: reference");

@@ -28,8 +28,8 @@ class PendingFiles : public std::enable_shared_from_this<PendingFiles> {
     std::unique_lock lock(mutex_);
     return none_.wait_for(lock, patience, [this] { return count_ == 0; });
   }
-  /// Calls `then` once when no file is pending: at once, or in the thread that releases the last
-  /// token.
+  /// Calls `then` exactly once, as soon as no file is pending: now, or later in the thread that
+  /// releases the last token.
   void when_none(std::function<void()> then) {
     {
       const std::lock_guard lock(mutex_);

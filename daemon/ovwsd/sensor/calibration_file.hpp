@@ -1,4 +1,4 @@
-/// Calibration files: reading and writing measured interaction (poke) matrices.
+/// Content of calibration files: measured interaction (poke) matrices as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>

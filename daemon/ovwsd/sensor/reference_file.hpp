@@ -1,4 +1,4 @@
-/// Reference files: reading and writing reference positions and their mean image.
+/// Content of reference files: reference positions and their mean image as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -299,8 +299,8 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   events_.publish_stale(bound.reference.get(), bench_.camera);
 }
 
-/// Writes or removes the files of an active change, then calls `done`. If a file cannot be written,
-/// the change stays active. If a file cannot be removed, the change is undone.
+/// Writes or removes the files of a change that is already in effect, then calls `done`. If a file
+/// cannot be written, the change stays in effect. If a file cannot be removed, it is undone.
 void SensorKeeper::update_files(SensorEdit edit, SensorView changed, Done done) {
   const auto files = std::make_shared<SensorEdit>(std::move(edit));
   if (files->keep) {
