@@ -52,9 +52,9 @@ class PointModel {
   /// Finds the wavefront of the last of `images` and makes templates about it. Tries `starts` in
   /// order, with at most `renderings` renderings each. A start that loses no spot ends the search.
   /// If no start leads to the wavefront exactly, a few more renderings about the nearest result
-  /// allow for modes above the measured ones. All images
-  /// give the noise (noise_of). From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60
-  /// images (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
+  /// allow for modes above the measured ones. All images give the noise (noise_of). From a flat
+  /// start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18). Errc::refused, field
+  /// "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
                                                     Starts starts, std::span<const Mode> fixed,
                                                     int renderings);

@@ -14,8 +14,8 @@ class SpotRenderer;
 
 /// What a model does not know of a bench: the differences between measured and rendered spots of
 /// the calibration's wavefront, and of their derivatives, as a straight line over the wavefront.
-/// Where a spot has half of its light, this renders wavefronts of 0.05 wave RMS three times as
-/// well. Farther away the correction fades out.
+/// Where a spot has half of its light, this halves the error of 44 modes at 0.05 wave RMS. Farther
+/// away the correction fades out.
 class SpotCorrection {
  public:
   /// Compares `measured` with `renderer`, which pokes the modes as the calibration did: some 15 ms

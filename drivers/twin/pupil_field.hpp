@@ -14,8 +14,8 @@ namespace ovws::twin {
 
 /// Far field of the pupil's light. It keeps the light without turbulence, decimated, so that
 /// another moment of the turbulence costs one product per sample and a small propagation.
-/// Agrees with FarField within 1e-3 of the peak, while the turbulence deflects light by less than
-/// 12 cycles per pupil: up to some 1 wave RMS. Use it in one thread at a time.
+/// Agrees with FarField within 1e-3 of the peak up to 0.5 wave RMS of turbulence. Light that is
+/// deflected by more than 12 cycles per pupil is lost. Use it in one thread at a time.
 class PupilField {
  public:
   /// The pupil is centred on the SLM. `window` may be any; a narrow one is fast.

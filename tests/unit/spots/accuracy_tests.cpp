@@ -230,7 +230,7 @@ TEST_F(Accuracy, EverySingleModeIsMeasuredAfterTwoRefreshes) {
 }
 
 /// Spots move over a pixel, in light with 0, 0.033 and 0.066 wave of astigmatism in each
-/// subaperture (2 and 4 waves at the pupil's edge). Templates are rendered anew as they move.
+/// subaperture (2 and 4 waves at the pupil's edge). Templates are rendered again as they move.
 TEST_F(Accuracy, SpotsAreFoundAtEveryPlaceInAPixel) {
   constexpr int kModes = 18, kPlaces = 8;
   SpotRenderer spots = renderer(1, kModes);

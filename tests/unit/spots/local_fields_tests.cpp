@@ -63,7 +63,7 @@ class UnevenBench {
 
 class LocalFields : public Templates {
  public:
-  /// What a calibration measures about a flat wavefront, without noise.
+  /// What a calibration measures about the wavefront `resting`, without noise.
   static MeasuredShapes calibrated(UnevenBench& bench, const Waves& resting, double peak_e) {
     const int modes = int(resting.size());
     std::vector<SpotWindow> windows;
