@@ -8,24 +8,15 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/series.hpp"
+
 namespace ovws {
 namespace {
 
+using test::noise;
+using test::times;
+
 constexpr double kPi = std::numbers::pi;
-
-std::vector<double> times(int count, double step_s) {
-  std::vector<double> out;
-  for (int k = 0; k < count; ++k) out.push_back(k * step_s);
-  return out;
-}
-
-std::vector<double> noise(int count, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<double> out;
-  for (int k = 0; k < count; ++k) out.push_back(normal(random));
-  return out;
-}
 
 double integral(const Spectrum& spectrum, double from_hz, double to_hz) {
   double sum = 0.0;

@@ -4,26 +4,16 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
+
+#include "tests/support/series.hpp"
 
 namespace ovws::study {
 namespace {
 
+using test::noise;
+using test::times;
+
 constexpr double kPi = std::numbers::pi;
-
-std::vector<double> times(int count, double step_s) {
-  std::vector<double> out;
-  for (int k = 0; k < count; ++k) out.push_back(k * step_s);
-  return out;
-}
-
-std::vector<double> noise(int count, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> normal;
-  std::vector<double> out;
-  for (int k = 0; k < count; ++k) out.push_back(normal(random));
-  return out;
-}
 
 TEST(Rejection, OfNothingIsEmpty) {
   EXPECT_TRUE(rejection({}, {}).empty());
