@@ -133,7 +133,7 @@ inline constexpr auto kTable<FlatnessMeasured> = Fields{
                                          Bounds::at_least(1)),
     field<&FlatnessMeasured::pupil_diameter_px>(
         "diameter of the circle over which the modes are normalised, SLM pixels"),
-    field<&FlatnessMeasured::modes>("modes of the measured error; the hologram shows the opposite"),
+    field<&FlatnessMeasured::modes>("modes of the measured error, which the hologram subtracts"),
     computed(
         "rms_waves",
         [](auto& m) {
