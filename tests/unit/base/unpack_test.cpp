@@ -1,7 +1,6 @@
 // Unpacking of every layout with every instruction set, from every position in a row, without
 // reading a byte beyond it.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "core/base/unpack.hpp"
+#include "tests/support/every_target.hpp"
 #include "tests/unit/base/packed_image.hpp"
 
 namespace ovws {
@@ -47,14 +47,7 @@ class Unpack : public testing::TestWithParam<PixelFormat> {
 
   /// Unpacks every run of pixels of a row, every `step`-th, with each target of this CPU.
   void expect_all(int step, int shift) {
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-      SCOPED_TRACE(hwy::TargetName(target));
-      hwy::SetSupportedTargetsForTest(target);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-      expect_runs(step, shift);
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().DeInit();
+    test::with_every_target([&] { expect_runs(step, shift); });
   }
 
  private:

@@ -2,7 +2,6 @@
 #include "core/optics/hologram_row.hpp"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
 #include "core/optics/zernike_terms.hpp"
+#include "tests/support/every_target.hpp"
 
 namespace ovws {
 namespace {
@@ -68,19 +68,6 @@ std::vector<std::uint16_t> phase_of_row(const Grid& grid, std::span<const Mode> 
   std::uint16_t* const first = phase.data() + kSparePixels;
   mirrored_phases(along_row, x.data(), grid.width - right, first + right, first + left);
   return {first, first + grid.width};
-}
-
-/// Calls test() with each instruction set of this CPU.
-template <class Test>
-void with_every_target(Test test) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    test();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
 }
 
 struct Outcome {
@@ -158,7 +145,7 @@ TEST(MirroredPhases, AreTheSameForEveryInstructionSet) {
     for (const int width : {1, 2, 33, 640, 1279, 1280}) {
       const Grid grid{width, 768, 768};
       const auto fastest = phase_of_row(grid, modes, 300);
-      with_every_target([&] { EXPECT_EQ(phase_of_row(grid, modes, 300), fastest) << last; });
+      test::with_every_target([&] { EXPECT_EQ(phase_of_row(grid, modes, 300), fastest) << last; });
     }
   }
 }
@@ -172,7 +159,7 @@ TEST(LookUpGreys, TakesTheLutsForEveryInstructionSetAndWidth) {
   }
   PhaseLut lut;
   for (auto& level : lut) level = static_cast<std::uint8_t>(random());
-  with_every_target([&] {
+  test::with_every_target([&] {
     for (const int count : {0, 1, 7, 31, 32, 33, 63, 64, 65, 127, 641, 70000}) {
       std::vector<std::uint8_t> grey(count + 1, 77);
       look_up_greys(base.data(), added.data(), lut.data(), count, grey.data());

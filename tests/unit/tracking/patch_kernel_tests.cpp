@@ -1,7 +1,6 @@
 // SIMD pixel kernels against plain sums in double, for every available instruction set and for rows
 // that are not a multiple of the block.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "core/tracking/patch_kernels.hpp"
+#include "tests/support/every_target.hpp"
 
 namespace ovws {
 namespace {
@@ -62,21 +62,8 @@ struct PatchLoops : testing::TestWithParam<int> {
   }
 };
 
-/// Calls `check` with every build of the kernels that this CPU can run.
-template <class Check>
-void with_every_build(Check check) {
-  for (const auto target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
-}
-
 TEST_P(PatchLoops, LoadEveryPixelAndReturnTheDarkest) {
-  with_every_build([&] {
+  test::with_every_target([&] {
     expect_loaded<std::uint8_t>(load8);
     expect_loaded<std::uint16_t>(load16);
   });
@@ -84,7 +71,7 @@ TEST_P(PatchLoops, LoadEveryPixelAndReturnTheDarkest) {
 
 TEST_P(PatchLoops, FindTheBrightestWhereverItIs) {
   std::vector<float> values = floats();
-  with_every_build([&] {
+  test::with_every_target([&] {
     for (const int bright : {0, columns / 2, columns - 1}) {
       float& value = values[std::size_t(2 * columns + bright)];
       const float before = std::exchange(value, 5000.0F);
@@ -105,7 +92,7 @@ TEST_P(PatchLoops, SumFourthDifferencesOfWholeRowsOnly) {
                         2);
     }
   }
-  with_every_build([&] {
+  test::with_every_target([&] {
     const float squares = fourth_differences({values.data(), columns, columns, kRows});
     EXPECT_NEAR(double(squares) / truth, 1.0, 1e-5);
   });
@@ -132,7 +119,7 @@ TEST_P(PatchLoops, SumUnderAGaussian) {
     }
   }
   for (int x = 0; x < columns; ++x) sum += std::exp(-std::pow((x - half - f) / w, 2));
-  with_every_build([&] {
+  test::with_every_target([&] {
     std::vector<float> g(std::size_t(3 * padded));
     EXPECT_NEAR(double(gaussian_axis(from, g.data(), g.data() + padded, g.data() + 2 * padded)),
                 sum, 1e-5 * sum);
