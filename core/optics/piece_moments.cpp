@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/complex_product.hpp"
+#include "core/optics/complex_matrices.hpp"
 #include "core/optics/kolmogorov.hpp"
 
 namespace ovws {
@@ -186,15 +187,16 @@ const Eigen::MatrixXcf& PieceMoments::at(int piece, const FarPoints& points) {
   fill_kernel({from_cpp.y, step_cpp, points.height, bin_px, patch.block},
               places(patch.y, first_px.y), p.centre_px.y, p.radius_px, along_y_);
   const Eigen::Index width = points.width, height = points.height;
-  half_.noalias() = along_x_ * patch.blocks.transpose();  // each power of xi has `width` rows
+  half_.resize(along_x_.rows(), side);  // each power of xi has `width` rows
+  multiply_by_transposed(along_x_, patch.blocks, half_);
   moments_.resize(width * height, kCount);
   Eigen::Index column = 0;
   for (int a = 0; a <= kDegree; ++a) {
-    const auto xs = half_.middleRows(a * width, width);
-    for (int b = 0; a + b <= kDegree; ++b) {
-      Eigen::Map<Eigen::MatrixXcf> out(moments_.col(column++).data(), width, height);
-      out.noalias() = xs * along_y_.middleRows(b * height, height).transpose();
-    }
+    const Eigen::Index powers = kDegree - a + 1;  // of eta
+    Eigen::Map<Eigen::MatrixXcf> out(moments_.col(column).data(), width, powers * height);
+    multiply_by_transposed(half_.middleRows(a * width, width), along_y_.topRows(powers * height),
+                           out);
+    column += powers;
   }
   return moments_;
 }

@@ -15,7 +15,7 @@
 namespace ovws {
 
 /// Diffraction model of one sensor on one bench. Use it from one thread at a time, off the frame
-/// path: a rendering takes some 15 ms on the default bench. use_reference needs some ten
+/// path: a rendering takes some 10 ms on the default bench. use_reference needs some ten
 /// renderings, or fifty if the bench deviates strongly from the model.
 class PointModel {
  public:

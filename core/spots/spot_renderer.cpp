@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/complex_product.hpp"
+#include "core/optics/complex_matrices.hpp"
 #include "core/spots/spot_sums.hpp"
 
 namespace ovws {
@@ -17,6 +18,7 @@ namespace {
 constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // columns of xi and eta
 
 constexpr int kAmplitudeModes = 9, kFewAmplitudeModes = 5, kManySpots = 19;
+static_assert(kMinSide >= kMinProductRows, "a window is wide enough for PieceMoments");
 constexpr double kAmplitudeRidge = 1e-3, kLeastAmplitude = 0.05;
 
 /// Least-squares fit of low modes to `values` (logarithms of amplitudes) at the spots' centres.

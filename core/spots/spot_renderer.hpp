@@ -19,7 +19,7 @@ namespace ovws {
 /// Spot renderer: diffraction model of the whole SLM (SensorField). In the derivatives a
 /// subaperture contributes to its own window and to its neighbours', and every mode is a polynomial
 /// of degree 3 over a subaperture (PieceMoments). Use it from one thread at a time, off the frame
-/// path: a rendering takes some 15 ms on the default bench.
+/// path: a rendering takes some 10 ms on the default bench.
 class SpotRenderer {
  public:
   struct Options {

@@ -42,7 +42,7 @@ struct RefinedModes {
 };
 
 /// Iterative fit of the modes, begun at each of `starts` until one converges. Every iteration
-/// renders all spots, which takes some 15 ms on the default bench. `fixed`: modes shown that are
+/// renders all spots, which takes some 10 ms on the default bench. `fixed`: modes shown that are
 /// not measured. `templates`: those of an earlier image of this model, or null. If they are exact
 /// for this image, too, they are used without an iteration; else they are replaced. Errors: those
 /// of PointModel::templates.
