@@ -45,4 +45,11 @@ void SearchPolicy::end(std::int64_t now_ns) {
   pause_ns_ = std::min(2 * pause_ns_, kMaxPauseNs);
 }
 
+bool GivingUp::failed(bool given_up, std::int64_t began_ns, std::int64_t now_ns, int frames,
+                      int explained) {
+  if (failing_since_ns_ == 0) failing_since_ns_ = began_ns;
+  if (given_up) return 4 * explained >= frames;
+  return now_ns - failing_since_ns_ > kAfterNs && 2 * explained > frames;
+}
+
 }  // namespace ovws

@@ -60,4 +60,23 @@ class SearchPolicy {
   std::int64_t next_ns_ = 0;
 };
 
+/// Decides when spot positions count instead of templates: when searches have failed for kAfterNs,
+/// and positions explain most frames, as in air. They no longer count when they explain less than a
+/// quarter: then there are hardly any frames to win, and the next wavefront might be measured
+/// wrong. For one thread.
+class GivingUp {
+ public:
+  static constexpr std::int64_t kAfterNs = 3'000'000'000;
+
+  /// Call when a search has failed, which began at `began_ns`: whether positions shall count.
+  /// `given_up`: whether they do. `frames`: number of frames without templates since the last
+  /// failure; `explained`: those of them that positions explain. Times are CLOCK_MONOTONIC.
+  bool failed(bool given_up, std::int64_t began_ns, std::int64_t now_ns, int frames, int explained);
+  /// Call when searches no longer fail, while a job holds the sensor, and for another sensor.
+  void reset() { failing_since_ns_ = 0; }
+
+ private:
+  std::int64_t failing_since_ns_ = 0;  ///< 0: not failing
+};
+
 }  // namespace ovws

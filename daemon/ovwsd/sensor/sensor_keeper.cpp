@@ -286,6 +286,8 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->subapertures = plan->subapertures();
   now->modes_j = plan->modes_j;
   now->position_modes_j = plan->reconstructor->modes_j();
+  now->given_up =
+      plan->wants_templates() && !plan->fit && !plan->awaits_templates && !state_.by_positions;
   now->layout_fault = events_.layout_fault(state_);
   now->reference = bound.reference;
   now->calibration = bound.calibration;

@@ -38,6 +38,7 @@ struct SensorSnapshot : SensorShown {
   int subapertures = 0;
   std::vector<int> modes_j;
   std::vector<int> position_modes_j;  ///< leading part of modes_j that spot positions determine
+  bool given_up = false;              ///< no templates are awaited: spot positions alone count
   /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
   /// problem.
   std::string layout_fault;

@@ -22,7 +22,6 @@ constexpr int kFewRenderings = 8, kManyRenderings = 12;  // per start: valid fra
 // Renderings for an unchanged image after two failed searches: finds wavefronts of 2 waves RMS.
 constexpr int kMostRenderings = 40;
 constexpr std::int64_t kRestNs = 30'000'000;  // minimum pause between two search attempts
-constexpr std::int64_t kGiveUpNs = 3'000'000'000;
 constexpr std::int64_t kLookAgainNs = 1'000'000'000;
 constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // a failed model: new frames give new noise
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
@@ -109,6 +108,10 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
   described_.store(record.templates.credible, std::memory_order_relaxed);
   wanted_.store(wanted, std::memory_order_relaxed);
   if (!record.plan->referenced()) return;
+  if (!record.templates.credible) {
+    undescribed_.fetch_add(1, std::memory_order_relaxed);
+    if (record.valid || record.unconfirmed) explained_.fetch_add(1, std::memory_order_relaxed);
+  }
   validity_.on_frame(record.valid,
                      {0, record.tracked, record.spot_count, record.explained, record.unconfirmed,
                       record.plan->wants_templates()},
@@ -119,7 +122,10 @@ bool WavefrontSearch::do_work() {
   validity_.announce(events_, monotonic_ns());
   const bool asked = wanted_.load(std::memory_order_relaxed) || looks_for_calibration();
   const bool wanted = asked && !keeper_.is_held_by_job();
-  if (!wanted) failing_since_ns_ = 0;
+  if (!wanted) {
+    giving_up_.reset();
+    undescribed_ = explained_ = 0;  // a job's frames may be dark
+  }
   if (!wanted && described_.load(std::memory_order_relaxed)) succeed();
   if (!wanted || monotonic_ns() < next_ns_) {
     inbox_.forget();
@@ -198,7 +204,7 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   Key next(frame, sensor);
   const bool is_other = !model_ || !(model_->key == next);
   if (is_other) {
-    failing_since_ns_ = 0;
+    giving_up_.reset();
     const bool keep = model_ && model_->spots && model_->spots->has_rendered() &&
                       next.equals_except_calibration(model_->key);
     if (!keep) model_ = std::make_unique<Model>(Model{next});
@@ -267,8 +273,8 @@ void WavefrontSearch::make_model(std::span<const ImageView> images, const Sensor
 }
 
 /// Handles the result of a search. After a failure, pauses for as long as the search took, because
-/// images of moving air always count as changed, and publishes a new reason. After kGiveUpNs of
-/// failures, gives templates up, so that modes come from spot positions.
+/// images of moving air always count as changed, and publishes a new reason. Tells the keeper when
+/// spot positions count instead of templates, and when they no longer do.
 void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns) {
   const std::int64_t now_ns = monotonic_ns();
   if (rendered) {
@@ -278,13 +284,14 @@ void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns
   next_ns_ = now_ns + std::max(kRestNs, now_ns - began_ns);
   policy_.end(now_ns);
   validity_.search_failed(policy_.next_ns());
-  if (failing_since_ns_ == 0) failing_since_ns_ = began_ns;
-  const bool given_up =
-      !described_.load(std::memory_order_relaxed) && now_ns - failing_since_ns_ > kGiveUpNs;
-  if (model_ && (model_->has_failed() || given_up)) {
+  const bool given_up = keeper_.snapshot()->given_up;
+  const int frames = undescribed_.exchange(0), explained = explained_.exchange(0);
+  const bool fails = giving_up_.failed(given_up, began_ns, now_ns, frames, explained);
+  const bool gives_up = fails || (model_ && model_->has_failed());
+  if (model_ && gives_up != given_up && !described_.load(std::memory_order_relaxed)) {
     const Key& key = model_->key;
     keeper_.use_templates(
-        {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, nullptr, true});
+        {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, nullptr, gives_up});
   }
   if (rendered.error().reason == failure_) return;
   failure_ = rendered.error().reason;
@@ -297,7 +304,7 @@ void WavefrontSearch::succeed() {
   next_ns_ = std::max(next_ns_, monotonic_ns() + kRestNs);
   policy_.reset();
   validity_.search_succeeded();
-  failing_since_ns_ = 0;
+  giving_up_.reset();
   if (failure_.empty()) return;
   failure_.clear();
   events_.emit("templates", Severity::info, "frames are measured from all pixels again",

@@ -30,9 +30,8 @@ namespace ovws {
 /// Templates about the found wavefront go to the SensorKeeper. In turbulent air they allow for
 /// modes that are not measured. Near a calibration's wavefront, the calibration's templates are
 /// used. After a failure, SearchPolicy decides when to try again. Templates are given up, so that
-/// modes come from spot positions, at once if no model can be made, or after three seconds of
-/// failures while no templates describe the frames. With other trackers than `fit` the agent only
-/// watches whether frames are valid.
+/// modes come from spot positions, at once if no model can be made, or when GivingUp says so. With
+/// other trackers than `fit` the agent only watches whether frames are valid.
 class WavefrontSearch : public Agent {
  public:
   WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
@@ -73,13 +72,15 @@ class WavefrontSearch : public Agent {
   std::atomic<bool> wanted_{false};
   std::atomic<bool> described_{false};  ///< the plan's templates describe the newest frame
   std::atomic<std::int64_t> found_ns_{0};
+  std::atomic<int> undescribed_{0};  ///< frames without templates since the last failed search
+  std::atomic<int> explained_{0};    ///< those of them that spot positions explain
   ValidityWatch validity_;
   // Search thread only.
   std::int64_t next_ns_ = 0;       ///< do not search before this time
   std::vector<FrameCopy> frames_;  ///< successive frames of one sensor epoch and image size
   SearchPolicy policy_;
-  std::int64_t failing_since_ns_ = 0;  ///< 0: not failing
-  std::optional<BinnedImage> tried_;   ///< the image searched last
+  GivingUp giving_up_;
+  std::optional<BinnedImage> tried_;  ///< the image searched last
   std::uint64_t tried_plan_id_ = 0;
   std::string failure_;             ///< reason in the last failure event; empty: none
   bool measured_ = false;           ///< the last templates were the calibration's

@@ -133,5 +133,30 @@ TEST(IsDrifted, InAirNoiseHidesNoFarWavefront) {
   EXPECT_TRUE(is_drifted(air));
 }
 
+TEST(GivingUp, WaitsForThreeSecondsOfFailures) {
+  GivingUp policy;
+  EXPECT_FALSE(policy.failed(false, 1000 * kMs, 1500 * kMs, 100, 90));
+  EXPECT_FALSE(policy.failed(false, 2000 * kMs, 3900 * kMs, 100, 90));
+  EXPECT_TRUE(policy.failed(false, 3900 * kMs, 4100 * kMs, 100, 90));
+  policy.reset();
+  EXPECT_FALSE(policy.failed(false, 4100 * kMs, 4200 * kMs, 100, 90));
+}
+
+/// A wavefront that positions do not explain may be followed by one that they measure wrong.
+TEST(GivingUp, CountsPositionsOnlyWhereTheyExplainMostFrames) {
+  GivingUp policy;
+  EXPECT_FALSE(policy.failed(false, 1000 * kMs, 5000 * kMs, 100, 40));
+  EXPECT_TRUE(policy.failed(false, 5000 * kMs, 5100 * kMs, 100, 60));
+  EXPECT_TRUE(policy.failed(true, 5100 * kMs, 5200 * kMs, 100, 30));
+  EXPECT_FALSE(policy.failed(true, 5200 * kMs, 5300 * kMs, 100, 20));
+  EXPECT_FALSE(policy.failed(false, 5300 * kMs, 5400 * kMs, 0, 0));
+}
+
+TEST(GivingUp, StaysGivenUpAfterAJob) {
+  GivingUp policy;
+  policy.reset();
+  EXPECT_TRUE(policy.failed(true, 1000 * kMs, 1100 * kMs, 100, 90));
+}
+
 }  // namespace
 }  // namespace ovws
