@@ -1,6 +1,4 @@
-/// Decoding of params: strict, all or nothing.
-///
-/// Every error is Errc::invalid with the dotted path of the key at fault; see field_json.hpp.
+/// Tables of all params. decode_params (field_json.hpp) decodes them: strictly, all or nothing.
 #pragma once
 
 #include "proto/tables/job.hpp"

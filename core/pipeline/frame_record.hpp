@@ -17,8 +17,7 @@ constexpr int kMaxModes = kMaxZernikeIndex;  ///< j = 1 .. kMaxZernikeIndex
 
 /// Current and previous hologram on the SLM, with the times by which frames are assigned to them.
 /// The display thread writes this struct twice per change: before the present call, with
-/// t_settled_mono_ns = kNever, and after that call. A frame exposed in between belongs to no
-/// hologram.
+/// t_settled_mono_ns = kNever, and after that call. A frame exposed in between is not settled.
 struct ShownHologram {
   struct One {
     std::uint64_t hologram_id = 0;       ///< 0: none

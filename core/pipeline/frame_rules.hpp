@@ -67,7 +67,7 @@ constexpr double kCredibleResidual = 0.03;
 bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots,
                   double lambda_d_px) OVWS_NONBLOCKING;
 
-/// Fills the reconstruction summary of a frame whose modes were measured by templates. RT-safe.
+/// Returns the reconstruction summary of a frame whose modes were measured by templates. RT-safe.
 Reconstruction reconstruction_of(const FittedFrame& found, std::span<const int> modes_j,
                                  std::span<const float> coefficients) OVWS_NONBLOCKING;
 

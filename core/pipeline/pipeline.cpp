@@ -100,8 +100,9 @@ bool Pipeline::Impl::reconstruct_next() {
   return true;
 }
 
-/// Last stage: reconstructs the modes from the spots and decides whether they are valid. Call it in
-/// frame order, from one thread at a time. The caller must not use the record afterwards.
+/// Last stage: reconstructs the modes from the spots, unless templates have measured them, and
+/// decides whether they are valid. Call it in frame order, from one thread at a time. The caller
+/// must not use the record afterwards.
 void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.mode_count = int(plan.modes_j.size());

@@ -18,8 +18,9 @@ namespace ovws {
 /// Measurement plan; immutable once the frame path may use it.
 struct MeasurementPlan {
   std::uint64_t id = 0;  ///< increases with each plan
-  std::uint64_t sensor_epoch =
-      0;  ///< changes when spots of older holograms no longer fit (charge, lattice, ROI)
+  /// Changes when spots of older holograms no longer fit: with charge, lattice, LUT, flatness,
+  /// registration, camera or ROI.
+  std::uint64_t sensor_epoch = 0;
   /// The hologram for which predicted_px was computed; 0: unknown. Spot tracks need it to follow a
   /// change of hologram exactly, even if a new reference changed the predictions before.
   std::uint64_t hologram_id = 0;

@@ -1,4 +1,5 @@
-/// Second pipeline stage: finds every spot of a frame, from its history or by a whole-image search.
+/// Second pipeline stage: measures a frame's modes and spots by templates. If they do not describe
+/// the frame, finds every spot from its history, or by a whole-image search.
 #pragma once
 
 #include <optional>

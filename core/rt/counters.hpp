@@ -16,12 +16,12 @@ enum class Counter : std::uint8_t {
   frames_incomplete,      ///< frames with missing packets; not measured
   frames_duplicated,      ///< frames delivered a second time; not measured
   frames_out_of_order,    ///< frames delivered after a later frame; not measured, counted as lost
-  frames_late,            ///< frames later than the transfer time allows; published as unsettled
+  frames_late,            ///< frames later than the transfer time allows; not settled
   frames_left_justified,  ///< frames with MSB-aligned 16-bit pixels, which are shifted right
   frames_unplanned,       ///< frames that arrived while no measurement plan was active
   frames_unexpected,      ///< image size or pixel format differs from the plan's; not measured
   frames_dropped,         ///< discarded: no free frame record, or too many held by the publisher
-  frames_unsettled,       ///< published with settled = false
+  frames_unsettled,       ///< frames with settled = false
   frames_invalid,         ///< published with valid = false
   frames_unexplained,     ///< invalid: no wavefront explains the spots, or none is confirmed
   frames_published,       ///< handed to the publisher

@@ -63,9 +63,9 @@ class FrameFit {
   const FittedFrame& at_point() const { return at_point_; }
 
   /// Least-squares fit of the modes to the estimates of the spots that the templates describe,
-  /// without outliers. Writes a coefficient and its standard error for each of modes_j,
-  /// RMS-normalised waves; NaN if not determined. Then also writes each spot's fix, NaN for spots
-  /// not used; if the modes are not determined, `fixes` stays unchanged. Use the results only if
+  /// without outliers. If these determine the modes, writes a coefficient and its standard error
+  /// for each of modes_j, RMS-normalised waves, and each spot's fix, NaN for spots not used.
+  /// Otherwise writes NaN for the modes, and `fixes` stays unchanged. Use the results only if
   /// credible. RT-safe.
   FittedFrame solve(std::span<const SpotEstimates> found, Scratch& scratch,
                     std::span<float> coefficients, std::span<float> sigma_waves,

@@ -31,8 +31,8 @@ struct Patch {
 /// the square lies outside the image. RT-safe.
 float brightest_pixel(const ImageView& image, Vec2 centre, int half) OVWS_NONBLOCKING;
 
-/// Minimum half-width of a patch. Each row needs a block of kPatchBlock pixels and 4 more, for the
-/// block's fourth differences.
+/// Minimum half-width of a patch. The noise estimate (fourth_differences) needs kPatchBlock + 4
+/// pixels in each row.
 constexpr int kMinPatchHalf = (kPatchBlock + 4) / 2;
 
 /// Number of floats that a patch of half-width `half` needs.

@@ -32,7 +32,8 @@ Result<HologramConfig> ingredients(const HologramSources& sources, const Config&
     auto map = load_flatness(*config.slm.flatness, config.slm.geometry.width_px,
                              config.slm.geometry.height_px);
     if (!map) {
-      return fail(Errc::unavailable, "", "its flatness map is only on the daemon's machine");
+      return fail(Errc::unavailable, "",
+                  "ovws-web cannot read the flatness map (slm.flatness) on this machine");
     }
     configured.flatness_waves = std::move(*map);
   }

@@ -1,5 +1,5 @@
-/// Ground-truth judge: measures the true residual wavefront of the bench against the ideal
-/// hologram.
+/// Ground-truth judge: computes the wavefront by which the light behind the twin's SLM differs from
+/// that of an ideal SLM (the true residual).
 #pragma once
 
 #include <array>

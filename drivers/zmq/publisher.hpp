@@ -1,4 +1,4 @@
-/// Publisher on a ZeroMQ PUB socket. It never blocks: a full queue drops messages.
+/// Publisher on a ZeroMQ PUB socket. Sending never blocks: a full queue drops messages.
 #pragma once
 
 #include <memory>

@@ -73,8 +73,8 @@ struct TemplateReport {
 template <>
 inline constexpr auto kTable<TemplateReport> =
     Fields{"TemplateReport",
-           field("own_templates", &TemplateReport::own,
-                 "0: no tracker uses the templates of older versions", Bounds::at_least(0)),
+           field("own_templates", &TemplateReport::own, "always 0; kept for older clients",
+                 Bounds::at_least(0)),
            field("template_reason", &TemplateReport::reason,
                  "what to do if template is reference, which has no effect; null: nothing")
                .or_null()};

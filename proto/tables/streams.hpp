@@ -17,7 +17,8 @@ inline constexpr const char* kArrivalMeaning =
     "frame complete in the daemon, UNIX epoch UTC, nanoseconds";
 inline constexpr const char* kPublishMeaning = "message built, UNIX epoch UTC, nanoseconds";
 inline constexpr const char* kFrameHologramMeaning =
-    "number of the hologram on the SLM during the whole exposure; 0: unknown";
+    "number of the hologram on the SLM during the exposure, or of the newest if it changed or had "
+    "not settled; 0: unknown";
 inline constexpr auto kUnit = constant("unit", "wave", "unit of coefficients and wavefronts");
 inline constexpr auto kBasis = constant(
     "basis", "zernike-osa-rms", "OSA/ANSI Zernike modes, RMS-normalised, over the pupil circle");

@@ -182,7 +182,7 @@ class Systemd(unittest.TestCase):
     def test_a_hanging_acquire_thread_ends_in_a_restart(self):
         self.hang("acquire", 2.0)
 
-    @unittest.skipUnless(os.environ.get("OVWS_HANG_ALL"), "OVWS_HANG_ALL=1: control and prepare, too, whose turns may take 5 s and 30 s")
+    @unittest.skipUnless(os.environ.get("OVWS_HANG_ALL"), "takes long: set OVWS_HANG_ALL=1 to hang control and prepare, too, whose turns may take 5 s and 30 s")
     def test_hanging_control_and_prepare_threads_end_in_a_restart(self):
         self.hang("control", 5.0)
         self.hang("prepare", 30.0)

@@ -65,13 +65,13 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 23> kCounter
     {"frames_incomplete", "Frames with missing packets."},
     {"frames_duplicated", "Frames received a second time."},
     {"frames_out_of_order", "Frames received after a later one."},
-    {"frames_late", "Frames that arrived too late, published as not valid."},
+    {"frames_late", "Frames that arrived too late, which are not valid."},
     {"frames_left_justified", "Frames with MSB-aligned pixels, which were shifted right."},
     {"frames_unplanned", "Frames not measured because there was no measurement plan."},
     {"frames_unexpected", "Frames not measured because of an unexpected size or format."},
     {"frames_dropped", "Frames dropped because the daemon was too slow."},
     {"frames_unsettled",
-     "Frames published as not settled: the hologram was changing or was not the sensor's, the "
+     "Frames that were not settled: the hologram was changing or was not the sensor's, the "
      "region had just changed, the display had a fault, or the frame was late."},
     {"frames_invalid", "Frames published without a valid wavefront."},
     {"frames_unexplained", "Invalid frames whose spot positions no wavefront explains."},

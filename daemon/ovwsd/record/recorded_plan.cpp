@@ -119,7 +119,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   const auto tracker_is = from.at("tracker").get<std::string>();
   if (tracker_is == kFormerTracker) {
     return fail(Errc::refused, "path",
-                "it was measured by the tracker matched of an older version, which fit replaces");
+                "it was measured by 'matched', a tracker of an older version, which fit replaces");
   }
   const auto tracker = tracker_from_name(tracker_is);
   if (!format || !tracker)

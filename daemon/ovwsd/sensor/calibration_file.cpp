@@ -124,7 +124,7 @@ std::string CalibrationKind::name(const Calibration& calibration) const {
 std::string CalibrationKind::obstacle(Calibration& calibration) const {
   const ReferenceKey& key = calibration.key.sensor;
   if (calibration.origin->value("/tracking/tracker"_json_pointer, "") == kFormerTracker) {
-    return "it was measured by the tracker matched of an older version";
+    return "it was measured by 'matched', a tracker of an older version";
   }
   if (!calibration.shapes && key.tracking.tracker == TrackerKind::fit) {
     return "it has no spot shapes, because an older version measured it";

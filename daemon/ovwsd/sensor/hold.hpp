@@ -1,4 +1,5 @@
-/// Exclusive access to the sensor. Every change of the sensor must pass `may_change`.
+/// Exclusive access to the sensor. Every change that a client, a job or the loop asks for must pass
+/// `may_change`.
 #pragma once
 
 #include <string>

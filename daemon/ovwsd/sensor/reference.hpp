@@ -30,9 +30,9 @@ struct ReferenceKey {
   friend bool operator==(const ReferenceKey&, const ReferenceKey&) = default;
 };
 
-/// Settings that a reference depends on. Those without effect on positions get a fixed value:
-/// operator, mode count, estimates and `templates`. Tracker `fit` becomes `lg`, which finds equal
-/// positions.
+/// Settings that a reference depends on. Settings without effect on positions are set to constants:
+/// operator, mode count, estimates and `templates`. Tracker `fit` is replaced by `lg`, because both
+/// find equal positions.
 ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                            const Roi& roi);
 

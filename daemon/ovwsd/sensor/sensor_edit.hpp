@@ -49,7 +49,7 @@ struct SensorBench {
   Kept<LutKind> luts;
   Kept<FlatnessKind> flatnesses;
   std::optional<CameraSettings> camera;             ///< last reported settings; none: unknown
-  std::uint64_t hologram_id = 0;                    ///< the hologram shown last
+  std::uint64_t hologram_id = 0;                    ///< the newest hologram
   std::shared_ptr<const Image<std::uint8_t>> grey;  ///< grey levels of that hologram
 };
 

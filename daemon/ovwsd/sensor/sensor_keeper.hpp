@@ -56,8 +56,8 @@ class SensorKeeper : public Agent {
 
   /// Applies a change completely, or not at all. `active` is called once the change is active, and
   /// not on an error. `done` is called when the change's files have been written or removed, too,
-  /// or at once if it has no files. Errors: those of may_change and of the change; the display does
-  /// not take the hologram; no plan can be built.
+  /// or at once if it has no files. Errors: those of may_change and of the change; the SLM cannot
+  /// sample the hologram; no plan can be built; the display does not take the hologram.
   void edit(Hold as, SensorChange change, Done done, std::function<void()> active = nullptr);
   /// Calls `then` when all changes requested so far have been carried out.
   void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
@@ -112,8 +112,8 @@ class SensorKeeper : public Agent {
 /// Checks that the SLM shows the sensor. Errc::refused: it shows another pattern.
 Result<void> check_shows_sensor(const SensorSnapshot& sensor);
 
-/// Checks that this pixel format can be measured. Errc::refused (field "pixel_format"): on a colour
-/// camera too few pixels per spot see the laser.
+/// Checks that spots can be measured in this pixel format. Errc::refused (field "pixel_format"): of
+/// a colour camera's pixels, too few per spot see the laser.
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format);
 
 }  // namespace ovws

@@ -70,7 +70,8 @@ class SlmLoop : public Agent {
   void close();
 
   /// Presents the hologram, and returns when the display has accepted it. It blocks, so the main
-  /// thread must not call it. Fails after 2 s; the previous hologram then stays active.
+  /// thread must not call it. Fails after 2 s, and the previous hologram stays active; or on an
+  /// error of the display, which is closed.
   Result<void> show(HologramRequest request);
   /// Presents the hologram as soon as a display is open, before any later `show`. Thread-safe,
   /// returns at once. A later call replaces a hologram that still waits.

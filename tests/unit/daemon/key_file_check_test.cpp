@@ -23,7 +23,7 @@ class KeyFileChecks : public testing::Test {
  protected:
   void SetUp() override {
     if (::geteuid() != 0) GTEST_SKIP() << "needs root, to give files to another user";
-    if (::getpwuid(kOther) == nullptr) GTEST_SKIP() << "there is no second user";
+    if (::getpwuid(kOther) == nullptr) GTEST_SKIP() << "no user has the number 65534 (nobody)";
     other_ = ::getpwuid(kOther)->pw_name;
     fs::create_directories(folder_);
     fs::permissions(folder_, fs::perms(0755));
