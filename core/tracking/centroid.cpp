@@ -75,7 +75,7 @@ CentroidTracker::CentroidTracker(const SpotModel& spots)
     : PatchTracker(spots, window_of(spots).half_px(), window_of(spots).scratch_floats()),
       locator_(window_of(spots)) {}
 
-std::optional<PatchTracker::Found> CentroidTracker::find(const Patch& patch, Vec2 start,
+std::optional<PatchTracker::Found> CentroidTracker::find(Patch& patch, Vec2 start,
                                                          TrackScratch& scratch) const {
   const auto spot = mean_shift(patch, locator_, start, capture_px(),
                                check().background(patch, start), scratch.sums);
@@ -89,7 +89,7 @@ std::optional<PatchTracker::Found> CentroidTracker::find(const Patch& patch, Vec
 ThresholdedTracker::ThresholdedTracker(const SpotModel& spots)
     : PatchTracker(spots, int(std::ceil(kThresholdRegion * spots.lambda_d_px)), 0) {}
 
-std::optional<PatchTracker::Found> ThresholdedTracker::find(const Patch& patch, Vec2 start,
+std::optional<PatchTracker::Found> ThresholdedTracker::find(Patch& patch, Vec2 start,
                                                             TrackScratch&) const {
   const double radius = kThresholdRegion * spots().lambda_d_px;
   Vec2 at = start;
@@ -112,7 +112,7 @@ WeightedTracker::WeightedTracker(const SpotModel& spots)
     : PatchTracker(spots, window_of(spots).half_px(), window_of(spots).scratch_floats()),
       window_(window_of(spots)) {}
 
-std::optional<PatchTracker::Found> WeightedTracker::find(const Patch& patch, Vec2 start,
+std::optional<PatchTracker::Found> WeightedTracker::find(Patch& patch, Vec2 start,
                                                          TrackScratch& scratch) const {
   const auto spot = mean_shift(patch, window_, start, capture_px(),
                                check().background(patch, start), scratch.sums);

@@ -15,7 +15,7 @@ class CentroidTracker final : public PatchTracker {
   explicit CentroidTracker(const SpotModel& spots);
 
  protected:
-  std::optional<Found> find(const Patch& patch, Vec2 start,
+  std::optional<Found> find(Patch& patch, Vec2 start,
                             TrackScratch& scratch) const OVWS_NONBLOCKING override;
 
  private:
@@ -29,7 +29,7 @@ class ThresholdedTracker final : public PatchTracker {
   explicit ThresholdedTracker(const SpotModel& spots);
 
  protected:
-  std::optional<Found> find(const Patch& patch, Vec2 start,
+  std::optional<Found> find(Patch& patch, Vec2 start,
                             TrackScratch& scratch) const OVWS_NONBLOCKING override;
 };
 
@@ -42,7 +42,7 @@ class WeightedTracker final : public PatchTracker {
   static constexpr double kWindowRadius = 0.5;  ///< 1/e radius, units of lambda/d
 
  protected:
-  std::optional<Found> find(const Patch& patch, Vec2 start,
+  std::optional<Found> find(Patch& patch, Vec2 start,
                             TrackScratch& scratch) const OVWS_NONBLOCKING override;
 
  private:

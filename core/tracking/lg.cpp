@@ -7,6 +7,7 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxSteps = 20;
+constexpr double kSpare = 0.25;        // spots are rarely farther from the start, units of lambda/d
 constexpr double kConvergedPx = 2e-3;  // step that ends the iteration; the error is then 1e-5
 constexpr double kMaxStep = 0.5;       // longest step, units of w
 // Limit of the smaller curvature relative to the spot's level, which is 0.25 without aberration.
@@ -47,16 +48,17 @@ Vec2 step_of(const Moments& m, const Moments::Hessian& h, double light, double s
 
 LgTracker::LgTracker(const SpotModel& spots, double kernel_radius_px)
     : PatchTracker(spots, GaussianWindow(kernel_radius_px).half_px(),
-                   GaussianWindow(kernel_radius_px).scratch_floats()),
+                   GaussianWindow(kernel_radius_px).scratch_floats(), kSpare),
       window_(kernel_radius_px) {}
 
-std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 start,
+std::optional<PatchTracker::Found> LgTracker::find(Patch& patch, Vec2 start,
                                                    TrackScratch& scratch) const {
   const double w = window_.radius_px();
   const double sign = spots().charge != 0 ? 1.0 : -1.0;
   Vec2 at = start;
   GaussianWindow::Centre centre(start);
   for (int k = 0; k < kMaxSteps; ++k) {
+    if (!patch.follow(at, spare_px(), scratch.samples)) return std::nullopt;
     centre.follow(at);
     const Moments m = window_.at(patch, at, centre, scratch.sums);
     const double light = m.one - double(patch.darkest) * m.weight;
@@ -69,6 +71,7 @@ std::optional<PatchTracker::Found> LgTracker::find(const Patch& patch, Vec2 star
     if (norm(at - start) > capture_px()) return std::nullopt;
     if (length > kConvergedPx) continue;
     if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
+    if (!patch.follow(at, spare_px(), scratch.samples)) return std::nullopt;
     const SpotCheck::Verdict verdict = check().look(patch, at);
     const double sharpness = min_curvature(h) / (m.weight * verdict.level);
     if (!verdict.passed || sharpness < kMinSharpness) return std::nullopt;

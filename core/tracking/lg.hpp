@@ -24,7 +24,7 @@ class LgTracker final : public PatchTracker {
   LgTracker(const SpotModel& spots, double kernel_radius_px);
 
  protected:
-  std::optional<Found> find(const Patch& patch, Vec2 start,
+  std::optional<Found> find(Patch& patch, Vec2 start,
                             TrackScratch& scratch) const OVWS_NONBLOCKING override;
 
  private:

@@ -123,7 +123,7 @@ std::complex<double> LgContourTracker::psi(const Patch& patch, Vec2 at) const {
   return std::complex<double>(0.0, k * sigma * sigma) * sum;
 }
 
-std::optional<PatchTracker::Found> LgContourTracker::find(const Patch& patch, Vec2 start,
+std::optional<PatchTracker::Found> LgContourTracker::find(Patch& patch, Vec2 start,
                                                           TrackScratch&) const {
   const auto psi_at = [&](Vec2 at) { return psi(patch, at); };
   const int reach = int(std::ceil(capture_px()));

@@ -19,7 +19,7 @@ class LgContourTracker final : public PatchTracker {
   LgContourTracker(const SpotModel& spots, double kernel_radius_px);
 
  protected:
-  std::optional<Found> find(const Patch& patch, Vec2 start, TrackScratch& scratch) const override;
+  std::optional<Found> find(Patch& patch, Vec2 start, TrackScratch& scratch) const override;
 
  private:
   std::complex<double> psi(const Patch& patch, Vec2 at) const;

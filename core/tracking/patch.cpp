@@ -129,8 +129,17 @@ float Patch::brightest(Vec2 centre, int half) const {
 }
 
 bool Patch::holds(Vec2 at, double margin) const {
-  return at.x - margin >= 0.0 && at.y - margin >= 0.0 && at.x + margin <= image_width - 1.0 &&
-         at.y + margin <= image_height - 1.0;
+  return at.x - margin >= 0.0 && at.y - margin >= 0.0 && at.x + margin <= image->width - 1.0 &&
+         at.y + margin <= image->height - 1.0;
+}
+
+bool Patch::follow(Vec2 at, int spare_px, std::span<float> samples) {
+  if (!holds(at, 0.0)) return false;
+  const int half = side / 2, cx = int(std::lround(at.x)), cy = int(std::lround(at.y));
+  if (std::abs(cx - x0 - half) > spare_px || std::abs(cy - y0 - half) > spare_px) {
+    *this = load_patch(*image, cx, cy, half, samples);
+  }
+  return true;
 }
 
 Patch load_patch(const ImageView& image, int cx, int cy, int half, std::span<float> samples) {
@@ -139,8 +148,7 @@ Patch load_patch(const ImageView& image, int cx, int cy, int half, std::span<flo
   patch.x0 = cx - half;
   patch.y0 = cy - half;
   patch.side = 2 * half + 1;
-  patch.image_width = image.width;
-  patch.image_height = image.height;
+  patch.image = &image;
   patch.darkest =
       load_patch_pixels(image, {patch.x0, patch.y0, patch.side, patch.side, samples.data()});
   std::fill_n(samples.data() + std::ptrdiff_t(patch.side) * patch.side, kPatchBlock, 0.0F);

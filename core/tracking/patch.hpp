@@ -17,7 +17,7 @@ struct Patch {
   const float* pixels = nullptr;
   int x0 = 0, y0 = 0;  ///< position of pixels[0] in the image
   int side = 0;        ///< number of rows, of columns, and the row stride in floats
-  int image_width = 0, image_height = 0;
+  const ImageView* image = nullptr;
   float darkest = 0.0F;
 
   const float* at(int x, int y) const { return pixels + std::ptrdiff_t(y - y0) * side + (x - x0); }
@@ -25,6 +25,9 @@ struct Patch {
   float brightest(Vec2 centre, int half) const OVWS_NONBLOCKING;
   /// Whether the image contains every pixel within `margin` pixels of `at` along x and y.
   bool holds(Vec2 at, double margin) const OVWS_NONBLOCKING;
+  /// Reads the pixels anew around `at`, into `samples`, if `at` is more than `spare_px` from the
+  /// patch's middle along x or y. False, without an effect, if `at` is outside the image.
+  bool follow(Vec2 at, int spare_px, std::span<float> samples) OVWS_NONBLOCKING;
 };
 
 /// Brightest pixel of the square of half-width `half` around `centre`, clipped at the image; 0 if
