@@ -21,7 +21,6 @@ class PositionFit final : public SpotTracker {
   /// `lg`: a tracker for `spots`, which gives the first position.
   PositionFit(const SpotModel& spots, std::unique_ptr<const SpotTracker> lg);
 
-  int window_half_px() const override { return lg_->window_half_px(); }
   TrackScratch make_scratch() const override { return lg_->make_scratch(); }
   SpotFix track(const ImageView& image, Vec2 start_px,
                 TrackScratch& scratch) const OVWS_NONBLOCKING override;

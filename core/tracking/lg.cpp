@@ -7,9 +7,10 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxSteps = 20;
-constexpr double kSpare = 0.25;        // spots are rarely farther from the start, units of lambda/d
-constexpr double kConvergedPx = 2e-3;  // step that ends the iteration; the error is then 1e-5
-constexpr double kMaxStep = 0.5;       // longest step, units of w
+constexpr double kSpare = 0.25;  // spots are rarely farther from the start, units of lambda/d
+// Step that ends the iteration. The error is then 1e-5, and more where the curvature is small.
+constexpr double kConvergedPx = 2e-3;
+constexpr double kMaxStep = 0.5;  // longest step, units of w
 // Limit of the smaller curvature relative to the spot's level, which is 0.25 without aberration.
 // Below the limit the zero is about to merge with a saddle. It is then pixels away from the
 // position that the phase slope gives.

@@ -15,9 +15,9 @@ namespace ovws {
 /// image repeat the image's edge.
 struct Patch {
   const float* pixels = nullptr;
-  int x0 = 0, y0 = 0;  ///< position of pixels[0] in the image
-  int side = 0;        ///< number of rows, of columns, and the row stride in floats
-  const ImageView* image = nullptr;
+  int x0 = 0, y0 = 0;                ///< position of pixels[0] in the image
+  int side = 0;                      ///< number of rows, of columns, and the row stride in floats
+  const ImageView* image = nullptr;  ///< as given to load_patch; must outlive the patch
   float darkest = 0.0F;
 
   const float* at(int x, int y) const { return pixels + std::ptrdiff_t(y - y0) * side + (x - x0); }

@@ -6,6 +6,13 @@
 namespace ovws {
 namespace {
 
+// Least spare: a small patch would not suffice to estimate the noise beside a small spot.
+constexpr int kLeastSparePx = 4;
+
+int spare_px_of(double spare, double lambda_d_px) {
+  return std::max(int(std::ceil(spare * lambda_d_px)), kLeastSparePx);
+}
+
 int patch_half(const SpotModel& spots, const SpotGeometry& geometry, int kernel_half_px,
                int spare_px) {
   // Two pixels more on either side: the start and the found position are each rounded to a pixel.
@@ -19,7 +26,7 @@ PatchTracker::PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_f
     : spots_(spots),
       geometry_(spot_geometry(spots.charge)),
       kernel_half_(kernel_half_px),
-      spare_(int(std::ceil(spare * spots.lambda_d_px))),
+      spare_(spare_px_of(spare, spots.lambda_d_px)),
       half_(patch_half(spots_, geometry_, kernel_half_px, spare_)),
       sum_floats_(sum_floats),
       check_(spots_, geometry_, half_) {}

@@ -2,7 +2,6 @@
 /// it, and rejects spots too near the image's edge.
 #pragma once
 
-#include <cmath>
 #include <optional>
 
 #include "core/tracking/patch.hpp"
@@ -13,7 +12,6 @@ namespace ovws {
 
 class PatchTracker : public SpotTracker {
  public:
-  int window_half_px() const final { return half_ + int(std::ceil(capture_px())) - spare_; }
   TrackScratch make_scratch() const final;
   SpotFix track(const ImageView& image, Vec2 start_px,
                 TrackScratch& scratch) const OVWS_NONBLOCKING final;
@@ -29,12 +27,13 @@ class PatchTracker : public SpotTracker {
 
   /// `kernel_half_px`: half-width of the square that `find` reads around a position. `sum_floats`:
   /// floats of TrackScratch::sums that `find` needs. `spare`: how far from the patch's middle
-  /// `find` reads that square, units of lambda/d; at most kCapture.
+  /// `find` reads that square, units of lambda/d (but at least 4 px); at most
+  /// kCapture.
   PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_floats, double spare = kCapture);
 
   /// Finds the spot near `start` and validates it with SpotCheck. Around the start the patch
-  /// extends spare_px() plus the larger of kernel_half_px and SpotCheck::reach_px. With a spare
-  /// below kCapture the patch must follow the position (Patch::follow).
+  /// extends at least spare_px() plus the larger of kernel_half_px and SpotCheck::reach_px. With a
+  /// spare below kCapture the patch must follow the position (Patch::follow).
   virtual std::optional<Found> find(Patch& patch, Vec2 start,
                                     TrackScratch& scratch) const OVWS_NONBLOCKING = 0;
 

@@ -16,7 +16,6 @@ class ColourPlaneTracker final : public SpotTracker {
         lit_(spots.lit),
         agree_px_(float(kAgree * spots.lambda_d_px)) {}
 
-  int window_half_px() const override { return lit_.plane.step * tracker_->window_half_px(); }
   TrackScratch make_scratch() const override { return tracker_->make_scratch(); }
 
   SpotFix track(const ImageView& image, Vec2 start_px,

@@ -62,8 +62,6 @@ class SpotTracker {
  public:
   virtual ~SpotTracker() = default;
 
-  /// Half-width of the square of pixels read around the start position, camera pixels.
-  virtual int window_half_px() const = 0;
   virtual TrackScratch make_scratch() const = 0;
 
   /// Finds the spot near `start_px`. The fix is lost (see SpotFix) if the pixels do not look like a

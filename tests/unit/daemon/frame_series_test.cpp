@@ -79,7 +79,6 @@ TEST_F(FrameSeriesTest, MeasuresCentroidsInItsWindows) {
 /// Finds every spot where it starts.
 class FindsAtTheStart final : public SpotTracker {
  public:
-  int window_half_px() const override { return 1; }
   TrackScratch make_scratch() const override { return {}; }
   SpotFix track(const ImageView&, Vec2 start_px, TrackScratch&) const OVWS_NONBLOCKING override {
     return {float(start_px.x), float(start_px.y), 100.0F, 1.0F};

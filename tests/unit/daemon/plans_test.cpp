@@ -13,7 +13,6 @@ namespace {
 
 /// Finds no spot. Its mark lives as long as its plan.
 struct MarkedTracker final : SpotTracker {
-  int window_half_px() const override { return 8; }
   TrackScratch make_scratch() const override { return {}; }
   SpotFix track(const ImageView&, Vec2, TrackScratch&) const override { return {}; }
   std::shared_ptr<int> mark = std::make_shared<int>();

@@ -21,7 +21,6 @@ class BrightestPixelTracker final : public SpotTracker {
  public:
   static constexpr int kReach = 14;
   static constexpr int kCentre = 8;
-  int window_half_px() const override { return kReach; }
   TrackScratch make_scratch() const override { return {std::vector<float>(1), {}}; }
 
   SpotFix track(const ImageView& image, Vec2 start_px, TrackScratch& scratch) const override {
