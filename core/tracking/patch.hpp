@@ -25,7 +25,7 @@ struct Patch {
   float brightest(Vec2 centre, int half) const OVWS_NONBLOCKING;
   /// Whether the image contains every pixel within `margin` pixels of `at` along x and y.
   bool holds(Vec2 at, double margin) const OVWS_NONBLOCKING;
-  /// Reads the pixels anew around `at`, into `samples`, if `at` is more than `spare_px` from the
+  /// Reads the pixels around `at` into `samples`, if `at` is more than `spare_px` from the
   /// patch's middle along x or y. False, without an effect, if `at` is outside the image.
   bool follow(Vec2 at, int spare_px, std::span<float> samples) OVWS_NONBLOCKING;
 };

@@ -27,8 +27,7 @@ class PatchTracker : public SpotTracker {
 
   /// `kernel_half_px`: half-width of the square that `find` reads around a position. `sum_floats`:
   /// floats of TrackScratch::sums that `find` needs. `spare`: how far from the patch's middle
-  /// `find` reads that square, units of lambda/d (but at least 4 px); at most
-  /// kCapture.
+  /// `find` reads that square, units of lambda/d, at most kCapture; but at least 4 px.
   PatchTracker(const SpotModel& spots, int kernel_half_px, int sum_floats, double spare = kCapture);
 
   /// Finds the spot near `start` and validates it with SpotCheck. Around the start the patch
