@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 
+#include "core/base/complex_product.hpp"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/optics/complex_matrices.cpp"
 #include <hwy/foreach_target.h>  // IWYU pragma: keep
@@ -31,6 +33,11 @@ void Multiply(const ComplexColumns& a, const ComplexColumns& b, std::complex<flo
       out[m + n * stride] = sum;
     }
   }
+}
+
+void MultiplyEach(const std::complex<float>* a, const std::complex<float>* b, int count,
+                  std::complex<float>* out) {
+  for (int k = 0; k < count; ++k) out[k] = product(a[k], b[k]);
 }
 
 #else
@@ -76,6 +83,24 @@ void Multiply(const ComplexColumns& a, const ComplexColumns& b, std::complex<flo
   }
 }
 
+void MultiplyEach(const std::complex<float>* a, const std::complex<float>* b, int count,
+                  std::complex<float>* out) {
+  const Floats f;
+  const int step = int(hn::Lanes(f)) / 2;
+  const auto numbers = [](const std::complex<float>* of) {
+    return reinterpret_cast<const float*>(of);
+  };
+  int k = 0;
+  for (; k + step <= count; k += step) {
+    const Vector left = hn::LoadU(f, numbers(a + k)), right = hn::LoadU(f, numbers(b + k));
+    const Vector by_real = hn::Mul(left, hn::DupEven(right));
+    const Vector by_imaginary = hn::Mul(hn::Shuffle2301(left), hn::DupOdd(right));
+    const Vector both = hn::OddEven(hn::Add(by_real, by_imaginary), hn::Sub(by_real, by_imaginary));
+    hn::StoreU(both, f, reinterpret_cast<float*>(out + k));
+  }
+  for (; k < count; ++k) out[k] = product(a[k], b[k]);
+}
+
 #endif
 
 }  // namespace
@@ -88,6 +113,7 @@ namespace ovws {
 namespace {
 
 HWY_EXPORT(Multiply);
+HWY_EXPORT(MultiplyEach);
 
 ComplexColumns columns_of(const Eigen::Ref<const Eigen::MatrixXcf>& matrix) {
   return {matrix.data(), int(matrix.rows()), int(matrix.cols()), int(matrix.outerStride())};
@@ -102,6 +128,11 @@ void multiply_by_transposed(const Eigen::Ref<const Eigen::MatrixXcf>& a,
   assert(out.rows() == a.rows() && out.cols() == b.rows());
   HWY_DYNAMIC_DISPATCH(Multiply)
   (columns_of(a), columns_of(b), out.data(), int(out.outerStride()));
+}
+
+void multiply_each(const std::complex<float>* a, const std::complex<float>* b, int count,
+                   std::complex<float>* out) {
+  HWY_DYNAMIC_DISPATCH(MultiplyEach)(a, b, count, out);
 }
 
 }  // namespace ovws

@@ -1,5 +1,5 @@
-/// Product of small complex matrices in vectors of the CPU's full width, which Eigen's product uses
-/// only if the whole program is built for that CPU.
+/// Products of small complex matrices and of lines in vectors of the CPU's full width, which
+/// Eigen's product uses only if the whole program is built for that CPU.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,5 +21,9 @@ constexpr int kMinProductRows = 8;
 void multiply_by_transposed(const Eigen::Ref<const Eigen::MatrixXcf>& a,
                             const Eigen::Ref<const Eigen::MatrixXcf>& b,
                             Eigen::Ref<Eigen::MatrixXcf> out);
+
+/// out[k] = a[k] b[k], for k = 0 … count - 1. `out` may be `a` or `b`.
+void multiply_each(const std::complex<float>* a, const std::complex<float>* b, int count,
+                   std::complex<float>* out);
 
 }  // namespace ovws

@@ -1,0 +1,153 @@
+#include "core/optics/chirp_z.hpp"
+
+#include <fftw3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <new>
+#include <numbers>
+#include <vector>
+
+#include "core/optics/complex_matrices.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kLines = 4;  // transformed at once; their results are written side by side
+
+using Line = std::vector<std::complex<float>>;
+
+std::complex<float> unit_phasor(double turns) {
+  return std::complex<float>(std::polar(1.0, 2.0 * std::numbers::pi * (turns - std::round(turns))));
+}
+
+/// FFT length >= `at_least`: a multiple of 16 without factors above 5, for which FFTW has fast
+/// code.
+int fast_length(int at_least) {
+  for (int n = (at_least + 15) / 16;; ++n) {
+    int rest = n;
+    for (const int factor : {2, 3, 5}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return 16 * n;
+  }
+}
+
+/// FFTW makes and destroys plans in one thread at a time.
+std::mutex& planner() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+struct Release {
+  void operator()(std::complex<float>* memory) const { fftwf_free(memory); }
+  void operator()(fftwf_plan_s* plan) const {
+    const std::lock_guard lock(planner());
+    fftwf_destroy_plan(plan);
+  }
+};
+using Plan = std::unique_ptr<fftwf_plan_s, Release>;
+/// Memory that is aligned for the FFT's vectors.
+using Buffer = std::unique_ptr<std::complex<float>, Release>;
+
+Buffer make_buffer(std::size_t count) {
+  void* const memory = fftwf_malloc(count * sizeof(std::complex<float>));
+  if (memory == nullptr) throw std::bad_alloc();
+  Buffer buffer(static_cast<std::complex<float>*>(memory));
+  std::uninitialized_fill_n(buffer.get(), count, std::complex<float>());
+  return buffer;
+}
+
+/// FFT of kLines lines of `length` values.
+Plan make_plan(int length, std::complex<float>* from, std::complex<float>* to, int sign) {
+  const std::lock_guard lock(planner());
+  return Plan(fftwf_plan_many_dft(1, &length, kLines, reinterpret_cast<fftwf_complex*>(from),
+                                  nullptr, 1, length, reinterpret_cast<fftwf_complex*>(to), nullptr,
+                                  1, length, sign, FFTW_ESTIMATE));
+}
+
+}  // namespace
+
+struct ChirpZ::Impl {
+  explicit Impl(const ChirpAxis& axis);
+  void load(const std::complex<float>* in, int lines);
+  void convolve();
+  void store(int lines, std::complex<float>* out, int stride);
+
+  int length;
+  Line before;    ///< chirp that multiplies the inputs
+  Line kernel;    ///< spectrum of the convolution's chirp, times 1/length
+  Line after;     ///< chirp that multiplies the outputs
+  Buffer padded;  ///< lines of `length`: inputs, then zeros
+  Buffer spectra;
+  Buffer found;
+  Plan forward, backward;
+};
+
+ChirpZ::Impl::Impl(const ChirpAxis& axis)
+    : length(fast_length(axis.inputs + axis.outputs - 1)),
+      padded(make_buffer(std::size_t(kLines) * std::size_t(length))),
+      spectra(make_buffer(std::size_t(kLines) * std::size_t(length))),
+      found(make_buffer(std::size_t(kLines) * std::size_t(length))),
+      forward(make_plan(length, padded.get(), spectra.get(), FFTW_FORWARD)),
+      backward(make_plan(length, spectra.get(), found.get(), FFTW_BACKWARD)) {
+  // Bluestein: k x = (k^2 + x^2 - (k - x)^2) / 2 turns the sum into a convolution with a chirp.
+  const double centre = 0.5 * (axis.inputs - 1);
+  for (int x = 0; x < axis.inputs; ++x) {
+    before.push_back(unit_phasor(-axis.first * (x - centre) - 0.5 * axis.step * x * x));
+  }
+  for (int k = 0; k < axis.outputs; ++k) {
+    after.push_back(unit_phasor(-axis.step * (0.5 * k * k - k * centre)));
+  }
+  const auto chirp = [&](double m) { return unit_phasor(0.5 * axis.step * m * m) / float(length); };
+  for (int k = 0; k < axis.outputs; ++k) padded.get()[k] = chirp(k);
+  for (int x = 1; x < axis.inputs; ++x) padded.get()[length - x] = chirp(x);
+  fftwf_execute(forward.get());
+  kernel.assign(spectra.get(), spectra.get() + length);
+  std::fill_n(padded.get(), length, std::complex<float>());
+}
+
+void ChirpZ::Impl::load(const std::complex<float>* in, int lines) {
+  const int inputs = int(before.size());
+  for (int line = 0; line < lines; ++line, in += inputs) {
+    multiply_each(before.data(), in, inputs, padded.get() + std::ptrdiff_t(line) * length);
+  }
+}
+
+void ChirpZ::Impl::convolve() {
+  fftwf_execute(forward.get());
+  for (int line = 0; line < kLines; ++line) {
+    std::complex<float>* const spectrum = spectra.get() + std::ptrdiff_t(line) * length;
+    multiply_each(kernel.data(), spectrum, length, spectrum);
+  }
+  fftwf_execute(backward.get());
+}
+
+void ChirpZ::Impl::store(int lines, std::complex<float>* out, int stride) {
+  const int outputs = int(after.size());
+  for (int line = 0; line < kLines; ++line) {
+    std::complex<float>* const values = found.get() + std::ptrdiff_t(line) * length;
+    multiply_each(after.data(), values, outputs, values);
+  }
+  for (int k = 0; k < outputs; ++k, out += stride) {
+    for (int line = 0; line < lines; ++line) out[line] = found.get()[line * length + k];
+  }
+}
+
+ChirpZ::ChirpZ(const ChirpAxis& axis) : impl_(std::make_unique<Impl>(axis)) {}
+ChirpZ::~ChirpZ() = default;
+ChirpZ::ChirpZ(ChirpZ&&) noexcept = default;
+ChirpZ& ChirpZ::operator=(ChirpZ&&) noexcept = default;
+
+void ChirpZ::transform(const std::complex<float>* in, int lines, std::complex<float>* out,
+                       int stride) {
+  for (int first = 0; first < lines; first += kLines) {
+    const int some = std::min(kLines, lines - first);
+    impl_->load(in + std::size_t(first) * impl_->before.size(), some);
+    impl_->convolve();
+    impl_->store(some, out + first, stride);
+  }
+}
+
+}  // namespace ovws
