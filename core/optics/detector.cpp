@@ -38,21 +38,18 @@ void Detector::expose(const Image<float>& photons, double exposure_us, double ga
   dn.width = width_;
   dn.height = height_;
   dn.pixels.resize(response_.size());
-  Noise noise(config_.seed, ++realisation_);
   const auto dark_e = static_cast<float>(config_.dark_current_e_per_s * exposure_us * 1e-6);
-  const auto full_well_e = static_cast<float>(config_.full_well_e);
-  const auto read_noise_e = static_cast<float>(config_.read_noise_e);
-  const auto gain = static_cast<float>(dn_per_electron(config_, gain_db));
-  const auto black_dn = static_cast<float>(config_.black_level_dn);
-  const auto top_dn = static_cast<float>(full_scale_dn(config_));
+  mean_e_.resize(response_.size());
   for (std::size_t i = 0; i < response_.size(); ++i) {
-    const float mean_e = photons.pixels[i] * response_[i] + dark_e;
-    const float collected_e = config_.shot_noise ? noise.poisson(mean_e) : mean_e;
-    const float read_e = std::min(full_well_e, collected_e) + read_noise_e * noise.normal();
-    // NaN: with this order of arguments, std::max returns 0 and the pixel is black.
-    const float level = std::min(top_dn, std::max(0.0F, read_e * gain + black_dn));
-    dn.pixels[i] = static_cast<std::uint16_t>(level + 0.5F);
+    mean_e_[i] = photons.pixels[i] * response_[i] + dark_e;
   }
+  const PixelChain chain{.shot_noise = config_.shot_noise,
+                         .read_noise_e = static_cast<float>(config_.read_noise_e),
+                         .full_well_e = static_cast<float>(config_.full_well_e),
+                         .dn_per_e = static_cast<float>(dn_per_electron(config_, gain_db)),
+                         .black_dn = static_cast<float>(config_.black_level_dn),
+                         .top_dn = static_cast<float>(full_scale_dn(config_))};
+  Noise::expose(config_.seed, ++realisation_, chain, mean_e_, dn.pixels.data());
 }
 
 }  // namespace ovws

@@ -42,6 +42,7 @@ class Detector {
   int width_;
   int height_;
   std::vector<float> response_;
+  std::vector<float> mean_e_;  ///< of the last exposure
   std::uint64_t realisation_ = 0;
 };
 

@@ -4,9 +4,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace ovws {
+
+/// What a detector makes of a pixel's mean number of electrons.
+struct PixelChain {
+  bool shot_noise = true;
+  float read_noise_e = 0.0F, full_well_e = 0.0F;
+  float dn_per_e = 1.0F, black_dn = 0.0F, top_dn = 0.0F;
+};
 
 /// Stream of independent random variates (SplitMix64). Cheap to construct. Use from one thread.
 class Noise {
@@ -23,6 +31,12 @@ class Noise {
   float poisson(float mean);
 
   static constexpr float kExactPoisson = 30.0F;
+
+  /// Pixel values of many pixels at once, from their mean numbers of electrons (NaN counts as 0):
+  /// shot noise as `poisson`, full well, read noise as `normal`, gain, black level, clipping,
+  /// rounding. The values depend on the stream and on each pixel's number only.
+  static void expose(std::uint64_t seed, std::uint64_t stream, const PixelChain& chain,
+                     std::span<const float> mean_e, std::uint16_t* dn);
 
  private:
   /// Column of the alias method (Walker 1977) for a Poisson distribution. Column k is drawn with
