@@ -28,13 +28,14 @@ void Bench::show(const Image<std::uint8_t>& grey, Deadline since) {
   if (newest->pixels == grey.pixels) return;
   pending_.push_back({std::make_shared<Image<std::uint8_t>>(grey), since + settle_});
   if (settle_.count() == 0) show_due_images();
+  changed_.notify_all();
 }
 
 void Bench::show_due_images() {
   const auto now = std::chrono::steady_clock::now();
   while (!pending_.empty() && (settle_.count() == 0 || pending_.front().due <= now)) {
     state_.grey = pending_.front().grey;
-    shown_since_ = pending_.front().due;
+    appeared_ = pending_.front().due - settle_;
     pending_.pop_front();
     note_change();
   }
@@ -83,7 +84,7 @@ std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns) {
 /// frame computed before them is never sent. Display changes allow kStaleFrameTime.
 bool Bench::may_be_sent() const {
   if (computed_ == state_.number) return true;
-  return computed_ >= ordered_ && std::chrono::steady_clock::now() < shown_since_ + kStaleFrameTime;
+  return computed_ >= ordered_ && std::chrono::steady_clock::now() < appeared_ + kStaleFrameTime;
 }
 
 std::shared_ptr<const Scene> Bench::scene(std::uint64_t begun,
@@ -149,23 +150,43 @@ std::shared_ptr<const Scene> Bench::compute(const State& now) {
 
 void Bench::work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (
-      changed_.wait(lock, stop, [this] { return state_.window && computed_ != state_.number; })) {
-    const State now = state_;
-    lock.unlock();
-    const auto start = std::chrono::steady_clock::now();
-    const auto intensity_before = last_intensity_;
-    auto scene = compute(now);
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-    lock.lock();
-    scene_ = std::move(scene);
-    computed_ = now.number;
-    if (last_intensity_ != intensity_before) {
-      ++status_.far_fields;
-      status_.far_field_ms = took.count();
+  const auto something = [this] {
+    return state_.window && (computed_ != state_.number ||
+                             (!pending_.empty() && pending_.front().grey != prepared_));
+  };
+  while (changed_.wait(lock, stop, something)) {
+    if (computed_ != state_.number) {
+      compute_now(lock);
+    } else {
+      prepare_next(lock);
     }
-    changed_.notify_all();
   }
+}
+
+void Bench::compute_now(std::unique_lock<std::mutex>& lock) {
+  const State now = state_;
+  lock.unlock();
+  const auto start = std::chrono::steady_clock::now();
+  const auto intensity_before = last_intensity_;
+  auto scene = compute(now);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+  lock.lock();
+  scene_ = std::move(scene);
+  computed_ = now.number;
+  if (last_intensity_ != intensity_before) {
+    ++status_.far_fields;
+    status_.far_field_ms = took.count();
+  }
+  changed_.notify_all();
+}
+
+/// Prepares the image that the liquid crystal turns to, while it does.
+void Bench::prepare_next(std::unique_lock<std::mutex>& lock) {
+  prepared_ = pending_.front().grey;
+  const auto next = prepared_;
+  lock.unlock();
+  if (last_.window) model_.prepare(*next);
+  lock.lock();
 }
 
 }  // namespace ovws::twin

@@ -49,7 +49,7 @@ class Bench {
   /// Without this allowance, the camera would send nothing while the display changes faster than
   /// far fields are computed. The time is shorter than the daemon's settle_ms, with a margin for
   /// delivery and for detecting the change, so the daemon never accepts a stale frame as settled.
-  static constexpr auto kStaleFrameTime = std::chrono::milliseconds(10);
+  static constexpr auto kStaleFrameTime = std::chrono::milliseconds(4);
 
   explicit Bench(const Config& config);
 
@@ -87,6 +87,8 @@ class Bench {
     std::uint64_t number = 0;  ///< increases with each change of the state
   };
   std::shared_ptr<const Scene> compute(const State& now);
+  void compute_now(std::unique_lock<std::mutex>& lock);
+  void prepare_next(std::unique_lock<std::mutex>& lock);
   bool update_turbulence(const State& now);
   void note_change();        // call with mutex_ locked
   void show_due_images();    // call with mutex_ locked: shows pending images that have settled
@@ -104,8 +106,9 @@ class Bench {
     Deadline due;
   };
   std::deque<PendingImage> pending_;  ///< on the display, but not yet on the liquid crystal
+  std::shared_ptr<const Image<std::uint8_t>> prepared_;  ///< the last image given to `prepare`
   std::chrono::steady_clock::duration settle_{};
-  Deadline shown_since_;  ///< when state_.grey appeared on the SLM
+  Deadline appeared_;  ///< when state_.grey appeared on the display
   BenchStatus status_;
   std::deque<FrameTruth> frame_truths_;
 

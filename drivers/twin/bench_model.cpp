@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/lattice.hpp"
@@ -34,14 +35,12 @@ void beside_pupil(const Config& config, const Visit& visit) {
 }  // namespace
 
 BenchModel::BenchModel(const Config& config)
-    : config_(config),
-      slm_(config),
-      unit_(vortex_peak_intensity(config.sensor)),
-      slm_field_(config.slm.geometry.width_px, config.slm.geometry.height_px) {}
+    : config_(config), slm_(config), unit_(vortex_peak_intensity(config.sensor)) {}
 
 void BenchModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades) {
   slm_.set_aberration(modes, shades);
-  grey_ = {};
+  lit_ = false;
+  shown_ = next_ = {};
 }
 
 void BenchModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
@@ -56,45 +55,69 @@ void BenchModel::set_window(const Roi& window, const CameraGeometry& geometry) {
   const SlmGeometry& slm = config_.slm.geometry;
   view_.emplace(camera_map(config_, geometry), slm, window);
   pupil_.emplace(slm, config_.sensor.pupil_diameter_px, view_->grid());
+  lit_ = false;
   far_field_.emplace(slm, view_->grid(), 2);
-  far_ = beside_pupil_ = {view_->grid().cols, view_->grid().rows};
   pixel_field_ = {window.width, window.height};
-  grey_ = {};
+  shown_ = next_ = {};
 }
 
-/// Updates pupil_ and beside_pupil_ to these grey levels.
-void BenchModel::propagate_light(const Image<std::uint8_t>& grey) {
-  bool same_beside = !grey_.pixels.empty();
+BenchModel::Shown BenchModel::propagate_light(const Image<std::uint8_t>& grey) {
+  Shown shown;
+  shown.grey = grey;
+  bool same_beside = !shown_.grey.pixels.empty();
   if (same_beside) {
     beside_pupil(config_, [&](int y, int begin, int end) {
-      same_beside =
-          same_beside && std::equal(grey.row(y) + begin, grey.row(y) + end, grey_.row(y) + begin);
+      same_beside = same_beside &&
+                    std::equal(grey.row(y) + begin, grey.row(y) + end, shown_.grey.row(y) + begin);
     });
   }
-  in_halves(slm_field_.height,
-            [&](int first, int end, int) { slm_.modulate(grey, first, end, slm_field_); });
-  pupil_->set_light(slm_field_);
-  if (!same_beside) {
-    Image<std::complex<float>> beside(slm_field_.width, slm_field_.height);
-    beside_pupil(config_, [&](int y, int begin, int end) {
-      std::copy(slm_field_.row(y) + begin, slm_field_.row(y) + end, beside.row(y) + begin);
-    });
-    propagate_in_halves(*far_field_, beside, beside_pupil_);
+  if (!lit_) pupil_->set_incident(slm_.incident());
+  lit_ = true;
+  pupil_->modulate(grey, slm_.phasor_of_grey(), shown.light);
+  if (same_beside) {
+    shown.beside_pupil = shown_.beside_pupil;
+    return shown;
   }
-  grey_ = grey;
+  Image<std::complex<float>> all(grey.width, grey.height), beside(grey.width, grey.height);
+  in_halves(all.height, [&](int first, int end, int) { slm_.modulate(grey, first, end, all); });
+  beside_pupil(config_, [&](int y, int begin, int end) {
+    std::copy(all.row(y) + begin, all.row(y) + end, beside.row(y) + begin);
+  });
+  shown.beside_pupil = {view_->grid().cols, view_->grid().rows};
+  propagate_in_halves(*far_field_, beside, shown.beside_pupil);
+  return shown;
 }
 
-const Image<std::complex<float>>& BenchModel::field(const Image<std::uint8_t>& grey) {
-  if (grey.pixels != grey_.pixels) propagate_light(grey);
-  far_ = beside_pupil_;
-  pupil_->add_to(far_, screen_ ? &*screen_ : nullptr);
+void BenchModel::show(const Image<std::uint8_t>& grey) {
+  if (grey.pixels == shown_.grey.pixels) return;
+  if (grey.pixels == next_.grey.pixels) {
+    std::swap(shown_, next_);
+  } else {
+    shown_ = propagate_light(grey);
+  }
+}
+
+void BenchModel::prepare(const Image<std::uint8_t>& grey) {
+  if (grey.pixels == shown_.grey.pixels || grey.pixels == next_.grey.pixels) return;
+  next_ = propagate_light(grey);
+  if (!screen_) next_.still = intensity_of(next_);
+}
+
+const Image<std::complex<float>>& BenchModel::field_of(const Shown& shown) {
+  far_ = shown.beside_pupil;
+  pupil_->add_to(far_, shown.light, screen_ ? &*screen_ : nullptr);
   in_halves(pixel_field_.height,
             [&](int first, int end, int) { view_->read(far_, first, end, pixel_field_); });
   return pixel_field_;
 }
 
-Image<float> BenchModel::intensity(const Image<std::uint8_t>& grey) {
-  const Image<std::complex<float>>& pixel_field = field(grey);
+const Image<std::complex<float>>& BenchModel::field(const Image<std::uint8_t>& grey) {
+  show(grey);
+  return field_of(shown_);
+}
+
+Image<float> BenchModel::intensity_of(const Shown& shown) {
+  const Image<std::complex<float>>& pixel_field = field_of(shown);
   Image<float> intensity(pixel_field.width, pixel_field.height);
   const float scale = float(1.0 / unit_);
   for (std::size_t i = 0; i < pixel_field.pixels.size(); ++i) {
@@ -102,6 +125,12 @@ Image<float> BenchModel::intensity(const Image<std::uint8_t>& grey) {
     intensity.pixels[i] = scale * (re * re + im * im);
   }
   return intensity;
+}
+
+Image<float> BenchModel::intensity(const Image<std::uint8_t>& grey) {
+  show(grey);
+  if (!screen_ && !shown_.still.pixels.empty()) return shown_.still;
+  return intensity_of(shown_);
 }
 
 std::vector<Vec2> true_spots_px(const Config& config, const Truth& truth) {

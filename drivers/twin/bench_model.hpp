@@ -28,14 +28,27 @@ class BenchModel {
 
   /// Intensity |far field|^2 in the window, in units of the brightest pixel of an ideal charge-1
   /// spot. Call set_window first. Fast if only the turbulence has changed since the last call, or
-  /// the grey levels inside the pupil.
+  /// the grey levels inside the pupil, or after `prepare`.
   Image<float> intensity(const Image<std::uint8_t>& grey);
+  /// Computes what the grey levels that come next need, as far as it does not depend on the
+  /// turbulence. Call set_window first.
+  void prepare(const Image<std::uint8_t>& grey);
   /// Complex far field F = sum exp(i phase) exp(-2 pi i (u x + v y)) up to its sign. The reference
   /// is valid until the next call. Call set_window first.
   const Image<std::complex<float>>& field(const Image<std::uint8_t>& grey);
 
  private:
-  void propagate_light(const Image<std::uint8_t>& grey);
+  /// What depends on the grey levels, for the present aberration and window.
+  struct Shown {
+    Image<std::uint8_t> grey;                 ///< empty: nothing is known
+    Image<std::complex<float>> light;         ///< of PupilField
+    Image<std::complex<float>> beside_pupil;  ///< far field of the light beside the pupil
+    Image<float> still;                       ///< intensity without turbulence; may be empty
+  };
+  void show(const Image<std::uint8_t>& grey);
+  Shown propagate_light(const Image<std::uint8_t>& grey);
+  const Image<std::complex<float>>& field_of(const Shown& shown);
+  Image<float> intensity_of(const Shown& shown);
 
   Config config_;
   SlmModel slm_;
@@ -43,10 +56,10 @@ class BenchModel {
   std::optional<PupilScreen> screen_;  ///< turbulence
   std::optional<CameraView> view_;
   std::optional<PupilField> pupil_;
+  bool lit_ = false;                   ///< pupil_ has the present light
   std::optional<FarField> far_field_;  ///< of the light beside the pupil
-  Image<std::uint8_t> grey_;  ///< that of pupil_ and beside_pupil_; empty: they are to be computed
-  Image<std::complex<float>> beside_pupil_;  ///< far field of the light beside the pupil
-  Image<std::complex<float>> slm_field_, far_, pixel_field_;
+  Shown shown_, next_;
+  Image<std::complex<float>> far_, pixel_field_;
 };
 
 /// Expected spot positions of the configured sensor, in pixels of the camera's sensor, for the

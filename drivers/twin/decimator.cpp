@@ -1,10 +1,10 @@
 #include "drivers/twin/decimator.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
+
+#include "drivers/twin/weighted_sum.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -39,15 +39,12 @@ std::vector<float> low_pass(int bin, double half_band) {
   return taps;
 }
 
-/// Real and imaginary parts in turn: real factors multiply them alike.
-using Numbers = Eigen::Map<Eigen::ArrayXf>;
-using ConstNumbers = Eigen::Map<const Eigen::ArrayXf>;
-
-ConstNumbers numbers(const std::complex<float>* values, int count) {
-  return {reinterpret_cast<const float*>(values), 2 * Eigen::Index(count)};
+/// Real and imaginary parts by turns: a real factor multiplies them alike.
+const float* numbers(const std::complex<float>* values) {
+  return reinterpret_cast<const float*>(values);
 }
-Numbers numbers(std::complex<float>* values, int count) {
-  return {reinterpret_cast<float*>(values), 2 * Eigen::Index(count)};
+float* numbers(std::complex<float>* values) {
+  return reinterpret_cast<float*>(values);
 }
 
 }  // namespace
@@ -66,26 +63,23 @@ void Decimator::along(const std::complex<float>* in, std::complex<float>* out) c
     const int at = x + 2 * reach();
     lines[std::size_t(at % bin_) * std::size_t(length) + std::size_t(at / bin_)] = in[x];
   }
-  const auto shifted = [&](int t) {
-    return numbers(std::as_const(lines).data() + t % bin_ * length + t / bin_, outputs_);
-  };
-  Numbers sums = numbers(out, outputs_);
-  sums = taps_[std::size_t(reach())] * shifted(reach());
-  for (int t = 0; t < reach(); ++t) {
+  std::vector<WeightedRow> rows;
+  for (int t = 0; t < int(taps_.size()); ++t) {
     const float tap = taps_[std::size_t(t)];
-    if (tap != 0.0F) sums += tap * (shifted(t) + shifted(2 * reach() - t));
+    if (tap != 0.0F) rows.push_back({numbers(lines.data() + t % bin_ * length + t / bin_), tap});
   }
+  weighted_sum(rows, 2 * outputs_, numbers(out));
 }
 
 void Decimator::down(const Image<std::complex<float>>& in, int k, std::complex<float>* out) const {
-  Numbers sums = numbers(out, in.width);
-  sums.setZero();
   const int first = position(k) - reach();
   const int begin = std::max(0, -first), end = std::min(int(taps_.size()), inputs_ - first);
+  std::vector<WeightedRow> rows;
   for (int t = begin; t < end; ++t) {
     const float tap = taps_[std::size_t(t)];
-    if (tap != 0.0F) sums += tap * numbers(in.row(first + t), in.width);
+    if (tap != 0.0F) rows.push_back({numbers(in.row(first + t)), tap});
   }
+  weighted_sum(rows, 2 * in.width, numbers(out));
 }
 
 std::complex<float> Decimator::gain(double cpp) const {

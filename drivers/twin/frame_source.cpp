@@ -11,7 +11,7 @@
 namespace ovws::twin {
 namespace {
 
-constexpr std::size_t kAhead = 4;  // frames generated in advance
+constexpr std::size_t kAhead = 1;  // frames generated in advance: a new scene discards them
 constexpr std::size_t kFreshHistory = 16;
 constexpr std::size_t kPool = 32;
 

@@ -34,25 +34,31 @@ std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFor
   const bool words = traits.layout == PixelLayout::words;
   const int up = (left_justified && words ? 16 : traits.bits) - bits;
   std::vector<std::byte> bytes(frame_bytes(format, dn.width, dn.height));
-  for (std::size_t i = 0; i < dn.pixels.size(); ++i) {
-    const unsigned value = up >= 0 ? unsigned(dn.pixels[i]) << up : dn.pixels[i] >> -up;
-    switch (traits.layout) {
-      case PixelLayout::bytes:
-        bytes[i] = std::byte(value);
-        break;
-      case PixelLayout::words:
+  const auto each = [&](const auto& put) {
+    for (std::size_t i = 0; i < dn.pixels.size(); ++i) {
+      put(i, up >= 0 ? unsigned(dn.pixels[i]) << up : dn.pixels[i] >> -up);
+    }
+  };
+  switch (traits.layout) {
+    case PixelLayout::bytes:
+      each([&](std::size_t i, unsigned value) { bytes[i] = std::byte(value); });
+      break;
+    case PixelLayout::words:
+      each([&](std::size_t i, unsigned value) {
         bytes[2 * i] = std::byte(value & 0xFFU);
         bytes[2 * i + 1] = std::byte(value >> 8);
-        break;
-      case PixelLayout::p10:
-      case PixelLayout::p12:
+      });
+      break;
+    case PixelLayout::p10:
+    case PixelLayout::p12:
+      each([&](std::size_t i, unsigned value) {
         put_bits(bytes, i * std::size_t(traits.bits), traits.bits, value);
-        break;
-      case PixelLayout::packed10:
-      case PixelLayout::packed12:
-        put_packed_pair(bytes, i, traits.bits, value);
-        break;
-    }
+      });
+      break;
+    case PixelLayout::packed10:
+    case PixelLayout::packed12:
+      each([&](std::size_t i, unsigned value) { put_packed_pair(bytes, i, traits.bits, value); });
+      break;
   }
   return bytes;
 }

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "core/base/complex_product.hpp"
-#include "core/optics/circle_columns.hpp"
 #include "drivers/twin/in_halves.hpp"
 #include "drivers/twin/turbulence.hpp"
 
@@ -75,48 +74,61 @@ PupilField::PupilField(const SlmGeometry& slm, double diameter_px, const FarFiel
       carrier_y_(carrier(height_, carrier_cpp_.y)),
       gain_x_(gains(along_x_, window.cols, window.step_cpp)),
       gain_y_(gains(along_y_, window.rows, step_y(window))),
+      incident_(width_, height_),
       half_(along_x_.outputs(), height_),
-      light_(along_x_.outputs(), along_y_.outputs()),
       screened_(along_x_.outputs(), along_y_.outputs()),
       far_(window.cols, window.rows) {}
 
-void PupilField::demodulate(const Image<std::complex<float>>& field, int y,
-                            std::complex<float>* line) const {
-  std::fill(line, line + width_, std::complex<float>());
-  const Columns pupil = columns_in_circle(centre_px_, diameter_px_, first_y_px_ + y, field.width);
-  const std::complex<float>* from = field.row(first_y_px_ + y);
-  const std::complex<float> turn = carrier_y_[std::size_t(y)];
-  for (int x = pupil.begin; x < pupil.end; ++x) {
-    const int k = x - first_x_px_;
-    line[k] = product(product(from[x], turn), carrier_x_[std::size_t(k)]);
-  }
+/// Columns of the SLM inside the pupil in row `y` of the square.
+Columns PupilField::pupil_columns(int y) const {
+  return columns_in_circle(centre_px_, diameter_px_, first_y_px_ + y, 2 * first_x_px_ + width_);
 }
 
-void PupilField::set_light(const Image<std::complex<float>>& field) {
+void PupilField::set_incident(const Image<std::complex<float>>& light) {
+  in_halves(height_, [&](int first, int end, int) {
+    for (int y = first; y < end; ++y) {
+      const Columns pupil = pupil_columns(y);
+      const std::complex<float>* const from = light.row(first_y_px_ + y) + first_x_px_;
+      const std::complex<float> turn = carrier_y_[std::size_t(y)];
+      for (int k = pupil.begin - first_x_px_; k < pupil.end - first_x_px_; ++k) {
+        incident_.at(k, y) = product(product(from[k], turn), carrier_x_[std::size_t(k)]);
+      }
+    }
+  });
+}
+
+void PupilField::modulate(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
+                          Image<std::complex<float>>& light) {
+  light = {along_x_.outputs(), along_y_.outputs()};
   in_halves(height_, [&](int first, int end, int) {
     Line line(carrier_x_.size());
     for (int y = first; y < end; ++y) {
-      demodulate(field, y, line.data());
+      const std::uint8_t* const levels = grey.row(first_y_px_ + y) + first_x_px_;
+      std::transform(incident_.row(y), incident_.row(y) + width_, levels, line.begin(),
+                     [&](std::complex<float> incident, std::uint8_t level) {
+                       return product(incident, phasors[level]);
+                     });
       along_x_.along(line.data(), half_.row(y));
     }
   });
-  in_halves(light_.height, [&](int first, int end, int) {
-    for (int k = first; k < end; ++k) along_y_.down(half_, k, light_.row(k));
+  in_halves(light.height, [&](int first, int end, int) {
+    for (int k = first; k < end; ++k) along_y_.down(half_, k, light.row(k));
   });
 }
 
-void PupilField::add_to(Image<std::complex<float>>& far, const PupilScreen* screen) {
+void PupilField::add_to(Image<std::complex<float>>& far, const Image<std::complex<float>>& light,
+                        const PupilScreen* screen) {
   const auto samples_behind = [&](int first, int end) {
     for (int k = first; k < end; ++k) {
-      std::copy_n(light_.row(k), light_.width, screened_.row(k));
+      std::copy_n(light.row(k), light.width, screened_.row(k));
       screen->modulate(first_y_px_ + along_y_.position(k), first_x_px_ + along_x_.position(0),
-                       along_x_.bin(), light_.width, screened_.row(k));
+                       along_x_.bin(), light.width, screened_.row(k));
     }
   };
   if (screen != nullptr) {
-    in_halves(light_.height, [&](int first, int end, int) { samples_behind(first, end); });
+    in_halves(light.height, [&](int first, int end, int) { samples_behind(first, end); });
   }
-  propagate_in_halves(far_field_, screen != nullptr ? screened_ : light_, far_);
+  propagate_in_halves(far_field_, screen != nullptr ? screened_ : light, far_);
   in_halves(far.height, [&](int first, int end, int) {
     for (int r = first; r < end; ++r) {
       const std::complex<float> gain = gain_y_[std::size_t(r)];

@@ -6,14 +6,16 @@
 
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
+#include "core/optics/circle_columns.hpp"
 #include "core/optics/far_field.hpp"
 #include "drivers/twin/decimator.hpp"
 #include "drivers/twin/pupil_screen.hpp"
+#include "drivers/twin/slm_model.hpp"
 
 namespace ovws::twin {
 
-/// Far field of the pupil's light. It keeps the light without turbulence, decimated, so that
-/// another moment of the turbulence costs one product per sample and a small propagation.
+/// Far field of the pupil's light. The light without turbulence is decimated, so that another
+/// moment of the turbulence costs one product per sample and a small propagation.
 /// Agrees with FarField within 1e-3 of the peak up to 0.5 wave RMS of turbulence. Light that is
 /// deflected by more than 12 cycles per pupil is lost. Use it in one thread at a time.
 class PupilField {
@@ -21,15 +23,20 @@ class PupilField {
   /// The pupil is centred on the SLM. `window` may be any; a narrow one is fast.
   PupilField(const SlmGeometry& slm, double diameter_px, const FarFieldWindow& window);
 
-  /// Sets the light without turbulence. `field`: as behind the SLM, of its size; pixels outside the
-  /// pupil are ignored.
-  void set_light(const Image<std::complex<float>>& field);
-  /// Adds the pupil's far field to `far`, which has the window's size. `screen`: turbulence in
-  /// front of the pupil, with a margin of Decimator::kMaxReach; null: none.
-  void add_to(Image<std::complex<float>>& far, const PupilScreen* screen);
+  /// Sets the light on the SLM without turbulence, of the SLM's size; pixels outside the pupil are
+  /// ignored.
+  void set_incident(const Image<std::complex<float>>& light);
+  /// Light behind the SLM with these grey levels, decimated. `phasors`: the factor of each grey
+  /// level on the light.
+  void modulate(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
+                Image<std::complex<float>>& light);
+  /// Adds the far field of `light`, a result of modulate, to `far`, which has the window's size.
+  /// `screen`: turbulence in front of the pupil, with a margin of Decimator::kMaxReach; null: none.
+  void add_to(Image<std::complex<float>>& far, const Image<std::complex<float>>& light,
+              const PupilScreen* screen);
 
  private:
-  void demodulate(const Image<std::complex<float>>& field, int y, std::complex<float>* line) const;
+  Columns pupil_columns(int y) const;
 
   Vec2 centre_px_;
   double diameter_px_;
@@ -41,9 +48,10 @@ class PupilField {
   /// frequency 0.
   std::vector<std::complex<float>> carrier_x_, carrier_y_;
   std::vector<std::complex<float>> gain_x_, gain_y_;  ///< Decimator::gain at the window's points
-  Image<std::complex<float>> half_;                   ///< light decimated along x
-  Image<std::complex<float>> light_;                  ///< light decimated along x and y
-  Image<std::complex<float>> screened_;               ///< light_ behind the turbulence
+  Image<std::complex<float>>
+      incident_;                     ///< light in the square times the carriers; 0 beside the pupil
+  Image<std::complex<float>> half_;  ///< light decimated along x
+  Image<std::complex<float>> screened_;  ///< light behind the turbulence
   Image<std::complex<float>> far_;
 };
 

@@ -34,6 +34,11 @@ class SlmModel {
   void modulate(const Image<std::uint8_t>& grey, int first_row, int end_row,
                 Image<std::complex<float>>& field) const;
 
+  /// Field of the light, with the SLM's flatness error; without turbulence.
+  const Image<std::complex<float>>& incident() const { return incident_; }
+  using GreyPhasors = std::array<std::complex<float>, 256>;
+  /// Factors on the light by the SLM's grey levels.
+  const GreyPhasors& phasor_of_grey() const { return phasor_of_grey_; }
   /// Amplitude of the illuminating beam at an SLM pixel; 1 at the beam's centre.
   float amplitude(int x, int y) const { return amplitude_.width > 0 ? amplitude_.at(x, y) : 1.0F; }
   /// Flatness error of the SLM at each pixel, waves; empty if there is none.
@@ -41,7 +46,7 @@ class SlmModel {
 
  private:
   Config config_;
-  std::array<std::complex<float>, 256> phasor_of_grey_;
+  GreyPhasors phasor_of_grey_;
   Image<float> surface_waves_;           ///< flatness error; empty: none
   Image<float> amplitude_;               ///< beam amplitude; empty: 1 everywhere
   Image<std::complex<float>> incident_;  ///< field of beam, aberration, shades and flatness error
