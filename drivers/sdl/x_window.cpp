@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <span>
 
+#include "core/port/clock.hpp"
+#include "drivers/sdl/refresh_clock.hpp"
 #include "drivers/sdl/slm_window.hpp"
 #include "drivers/sdl/x_server.hpp"
 
@@ -24,6 +26,7 @@ Error lost_server() {
           "server; ovwsd then opens the display by itself"};
 }
 
+constexpr std::int64_t kNoRefreshNs = 1'000'000'000;
 constexpr const char* kHowToKeep =
     "; if this repeats, exclude the window from the desktop's window management";
 
@@ -103,6 +106,9 @@ class XWindow final : public SlmWindow {
     canvas_.reset(SDL_CreateWindowFrom(reinterpret_cast<void*>(window_)));
     if (x_server_lost()) return fail(lost_server());
     if (canvas_ == nullptr) return fail(changed(std::string("SDL: ") + SDL_GetError()));
+    if (output_.refresh_hz > 0.0) {
+      refreshes_ = RefreshClock::open(std::uint32_t(window_), output_.refresh_hz);
+    }
     return verify();
   }
 
@@ -118,6 +124,12 @@ class XWindow final : public SlmWindow {
     }
     take_x_error();  // dropped: SDL queries outputs that may be gone; only drawing errors count
     return seen;
+  }
+
+  void wait_for_refresh() override {
+    // Without an answer (the output is off, or the server is busy) no wait in the next second.
+    if (!refreshes_ || monotonic_ns() < next_refresh_ns_) return;
+    if (!refreshes_->wait()) next_refresh_ns_ = monotonic_ns() + kNoRefreshNs;
   }
 
   Result<void> connection() override {
@@ -214,6 +226,8 @@ class XWindow final : public SlmWindow {
   }
 
   Connection display_;
+  std::unique_ptr<RefreshClock> refreshes_;  ///< null: the server does not tell them
+  std::int64_t next_refresh_ns_ = 0;
   Output output_;
   Window window_ = None;  // the X server destroys it when display_ closes
 };
