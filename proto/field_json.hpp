@@ -232,6 +232,11 @@ template <class T>
 void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
   const char* const key = field.key;
   const Bounds& bounds = field.bounds;
+  if constexpr (!HasWire<T> && !is_optional<T>) {
+    // Null leaves the value unchanged: reports contain null for a missing value and may be sent
+    // back.
+    if (field.nullable && reader.is_null(key)) return;
+  }
   if constexpr (HasWire<T>) {
     Wire<T>::decode(reader, field, out);
   } else if constexpr (std::is_same_v<T, bool>) {
@@ -239,9 +244,6 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
   } else if constexpr (std::is_integral_v<T>) {
     reader.integer(key, out, int(bounds.min), int(bounds.max));
   } else if constexpr (std::is_floating_point_v<T>) {
-    // Null leaves the value unchanged: reports contain null for a missing value and may be sent
-    // back.
-    if (field.nullable && reader.is_null(key)) return;
     reader.number(key, out, bounds.min, bounds.max);
   } else if constexpr (std::is_same_v<T, std::string>) {
     reader.string(key, out);

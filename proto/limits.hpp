@@ -48,6 +48,7 @@ constexpr Numbers kLoopGain{0.001, 1.0};
 constexpr Numbers kLoopLeak{0.0, 0.99};
 constexpr Numbers kLoopLimitWaves{0.001, 100.0};
 constexpr Numbers kLoopPatienceS{0.1, 3600.0};
+constexpr Numbers kIdentifyS{1.0, 600.0};
 constexpr Integers kImageFrames{1, 100};
 constexpr Integers kGreyLevels{9, 256};  ///< grey levels that lut.run measures
 constexpr Integers kSettleRepetitions{3, 200};

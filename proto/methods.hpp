@@ -146,8 +146,21 @@ inline constexpr auto kLoopClose = method<LoopSettings, LoopReport>(
     "The loop opens by itself, with an event, when it cannot continue.");
 inline constexpr auto kLoopGet =
     method<Nothing, LoopReport>("loop.get", "Returns the state of the loop.");
+inline constexpr auto kLoopIdentify = method<LoopIdentify, JobNumber>(
+    "loop.identify",
+    "Watches the disturbance, with the loop open or closed, and identifies it mode by mode for the "
+    "control laws optimised and predictor. Returns at once; the job's result is that of "
+    "loop.model, and loops that are closed from then on use it.");
+inline constexpr auto kLoopModel = method<Nothing, KnownLoopModel>(
+    "loop.model",
+    "Returns what loop.identify found: each mode's disturbance, and the residual and gain margin "
+    "that each control law is expected to have.");
 inline constexpr auto kLoopOpen = method<LoopOpen, LoopReport>(
     "loop.open", "Opens the loop. The correction stays as it is, or is cleared.");
+inline constexpr auto kLoopPause = method<LoopPause, LoopReport>(
+    "loop.pause",
+    "Pauses the closed loop: it holds its correction and stays closed, whatever the frames show. "
+    "Or goes on.");
 inline constexpr auto kLutClear =
     method<Nothing, LutReport>("lut.clear",
                                "Deletes the measured look-up table, also on disk. The table of the "
@@ -234,22 +247,17 @@ inline constexpr auto kSystemDescribe = method<Nothing, Description>(
 inline constexpr auto kSystemStatus =
     method<Nothing, StatusMessage>("system.status", "Returns the contents of the status message.");
 
-inline constexpr std::tuple kMethods{kAberrationClear,   kAberrationGet,   kAberrationSet,
-                                     kCalibrationClear,  kCalibrationGet,  kCalibrationRun,
-                                     kCameraGet,         kCameraSet,       kConfigGet,
-                                     kConfigSave,        kCorrectionClear, kCorrectionGet,
-                                     kCorrectionSet,     kExperimentCell,  kExperimentGainSweep,
-                                     kExperimentGet,     kFlatnessClear,   kFlatnessGet,
-                                     kFlatnessRun,       kJobCancel,       kJobGet,
-                                     kLoopClose,         kLoopGet,         kLoopOpen,
-                                     kLutClear,          kLutGet,          kLutRun,
-                                     kRecordGet,         kRecordStart,     kRecordStop,
-                                     kReferenceClear,    kReferenceGet,    kReferenceSet,
-                                     kReferenceTake,     kRefineGet,       kRefineSet,
-                                     kRegistrationClear, kRegistrationGet, kRegistrationRun,
-                                     kSensorGet,         kSensorSet,       kSlmSettle,
-                                     kSlmShow,           kSlmVerify,       kSystemDescribe,
-                                     kSystemStatus};
+inline constexpr std::tuple kMethods{
+    kAberrationClear, kAberrationGet,   kAberrationSet,  kCalibrationClear, kCalibrationGet,
+    kCalibrationRun,  kCameraGet,       kCameraSet,      kConfigGet,        kConfigSave,
+    kCorrectionClear, kCorrectionGet,   kCorrectionSet,  kExperimentCell,   kExperimentGainSweep,
+    kExperimentGet,   kFlatnessClear,   kFlatnessGet,    kFlatnessRun,      kJobCancel,
+    kJobGet,          kLoopClose,       kLoopGet,        kLoopIdentify,     kLoopModel,
+    kLoopOpen,        kLoopPause,       kLutClear,       kLutGet,           kLutRun,
+    kRecordGet,       kRecordStart,     kRecordStop,     kReferenceClear,   kReferenceGet,
+    kReferenceSet,    kReferenceTake,   kRefineGet,      kRefineSet,        kRegistrationClear,
+    kRegistrationGet, kRegistrationRun, kSensorGet,      kSensorSet,        kSlmSettle,
+    kSlmShow,         kSlmVerify,       kSystemDescribe, kSystemStatus};
 
 inline constexpr std::tuple kStreams{
     stream<WavefrontMessage>("wavefront", "Modes of each processed frame."),

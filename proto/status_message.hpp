@@ -60,6 +60,7 @@ struct StatusMessage {
     std::optional<Invalid> invalid;
   } sensor;
   bool loop_closed = false;
+  bool loop_paused = false;  ///< only if it is closed
   struct RefinePart {
     std::string state = "off";            ///< "off", "waiting", "refining"
     std::uint64_t done = 0, refused = 0;  ///< since the start

@@ -7,9 +7,10 @@
 namespace ovws {
 namespace {
 
-double waves_of(std::span<const Mode> modes, int j) {
+template <class Modes>
+double waves_of(const Modes& modes, int j) {
   double sum = 0.0;
-  for (const Mode& mode : modes) sum += mode.j == j ? mode.waves : 0.0;
+  for (const auto& mode : modes) sum += mode.j == j ? mode.waves : 0.0;
   return sum;
 }
 
@@ -36,7 +37,7 @@ void ModalControl::observe(const LoopSample& sample, std::span<const Mode> shown
   for (auto& known : laws_) known.second.observed = false;
   for (std::size_t k = 0; k < sample.modes_j.size(); ++k) {
     const int j = sample.modes_j[k];
-    const double residual = double(sample.residual_waves[k]);
+    const double residual = double(sample.residual_waves[k]) - waves_of(settings_.offsets, j);
     if (!is_corrected(j) || !std::isfinite(residual)) continue;
     const double sigma = double(sample.sigma_waves[k]);
     squares += residual * residual;
@@ -51,9 +52,10 @@ void ModalControl::observe(const LoopSample& sample, std::span<const Mode> shown
 void ModalControl::step(std::int64_t t_ns) {
   at_limit_ = false;
   for (const auto& [j, one] : laws_) {
+    if (!one.observed) continue;  // keeps its correction: nothing is known of the mode
     const double wanted = one.law->correction_at(t_ns);
     const double waves = std::clamp(wanted, -settings_.limit_waves, settings_.limit_waves);
-    at_limit_ = at_limit_ || (one.observed && waves != wanted);
+    at_limit_ = at_limit_ || waves != wanted;
     const auto known = std::ranges::find(correction_, j, &Mode::j);
     if (known != correction_.end()) {
       known->waves = waves;

@@ -35,13 +35,13 @@ class ModalControl {
   /// out.
   void observe(const LoopSample& sample, std::span<const Mode> shown);
   /// Computes the correction for the time `t_ns`, CLOCK_MONOTONIC, limited to `limit_waves` in each
-  /// mode.
+  /// mode. Modes that the last frame did not have keep theirs.
   void step(std::int64_t t_ns);
 
   const std::vector<Mode>& correction() const { return correction_; }
   /// The last step limited a mode that the last frame had.
   bool at_limit() const { return at_limit_; }
-  /// Root sum square of the last frame's residual, over the corrected modes.
+  /// Root sum square of the last frame's residual, less the offsets, over the corrected modes.
   double residual_rms_waves() const { return residual_rms_waves_; }
   std::int64_t steps() const { return steps_; }
 

@@ -59,7 +59,9 @@ std::vector<double> resample(const std::vector<double>& times_s, const std::vect
       out.push_back(next == 0 ? values.front() : values.back());
       continue;
     }
-    const double part = (t - times_s[next - 1]) / (times_s[next] - times_s[next - 1]);
+    const double before_s = t - times_s[next - 1], after_s = times_s[next] - t;
+    const double part = std::min(before_s, after_s) > 0.5 * step_s ? before_s / (before_s + after_s)
+                                                                   : double(before_s > after_s);
     out.push_back(values[next - 1] + part * (values[next] - values[next - 1]));
   }
   return out;

@@ -16,8 +16,9 @@ struct ModeSeries {
 /// Median frame interval, s. Requires at least two frames.
 double median_interval_s(const std::vector<double>& times_s);
 
-/// Linear interpolation of `values` at begin_s + k * step_s, k = 0 … count-1; constant beyond the
-/// ends. `times_s` increases; both arrays have the same length, at least 1.
+/// `values` at begin_s + k * step_s, k = 0 … count-1: the nearest one, whose noise interpolation
+/// would reduce; if none is within half a step, linear interpolation; constant beyond the ends.
+/// `times_s` increases; both arrays have the same length, at least 1.
 std::vector<double> resample(const std::vector<double>& times_s, const std::vector<double>& values,
                              double begin_s, double step_s, int count);
 

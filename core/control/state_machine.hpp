@@ -39,6 +39,7 @@ enum class Action : std::uint8_t {
   set_correction,
   reload_config,
   record,
+  watch,  ///< a job that only watches frames
   count,
 };
 
@@ -118,6 +119,7 @@ constexpr Table<Action, ActionRow> kActions{{
     {{true, true, false, true, true, true}},       // set_correction
     {{true, true, false, false, true, true}},      // reload_config
     {{true, true, false, false, false, false}},    // record
+    {{true, true, true, true, true, false}},       // watch
 }};
 
 }  // namespace control

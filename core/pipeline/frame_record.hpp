@@ -67,6 +67,10 @@ struct FrameRecord {
   bool settings_known = false;  ///< gain and exposure are certain for this frame
   double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;
+  /// Estimated end of the exposure, CLOCK_MONOTONIC: the undelayed arrival less half of the longest
+  /// transfer time.
+  std::int64_t t_exposed_mono_ns = 0;
+  std::int64_t period_ns = 0;  ///< of the camera's frames when it was sent; 0: unknown
 
   std::uint64_t number = 0;    ///< sequence number of published records, from 1
   bool pixels_missed = false;  ///< pixels were to be recorded, but too many buffers were lent

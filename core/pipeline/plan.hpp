@@ -8,6 +8,7 @@
 
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
+#include "core/optics/zernike.hpp"
 #include "core/port/camera.hpp"
 #include "core/spots/frame_fit.hpp"
 #include "core/tracking/tracker.hpp"
@@ -24,6 +25,7 @@ struct MeasurementPlan {
   /// The hologram for which predicted_px was computed; 0: unknown. Spot tracks need it to follow a
   /// change of hologram exactly, even if a new reference changed the predictions before.
   std::uint64_t hologram_id = 0;
+  std::vector<Mode> correction;  ///< in that hologram: subtracted, RMS-normalised waves
   int charge = 1;
   TrackerKind tracker_kind = TrackerKind::lg;
   OperatorKind mode_operator = OperatorKind::slopes;  ///< inverted by `reconstructor`

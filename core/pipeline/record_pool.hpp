@@ -18,9 +18,8 @@ struct Measurement;
 /// A frame record with the pipeline's internal data.
 struct Entry : FrameRecord {
   Measurement* measurement = nullptr;
-  std::uint64_t stream = 0;    ///< number of the camera stream; frame numbers do not continue from
-                               ///< stream to stream
-  std::int64_t period_ns = 0;  ///< frame period at the time of the frame; 0: unknown
+  std::uint64_t stream = 0;  ///< number of the camera stream; frame numbers do not continue from
+                             ///< stream to stream
   std::vector<SpotEstimates> estimates;  ///< template estimates of each spot, if plan->fit is set
   bool image_wanted = false;
   bool recorded = false;         ///< RecordTap holds this record

@@ -162,9 +162,12 @@ Result<void> App::Parts::make_sensor() {
   procedures = std::make_unique<Procedures>(
       ProceduresDeps{{*keeper, camera, frames, slm, jobs, events},
                      [this](bool runs) { state.set(&Conditions::job, runs); }});
-  loop = std::make_unique<ClosedLoop>(
-      ClosedLoopDeps{*keeper, events, [this](bool closed) { state.set(&Conditions::loop, closed); },
-                     [this] { return search->found_ns(); }});
+  loop = std::make_unique<ClosedLoop>(ClosedLoopDeps{
+      *keeper, slm, events, [this](bool closed) { state.set(&Conditions::loop, closed); },
+      [this] { return search->found_ns(); },
+      [this](std::string kind, nlohmann::json content) {
+        recorder.add_loop(std::move(kind), std::move(content));
+      }});
   search = std::make_unique<WavefrontSearch>(config.slm.geometry, frames, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
                                           *keeper, queue);

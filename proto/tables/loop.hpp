@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "core/control/loop_model.hpp"
 #include "core/control/loop_settings.hpp"
+#include "core/control/step_times.hpp"
 #include "proto/tables/modes.hpp"
 #include "proto/tables/time.hpp"
 
@@ -21,8 +23,22 @@ inline constexpr auto kTable<ModeGain> =
                .mandatory()};
 
 template <>
+inline constexpr auto kTable<ModeOffset> = Fields{
+    "ModeOffset", field<&ModeOffset::j>(kModeIndexMeaning, {1, kMaxZernikeIndex}).mandatory(),
+    field<&ModeOffset::waves>("residual to hold in this mode, RMS-normalised waves",
+                              limits::kModeWaves)
+        .mandatory()};
+
+template <>
+inline constexpr NamesOf kNames<LawName> = texts<"integrator", "optimised", "predictor">;
+
+template <>
 inline constexpr auto kTable<LoopSettings> = Fields{
     "LoopSettings",
+    field<&LoopSettings::law>(
+        "control law: integrator, with gain, leak and gains; optimised, an integrator with the "
+        "best gain of each mode; predictor, which corrects what is expected. The last two need "
+        "loop.identify"),
     field<&LoopSettings::gain>("integrator gain: fraction of the residual that a step corrects",
                                limits::kLoopGain),
     field<&LoopSettings::leak>("integrator leak: fraction of the correction that a step removes",
@@ -34,6 +50,7 @@ inline constexpr auto kTable<LoopSettings> = Fields{
         .unlike()
         .or_null(),
     field<&LoopSettings::gains>("individual gains of modes").sized(0, kMaxZernikeIndex),
+    field<&LoopSettings::offsets>("residuals to hold, instead of 0").sized(0, kMaxZernikeIndex),
     field<&LoopSettings::limit_waves>("limit of each mode's correction, RMS-normalised waves",
                                       limits::kLoopLimitWaves),
     field<&LoopSettings::patience_s>(
@@ -41,11 +58,32 @@ inline constexpr auto kTable<LoopSettings> = Fields{
         "limit, or with a growing residual, seconds",
         limits::kLoopPatienceS)};
 
+template <>
+inline constexpr auto kTable<StepTimes> =
+    Fields{"StepTimes",
+           field<&StepTimes::settle_ms>("until the liquid crystal has settled, ms"),
+           field<&StepTimes::wait_ms>(
+               "until the first usable frame begins, or until the step is taken without one, ms"),
+           field<&StepTimes::exposure_ms>("exposure of that frame, ms"),
+           field<&StepTimes::compute_ms>("transfer and measurement of the frame, ms"),
+           field<&StepTimes::render_ms>("computation of the new correction and its hologram, ms"),
+           field<&StepTimes::refresh_ms>("wait for the display's next refresh, ms"),
+           field<&StepTimes::present_ms>("until the display has accepted the hologram, ms")};
+
+template <>
+inline constexpr auto kTable<StepSummary> = Fields{
+    "StepSummary", field<&StepSummary::steps>("number of the last steps that are summarised"),
+    field<&StepSummary::p50_ms>("median time from one hologram to the next, ms"),
+    field<&StepSummary::p99_ms>("99 % of the steps take less, ms"),
+    field<&StepSummary::mean>("where the time goes, mean of the steps")};
+
 /// Result of `loop.close`, `loop.open` and `loop.get`.
 struct LoopReport {
   bool closed = false;
+  bool paused = false;    ///< the closed loop holds its correction
   LoopSettings settings;  ///< of the closed loop, or of the last time it was closed
   std::int64_t steps = 0;
+  StepSummary step;
   std::optional<double> residual_rms_waves;
   double correction_rms_waves = 0.0;
   std::string opened_because;    ///< empty: the loop is closed, or never was
@@ -59,12 +97,15 @@ template <>
 inline constexpr auto kTable<LoopReport> = Fields{
     "LoopReport",
     field<&LoopReport::closed>("whether the loop is closed"),
+    field<&LoopReport::paused>("whether the closed loop holds its correction (loop.pause)"),
     inlined(&LoopReport::settings),
     field<&LoopReport::steps>("number of steps since the loop was last closed",
                               Bounds::at_least(0)),
-    field<&LoopReport::residual_rms_waves>(
-        "residual before the last step: root sum square over the corrected modes, waves",
-        Bounds::at_least(0)),
+    field<&LoopReport::step>("duration of the last steps"),
+    field<&LoopReport::residual_rms_waves>("residual before the last step, less the offsets: root "
+                                           "sum square over the corrected modes, "
+                                           "waves",
+                                           Bounds::at_least(0)),
     field<&LoopReport::correction_rms_waves>("root sum square of the correction's modes, waves",
                                              Bounds::at_least(0)),
     field<&LoopReport::opened_because>(
@@ -79,5 +120,57 @@ inline constexpr auto kTable<LoopReport> = Fields{
           return report.opened_ns() ? std::optional(utc_text(*report.opened_ns())) : std::nullopt;
         },
         kTimeTextMeaning)};
+
+template <>
+inline constexpr auto kTable<LoopForecast> = Fields{
+    "LoopForecast",
+    field<&LoopForecast::residual_waves>("expected RMS residual of the mode, noise that the loop "
+                                         "passes on included, waves",
+                                         Bounds::at_least(0)),
+    field<&LoopForecast::gain_margin>(
+        "least error of the correction's size that can make the loop unstable: 0.5 means half or "
+        "one and a half of what is computed",
+        Bounds::at_least(0))};
+
+template <>
+inline constexpr auto kTable<Oscillator> = Fields{
+    "Oscillator", field<&Oscillator::hz>("natural frequency, Hz", Bounds::at_least(0)),
+    field<&Oscillator::damping>("damping ratio; 1: motion without a preferred frequency", {0, 1}),
+    field<&Oscillator::rms_waves>("RMS of this part, waves", Bounds::at_least(0))};
+
+template <>
+inline constexpr auto kTable<ModeModel> =
+    Fields{"ModeModel",
+           field<&ModeModel::j>(kModeIndexMeaning),
+           computed(
+               "rms_waves", [](auto& mode) { return mode.disturbance.rms_waves(); },
+               "RMS of the disturbance without noise, waves", Bounds::at_least(0)),
+           computed(
+               "noise_waves", [](auto& mode) { return mode.disturbance.noise_waves; },
+               "RMS noise of one frame that the predictor assumes, waves", Bounds::at_least(0)),
+           computed(
+               "parts", [](auto& mode) { return mode.disturbance.parts; },
+               "damped oscillators of which the disturbance is the sum, the strongest first"),
+           field<&ModeModel::best_gain>("best gain of an integrator", {0, 1}),
+           field<&ModeModel::integrator>("forecast for the integrator with the last loop's gain"),
+           field<&ModeModel::optimised>("forecast for the integrator with best_gain"),
+           field<&ModeModel::predictor>("forecast for the predictor")};
+
+template <>
+inline constexpr auto kTable<LoopModel> =
+    Fields{"LoopModel",
+           field<&LoopModel::t_taken_ns>("when it was identified, UNIX epoch UTC, nanoseconds"),
+           field<&LoopModel::seconds>("length of the series, seconds", Bounds::at_least(0)),
+           field<&LoopModel::step_s>("step of the loop for which the forecasts are, seconds",
+                                     Bounds::at_least(0)),
+           field<&LoopModel::modes>("the identified modes")};
+
+/// Result of `loop.model`.
+struct KnownLoopModel {
+  std::optional<LoopModel> model;  ///< none: loop.identify was not run
+};
+template <>
+inline constexpr auto kTable<KnownLoopModel> = Fields{
+    "KnownLoopModel", field<&KnownLoopModel::model>("what was identified last; null: nothing yet")};
 
 }  // namespace ovws

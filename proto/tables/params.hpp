@@ -136,6 +136,21 @@ template <>
 inline constexpr auto kTable<LoopOpen> =
     Fields{"LoopOpen", field<&LoopOpen::keep>("true: keep the correction; false: clear it")};
 
+struct LoopPause {
+  bool paused = true;
+};
+template <>
+inline constexpr auto kTable<LoopPause> =
+    Fields{"LoopPause", field<&LoopPause::paused>("true: hold the correction; false: go on")};
+
+struct LoopIdentify {
+  double seconds = 30.0;
+};
+template <>
+inline constexpr auto kTable<LoopIdentify> =
+    Fields{"LoopIdentify", field<&LoopIdentify::seconds>("time to watch the disturbance, seconds",
+                                                         limits::kIdentifyS)};
+
 struct ExperimentCell {
   int cell = 0;
 };

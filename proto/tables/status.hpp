@@ -155,9 +155,12 @@ inline constexpr auto kTable<StatusMessage> = Fields{
     field<&StatusMessage::record>("the current or the last recording"),
     field<&StatusMessage::store>("storage of the items that survive a restart"),
     computed(
-        "loop", [](auto& m) { return m.loop_closed ? "closed" : "open"; },
-        "whether the loop is closed")
-        .among(texts<"open", "closed">),
+        "loop",
+        [](auto& m) { return m.loop_paused   ? "paused"
+                             : m.loop_closed ? "closed"
+                                             : "open"; },
+        "whether the loop is closed; paused: it is, but holds its correction")
+        .among(texts<"open", "closed", "paused">),
     field<&StatusMessage::failed_job>(
         "latest job that failed since the daemon's start, unless a later one of its kind "
         "succeeded; null: none"),

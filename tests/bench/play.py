@@ -39,10 +39,10 @@ def wait_for(condition, timeout_s=30.0):
 class Play:
     """Starts the display, the twin and the daemon of `bench`; `sensor` are the params of sensor.set."""
 
-    def __init__(self, bench, sensor, twin_config=None):
+    def __init__(self, bench, sensor, twin_config=None, daemon_config=None):
         bench.start_display()
         bench.start_twin(twin_config or {})
-        bench.start_daemon({"stream": {"image_rate_hz": 0}})
+        bench.start_daemon({"stream": {"image_rate_hz": 0}, **(daemon_config or {})})
         self.client, self.twin = Client(), Client("tcp://127.0.0.1:7790")
         wait_for(lambda: self.client.call("system.status")["state"] == "running")
         self.client.call("sensor.set", sensor)

@@ -18,7 +18,9 @@ inline void decode_all(const Json& params) {
   (void)decode<FlatnessRun>(params);
   (void)decode<SettleRun>(params);
   (void)decode<LoopSettings>(params);
+  (void)decode<LoopIdentify>(params);
   (void)decode<LoopOpen>(params);
+  (void)decode<LoopPause>(params);
   (void)decode<CalibrationRun>(params);
   (void)decode<GainSweepRun>(params);
   (void)decode<ExperimentCell>(params);

@@ -325,12 +325,16 @@ bool SimulatedBench::is_running() {
   return request->wait_for(10s);
 }
 
-Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure procedure) {
+Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure procedure,
+                                           Holds holds) {
   std::promise<Result<int>> begun;
-  procedures_->start(kind, std::move(procedure), [this, &begun](Result<int> job) {
-    if (job) job_ = *job;  // now: the procedure may cancel itself at once
-    begun.set_value(std::move(job));
-  });
+  procedures_->start(
+      kind, std::move(procedure),
+      [this, &begun](Result<int> job) {
+        if (job) job_ = *job;  // now: the procedure may cancel itself at once
+        begun.set_value(std::move(job));
+      },
+      holds);
   const Result<int> job = begun.get_future().get();
   if (!job) return fail(job.error());
   for (const auto end = std::chrono::steady_clock::now() + 60s;

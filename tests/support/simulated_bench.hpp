@@ -63,7 +63,8 @@ class SimulatedBench {
   bool is_running();
   /// Runs a procedure like the daemon and returns when the sensor is free again. Errors: the
   /// procedure's own; Errc::unavailable after a minute.
-  Result<nlohmann::json> run(const std::string& kind, Procedure procedure);
+  Result<nlohmann::json> run(const std::string& kind, Procedure procedure,
+                             Holds holds = Holds::sensor);
   /// Cancels the procedure that runs. Any thread.
   void cancel() { (void)jobs_.cancel(job_); }
   /// Changes the sensor and returns when the change is active.
@@ -78,6 +79,7 @@ class SimulatedBench {
   SensorKeeper& keeper() { return *keeper_; }
   FrameBroker& frames() { return frames_; }
   Events& events() { return events_; }
+  SlmLoop& slm() { return slm_; }
   const Config& config() const { return config_; }
 
  private:

@@ -165,7 +165,7 @@ class Loop(BenchCase):
         self.call("reference.clear")
         with self.assertRaisesRegex(ClientError, "no reference"):
             self.call("loop.close")
-        with self.assertRaisesRegex(ClientError, "not measured"):
+        with self.assertRaisesRegex(ClientError, "can be corrected"):
             self.call("reference.set", {"source": "model"})
             self.call("loop.close", {"modes": [40]})
 

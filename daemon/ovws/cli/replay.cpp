@@ -7,6 +7,7 @@
 
 #include "core/port/clock.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovwsd/record/loop_player.hpp"
 #include "daemon/ovwsd/record/player.hpp"
 #include "proto/json_text.hpp"
 
@@ -71,21 +72,44 @@ json text_or_null(const std::string& text) {
   return text.empty() ? json(nullptr) : json(text);
 }
 
-int print_summary(const Common& common, const ReplayOptions& options, const Tally& tally) {
-  const bool all_same = tally.same == tally.replayed && tally.replayed > 0;
+json loop_content(const PlayedLoop& loop) {
+  if (loop.runs == 0 && loop.reason.empty()) return nullptr;
+  return {{"runs", loop.runs},
+          {"decisions", loop.decisions},
+          {"same", loop.same},
+          {"first_difference", text_or_null(loop.first_difference)},
+          {"not_all_because", text_or_null(loop.reason)}};
+}
+
+void print_loop(const PlayedLoop& loop) {
+  if (loop.runs == 0 && loop.reason.empty()) return;
+  print("closed loop: closed {} times, {} decisions repeated, {} of them bit for bit the same\n",
+        loop.runs, loop.decisions, loop.same);
+  if (!loop.first_difference.empty()) {
+    print("first different decision: after {}\n", loop.first_difference);
+  }
+  if (!loop.reason.empty()) print("not all decisions were repeated: {}\n", loop.reason);
+}
+
+int print_summary(const Common& common, const ReplayOptions& options, const Tally& tally,
+                  const PlayedLoop& loop) {
+  const bool all_same = tally.same == tally.replayed && loop.same == loop.decisions &&
+                        tally.replayed + loop.decisions > 0;
   if (common.json) {
     print("{}\n", json_text({{"frames", tally.frames},
                              {"replayed", tally.replayed},
                              {"same", tally.same},
                              {"valid", tally.valid},
                              {"first_not_replayed", text_or_null(tally.first_reason)},
-                             {"first_difference", text_or_null(tally.first_difference)}}));
+                             {"first_difference", text_or_null(tally.first_difference)},
+                             {"loop", loop_content(loop)}}));
     return all_same ? kOk : kError;
   }
   print("{}: {} frames, {} replayed, {} of them bit for bit the same, {} valid\n", options.path,
         tally.frames, tally.replayed, tally.same, tally.valid);
   if (!tally.first_reason.empty()) print("first not replayed: {}\n", tally.first_reason);
   if (!tally.first_difference.empty()) print("first difference: {}\n", tally.first_difference);
+  print_loop(loop);
   return all_same ? kOk : kError;
 }
 
@@ -109,7 +133,9 @@ int replay_recording(const Common& common, const ReplayOptions& options) {
     std::fflush(stdout);
     if (!wait_for_enter()) break;
   }
-  return print_summary(common, options, tally);
+  const auto loop = replay_loop((*player)->reader());
+  if (!loop) return report(common, loop.error());
+  return print_summary(common, options, tally, *loop);
 }
 
 }  // namespace ovws::cli

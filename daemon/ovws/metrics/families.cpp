@@ -182,8 +182,9 @@ void add_states(Families& out, const json& status) {
   out.push_back(one_of("ovws_tracker", "The active tracker.", "tracker",
                        std::array{text_at(status, "/sensor/tracker")},
                        text_at(status, "/sensor/tracker")));
+  const auto loop = text_at(status, "/loop");
   add_gauge(out, "ovws_loop_closed", "Whether the loop is closed.",
-            text_at(status, "/loop") == "closed" ? 1.0 : 0.0);
+            loop == "closed" || loop == "paused" ? 1.0 : 0.0);
 }
 
 void add_versions(Families& out, const json& status) {

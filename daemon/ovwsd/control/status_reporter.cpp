@@ -110,6 +110,7 @@ StatusMessage StatusReporter::current() const {
   status.state = deps_.state.name();
   status.fault = deps_.state.fault();
   status.loop_closed = deps_.loop.is_closed();
+  status.loop_paused = deps_.loop.is_paused();
   const CameraSnapshot camera = deps_.camera.snapshot();
   status.camera = camera_part(camera, deps_.pipeline);
   status.slm = slm_part(deps_.slm.snapshot());

@@ -1,8 +1,11 @@
 /// Methods of the daemon's other parts: camera, config, job, loop, record, refine, system.
 #include "config/config.hpp"
+#include "core/port/clock.hpp"
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/control/status_reporter.hpp"
+#include "daemon/ovwsd/loop/closed_loop.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
@@ -86,6 +89,10 @@ void open_loop(Services& services, const LoopOpen& how, Reply<LoopReport> reply)
   services.loop.open(how.keep, reply);
 }
 
+void pause_loop(Services& services, const LoopPause& how, Reply<LoopReport> reply) {
+  services.loop.pause(how.paused, reply);
+}
+
 void start_recording(Services& services, const RecordStart& asked, Reply<RecordReport> reply) {
   const Config now = in_use(services);
   services.recorder.start({asked, dump_config(now), now.camera.settings,
@@ -140,6 +147,52 @@ void get_loop(Services& services, Reply<LoopReport> reply) {
   reply(services.loop.report());
 }
 
+KnownLoopModel known(const std::shared_ptr<const LoopModel>& model) {
+  return {model ? std::optional(*model) : std::nullopt};
+}
+
+void get_loop_model(Services& services, Reply<KnownLoopModel> reply) {
+  reply(known(services.loop.model()));
+}
+
+/// Duration of the loop's steps: measured, if the loop is closed; else the shortest on this bench.
+double step_s(Services& services, const CameraSettings& camera) {
+  constexpr int kEnoughSteps = 50;
+  const LoopReport last = services.loop.report();
+  if (last.closed && last.step.steps >= kEnoughSteps) return 1e-3 * last.step.p50_ms;
+  const auto display = services.slm.snapshot().info;
+  return shortest_step_s(services.config, camera, display ? display->refresh_hz : 0.0);
+}
+
+Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify& params) {
+  constexpr double kOpenSamples = 4.0;  // a step: the spectrum reaches beyond the loop's
+  const LoopReport last = services.loop.report();
+  const double step = step_s(services, bench.camera().settings);
+  const auto series =
+      watch_disturbance(bench, params.seconds, last.closed ? step : step / kOpenSamples);
+  if (!series) return fail(series.error());
+  LoopModel model =
+      identify(*series, step, last.settings.gain, last.settings.leak, [&bench](double done) {
+        bench.report_progress(kWatchingShare + (1.0 - kWatchingShare) * done);
+        return !bench.stopped();
+      });
+  if (bench.stopped()) return fail(Errc::refused, "", "the job was cancelled");
+  if (model.modes.empty()) {
+    return fail(Errc::refused, "seconds",
+                "too few frames came for a spectrum of the disturbance: watch for longer");
+  }
+  model.t_taken_ns = utc_ns();
+  services.loop.use_model(std::move(model));
+  return to_json(known(services.loop.model()));
+}
+
+void start_identification(Services& services, const LoopIdentify& params, Reply<JobNumber> reply) {
+  services.procedures.start(
+      kLoopIdentify.name,
+      [&services, params](Bench& bench) { return identify_loop(services, bench, params); },
+      with_job_number(std::move(reply)), Holds::nothing);
+}
+
 void get_recording(Services& services, Reply<RecordReport> reply) {
   reply(services.recorder.report());
 }
@@ -152,7 +205,10 @@ constexpr std::array kRows{
     row<kJobGet, get_job>(Role::read, Action::read),
     row<kJobCancel, cancel_job>(Role::control, Action::cancel_job),
     row<kLoopClose, close_loop>(Role::control, Action::close_loop),
+    row<kLoopIdentify, start_identification>(Role::control, Action::watch),
+    row<kLoopModel, get_loop_model>(Role::read, Action::read),
     row<kLoopOpen, open_loop>(Role::control, Action::open_loop),
+    row<kLoopPause, pause_loop>(Role::control, Action::open_loop),
     row<kLoopGet, get_loop>(Role::read, Action::read),
     row<kRecordStart, start_recording>(Role::control, Action::record),
     row<kRecordStop, stop_recording>(Role::control, Action::record),

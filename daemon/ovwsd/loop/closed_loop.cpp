@@ -6,16 +6,18 @@
 #include <chrono>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <memory>
 #include <utility>
 
-#include "core/control/integrator.hpp"
+#include "core/control/loop_laws.hpp"
 #include "core/port/clock.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kTurn(50);
+constexpr int kTurnMs = 50;
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kInvalidNs = 300'000'000;
 constexpr int kMinSpotsPerLost = 3;
 constexpr double kMaxResidual = 0.06;  // lambda/d
@@ -43,6 +45,35 @@ std::string reason_of(LoopEnd end, const LoopSettings& settings) {
   return "";
 }
 
+/// Checks the modes of one list of the settings: each is measured, and none is there twice.
+Result<void> check_listed(std::string_view field, std::vector<int> listed,
+                          const std::vector<int>& measured) {
+  std::ranges::sort(listed);
+  if (const auto twice = std::ranges::adjacent_find(listed); twice != listed.end()) {
+    return fail(Errc::invalid, std::string(field),
+                fmt::format("mode j = {} is given twice", *twice));
+  }
+  for (const int j : listed) {
+    if (std::ranges::find(measured, j) != measured.end()) continue;
+    return fail(Errc::invalid, std::string(field),
+                fmt::format("mode j = {} is not among the modes j = {} to {} that can be corrected",
+                            j, measured.front(), measured.back()));
+  }
+  return {};
+}
+
+Result<void> check_modes(const LoopSettings& settings, const std::vector<int>& measured) {
+  const auto modes_of = [](const auto& list) {
+    std::vector<int> modes;
+    for (const auto& mode : list) modes.push_back(mode.j);
+    return modes;
+  };
+  if (auto good = check_listed("modes", settings.modes, measured); !good) return good;
+  if (auto good = check_listed("gains", modes_of(settings.gains), measured); !good) return good;
+  return check_listed("offsets", modes_of(settings.offsets),
+                      settings.modes.empty() ? measured : settings.modes);
+}
+
 /// Preconditions for closing the loop: the sensor's hologram is shown, there is a reference, each
 /// mode to correct is measured, and the present correction is within the limit.
 Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& sensor) {
@@ -51,13 +82,7 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
     return fail(Errc::refused, "reference",
                 "there is no reference for the loop: take one with reference.take first");
   }
-  for (const int j : settings.modes) {
-    const auto& measured = sensor.modes_j;
-    if (std::find(measured.begin(), measured.end(), j) != measured.end()) continue;
-    return fail(Errc::invalid, "modes",
-                fmt::format("mode j = {} is not measured: this sensor measures j = {} to {}", j,
-                            measured.front(), measured.back()));
-  }
+  if (auto known = check_modes(settings, sensor.modes_j); !known) return known;
   for (const Mode& mode : sensor.correction) {
     if (std::abs(mode.waves) <= settings.limit_waves) continue;
     return fail(Errc::refused, "limit_waves",
@@ -66,15 +91,6 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
                             mode.waves, mode.j, settings.limit_waves));
   }
   return {};
-}
-
-/// Makes the integrator of a mode, with its own gain if it has one.
-ModalControl::MakeLaw integrators(const LoopSettings& settings) {
-  return [settings](int j, double correction_waves) {
-    const auto own = std::ranges::find(settings.gains, j, &ModeGain::j);
-    const double gain = own != settings.gains.end() ? own->gain : settings.gain;
-    return std::make_unique<Integrator>(gain, settings.leak, correction_waves);
-  };
 }
 
 /// Whether an invalid frame may still steer the loop: it is settled and has a reference, at most
@@ -96,79 +112,94 @@ void ClosedLoop::open(bool keep, Done done) {
   mailbox_.post([this, keep, done = std::move(done)] { done(end(keep)); });
 }
 
+void ClosedLoop::pause(bool paused, Done done) {
+  mailbox_.post([this, paused, done = std::move(done)] { done(set_paused(paused)); });
+}
+
 void ClosedLoop::add(const FrameRecord& record) {
   const std::int64_t now_ns = monotonic_ns();
   if (record.valid || !is_closed()) valid_ns_ = now_ns;
   if (!is_closed()) return;
   if (!record.valid && (now_ns - valid_ns_ < kInvalidNs || !is_rough_guide(record))) return;
-  {
-    const std::lock_guard lock(mutex_);
-    newest_.hologram_id = record.hologram_id;
-    // Spot positions, unlike templates, measure only the leading modes of the plan.
-    newest_.modes_j =
-        record.templates.credible ? record.plan->modes_j : record.plan->reconstructor->modes_j();
-    const auto modes = std::ptrdiff_t(newest_.modes_j.size());
-    newest_.residual_waves.assign(record.coefficients.begin(), record.coefficients.begin() + modes);
-    newest_.sigma_waves.assign(record.sigma_waves.begin(), record.sigma_waves.begin() + modes);
-    newest_.t_ns = record.frame.t_arrival_mono_ns - std::llround(500.0 * record.exposure_us);
-    has_sample_ = true;
-  }
-  filled_.notify_one();
+  if (copy_to(incoming_, record)) (void)frames_.try_push(incoming_);
 }
 
 bool ClosedLoop::do_work() {
-  const bool asked = mailbox_.run_one(is_closed() ? std::chrono::milliseconds(0) : kTurn);
+  const bool asked = mailbox_.run_one(std::chrono::milliseconds(is_closed() ? 0 : kTurnMs));
   if (!is_closed()) return asked;
-  if (const SensorView sensor = take_sample()) {
-    act(*sensor);
-    return true;
-  }
+  if (observe_next() || paused_) return true;
   const LoopEnd end = watch_->wait(monotonic_ns(), deps_.spots_found_ns());
   if (end != LoopEnd::none)
     set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
   return asked;
 }
 
-/// Waits for a sample, for kTurn at most, and returns the sensor that it was measured with. Null if
-/// no sample came, or if it was measured with an older hologram: a later step has corrected that
-/// error already.
-SensorView ClosedLoop::take_sample() {
-  std::unique_lock lock(mutex_);
-  if (!filled_.wait_for(lock, kTurn, [this] { return has_sample_; })) return nullptr;
-  std::swap(taken_, newest_);
-  has_sample_ = false;
-  lock.unlock();
-  SensorView sensor = deps_.keeper.snapshot();
-  return taken_.hologram_id == sensor->hologram_id ? sensor : nullptr;
+/// Observes the next frame if one comes, and steps if it is time. False: no frame of the newest
+/// hologram came within kTurnMs. The error of an older one may have been corrected.
+bool ClosedLoop::observe_next() {
+  const std::int64_t due_ns = stepped_ ? kNever : t_exposed_ns();
+  const std::chrono::nanoseconds left(
+      std::clamp(due_ns - monotonic_ns(), std::int64_t{0}, kTurnMs * std::int64_t{1'000'000}));
+  const bool came =
+      frames_.pop(taken_, std::chrono::duration_cast<std::chrono::microseconds>(left));
+  if (came) observe(taken_);
+  const bool newest = taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
+  if (!stepped_ && !paused_ && ((came && newest) || monotonic_ns() >= due_ns)) step(taken_);
+  return came && newest;
+}
+
+/// The time at which a frame of the newest hologram has been exposed.
+std::int64_t ClosedLoop::t_exposed_ns() const {
+  const SlmSnapshot slm = deps_.slm.snapshot();
+  const bool shown = slm.hologram_id == deps_.keeper.snapshot()->hologram_id;
+  if (!shown || taken_.period_ns == 0) return kNever;
+  return slm.t_settled_mono_ns + taken_.period_ns + taken_.t_end_ns - taken_.t_begin_ns;
+}
+
+void ClosedLoop::observe(const LoopFrame& frame) {
+  control_->observe({frame.middle_ns(), frame.measured(frame.modes_j), frame.measured(frame.waves),
+                     frame.measured(frame.sigma_waves)},
+                    frame.shown());
+  log_.observed(frame.frame_id, frame.middle_ns());
+  stepped_ = false;
 }
 
 Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   if (is_closed())
     return fail(Errc::refused, "", "the loop is already closed: call loop.open first");
+  const auto known = model();
   const auto held = ask([&](SensorKeeper::Done done) {
-    deps_.keeper.after_changes([this, settings, done = std::move(done)] { done(hold(settings)); });
+    deps_.keeper.after_changes(
+        [this, settings, known, done = std::move(done)] { done(hold(settings, known.get())); });
   });
   if (!held) return fail(held.error());
   const SensorSnapshot& sensor = **held;
-  control_.emplace(settings, sensor.correction, integrators(settings));
+  control_.emplace(settings, sensor.correction, laws_of(settings, known));
   watch_.emplace(settings, monotonic_ns());
+  log_.closed(settings, sensor.correction, known.get());
+  times_ = {};
+  stepped_ = true;
+  shown_id_ = 0;
+  paused_ = false;
+  lead_ = {};
+  while (frames_.try_pop(taken_)) {
+  }  // an earlier frame may refer to another reference
   LoopReport report;
   report.settings = settings;
   report_.set(report);
-  {
-    const std::lock_guard lock(mutex_);
-    has_sample_ = false;  // an earlier sample may refer to another reference
-  }
   set_closed(true, "", Severity::info);
   return this->report();
 }
 
 /// Runs in the prepare thread: checks the settings against the present sensor, then holds the
 /// sensor for the loop.
-Result<SensorView> ClosedLoop::hold(const LoopSettings& settings) {
+Result<SensorView> ClosedLoop::hold(const LoopSettings& settings, const LoopModel* model) {
   if (auto free = deps_.keeper.may_hold(); !free) return fail(free.error());
   SensorView sensor = deps_.keeper.snapshot();
   if (auto good = check_against(settings, *sensor); !good) return fail(good.error());
+  if (auto known = check_model(settings, model, sensor->modes_j); !known) {
+    return fail(known.error());
+  }
   deps_.keeper.hold(Hold::of_loop());
   return sensor;
 }
@@ -181,25 +212,77 @@ Result<LoopReport> ClosedLoop::end(bool keep) {
   return this->report();
 }
 
+/// After a pause the watch begins anew: what happened meanwhile does not count.
+Result<LoopReport> ClosedLoop::set_paused(bool paused) {
+  if (!is_closed()) return fail(Errc::refused, "", "the loop is open: call loop.close first");
+  LoopReport report = report_.get();
+  if (paused_ && !paused) {
+    watch_.emplace(report.settings, monotonic_ns());
+    shown_id_ = 0;  // a step over the pause tells no times
+  }
+  const bool changes = paused_ != paused;
+  paused_ = report.paused = paused;
+  report_.set(report);
+  if (changes) {
+    deps_.events.emit("loop", Severity::info, paused ? "the loop is paused" : "the loop goes on",
+                      {{"closed", true}, {"paused", paused}, {"steps", report.steps}});
+  }
+  return this->report();
+}
+
 LoopReport ClosedLoop::report() const {
   LoopReport report = report_.get();
   report.correction_rms_waves = rms_waves(deps_.keeper.snapshot()->correction);
   return report;
 }
 
-void ClosedLoop::act(const SensorSnapshot& sensor) {
-  const std::int64_t now_ns = monotonic_ns();
-  control_->observe({taken_.t_ns, taken_.modes_j, taken_.residual_waves, taken_.sigma_waves},
-                    sensor.correction);
-  control_->step(now_ns);
-  const LoopEnd end = watch_->step(control_->residual_rms_waves(), control_->at_limit(), now_ns);
+void ClosedLoop::step(const LoopFrame& frame) {
+  const SlmSnapshot before = deps_.slm.snapshot();
+  const std::int64_t decided_ns = monotonic_ns();
+  stepped_ = true;
+  const std::int64_t t_for_ns = decided_ns + lead_.ns();
+  control_->step(t_for_ns);
+  const LoopEnd end =
+      watch_->step(control_->residual_rms_waves(), control_->at_limit(), decided_ns);
   if (end != LoopEnd::none)
     return set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
   if (auto shown = show(control_->correction()); !shown) {
     return set_closed(false, "the correction cannot be shown: " + shown.error().reason,
                       Severity::warning);
   }
+  const std::uint64_t shown_id = deps_.keeper.snapshot()->hologram_id;
+  log_.decided(t_for_ns, shown_id);
+  if (std::exchange(shown_id_, shown_id) == before.hologram_id) {
+    add_times(frame, decided_ns, before);
+  }
   report_step();
+}
+
+/// Records where the step's time went. `before`: the SLM when the step was decided.
+void ClosedLoop::add_times(const LoopFrame& frame, std::int64_t decided_ns,
+                           const SlmSnapshot& before) {
+  const SlmSnapshot now = deps_.slm.snapshot();
+  if (now.t_presented_mono_ns < decided_ns) return;  // the same hologram
+  const auto ms = [](std::int64_t from_ns, std::int64_t to_ns) {
+    return 1e-6 * double(to_ns - from_ns);
+  };
+  StepTimes times;
+  times.settle_ms = ms(before.t_presented_mono_ns, before.t_settled_mono_ns);
+  if (frame.hologram_id == before.hologram_id) {
+    times.wait_ms = ms(before.t_settled_mono_ns, frame.t_begin_ns);
+    times.exposure_ms = ms(frame.t_begin_ns, frame.t_end_ns);
+    times.compute_ms = ms(frame.t_end_ns, decided_ns);
+  } else {
+    times.wait_ms = ms(before.t_settled_mono_ns, decided_ns);
+  }
+  times.refresh_ms = 1e-6 * double(now.refresh_wait_ns);
+  times.render_ms = ms(decided_ns, now.t_begin_mono_ns) - times.refresh_ms;
+  times.present_ms = ms(now.t_begin_mono_ns, now.t_presented_mono_ns);
+  times_.add(times);
+  // A hologram is shown about half a settle time later than it is presented, as is the next one.
+  const std::int64_t period_ns = now.t_presented_mono_ns - before.t_presented_mono_ns;
+  const std::int64_t settle_ns = before.t_settled_mono_ns - before.t_presented_mono_ns;
+  lead_.add(now.t_presented_mono_ns - decided_ns + (period_ns + settle_ns) / 2);
 }
 
 Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
@@ -227,11 +310,15 @@ Result<SensorView> ClosedLoop::ask(const std::function<void(SensorKeeper::Done)>
 void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severity) {
   LoopReport report = report_.get();
   report.closed = closed;
+  report.paused = paused_ = false;
   report.opened_because = why;
   report.t_opened_ns = utc_ns();
   report_.set(report);
   closed_ = closed;
-  if (!closed) deps_.keeper.release(Hold::of_loop(), [] {});
+  if (!closed) {
+    log_.opened();
+    deps_.keeper.release(Hold::of_loop(), [] {});
+  }
   deps_.on_change(closed);
   deps_.events.emit("loop", severity, closed ? "the loop is closed" : "the loop is open: " + why,
                     {{"closed", closed}, {"steps", report.steps}});
@@ -241,6 +328,8 @@ void ClosedLoop::report_step() {
   LoopReport report = report_.get();
   report.steps = control_->steps();
   report.residual_rms_waves = control_->residual_rms_waves();
+  constexpr std::int64_t kSummarise = 16;  // steps: a summary sorts all durations
+  if (report.steps % kSummarise == 0) report.step = times_.summary();
   report_.set(report);
 }
 

@@ -3,20 +3,25 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
+#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/control/loop_model.hpp"
 #include "core/control/loop_watch.hpp"
 #include "core/control/modal_control.hpp"
+#include "core/control/step_times.hpp"
 #include "core/pipeline/frame_record.hpp"
 #include "core/rt/agent.hpp"
+#include "core/rt/spsc_ring.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
+#include "daemon/ovwsd/frames/loop_frame.hpp"
+#include "daemon/ovwsd/loop/loop_log.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/tables/loop.hpp"
@@ -25,24 +30,29 @@ namespace ovws {
 
 struct ClosedLoopDeps {
   SensorKeeper& keeper;
+  const SlmLoop& slm;
   Events& events;
   /// Called in the loop thread after the loop was closed (true) or opened (false).
   std::function<void(bool)> on_change;
   /// CLOCK_MONOTONIC time (ns) of the last search that found lost spots; 0: there was none. Called
   /// in the loop thread.
   std::function<std::int64_t()> spots_found_ns;
+  /// Adds a document to the recording, if there is one. Called in the loop thread.
+  LoopLog::Write record;
 };
 
-/// Closed-loop control in the loop thread: one step per hologram. A step uses a valid frame that
-/// was exposed while the newest hologram stood still. After 0.3 s without a valid frame, a step
-/// also uses a frame with a small fit residual and up to a third of its spots lost. The correction
-/// then separates overlapping spots, so that frames can become valid again. The patience begins
-/// again when a search finds lost spots.
+/// Closed-loop control in the loop thread. The control laws observe every valid frame with the
+/// correction of its hologram. A step follows the first frame that was exposed while the newest
+/// hologram stood still; and once such a frame must have been exposed, a step need not wait for it
+/// to arrive, if an earlier frame has come since the last step. After 0.3 s without a valid frame,
+/// a frame with a small fit residual and up to a third of its spots lost serves, too. The
+/// correction then separates overlapping spots, so that frames can become valid again. The patience
+/// begins again when a search finds lost spots.
 class ClosedLoop : public Agent {
  public:
   using Done = std::function<void(Result<LoopReport>)>;
 
-  explicit ClosedLoop(ClosedLoopDeps deps) : deps_(std::move(deps)) {}
+  explicit ClosedLoop(ClosedLoopDeps deps) : deps_(std::move(deps)), log_(deps_.record) {}
 
   bool do_work() override;
   void on_close() override { mailbox_.close(); }
@@ -50,48 +60,60 @@ class ClosedLoop : public Agent {
   // Thread-safe methods; `done` is called in the loop thread.
   /// Closes the loop, starting from the present correction. Errc::refused: the loop is already
   /// closed, the sensor's hologram is not shown, there is no reference, or the correction exceeds
-  /// the limit. Errc::invalid: invalid settings, or a mode that is not measured.
+  /// the limit; field "law": the law needs a model that loop.identify has not made. Errc::invalid:
+  /// invalid settings, or a mode that is not measured.
   void close(const LoopSettings& settings, Done done);
   /// Opens the loop. With `keep`, the correction stays on the SLM; otherwise it is cleared first.
   /// If clearing fails, the loop stays as it was.
   void open(bool keep, Done done);
+  /// Holds the correction, or goes on. Errc::refused: the loop is open.
+  void pause(bool paused, Done done);
   LoopReport report() const;
+  /// Model for the laws of loops that are closed from now on; null: none was identified.
+  std::shared_ptr<const LoopModel> model() const { return model_.get(); }
+  void use_model(LoopModel model) {
+    model_.set(std::make_shared<const LoopModel>(std::move(model)));
+  }
   bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
+  bool is_paused() const { return paused_.load(std::memory_order_relaxed); }
 
-  /// Offers a measured frame to the loop; called by the publish thread.
-  void add(const FrameRecord& record);
+  /// Offers a measured frame to the loop; called by the publish thread. RT-safe.
+  void add(const FrameRecord& record) OVWS_NONBLOCKING;
 
  private:
-  struct Sample {
-    std::uint64_t hologram_id = 0;
-    std::vector<int> modes_j;
-    std::vector<float> residual_waves, sigma_waves;
-    std::int64_t t_ns = 0;  ///< about the middle of the exposure, CLOCK_MONOTONIC
-  };
+  static constexpr std::size_t kFrames = 64;  ///< that may wait; more are dropped
   Result<LoopReport> begin(const LoopSettings& settings);
   Result<LoopReport> end(bool keep);
-  SensorView take_sample();
-  void act(const SensorSnapshot& sensor);
+  Result<LoopReport> set_paused(bool paused);
+  bool observe_next();
+  std::int64_t t_exposed_ns() const;
+  void observe(const LoopFrame& frame);
+  void step(const LoopFrame& frame);
+  void add_times(const LoopFrame& frame, std::int64_t decided_ns, const SlmSnapshot& before);
   Result<void> show(const std::vector<Mode>& correction);
-  Result<SensorView> hold(const LoopSettings& settings);
+  Result<SensorView> hold(const LoopSettings& settings, const LoopModel* model);
   Result<SensorView> ask(const std::function<void(SensorKeeper::Done)>& what);
   void set_closed(bool closed, const std::string& why, Severity severity);
   void report_step();
 
   ClosedLoopDeps deps_;
   Mailbox mailbox_;
-  std::atomic<bool> closed_{false};
-  std::mutex mutex_;
-  std::condition_variable filled_;
-  Sample newest_;
+  std::atomic<bool> closed_{false}, paused_{false};
+  SpscRing<LoopFrame> frames_{kFrames};
+  LoopFrame incoming_;         ///< publish thread only
   std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC of the last valid frame; publish thread only
-  bool has_sample_ = false;    ///< newest_ has not been taken yet
+  Guarded<std::shared_ptr<const LoopModel>> model_;
   Guarded<LoopReport> report_;
 
   // Used by the loop thread only.
   std::optional<ModalControl> control_;
   std::optional<LoopWatch> watch_;
-  Sample taken_;
+  LoopLog log_;
+  StepLog times_;
+  LoopFrame taken_;             ///< the last one that was observed
+  bool stepped_ = true;         ///< a step has used it
+  std::uint64_t shown_id_ = 0;  ///< the hologram that the last step showed
+  LeadTime lead_;
 };
 
 }  // namespace ovws

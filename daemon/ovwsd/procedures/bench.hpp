@@ -88,6 +88,11 @@ class Bench {
     return deps_.frames.request(FrameBroker::Needs::pixels, std::numeric_limits<int>::max(),
                                 std::move(take));
   }
+  /// The same for frames without their pixels. `take` must not allocate.
+  [[nodiscard]] std::unique_ptr<FrameBroker::Request> watch_numbers(FrameBroker::Take take) {
+    return deps_.frames.request(FrameBroker::Needs::numbers, std::numeric_limits<int>::max(),
+                                std::move(take));
+  }
   /// Waits for at least `min_ms`, and until `watch` has used `frames` more frames.
   Result<void> wait_watching(const FrameBroker::Request& watch, double min_ms, int frames);
   /// Fails if the SLM's display was lost after it presented the hologram at `presented_mono_ns`.

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "config/config.hpp"
+#include "core/control/loop_model.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/settle_time.hpp"
 #include "core/wavefront/registration.hpp"
@@ -32,6 +34,16 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
 /// or a flatness of another pupil is active; no wavefront explains the positions, or the iteration
 /// does not converge.
 Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames);
+
+/// `loop.identify`: watches the disturbance, residuals plus shown corrections, for `seconds`. The
+/// loop may be open or closed. Frames of one hologram within `sample_s` are averaged.
+/// Errc::refused: too few valid frames came, or the sensor changed meanwhile. Errc::unavailable: no
+/// frames came.
+Result<DisturbanceSeries> watch_disturbance(Bench& bench, double seconds, double sample_s);
+constexpr double kWatchingShare = 0.8;  ///< of the job's progress
+/// Shortest step of a loop on this bench: settle time, exposure, transfer and half a frame period,
+/// rounded up to whole refreshes of the display.
+double shortest_step_s(const Config& config, const CameraSettings& camera, double refresh_hz);
 
 /// `lut.run`: measures the SLM's phase response by interference of two patches of the pupil
 /// (core/optics/grey_fringe.hpp). One patch shows all grey levels, first upwards and then

@@ -15,16 +15,16 @@ constexpr std::chrono::milliseconds kTurn(50);
 }  // namespace
 
 void Procedures::start(const std::string& kind, Procedure procedure,
-                       std::function<void(Result<int>)> done) {
+                       std::function<void(Result<int>)> done, Holds holds) {
   // Only the prepare thread knows whether the sensor is free.
   deps_.bench.keeper.after_changes(
-      [this, kind, procedure = std::move(procedure), done = std::move(done)]() mutable {
-        begin(kind, std::move(procedure), done);
+      [this, kind, procedure = std::move(procedure), done = std::move(done), holds]() mutable {
+        begin(kind, std::move(procedure), done, holds);
       });
 }
 
 void Procedures::begin(const std::string& kind, Procedure procedure,
-                       const std::function<void(Result<int>)>& done) {
+                       const std::function<void(Result<int>)>& done, Holds holds) {
   auto run = std::make_shared<Run>();
   const std::weak_ptr<Run> weak_run = run;
   {
@@ -37,7 +37,8 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
     run_ = run;
     begun_ = true;  // do_work must not start the run before it is complete
   }
-  if (auto free = deps_.bench.keeper.may_hold(); !free) {
+  auto free = holds == Holds::sensor ? deps_.bench.keeper.may_hold() : Result<void>{};
+  if (!free) {
     release();
     return done(fail(free.error()));
   }
@@ -52,8 +53,11 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
       });
   run->procedure = std::move(procedure);
   run->bench = std::make_unique<Bench>(run->job, deps_.bench, run->stop, run->progress);
-  deps_.bench.keeper.hold(Hold::of_job(run->job));
-  deps_.on_job(true);
+  run->holds = holds;
+  if (holds == Holds::sensor) {
+    deps_.bench.keeper.hold(Hold::of_job(run->job));
+    deps_.on_job(true);
+  }
   done(run->job);
   {
     const std::lock_guard lock(mutex_);
@@ -129,7 +133,7 @@ void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::
     const std::lock_guard lock(mutex_);
     begun_ = false;
   }
-  deps_.on_job(false);
+  if (run->holds == Holds::sensor) deps_.on_job(false);
   release();
   // The callback keeps `run` alive, because `run` provides the progress until the job has ended.
   run->bench->pending_files()->when_none([run, &jobs = deps_.bench.jobs, job, result] {

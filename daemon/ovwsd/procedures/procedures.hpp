@@ -23,20 +23,25 @@ using Procedure = std::function<Result<nlohmann::json>(Bench&)>;
 
 struct ProceduresDeps {
   BenchDeps bench;
-  /// Called in any thread when a job has begun (true) or ended (false).
+  /// Called in any thread when a job that holds the sensor has begun (true) or ended (false).
   std::function<void(bool)> on_job;
 };
+
+/// What a job holds. `nothing`: it only watches frames, and blocks nothing but other jobs.
+enum class Holds { sensor, nothing };
 
 /// Agent of the procedure thread: runs one procedure at a time.
 class Procedures : public Agent {
  public:
   explicit Procedures(ProceduresDeps deps) : deps_(std::move(deps)) {}
 
-  /// Starts a job, which holds the sensor until the job ends. Thread-safe. Calls `done` in the
-  /// prepare thread with the job's number. Errc::refused: another job is running, the loop or a
-  /// reload holds the sensor, or the daemon is stopping.
-  void start(const std::string& kind, Procedure procedure, std::function<void(Result<int>)> done);
-  /// Calls `then` when no procedure holds the sensor: at once, or later in the procedure thread.
+  /// Starts a job, which holds the sensor until the job ends, unless it `holds` nothing.
+  /// Thread-safe. Calls `done` in the prepare thread with the job's number. Errc::refused: another
+  /// job is running, the loop or a reload holds the sensor that the job needs, or the daemon is
+  /// stopping.
+  void start(const std::string& kind, Procedure procedure, std::function<void(Result<int>)> done,
+             Holds holds = Holds::sensor);
+  /// Calls `then` when no procedure runs: at once, or later in the procedure thread.
   /// Thread-safe.
   void when_free(std::function<void()> then);
   /// Refuses new jobs and stops the running job within a fraction of a second. Thread-safe.
@@ -47,13 +52,14 @@ class Procedures : public Agent {
  private:
   struct Run {
     int job = 0;
+    Holds holds = Holds::sensor;
     Procedure procedure;
     std::atomic<bool> stop{false};
     std::atomic<double> progress{0.0};
     std::unique_ptr<Bench> bench;
   };
   void begin(const std::string& kind, Procedure procedure,
-             const std::function<void(Result<int>)>& done);
+             const std::function<void(Result<int>)>& done, Holds holds);
   Result<nlohmann::json> carry_out(Run& run);
   void finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result);
   void release();

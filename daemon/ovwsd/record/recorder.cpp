@@ -128,7 +128,8 @@ struct Recorder::Running {
   PlanDocuments documents;
   /// New camera settings before their first frame, with the monotonic time of the change, ns.
   std::deque<std::pair<std::int64_t, Document>> camera_documents;
-  std::string camera_sha256;  ///< of the newest camera settings
+  std::string camera_sha256;             ///< of the newest camera settings
+  std::vector<Document> loop_documents;  ///< not yet written
   std::int64_t t_begin_mono_ns = monotonic_ns();
   std::int64_t next_flush_ns = 0;
   std::uint64_t last_number = 0;   ///< 0: no frame yet
@@ -179,6 +180,12 @@ void Recorder::camera_changed(const CameraSettings& settings,
     // every second.
     if (std::exchange(running_->camera_sha256, now.sha256) == now.sha256) return;
     running_->camera_documents.emplace_back(changed_ns, std::move(now));
+  });
+}
+
+void Recorder::add_loop(std::string kind, nlohmann::json content) {
+  mailbox_.post([this, kind = std::move(kind), content = std::move(content)] {
+    if (running_) running_->loop_documents.push_back(make_document(kind, content));
   });
 }
 
@@ -282,8 +289,16 @@ void Recorder::turn() {
   if (const auto ending = flush()) end(*ending);
 }
 
+Result<void> Recorder::add_loop_documents(Running& to) {
+  for (const Document& document : std::exchange(to.loop_documents, {})) {
+    if (auto added = add(*to.file, document); !added) return added;
+  }
+  return {};
+}
+
 std::optional<Recorder::Ending> Recorder::flush() {
   Running& r = *running_;
+  if (auto added = add_loop_documents(r); !added) return Ending{added.error().reason};
   if (auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped); !flushed) {
     return Ending{flushed.error().reason};
   }
@@ -390,6 +405,7 @@ void Recorder::end(const Ending& ending) {
   std::uint64_t lost = ending.rest == Rest::after ? 0 : taker_.store()->taken_after(r.last_number);
   r.frames_dropped += lost;
   if (asked_for && trouble.empty() && !r.file->in_place()) trouble = kGone;
+  if (auto added = add_loop_documents(r); !added && trouble.empty()) trouble = added.error().reason;
   const auto closed = r.file->close(r.frames_dropped, r.pictures_dropped);
   if (!closed) {
     lost += r.frames_begun - r.file->frames();

@@ -78,6 +78,8 @@ class Recorder : public Agent {
   void add_plan(const MeasurementPlan& plan, SensorView sensor);
   /// Announces new camera settings or another camera to the recorder. Any thread.
   void camera_changed(const CameraSettings& settings, const std::optional<CameraInfo>& info);
+  /// Adds a document of the closed loop to the recording, if there is one. Any thread.
+  void add_loop(std::string kind, nlohmann::json content);
 
  private:
   struct Running;
@@ -100,6 +102,7 @@ class Recorder : public Agent {
   Result<void> write_frame(const TakenFrame& frame);
   void turn();
   std::optional<Ending> flush();
+  static Result<void> add_loop_documents(Running& to);
   void end(const Ending& ending);
   std::string write_rest(std::int64_t until_ns);
   void publish_report();

@@ -117,10 +117,12 @@ Result<PlanBuilder> PlanBuilder::make(const PlanInputs& inputs) {
 }
 
 std::unique_ptr<MeasurementPlan> PlanBuilder::plan(std::uint64_t id, std::uint64_t hologram_id,
-                                                   const std::vector<Mode>& aberration) {
+                                                   const std::vector<Mode>& aberration,
+                                                   std::vector<Mode> correction) {
   auto plan = std::make_unique<MeasurementPlan>(first_);
   plan->id = id;
   plan->hologram_id = hologram_id;
+  plan->correction = std::move(correction);
   displace(plan->predicted_px, aberration, 1.0);
   return plan;
 }

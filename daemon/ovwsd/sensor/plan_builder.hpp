@@ -56,9 +56,10 @@ class PlanBuilder {
   /// Errors: those of make_tracker.
   static Result<PlanBuilder> make(const PlanInputs& inputs);
 
-  /// Builds the plan for a hologram that shows `aberration`: introduced minus correction.
+  /// Builds the plan for a hologram that shows `aberration`: introduced minus `correction`.
   std::unique_ptr<MeasurementPlan> plan(std::uint64_t id, std::uint64_t hologram_id,
-                                        const std::vector<Mode>& aberration);
+                                        const std::vector<Mode>& aberration,
+                                        std::vector<Mode> correction = {});
 
  private:
   explicit PlanBuilder(const PlanInputs& inputs);

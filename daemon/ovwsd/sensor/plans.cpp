@@ -62,7 +62,7 @@ Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, 
                                                       std::uint64_t hologram_id) {
   auto builder = builder_for(state, bound);
   if (!builder) return fail(builder.error());
-  auto plan = (*builder)->plan(next_id_++, hologram_id, shown_modes(state));
+  auto plan = (*builder)->plan(next_id_++, hologram_id, shown_modes(state), state.correction);
   ovws::use(state.templates, state, bound, *plan);
   return plan;
 }

@@ -112,7 +112,7 @@ function referenceText(reference) {
 
 function loopText(loop) {
   const residual = loop.residual_rms_waves === null ? "" : `, residual ${brief(loop.residual_rms_waves)} wave RMS`;
-  if (loop.closed) return `closed, ${grouped(loop.steps)} steps${residual}`;
+  if (loop.closed) return `${loop.paused ? "paused" : "closed"}, ${grouped(loop.steps)} steps${residual}`;
   return loop.opened_because ? `open since ${timeOfDay(loop.t_opened_ns)}: ${loop.opened_because}` : `open, correction ${brief(loop.correction_rms_waves)} wave RMS`;
 }
 

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/control/integrator.hpp"
 #include "core/control/loop_watch.hpp"
+#include "core/control/predictor.hpp"
 
 namespace ovws {
 namespace {
@@ -88,6 +90,33 @@ TEST(ModalControl, BeginsEachLawWithTheCorrectionThatIsShown) {
   EXPECT_EQ(begun, (std::vector<std::pair<int, double>>{{3, 0.1}, {5, 0.0}}));
   control.step(2);
   EXPECT_EQ(control.correction(), (std::vector<Mode>{{3, 0.1}, {5, 0.0}}));
+}
+
+TEST(ModalControl, HoldsAnOffset) {
+  Loop loop({.gain = 0.5, .offsets = {{4, 0.1}}}, {});
+  for (int k = 0; k < 100; ++k) EXPECT_EQ(loop.step(), LoopEnd::none);
+  EXPECT_NEAR(double(loop.residual()[0]), 0.0, 1e-6);
+  EXPECT_NEAR(double(loop.residual()[1]), 0.1, 1e-6);
+  EXPECT_NEAR(loop.control.residual_rms_waves(), 0.0, 1e-6);
+}
+
+/// A predictor would move the correction of a mode that frames do not have, though nothing is known
+/// of it.
+TEST(ModalControl, KeepsTheCorrectionOfModesThatFramesLack) {
+  const Disturbance air{{{0.5, 1.0, 0.1}}, 0.01};
+  ModalControl control({}, {},
+                       [&](int, double waves) { return std::make_unique<Predictor>(air, waves); });
+  const std::vector<int> both{3, 4}, one{3};
+  const std::vector<float> waves{0.2F, 0.2F}, sigma{0.01F, 0.01F};
+  control.observe({kStepNs, both, waves, sigma}, {});
+  control.step(kStepNs);
+  const double before = control.correction()[1].waves;
+  EXPECT_GT(before, 0.1);
+  for (std::int64_t k = 2; k < 1000; ++k) {
+    control.observe({k * kStepNs, one, std::span(waves).first(1), std::span(sigma).first(1)}, {});
+    control.step(k * kStepNs);
+  }
+  EXPECT_EQ(control.correction()[1].waves, before);
 }
 
 /// Frames of spot positions lack modes that templates measure.

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "core/control/disturbance.hpp"
 #include "core/control/mode_law.hpp"
 
 namespace ovws::test {
@@ -48,6 +49,29 @@ inline double left_of_sine(ModeLaw& law, int cycles, int steps, double step_s) {
   }
   const auto left = residuals_of(law, sine, step_s);
   return std::sqrt(2.0) / kAmplitude * rms_of(std::span(left).last(std::size_t(steps)));
+}
+
+/// Samples of a disturbance without noise.
+inline std::vector<double> samples_of(const Disturbance& disturbance, double step_s, int count,
+                                      std::uint32_t seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::vector<double> all(std::size_t(count), 0.0);
+  for (const Oscillator& part : disturbance.parts) {
+    const Eigen::Matrix2d moved = part.transition(step_s);
+    const Eigen::Matrix2d free = part.variances().asDiagonal();
+    const Eigen::Matrix2d driven = free - moved * free * moved.transpose();
+    const double a = std::sqrt(driven(0, 0)), b = driven(1, 0) / a;
+    const double c = std::sqrt(std::max(0.0, driven(1, 1) - b * b));
+    Eigen::Vector2d state(std::sqrt(free(0, 0)) * normal(random),
+                          std::sqrt(free(1, 1)) * normal(random));
+    for (double& waves : all) {
+      waves += state[0];
+      const double first = normal(random), second = normal(random);
+      state = moved * state + Eigen::Vector2d(a * first, b * first + c * second);
+    }
+  }
+  return all;
 }
 
 }  // namespace ovws::test

@@ -28,10 +28,12 @@ double integral(const Spectrum& spectrum, double from_hz, double to_hz) {
   return sum;
 }
 
-TEST(Resample, IsLinearAndKeepsTheEnds) {
+TEST(Resample, IsLinearInGapsAndKeepsTheEnds) {
   const auto out = resample({1.0, 2.0, 4.0}, {10.0, 20.0, 0.0}, 0.5, 0.5, 9);
   EXPECT_EQ(out, (std::vector<double>{10.0, 10.0, 15.0, 20.0, 15.0, 10.0, 5.0, 0.0, 0.0}));
   EXPECT_EQ(resample({1.0}, {7.0}, 0.0, 1.0, 2), (std::vector<double>{7.0, 7.0}));
+  EXPECT_EQ(resample({1.1, 1.9, 3.2}, {1.0, 2.0, 3.0}, 1.0, 1.0, 3),
+            (std::vector<double>{1.0, 2.0, 3.0}));
 }
 
 TEST(MedianInterval, IsThatOfTheFramesThatCame) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -49,6 +50,9 @@ class ClosedLoopTest : public testing::Test {
   Result<LoopReport> open(bool keep) {
     return answer_of([&](auto reply) { loop_.open(keep, std::move(reply)); });
   }
+  Result<LoopReport> pause(bool paused) {
+    return answer_of([&](auto reply) { loop_.pause(paused, std::move(reply)); });
+  }
   template <class Request>
   static Result<LoopReport> answer_of(Request request) {
     const auto answer = std::make_shared<std::promise<Result<LoopReport>>>();
@@ -74,8 +78,9 @@ class ClosedLoopTest : public testing::Test {
   }
 
   test::SimulatedBench bench_;
-  ClosedLoop loop_{{bench_.keeper(), bench_.events(), [this](bool closed) { is_closed_ = closed; },
-                    [] { return std::int64_t{0}; }}};
+  ClosedLoop loop_{{bench_.keeper(), bench_.slm(), bench_.events(),
+                    [this](bool closed) { is_closed_ = closed; }, [] { return std::int64_t{0}; },
+                    [](const std::string&, const nlohmann::json&) {}}};
   std::atomic<bool> is_closed_{false};  ///< as on_change last said
   std::atomic<bool> end_{false};
 
@@ -125,6 +130,67 @@ TEST_F(ClosedLoopTest, HoldsTheSensorWhileItIsClosed) {
   EXPECT_TRUE(bench_.edit(set_correction({{4, 0.1}})));
   EXPECT_EQ(close({.limit_waves = 0.09}).error().field, "limit_waves");
   EXPECT_EQ(close({.modes = {4, 60}}).error().field, "modes");
+  EXPECT_EQ(close({.modes = {4, 4}}).error().field, "modes");
+  EXPECT_EQ(close({.gains = {{4, 0.1}, {4, 0.2}}}).error().field, "gains");
+  EXPECT_EQ(close({.modes = {3}, .offsets = {{4, 0.1}}}).error().field, "offsets");
+  EXPECT_EQ(close({.law = LawName::predictor}).error().field, "law");
+}
+
+TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileItIsPaused) {
+  EXPECT_EQ(pause(true).error().code, Errc::refused) << "the loop is open";
+  take_reference_frames();
+  ASSERT_TRUE(close());
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 3; }));
+  const auto paused = pause(true);
+  ASSERT_TRUE(paused);
+  EXPECT_TRUE(paused->closed);
+  EXPECT_TRUE(paused->paused);
+  EXPECT_TRUE(loop_.is_paused());
+  hide({{4, 0.08}});
+  std::this_thread::sleep_for(500ms);
+  EXPECT_EQ(loop_.report().steps, paused->steps);
+  EXPECT_NEAR(correction_of(4), 0.0, 0.01);
+  ASSERT_TRUE(pause(false));
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= paused->steps + 12; }));
+  EXPECT_NEAR(correction_of(4), 0.08, 0.01);
+  ASSERT_TRUE(pause(true));
+  ASSERT_TRUE(open(true));
+  EXPECT_FALSE(loop_.is_paused());
+}
+
+/// What the loop corrects counts as disturbance, frame by frame.
+TEST_F(ClosedLoopTest, IsWatchedForItsDisturbance) {
+  take_reference_frames();
+  hide({{4, 0.08}});
+  ASSERT_TRUE(close({.gain = 0.1}));
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 2; }));  // frames without it are gone
+  DisturbanceSeries series;
+  const auto watched = bench_.run(
+      "loop.identify",
+      [&](Bench& on) -> Result<nlohmann::json> {
+        auto found = watch_disturbance(on, 3.0, 0.001);
+        if (!found) return fail(found.error());
+        series = std::move(*found);
+        return nlohmann::json();
+      },
+      Holds::nothing);
+  ASSERT_TRUE(watched) << watched.error().reason;
+  ASSERT_GE(series.modes_j.size(), 4U);
+  EXPECT_EQ(series.modes_j[3], 4);
+  const auto& waves = series.waves.modes_waves[3];
+  ASSERT_EQ(waves.size(), series.waves.times_s.size());
+  for (const double one : waves) EXPECT_NEAR(one, 0.08, 0.01);
+  EXPECT_TRUE(std::ranges::is_sorted(series.waves.times_s, std::less_equal()));
+  EXPECT_GE(series.frames_per_sample, 1.0);
+}
+
+TEST_F(ClosedLoopTest, HoldsAChosenResidual) {
+  take_reference_frames();
+  ASSERT_TRUE(close({.offsets = {{4, 0.05}}}));
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 12; }));
+  EXPECT_LT(*loop_.report().residual_rms_waves, 0.02);
+  ASSERT_TRUE(open(true));
+  EXPECT_NEAR(correction_of(4), -0.05, 0.01);
 }
 
 /// Mode 4 is measured and not corrected, so that its residual stays as large as it becomes.

@@ -283,12 +283,19 @@ void print_results() {
   print_result("loop.get", to_json(loop));
   loop.settings.modes = {3, 4};
   loop.settings.gains = {{3, 0.2}};
+  loop.settings.offsets = {{4, 0.1}};
   loop.residual_rms_waves = 0.1;
   loop.opened_because = "no usable frame came for 2 s";
   loop.t_opened_ns = 1767225600000000000;
-  for (const char* method : {"loop.close", "loop.open", "loop.get"}) {
+  for (const char* method : {"loop.close", "loop.open", "loop.pause", "loop.get"}) {
     print_result(method, to_json(loop));
   }
+  LoopModel model;
+  model.modes.push_back(
+      {4, {{{0.5, 1.0, 0.05}}, 0.002}, 0.6, {0.02, 1.0}, {0.015, 0.8}, {0.01, 0.6}});
+  print_result("loop.model", to_json(KnownLoopModel{}));
+  print_result("loop.model", to_json(KnownLoopModel{model}));
+  print_result("loop.identify", to_json(JobNumber{2}));
   for (const char* method : {"correction.get", "correction.set", "correction.clear"}) {
     print_result(method, to_json(ModesReport(modes, 3)));
   }
@@ -361,9 +368,12 @@ void print_all_params() {
                             {"name", "name", "pictures_every", "limit_s", "limit_mib"}, 2000);
   print_params<ModesSet>("aberration.set", {"modes", "modes", "norm"}, 2000);
   print_params<ReferenceTake>("reference.take", {"frames", "allow_aberration", "frame"});
-  print_params<LoopSettings>("loop.close",
-                             {"gain", "leak", "modes", "gains", "limit_waves", "patience_s"});
+  print_params<LoopSettings>(
+      "loop.close",
+      {"law", "gain", "leak", "modes", "gains", "offsets", "limit_waves", "patience_s"}, 2000);
+  print_params<LoopIdentify>("loop.identify", {"seconds", "second"});
   print_params<LoopOpen>("loop.open", {"keep", "clear"});
+  print_params<LoopPause>("loop.pause", {"paused", "pause"});
   print_params<ModesSet>("correction.set", {"modes", "modes", "norm"}, 2000);
   print_params<RegistrationRun>("registration.run", {"frames", "frame"});
   print_params<FlatnessRun>("flatness.run", {"frames", "frame"});

@@ -1,0 +1,24 @@
+/// What a control law will leave of a disturbance, and how safe it is.
+#pragma once
+
+#include "core/control/disturbance.hpp"
+#include "core/control/mode_law.hpp"
+
+namespace ovws {
+
+struct LoopForecast {
+  double residual_waves = 0.0;  ///< RMS that is left, noise included that the loop passes on
+  /// Least error of the correction's size that can make the loop unstable: 1 over the greatest
+  /// complementary sensitivity (small-gain theorem). 0.5: the correction on the SLM may be half or
+  /// one and a half of what is computed.
+  double gain_margin = 0.0;
+};
+
+/// Forecast for one mode of a loop with a step every `step_s`, one frame a step.
+LoopForecast forecast(const ModeLaw& law, const Disturbance& disturbance, double step_s);
+
+/// Gain of the integrator that leaves least of the disturbance (modal gain optimisation; Gendron
+/// and Lena, A&A 291, 337, 1994), of those with a gain margin of at least `least_margin`.
+double best_gain(const Disturbance& disturbance, double step_s, double leak, double least_margin);
+
+}  // namespace ovws

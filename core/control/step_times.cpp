@@ -1,0 +1,44 @@
+#include "core/control/step_times.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace ovws {
+namespace {
+
+constexpr std::array kParts{&StepTimes::settle_ms,  &StepTimes::wait_ms,   &StepTimes::exposure_ms,
+                            &StepTimes::compute_ms, &StepTimes::render_ms, &StepTimes::refresh_ms,
+                            &StepTimes::present_ms};
+
+}  // namespace
+
+void StepLog::add(const StepTimes& step) {
+  steps_[count_++ % kSteps] = step;
+}
+
+StepSummary StepLog::summary() const {
+  const std::size_t known = std::min(count_, kSteps);
+  StepSummary summary;
+  summary.steps = int(known);
+  if (known == 0) return summary;
+  std::vector<double> totals;
+  for (std::size_t k = 0; k < known; ++k) {
+    totals.push_back(steps_[k].total_ms());
+    for (const auto part : kParts) summary.mean.*part += steps_[k].*part / double(known);
+  }
+  std::sort(totals.begin(), totals.end());
+  summary.p50_ms = totals[known / 2];
+  summary.p99_ms = totals[known * 99 / 100];
+  return summary;
+}
+
+std::int64_t LeadTime::ns() const {
+  const std::size_t known = std::min(count_, kSteps);
+  if (known == 0) return 0;
+  auto sorted = last_ns_;
+  const auto middle = sorted.begin() + std::ptrdiff_t((known - 1) / 2);
+  std::nth_element(sorted.begin(), middle, sorted.begin() + std::ptrdiff_t(known));
+  return *middle;
+}
+
+}  // namespace ovws

@@ -1,0 +1,59 @@
+/// Where the time of the loop's steps goes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace ovws {
+
+/// One step of the loop: from presenting a hologram to presenting the next, milliseconds.
+struct StepTimes {
+  double settle_ms = 0.0;    ///< until the liquid crystal has settled
+  double wait_ms = 0.0;      ///< until the first usable frame begins
+  double exposure_ms = 0.0;  ///< of that frame
+  double compute_ms = 0.0;   ///< transfer and measurement of the frame, until the decision
+  double render_ms = 0.0;    ///< of the new correction and its hologram
+  double refresh_ms = 0.0;   ///< wait for the display's next refresh
+  double present_ms = 0.0;   ///< until the display has accepted the hologram
+
+  double total_ms() const {
+    return settle_ms + wait_ms + exposure_ms + compute_ms + render_ms + refresh_ms + present_ms;
+  }
+};
+
+struct StepSummary {
+  int steps = 0;  ///< steps that are summarised; 0: all other values are 0
+  double p50_ms = 0.0, p99_ms = 0.0;
+  StepTimes mean;
+};
+
+/// The last steps of a loop. Not thread-safe.
+class StepLog {
+ public:
+  static constexpr std::size_t kSteps = 1024;
+
+  void add(const StepTimes& step);
+  StepSummary summary() const;
+
+ private:
+  std::array<StepTimes, kSteps> steps_{};
+  std::size_t count_ = 0;
+};
+
+/// Time from the decision of a step to the middle of the time in which its hologram is shown: the
+/// median of the last steps, so that a single slow step does not count. Not thread-safe.
+class LeadTime {
+ public:
+  static constexpr std::size_t kSteps = 9;
+
+  void add(std::int64_t lead_ns) { last_ns_[count_++ % kSteps] = lead_ns; }
+  /// 0: no step is known.
+  std::int64_t ns() const;
+
+ private:
+  std::array<std::int64_t, kSteps> last_ns_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace ovws

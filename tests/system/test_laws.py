@@ -1,0 +1,72 @@
+"""Control laws: the disturbance is identified, each law corrects it, and a recording repeats every decision bit for bit."""
+import json
+import subprocess
+import time
+
+from case import BenchCase, Client, ClientError, main, wait_for
+
+AIR = {"rms_waves": 0.1, "speed_pupils_per_s": 0.3, "seed": 5, "tilt": False}
+LAWS = ("integrator", "optimised", "predictor")
+STEPS = 20
+
+
+class Laws(BenchCase):
+    twin_config = {"noise": "pool"}
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 40},
+                     "record": {"directory": "recordings"}, "state": {"directory": "state"}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+        self.take_reference(20)
+        self.twin.call("twin.set", {"turbulence": AIR})
+
+    def steps(self):
+        return self.call("loop.get")["steps"]
+
+    def identify(self):
+        with self.assertRaisesRegex(ClientError, "run loop.identify first"):
+            self.call("loop.close", {"law": "predictor"})
+        self.assertIsNone(self.call("loop.model")["model"])
+        job = self.run_job("loop.identify", {"seconds": 10}, 60.0)
+        model = self.call("loop.model")["model"]
+        self.assertEqual(job["result"]["model"], model)
+        for mode in model["modes"]:
+            self.assertLessEqual(mode["predictor"]["residual_waves"], mode["integrator"]["residual_waves"], mode)
+            self.assertGreaterEqual(mode["predictor"]["gain_margin"], 0.5, mode)
+        return model
+
+    def run_law(self, law):
+        self.call("loop.close", {"law": law, "patience_s": 20})
+        wait_for(lambda: self.steps() >= STEPS, 60.0, f"{STEPS} steps of {law}")
+
+    def test_each_law_corrects_and_every_decision_can_be_repeated(self):
+        self.identify()
+        file = self.call("record.start", {"name": "laws", "pictures_every": 0})["file"]
+        for law in LAWS:
+            self.run_law(law)
+            if law == "predictor":
+                self.pauses()
+            report = self.call("loop.open", {"keep": False})
+            print(f"\n  {law}: residual {report['residual_rms_waves']:.4f} wave after {report['steps']} steps", end="")
+        self.call("record.stop")
+        replay = subprocess.run([self.bench.programs / "ovws", "--json", "replay", file], capture_output=True, text=True)
+        loop = json.loads(replay.stdout)["loop"]
+        print(f"\n  {loop}")
+        self.assertEqual((loop["runs"], loop["same"], loop["first_difference"]), (len(LAWS), loop["decisions"], None))
+        self.assertGreaterEqual(loop["decisions"], len(LAWS) * STEPS - len(LAWS), loop)
+
+    def pauses(self):
+        paused = self.call("loop.pause")
+        self.assertTrue(paused["paused"])
+        wait_for(lambda: self.call("system.status")["loop"] == "paused", 5.0, "the status")
+        before = self.call("correction.get")["modes"]
+        time.sleep(0.5)
+        self.assertEqual(self.call("correction.get")["modes"], before)
+        self.call("loop.pause", {"paused": False})
+        wait_for(lambda: self.steps() > paused["steps"], 10.0, "a step after the pause")
+
+
+if __name__ == "__main__":
+    main()
