@@ -40,7 +40,7 @@ std::string reference_text(const json& sensor) {
 std::string loop_text(const json& loop) {
   const bool closed = loop.at("closed").get<bool>();
   const auto steps = loop.at("steps").get<std::int64_t>();
-  std::string text = closed ? "closed" : "open";
+  std::string text = loop.at("paused").get<bool>() ? "paused" : closed ? "closed" : "open";
   if (closed || steps > 0) {
     text += fmt::format(", {} steps, correction {:.4f} wave RMS", steps,
                         loop.at("correction_rms_waves").get<double>());

@@ -11,6 +11,7 @@
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/rejection.hpp"
+#include "daemon/shared/loop_model_json.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
 #include "proto/requests.hpp"
@@ -296,48 +297,101 @@ Answer wait_for_steps(const Common& common, double gain) {
   }
 }
 
+/// Closes the loop with the settings of `law`, records what it leaves, and restores the loop.
 tl::expected<void, CallFailure> record_closed(const Common& common, const RecordTask& task,
-                                              double gain, study::RejectionMeasured& measured) {
-  const Answer before = wait_for_steps(common, gain);
-  if (!before) return tl::make_unexpected(before.error());
-  const auto begun = Clock::now();
-  auto recorded = record(common, task);
-  const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
-  const Answer after = closed_loop(common);  // its error says more than the stream's
-  if (!after && !interrupted) return tl::make_unexpected(after.error());
-  if (!recorded) return tl::make_unexpected(recorded.error());
-  measured.closed = std::move(*recorded);
-  measured.loop = *after;
-  const int steps = after->at("steps").get<int>() - before->at("steps").get<int>();
-  measured.steps_hz = double(steps) / took_s;
-  return {};
+                                              BorrowedLoop& loop, study::MeasuredLaw& law) {
+  const auto record_steps = [&]() -> tl::expected<void, CallFailure> {
+    if (const Answer closed = loop.close(to_json(law.settings)); !closed) {
+      return tl::make_unexpected(closed.error());
+    }
+    const Answer before = wait_for_steps(common, law.settings.gain);
+    if (!before) return tl::make_unexpected(before.error());
+    const auto begun = Clock::now();
+    auto recorded = record(common, task);
+    const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
+    const Answer after = closed_loop(common);  // its error says more than the stream's
+    if (!after && !interrupted) return tl::make_unexpected(after.error());
+    if (!recorded) return tl::make_unexpected(recorded.error());
+    law.closed = std::move(*recorded);
+    law.loop = *after;
+    const int steps = after->at("steps").get<int>() - before->at("steps").get<int>();
+    law.steps_hz = double(steps) / took_s;
+    return {};
+  };
+  auto done = record_steps();
+  if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
+  return done;
+}
+
+/// Waits until loop.identify, which watches while this program records, has ended.
+tl::expected<std::shared_ptr<const LoopModel>, CallFailure> identified(const Common& common,
+                                                                       const json& job) {
+  while (true) {
+    const Answer now = call(common, "job.get", {{"job", job}});
+    if (!now) return tl::make_unexpected(now.error());
+    const auto state = now->at("state").get<std::string>();
+    if (state == "done") {
+      auto model = loop_model_from(now->at("result").at("model").at("modes"));
+      if (!model) return tl::make_unexpected(failure(text_of(model.error())));
+      return std::make_shared<const LoopModel>(std::move(*model));
+    }
+    if (state != "running") {
+      return tl::make_unexpected(failure("loop.identify: " + json_text(now->at("error"))));
+    }
+    if (interrupted) return tl::make_unexpected(interrupted_failure());
+    std::this_thread::sleep_for(kPollInterval);
+  }
+}
+
+/// Settings of the loops to measure: those of `params`, with each law if `params` names none.
+tl::expected<std::vector<LoopSettings>, CallFailure> loops_of(const json& params) {
+  auto settings = decode<LoopSettings>(params);
+  if (!settings) return tl::make_unexpected(failure(text_of(settings.error())));
+  if (params.contains("law")) return std::vector{*settings};
+  std::vector<LoopSettings> all;
+  for (const LawName law : {LawName::integrator, LawName::optimised, LawName::predictor}) {
+    all.push_back(*settings);
+    all.back().law = law;
+  }
+  return all;
 }
 
 Measured measure(const Common& common, const json& params, double seconds) {
-  const auto settings = decode<LoopSettings>(params);
-  if (!settings) {
-    return tl::make_unexpected(failure(text_of(settings.error())));
-  }
+  const auto loops = loops_of(params);
+  if (!loops) return tl::make_unexpected(loops.error());
   if (const auto ready = check_bench(common); !ready) return tl::make_unexpected(ready.error());
-  const Answer modes = common_modes(common, *settings);
+  const Answer modes = common_modes(common, loops->front());
   if (!modes) return tl::make_unexpected(modes.error());
   const Answer correction = call(common, "correction.get", json::object());
   if (!correction) return tl::make_unexpected(correction.error());
+  const bool needs_model = std::ranges::any_of(
+      *loops, [](const LoopSettings& one) { return one.law != LawName::integrator; });
+  Answer job = json();
+  if (needs_model) {
+    const double watched_s = std::clamp(seconds, limits::kIdentifyS.min, limits::kIdentifyS.max);
+    job = call(common, "loop.identify", {{"seconds", watched_s}});
+  }
+  if (!job) return tl::make_unexpected(job.error());
   study::RejectionMeasured measured;
   measured.modes_j = modes->get<std::vector<int>>();
   measured.segment_s = segment_s(seconds);
-  auto open = record(common, {false, seconds, seconds, measured.modes_j});
+  auto left = double(loops->size());
+  auto open = record(common, {false, seconds, left * seconds, measured.modes_j});
   if (!open) return tl::make_unexpected(open.error());
   measured.open = std::move(*open);
-  BorrowedLoop loop(common, *correction);
-  tl::expected<void, CallFailure> done;
-  if (const Answer closed = loop.close(params); !closed) {
-    done = tl::make_unexpected(closed.error());
-  } else {
-    done = record_closed(common, {true, seconds, 0.0, measured.modes_j}, settings->gain, measured);
+  if (needs_model) {
+    auto model = identified(common, job->at("job"));
+    if (!model) return tl::make_unexpected(model.error());
+    measured.model = std::move(*model);
   }
-  if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
-  if (!done) return tl::make_unexpected(done.error());
+  BorrowedLoop loop(common, *correction);
+  for (const LoopSettings& settings : *loops) {
+    left -= 1.0;
+    measured.laws.push_back({settings, {}, {}, 0.0});
+    const auto done = record_closed(common, {true, seconds, left * seconds, measured.modes_j}, loop,
+                                    measured.laws.back());
+    if (!done) return tl::make_unexpected(done.error());
+  }
   return measured;
 }
 
@@ -351,12 +405,10 @@ int run_rejection(const Common& common, const json& params, double seconds,
   if (!common.json) study::print_progress("");
   if (!measured) return report_failure(common, measured.error());
   const study::RejectionFound found = study::find_rejection(*measured);
-  if (found.rejection.empty()) {
-    return report(common,
-                  {Errc::refused, "",
-                   fmt::format("frames are too rare for a spectrum, one every {:.2g} s: record for "
-                               "longer (--seconds)",
-                               median_interval_s(measured->closed.recording.times_s))});
+  for (const study::FoundLaw& law : found.laws) {
+    if (!law.rejection.empty()) continue;
+    return report(common, {Errc::refused, "",
+                           "frames are too rare for a spectrum: record for longer (--seconds)"});
   }
   json summary = study::rejection_summary(*measured, found);
   summary["version"] = OVWS_VERSION;

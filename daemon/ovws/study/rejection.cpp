@@ -6,7 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/control/integrator.hpp"
+#include "core/control/loop_laws.hpp"
+#include "proto/tables/loop.hpp"
 
 namespace ovws::study {
 namespace {
@@ -30,17 +31,6 @@ double sum_between(const Spectrum& spectrum, double from_hz, double to_hz) {
     if (is_between(spectrum.hz(k), from_hz, to_hz)) sum += spectrum.power_per_hz[k];
   }
   return sum;
-}
-
-/// Predicted rejection of the integrator in a band, weighted with the open loop's power, dB.
-double integrator_band_db(const Spectrum& open, double from_hz, double to_hz, const LoopLaw& law) {
-  double there = 0.0, left = 0.0;
-  for (std::size_t k = 0; k < open.power_per_hz.size(); ++k) {
-    if (!is_between(open.hz(k), from_hz, to_hz)) continue;
-    there += open.power_per_hz[k];
-    left += open.power_per_hz[k] * std::pow(10.0, 0.1 * integrator_db(open.hz(k), law));
-  }
-  return db_of(left / there);
 }
 
 using nlohmann::json;
@@ -118,35 +108,124 @@ std::optional<double> crossing_hz(const std::vector<RejectionPoint>& rejection, 
   return std::nullopt;
 }
 
-double integrator_db(double hz, const LoopLaw& law) {
-  if (!(hz <= 0.5 * law.steps_hz)) return std::numeric_limits<double>::quiet_NaN();
-  const Integrator integrator(law.gain, law.leak, 0.0);
-  return db_of(std::norm(1.0 - integrator.transfer({&hz, 1}, 1.0 / law.steps_hz).front()));
+Spectrum expected_spectrum(const ModeSeries& open, double segment_s,
+                           std::span<const std::unique_ptr<ModeLaw>> laws, double steps_hz) {
+  Spectrum all;
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    const Spectrum one = spectrum({open.times_s, {open.modes_waves[i]}}, segment_s);
+    if (all.power_per_hz.empty()) all = {one.step_hz, std::vector(one.power_per_hz.size(), 0.0)};
+    std::vector<double> hz;
+    for (std::size_t k = 0; k < one.power_per_hz.size(); ++k) hz.push_back(one.hz(k));
+    const auto passed = laws[i]->transfer(hz, 1.0 / steps_hz);
+    for (std::size_t k = 0; k < hz.size(); ++k) {
+      all.power_per_hz[k] += hz[k] <= 0.5 * steps_hz
+                                 ? std::norm(1.0 - passed[k]) * one.power_per_hz[k]
+                                 : std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  return all;
 }
 
 std::vector<RejectionBand> octave_bands(const Spectrum& open, const Spectrum& closed,
-                                        const LoopLaw& law) {
+                                        const Spectrum& expected) {
   const std::size_t count = std::min(open.power_per_hz.size(), closed.power_per_hz.size());
   if (count <= kFirstBin) return {};
   const double first = open.hz(kFirstBin), last = open.hz(count - 1);
   std::vector<RejectionBand> bands;
   double from = 0.1 * std::exp2(std::ceil(std::log2(first / 0.1) - 1e-9));
   for (; 2.0 * from <= last; from *= 2.0) {
-    const double to = 2.0 * from;
-    bands.push_back({from, to, db_of(sum_between(closed, from, to) / sum_between(open, from, to)),
-                     integrator_band_db(open, from, to, law)});
+    const double to = 2.0 * from, there = sum_between(open, from, to);
+    bands.push_back({from, to, db_of(sum_between(closed, from, to) / there),
+                     db_of(sum_between(expected, from, to) / there)});
   }
   return bands;
 }
 
+namespace {
+
+FoundLaw found_of(const MeasuredLaw& law, const Spectrum& open, const RejectionMeasured& measured) {
+  const auto make = laws_of(law.settings, measured.model);
+  std::vector<std::unique_ptr<ModeLaw>> laws;
+  for (const int j : measured.modes_j) laws.push_back(make(j, 0.0));
+  FoundLaw found;
+  found.name = wire_name(law.settings.law);
+  found.steps_hz = law.steps_hz;
+  found.closed = spectrum(law.closed.recording, measured.segment_s);
+  found.expected =
+      expected_spectrum(measured.open.recording, measured.segment_s, laws, law.steps_hz);
+  found.rejection = rejection(open, found.closed);
+  found.expected_rejection = rejection(open, found.expected);
+  found.bands = octave_bands(open, found.closed, found.expected);
+  return found;
+}
+
+Series line_of(const std::string& name, const std::vector<RejectionPoint>& points) {
+  Series series{.name = name, .style = Series::Style::solid};
+  for (const RejectionPoint& point : points) series.add(point.hz, point.db);
+  return series;
+}
+
+json crossing(const FoundLaw& law, double level_db) {
+  const auto hz = crossing_hz(law.rejection, level_db);
+  return hz ? json(*hz) : json(nullptr);
+}
+
+json law_summary(const MeasuredLaw& measured, const FoundLaw& found) {
+  json bands = json::array();
+  for (const RejectionBand& band : found.bands) {
+    bands.push_back({{"from_hz", band.from_hz},
+                     {"to_hz", band.to_hz},
+                     {"rejection_db", number_or_null(band.db)},
+                     {"expected_db", number_or_null(band.expected_db)}});
+  }
+  return {{"law", found.name},
+          {"loop", measured.loop},
+          {"steps_hz", measured.steps_hz},
+          {"closed", summary_of(measured.closed)},
+          {"from_hz", found.rejection.front().hz},
+          {"to_hz", found.rejection.back().hz},
+          {"crossing_0_db_hz", crossing(found, 0.0)},
+          {"bandwidth_3_db_hz", crossing(found, -3.0)},
+          {"bands", std::move(bands)}};
+}
+
+std::string law_text(const json& law) {
+  std::string text = recorded_text(law["law"].get<std::string>().c_str(), law["closed"]);
+  return text + fmt::format("  {:.2f} steps/s; ", law["steps_hz"].get<double>()) +
+         crossing_text(law, "bandwidth_3_db_hz", "-3 dB") + "; " +
+         crossing_text(law, "crossing_0_db_hz", "0 dB") + "\n";
+}
+
+std::string db_text(const json& db) {
+  return db.is_number() ? fmt::format("{:.1f}", db.get<double>()) : "-";
+}
+
+/// Bands of all laws side by side: measured, and expected in brackets.
+std::string bands_text(const json& laws) {
+  std::string text = fmt::format("{:>17}", "Hz");
+  for (const json& law : laws) text += fmt::format("  {:>20}", law["law"].get<std::string>());
+  for (std::size_t k = 0; k < laws.front()["bands"].size(); ++k) {
+    const json& first = laws.front()["bands"][k];
+    text += fmt::format("\n{:>7.4g} to {:>6.4g}", first["from_hz"].get<double>(),
+                        first["to_hz"].get<double>());
+    for (const json& law : laws) {
+      if (k >= law["bands"].size()) continue;
+      const json& band = law["bands"][k];
+      text += fmt::format("  {:>11} ({:>6})", db_text(band["rejection_db"]),
+                          db_text(band["expected_db"]));
+    }
+  }
+  return text + "\ndB, expected without further delay in brackets\n";
+}
+
+}  // namespace
+
 RejectionFound find_rejection(const RejectionMeasured& measured) {
   RejectionFound found;
   found.open = spectrum(measured.open.recording, measured.segment_s);
-  found.closed = spectrum(measured.closed.recording, measured.segment_s);
-  found.law = {measured.loop["gain"].get<double>(), measured.loop["leak"].get<double>(),
-               measured.steps_hz};
-  found.rejection = rejection(found.open, found.closed);
-  found.bands = octave_bands(found.open, found.closed, found.law);
+  for (const MeasuredLaw& law : measured.laws) {
+    found.laws.push_back(found_of(law, found.open, measured));
+  }
   return found;
 }
 
@@ -154,60 +233,43 @@ std::vector<Figure> rejection_figures(const RejectionFound& found) {
   Figure spectra{"rejection-spectra", "power spectra with the loop open and closed",
                  "frequency (Hz)", "power of all modes (wave^2/Hz)"};
   spectra.log_x = spectra.log_y = true;
-  spectra.series = {line_of("loop open", found.open), line_of("loop closed", found.closed)};
+  spectra.series = {line_of("loop open", found.open)};
   Figure rejected{"rejection", "disturbance rejection of the closed loop", "frequency (Hz)",
                   "power, closed loop / open loop (dB)"};
   rejected.log_x = true;
-  Series measured{"measured, in bands of a third of an octave", {}, {}, {}, Series::Style::solid};
-  Series ideal{.name = fmt::format("integrator of gain {:g} at {:.2g} steps/s without delay",
-                                   found.law.gain, found.law.steps_hz),
-               .style = Series::Style::line,
-               .colour = 2};  // of the measured series, dashed
-  for (const RejectionPoint& point : found.rejection) {
-    measured.add(point.hz, point.db);
-    ideal.add(point.hz, integrator_db(point.hz, found.law));
+  for (std::size_t k = 0; k < found.laws.size(); ++k) {
+    const FoundLaw& law = found.laws[k];
+    spectra.series.push_back(line_of(law.name, law.closed));
+    rejected.series.push_back(
+        line_of(fmt::format("{}, {:.2g} steps/s", law.name, law.steps_hz), law.rejection));
+    rejected.series.back().colour = int(k) + 1;
   }
-  rejected.series = {std::move(measured), std::move(ideal)};
+  for (std::size_t k = 0; k < found.laws.size(); ++k) {
+    Series expected = line_of("expected without further delay", found.laws[k].expected_rejection);
+    expected.style = Series::Style::line;
+    expected.colour = int(k) + 1;
+    expected.in_legend = k == 0;
+    rejected.series.push_back(std::move(expected));
+  }
   return {std::move(spectra), std::move(rejected)};
 }
 
 json rejection_summary(const RejectionMeasured& measured, const RejectionFound& found) {
-  json summary{{"study", "rejection"},
-               {"modes_j", measured.modes_j},
-               {"loop", measured.loop},
-               {"steps_hz", measured.steps_hz},
-               {"open", summary_of(measured.open)},
-               {"closed", summary_of(measured.closed)},
-               {"segment_s", measured.segment_s},
-               {"from_hz", found.rejection.front().hz},
-               {"to_hz", found.rejection.back().hz},
-               {"bands", json::array()}};
-  const auto zero = crossing_hz(found.rejection, 0.0), half = crossing_hz(found.rejection, -3.0);
-  summary["crossing_0_db_hz"] = zero ? json(*zero) : json(nullptr);
-  summary["bandwidth_3_db_hz"] = half ? json(*half) : json(nullptr);
-  for (const RejectionBand& band : found.bands) {
-    summary["bands"].push_back({{"from_hz", band.from_hz},
-                                {"to_hz", band.to_hz},
-                                {"rejection_db", number_or_null(band.db)},
-                                {"integrator_db", number_or_null(band.integrator_db)}});
+  json laws = json::array();
+  for (std::size_t k = 0; k < found.laws.size(); ++k) {
+    laws.push_back(law_summary(measured.laws[k], found.laws[k]));
   }
-  return summary;
+  return {{"study", "rejection"},
+          {"modes_j", measured.modes_j},
+          {"open", summary_of(measured.open)},
+          {"segment_s", measured.segment_s},
+          {"laws", std::move(laws)}};
 }
 
 std::string rejection_text(const json& summary) {
   std::string text = recorded_text("open", summary["open"]);
-  text += recorded_text("closed", summary["closed"]);
-  text += fmt::format("{:.2f} steps/s of gain {:g}\n\n{:>17}  {:>9}  {:>10}\n",
-                      summary["steps_hz"].get<double>(), summary["loop"]["gain"].get<double>(),
-                      "Hz", "dB", "integrator");
-  for (const json& band : summary["bands"]) {
-    const json& ideal = band["integrator_db"];
-    text += fmt::format("{:>7.4g} to {:>6.4g}  {:>9.1f}  {:>10}\n", band["from_hz"].get<double>(),
-                        band["to_hz"].get<double>(), band["rejection_db"].get<double>(),
-                        ideal.is_number() ? fmt::format("{:.1f}", ideal.get<double>()) : "-");
-  }
-  return text + "\n" + crossing_text(summary, "bandwidth_3_db_hz", "-3 dB") + "; " +
-         crossing_text(summary, "crossing_0_db_hz", "0 dB") + "\n";
+  for (const json& law : summary["laws"]) text += law_text(law);
+  return text + "\n" + bands_text(summary["laws"]);
 }
 
 }  // namespace ovws::study

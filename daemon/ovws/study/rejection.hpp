@@ -1,12 +1,17 @@
-/// Disturbance rejection of a closed loop by frequency, from two recordings of the sensor's modes:
-/// loop open and loop closed. Pure functions.
+/// Disturbance rejection of a closed loop by frequency, from recordings of the sensor's modes: with
+/// the loop open, and closed with each control law. Pure functions.
 #pragma once
 
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "core/control/loop_model.hpp"
+#include "core/control/loop_settings.hpp"
+#include "core/control/mode_law.hpp"
 #include "core/control/spectrum.hpp"
 #include "daemon/ovws/study/figure.hpp"
 
@@ -28,26 +33,22 @@ std::vector<RejectionPoint> rejection(const Spectrum& open, const Spectrum& clos
 /// log frequency. None: the rejection is above the level from the start, or never.
 std::optional<double> crossing_hz(const std::vector<RejectionPoint>& rejection, double level_db);
 
-/// The loop's integrator, and its step rate.
-struct LoopLaw {
-  double gain = 0.5, leak = 0.0;
-  double steps_hz = 0.0;
-};
-
-/// Rejection of an integrator without delay beyond its own step (Integrator::transfer), dB. NaN
-/// above half of steps_hz.
-double integrator_db(double hz, const LoopLaw& law);
+/// Spectrum that a loop without delay beyond its own step is expected to leave of the open loop's
+/// (ModeLaw::transfer), summed over the modes. NaN above half of `steps_hz`. `laws`: one for each
+/// mode of the recording.
+Spectrum expected_spectrum(const ModeSeries& open, double segment_s,
+                           std::span<const std::unique_ptr<ModeLaw>> laws, double steps_hz);
 
 /// Rejection in a band from `from_hz` (included) to `to_hz` (excluded).
 struct RejectionBand {
   double from_hz = 0.0, to_hz = 0.0;
-  double db = 0.0;             ///< rejection: closed over open power
-  double integrator_db = 0.0;  ///< by LoopLaw, weighted with the open loop's power; may be NaN
+  double db = 0.0;           ///< rejection: closed over open power
+  double expected_db = 0.0;  ///< expected over open power; may be NaN
 };
 
 /// Octave bands with edges at 0.1 Hz times powers of two that lie completely within `rejection`.
 std::vector<RejectionBand> octave_bands(const Spectrum& open, const Spectrum& closed,
-                                        const LoopLaw& law);
+                                        const Spectrum& expected);
 
 /// A recording, and the counts of received and lost frames.
 struct RecordedLoop {
@@ -58,19 +59,33 @@ struct RecordedLoop {
   std::string why_not_valid;  ///< reason of the last unusable frame; empty: none
 };
 
+/// What the loop left with one control law.
+struct MeasuredLaw {
+  LoopSettings settings;
+  nlohmann::json loop;  ///< result of loop.get with the loop closed
+  RecordedLoop closed;
+  double steps_hz = 0.0;  ///< step rate of the loop during the recording
+};
+
 struct RejectionMeasured {
-  std::vector<int> modes_j;  ///< modes of the open and the closed recording
-  RecordedLoop open, closed;
-  nlohmann::json loop;     ///< result of loop.get with the loop closed
-  double steps_hz = 0.0;   ///< step rate of the loop during the recording
-  double segment_s = 0.0;  ///< segment length of the spectra
+  std::vector<int> modes_j;  ///< modes of all recordings
+  RecordedLoop open;
+  std::vector<MeasuredLaw> laws;
+  std::shared_ptr<const LoopModel> model;  ///< null: only an integrator was measured
+  double segment_s = 0.0;                  ///< segment length of the spectra
+};
+
+struct FoundLaw {
+  std::string name;
+  double steps_hz = 0.0;
+  Spectrum closed, expected;
+  std::vector<RejectionPoint> rejection, expected_rejection;
+  std::vector<RejectionBand> bands;
 };
 
 struct RejectionFound {
-  Spectrum open, closed;
-  LoopLaw law;
-  std::vector<RejectionPoint> rejection;
-  std::vector<RejectionBand> bands;
+  Spectrum open;
+  std::vector<FoundLaw> laws;  ///< as measured
 };
 
 RejectionFound find_rejection(const RejectionMeasured& measured);
