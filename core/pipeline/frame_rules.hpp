@@ -37,8 +37,9 @@ struct HologramVerdict {
 };
 
 /// Assigns a hologram to a frame. The current hologram if it had settled before the exposure began.
-/// The previous hologram if it had settled before the exposure and the frame arrived before the
-/// change began. Otherwise, or with a display fault, the current hologram, not settled.
+/// The previous hologram if it had settled before the exposure and the exposure was over before the
+/// change began: `arrival_mono_ns`, the arrival without delay (ArrivalClock). Otherwise, or with a
+/// display fault, the current hologram, not settled.
 HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_sensor_epoch,
                                std::int64_t exposure_begin_mono_ns, std::int64_t arrival_mono_ns);
 

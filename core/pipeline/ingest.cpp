@@ -164,7 +164,7 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   entry.exposure_us = settings.exposure_us;
   entry.t_exposed_mono_ns = undelayed - applied.transfer_ns / 2;
   const HologramVerdict hologram = judge_hologram(deps_.shown.value(), entry.plan->sensor_epoch,
-                                                  settings.exposure_begin_mono_ns, arrival);
+                                                  settings.exposure_begin_mono_ns, undelayed);
   entry.hologram_id = hologram.hologram_id;
   const bool late = is_late(applied, arrival, undelayed);
   if (late) deps_.counters.add(Counter::frames_late);
