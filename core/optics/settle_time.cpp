@@ -18,6 +18,15 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// Whether the light leaves the level `before` too early. The last frame before the change may be
+/// of the change, if the camera stamps late.
+bool moves_before(std::span<const StepFrame> frames, double before, double tolerance) {
+  for (std::size_t k = 0; k + 1 < frames.size() && frames[k + 1].begin_ms < 0.0; ++k) {
+    if (std::abs(frames[k].light - before) > tolerance) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
@@ -45,6 +54,10 @@ Result<StepTime> step_time(std::span<const StepFrame> frames, double before) {
         "than watch_ms, raise watch_ms");
   }
   const double tolerance = kNoiseSigmas * noise + kRelativeTolerance * change;
+  if (moves_before(frames, before, tolerance)) {
+    return fail(Errc::refused, "watch_ms",
+                "the hologram before had not settled when the next one came: raise watch_ms");
+  }
   std::size_t first = after.size();
   while (first > 0 && std::abs(after[first - 1].light - mean) <= tolerance) --first;
   if (2 * first > after.size()) {

@@ -23,8 +23,9 @@ struct StepTime {
 /// Settle time of one step. The SLM has settled at the first frame from which all frames stay near
 /// their final value, the mean of the last quarter of the frames. Tolerance: four times the noise
 /// of this quarter plus 1 % of the change from `before`. Frames must be in order of time; frames
-/// with begin_ms < 0 are ignored. Errors (Errc::refused): fewer than 8 frames, no significant
-/// change, or not settled within the first half of the frames.
+/// with begin_ms < 0 only show that the light stood at `before`. Errors (Errc::refused): fewer than
+/// 8 frames, no significant change, not settled within the first half of the frames, or a change
+/// before the hologram's.
 Result<StepTime> step_time(std::span<const StepFrame> frames, double before);
 
 /// Settle time as robust statistics of several steps. A busy host delays single steps; these are

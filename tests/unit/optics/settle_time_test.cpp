@@ -48,6 +48,10 @@ TEST(StepTime, RefusesWhatDeterminesNothing) {
   EXPECT_EQ(step_time(frames(10.0, 60.0, 1.0, false, 0.0, 50.0), 0.0).error().field, "watch_ms");
   EXPECT_EQ(step_time(frames(250.0, 10.0, 1.0, true, 0.0, 50.0), 0.0).error().field, "watch_ms");
   EXPECT_FALSE(step_time(frames(10.0, 5.0, 1.0, false, 50.0, 51.0), 51.0));  // as before
+  // The hologram before settles just when the next one is shown.
+  std::vector<StepFrame> late;
+  for (int k = -4; k < 20; ++k) late.push_back({10.0 * k + 1.0, k < -2 ? 0.0 : 50.0});
+  EXPECT_EQ(step_time(late, 0.0).error().field, "watch_ms");
 }
 
 TEST(SettleTime, ProposesTheLongestAndAMargin) {
