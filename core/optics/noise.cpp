@@ -81,8 +81,9 @@ Noise::Tables::Tables() : half_normals(make_half_normals(1 << kQuantileBits)) {
     const double mean = static_cast<double>(k) / kPerElectron;
     for (const Alias& alias : alias_columns(poisson_probabilities(mean, int(kCounts)))) {
       const auto share = std::uint32_t(std::lround(std::clamp(alias.share, 0.0, 1.0) * kWhole));
-      poisson.push_back(
-          {.share = share & kWhole, .alias = std::uint32_t(alias.count) & (kCounts - 1)});
+      const std::uint32_t bits = (share & kWhole) | std::uint32_t(alias.count)
+                                                        << Column::kShareBits;
+      poisson.push_back(std::int32_t(bits));
     }
   }
 }

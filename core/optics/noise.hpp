@@ -34,7 +34,8 @@ class Noise {
 
   /// Pixel values of many pixels at once, from their mean numbers of electrons (NaN counts as 0):
   /// shot noise as `poisson`, full well, read noise as `normal`, gain, black level, clipping,
-  /// rounding. The values depend on the stream and on each pixel's number only.
+  /// rounding. The values of a pixel depend on the stream, its number and its mean; the last digit
+  /// may differ between CPUs.
   static void expose(std::uint64_t seed, std::uint64_t stream, const PixelChain& chain,
                      std::span<const float> mean_e, std::uint16_t* dn);
 
@@ -44,15 +45,17 @@ class Noise {
   struct Column {
     static constexpr unsigned kCountBits = 7;
     static constexpr unsigned kShareBits = 32 - kCountBits;
-    std::uint32_t share : kShareBits;
-    std::uint32_t alias : kCountBits;
+    std::int32_t bits;  ///< the share in the lower ones
+    std::uint32_t share() const { return std::uint32_t(bits) & ((1U << kShareBits) - 1); }
+    std::uint32_t alias() const { return std::uint32_t(bits) >> kShareBits; }
   };
   /// Look-up tables, small enough for the CPU caches: each pixel reads a random entry.
   struct Tables {
     static constexpr int kPerElectron = 8;
     static constexpr unsigned kQuantileBits = 12;
     std::vector<float> half_normals;  ///< normal quantiles, scaled to variance 1/2
-    std::vector<Column> poisson;      ///< 2^kCountBits columns per mean k / kPerElectron
+    std::vector<std::int32_t>
+        poisson;  ///< bits of Column: 2^kCountBits columns per mean k / kPerElectron
 
     Tables();
   };
@@ -97,9 +100,9 @@ inline float Noise::poisson(float mean) {
   const int k = static_cast<int>(mean * Tables::kPerElectron);
   const std::uint64_t random = bits();
   const auto count = static_cast<std::uint32_t>(random >> (64 - Column::kCountBits));
-  const Column column = tables_.poisson[(std::size_t(k) << Column::kCountBits) + count];
+  const Column column{tables_.poisson[(std::size_t(k) << Column::kCountBits) + count]};
   const auto share = static_cast<std::uint32_t>(random >> 32) & ((1U << Column::kShareBits) - 1);
-  const std::uint32_t most = share < column.share ? count : column.alias;
+  const std::uint32_t most = share < column.share() ? count : column.alias();
   const float rest_mean = mean - static_cast<float>(k) / static_cast<float>(Tables::kPerElectron);
   const float rest_random = static_cast<float>(static_cast<std::uint32_t>(random) >> 8) * 0x1p-24F;
   return static_cast<float>(int(most) + poisson_below_one(rest_mean, rest_random));

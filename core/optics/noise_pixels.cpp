@@ -151,10 +151,9 @@ constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15U;
 
 void Noise::expose(std::uint64_t seed, std::uint64_t stream, const PixelChain& chain,
                    std::span<const float> mean_e, std::uint16_t* dn) {
-  static_assert(sizeof(Column) == sizeof(std::int32_t));
   const Tables& known = tables();
   PixelNoiseJob job{known.half_normals.data(),
-                    reinterpret_cast<const std::int32_t*>(known.poisson.data()),
+                    known.poisson.data(),
                     Column::kCountBits,
                     float(Tables::kPerElectron),
                     kExactPoisson,
