@@ -92,11 +92,11 @@ void Predictor::observe(const ModeSample& sample) {
   const double expected = position_of(positions_of(covariance_)) + noise;
   const bool far = innovation * innovation > kJump * kJump * expected;
   const double before = std::exchange(skipped_, 0.0);
-  if (far && before == 0.0) {
+  if (far && before * innovation <= 0.0) {
     skipped_ = innovation;  // a jump, or a single frame that is wrong: the next one tells
     return;
   }
-  if (far && before * innovation > 0.0) {
+  if (far) {
     const Eigen::Index drift = covariance_.rows() - 2;
     covariance_(drift, drift) += innovation * innovation;
   }

@@ -127,25 +127,27 @@ void ClosedLoop::add(const FrameRecord& record) {
 bool ClosedLoop::do_work() {
   const bool asked = mailbox_.run_one(std::chrono::milliseconds(is_closed() ? 0 : kTurnMs));
   if (!is_closed()) return asked;
-  if (observe_next() || paused_) return true;
+  if (observe_next() || paused_ || !is_closed()) return true;
   const LoopEnd end = watch_->wait(monotonic_ns(), deps_.spots_found_ns());
   if (end != LoopEnd::none)
     set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
   return asked;
 }
 
-/// Observes the next frame if one comes, and steps if it is time. False: no frame of the newest
-/// hologram came within kTurnMs. The error of an older one may have been corrected.
+/// Observes the next frame if one comes in time, and steps if it is time. False: there was no step,
+/// and no frame of the newest hologram. The error of an older one may have been corrected.
 bool ClosedLoop::observe_next() {
-  const std::int64_t due_ns = stepped_ ? kNever : t_exposed_ns();
+  const std::int64_t due_ns = stepped_ || paused_ ? kNever : t_exposed_ns();
   const std::chrono::nanoseconds left(
       std::clamp(due_ns - monotonic_ns(), std::int64_t{0}, kTurnMs * std::int64_t{1'000'000}));
   const bool came =
       frames_.pop(taken_, std::chrono::duration_cast<std::chrono::microseconds>(left));
   if (came) observe(taken_);
   const bool newest = taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
-  if (!stepped_ && !paused_ && ((came && newest) || monotonic_ns() >= due_ns)) step(taken_);
-  return came && newest;
+  const bool due = (came && newest) || monotonic_ns() >= due_ns;
+  if (stepped_ || paused_ || !due) return came && newest;
+  step(taken_);
+  return true;
 }
 
 /// The time at which a frame of the newest hologram has been exposed.

@@ -47,7 +47,9 @@ class Series {
       for (const Mode& mode : frame.shown()) shown += mode.j == modes_j_[k] ? mode.waves : 0.0;
       sample_.waves[k] += double(frame.waves[k]) + shown;
       const double sigma = double(frame.sigma_waves[k]);
-      squares_[k] += std::isfinite(sigma) ? sigma * sigma : 0.0;
+      if (!std::isfinite(sigma)) continue;
+      squares_[k] += sigma * sigma;
+      known_[k] += 1.0;
     }
   }
 
@@ -57,7 +59,9 @@ class Series {
     end_sample();
     DisturbanceSeries all{std::move(modes_j_), {std::move(times_s_), std::move(waves_)}, {}};
     const auto frames = double(std::max<std::size_t>(frames_, 1));
-    for (const double sum : squares_) all.sigma_waves.push_back(std::sqrt(sum / frames));
+    for (std::size_t k = 0; k < squares_.size(); ++k) {
+      all.sigma_waves.push_back(std::sqrt(squares_[k] / std::max(known_[k], 1.0)));
+    }
     all.frames_per_sample = frames / double(std::max<std::size_t>(all.waves.times_s.size(), 1));
     return all;
   }
@@ -73,6 +77,7 @@ class Series {
     modes_j_.assign(frame.modes_j.begin(), frame.modes_j.begin() + frame.mode_count);
     waves_.resize(modes_j_.size());
     squares_.resize(modes_j_.size());
+    known_.resize(modes_j_.size());
     sample_.waves.resize(modes_j_.size());
   }
 
@@ -91,7 +96,8 @@ class Series {
   std::size_t frames_ = 0;
   Sample sample_;  ///< sums over its frames
   std::vector<int> modes_j_;
-  std::vector<double> times_s_, squares_;
+  std::vector<double> times_s_;
+  std::vector<double> squares_, known_;  ///< of each mode's standard errors: sum, number
   std::vector<std::vector<double>> waves_;
 };
 

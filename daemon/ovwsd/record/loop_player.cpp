@@ -97,7 +97,7 @@ class LoopPlayer {
       return stop("the plan of frame " + std::to_string(id) + " is not in the recording");
     }
     observe(*frame, row.at(1).get<std::int64_t>(), plan->second);
-    if (row.size() < 4) return;
+    if (!control_ || row.size() < 4) return;  // what cannot be observed ends the run
     control_->step(row.at(2).get<std::int64_t>());
     const auto shown = corrections_.find(row.at(3).get<std::uint64_t>());
     if (shown == corrections_.end()) return;  // no frame of that hologram was recorded
