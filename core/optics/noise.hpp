@@ -31,6 +31,7 @@ class Noise {
   float poisson(float mean);
 
   static constexpr float kExactPoisson = 30.0F;
+  static constexpr unsigned kQuantileBits = 12;  ///< of the entries of the table of quantiles
 
   /// Pixel values of many pixels at once, from their mean numbers of electrons (NaN counts as 0):
   /// shot noise as `poisson`, full well, read noise as `normal`, gain, black level, clipping,
@@ -52,7 +53,6 @@ class Noise {
   /// Look-up tables, small enough for the CPU caches: each pixel reads a random entry.
   struct Tables {
     static constexpr int kPerElectron = 8;
-    static constexpr unsigned kQuantileBits = 12;
     std::vector<float> half_normals;  ///< normal quantiles, scaled to variance 1/2
     std::vector<std::int32_t>
         poisson;  ///< bits of Column: 2^kCountBits columns per mean k / kPerElectron
@@ -86,7 +86,7 @@ inline std::uint64_t Noise::bits() {
 }
 
 inline float Noise::normal() {
-  constexpr unsigned kBits = Tables::kQuantileBits;
+  constexpr unsigned kBits = kQuantileBits;
   const std::uint64_t random = bits();
   return tables_.half_normals[random >> (64 - kBits)] +
          tables_.half_normals[(random >> (64 - 2 * kBits)) & ((1U << kBits) - 1)];

@@ -30,7 +30,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr unsigned kQuantileBits = 12;
+constexpr unsigned kQuantileBits = Noise::kQuantileBits;
 constexpr float kMostElectrons = 1e9F;
 
 /// Bit mixer of 32 bits, bijective (Wellons, "Prospecting for hash functions", 2018).
@@ -163,6 +163,7 @@ void Noise::expose(std::uint64_t seed, std::uint64_t stream, const PixelChain& c
   for (std::uint32_t& key : job.keys) key = std::uint32_t(split_mix(state += kGolden) >> 32);
   HWY_DYNAMIC_DISPATCH(Expose)(job, mean_e.data(), mean_e.size(), dn);
 }
+
 }  // namespace ovws
 
 #endif  // HWY_ONCE

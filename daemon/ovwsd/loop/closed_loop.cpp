@@ -214,7 +214,7 @@ Result<LoopReport> ClosedLoop::end(bool keep) {
   return this->report();
 }
 
-/// After a pause the watch begins anew: what happened meanwhile does not count.
+/// After a pause a new watch begins: what happened meanwhile does not count.
 Result<LoopReport> ClosedLoop::set_paused(bool paused) {
   if (!is_closed()) return fail(Errc::refused, "", "the loop is open: call loop.close first");
   LoopReport report = report_.get();
