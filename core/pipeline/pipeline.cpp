@@ -124,7 +124,8 @@ void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
   const bool measured = entry.settled && entry.reconstruction.determined && plan.referenced();
   const bool by_positions =
       measured && is_explained(entry.reconstruction, spots, plan.spots.lambda_d_px);
-  const bool by_templates = plan.fit != nullptr || plan.awaits_templates;
+  const bool by_templates =
+      plan.tracker_kind == TrackerKind::fit && (plan.fit != nullptr || plan.awaits_templates);
   const bool suffices = plan.positions_suffice() && (!by_templates || entry.follows);
   entry.unconfirmed = by_positions && !entry.templates.credible && !suffices;
   entry.explained = !measured || entry.templates.credible || (by_positions && !entry.unconfirmed);

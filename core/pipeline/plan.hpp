@@ -39,7 +39,7 @@ struct MeasurementPlan {
   /// Templates are being prepared. Until they are ready, spot positions give valid frames only if
   /// the frame follows (FrameRecord::follows).
   bool awaits_templates = false;
-  bool fits_shapes = false;  ///< whether frames shall be measured by templates
+  bool can_fit_shapes = false;  ///< whether templates can be made for these modes
   std::shared_ptr<const SpotTracker> tracker;
   std::vector<int> modes_j;  ///< OSA indices of the measured modes
   /// Reconstructs the leading modes of `modes_j` from spot positions. These are all modes, unless
@@ -53,7 +53,10 @@ struct MeasurementPlan {
   bool referenced() const { return !reference_px.empty(); }
   /// Whether the spots' positions determine all modes.
   bool positions_suffice() const { return reconstructor->modes_j().size() == modes_j.size(); }
-  bool wants_templates() const { return fits_shapes && referenced(); }
+  /// Whether frames shall be measured by templates. Other trackers use them only while they are
+  /// lost in a closed loop (WavefrontSearch).
+  bool wants_templates() const { return tracker_kind == TrackerKind::fit && may_use_templates(); }
+  bool may_use_templates() const { return can_fit_shapes && referenced(); }
 };
 
 }  // namespace ovws

@@ -105,8 +105,7 @@ Result<PlanBuilder> PlanBuilder::make(const PlanInputs& inputs) {
                                                    builder.tilt_radius_, builder.px_per_cycle_);
   plan.mode_operator = modes.kind;
   plan.modes_j = measured_modes(inputs.tracking, modes);
-  plan.fits_shapes = inputs.tracking.tracker == TrackerKind::fit &&
-                     (modes.kind != OperatorKind::measured || modes.shapes);
+  plan.can_fit_shapes = modes.kind != OperatorKind::measured || modes.shapes;
   // A calibration with shapes measures displacements of whole spots. They differ from the tracker's
   // positions, so the model's slopes are used.
   plan.reconstructor = std::make_shared<const Reconstructor>(

@@ -20,14 +20,14 @@ bool fits(const FrameFit& fit, const SensorState& state, const MeasurementPlan& 
   return fit.modes_j() == plan.modes_j && fit.point().estimates == state.tracking.estimates;
 }
 
-/// Gives the plan the templates if they fit. Otherwise the plan waits for templates, unless the
-/// search for them has been given up.
+/// Gives the plan the templates if they fit. Otherwise a plan that wants templates waits for them,
+/// unless the search for them has been given up.
 void use(const ActiveTemplates& templates, const SensorState& state, const Bound& bound,
          MeasurementPlan& plan) {
-  if (!plan.wants_templates() || state.by_positions) return;
+  if (!plan.may_use_templates() || !takes_templates(state)) return;
   const bool same = are_of(templates, state, bound);
   if (same && templates.fit && fits(*templates.fit, state, plan)) plan.fit = templates.fit;
-  plan.awaits_templates = !plan.fit && !(same && templates.given_up);
+  plan.awaits_templates = plan.wants_templates() && !plan.fit && !(same && templates.given_up);
 }
 
 }  // namespace

@@ -92,7 +92,7 @@ bool SensorKeeper::do_work() {
 void SensorKeeper::edit(Hold as, SensorChange change, Done done, std::function<void()> active) {
   mailbox_.post(
       [this, as, change = std::move(change), done = std::move(done), active = std::move(active)] {
-        if (auto free = may_change(hold_, as); !free) return done(fail(free.error()));
+        if (auto free = may_change(state_.hold, as); !free) return done(fail(free.error()));
         SensorEdit edit = new_edit();
         if (auto made = change(edit); !made) return done(fail(made.error()));
         if (!edit.files_only) {
@@ -104,12 +104,15 @@ void SensorKeeper::edit(Hold as, SensorChange change, Done done, std::function<v
 }
 
 void SensorKeeper::hold(Hold by) {
-  hold_ = by;
-  held_by_job_.store(by.by == Hold::By::job);
-  if (by.by != Hold::By::job) return;
-  lease_ = state_;
-  state_.by_positions = true;
-  if (state_.tracking.tracker == TrackerKind::fit) plan_again(new_edit());
+  if (by.by == Hold::By::job) lease_ = state_;
+  set_hold(by);
+}
+
+void SensorKeeper::set_hold(Hold by) {
+  const bool took = takes_templates(state_);
+  state_.hold = by;
+  held_by_.store(by.by);
+  if (took != takes_templates(state_)) plan_again(new_edit());
 }
 
 /// Builds a plan for the edit and activates both; the hologram stays unchanged. If no plan can be
@@ -122,11 +125,9 @@ void SensorKeeper::plan_again(SensorEdit edit) {
 
 void SensorKeeper::release(Hold by, std::function<void()> then) {
   mailbox_.post([this, by, then = std::move(then)] {
-    if (hold_ == by) {
+    if (state_.hold == by) {
       if (lease_) restore_lease();
-      if (std::exchange(state_.by_positions, false)) plan_again(new_edit());
-      hold_ = {};
-      held_by_job_.store(false);
+      set_hold(Hold::unheld());
     }
     then();
   });
@@ -144,7 +145,7 @@ void SensorKeeper::use_templates(ActiveTemplates templates) {
   mailbox_.post([this, templates = std::move(templates)]() mutable {
     const bool usable = !templates.fit || templates.sensor_epoch == state_.sensor_epoch;
     const bool changes = !(templates == state_.templates);
-    if (hold_.by == Hold::By::job || !usable || !changes) return;
+    if (!takes_templates(state_) || !usable || !changes) return;
     SensorEdit edit = new_edit();
     edit.state.templates = std::move(templates);
     plan_again(std::move(edit));
@@ -220,6 +221,7 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
     if (auto made = renew_renderer(next); !made) return made;
     ++next.sensor_epoch;
   }
+  if (!(next.tracking == state_.tracking)) next.templates = {};
   if (auto sampled = check_sampling(next); !sampled) return sampled;
   const bool same = same_hologram(next, state_);
   const std::uint64_t hologram_id = same ? bench_.hologram_id : next_hologram_id_++;
@@ -287,7 +289,7 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->modes_j = plan->modes_j;
   now->position_modes_j = plan->reconstructor->modes_j();
   now->given_up =
-      plan->wants_templates() && !plan->fit && !plan->awaits_templates && !state_.by_positions;
+      plan->wants_templates() && !plan->fit && !plan->awaits_templates && takes_templates(state_);
   now->layout_fault = events_.layout_fault(state_);
   now->reference = bound.reference;
   now->calibration = bound.calibration;

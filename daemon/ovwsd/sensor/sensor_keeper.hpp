@@ -48,8 +48,9 @@ class SensorKeeper : public Agent {
   void on_close() override { mailbox_.close(); }
 
   SensorView snapshot() const { return snapshot_.get(); }
-  /// Any thread: whether a job holds the sensor. Meanwhile use_templates has no effect.
-  bool is_held_by_job() const { return held_by_job_.load(); }
+  /// Any thread. Held by a job, the sensor takes no templates; with another tracker than `fit`, it
+  /// takes them only while it is held by the loop.
+  Hold::By held_by() const { return held_by_.load(); }
 
   // Any thread. Requests are carried out in order by the prepare thread, which also calls the
   // callbacks.
@@ -68,13 +69,14 @@ class SensorKeeper : public Agent {
   /// plan for the new image becomes active. Measurements made with another camera are not used.
   void camera_changed(const CameraSettings& camera, const std::optional<CameraInfo>& info);
   /// Builds a plan that measures frames with these templates. No effect if the sensor's epoch has
-  /// changed, or while a job holds the sensor. Templates for another reference are not used.
+  /// changed, or if the sensor takes no templates (held_by). Templates for another reference are
+  /// not used.
   void use_templates(ActiveTemplates templates);
 
   // Prepare thread only.
 
   /// Whether the sensor is free to be held. Errc::refused: the message says what to wait for.
-  Result<void> may_hold() const { return may_change(hold_, Hold::unheld()); }
+  Result<void> may_hold() const { return may_change(state_.hold, Hold::unheld()); }
   /// Reserves the sensor for `by` until `release`. The sensor must be free (may_hold).
   void hold(Hold by);
 
@@ -88,6 +90,7 @@ class SensorKeeper : public Agent {
   void adopt(SensorEdit edit, const Bound& bound, std::unique_ptr<MeasurementPlan> plan);
   bool load_for_slm(const ActiveSlm& slm, Knowledge& knowledge);
   void plan_again(SensorEdit edit);
+  void set_hold(Hold by);
   void restore_lease();
   void discard_for_camera(const std::optional<CameraInfo>& info);
   void update_files(SensorEdit edit, SensorView changed, Done done);
@@ -101,9 +104,8 @@ class SensorKeeper : public Agent {
   Knowledge knowledge_;
   Plans plans_;
   SensorEvents events_;
-  Hold hold_;
-  std::atomic<bool> held_by_job_{false};  ///< copy of hold_ for other threads
-  std::optional<SensorShown> lease_;      ///< settings to restore when the job ends
+  std::atomic<Hold::By> held_by_{Hold::By::nobody};  ///< copy of state_.hold.by for other threads
+  std::optional<SensorShown> lease_;                 ///< settings to restore when the job ends
   Mailbox mailbox_;
   std::uint64_t next_hologram_id_ = 1;
   Guarded<SensorView> snapshot_;

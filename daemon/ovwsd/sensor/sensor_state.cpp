@@ -7,6 +7,11 @@
 
 namespace ovws {
 
+bool takes_templates(const SensorState& state) {
+  if (state.tracking.tracker == TrackerKind::fit) return state.hold.by != Hold::By::job;
+  return state.hold.by == Hold::By::loop;
+}
+
 std::vector<Mode> shown_modes(const SensorState& state) {
   return shown_modes(state.pattern, state.aberration, state.correction);
 }

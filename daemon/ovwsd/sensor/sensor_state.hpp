@@ -12,6 +12,7 @@
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/sensor/active_templates.hpp"
+#include "daemon/ovwsd/sensor/hold.hpp"
 #include "daemon/ovwsd/sensor/registration_file.hpp"
 #include "daemon/ovwsd/sensor/sensor_snapshot.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
@@ -34,10 +35,13 @@ struct SensorState : SensorShown {
   std::shared_ptr<const HologramRenderer> renderer;  ///< draws holograms of `sensor` with `slm`
   /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;
-  bool by_positions = false;  ///< a job measures: use spot positions, not templates
+  Hold hold;
   ActiveTemplates templates;  ///< used if their epoch, reference and calibration match
 };
 
+/// Whether templates may measure frames: with the tracker `fit` unless a job holds the sensor, with
+/// another one only while the loop does.
+bool takes_templates(const SensorState& state);
 /// Zernike modes in the hologram shown, see shown_modes in core/optics/hologram.hpp.
 std::vector<Mode> shown_modes(const SensorState& state);
 /// Epoch of the hologram shown; 0 (nothing to measure) unless the pattern is `sensor`.

@@ -23,6 +23,8 @@ constexpr int kFewRenderings = 8, kManyRenderings = 12;  // per start: valid fra
 constexpr int kMostRenderings = 40;
 constexpr std::int64_t kRestNs = 30'000'000;  // minimum pause between two search attempts
 constexpr std::int64_t kLookAgainNs = 1'000'000'000;
+constexpr std::int64_t kLostNs = 50'000'000;  // before another tracker's spots count as lost
+constexpr double kFlatWaves = 0.1;            // RMS of a wavefront that every tracker measures
 constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // a failed model: new frames give new noise
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
@@ -103,7 +105,8 @@ WavefrontSearch::~WavefrontSearch() = default;
 
 void WavefrontSearch::on_frame(const FrameRecord& record) {
   if (!record.settled) return;
-  const bool wanted = record.plan->wants_templates() && can_be_rendered(record) &&
+  const bool searched = may_search(record);
+  const bool wanted = searched && can_be_rendered(record) &&
                       (!record.templates.credible || is_drifted(drift_of(record)));
   described_.store(record.templates.credible, std::memory_order_relaxed);
   wanted_.store(wanted, std::memory_order_relaxed);
@@ -112,21 +115,36 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
     undescribed_.fetch_add(1, std::memory_order_relaxed);
     if (record.valid || record.unconfirmed) explained_.fetch_add(1, std::memory_order_relaxed);
   }
-  validity_.on_frame(record.valid,
-                     {0, record.tracked, record.spot_count, record.explained, record.unconfirmed,
-                      record.plan->wants_templates()},
-                     monotonic_ns());
+  validity_.on_frame(
+      record.valid,
+      {0, record.tracked, record.spot_count, record.explained, record.unconfirmed, searched},
+      monotonic_ns());
+}
+
+/// Whether the wavefront of frames like this one may be searched. For another tracker than `fit`
+/// also decides whether it can do without templates again.
+bool WavefrontSearch::may_search(const FrameRecord& record) {
+  const MeasurementPlan& plan = *record.plan;
+  const std::int64_t now_ns = monotonic_ns();
+  if (record.valid) t_valid_ns_ = now_ns;
+  if (plan.wants_templates()) return true;
+  const bool is_flat =
+      record.valid && (!record.templates.credible || record.reconstruction.rms_waves < kFlatWaves);
+  is_flat_.store(plan.fit != nullptr && is_flat, std::memory_order_relaxed);
+  return plan.may_use_templates() && keeper_.held_by() == Hold::By::loop && !is_flat &&
+         (plan.fit != nullptr || now_ns - t_valid_ns_ > kLostNs);
 }
 
 bool WavefrontSearch::do_work() {
   validity_.announce(events_, monotonic_ns());
   const bool asked = wanted_.load(std::memory_order_relaxed) || looks_for_calibration();
-  const bool wanted = asked && !keeper_.is_held_by_job();
+  const bool wanted = asked && keeper_.held_by() != Hold::By::job;
   if (!wanted) {
     giving_up_.reset();
     undescribed_ = explained_ = 0;  // a job's frames may be dark
   }
   if (!wanted && described_.load(std::memory_order_relaxed)) succeed();
+  if (is_flat_.load(std::memory_order_relaxed)) return use_positions();
   if (!wanted || monotonic_ns() < next_ns_) {
     inbox_.forget();
     frames_.clear();
@@ -146,6 +164,19 @@ bool WavefrontSearch::do_work() {
   }
   frames_.clear();
   return true;
+}
+
+/// Gives another tracker than `fit` its frames back.
+bool WavefrontSearch::use_positions() {
+  if (model_) {
+    const Key& key = model_->key;
+    keeper_.use_templates(
+        {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, nullptr});
+  }
+  inbox_.forget();
+  frames_.clear();
+  std::this_thread::sleep_for(kTurn);
+  return false;
 }
 
 /// Takes the next frame of the active sensor. Returns whether there are kFrames successive frames.

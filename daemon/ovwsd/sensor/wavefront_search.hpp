@@ -30,8 +30,11 @@ namespace ovws {
 /// Templates about the found wavefront go to the SensorKeeper. In turbulent air they allow for
 /// modes that are not measured. Near a calibration's wavefront, the calibration's templates are
 /// used. After a failure, SearchPolicy decides when to try again. Templates are given up, so that
-/// modes come from spot positions, at once if no model can be made, or when GivingUp says so. With
-/// other trackers than `fit` the agent only watches whether frames are valid.
+/// modes come from spot positions, at once if no model can be made, or when GivingUp says so.
+///
+/// With another tracker than `fit`, the agent only watches whether frames are valid, until a closed
+/// loop has lost its spots. Templates then measure the frames until the loop has made the wavefront
+/// flat enough for the tracker.
 class WavefrontSearch : public Agent {
  public:
   WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
@@ -58,6 +61,8 @@ class WavefrontSearch : public Agent {
                                                 const FrameCopy& frame,
                                                 const SensorSnapshot& sensor);
   bool looks_for_calibration() const;
+  bool may_search(const FrameRecord& record);
+  bool use_positions();
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
   bool take_frame(const SensorSnapshot& sensor);
   bool begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor);
@@ -72,9 +77,11 @@ class WavefrontSearch : public Agent {
   std::atomic<bool> wanted_{false};
   std::atomic<bool> described_{false};  ///< the plan's templates describe the newest frame
   std::atomic<std::int64_t> found_ns_{0};
-  std::atomic<int> undescribed_{0};  ///< frames without templates since the last failed search
-  std::atomic<int> explained_{0};    ///< those of them that spot positions explain
+  std::atomic<int> undescribed_{0};   ///< frames without templates since the last failed search
+  std::atomic<int> explained_{0};     ///< those of them that spot positions explain
+  std::atomic<bool> is_flat_{false};  ///< the tracker can measure the newest frame again
   ValidityWatch validity_;
+  std::int64_t t_valid_ns_ = 0;  ///< CLOCK_MONOTONIC of the last valid frame; publish thread only
   // Search thread only.
   std::int64_t next_ns_ = 0;       ///< do not search before this time
   std::vector<FrameCopy> frames_;  ///< successive frames of one sensor epoch and image size

@@ -22,7 +22,7 @@ FrameMessage frame_message(const FrameRecord& record, double wavelength_nm) {
   message.hologram_id = record.hologram_id;
   message.settled = record.settled;
   message.charge = plan.charge;
-  message.tracker = tracker_name(plan.tracker_kind);
+  message.tracker = tracker_name(record.templates.credible ? TrackerKind::fit : plan.tracker_kind);
   message.subapertures = record.spot_count;
   message.tracked = record.tracked;
   message.valid = record.valid;

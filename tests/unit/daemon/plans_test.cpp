@@ -162,9 +162,9 @@ TEST_F(PlansTest, APlanGetsTheTemplatesOfItsStateAndNoOthers) {
 
 TEST_F(PlansTest, NoTemplatesAreAwaitedWherePositionsCount) {
   state_.templates = templates();
-  state_.by_positions = true;
+  state_.hold = Hold::of_job(1);
   expect_no_templates(false, "a job measures by positions");
-  state_.by_positions = false;
+  state_.hold = Hold::unheld();
   state_.templates.fit = nullptr;
   expect_no_templates(true, "not rendered yet");
   state_.templates.given_up = true;
@@ -176,6 +176,16 @@ TEST_F(PlansTest, NoTemplatesAreAwaitedWherePositionsCount) {
   state_.tracking.tracker = TrackerKind::fit;
   bound_.reference = nullptr;
   expect_no_templates(false, "no reference");
+}
+
+TEST_F(PlansTest, AnotherTrackerUsesTemplatesOnlyInAClosedLoop) {
+  state_.tracking.tracker = TrackerKind::lg;
+  state_.templates = templates();
+  EXPECT_EQ(built()->fit, nullptr) << "loop open";
+  state_.hold = Hold::of_loop();
+  EXPECT_EQ(built()->fit, state_.templates.fit);
+  state_.templates.fit = nullptr;
+  expect_no_templates(false, "it does not wait for them");
 }
 
 TEST_F(PlansTest, APlanIsFreedWhenALaterOneIsActiveAndNoFrameRefersToIt) {
