@@ -15,6 +15,9 @@ namespace ovws {
 namespace {
 
 constexpr int kLines = 4;  // transformed at once; their results are written side by side
+constexpr double kMaxDirectLength = 1 << 20;
+/// Relative error of a step that still counts as 1 / length: its phase errors are below rounding.
+constexpr double kMaxStepError = 1e-12;
 
 using Line = std::vector<std::complex<float>>;
 
@@ -22,16 +25,13 @@ std::complex<float> unit_phasor(double turns) {
   return std::complex<float>(std::polar(1.0, 2.0 * std::numbers::pi * (turns - std::round(turns))));
 }
 
-/// FFT length >= `at_least`: a multiple of 16 without factors above 5, for which FFTW has fast
-/// code.
-int fast_length(int at_least) {
-  for (int n = (at_least + 15) / 16;; ++n) {
-    int rest = n;
-    for (const int factor : {2, 3, 5}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1) return 16 * n;
-  }
+/// Length of the one FFT whose frequencies are those of the axis; 0 if there is none.
+int direct_length(const ChirpAxis& axis) {
+  const double exact = 1.0 / axis.step;
+  if (!(exact >= std::max(axis.inputs, axis.outputs)) || exact > kMaxDirectLength) return 0;
+  const int length = int(std::lround(exact));
+  const bool on_grid = std::abs(length * axis.step - 1.0) < kMaxStepError;
+  return on_grid && fast_fft_length(length) == length ? length : 0;
 }
 
 /// FFTW makes and destroys plans in one thread at a time.
@@ -69,37 +69,55 @@ Plan make_plan(int length, std::complex<float>* from, std::complex<float>* to, i
 
 }  // namespace
 
+int fast_fft_length(int at_least) {
+  for (int n = (at_least + 15) / 16;; ++n) {
+    int rest = n;
+    for (const int factor : {2, 3, 5}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return 16 * n;
+  }
+}
+
 struct ChirpZ::Impl {
-  explicit Impl(const ChirpAxis& axis);
+  Impl(const ChirpAxis& axis, std::span<const float> gains);
+  void make_kernel(const ChirpAxis& axis);
   void load(const std::complex<float>* in, int lines);
   void convolve();
   void store(int lines, std::complex<float>* out, int stride);
 
+  bool direct;  ///< one FFT instead of a convolution
   int length;
-  Line before;    ///< chirp that multiplies the inputs
+  Line before;    ///< phasors that multiply the inputs
   Line kernel;    ///< spectrum of the convolution's chirp, times 1/length
-  Line after;     ///< chirp that multiplies the outputs
+  Line after;     ///< phasors that multiply the outputs
   Buffer padded;  ///< lines of `length`: inputs, then zeros
   Buffer spectra;
-  Buffer found;
+  Buffer found;  ///< lines of `length`: outputs, then other values
   Plan forward, backward;
 };
 
-ChirpZ::Impl::Impl(const ChirpAxis& axis)
-    : length(fast_length(axis.inputs + axis.outputs - 1)),
+ChirpZ::Impl::Impl(const ChirpAxis& axis, std::span<const float> gains)
+    : direct(direct_length(axis) > 0),
+      length(direct ? direct_length(axis) : fast_fft_length(axis.inputs + axis.outputs - 1)),
       padded(make_buffer(std::size_t(kLines) * std::size_t(length))),
       spectra(make_buffer(std::size_t(kLines) * std::size_t(length))),
       found(make_buffer(std::size_t(kLines) * std::size_t(length))),
-      forward(make_plan(length, padded.get(), spectra.get(), FFTW_FORWARD)),
+      forward(make_plan(length, padded.get(), (direct ? found : spectra).get(), FFTW_FORWARD)),
       backward(make_plan(length, spectra.get(), found.get(), FFTW_BACKWARD)) {
   // Bluestein: k x = (k^2 + x^2 - (k - x)^2) / 2 turns the sum into a convolution with a chirp.
-  const double centre = 0.5 * (axis.inputs - 1);
+  const double centre = 0.5 * (axis.inputs - 1), chirp = direct ? 0.0 : 0.5 * axis.step;
   for (int x = 0; x < axis.inputs; ++x) {
-    before.push_back(unit_phasor(-axis.first * (x - centre) - 0.5 * axis.step * x * x));
+    before.push_back(unit_phasor(-axis.first * (x - centre) - chirp * x * x));
   }
   for (int k = 0; k < axis.outputs; ++k) {
-    after.push_back(unit_phasor(-axis.step * (0.5 * k * k - k * centre)));
+    const float gain = gains.empty() ? 1.0F : gains[std::size_t(k)];
+    after.push_back(gain * unit_phasor(axis.step * k * centre - chirp * k * k));
   }
+  if (!direct) make_kernel(axis);
+}
+
+void ChirpZ::Impl::make_kernel(const ChirpAxis& axis) {
   const auto chirp = [&](double m) { return unit_phasor(0.5 * axis.step * m * m) / float(length); };
   for (int k = 0; k < axis.outputs; ++k) padded.get()[k] = chirp(k);
   for (int x = 1; x < axis.inputs; ++x) padded.get()[length - x] = chirp(x);
@@ -117,6 +135,7 @@ void ChirpZ::Impl::load(const std::complex<float>* in, int lines) {
 
 void ChirpZ::Impl::convolve() {
   fftwf_execute(forward.get());
+  if (direct) return;
   for (int line = 0; line < kLines; ++line) {
     std::complex<float>* const spectrum = spectra.get() + std::ptrdiff_t(line) * length;
     multiply_each(kernel.data(), spectrum, length, spectrum);
@@ -135,7 +154,8 @@ void ChirpZ::Impl::store(int lines, std::complex<float>* out, int stride) {
   }
 }
 
-ChirpZ::ChirpZ(const ChirpAxis& axis) : impl_(std::make_unique<Impl>(axis)) {}
+ChirpZ::ChirpZ(const ChirpAxis& axis, std::span<const float> gains)
+    : impl_(std::make_unique<Impl>(axis, gains)) {}
 ChirpZ::~ChirpZ() = default;
 ChirpZ::ChirpZ(ChirpZ&&) noexcept = default;
 ChirpZ& ChirpZ::operator=(ChirpZ&&) noexcept = default;
@@ -147,6 +167,20 @@ void ChirpZ::transform(const std::complex<float>* in, int lines, std::complex<fl
     impl_->load(in + std::size_t(first) * impl_->before.size(), some);
     impl_->convolve();
     impl_->store(some, out + first, stride);
+  }
+}
+
+void ChirpZ::transform_in_order(const std::complex<float>* in, int lines,
+                                std::complex<float>* out) {
+  const Line& after = impl_->after;
+  for (int first = 0; first < lines; first += kLines) {
+    const int some = std::min(kLines, lines - first);
+    impl_->load(in + std::size_t(first) * impl_->before.size(), some);
+    impl_->convolve();
+    for (int line = 0; line < some; ++line, out += after.size()) {
+      multiply_each(after.data(), impl_->found.get() + std::ptrdiff_t(line) * impl_->length,
+                    int(after.size()), out);
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/optics/chirp_z.hpp"
 #include "core/optics/hologram.hpp"
 
 namespace ovws {
@@ -65,6 +66,32 @@ TEST(FarField, EqualsTheDirectSumOnThePapersBench) {
 TEST(FarField, EqualsTheDirectSumForOddSizesAndAnyWindow) {
   expect_equal_to_direct_sum({97, 64, 19.0}, {33, 71, {-0.4, 0.3}, 0.0123});
   expect_equal_to_direct_sum({30, 41, 19.0}, {1, 200, {0.0, -0.5}, 1.0 / 317.0});
+}
+
+TEST(FarField, EqualsTheDirectSumWhereOneFftIsEnough) {
+  expect_equal_to_direct_sum({97, 64, 19.0}, {33, 71, {-0.4, 0.3}, 1.0 / 160.0});
+  expect_equal_to_direct_sum({160, 64, 19.0}, {160, 7, {0.1, -0.3}, 1.0 / 160.0});
+}
+
+TEST(ChirpZ, GivesTheSameInOrderAndTransposedWithItsGains) {
+  constexpr int kLines = 6, kOutputs = 5;
+  const Image<Complex> in = random_field({32, kLines, 19.0});
+  const std::vector<float> gains{1.0F, 2.0F, -1.0F, 0.5F, 3.0F};
+  for (const double step : {1.0 / 48.0, 1.0 / 50.0}) {
+    const ChirpAxis axis{in.width, kOutputs, 0.2, step};
+    Image<Complex> plain(kLines, kOutputs), transposed = plain, in_order(kOutputs, kLines);
+    ChirpZ(axis).transform(in.pixels.data(), kLines, plain.pixels.data(), kLines);
+    ChirpZ scaled(axis, gains);
+    scaled.transform(in.pixels.data(), kLines, transposed.pixels.data(), kLines);
+    scaled.transform_in_order(in.pixels.data(), kLines, in_order.pixels.data());
+    for (int line = 0; line < kLines; ++line) {
+      for (int k = 0; k < kOutputs; ++k) {
+        EXPECT_EQ(in_order.at(k, line), transposed.at(line, k));
+        const Complex expected = gains[std::size_t(k)] * plain.at(line, k);
+        EXPECT_NEAR(std::abs(in_order.at(k, line) - expected), 0.0, 1e-5);
+      }
+    }
+  }
 }
 
 TEST(FarField, CanBeMovedAndUsedAgain) {
