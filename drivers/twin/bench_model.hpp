@@ -11,6 +11,7 @@
 #include "core/port/camera.hpp"
 #include "drivers/twin/camera_view.hpp"
 #include "drivers/twin/pupil_field.hpp"
+#include "drivers/twin/pupil_screen.hpp"
 #include "drivers/twin/slm_model.hpp"
 #include "drivers/twin/twin_config.hpp"
 

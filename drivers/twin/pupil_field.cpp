@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "core/base/complex_product.hpp"
-#include "drivers/twin/in_halves.hpp"
+#include "core/optics/complex_matrices.hpp"
+#include "drivers/twin/phasor_product.hpp"
 #include "drivers/twin/turbulence.hpp"
 
 namespace ovws::twin {
 namespace {
+
+constexpr int kLines = 8;  // filtered or transformed in the cache before they are copied on
 
 using Line = std::vector<std::complex<float>>;
 
@@ -26,7 +30,7 @@ int first_px(int size, double diameter_px) {
 /// Filter for one axis of the window, including what turbulence scatters into it.
 Decimator decimator(int pixels, int points, double step, double diameter_px) {
   const double scattered_cpp = Turbulence::kMaxCycles / diameter_px;
-  return {pixels, 0.5 * (points - 1) * step + scattered_cpp};
+  return {pixels, 0.5 * (points - 1) * step + scattered_cpp, step};
 }
 
 Line carrier(int count, double cpp) {
@@ -39,21 +43,13 @@ Line carrier(int count, double cpp) {
   return phasors;
 }
 
-Line gains(const Decimator& decimator, int points, double step) {
-  Line gains;
-  for (int k = 0; k < points; ++k) gains.push_back(decimator.gain((k - 0.5 * (points - 1)) * step));
-  return gains;
-}
-
-/// Window as seen by the values of both decimators, about the window's middle.
-FarFieldWindow narrowed(const FarFieldWindow& window, const Decimator& along_x,
-                        const Decimator& along_y) {
-  const double step_x = along_x.bin() * window.step_cpp, step = along_y.bin() * step_y(window);
-  return {window.cols,
-          window.rows,
-          {-0.5 * (window.cols - 1) * step_x, -0.5 * (window.rows - 1) * step},
-          step_x,
-          step};
+/// Transform from the values of a decimator to the window's frequencies about its middle.
+ChirpZ transform(const Decimator& decimator, int points, double step) {
+  std::vector<float> gains;
+  const double first = -0.5 * (points - 1) * step;
+  for (int k = 0; k < points; ++k) gains.push_back(decimator.gain(first + k * step));
+  const double spacing = decimator.spacing();
+  return ChirpZ({decimator.outputs(), points, spacing * first, spacing * step}, gains);
 }
 
 }  // namespace
@@ -69,15 +65,15 @@ PupilField::PupilField(const SlmGeometry& slm, double diameter_px, const FarFiel
                                             0.5 * (window.rows - 1) * step_y(window)}),
       along_x_(decimator(width_, window.cols, window.step_cpp, diameter_px)),
       along_y_(decimator(height_, window.rows, step_y(window), diameter_px)),
-      far_field_({along_x_.outputs(), along_y_.outputs()}, narrowed(window, along_x_, along_y_), 2),
+      to_x_(transform(along_x_, window.cols, window.step_cpp)),
+      to_y_(transform(along_y_, window.rows, step_y(window))),
       carrier_x_(carrier(width_, carrier_cpp_.x)),
       carrier_y_(carrier(height_, carrier_cpp_.y)),
-      gain_x_(gains(along_x_, window.cols, window.step_cpp)),
-      gain_y_(gains(along_y_, window.rows, step_y(window))),
       incident_(width_, height_),
-      half_(along_x_.outputs(), height_),
-      screened_(along_x_.outputs(), along_y_.outputs()),
-      far_(window.cols, window.rows) {}
+      modulated_(width_, height_),
+      columns_(along_y_.outputs(), width_),
+      screened_(along_y_.outputs(), along_x_.outputs()),
+      rows_(along_x_.outputs(), window.rows) {}
 
 /// Columns of the SLM inside the pupil in row `y` of the square.
 Columns PupilField::pupil_columns(int y) const {
@@ -85,58 +81,65 @@ Columns PupilField::pupil_columns(int y) const {
 }
 
 void PupilField::set_incident(const Image<std::complex<float>>& light) {
-  in_halves(height_, [&](int first, int end, int) {
-    for (int y = first; y < end; ++y) {
-      const Columns pupil = pupil_columns(y);
-      const std::complex<float>* const from = light.row(first_y_px_ + y) + first_x_px_;
-      const std::complex<float> turn = carrier_y_[std::size_t(y)];
-      for (int k = pupil.begin - first_x_px_; k < pupil.end - first_x_px_; ++k) {
-        incident_.at(k, y) = product(product(from[k], turn), carrier_x_[std::size_t(k)]);
-      }
+  for (int y = 0; y < height_; ++y) {
+    const Columns pupil = pupil_columns(y);
+    const std::complex<float>* const from = light.row(first_y_px_ + y) + first_x_px_;
+    const std::complex<float> turn = carrier_y_[std::size_t(y)];
+    for (int k = pupil.begin - first_x_px_; k < pupil.end - first_x_px_; ++k) {
+      incident_.at(k, y) = product(product(from[k], turn), carrier_x_[std::size_t(k)]);
     }
-  });
+  }
+}
+
+void PupilField::modulate_row(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
+                              int y) {
+  const Columns pupil = pupil_columns(y);
+  const std::uint8_t* const levels = grey.row(first_y_px_ + y);
+  const int first = pupil.begin - first_x_px_;
+  std::complex<float>* const row = modulated_.row(y) + first;
+  std::transform(levels + pupil.begin, levels + pupil.end, row,
+                 [&](std::uint8_t level) { return phasors[level]; });
+  multiply_each(incident_.row(y) + first, row, pupil.end - pupil.begin, row);
 }
 
 void PupilField::modulate(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
                           Image<std::complex<float>>& light) {
-  light = {along_x_.outputs(), along_y_.outputs()};
-  in_halves(height_, [&](int first, int end, int) {
-    Line line(carrier_x_.size());
-    for (int y = first; y < end; ++y) {
-      const std::uint8_t* const levels = grey.row(first_y_px_ + y) + first_x_px_;
-      std::transform(incident_.row(y), incident_.row(y) + width_, levels, line.begin(),
-                     [&](std::complex<float> incident, std::uint8_t level) {
-                       return product(incident, phasors[level]);
-                     });
-      along_x_.along(line.data(), half_.row(y));
+  Image<std::complex<float>> lines(width_, kLines);
+  int rows = 0;  // modulated so far: just before they are filtered, so that they stay in the cache
+  for (int first = 0; first < columns_.width; first += kLines) {
+    const int end = std::min(first + kLines, columns_.width);
+    for (; rows < along_y_.end(end - 1); ++rows) modulate_row(grey, phasors, rows);
+    along_y_.down(modulated_, first, end, lines.pixels.data());
+    for (int x = 0; x < width_; ++x) {
+      for (int k = first; k < end; ++k) columns_.at(k, x) = lines.at(x, k - first);
     }
-  });
-  in_halves(light.height, [&](int first, int end, int) {
-    for (int k = first; k < end; ++k) along_y_.down(half_, k, light.row(k));
-  });
+  }
+  light.width = along_y_.outputs();
+  light.height = along_x_.outputs();
+  light.pixels.resize(std::size_t(light.width) * std::size_t(light.height));
+  along_x_.down(columns_, 0, light.height, light.pixels.data());
 }
 
 void PupilField::add_to(Image<std::complex<float>>& far, const Image<std::complex<float>>& light,
                         const PupilScreen* screen) {
-  const auto samples_behind = [&](int first, int end) {
-    for (int k = first; k < end; ++k) {
-      std::copy_n(light.row(k), light.width, screened_.row(k));
-      screen->modulate(first_y_px_ + along_y_.position(k), first_x_px_ + along_x_.position(0),
-                       along_x_.bin(), light.width, screened_.row(k));
-    }
-  };
   if (screen != nullptr) {
-    in_halves(light.height, [&](int first, int end, int) { samples_behind(first, end); });
+    const auto positions = [](int first_px, const Decimator& along) {
+      return PupilScreen::Positions{first_px + along.position(0), along.spacing(), along.outputs()};
+    };
+    const Eigen::MatrixXf waves =
+        screen->waves(positions(first_x_px_, along_x_), positions(first_y_px_, along_y_));
+    screened_ = light;
+    multiply_by_phasors(waves.data(), int(waves.size()), screened_.pixels.data());
   }
-  propagate_in_halves(far_field_, screen != nullptr ? screened_ : light, far_);
-  in_halves(far.height, [&](int first, int end, int) {
-    for (int r = first; r < end; ++r) {
-      const std::complex<float> gain = gain_y_[std::size_t(r)];
-      for (int c = 0; c < far.width; ++c) {
-        far.at(c, r) += product(far_.at(c, r), product(gain, gain_x_[std::size_t(c)]));
-      }
-    }
-  });
+  const Image<std::complex<float>>& seen = screen != nullptr ? screened_ : light;
+  to_y_.transform(seen.pixels.data(), seen.height, rows_.pixels.data(), rows_.width);
+  Image<std::complex<float>> lines(far.width, kLines);
+  for (int first = 0; first < far.height; first += kLines) {
+    const int count = std::min(kLines, far.height - first);
+    to_x_.transform_in_order(rows_.row(first), count, lines.pixels.data());
+    std::transform(lines.row(0), lines.row(0) + std::ptrdiff_t(count) * far.width, far.row(first),
+                   far.row(first), std::plus<>());
+  }
 }
 
 }  // namespace ovws::twin

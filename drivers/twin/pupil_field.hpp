@@ -6,6 +6,7 @@
 
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
+#include "core/optics/chirp_z.hpp"
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/far_field.hpp"
 #include "drivers/twin/decimator.hpp"
@@ -26,8 +27,8 @@ class PupilField {
   /// Sets the light on the SLM without turbulence, of the SLM's size; pixels outside the pupil are
   /// ignored.
   void set_incident(const Image<std::complex<float>>& light);
-  /// Light behind the SLM with these grey levels, decimated. `phasors`: the factor of each grey
-  /// level on the light.
+  /// Light behind the SLM with these grey levels, decimated and transposed: row k is a column of
+  /// the pupil. `phasors`: the factor of each grey level on the light.
   void modulate(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
                 Image<std::complex<float>>& light);
   /// Adds the far field of `light`, a result of modulate, to `far`, which has the window's size.
@@ -37,22 +38,23 @@ class PupilField {
 
  private:
   Columns pupil_columns(int y) const;
+  void modulate_row(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors, int y);
 
   Vec2 centre_px_;
   double diameter_px_;
   int first_x_px_, first_y_px_, width_, height_;  ///< the pupil's square
   Vec2 carrier_cpp_;                              ///< middle of the window
   Decimator along_x_, along_y_;
-  FarField far_field_;
+  ChirpZ to_x_, to_y_;  ///< from the values of a decimator to the window's frequencies
   /// exp(-2 pi i carrier x) for each column and row of the square: moves the window's middle to
   /// frequency 0.
   std::vector<std::complex<float>> carrier_x_, carrier_y_;
-  std::vector<std::complex<float>> gain_x_, gain_y_;  ///< Decimator::gain at the window's points
   Image<std::complex<float>>
-      incident_;                     ///< light in the square times the carriers; 0 beside the pupil
-  Image<std::complex<float>> half_;  ///< light decimated along x
-  Image<std::complex<float>> screened_;  ///< light behind the turbulence
-  Image<std::complex<float>> far_;
+      incident_;  ///< light in the square times the carriers; 0 beside the pupil
+  Image<std::complex<float>> modulated_;  ///< light behind the SLM; 0 beside the pupil
+  Image<std::complex<float>> columns_;    ///< light decimated along y, transposed
+  Image<std::complex<float>> screened_;   ///< light behind the turbulence
+  Image<std::complex<float>> rows_;       ///< far field along y of each column of the light
 };
 
 }  // namespace ovws::twin

@@ -1,11 +1,8 @@
-/// Phase screen: turbulence at the pupil's pixels, interpolated from a coarse grid.
+/// Phase screen: turbulence over the pupil, interpolated from a coarse grid.
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <complex>
 #include <cstdint>
-#include <vector>
 
 #include "core/base/vec2.hpp"
 #include "drivers/twin/turbulence.hpp"
@@ -22,23 +19,19 @@ class PupilScreen {
   PupilScreen(const Turbulence& turbulence, std::int64_t t_ns, Vec2 centre_px, double diameter_px,
               double margin_px = 0.0);
 
-  /// Multiplies the pixels of row y that lie in the pupil by exp(2 pi i waves); `row` begins at
-  /// column 0 and has `width` pixels.
-  void modulate(int y, int width, std::complex<float>* row) const;
-  /// The same for `count` values at every `step_px`-th pixel of row y, from first_x_px on. All must
-  /// lie on the screen.
-  void modulate(int y, int first_x_px, int step_px, int count, std::complex<float>* values) const;
+  /// Equally spaced positions along an axis, in SLM pixels.
+  struct Positions {
+    double first_px, step_px;
+    int count;
+  };
+  /// Wavefront in waves at each pair of these positions, which must lie on the screen. Indices
+  /// (y, x).
+  Eigen::MatrixXf waves(const Positions& x, const Positions& y) const;
 
  private:
-  static constexpr int kTaps = 6;
-  using Taps = std::array<float, kTaps>;
-
-  Vec2 centre_px_;
-  double diameter_px_;
-  int step_px_;                  ///< grid step, SLM pixels
-  int first_x_px_, first_y_px_;  ///< pixel of grid point 2: earlier points lack left neighbours
-  Eigen::MatrixXf points_;       ///< sampled wavefront, waves; indices (x, y)
-  std::vector<Taps> taps_;       ///< weights for each pixel between two grid points
+  int step_px_;             ///< grid step, SLM pixels
+  Vec2 first_px_;           ///< grid point (0, 0)
+  Eigen::MatrixXf points_;  ///< sampled wavefront, waves; indices (x, y)
 };
 
 }  // namespace ovws::twin

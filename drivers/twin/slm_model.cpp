@@ -10,6 +10,8 @@
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
+#include "drivers/twin/phasor_product.hpp"
+#include "drivers/twin/pupil_screen.hpp"
 
 namespace ovws::twin {
 
@@ -118,20 +120,32 @@ void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade
 }
 
 void SlmModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
-  screen_.reset();
+  turbulence_waves_.resize(0, 0);
   if (turbulence == nullptr) return;
   const Vec2 centre{(incident_.width - 1) / 2.0, (incident_.height - 1) / 2.0};
-  screen_.emplace(*turbulence, t_ns, centre, config_.sensor.pupil_diameter_px);
+  const double diameter = config_.sensor.pupil_diameter_px;
+  const auto positions = [&](double middle, int& first) {
+    first = std::max(0, int(std::ceil(middle - diameter / 2)));
+    return PupilScreen::Positions{double(first), 1.0, int(2.0 * middle) + 1 - 2 * first};
+  };
+  const auto x = positions(centre.x, turbulence_x_px_), y = positions(centre.y, turbulence_y_px_);
+  turbulence_waves_ = PupilScreen(*turbulence, t_ns, centre, diameter).waves(x, y).transpose();
 }
 
 void SlmModel::modulate(const Image<std::uint8_t>& grey, int first_row, int end_row,
                         Image<std::complex<float>>& field) const {
+  const Vec2 centre{(field.width - 1) / 2.0, (field.height - 1) / 2.0};
   for (int y = first_row; y < end_row; ++y) {
     std::transform(incident_.row(y), incident_.row(y) + field.width, grey.row(y), field.row(y),
                    [&](std::complex<float> light, std::uint8_t level) {
                      return product(light, phasor_of_grey_[level]);
                    });
-    if (screen_) screen_->modulate(y, field.width, field.row(y));
+    if (turbulence_waves_.size() == 0) continue;
+    const Columns pupil =
+        columns_in_circle(centre, config_.sensor.pupil_diameter_px, y, field.width);
+    if (pupil.begin == pupil.end) continue;
+    multiply_by_phasors(&turbulence_waves_(pupil.begin - turbulence_x_px_, y - turbulence_y_px_),
+                        pupil.end - pupil.begin, field.row(y) + pupil.begin);
   }
 }
 

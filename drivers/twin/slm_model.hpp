@@ -1,14 +1,14 @@
 /// Model of the twin's SLM and its illumination: from grey levels to the field behind the SLM.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <complex>
-#include <optional>
 #include <span>
 
 #include "core/base/image.hpp"
 #include "core/optics/zernike.hpp"
-#include "drivers/twin/pupil_screen.hpp"
+#include "drivers/twin/turbulence.hpp"
 #include "drivers/twin/twin_config.hpp"
 
 namespace ovws::twin {
@@ -50,7 +50,8 @@ class SlmModel {
   Image<float> surface_waves_;           ///< flatness error; empty: none
   Image<float> amplitude_;               ///< beam amplitude; empty: 1 everywhere
   Image<std::complex<float>> incident_;  ///< field of beam, aberration, shades and flatness error
-  std::optional<PupilScreen> screen_;    ///< turbulence
+  Eigen::MatrixXf turbulence_waves_;     ///< in the pupil's square, indices (x, y); empty: none
+  int turbulence_x_px_ = 0, turbulence_y_px_ = 0;  ///< pixel of its element (0, 0)
 };
 
 }  // namespace ovws::twin

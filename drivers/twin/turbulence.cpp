@@ -6,8 +6,10 @@
 #include <numbers>
 #include <random>
 
+#include "core/base/complex_product.hpp"
 #include "core/optics/wavefront_rows.hpp"
 #include "core/optics/zernike.hpp"
+#include "drivers/twin/line_filter.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -163,14 +165,19 @@ Eigen::MatrixXf Turbulence::sample(Vec2 first, double step, int points, std::int
     std::complex<double> x = std::polar(1.0, f.x * first.x);
     std::complex<double> y = std::polar(wave.waves, f.y * first.y + phase_at_centre(wave, t_ns));
     const auto next_x = std::polar(1.0, f.x * step), next_y = std::polar(1.0, f.y * step);
-    for (Eigen::Index p = 0; p < points; ++p, x *= next_x, y *= next_y) {
+    for (Eigen::Index p = 0; p < points; ++p, x = product(x, next_x), y = product(y, next_y)) {
       along_x(p, 2 * k) = float(x.real());
       along_x(p, 2 * k + 1) = -float(x.imag());
       along_y(2 * k, p) = float(y.real());
       along_y(2 * k + 1, p) = float(y.imag());
     }
   }
-  Eigen::MatrixXf sum = along_x * along_y;
+  LineFilter product_with_y;
+  for (Eigen::Index y = 0; y < points; ++y) {
+    product_with_y.append(0, {along_y.col(y).data(), std::size_t(2 * waves)});
+  }
+  Eigen::MatrixXf sum(points, points);
+  product_with_y.apply({along_x.data(), points, points}, 0, points, sum.data(), points);
   std::vector<Mode> modes;
   for (int j = 0; const double added : added_modes(t_ns)) modes.push_back({j++, added});
   const WavefrontRows added(modes, (-1.0 / step) * first, 2.0 / step);
