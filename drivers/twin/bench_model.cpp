@@ -57,13 +57,13 @@ void BenchModel::set_window(const Roi& window, const CameraGeometry& geometry) {
   pupil_.emplace(slm, config_.sensor.pupil_diameter_px, view_->grid());
   lit_ = false;
   far_field_.emplace(slm, view_->grid(), 2);
+  far_ = {view_->grid().cols, view_->grid().rows};
   pixel_field_ = {window.width, window.height};
   shown_ = next_ = {};
 }
 
-BenchModel::Shown BenchModel::propagate_light(const Image<std::uint8_t>& grey) {
-  Shown shown;
-  shown.grey = grey;
+/// Writes to `shown`, which may be any but shown_, and whose memory is used again.
+void BenchModel::propagate_light(const Image<std::uint8_t>& grey, Shown& shown) {
   bool same_beside = !shown_.grey.pixels.empty();
   if (same_beside) {
     beside_pupil(config_, [&](int y, int begin, int end) {
@@ -73,57 +73,73 @@ BenchModel::Shown BenchModel::propagate_light(const Image<std::uint8_t>& grey) {
   }
   if (!lit_) pupil_->set_incident(slm_.incident());
   lit_ = true;
+  shown.grey = grey;
+  shown.still = {};
   pupil_->modulate(grey, slm_.phasor_of_grey(), shown.light);
-  if (same_beside) {
-    shown.beside_pupil = shown_.beside_pupil;
-    return shown;
-  }
+  shown.beside_pupil = same_beside ? shown_.beside_pupil : propagate_beside(grey);
+}
+
+std::shared_ptr<const Image<std::complex<float>>> BenchModel::propagate_beside(
+    const Image<std::uint8_t>& grey) {
   Image<std::complex<float>> all(grey.width, grey.height), beside(grey.width, grey.height);
   in_halves(all.height, [&](int first, int end, int) { slm_.modulate(grey, first, end, all); });
   beside_pupil(config_, [&](int y, int begin, int end) {
     std::copy(all.row(y) + begin, all.row(y) + end, beside.row(y) + begin);
   });
-  shown.beside_pupil = {view_->grid().cols, view_->grid().rows};
-  propagate_in_halves(*far_field_, beside, shown.beside_pupil);
-  return shown;
+  auto far = std::make_shared<Image<std::complex<float>>>(view_->grid().cols, view_->grid().rows);
+  propagate_in_halves(*far_field_, beside, *far);
+  return far;
 }
 
 void BenchModel::show(const Image<std::uint8_t>& grey) {
   if (grey.pixels == shown_.grey.pixels) return;
-  if (grey.pixels == next_.grey.pixels) {
-    std::swap(shown_, next_);
-  } else {
-    shown_ = propagate_light(grey);
-  }
+  if (grey.pixels != next_.grey.pixels) propagate_light(grey, next_);
+  std::swap(shown_, next_);
 }
 
 void BenchModel::prepare(const Image<std::uint8_t>& grey) {
   if (grey.pixels == shown_.grey.pixels || grey.pixels == next_.grey.pixels) return;
-  next_ = propagate_light(grey);
+  propagate_light(grey, next_);
   if (!screen_) next_.still = intensity_of(next_);
 }
 
-const Image<std::complex<float>>& BenchModel::field_of(const Shown& shown) {
-  far_ = shown.beside_pupil;
-  pupil_->add_to(far_, shown.light, screen_ ? &*screen_ : nullptr);
-  in_halves(pixel_field_.height,
-            [&](int first, int end, int) { view_->read(far_, first, end, pixel_field_); });
-  return pixel_field_;
+void BenchModel::propagate_to_grid(const Shown& shown) {
+  pupil_->propagate(shown.light, screen_ ? &*screen_ : nullptr, *shown.beside_pupil, far_);
+}
+
+/// Runs work(first, end, half) on the window's rows. Only interpolation is worth a second thread.
+template <class Work>
+void BenchModel::for_pixel_rows(const Work& work) const {
+  if (view_->aligned()) {
+    work(0, pixel_field_.height, 0);
+  } else {
+    in_halves(pixel_field_.height, work);
+  }
 }
 
 const Image<std::complex<float>>& BenchModel::field(const Image<std::uint8_t>& grey) {
   show(grey);
-  return field_of(shown_);
+  propagate_to_grid(shown_);
+  for_pixel_rows([&](int first, int end, int) {
+    for (int row = first; row < end; ++row) view_->read(far_, row, pixel_field_.row(row));
+  });
+  return pixel_field_;
 }
 
 Image<float> BenchModel::intensity_of(const Shown& shown) {
-  const Image<std::complex<float>>& pixel_field = field_of(shown);
-  Image<float> intensity(pixel_field.width, pixel_field.height);
+  propagate_to_grid(shown);
+  Image<float> intensity(pixel_field_.width, pixel_field_.height);
   const float scale = float(1.0 / unit_);
-  for (std::size_t i = 0; i < pixel_field.pixels.size(); ++i) {
-    const float re = pixel_field.pixels[i].real(), im = pixel_field.pixels[i].imag();
-    intensity.pixels[i] = scale * (re * re + im * im);
-  }
+  for_pixel_rows([&](int first, int end, int) {
+    for (int row = first; row < end; ++row) {
+      std::complex<float>* const field = pixel_field_.row(row);
+      view_->read(far_, row, field);
+      std::transform(field, field + intensity.width, intensity.row(row),
+                     [&](std::complex<float> light) {
+                       return scale * (light.real() * light.real() + light.imag() * light.imag());
+                     });
+    }
+  });
   return intensity;
 }
 

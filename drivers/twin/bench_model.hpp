@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -41,14 +42,19 @@ class BenchModel {
  private:
   /// What depends on the grey levels, for the present aberration and window.
   struct Shown {
-    Image<std::uint8_t> grey;                 ///< empty: nothing is known
-    Image<std::complex<float>> light;         ///< of PupilField
-    Image<std::complex<float>> beside_pupil;  ///< far field of the light beside the pupil
-    Image<float> still;                       ///< intensity without turbulence; may be empty
+    Image<std::uint8_t> grey;          ///< empty: nothing is known
+    Image<std::complex<float>> light;  ///< of PupilField
+    /// Far field of the light beside the pupil.
+    std::shared_ptr<const Image<std::complex<float>>> beside_pupil;
+    Image<float> still;  ///< intensity without turbulence; may be empty
   };
   void show(const Image<std::uint8_t>& grey);
-  Shown propagate_light(const Image<std::uint8_t>& grey);
-  const Image<std::complex<float>>& field_of(const Shown& shown);
+  void propagate_light(const Image<std::uint8_t>& grey, Shown& shown);
+  std::shared_ptr<const Image<std::complex<float>>> propagate_beside(
+      const Image<std::uint8_t>& grey);
+  void propagate_to_grid(const Shown& shown);
+  template <class Work>
+  void for_pixel_rows(const Work& work) const;
   Image<float> intensity_of(const Shown& shown);
 
   Config config_;

@@ -110,35 +110,29 @@ void CameraView::use_oversampled_grid(const CameraMap& map, const SlmGeometry& s
   kernel_ = make_kernel<Taps>();
 }
 
-void CameraView::copy(const Image<std::complex<float>>& far, int first_row, int end_row,
-                      Image<std::complex<float>>& out) const {
+void CameraView::copy(const Image<std::complex<float>>& far, int row,
+                      std::complex<float>* out) const {
   const std::ptrdiff_t step = std::lround(per_column_.x + per_column_.y * far.width);
-  for (int r = first_row; r < end_row; ++r) {
-    const Vec2 at = start_ + double(r) * per_row_;
-    const std::complex<float>* from = far.row(int(at.y)) + int(at.x);
-    std::complex<float>* to = out.row(r);
-    for (int c = 0; c < width_; ++c) to[c] = from[c * step];
-  }
+  const Vec2 at = start_ + double(row) * per_row_;
+  const std::complex<float>* from = far.row(int(at.y)) + int(at.x);
+  for (int c = 0; c < width_; ++c) out[c] = from[c * step];
 }
 
-void CameraView::read(const Image<std::complex<float>>& far, int first_row, int end_row,
-                      Image<std::complex<float>>& out) const {
-  if (aligned_) return copy(far, first_row, end_row, out);
+void CameraView::read(const Image<std::complex<float>>& far, int row,
+                      std::complex<float>* out) const {
+  if (aligned_) return copy(far, row, out);
   using Line = Eigen::Array<float, 2, kTaps>;
-  for (int r = first_row; r < end_row; ++r) {
-    std::complex<float>* to = out.row(r);
-    for (int c = 0; c < width_; ++c) {
-      const Vec2 at = start_ + double(c) * per_column_ + double(r) * per_row_;
-      const Interpolation x = interpolate_at(at.x, period_[0], kernel_),
-                          y = interpolate_at(at.y, period_[1], kernel_);
-      Line columns = Line::Zero();
-      for (int k = 0; k < kTaps; ++k) {
-        const std::complex<float>* line = far.row(y.first + k) + x.first;
-        columns += y.weights[k] * Eigen::Map<const Line>(reinterpret_cast<const float*>(line));
-      }
-      const Eigen::Vector2f sum = columns.matrix() * x.weights.matrix();
-      to[c] = {sum[0], sum[1]};
+  for (int c = 0; c < width_; ++c) {
+    const Vec2 at = start_ + double(c) * per_column_ + double(row) * per_row_;
+    const Interpolation x = interpolate_at(at.x, period_[0], kernel_),
+                        y = interpolate_at(at.y, period_[1], kernel_);
+    Line columns = Line::Zero();
+    for (int k = 0; k < kTaps; ++k) {
+      const std::complex<float>* line = far.row(y.first + k) + x.first;
+      columns += y.weights[k] * Eigen::Map<const Line>(reinterpret_cast<const float*>(line));
     }
+    const Eigen::Vector2f sum = columns.matrix() * x.weights.matrix();
+    out[c] = {sum[0], sum[1]};
   }
 }
 

@@ -24,20 +24,18 @@ class CameraView {
   CameraView(const CameraMap& map, const SlmGeometry& slm, const Roi& window);
 
   const FarFieldWindow& grid() const { return grid_; }
+  bool aligned() const { return aligned_; }  ///< the grid points are the pixels
 
-  /// Interpolates the field at the pixels of rows [first_row, end_row). `far`: the field on the
-  /// grid, with phases relative to the SLM's centre. `out` has the window's size; the sign of the
-  /// field may be inverted.
-  void read(const Image<std::complex<float>>& far, int first_row, int end_row,
-            Image<std::complex<float>>& out) const;
+  /// Interpolates the field at the pixels of a row of the window. `far`: the field on the grid,
+  /// with phases relative to the SLM's centre. The sign of the field may be inverted.
+  void read(const Image<std::complex<float>>& far, int row, std::complex<float>* out) const;
 
   static constexpr int kTaps = 12;
 
  private:
   void use_pixel_grid(const CameraMap& map);
   void use_oversampled_grid(const CameraMap& map, const SlmGeometry& slm);
-  void copy(const Image<std::complex<float>>& far, int first_row, int end_row,
-            Image<std::complex<float>>& out) const;
+  void copy(const Image<std::complex<float>>& far, int row, std::complex<float>* out) const;
 
   int width_, height_;
   bool aligned_;

@@ -13,7 +13,7 @@
 namespace ovws::twin {
 namespace {
 
-constexpr int kLines = 8;  // filtered or transformed in the cache before they are copied on
+constexpr int kLines = 16;  // filtered or transformed in the cache before they are copied on
 
 using Line = std::vector<std::complex<float>>;
 
@@ -111,7 +111,9 @@ void PupilField::modulate(const Image<std::uint8_t>& grey, const SlmModel::GreyP
     for (; rows < along_y_.end(end - 1); ++rows) modulate_row(grey, phasors, rows);
     along_y_.down(modulated_, first, end, lines.pixels.data());
     for (int x = 0; x < width_; ++x) {
-      for (int k = first; k < end; ++k) columns_.at(k, x) = lines.at(x, k - first);
+      const std::complex<float>* from = lines.row(0) + x;
+      std::complex<float>* const to = columns_.row(x);
+      for (int k = first; k < end; ++k, from += width_) to[k] = *from;
     }
   }
   light.width = along_y_.outputs();
@@ -120,8 +122,9 @@ void PupilField::modulate(const Image<std::uint8_t>& grey, const SlmModel::GreyP
   along_x_.down(columns_, 0, light.height, light.pixels.data());
 }
 
-void PupilField::add_to(Image<std::complex<float>>& far, const Image<std::complex<float>>& light,
-                        const PupilScreen* screen) {
+void PupilField::propagate(const Image<std::complex<float>>& light, const PupilScreen* screen,
+                           const Image<std::complex<float>>& others,
+                           Image<std::complex<float>>& sum) {
   if (screen != nullptr) {
     const auto positions = [](int first_px, const Decimator& along) {
       return PupilScreen::Positions{first_px + along.position(0), along.spacing(), along.outputs()};
@@ -133,12 +136,12 @@ void PupilField::add_to(Image<std::complex<float>>& far, const Image<std::comple
   }
   const Image<std::complex<float>>& seen = screen != nullptr ? screened_ : light;
   to_y_.transform(seen.pixels.data(), seen.height, rows_.pixels.data(), rows_.width);
-  Image<std::complex<float>> lines(far.width, kLines);
-  for (int first = 0; first < far.height; first += kLines) {
-    const int count = std::min(kLines, far.height - first);
+  Image<std::complex<float>> lines(others.width, kLines);
+  for (int first = 0; first < others.height; first += kLines) {
+    const int count = std::min(kLines, others.height - first);
     to_x_.transform_in_order(rows_.row(first), count, lines.pixels.data());
-    std::transform(lines.row(0), lines.row(0) + std::ptrdiff_t(count) * far.width, far.row(first),
-                   far.row(first), std::plus<>());
+    std::transform(lines.row(0), lines.row(count), others.row(first), sum.row(first),
+                   std::plus<>());
   }
 }
 

@@ -31,10 +31,11 @@ class PupilField {
   /// the pupil. `phasors`: the factor of each grey level on the light.
   void modulate(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
                 Image<std::complex<float>>& light);
-  /// Adds the far field of `light`, a result of modulate, to `far`, which has the window's size.
-  /// `screen`: turbulence in front of the pupil, with a margin of Decimator::kMaxReach; null: none.
-  void add_to(Image<std::complex<float>>& far, const Image<std::complex<float>>& light,
-              const PupilScreen* screen);
+  /// Sums the far fields `others`, which has the window's size, and that of `light`, a result of
+  /// modulate. `screen`: turbulence in front of the pupil, with a margin of Decimator::kMaxReach;
+  /// null: none.
+  void propagate(const Image<std::complex<float>>& light, const PupilScreen* screen,
+                 const Image<std::complex<float>>& others, Image<std::complex<float>>& sum);
 
  private:
   Columns pupil_columns(int y) const;
