@@ -115,6 +115,10 @@ void CameraView::copy(const Image<std::complex<float>>& far, int row,
   const std::ptrdiff_t step = std::lround(per_column_.x + per_column_.y * far.width);
   const Vec2 at = start_ + double(row) * per_row_;
   const std::complex<float>* from = far.row(int(at.y)) + int(at.x);
+  if (step == 1) {
+    std::copy_n(from, width_, out);
+    return;
+  }
   for (int c = 0; c < width_; ++c) out[c] = from[c * step];
 }
 

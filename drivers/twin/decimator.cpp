@@ -64,12 +64,11 @@ double Decimator::weight(double from_centre) const {
          std::cyl_bessel_i(0.0, kKaiserBeta);
 }
 
-void Decimator::down(const Image<std::complex<float>>& in, int first, int end,
-                     std::complex<float>* out) const {
+void Decimator::down(const Image<std::complex<float>>& in, std::complex<float>* out) const {
   // Real and imaginary parts by turns: a real factor multiplies them alike.
   const int length = 2 * in.width;
-  taps_.apply({reinterpret_cast<const float*>(in.pixels.data()), length, length}, first, end,
-              reinterpret_cast<float*>(out), length);
+  taps_.apply({reinterpret_cast<const float*>(in.pixels.data()), length, length},
+              reinterpret_cast<float*>(out));
 }
 
 float Decimator::gain(double cpp) const {

@@ -25,12 +25,10 @@ class Decimator {
   double position(int k) const {
     return 0.5 * (inputs_ - 1) + (k - 0.5 * (outputs_ - 1)) * spacing_;
   }
-  int end(int k) const { return taps_.end(k); }  ///< end of the samples that value `k` depends on
   static constexpr int kMaxReach = 40;  ///< samples; farther than any value from the first sample
 
-  /// Filters all columns of an image with `inputs` rows: computes rows [first, end) of the result.
-  void down(const Image<std::complex<float>>& in, int first, int end,
-            std::complex<float>* out) const;
+  /// Filters all columns of an image with `inputs` or more rows: `out` receives outputs() rows.
+  void down(const Image<std::complex<float>>& in, std::complex<float>* out) const;
 
   /// Factor from the Fourier sum of the values, with positions relative to their middle, to that of
   /// the samples relative to theirs. `cpp`: frequency, cycles per sample.

@@ -94,34 +94,27 @@ namespace ovws::twin {
 
 HWY_EXPORT(WeightedSums);
 
-int LineFilter::end(int output) const {
-  const Output& last = outputs_[std::size_t(output)];
-  return last.first + int(last.weights.size());
-}
-
-void LineFilter::apply(const Lines& lines, int first, int end, float* out,
-                       std::ptrdiff_t out_stride) const {
+void LineFilter::apply(const Lines& lines, float* out) const {
   std::vector<float> weights;
-  for (int k = first; k < end; k += kSums, out += kSums * out_stride) {
-    const int sums = std::min(kSums, end - k);
-    const auto group = std::span(outputs_).subspan(std::size_t(k), std::size_t(sums));
-    int begin_line = group.front().first, end_line = begin_line;
-    for (int s = 0; s < sums; ++s) {
-      begin_line = std::min(begin_line, group[std::size_t(s)].first);
-      end_line = std::max(end_line, this->end(k + s));
+  for (std::size_t first = 0; first < outputs_.size(); first += kSums) {
+    const auto group =
+        std::span(outputs_).subspan(first, std::min<std::size_t>(kSums, outputs_.size() - first));
+    int begin = group.front().first, end = begin;  // lines that the group depends on
+    for (const Output& output : group) {
+      begin = std::min(begin, output.first);
+      end = std::max(end, output.first + int(output.weights.size()));
     }
-    weights.assign(std::size_t(kSums) * std::size_t(end_line - begin_line), 0.0F);
-    for (int s = 0; s < sums; ++s) {
-      std::size_t at = std::size_t(kSums * (group[std::size_t(s)].first - begin_line) + s);
-      for (const float weight : group[std::size_t(s)].weights) {
+    weights.assign(std::size_t(kSums) * std::size_t(end - begin), 0.0F);
+    for (std::size_t s = 0; s < group.size(); ++s) {
+      std::size_t at = kSums * std::size_t(group[s].first - begin) + s;
+      for (const float weight : group[s].weights) {
         weights[at] = weight;
         at += kSums;
       }
     }
     HWY_DYNAMIC_DISPATCH(WeightedSums)
-    ({lines.first + begin_line * lines.stride, lines.stride, lines.length, end_line - begin_line,
-      weights.data()},
-     {out, out_stride, sums});
+    ({lines.first + begin * lines.stride, lines.stride, lines.length, end - begin, weights.data()},
+     {out + std::ptrdiff_t(first) * lines.length, lines.length, int(group.size())});
   }
 }
 

@@ -15,7 +15,6 @@ class LineFilter {
   void append(int first, std::span<const float> weights) {
     outputs_.push_back({first, {weights.begin(), weights.end()}});
   }
-  int end(int output) const;  ///< end of the lines that the output depends on
 
   /// Lines of `length` numbers, `stride` numbers from one to the next.
   struct Lines {
@@ -23,9 +22,9 @@ class LineFilter {
     std::ptrdiff_t stride;
     int length;
   };
-  /// Computes outputs [first, end) of `lines`; `out` receives output `first`, and the others follow
-  /// every `out_stride` numbers. Agrees between CPUs within rounding.
-  void apply(const Lines& lines, int first, int end, float* out, std::ptrdiff_t out_stride) const;
+  /// Computes all outputs of `lines`; `out` receives them one after the other, `length` numbers
+  /// each. Agrees between CPUs within rounding.
+  void apply(const Lines& lines, float* out) const;
 
  private:
   struct Output {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "core/base/complex_product.hpp"
@@ -13,7 +12,9 @@
 namespace ovws::twin {
 namespace {
 
-constexpr int kLines = 16;  // filtered or transformed in the cache before they are copied on
+constexpr int kLines = 16;  // transformed in the cache before they are added up
+/// Columns of the pupil that are filtered together: as many as stay in the cache.
+constexpr int kStripWidth = 96;
 
 using Line = std::vector<std::complex<float>>;
 
@@ -69,9 +70,10 @@ PupilField::PupilField(const SlmGeometry& slm, double diameter_px, const FarFiel
       to_y_(transform(along_y_, window.rows, step_y(window))),
       carrier_x_(carrier(width_, carrier_cpp_.x)),
       carrier_y_(carrier(height_, carrier_cpp_.y)),
-      incident_(width_, height_),
-      modulated_(width_, height_),
-      columns_(along_y_.outputs(), width_),
+      incident_(std::size_t((width_ + kStripWidth - 1) / kStripWidth), {kStripWidth, height_}),
+      modulated_(kStripWidth, height_),
+      filtered_(kStripWidth, along_y_.outputs()),
+      columns_(along_y_.outputs(), int(incident_.size()) * kStripWidth),
       screened_(along_y_.outputs(), along_x_.outputs()),
       rows_(along_x_.outputs(), window.rows) {}
 
@@ -86,40 +88,38 @@ void PupilField::set_incident(const Image<std::complex<float>>& light) {
     const std::complex<float>* const from = light.row(first_y_px_ + y) + first_x_px_;
     const std::complex<float> turn = carrier_y_[std::size_t(y)];
     for (int k = pupil.begin - first_x_px_; k < pupil.end - first_x_px_; ++k) {
-      incident_.at(k, y) = product(product(from[k], turn), carrier_x_[std::size_t(k)]);
+      incident_[std::size_t(k / kStripWidth)].at(k % kStripWidth, y) =
+          product(product(from[k], turn), carrier_x_[std::size_t(k)]);
     }
   }
 }
 
-void PupilField::modulate_row(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
-                              int y) {
-  const Columns pupil = pupil_columns(y);
-  const std::uint8_t* const levels = grey.row(first_y_px_ + y);
-  const int first = pupil.begin - first_x_px_;
-  std::complex<float>* const row = modulated_.row(y) + first;
-  std::transform(levels + pupil.begin, levels + pupil.end, row,
-                 [&](std::uint8_t level) { return phasors[level]; });
-  multiply_each(incident_.row(y) + first, row, pupil.end - pupil.begin, row);
+void PupilField::modulate_strip(const Image<std::uint8_t>& grey,
+                                const SlmModel::GreyPhasors& phasors, int strip) {
+  const Image<std::complex<float>>& incident = incident_[std::size_t(strip)];
+  const int first = strip * kStripWidth, width = std::min(kStripWidth, width_ - first);
+  for (int y = 0; y < height_; ++y) {
+    const std::uint8_t* const levels = grey.row(first_y_px_ + y) + first_x_px_ + first;
+    std::complex<float>* const row = modulated_.row(y);
+    std::transform(levels, levels + width, row, [&](std::uint8_t level) { return phasors[level]; });
+    multiply_each(incident.row(y), row, width, row);
+  }
 }
 
 void PupilField::modulate(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
                           Image<std::complex<float>>& light) {
-  Image<std::complex<float>> lines(width_, kLines);
-  int rows = 0;  // modulated so far: just before they are filtered, so that they stay in the cache
-  for (int first = 0; first < columns_.width; first += kLines) {
-    const int end = std::min(first + kLines, columns_.width);
-    for (; rows < along_y_.end(end - 1); ++rows) modulate_row(grey, phasors, rows);
-    along_y_.down(modulated_, first, end, lines.pixels.data());
-    for (int x = 0; x < width_; ++x) {
-      const std::complex<float>* from = lines.row(0) + x;
-      std::complex<float>* const to = columns_.row(x);
-      for (int k = first; k < end; ++k, from += width_) to[k] = *from;
+  for (int strip = 0; strip < int(incident_.size()); ++strip) {
+    modulate_strip(grey, phasors, strip);
+    along_y_.down(modulated_, filtered_.pixels.data());
+    for (int x = 0; x < kStripWidth; ++x) {
+      std::complex<float>* const column = columns_.row(strip * kStripWidth + x);
+      for (int k = 0; k < filtered_.height; ++k) column[k] = filtered_.at(x, k);
     }
   }
   light.width = along_y_.outputs();
   light.height = along_x_.outputs();
   light.pixels.resize(std::size_t(light.width) * std::size_t(light.height));
-  along_x_.down(columns_, 0, light.height, light.pixels.data());
+  along_x_.down(columns_, light.pixels.data());
 }
 
 void PupilField::propagate(const Image<std::complex<float>>& light, const PupilScreen* screen,
@@ -140,8 +140,10 @@ void PupilField::propagate(const Image<std::complex<float>>& light, const PupilS
   for (int first = 0; first < others.height; first += kLines) {
     const int count = std::min(kLines, others.height - first);
     to_x_.transform_in_order(rows_.row(first), count, lines.pixels.data());
-    std::transform(lines.row(0), lines.row(count), others.row(first), sum.row(first),
-                   std::plus<>());
+    const std::ptrdiff_t values = std::ptrdiff_t(count) * others.width;
+    using Values = Eigen::Map<const Eigen::ArrayXcf>;
+    Eigen::Map<Eigen::ArrayXcf>(sum.row(first), values) =
+        Values(lines.row(0), values) + Values(others.row(first), values);
   }
 }
 

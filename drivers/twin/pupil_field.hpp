@@ -39,7 +39,8 @@ class PupilField {
 
  private:
   Columns pupil_columns(int y) const;
-  void modulate_row(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors, int y);
+  void modulate_strip(const Image<std::uint8_t>& grey, const SlmModel::GreyPhasors& phasors,
+                      int strip);
 
   Vec2 centre_px_;
   double diameter_px_;
@@ -50,10 +51,11 @@ class PupilField {
   /// exp(-2 pi i carrier x) for each column and row of the square: moves the window's middle to
   /// frequency 0.
   std::vector<std::complex<float>> carrier_x_, carrier_y_;
-  Image<std::complex<float>>
-      incident_;  ///< light in the square times the carriers; 0 beside the pupil
-  Image<std::complex<float>> modulated_;  ///< light behind the SLM; 0 beside the pupil
-  Image<std::complex<float>> columns_;    ///< light decimated along y, transposed
+  /// Light in the square times the carriers, in strips of a few columns; 0 beside the pupil.
+  std::vector<Image<std::complex<float>>> incident_;
+  Image<std::complex<float>> modulated_;  ///< light of one strip behind the SLM
+  Image<std::complex<float>> filtered_;   ///< the same, decimated along y
+  Image<std::complex<float>> columns_;    ///< of all strips, transposed
   Image<std::complex<float>> screened_;   ///< light behind the turbulence
   Image<std::complex<float>> rows_;       ///< far field along y of each column of the light
 };

@@ -32,8 +32,7 @@ Eigen::MatrixXf between_columns(const Eigen::MatrixXf& points, double first, dou
     filter.append(first_tap, weights);
   }
   Eigen::MatrixXf columns(points.rows(), count);
-  filter.apply({points.data(), points.rows(), int(points.rows())}, 0, count, columns.data(),
-               columns.rows());
+  filter.apply({points.data(), points.rows(), int(points.rows())}, columns.data());
   return columns;
 }
 

@@ -177,7 +177,7 @@ Eigen::MatrixXf Turbulence::sample(Vec2 first, double step, int points, std::int
     product_with_y.append(0, {along_y.col(y).data(), std::size_t(2 * waves)});
   }
   Eigen::MatrixXf sum(points, points);
-  product_with_y.apply({along_x.data(), points, points}, 0, points, sum.data(), points);
+  product_with_y.apply({along_x.data(), points, points}, sum.data());
   std::vector<Mode> modes;
   for (int j = 0; const double added : added_modes(t_ns)) modes.push_back({j++, added});
   const WavefrontRows added(modes, (-1.0 / step) * first, 2.0 / step);
