@@ -78,7 +78,9 @@ hn::Vec<F> Poisson(F f, const PixelNoiseJob& job, hn::Vec<F> mean,
   const hn::RebindToUnsigned<F> u;
   const hn::RebindToSigned<F> i;
   const auto exact = hn::Lt(mean, hn::Set(f, job.exact_poisson));
-  const auto many = hn::MulAdd(hn::Sqrt(mean), Normal(f, job, more), mean);
+  // Most vectors are all dark: skip what only bright pixels need.
+  const auto many =
+      hn::AllTrue(f, exact) ? mean : hn::MulAdd(hn::Sqrt(mean), Normal(f, job, more), mean);
   const auto small = hn::IfThenElseZero(exact, mean);
   const auto eighths = hn::ConvertTo(i, hn::Mul(small, hn::Set(f, job.per_electron)));
   const auto rest =
