@@ -11,6 +11,8 @@
 
 #include <utility>
 
+#include "drivers/twin/blue_bytes.hpp"
+
 namespace ovws::twin {
 namespace {
 
@@ -217,9 +219,8 @@ bool XOutput::grab(Image<std::uint8_t>& grey) {
                                      impl_->image, area.x, area.y, AllPlanes) != 0;
   if (!received || impl_->dead || x_error) return false;
   for (int y = 0; y < area.height; ++y) {
-    const char* from = impl_->image->data + std::ptrdiff_t(y) * impl_->image->bytes_per_line;
-    std::uint8_t* to = grey.row(y);
-    for (int x = 0; x < area.width; ++x) to[x] = std::uint8_t(from[4 * std::ptrdiff_t(x)]);
+    const char* const line = impl_->image->data + std::ptrdiff_t(y) * impl_->image->bytes_per_line;
+    blue_bytes(reinterpret_cast<const std::uint32_t*>(line), area.width, grey.row(y));
   }
   return true;
 }
