@@ -1,5 +1,6 @@
 #include "core/optics/detector.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -40,9 +41,10 @@ void Detector::expose(const Image<float>& photons, double exposure_us, double ga
   dn.pixels.resize(response_.size());
   const auto dark_e = static_cast<float>(config_.dark_current_e_per_s * exposure_us * 1e-6);
   mean_e_.resize(response_.size());
-  for (std::size_t i = 0; i < response_.size(); ++i) {
-    mean_e_[i] = photons.pixels[i] * response_[i] + dark_e;
-  }
+  using Values = Eigen::Map<const Eigen::ArrayXf>;
+  const auto count = Eigen::Index(response_.size());
+  Eigen::Map<Eigen::ArrayXf>(mean_e_.data(), count) =
+      Values(photons.pixels.data(), count) * Values(response_.data(), count) + dark_e;
   const PixelChain chain{.shot_noise = config_.shot_noise,
                          .read_noise_e = static_cast<float>(config_.read_noise_e),
                          .full_well_e = static_cast<float>(config_.full_well_e),

@@ -1,5 +1,6 @@
 #include "drivers/twin/frame_source.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -69,9 +70,10 @@ FrameSource::Frame FrameSource::make(const FrameRequest& request) {
   }
   const float scale = float(truth.peak_electrons / config.quantum_efficiency * request.exposure_us /
                             kReferenceExposureUs);
-  for (std::size_t i = 0; i < photons_.pixels.size(); ++i) {
-    photons_.pixels[i] = scale * intensity.pixels[i];
-  }
+  using Values = Eigen::Map<const Eigen::ArrayXf>;
+  const auto count = Eigen::Index(intensity.pixels.size());
+  Eigen::Map<Eigen::ArrayXf>(photons_.pixels.data(), count) =
+      scale * Values(intensity.pixels.data(), count);
   filter_colours(photons_, request.format, wavelength_nm_);
   detector_->expose(photons_, request.exposure_us, request.gain_db, dn_);
   return std::make_shared<std::vector<std::byte>>(

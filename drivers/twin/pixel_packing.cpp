@@ -1,5 +1,7 @@
 #include "drivers/twin/pixel_packing.hpp"
 
+#include <algorithm>
+
 namespace ovws::twin {
 namespace {
 
@@ -35,8 +37,10 @@ std::vector<std::byte> packed(const Image<std::uint16_t>& dn, int bits, PixelFor
   const int up = (left_justified && words ? 16 : traits.bits) - bits;
   std::vector<std::byte> bytes(frame_bytes(format, dn.width, dn.height));
   const auto each = [&](const auto& put) {
+    // One of the shifts is by 0: a branch for each pixel would take longer.
+    const int left = std::max(up, 0), right = std::max(-up, 0);
     for (std::size_t i = 0; i < dn.pixels.size(); ++i) {
-      put(i, up >= 0 ? unsigned(dn.pixels[i]) << up : dn.pixels[i] >> -up);
+      put(i, unsigned(dn.pixels[i]) << left >> right);
     }
   };
   switch (traits.layout) {
