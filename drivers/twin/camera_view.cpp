@@ -125,18 +125,11 @@ void CameraView::copy(const Image<std::complex<float>>& far, int row,
 void CameraView::read(const Image<std::complex<float>>& far, int row,
                       std::complex<float>* out) const {
   if (aligned_) return copy(far, row, out);
-  using Line = Eigen::Array<float, 2, kTaps>;
   for (int c = 0; c < width_; ++c) {
     const Vec2 at = start_ + double(c) * per_column_ + double(row) * per_row_;
     const Interpolation x = interpolate_at(at.x, period_[0], kernel_),
                         y = interpolate_at(at.y, period_[1], kernel_);
-    Line columns = Line::Zero();
-    for (int k = 0; k < kTaps; ++k) {
-      const std::complex<float>* line = far.row(y.first + k) + x.first;
-      columns += y.weights[k] * Eigen::Map<const Line>(reinterpret_cast<const float*>(line));
-    }
-    const Eigen::Vector2f sum = columns.matrix() * x.weights.matrix();
-    out[c] = {sum[0], sum[1]};
+    out[c] = tap_sum(far.row(y.first) + x.first, far.width, x.weights.data(), y.weights.data());
   }
 }
 

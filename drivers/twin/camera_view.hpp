@@ -10,6 +10,7 @@
 #include "core/optics/far_field.hpp"
 #include "core/port/camera.hpp"
 #include "drivers/twin/camera_map.hpp"
+#include "drivers/twin/tap_sum.hpp"
 
 namespace ovws::twin {
 
@@ -30,7 +31,7 @@ class CameraView {
   /// with phases relative to the SLM's centre. The sign of the field may be inverted.
   void read(const Image<std::complex<float>>& far, int row, std::complex<float>* out) const;
 
-  static constexpr int kTaps = 12;
+  static constexpr int kTaps = kTapsAcross;
 
  private:
   void use_pixel_grid(const CameraMap& map);
