@@ -32,8 +32,8 @@ Densities densities(const Disturbance& disturbance, double step_s) {
   return found;
 }
 
-LoopForecast forecast(const ModeLaw& law, const Densities& of, double step_s) {
-  const auto passed = law.transfer(of.hz, step_s);
+LoopForecast forecast(const ModeLaw& law, const Densities& of, const LoopTiming& timing) {
+  const auto passed = law.transfer(of.hz, timing);
   double power = 0.0, greatest = 0.0;
   for (std::size_t k = 0; k < passed.size(); ++k) {
     power += std::norm(1.0 - passed[k]) * of.disturbance[k] + std::norm(passed[k]) * of.noise;
@@ -45,15 +45,17 @@ LoopForecast forecast(const ModeLaw& law, const Densities& of, double step_s) {
 
 }  // namespace
 
-LoopForecast forecast(const ModeLaw& law, const Disturbance& disturbance, double step_s) {
-  return forecast(law, densities(disturbance, step_s), step_s);
+LoopForecast forecast(const ModeLaw& law, const Disturbance& disturbance,
+                      const LoopTiming& timing) {
+  return forecast(law, densities(disturbance, timing.step_s), timing);
 }
 
-double best_gain(const Disturbance& disturbance, double step_s, double leak, double least_margin) {
-  const Densities of = densities(disturbance, step_s);
+double best_gain(const Disturbance& disturbance, const LoopTiming& timing, double leak,
+                 double least_margin) {
+  const Densities of = densities(disturbance, timing.step_s);
   double best = kLeastGain, least = std::numeric_limits<double>::infinity();
   for (double gain = kLeastGain; gain <= kMostGain; gain *= kGainRatio) {
-    const LoopForecast found = forecast(Integrator(gain, leak, 0.0), of, step_s);
+    const LoopForecast found = forecast(Integrator(gain, leak, 0.0), of, timing);
     if (found.gain_margin < least_margin || !(found.residual_waves < least)) continue;
     least = found.residual_waves;
     best = gain;

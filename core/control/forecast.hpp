@@ -14,11 +14,13 @@ struct LoopForecast {
   double gain_margin = 0.0;
 };
 
-/// Forecast for one mode of a loop with a step every `step_s`, one frame a step.
-LoopForecast forecast(const ModeLaw& law, const Disturbance& disturbance, double step_s);
+/// Forecast for one mode: integrals over frequency of the disturbance's and the noise's power with
+/// the law's transfer function.
+LoopForecast forecast(const ModeLaw& law, const Disturbance& disturbance, const LoopTiming& timing);
 
 /// Gain of the integrator that leaves least of the disturbance (modal gain optimisation; Gendron
 /// and Lena, A&A 291, 337, 1994), of those with a gain margin of at least `least_margin`.
-double best_gain(const Disturbance& disturbance, double step_s, double leak, double least_margin);
+double best_gain(const Disturbance& disturbance, const LoopTiming& timing, double leak,
+                 double least_margin);
 
 }  // namespace ovws

@@ -10,9 +10,11 @@
 
 namespace ovws {
 
-/// Leaky integrator: the next correction is (1 - leak) c + gain r, where r is the residual of the
-/// last frame, and c the correction in the hologram of that frame. It starts from the correction
-/// that was really shown, so a limited or delayed correction does not wind up.
+/// Leaky integrator of the disturbance (pseudo open-loop control; Piatrou and Gilles, Applied
+/// Optics 44, 1003, 2005). A step changes the correction c to (1 - leak - gain) c + gain d. The
+/// disturbance d is residual plus shown correction, averaged over the frames since the last step.
+/// If the next frame has the correction, that is (1 - leak) c + gain r with its residual r. The
+/// shown correction cancels in d, so the loop is stable with any delay of the correction.
 class Integrator final : public ModeLaw {
  public:
   /// `gain`: 0 to 1; `leak`: 0 to below 1. Starts with `correction_waves`.
@@ -20,13 +22,17 @@ class Integrator final : public ModeLaw {
       : gain_(gain), leak_(leak), correction_waves_(correction_waves) {}
 
   void observe(const ModeSample& sample) override;
-  double correction_at(std::int64_t) const override { return correction_waves_; }
+  double step(std::int64_t t_ns, double limit_waves) override;
+  /// gain z^-d / (1 - (1 - leak - gain) / z), with the delay d in steps.
   std::vector<std::complex<double>> transfer(std::span<const double> hz,
-                                             double step_s) const override;
+                                             const LoopTiming& timing) const override;
 
  private:
+  static constexpr int kMostFrames = 16;  ///< that the mean has in full; older ones fade
   double gain_, leak_;
   double correction_waves_;
+  double disturbance_waves_ = 0.0;  ///< mean of the frames since the last step
+  int frames_ = 0;                  ///< since the last step, at most kMostFrames
 };
 
 }  // namespace ovws

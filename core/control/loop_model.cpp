@@ -28,17 +28,18 @@ double regular_interval_s(const std::vector<double>& times_s) {
 }
 
 /// Forecasts for one mode. A loop measures a step's disturbance with `frames` frames together.
-void forecast_all(ModeModel& mode, double step_s, double frames, double gain, double leak) {
+void forecast_all(ModeModel& mode, const LoopTiming& timing, double frames, double gain,
+                  double leak) {
   Disturbance real = mode.disturbance;
   real.noise_waves /= std::sqrt(frames);
-  mode.best_gain = best_gain(real, step_s, leak, LoopModel::kLeastMargin);
-  mode.integrator = forecast(Integrator(gain, leak, 0.0), real, step_s);
-  mode.optimised = forecast(Integrator(mode.best_gain, leak, 0.0), real, step_s);
+  mode.best_gain = best_gain(real, timing, leak, LoopModel::kLeastMargin);
+  mode.integrator = forecast(Integrator(gain, leak, 0.0), real, timing);
+  mode.optimised = forecast(Integrator(mode.best_gain, leak, 0.0), real, timing);
   // More noise makes the predictor more cautious, until it has the least margin.
   Disturbance assumed = real;
   assumed.noise_waves = std::max(real.noise_waves, kLeastNoise * real.rms_waves());
   for (int k = 0; k <= kMostCautious; ++k, assumed.noise_waves *= kCautious) {
-    mode.predictor = forecast(Predictor(assumed, 0.0), real, step_s);
+    mode.predictor = forecast(Predictor(assumed, 0.0), real, timing);
     mode.disturbance.noise_waves = assumed.noise_waves * std::sqrt(frames);
     if (mode.predictor.gain_margin >= LoopModel::kLeastMargin) break;
   }
@@ -51,10 +52,10 @@ const ModeModel* LoopModel::find(int j) const {
   return found == modes.end() ? nullptr : &*found;
 }
 
-LoopModel identify(const DisturbanceSeries& series, double step_s, double gain, double leak,
-                   const std::function<bool(double)>& go_on) {
+LoopModel identify(const DisturbanceSeries& series, const LoopTiming& timing, double gain,
+                   double leak, const std::function<bool(double)>& go_on) {
   LoopModel model;
-  model.step_s = step_s;
+  model.timing = timing;
   const std::vector<double>& times = series.waves.times_s;
   if (times.size() < kLeastSamples) return model;
   model.seconds = times.back() - times.front();
@@ -64,7 +65,7 @@ LoopModel identify(const DisturbanceSeries& series, double step_s, double gain, 
   const double segment =
       sample_s * std::floor(std::min(0.999 * model.seconds / kSegments, kMaxSegmentS) / sample_s);
   const double averaging = std::sqrt(series.frames_per_sample);
-  const double frames_a_step = series.frames_per_sample * std::max(1.0, step_s / sample_s);
+  const double frames_a_step = series.frames_per_sample * std::max(1.0, timing.step_s / sample_s);
   for (std::size_t k = 0; k < series.modes_j.size(); ++k) {
     if (go_on && !go_on(double(k) / double(series.modes_j.size()))) return {};
     const Spectrum found = spectrum({times, {series.waves.modes_waves[k]}}, segment);
@@ -73,7 +74,7 @@ LoopModel identify(const DisturbanceSeries& series, double step_s, double gain, 
     mode.j = series.modes_j[k];
     mode.disturbance = identify(found, sample_s, series.sigma_waves[k] / averaging);
     mode.disturbance.noise_waves *= averaging;
-    forecast_all(mode, step_s, frames_a_step, gain, leak);
+    forecast_all(mode, timing, frames_a_step, gain, leak);
     model.modes.push_back(std::move(mode));
   }
   return model;

@@ -23,7 +23,7 @@ struct LoopModel {
 
   std::int64_t t_taken_ns = 0;  ///< UTC
   double seconds = 0.0;         ///< length of the series
-  double step_s = 0.0;          ///< step of the loop for which the forecasts are
+  LoopTiming timing;            ///< of the loop for which the forecasts are
   std::vector<ModeModel> modes;
 
   const ModeModel* find(int j) const;
@@ -37,12 +37,12 @@ struct DisturbanceSeries {
   double frames_per_sample = 1.0;   ///< on average, >= 1
 };
 
-/// Identifies each mode's disturbance, and forecasts the laws for a loop with a step every
-/// `step_s`. `gain`, `leak`: those of the integrator. A predictor whose gain margin would be less
-/// than kLeastMargin is made more cautious: more noise is assumed than was found. Takes some
-/// 0.1 s a mode; `go_on` gets the share that is done before each. No modes: the series has fewer
-/// than 64 samples, or its gaps leave none for a spectrum, or `go_on` returned false.
-LoopModel identify(const DisturbanceSeries& series, double step_s, double gain, double leak,
-                   const std::function<bool(double)>& go_on = nullptr);
+/// Identifies each mode's disturbance, and forecasts the laws for a loop with this timing. `gain`,
+/// `leak`: those of the integrator. A predictor whose gain margin would be less than kLeastMargin
+/// is made more cautious: more noise is assumed than was found. Takes some 0.1 s a mode; `go_on`
+/// gets the share that is done before each. No modes: the series has fewer than 64 samples, or its
+/// gaps leave none for a spectrum, or `go_on` returned false.
+LoopModel identify(const DisturbanceSeries& series, const LoopTiming& timing, double gain,
+                   double leak, const std::function<bool(double)>& go_on = nullptr);
 
 }  // namespace ovws

@@ -53,9 +53,8 @@ void ModalControl::step(std::int64_t t_ns) {
   at_limit_ = false;
   for (const auto& [j, one] : laws_) {
     if (!one.observed) continue;  // keeps its correction: nothing is known of the mode
-    const double wanted = one.law->correction_at(t_ns);
-    const double waves = std::clamp(wanted, -settings_.limit_waves, settings_.limit_waves);
-    at_limit_ = at_limit_ || waves != wanted;
+    const double waves = one.law->step(t_ns, settings_.limit_waves);
+    at_limit_ = at_limit_ || std::abs(waves) >= settings_.limit_waves;
     const auto known = std::ranges::find(correction_, j, &Mode::j);
     if (known != correction_.end()) {
       known->waves = waves;

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace ovws {
@@ -106,9 +105,11 @@ void Predictor::observe(const ModeSample& sample) {
   covariance_ -= towards * towards.transpose() / variance;
 }
 
-double Predictor::correction_at(std::int64_t t_ns) const {
-  if (t_ns_ == 0) return first_waves_;
-  return position_of(moved(transition(seconds_between(t_ns_, t_ns)), state_));
+double Predictor::step(std::int64_t t_ns, double limit_waves) {
+  const double waves = t_ns_ == 0
+                           ? first_waves_
+                           : position_of(moved(transition(seconds_between(t_ns_, t_ns)), state_));
+  return std::clamp(waves, -limit_waves, limit_waves);
 }
 
 Predictor::State Predictor::steady_gain(const Transition& by) const {
@@ -127,24 +128,26 @@ Predictor::State Predictor::steady_gain(const Transition& by) const {
   return gain;
 }
 
-/// The filtered state is x[k] = M x[k-1] + g (y[k] - h M x[k-1]), with the transition M, the gain
-/// g, and h the sum of the positions; the prediction is h M x[k]. So without the feedback by h M
-/// the transfer is p = h M (1 - M/z)^-1 g / z, a sum over the parts, and with it p / (1 + p).
+/// The filtered state is x[k] = M x[k-1] + g (y[k] - h M x[k-1]), with the disturbance y, the
+/// transition M of a step, the gain g, and h the sum of the positions. With v = (1 - M/z)^-1 g and
+/// p = h M v / z, its transfer is v / (1 + p) (Sherman-Morrison formula). The correction is
+/// h D x[k], with the transition D of the delay, and is shown after the delay.
 std::vector<std::complex<double>> Predictor::transfer(std::span<const double> hz,
-                                                      double step_s) const {
-  const Transition by = transition(step_s);
+                                                      const LoopTiming& timing) const {
+  const Transition by = transition(timing.step_s), ahead = transition(timing.delay_s);
   const State gain = steady_gain(by);
   std::vector<std::complex<double>> found;
   for (const double at : hz) {
-    const auto z = std::polar(1.0, 2.0 * std::numbers::pi * at * step_s);
-    std::complex<double> open = 0.0;
+    const auto one_step = delayed(at, timing.step_s);
+    std::complex<double> expected = 0.0, predicted = 0.0;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
-      const Eigen::Matrix2cd left = Eigen::Matrix2cd::Identity() - by[i] / z;
+      const Eigen::Matrix2cd left = Eigen::Matrix2cd::Identity() - by[i] * one_step;
       const Eigen::Vector2cd state =
           left.inverse() * gain.segment<2>(2 * Eigen::Index(i)).cast<std::complex<double>>();
-      open += (by[i].row(0).cast<std::complex<double>>() * state)(0) / z;
+      expected += (by[i].row(0).cast<std::complex<double>>() * state)(0) * one_step;
+      predicted += (ahead[i].row(0).cast<std::complex<double>>() * state)(0);
     }
-    found.push_back(open / (1.0 + open));
+    found.push_back(predicted * delayed(at, timing.delay_s) / (1.0 + expected));
   }
   return found;
 }

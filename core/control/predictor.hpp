@@ -22,10 +22,10 @@ class Predictor final : public ModeLaw {
   explicit Predictor(const Disturbance& disturbance, double correction_waves);
 
   void observe(const ModeSample& sample) override;
-  double correction_at(std::int64_t t_ns) const override;
-  /// Of the steady filter, which expects each correction's effect one step after its sample.
+  double step(std::int64_t t_ns, double limit_waves) override;
+  /// Of the steady filter, which predicts over the delay.
   std::vector<std::complex<double>> transfer(std::span<const double> hz,
-                                             double step_s) const override;
+                                             const LoopTiming& timing) const override;
 
  private:
   static constexpr int kMaxStates = 2 * (Disturbance::kMaxParts + 1);

@@ -122,6 +122,16 @@ inline constexpr auto kTable<LoopReport> = Fields{
         kTimeTextMeaning)};
 
 template <>
+inline constexpr auto kTable<LoopTiming> = Fields{
+    "LoopTiming",
+    field<&LoopTiming::step_s>("step of the loop for which the forecasts are, seconds",
+                               Bounds::at_least(0)),
+    field<&LoopTiming::delay_s>("delay of the correction for which the forecasts are: from the "
+                                "middle of a frame's exposure to the middle of the time in which "
+                                "the correction computed from it is shown, seconds",
+                                Bounds::at_least(0))};
+
+template <>
 inline constexpr auto kTable<LoopForecast> = Fields{
     "LoopForecast",
     field<&LoopForecast::residual_waves>("expected RMS residual of the mode, noise that the loop "
@@ -161,9 +171,7 @@ inline constexpr auto kTable<LoopModel> =
     Fields{"LoopModel",
            field<&LoopModel::t_taken_ns>("when it was identified, UNIX epoch UTC, nanoseconds"),
            field<&LoopModel::seconds>("length of the series, seconds", Bounds::at_least(0)),
-           field<&LoopModel::step_s>("step of the loop for which the forecasts are, seconds",
-                                     Bounds::at_least(0)),
-           field<&LoopModel::modes>("the identified modes")};
+           inlined(&LoopModel::timing), field<&LoopModel::modes>("the identified modes")};
 
 /// Result of `loop.model`.
 struct KnownLoopModel {

@@ -116,7 +116,7 @@ Spectrum expected_spectrum(const ModeSeries& open, double segment_s,
     if (all.power_per_hz.empty()) all = {one.step_hz, std::vector(one.power_per_hz.size(), 0.0)};
     std::vector<double> hz;
     for (std::size_t k = 0; k < one.power_per_hz.size(); ++k) hz.push_back(one.hz(k));
-    const auto passed = laws[i]->transfer(hz, 1.0 / steps_hz);
+    const auto passed = laws[i]->transfer(hz, {1.0 / steps_hz, 1.0 / steps_hz});
     for (std::size_t k = 0; k < hz.size(); ++k) {
       all.power_per_hz[k] += hz[k] <= 0.5 * steps_hz
                                  ? std::norm(1.0 - passed[k]) * one.power_per_hz[k]

@@ -171,8 +171,8 @@ Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify&
   const auto series =
       watch_disturbance(bench, params.seconds, last.closed ? step : step / kOpenSamples);
   if (!series) return fail(series.error());
-  LoopModel model =
-      identify(*series, step, last.settings.gain, last.settings.leak, [&bench](double done) {
+  LoopModel model = identify(
+      *series, {step, step}, last.settings.gain, last.settings.leak, [&bench](double done) {
         bench.report_progress(kWatchingShare + (1.0 - kWatchingShare) * done);
         return !bench.stopped();
       });

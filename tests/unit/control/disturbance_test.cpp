@@ -86,39 +86,47 @@ TEST(Forecast, IsWhatALoopLeaves) {
   constexpr double kStep = 1.0 / 60.0;
   const Disturbance truth{{{0.5, 1.0, 0.05}, {5.0, 0.02, 0.03}}, 0.004};
   const auto waves = test::samples_of(truth, kStep, 40'000);
-  Integrator integrator(0.5, 0.0, 0.0);
-  const LoopForecast slow = forecast(integrator, truth, kStep);
-  EXPECT_NEAR(test::rms_of(test::residuals_of(integrator, waves, kStep, 0.004)),
-              slow.residual_waves, 0.1 * slow.residual_waves);
-  EXPECT_NEAR(slow.gain_margin, 1.0, 1e-3);
-  Predictor predictor(truth, 0.0);
-  const LoopForecast fast = forecast(predictor, truth, kStep);
-  EXPECT_NEAR(test::rms_of(test::residuals_of(predictor, waves, kStep, 0.004)), fast.residual_waves,
-              0.1 * fast.residual_waves);
-  EXPECT_LT(fast.residual_waves, slow.residual_waves);
+  for (const test::Delays& delays : {test::Delays{1}, test::Delays{2}}) {
+    const LoopTiming timing = test::timing_of(delays, kStep);
+    const auto left = [&](ModeLaw&& law, double expected) {
+      EXPECT_NEAR(test::rms_of(test::residuals_of(law, waves, kStep, 0.004, delays)), expected,
+                  0.1 * expected);
+    };
+    const LoopForecast slow = forecast(Integrator(0.5, 0.0, 0.0), truth, timing);
+    left(Integrator(0.5, 0.0, 0.0), slow.residual_waves);
+    EXPECT_NEAR(slow.gain_margin, 1.0, 1e-3);
+    const LoopForecast fast = forecast(Predictor(truth, 0.0), truth, timing);
+    left(Predictor(truth, 0.0), fast.residual_waves);
+    EXPECT_LT(fast.residual_waves, slow.residual_waves);
+  }
 }
 
 TEST(BestGain, IsHighForSlowAirAndLowForNoise) {
   constexpr double kStep = 1.0 / 60.0;
-  EXPECT_GT(best_gain({{{0.3, 1.0, 0.1}}, 0.001}, kStep, 0.0, 0.5), 0.8);
-  EXPECT_LT(best_gain({{{0.3, 1.0, 0.002}}, 0.02}, kStep, 0.0, 0.5), 0.1);
+  EXPECT_GT(best_gain({{{0.3, 1.0, 0.1}}, 0.001}, {kStep, kStep}, 0.0, 0.5), 0.8);
+  EXPECT_LT(best_gain({{{0.3, 1.0, 0.002}}, 0.02}, {kStep, kStep}, 0.0, 0.5), 0.1);
 }
 
 /// A correction of the wrong size is tolerated up to the gain margin.
 TEST(GainMargin, HoldsInALoopWhoseCorrectionIsTooLarge) {
   constexpr double kStep = 1.0 / 60.0;
+  constexpr std::int64_t kStepNs = 16'666'667;
   const Disturbance of{{{0.5, 1.0, 0.05}, {5.0, 0.02, 0.03}}, 0.004};
-  Predictor law(of, 0.0);
-  const double larger = 1.0 + 0.9 * forecast(law, of, kStep).gain_margin;
-  double shown = 0.0, most = 0.0;
-  for (std::int64_t k = 1; k < 5000; ++k) {
-    const std::int64_t t_ns = k * std::llround(1e9 * kStep);
-    const double residual = 0.1 - larger * shown;
-    most = k > 2500 ? std::max(most, std::abs(residual)) : 0.0;
-    law.observe({t_ns, residual, 0.004, shown});
-    shown = law.correction_at(t_ns + std::llround(1e9 * kStep));
+  for (const int delay : {1, 2}) {
+    Predictor law(of, 0.0);
+    const LoopTiming timing = test::timing_of({delay}, kStep);
+    const double larger = 1.0 + 0.9 * forecast(law, of, timing).gain_margin;
+    double most = 0.0;
+    std::vector<double> shown(std::size_t(delay), 0.0);
+    for (std::size_t k = 0; k < 5000; ++k) {
+      const std::int64_t t_ns = std::int64_t(k + 1) * kStepNs;
+      const double residual = 0.1 - larger * shown[k];
+      most = k > 2500 ? std::max(most, std::abs(residual)) : 0.0;
+      law.observe({t_ns, residual, 0.004, shown[k]});
+      shown.push_back(law.step(t_ns + delay * kStepNs, test::kNoLimit));
+    }
+    EXPECT_LT(most, 0.1) << delay;
   }
-  EXPECT_LT(most, 0.1);
 }
 
 }  // namespace

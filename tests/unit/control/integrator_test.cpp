@@ -2,9 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <complex>
 #include <vector>
 
 #include "tests/unit/control/simulated_loop.hpp"
@@ -31,13 +29,18 @@ TEST(Integrator, WithLeakSettlesWhereLeakAndGainMeet) {
 TEST(Integrator, LeavesOfASineWhatItsTransferFunctionSays) {
   for (const double gain : {0.2, 0.5, 0.9}) {
     for (const double leak : {0.0, 0.05}) {
-      for (const int cycles : {1, 5, 20, 45}) {
-        const double hz = cycles / (100 * kStep);
-        Integrator law(gain, leak, 0.0);
-        const double expected = std::abs(1.0 - law.transfer(std::array{hz}, kStep)[0]);
-        EXPECT_NEAR(test::left_of_sine(law, cycles, 100, kStep), expected, 1e-6) << hz;
-      }
+      test::expect_leaves_what_transfer_says([&] { return Integrator(gain, leak, 0.0); }, kStep,
+                                             1e-6);
     }
+  }
+}
+
+/// With a delay of two steps, an integrator of residuals is unstable from the gain 1 on.
+TEST(Integrator, IsStableWithAnyDelay) {
+  for (const test::Delays& delays : {test::Delays{2}, test::Delays{1, 2}, test::Delays{3}}) {
+    Integrator law(1.0, 0.0, 0.0);
+    const auto left = test::residuals_of(law, std::vector<double>(50, 0.5), kStep, 0.0, delays);
+    EXPECT_NEAR(left.back(), 0.0, 1e-12);
   }
 }
 
@@ -45,8 +48,20 @@ TEST(Integrator, LeavesOfASineWhatItsTransferFunctionSays) {
 TEST(Integrator, CountsFromTheCorrectionOfTheFrame) {
   Integrator law(1.0, 0.0, 0.0);
   law.observe({.t_ns = 1, .residual_waves = 0.5, .shown_waves = 0.0});
-  law.observe({.t_ns = 2, .residual_waves = 0.5, .shown_waves = 0.0});
-  EXPECT_DOUBLE_EQ(law.correction_at(3), 0.5);
+  EXPECT_DOUBLE_EQ(law.step(2, test::kNoLimit), 0.5);
+  law.observe({.t_ns = 3, .residual_waves = 0.5, .shown_waves = 0.0});
+  EXPECT_DOUBLE_EQ(law.step(4, test::kNoLimit), 0.5);
+}
+
+/// The gain counts per step, whatever the number of frames.
+TEST(Integrator, TakesTheMeanOfAStepsFrames) {
+  Integrator law(0.5, 0.0, 0.2);
+  EXPECT_DOUBLE_EQ(law.step(1, test::kNoLimit), 0.2) << "no frame, no change";
+  for (const double waves : {0.2, 0.4, 0.6}) {
+    law.observe({.t_ns = 2, .residual_waves = waves, .shown_waves = 0.2});
+  }
+  EXPECT_DOUBLE_EQ(law.step(3, test::kNoLimit), 0.4);
+  EXPECT_DOUBLE_EQ(law.step(4, test::kNoLimit), 0.4);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@ namespace ovws {
 namespace {
 
 constexpr double kFrame = 1.0 / 200.0, kStep = 1.0 / 60.0;
+constexpr LoopTiming kTiming{kStep, kStep};
 
 DisturbanceSeries series_of(const std::vector<Disturbance>& modes, int frames) {
   DisturbanceSeries series;
@@ -26,7 +27,7 @@ DisturbanceSeries series_of(const std::vector<Disturbance>& modes, int frames) {
 
 TEST(LoopModel, TellsWhatEachLawWillLeave) {
   const Disturbance air{{{0.5, 1.0, 0.05}}, 0.002}, line{{{5.0, 0.01, 0.05}}, 0.002};
-  const LoopModel model = identify(series_of({air, line}, 12'000), kStep, 0.3, 0.0);
+  const LoopModel model = identify(series_of({air, line}, 12'000), kTiming, 0.3, 0.0);
   ASSERT_EQ(model.modes.size(), 2U);
   EXPECT_EQ(model.find(4), &model.modes[1]);
   EXPECT_EQ(model.find(5), nullptr);
@@ -42,9 +43,9 @@ TEST(LoopModel, TellsWhatEachLawWillLeave) {
 
 TEST(LoopModel, OfTooFewSamplesHasNoModes) {
   const Disturbance air{{{0.5, 1.0, 0.05}}, 0.002};
-  EXPECT_TRUE(identify(series_of({air}, 15), kStep, 0.5, 0.0).modes.empty());
-  EXPECT_TRUE(identify(series_of({air}, 63), kStep, 0.5, 0.0).modes.empty());
-  EXPECT_EQ(identify(series_of({air}, 200), kStep, 0.5, 0.0).modes.size(), 1U);
+  EXPECT_TRUE(identify(series_of({air}, 15), kTiming, 0.5, 0.0).modes.empty());
+  EXPECT_TRUE(identify(series_of({air}, 63), kTiming, 0.5, 0.0).modes.empty());
+  EXPECT_EQ(identify(series_of({air}, 200), kTiming, 0.5, 0.0).modes.size(), 1U);
 }
 
 /// Real frames come with jitter, at intervals that do not divide a segment.
@@ -56,7 +57,7 @@ TEST(LoopModel, FindsTheNoiseOfFramesWithJitter) {
     series.waves.times_s[k] = 5.0013e-3 * double(k) + jitter(random);
   }
   series.sigma_waves = {0.0};
-  const LoopModel model = identify(series, kStep, 0.5, 0.0);
+  const LoopModel model = identify(series, kTiming, 0.5, 0.0);
   EXPECT_NEAR(model.modes.at(0).disturbance.noise_waves, 0.002, 0.0003);
 }
 
@@ -67,8 +68,8 @@ TEST(LoopModel, CountsAllFramesOfAStep) {
   DisturbanceSeries means = series_of({air}, 12'000);
   means.sigma_waves = {2.0 * air.noise_waves};
   means.frames_per_sample = 4.0;
-  const LoopModel four = identify(means, kFrame, 0.5, 0.0);
-  const LoopModel one = identify(series_of({air}, 12'000), kFrame, 0.5, 0.0);
+  const LoopModel four = identify(means, {kFrame, kFrame}, 0.5, 0.0);
+  const LoopModel one = identify(series_of({air}, 12'000), {kFrame, kFrame}, 0.5, 0.0);
   EXPECT_NEAR(four.modes.at(0).disturbance.noise_waves, 0.02, 0.003);
   EXPECT_NEAR(four.modes.at(0).integrator.residual_waves, one.modes.at(0).integrator.residual_waves,
               0.02 * one.modes.at(0).integrator.residual_waves);

@@ -23,26 +23,23 @@ Disturbance air_and_line(double noise_waves) {
 
 TEST(Predictor, LeavesOfASineWhatItsTransferFunctionSays) {
   for (const Disturbance& of : {air(0.005), air_and_line(0.01)}) {
-    for (const int cycles : {1, 5, 20, 45}) {
-      const double hz = cycles / (100 * kStep);
-      Predictor law(of, 0.0);
-      const double expected = std::abs(1.0 - law.transfer(std::array{hz}, kStep)[0]);
-      EXPECT_NEAR(test::left_of_sine(law, cycles, 100, kStep), expected, 0.01 * expected + 1e-4)
-          << hz;
-    }
+    test::expect_leaves_what_transfer_says([&] { return Predictor(of, 0.0); }, kStep, 0.01);
   }
 }
 
 TEST(Predictor, LeavesLessThanTheBestIntegrator) {
   for (const Disturbance& of : {air(0.002), air(0.01), air_and_line(0.002), air_and_line(0.01)}) {
     const auto waves = test::samples_of(of, kStep, 20'000);
-    Predictor predictor(of, 0.0);
-    Integrator integrator(best_gain(of, kStep, 0.0, 0.5), 0.0, 0.0);
-    const double predicted =
-        test::rms_of(test::residuals_of(predictor, waves, kStep, of.noise_waves));
-    const double integrated =
-        test::rms_of(test::residuals_of(integrator, waves, kStep, of.noise_waves));
-    EXPECT_LT(predicted, 0.95 * integrated) << of.parts.size() << " parts, " << of.noise_waves;
+    for (const test::Delays& delays : {test::Delays{1}, test::Delays{2}}) {
+      const LoopTiming timing = test::timing_of(delays, kStep);
+      Predictor predictor(of, 0.0);
+      Integrator integrator(best_gain(of, timing, 0.0, 0.5), 0.0, 0.0);
+      const auto left = [&](ModeLaw& law) {
+        return test::rms_of(test::residuals_of(law, waves, kStep, of.noise_waves, delays));
+      };
+      EXPECT_LT(left(predictor), 0.95 * left(integrator))
+          << of.parts.size() << " parts, " << of.noise_waves << ", " << timing.delay_s << " s";
+    }
   }
 }
 
@@ -84,13 +81,13 @@ TEST(Predictor, AllowsForMissingSamplesByTheirTimes) {
     left.push_back(waves[k] - shown);
     if (random() % 3 == 0) continue;  // the hologram stays, too
     law.observe({t_ns, waves[k] - shown, 0.001, shown});
-    shown = law.correction_at(t_ns + std::llround(1e9 * kStep));
+    shown = law.step(t_ns + std::llround(1e9 * kStep), test::kNoLimit);
   }
   EXPECT_LT(test::rms_of(std::span(left).last(3000)), 0.1 * test::rms_of(waves));
 }
 
 TEST(Predictor, KeepsTheCorrectionUntilTheFirstSample) {
-  EXPECT_EQ(Predictor(air(0.002), 0.3).correction_at(5), 0.3);
+  EXPECT_EQ(Predictor(air(0.002), 0.3).step(5, test::kNoLimit), 0.3);
 }
 
 /// Only the slow drift lasts over a minute; the next sample is taken as it is.
@@ -98,23 +95,23 @@ TEST(Predictor, ForgetsOverALongGap) {
   Predictor law(air_and_line(0.002), 0.0);
   std::int64_t t_ns = 1;
   for (int k = 0; k < 600; ++k) law.observe({t_ns += 16'000'000, 0.5, 0.002, 0.0});
-  EXPECT_NEAR(law.correction_at(t_ns + 16'000'000), 0.5, 0.01);
-  const double later = law.correction_at(t_ns += 60'000'000'000);
+  EXPECT_NEAR(law.step(t_ns + 16'000'000, test::kNoLimit), 0.5, 0.01);
+  const double later = law.step(t_ns += 60'000'000'000, test::kNoLimit);
   EXPECT_GT(later, 0.1);
   EXPECT_LT(later, 0.4);
   law.observe({t_ns, -0.2, 0.002, 0.0});
-  EXPECT_NEAR(law.correction_at(t_ns), -0.2, 0.01);
+  EXPECT_NEAR(law.step(t_ns, test::kNoLimit), -0.2, 0.01);
 }
 
 TEST(Predictor, SkipsASingleFrameThatIsWrong) {
   Predictor law(air_and_line(0.002), 0.0);
   std::int64_t t_ns = 1;
   for (int k = 0; k < 300; ++k) law.observe({t_ns += 16'000'000, 0.01, 0.002, 0.0});
-  const double before = law.correction_at(t_ns + 16'000'000);
+  const double before = law.step(t_ns + 16'000'000, test::kNoLimit);
   law.observe({t_ns += 16'000'000, 0.8, 0.002, 0.0});
-  EXPECT_NEAR(law.correction_at(t_ns), before, 1e-3);
+  EXPECT_NEAR(law.step(t_ns, test::kNoLimit), before, 1e-3);
   law.observe({t_ns += 16'000'000, 0.01, 0.002, 0.0});
-  EXPECT_NEAR(law.correction_at(t_ns), before, 2e-3);
+  EXPECT_NEAR(law.step(t_ns, test::kNoLimit), before, 2e-3);
 }
 
 }  // namespace
