@@ -40,9 +40,17 @@ Result<void> check_model(const LoopSettings& settings, const LoopModel* model,
                 "this law needs a model of the disturbance: run loop.identify first");
   }
   for (const int j : settings.modes.empty() ? measured : settings.modes) {
-    if (j == 0 || model->find(j) != nullptr || own_gain(settings, j)) continue;
+    if (j == 0 || own_gain(settings, j)) continue;
+    const ModeModel* const mode = model->find(j);
+    const bool predicts = settings.law == LawName::predictor;
+    const bool stable =
+        mode != nullptr &&
+        (predicts ? mode->predictor : mode->optimised).gain_margin >= LoopModel::kLeastMargin;
+    if (stable) continue;
     return fail(Errc::refused, "law",
-                "the model does not have mode j = " + std::to_string(j) +
+                (mode != nullptr ? "the gain margin is too small for mode j = "
+                                 : "the model does not have mode j = ") +
+                    std::to_string(j) +
                     ": run loop.identify again, or give the mode a gain in gains");
   }
   return {};

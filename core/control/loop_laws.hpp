@@ -15,8 +15,9 @@ namespace ovws {
 /// and for modes that `model` lacks. `model` may be null.
 ModalControl::MakeLaw laws_of(const LoopSettings& settings, std::shared_ptr<const LoopModel> model);
 
-/// Checks that the model has every mode that the law shall correct and that has no gain of its own.
-/// `measured`: the modes that the sensor measures. Errc::refused, field "law".
+/// Checks that the model has every mode that the law shall correct and that has no gain of its own,
+/// and that the law's gain margin there is at least LoopModel::kLeastMargin. `measured`: the modes
+/// that the sensor measures. Errc::refused, field "law".
 Result<void> check_model(const LoopSettings& settings, const LoopModel* model,
                          const std::vector<int>& measured);
 

@@ -24,6 +24,7 @@ struct LoopModel {
   std::int64_t t_taken_ns = 0;  ///< UTC
   double seconds = 0.0;         ///< length of the series
   LoopTiming timing;            ///< of the loop for which the forecasts are
+  int measured_steps = 0;       ///< steps whose mean the timing is; 0: it is an estimate
   std::vector<ModeModel> modes;
 
   const ModeModel* find(int j) const;

@@ -12,7 +12,7 @@ constexpr std::array kParts{&StepTimes::settle_ms,  &StepTimes::wait_ms,   &Step
 
 }  // namespace
 
-void StepLog::add(const StepTimes& step) {
+void StepLog::add(const LoopStep& step) {
   steps_[count_++ % kSteps] = step;
 }
 
@@ -23,8 +23,11 @@ StepSummary StepLog::summary() const {
   if (known == 0) return summary;
   std::vector<double> totals;
   for (std::size_t k = 0; k < known; ++k) {
-    totals.push_back(steps_[k].total_ms());
-    for (const auto part : kParts) summary.mean.*part += steps_[k].*part / double(known);
+    const LoopStep& step = steps_[k];
+    totals.push_back(step.times.total_ms());
+    summary.delay_ms += step.delay_ms / double(known);
+    summary.newest_share += (step.has_newest ? 1.0 : 0.0) / double(known);
+    for (const auto part : kParts) summary.mean.*part += step.times.*part / double(known);
   }
   std::sort(totals.begin(), totals.end());
   summary.p50_ms = totals[known / 2];

@@ -5,9 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/control/mode_law.hpp"
+
 namespace ovws {
 
-/// One step of the loop: from presenting a hologram to presenting the next, milliseconds.
+/// Where the time of one step goes: from presenting a hologram to presenting the next,
+/// milliseconds.
 struct StepTimes {
   double settle_ms = 0.0;    ///< until the liquid crystal has settled
   double wait_ms = 0.0;      ///< until the first usable frame begins
@@ -22,10 +25,21 @@ struct StepTimes {
   }
 };
 
+/// One step of the loop.
+struct LoopStep {
+  StepTimes times;
+  double delay_ms = 0.0;    ///< delay of its correction, see LoopTiming::delay_s
+  bool has_newest = false;  ///< it used a frame of the newest hologram, not only earlier ones
+};
+
 struct StepSummary {
   int steps = 0;  ///< steps that are summarised; 0: all other values are 0
   double p50_ms = 0.0, p99_ms = 0.0;
+  double delay_ms = 0.0;      ///< mean delay of the corrections
+  double newest_share = 0.0;  ///< share of the steps with a frame of the newest hologram
   StepTimes mean;
+
+  LoopTiming timing() const { return {1e-3 * mean.total_ms(), 1e-3 * delay_ms}; }
 };
 
 /// The last steps of a loop. Not thread-safe.
@@ -33,11 +47,11 @@ class StepLog {
  public:
   static constexpr std::size_t kSteps = 1024;
 
-  void add(const StepTimes& step);
+  void add(const LoopStep& step);
   StepSummary summary() const;
 
  private:
-  std::array<StepTimes, kSteps> steps_{};
+  std::array<LoopStep, kSteps> steps_{};
   std::size_t count_ = 0;
 };
 

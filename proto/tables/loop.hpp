@@ -72,9 +72,17 @@ inline constexpr auto kTable<StepTimes> =
 
 template <>
 inline constexpr auto kTable<StepSummary> = Fields{
-    "StepSummary", field<&StepSummary::steps>("number of the last steps that are summarised"),
+    "StepSummary",
+    field<&StepSummary::steps>("number of the last steps that are summarised"),
     field<&StepSummary::p50_ms>("median time from one hologram to the next, ms"),
     field<&StepSummary::p99_ms>("99 % of the steps take less, ms"),
+    field<&StepSummary::delay_ms>(
+        "mean time from the middle of a frame's exposure to the middle of the time in which the "
+        "correction computed from it is shown, ms"),
+    field<&StepSummary::newest_share>(
+        "share of the steps that used a frame of the newest hologram; the others used an earlier "
+        "frame, and the newest one serves the next step",
+        {0, 1}),
     field<&StepSummary::mean>("where the time goes, mean of the steps")};
 
 /// Result of `loop.close`, `loop.open` and `loop.get`.
@@ -171,7 +179,12 @@ inline constexpr auto kTable<LoopModel> =
     Fields{"LoopModel",
            field<&LoopModel::t_taken_ns>("when it was identified, UNIX epoch UTC, nanoseconds"),
            field<&LoopModel::seconds>("length of the series, seconds", Bounds::at_least(0)),
-           inlined(&LoopModel::timing), field<&LoopModel::modes>("the identified modes")};
+           inlined(&LoopModel::timing),
+           field<&LoopModel::measured_steps>(
+               "number of steps of which step_s and delay_s are the means; 0: an estimate from the "
+               "settings, because the loop has not made 50 steps since it was last closed",
+               Bounds::at_least(0)),
+           field<&LoopModel::modes>("the identified modes")};
 
 /// Result of `loop.model`.
 struct KnownLoopModel {

@@ -155,24 +155,24 @@ void get_loop_model(Services& services, Reply<KnownLoopModel> reply) {
   reply(known(services.loop.model()));
 }
 
-/// Duration of the loop's steps: measured, if the loop is closed; else the shortest on this bench.
-double step_s(Services& services, const CameraSettings& camera) {
-  constexpr int kEnoughSteps = 50;
-  const LoopReport last = services.loop.report();
-  if (last.closed && last.step.steps >= kEnoughSteps) return 1e-3 * last.step.p50_ms;
+/// Timing of a loop on this bench, estimated from the settings.
+LoopTiming estimated_timing(Services& services, const CameraSettings& camera) {
   const auto display = services.slm.snapshot().info;
-  return shortest_step_s(services.config, camera, display ? display->refresh_hz : 0.0);
+  return estimated_timing(services.config, camera, display ? display->refresh_hz : 0.0);
 }
 
 Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify& params) {
   constexpr double kOpenSamples = 4.0;  // a step: the spectrum reaches beyond the loop's
+  constexpr int kEnoughSteps = 50;      // for a mean
   const LoopReport last = services.loop.report();
-  const double step = step_s(services, bench.camera().settings);
-  const auto series =
-      watch_disturbance(bench, params.seconds, last.closed ? step : step / kOpenSamples);
+  const int measured = last.step.steps >= kEnoughSteps ? last.step.steps : 0;
+  const LoopTiming timing =
+      measured > 0 ? last.step.timing() : estimated_timing(services, bench.camera().settings);
+  const auto series = watch_disturbance(bench, params.seconds,
+                                        last.closed ? timing.step_s : timing.step_s / kOpenSamples);
   if (!series) return fail(series.error());
-  LoopModel model = identify(
-      *series, {step, step}, last.settings.gain, last.settings.leak, [&bench](double done) {
+  LoopModel model =
+      identify(*series, timing, last.settings.gain, last.settings.leak, [&bench](double done) {
         bench.report_progress(kWatchingShare + (1.0 - kWatchingShare) * done);
         return !bench.stopped();
       });
@@ -181,6 +181,7 @@ Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify&
     return fail(Errc::refused, "seconds",
                 "too few frames came for a spectrum of the disturbance: watch for longer");
   }
+  model.measured_steps = measured;
   model.t_taken_ns = utc_ns();
   services.loop.use_model(std::move(model));
   return to_json(known(services.loop.model()));

@@ -260,7 +260,7 @@ void ClosedLoop::step(const LoopFrame& frame) {
   report_step();
 }
 
-/// Records where the step's time went. `before`: the SLM when the step was decided.
+/// Records where the step's time went, and its delay. `before`: the SLM when the step was decided.
 void ClosedLoop::add_times(const LoopFrame& frame, std::int64_t decided_ns,
                            const SlmSnapshot& before) {
   const SlmSnapshot now = deps_.slm.snapshot();
@@ -280,11 +280,12 @@ void ClosedLoop::add_times(const LoopFrame& frame, std::int64_t decided_ns,
   times.refresh_ms = 1e-6 * double(now.refresh_wait_ns);
   times.render_ms = ms(decided_ns, now.t_begin_mono_ns) - times.refresh_ms;
   times.present_ms = ms(now.t_begin_mono_ns, now.t_presented_mono_ns);
-  times_.add(times);
   // A hologram is shown about half a settle time later than it is presented, as is the next one.
   const std::int64_t period_ns = now.t_presented_mono_ns - before.t_presented_mono_ns;
   const std::int64_t settle_ns = before.t_settled_mono_ns - before.t_presented_mono_ns;
-  lead_.add(now.t_presented_mono_ns - decided_ns + (period_ns + settle_ns) / 2);
+  const std::int64_t shown_ns = now.t_presented_mono_ns + (period_ns + settle_ns) / 2;
+  lead_.add(shown_ns - decided_ns);
+  times_.add({times, ms(frame.middle_ns(), shown_ns), frame.hologram_id == before.hologram_id});
 }
 
 Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {

@@ -146,12 +146,13 @@ Result<DisturbanceSeries> watch_disturbance(Bench& bench, double seconds, double
                           series.frames(), seconds, kLeastFrames));
 }
 
-double shortest_step_s(const Config& config, const CameraSettings& camera, double refresh_hz) {
+LoopTiming estimated_timing(const Config& config, const CameraSettings& camera, double refresh_hz) {
   const double frame_s = camera.frame_rate_hz > 0.0 ? 1.0 / camera.frame_rate_hz : 0.0;
-  const double needed_s = 1e-3 * (config.slm.settle_ms + config.camera.transfer_ms) +
-                          1e-6 * camera.exposure_us + 0.5 * frame_s;
-  if (!(refresh_hz > 0.0)) return needed_s;
-  return std::ceil(needed_s * refresh_hz) / refresh_hz;
+  const double settle_s = 1e-3 * config.slm.settle_ms, exposure_s = 1e-6 * camera.exposure_us;
+  const double needed_s = settle_s + 1e-3 * config.camera.transfer_ms + exposure_s + 0.5 * frame_s;
+  const double step_s = refresh_hz > 0.0 ? std::ceil(needed_s * refresh_hz) / refresh_hz : needed_s;
+  const double middle_s = settle_s + 0.5 * (frame_s + exposure_s);  // of the frame
+  return {step_s, step_s + 0.5 * (step_s + settle_s) - middle_s};
 }
 
 }  // namespace ovws

@@ -41,9 +41,10 @@ Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, 
 /// frames came.
 Result<DisturbanceSeries> watch_disturbance(Bench& bench, double seconds, double sample_s);
 constexpr double kWatchingShare = 0.8;  ///< of the job's progress
-/// Shortest step of a loop on this bench: settle time, exposure, transfer and half a frame period,
-/// rounded up to whole refreshes of the display.
-double shortest_step_s(const Config& config, const CameraSettings& camera, double refresh_hz);
+/// Estimated timing of a loop on this bench that waits for a frame of the newest hologram. A step
+/// takes settle time, exposure, transfer and half a frame period, rounded up to whole refreshes of
+/// the display. The frame begins half a frame period after the hologram has settled.
+LoopTiming estimated_timing(const Config& config, const CameraSettings& camera, double refresh_hz);
 
 /// `lut.run`: measures the SLM's phase response by interference of two patches of the pupil
 /// (core/optics/grey_fringe.hpp). One patch shows all grey levels, first upwards and then

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/control/loop_laws.hpp"
 #include "core/control/step_times.hpp"
 #include "tests/unit/control/simulated_loop.hpp"
 
@@ -78,16 +79,50 @@ TEST(LoopModel, CountsAllFramesOfAStep) {
 TEST(StepLog, SummarisesTheLastSteps) {
   StepLog log;
   EXPECT_EQ(log.summary().steps, 0);
-  for (int k = 1; k <= 100; ++k) log.add({.settle_ms = 5.0, .refresh_ms = double(k)});
+  for (int k = 1; k <= 100; ++k) {
+    log.add({.times = {.settle_ms = 5.0, .refresh_ms = double(k)},
+             .delay_ms = 2.0 * k,
+             .has_newest = k <= 25});
+  }
   const StepSummary some = log.summary();
   EXPECT_EQ(some.steps, 100);
   EXPECT_DOUBLE_EQ(some.p50_ms, 56.0);
   EXPECT_DOUBLE_EQ(some.p99_ms, 105.0);
   EXPECT_NEAR(some.mean.settle_ms, 5.0, 1e-12);
   EXPECT_NEAR(some.mean.refresh_ms, 50.5, 1e-12);
-  for (std::size_t k = 0; k < StepLog::kSteps; ++k) log.add({.wait_ms = 1.0});
+  EXPECT_NEAR(some.newest_share, 0.25, 1e-12);
+  EXPECT_NEAR(some.timing().step_s, 0.0555, 1e-12);
+  EXPECT_NEAR(some.timing().delay_s, 0.101, 1e-12);
+  for (std::size_t k = 0; k < StepLog::kSteps; ++k) log.add({.times = {.wait_ms = 1.0}});
   EXPECT_EQ(log.summary().steps, int(StepLog::kSteps));
   EXPECT_DOUBLE_EQ(log.summary().p99_ms, 1.0);
+}
+
+/// A longer delay costs every law, and a predictor keeps its margin by caution.
+TEST(LoopModel, AllowsForTheDelay) {
+  const auto series = series_of({{{{0.5, 1.0, 0.05}, {5.0, 0.01, 0.02}}, 0.002}}, 12'000);
+  const ModeModel soon = identify(series, kTiming, 0.5, 0.0).modes.at(0);
+  const ModeModel late = identify(series, {kStep, 2.0 * kStep}, 0.5, 0.0).modes.at(0);
+  EXPECT_GT(late.integrator.residual_waves, 1.2 * soon.integrator.residual_waves);
+  EXPECT_GT(late.optimised.residual_waves, 1.2 * soon.optimised.residual_waves);
+  EXPECT_GT(late.predictor.residual_waves, 1.2 * soon.predictor.residual_waves);
+  EXPECT_LT(late.predictor.residual_waves, late.optimised.residual_waves);
+  EXPECT_GE(late.predictor.gain_margin, LoopModel::kLeastMargin);
+}
+
+TEST(CheckModel, RefusesALawWithTooSmallAMargin) {
+  LoopModel model;
+  model.modes.resize(1);
+  model.modes[0].j = 4;
+  model.modes[0].optimised.gain_margin = 1.0;
+  model.modes[0].predictor.gain_margin = 0.4;
+  const auto check = [&](const LoopSettings& settings) {
+    return bool(check_model(settings, &model, {4}));
+  };
+  EXPECT_FALSE(check({.law = LawName::predictor}));
+  EXPECT_TRUE(check({.law = LawName::predictor, .gains = {{4, 0.3}}}));
+  EXPECT_TRUE(check({.law = LawName::optimised}));
+  EXPECT_TRUE(check({.law = LawName::integrator}));
 }
 
 TEST(LeadTime, IsThatOfMostSteps) {
