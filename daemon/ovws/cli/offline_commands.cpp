@@ -179,14 +179,16 @@ void add_study(CLI::App& app, const Common& common, int& status) {
           ": the paper's experiment on a daemon's bench: residual variance against camera gain";
   names.emplace_back(kRejection);
   help += std::string("\n") + kRejection +
-          ": on a daemon's bench, the closed loop's disturbance rejection by frequency";
+          ": on a daemon's bench, the closed loop's disturbance rejection by frequency, with the "
+          "laws integrator, optimised and predictor, or with the law that --params names";
   command->add_option("name", options->name, help)->required()->check(CLI::IsMember(names));
   command
       ->add_option("--output,-o", options->folder,
                    "folder for the files; replaces those of the same study")
       ->required();
-  command->add_flag("--quick", options->quick,
-                    "fewer levels and realisations: seconds instead of minutes");
+  command->add_flag(
+      "--quick", options->quick,
+      "fewer levels and realisations: seconds instead of minutes; rejection ignores it");
   command->add_option("--threads", options->threads, "number of threads; 0: one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
@@ -194,8 +196,10 @@ void add_study(CLI::App& app, const Common& common, int& status) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command
-      ->add_option("--seconds", options->seconds,
-                   "rejection only: duration of each recording, loop open and loop closed")
+      ->add_option(
+          "--seconds", options->seconds,
+          "rejection only: duration of each recording: one with the loop open, and one with each "
+          "law")
       ->check(number_from(5.0, 86400.0))
       ->capture_default_str();
   command->add_option(

@@ -55,6 +55,25 @@ struct Stamps {
   std::int64_t device_ns = 0, arrival_ns = 0;
 };
 
+/// Sums over frames of the squares of what no law corrects.
+class FittingSums {
+ public:
+  void add(const json& message, const std::vector<std::size_t>& uncorrected) {
+    fit_residual_ += std::pow(message.at("fit_residual_px").get<double>(), 2);
+    for (const std::size_t k : uncorrected) {
+      uncorrected_ += std::pow(message.at("coefficients").at(k).get<double>(), 2);
+    }
+  }
+
+  void put_into(study::RecordedLoop& recorded, int frames) const {
+    recorded.fit_residual_px = std::sqrt(fit_residual_ / frames);
+    recorded.uncorrected_waves = std::sqrt(uncorrected_ / frames);
+  }
+
+ private:
+  double fit_residual_ = 0.0, uncorrected_ = 0.0;
+};
+
 class Recorder {
  public:
   explicit Recorder(const RecordTask& task) : task_(task) {
@@ -87,6 +106,7 @@ class Recorder {
       recorded_.recording.modes_waves[k].push_back(
           message.at("coefficients").at(indices_[k]).get<double>());
     }
+    fitting_.add(message, others_);
     return {};
   }
 
@@ -110,6 +130,7 @@ class Recorder {
       }
     }
     recorded_.recording = std::move(kept);
+    fitting_.put_into(recorded_, frames());
     return std::move(recorded_);
   }
 
@@ -134,6 +155,11 @@ class Recorder {
   bool find_indices(const std::vector<int>& modes_j) {
     if (!stream_modes_j_.empty()) return false;
     stream_modes_j_ = modes_j;
+    for (std::size_t k = 0; k < modes_j.size(); ++k) {
+      if (modes_j[k] < kFirstMode || std::ranges::count(task_.modes_j, modes_j[k]) > 0) continue;
+      others_.push_back(k);
+      recorded_.uncorrected_j.push_back(modes_j[k]);
+    }
     for (const int j : task_.modes_j) {
       const auto at = std::find(modes_j.begin(), modes_j.end(), j);
       if (at == modes_j.end()) return false;
@@ -147,6 +173,8 @@ class Recorder {
   std::vector<Stamps> stamps_;
   std::vector<int> stream_modes_j_;
   std::vector<std::size_t> indices_;  ///< index of each task mode in the message
+  std::vector<std::size_t> others_;   ///< indices of recorded_.uncorrected_j
+  FittingSums fitting_;
   std::optional<std::int64_t> last_seq_;
 };
 
@@ -315,7 +343,9 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
     law.closed = std::move(*recorded);
     law.loop = *after;
     const int steps = after->at("steps").get<int>() - before->at("steps").get<int>();
-    law.steps_hz = double(steps) / took_s;
+    const double delay_ms = after->at("step").value("delay_ms", 0.0);
+    law.timing.step_s = took_s / double(steps);
+    law.timing.delay_s = delay_ms > 0.0 ? 1e-3 * delay_ms : law.timing.step_s;  // too few steps
     return {};
   };
   auto done = record_steps();
@@ -387,7 +417,7 @@ Measured measure(const Common& common, const json& params, double seconds) {
   BorrowedLoop loop(common, *correction);
   for (const LoopSettings& settings : *loops) {
     left -= 1.0;
-    measured.laws.push_back({settings, {}, {}, 0.0});
+    measured.laws.push_back({settings, {}, {}, {}});
     const auto done = record_closed(common, {true, seconds, left * seconds, measured.modes_j}, loop,
                                     measured.laws.back());
     if (!done) return tl::make_unexpected(done.error());

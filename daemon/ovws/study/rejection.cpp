@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/control/forecast.hpp"
 #include "core/control/loop_laws.hpp"
 #include "proto/tables/loop.hpp"
 
@@ -54,6 +55,8 @@ json summary_of(const RecordedLoop& loop) {
           {"frames", times.size()},
           {"frames_hz", double(times.size() - 1) / (times.back() - times.front())},
           {"interval_ms", 1e3 * median_interval_s(times)},
+          {"uncorrected_waves", loop.uncorrected_waves},
+          {"fit_residual_px", loop.fit_residual_px},
           {"missing_share", 1.0 - double(times.size()) / all},
           {"lost_share", double(loop.lost) / all},
           {"clock", loop.device_clock ? "device" : "arrival"}};
@@ -98,6 +101,15 @@ std::vector<RejectionPoint> rejection(const Spectrum& open, const Spectrum& clos
   return points;
 }
 
+double noise_floor_per_hz(const Spectrum& spectrum) {
+  const auto& power = spectrum.power_per_hz;
+  if (power.empty()) return 0.0;
+  std::vector<double> upper(power.end() - std::ptrdiff_t((power.size() + 3) / 4), power.end());
+  const auto middle = upper.begin() + std::ptrdiff_t(upper.size() / 2);
+  std::nth_element(upper.begin(), middle, upper.end());
+  return *middle;
+}
+
 std::optional<double> crossing_hz(const std::vector<RejectionPoint>& rejection, double level_db) {
   if (rejection.empty() || rejection.front().db > level_db) return std::nullopt;
   for (std::size_t k = 1; k < rejection.size(); ++k) {
@@ -109,16 +121,17 @@ std::optional<double> crossing_hz(const std::vector<RejectionPoint>& rejection, 
 }
 
 Spectrum expected_spectrum(const ModeSeries& open, double segment_s,
-                           std::span<const std::unique_ptr<ModeLaw>> laws, double steps_hz) {
+                           std::span<const std::unique_ptr<ModeLaw>> laws,
+                           const LoopTiming& timing) {
   Spectrum all;
   for (std::size_t i = 0; i < laws.size(); ++i) {
     const Spectrum one = spectrum({open.times_s, {open.modes_waves[i]}}, segment_s);
     if (all.power_per_hz.empty()) all = {one.step_hz, std::vector(one.power_per_hz.size(), 0.0)};
     std::vector<double> hz;
     for (std::size_t k = 0; k < one.power_per_hz.size(); ++k) hz.push_back(one.hz(k));
-    const auto passed = laws[i]->transfer(hz, {1.0 / steps_hz, 1.0 / steps_hz});
+    const auto passed = laws[i]->transfer(hz, timing);
     for (std::size_t k = 0; k < hz.size(); ++k) {
-      all.power_per_hz[k] += hz[k] <= 0.5 * steps_hz
+      all.power_per_hz[k] += hz[k] * timing.step_s <= 0.5
                                  ? std::norm(1.0 - passed[k]) * one.power_per_hz[k]
                                  : std::numeric_limits<double>::quiet_NaN();
     }
@@ -143,16 +156,46 @@ std::vector<RejectionBand> octave_bands(const Spectrum& open, const Spectrum& cl
 
 namespace {
 
-FoundLaw found_of(const MeasuredLaw& law, const Spectrum& open, const RejectionMeasured& measured) {
+/// RMS noise of each mode in one frame, from the noise floors of the open loop's spectra.
+std::vector<double> frame_noise(const ModeSeries& open, double segment_s) {
+  const double highest_hz = 0.5 / median_interval_s(open.times_s);
+  std::vector<double> all;
+  for (const auto& mode : open.modes_waves) {
+    const double floor = noise_floor_per_hz(spectrum({open.times_s, {mode}}, segment_s));
+    all.push_back(std::sqrt(floor * highest_hz));
+  }
+  return all;
+}
+
+double root_sum_square(std::span<const double> values) {
+  double squares = 0.0;
+  for (const double value : values) squares += value * value;
+  return std::sqrt(squares);
+}
+
+/// Noise that the laws pass on to the correction, root sum square.
+double passed_noise(std::span<const std::unique_ptr<ModeLaw>> laws,
+                    std::span<const double> noise_waves, const LoopTiming& timing) {
+  std::vector<double> passed;
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    passed.push_back(forecast(*laws[k], {{}, noise_waves[k]}, timing).residual_waves);
+  }
+  return root_sum_square(passed);
+}
+
+FoundLaw found_of(const MeasuredLaw& law, const Spectrum& open, const RejectionMeasured& measured,
+                  std::span<const double> noise_waves) {
   const auto make = laws_of(law.settings, measured.model);
   std::vector<std::unique_ptr<ModeLaw>> laws;
   for (const int j : measured.modes_j) laws.push_back(make(j, 0.0));
   FoundLaw found;
   found.name = wire_name(law.settings.law);
-  found.steps_hz = law.steps_hz;
+  found.timing = law.timing;
+  found.noise_passed_waves = passed_noise(laws, noise_waves, law.timing);
+  // The noise of a frame, and that of earlier frames in the correction, are independent.
+  found.noise_limit_waves = std::hypot(root_sum_square(noise_waves), found.noise_passed_waves);
   found.closed = spectrum(law.closed.recording, measured.segment_s);
-  found.expected =
-      expected_spectrum(measured.open.recording, measured.segment_s, laws, law.steps_hz);
+  found.expected = expected_spectrum(measured.open.recording, measured.segment_s, laws, law.timing);
   found.rejection = rejection(open, found.closed);
   found.expected_rejection = rejection(open, found.expected);
   found.bands = octave_bands(open, found.closed, found.expected);
@@ -180,7 +223,10 @@ json law_summary(const MeasuredLaw& measured, const FoundLaw& found) {
   }
   return {{"law", found.name},
           {"loop", measured.loop},
-          {"steps_hz", measured.steps_hz},
+          {"steps_hz", 1.0 / found.timing.step_s},
+          {"delay_ms", 1e3 * found.timing.delay_s},
+          {"noise_limit_waves", found.noise_limit_waves},
+          {"noise_passed_waves", found.noise_passed_waves},
           {"closed", summary_of(measured.closed)},
           {"from_hz", found.rejection.front().hz},
           {"to_hz", found.rejection.back().hz},
@@ -190,10 +236,14 @@ json law_summary(const MeasuredLaw& measured, const FoundLaw& found) {
 }
 
 std::string law_text(const json& law) {
-  std::string text = recorded_text(law["law"].get<std::string>().c_str(), law["closed"]);
-  return text + fmt::format("  {:.2f} steps/s; ", law["steps_hz"].get<double>()) +
+  return recorded_text(law["law"].get<std::string>().c_str(), law["closed"]) +
+         fmt::format("  {:.2f} steps/s, delay {:.1f} ms; ", law["steps_hz"].get<double>(),
+                     law["delay_ms"].get<double>()) +
          crossing_text(law, "bandwidth_3_db_hz", "-3 dB") + "; " +
-         crossing_text(law, "crossing_0_db_hz", "0 dB") + "\n";
+         crossing_text(law, "crossing_0_db_hz", "0 dB") +
+         fmt::format(
+             "\n  noise alone would leave {:.4f} wave RMS; the correction has {:.4f} of it\n",
+             law["noise_limit_waves"].get<double>(), law["noise_passed_waves"].get<double>());
 }
 
 std::string db_text(const json& db) {
@@ -215,7 +265,7 @@ std::string bands_text(const json& laws) {
                           db_text(band["expected_db"]));
     }
   }
-  return text + "\ndB, expected without further delay in brackets\n";
+  return text + "\ndB, expected with the measured step and delay in brackets\n";
 }
 
 }  // namespace
@@ -223,35 +273,65 @@ std::string bands_text(const json& laws) {
 RejectionFound find_rejection(const RejectionMeasured& measured) {
   RejectionFound found;
   found.open = spectrum(measured.open.recording, measured.segment_s);
+  const auto noise_waves = frame_noise(measured.open.recording, measured.segment_s);
+  found.noise_waves = root_sum_square(noise_waves);
+  found.noise_per_hz =
+      2.0 * median_interval_s(measured.open.recording.times_s) * std::pow(found.noise_waves, 2);
   for (const MeasuredLaw& law : measured.laws) {
-    found.laws.push_back(found_of(law, found.open, measured));
+    found.laws.push_back(found_of(law, found.open, measured, noise_waves));
   }
   return found;
 }
 
-std::vector<Figure> rejection_figures(const RejectionFound& found) {
+namespace {
+
+/// Marks a line as what is expected of the law number `k`, with the colour of what was measured.
+Series expected(Series line, std::size_t k, int colour) {
+  line.style = Series::Style::line;
+  line.colour = colour;
+  line.in_legend = k == 0;
+  return line;
+}
+
+constexpr const char* kExpected = "expected with the measured delay";
+
+Figure spectra_figure(const RejectionFound& found) {
   Figure spectra{"rejection-spectra", "power spectra with the loop open and closed",
                  "frequency (Hz)", "power of all modes (wave^2/Hz)"};
   spectra.log_x = spectra.log_y = true;
   spectra.series = {line_of("loop open", found.open)};
+  for (const FoundLaw& law : found.laws) spectra.series.push_back(line_of(law.name, law.closed));
+  for (std::size_t k = 0; k < found.laws.size(); ++k) {
+    spectra.series.push_back(expected(line_of(kExpected, found.laws[k].expected), k, int(k) + 2));
+  }
+  Series noise{.name = "noise floor, loop open", .style = Series::Style::line};
+  for (const double hz : spectra.series.front().x) noise.add(hz, found.noise_per_hz);
+  spectra.series.push_back(std::move(noise));
+  return spectra;
+}
+
+Figure rejected_figure(const RejectionFound& found) {
   Figure rejected{"rejection", "disturbance rejection of the closed loop", "frequency (Hz)",
                   "power, closed loop / open loop (dB)"};
   rejected.log_x = true;
-  for (std::size_t k = 0; k < found.laws.size(); ++k) {
-    const FoundLaw& law = found.laws[k];
-    spectra.series.push_back(line_of(law.name, law.closed));
+  for (const FoundLaw& law : found.laws) {
     rejected.series.push_back(
-        line_of(fmt::format("{}, {:.2g} steps/s", law.name, law.steps_hz), law.rejection));
-    rejected.series.back().colour = int(k) + 1;
+        line_of(fmt::format("{}, {:.2g} steps/s, delay {:.0f} ms", law.name,
+                            1.0 / law.timing.step_s, 1e3 * law.timing.delay_s),
+                law.rejection));
+    rejected.series.back().colour = int(rejected.series.size());
   }
   for (std::size_t k = 0; k < found.laws.size(); ++k) {
-    Series expected = line_of("expected without further delay", found.laws[k].expected_rejection);
-    expected.style = Series::Style::line;
-    expected.colour = int(k) + 1;
-    expected.in_legend = k == 0;
-    rejected.series.push_back(std::move(expected));
+    rejected.series.push_back(
+        expected(line_of(kExpected, found.laws[k].expected_rejection), k, int(k) + 1));
   }
-  return {std::move(spectra), std::move(rejected)};
+  return rejected;
+}
+
+}  // namespace
+
+std::vector<Figure> rejection_figures(const RejectionFound& found) {
+  return {spectra_figure(found), rejected_figure(found)};
 }
 
 json rejection_summary(const RejectionMeasured& measured, const RejectionFound& found) {
@@ -262,12 +342,19 @@ json rejection_summary(const RejectionMeasured& measured, const RejectionFound& 
   return {{"study", "rejection"},
           {"modes_j", measured.modes_j},
           {"open", summary_of(measured.open)},
+          {"uncorrected_modes_j", measured.open.uncorrected_j},
+          {"noise_waves", found.noise_waves},
           {"segment_s", measured.segment_s},
           {"laws", std::move(laws)}};
 }
 
 std::string rejection_text(const json& summary) {
-  std::string text = recorded_text("open", summary["open"]);
+  const json& open = summary["open"];
+  std::string text = recorded_text("open", open);
+  text += fmt::format(
+      "  {:.4f} wave RMS in measured modes that are not corrected; {:.3f} px RMS of "
+      "the displacements that no measured mode explains\n",
+      open["uncorrected_waves"].get<double>(), open["fit_residual_px"].get<double>());
   for (const json& law : summary["laws"]) text += law_text(law);
   return text + "\n" + bands_text(summary["laws"]);
 }

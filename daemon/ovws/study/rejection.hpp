@@ -33,11 +33,16 @@ std::vector<RejectionPoint> rejection(const Spectrum& open, const Spectrum& clos
 /// log frequency. None: the rejection is above the level from the start, or never.
 std::optional<double> crossing_hz(const std::vector<RejectionPoint>& rejection, double level_db);
 
-/// Spectrum that a loop without delay beyond its own step is expected to leave of the open loop's
-/// (ModeLaw::transfer), summed over the modes. NaN above half of `steps_hz`. `laws`: one for each
-/// mode of the recording.
+/// Spectrum that a loop with this timing is expected to leave of the open loop's
+/// (ModeLaw::transfer), summed over the modes. NaN above half of the step rate. `laws`: one for
+/// each mode of the recording.
 Spectrum expected_spectrum(const ModeSeries& open, double segment_s,
-                           std::span<const std::unique_ptr<ModeLaw>> laws, double steps_hz);
+                           std::span<const std::unique_ptr<ModeLaw>> laws,
+                           const LoopTiming& timing);
+
+/// Noise floor of a spectrum, wave^2/Hz: the median of its upper quarter. It is the power of the
+/// noise, or more if the disturbance reaches that far. 0 if the spectrum is empty.
+double noise_floor_per_hz(const Spectrum& spectrum);
 
 /// Rejection in a band from `from_hz` (included) to `to_hz` (excluded).
 struct RejectionBand {
@@ -53,10 +58,13 @@ std::vector<RejectionBand> octave_bands(const Spectrum& open, const Spectrum& cl
 /// A recording, and the counts of received and lost frames.
 struct RecordedLoop {
   ModeSeries recording;
-  int received = 0;           ///< frames whose message arrived
-  int lost = 0;               ///< frames without a message
-  bool device_clock = true;   ///< times_s are device time stamps; false: arrival times
-  std::string why_not_valid;  ///< reason of the last unusable frame; empty: none
+  int received = 0;                ///< frames whose message arrived
+  int lost = 0;                    ///< frames without a message
+  bool device_clock = true;        ///< times_s are device time stamps; false: arrival times
+  std::vector<int> uncorrected_j;  ///< other measured modes, from j = 3 on
+  double uncorrected_waves = 0.0;  ///< their RMS, root sum square
+  double fit_residual_px = 0.0;    ///< RMS of the displacements that no measured mode explains
+  std::string why_not_valid;       ///< reason of the last unusable frame; empty: none
 };
 
 /// What the loop left with one control law.
@@ -64,7 +72,7 @@ struct MeasuredLaw {
   LoopSettings settings;
   nlohmann::json loop;  ///< result of loop.get with the loop closed
   RecordedLoop closed;
-  double steps_hz = 0.0;  ///< step rate of the loop during the recording
+  LoopTiming timing;  ///< measured during the recording
 };
 
 struct RejectionMeasured {
@@ -77,7 +85,9 @@ struct RejectionMeasured {
 
 struct FoundLaw {
   std::string name;
-  double steps_hz = 0.0;
+  LoopTiming timing;
+  double noise_passed_waves = 0.0;  ///< RMS noise that the law passes on to the correction
+  double noise_limit_waves = 0.0;   ///< RMS residual that the noise of the frames alone would cause
   Spectrum closed, expected;
   std::vector<RejectionPoint> rejection, expected_rejection;
   std::vector<RejectionBand> bands;
@@ -85,6 +95,8 @@ struct FoundLaw {
 
 struct RejectionFound {
   Spectrum open;
+  double noise_per_hz = 0.0;   ///< noise floor of `open`, wave^2/Hz
+  double noise_waves = 0.0;    ///< RMS noise of one frame, root sum square of the modes
   std::vector<FoundLaw> laws;  ///< as measured
 };
 

@@ -8,6 +8,7 @@
 
 #include "core/control/integrator.hpp"
 #include "tests/support/series.hpp"
+#include "tests/unit/control/simulated_loop.hpp"
 
 namespace ovws::study {
 namespace {
@@ -26,6 +27,9 @@ TEST(RmsOfARecording, IsThatOfItsFrames) {
 
 struct Case {
   double gain, leak, steps_hz;
+  int delay = 1;  ///< steps
+
+  LoopTiming timing() const { return test::timing_of({delay}, 1.0 / steps_hz); }
 };
 
 std::vector<std::unique_ptr<ModeLaw>> integrators(const Case& of, int modes) {
@@ -44,17 +48,14 @@ TEST_P(IntegratedNoise, IsRejectedAsTheLawSays) {
   ModeSeries open{times(kCount, 1.0 / law.steps_hz), {}}, closed = open;
   for (std::uint32_t mode = 0; mode < kModes; ++mode) {
     open.modes_waves.push_back(noise(kCount, mode));
-    auto& left = closed.modes_waves.emplace_back();
-    double correction = 0.0;
-    for (const double there : open.modes_waves.back()) {
-      left.push_back(there - correction);
-      correction = (1.0 - law.leak) * correction + law.gain * left.back();
-    }
+    Integrator integrator(law.gain, law.leak, 0.0);
+    closed.modes_waves.push_back(test::residuals_of(integrator, open.modes_waves.back(),
+                                                    1.0 / law.steps_hz, 0.0, {law.delay}));
   }
   const double segment = 400.0 / law.steps_hz;
   const Spectrum before = spectrum(open, segment), after = spectrum(closed, segment);
   const Spectrum expected =
-      expected_spectrum(open, segment, integrators(law, kModes), law.steps_hz);
+      expected_spectrum(open, segment, integrators(law, kModes), law.timing());
   const auto found = rejection(before, after), wanted = rejection(before, expected);
   ASSERT_EQ(found.size(), 198U);
   ASSERT_EQ(wanted.size(), 198U);
@@ -71,14 +72,35 @@ TEST_P(IntegratedNoise, IsRejectedAsTheLawSays) {
 
 INSTANTIATE_TEST_SUITE_P(Rejection, IntegratedNoise,
                          testing::Values(Case{0.5, 0.0, 10.0}, Case{0.2, 0.0, 3.0},
-                                         Case{0.5, 0.1, 10.0}));
+                                         Case{0.5, 0.1, 10.0}, Case{0.5, 0.0, 10.0, 2}));
 
 TEST(ExpectedSpectrum, EndsAtHalfTheLoopsRate) {
   const ModeSeries open{times(4000, 0.05), {noise(4000, 1)}};
-  const Spectrum expected = expected_spectrum(open, 20.0, integrators({0.5, 0.0, 10.0}, 1), 10.0);
+  const Spectrum expected =
+      expected_spectrum(open, 20.0, integrators({0.5, 0.0, 10.0}, 1), {0.1, 0.1});
   EXPECT_NEAR(expected.hz(99), 5.0, 1e-9);
   EXPECT_FALSE(std::isnan(expected.power_per_hz[99]));
   EXPECT_TRUE(std::isnan(expected.power_per_hz[100]));
+}
+
+/// A bench without disturbance, whose frames have a noise of 1.
+TEST(NoiseLimit, IsWhatNoiseAloneLeaves) {
+  constexpr int kCount = 40000;
+  RejectionMeasured measured;
+  measured.modes_j = {4};
+  measured.segment_s = 20.0;
+  measured.open.recording = {times(kCount, 0.05), {noise(kCount, 1)}};
+  MeasuredLaw law;
+  law.timing = test::timing_of({2}, 0.05);
+  Integrator integrator(law.settings.gain, 0.0, 0.0);
+  law.closed = measured.open;
+  law.closed.recording.modes_waves = {
+      test::residuals_of(integrator, noise(kCount, 2), 0.05, 0.0, {2})};
+  measured.laws = {law};
+  const RejectionFound found = find_rejection(measured);
+  EXPECT_NEAR(found.laws[0].noise_limit_waves, rms_waves(law.closed.recording), 0.03);
+  EXPECT_NEAR(found.laws[0].noise_passed_waves, std::sqrt(1.0 / 3.0), 0.02);
+  EXPECT_NEAR(found.noise_per_hz, 0.1, 0.005);
 }
 
 TEST(Crossing, OfAKnownCurve) {
