@@ -127,10 +127,11 @@ bool WavefrontSearch::may_search(const FrameRecord& record) {
   const MeasurementPlan& plan = *record.plan;
   const std::int64_t now_ns = monotonic_ns();
   if (record.valid) t_valid_ns_ = now_ns;
-  if (plan.wants_templates()) return true;
   const bool is_flat =
       record.valid && (!record.templates.credible || record.reconstruction.rms_waves < kFlatWaves);
-  is_flat_.store(plan.fit != nullptr && is_flat, std::memory_order_relaxed);
+  is_flat_.store(!plan.wants_templates() && plan.fit != nullptr && is_flat,
+                 std::memory_order_relaxed);
+  if (plan.wants_templates()) return true;
   return plan.may_use_templates() && keeper_.held_by() == Hold::By::loop && !is_flat &&
          (plan.fit != nullptr || now_ns - t_valid_ns_ > kLostNs);
 }
