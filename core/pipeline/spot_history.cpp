@@ -82,7 +82,7 @@ bool SpotHistory::is_followed_by(const FrameRecord& record) const OVWS_NONBLOCKI
     const SpotFix& fix = record.spots[i];
     const SpotStart& start = record.starts[i];
     if (std::isnan(plan.reference_px[std::size_t(i)].x)) continue;
-    if (!fix.found() || !start.fresh) return false;
+    if (!fix.found()) return false;
     const Vec2 step = Vec2{double(fix.x), double(fix.y)} - start.at_px;
     if (!(norm(step) <= kMaxStep * plan.spots.lambda_d_px)) return false;
   }

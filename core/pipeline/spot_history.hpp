@@ -16,8 +16,8 @@ namespace ovws {
 /// Also judges whether spot positions can be trusted: after a sudden change, spots may be lost or
 /// mistaken for each other. A frame *follows* if one of these is true:
 /// - Templates describe it.
-/// - The previous frame follows, and every spot of the reference was found in both frames, at most
-///   a quarter of lambda/d from where its tracking started.
+/// - The previous frame follows, and every spot of the reference is found, at most a quarter of
+///   lambda/d from its last place. Templates may have described the frames since without that spot.
 /// - The first templates are awaited, and every spot of the reference is found at most a quarter of
 ///   lambda/d from its reference position.
 class SpotHistory {

@@ -70,5 +70,28 @@ TEST_F(Follows, NotAfterALostSpotUnlessTheReferenceLacksIt) {
   EXPECT_TRUE(next(false));
 }
 
+/// Templates may describe a frame without one of its spots.
+TEST_F(Follows, SpotsThatTheTemplatesLeftOutIfTheyAreNearTheirLastPlace) {
+  const Vec2 place = at_px[7];
+  EXPECT_TRUE(next(true));
+  at_px[7] = {NAN, NAN};
+  EXPECT_TRUE(next(true));
+  at_px[7] = {place.x + 0.2 * lambda_d_px(), place.y};
+  EXPECT_TRUE(next(false));
+  at_px[7] = {NAN, NAN};
+  EXPECT_TRUE(next(true));
+  at_px[7] = place + Vec2{0.5 * lambda_d_px(), 0.0};
+  EXPECT_FALSE(next(false));
+}
+
+/// A spot without a place is not known to be the same as before.
+TEST_F(Follows, NotIfASpotWasNeverFound) {
+  const Vec2 place = at_px[7];
+  at_px[7] = {NAN, NAN};
+  EXPECT_TRUE(next(true));
+  at_px[7] = place;
+  EXPECT_FALSE(next(false));
+}
+
 }  // namespace
 }  // namespace ovws::test
