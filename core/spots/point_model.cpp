@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -19,6 +20,7 @@ constexpr double kFarWaves = 0.05;
 constexpr double kReferenceWaves = 0.002, kFarReferenceWaves = 0.01;
 constexpr int kReferenceRenderings = 8, kReferenceRounds = 16;
 constexpr double kNoiseOnly = 1.25, kStalled = 0.98;  // chi-squared per binned pixel; its ratio
+constexpr std::size_t kNoises = 8;
 constexpr double kMaxExcess = 0.1;  // weighted residual, fraction, beyond the reference's
 constexpr double kMaxReferenceExcess = 0.15;
 // Higher modes, above the measured ones: limits of their RMS, and of predicted over found excess
@@ -36,17 +38,17 @@ constexpr double kMaxOverReference = 2.0;  // ratio of the residual to that of t
 }  // namespace
 
 /// Gauss-Newton iteration of the coefficients, from `waves` on, until the next step would be at
-/// most `near_waves` long, or for `renderings`. `rendered`: the spots at `waves`.
-Result<PointModel::Found> PointModel::approach(const ImageView& image, const PixelNoise& noise,
+/// most `near_waves` long, or for `renderings`.
+Result<PointModel::Found> PointModel::approach(const ImageView& image, const NoiseFrom& noise_from,
                                                std::vector<double> waves,
-                                               std::vector<RenderedSpot> rendered,
                                                std::span<const Mode> fixed, double near_waves,
                                                int renderings) {
   for (int k = 1;; ++k) {
     Found found;
     ++renderings_;
-    found.rendered = k == 1 ? std::move(rendered) : renderer_.render(waves, fixed);
-    found.pass = fit_spots(image, found.rendered, noise, estimates_);
+    found.rendered = renderer_.render(waves, fixed);
+    found.noise = noise_from(found.rendered);
+    found.pass = fit_spots(image, found.rendered, found.noise, estimates_);
     found.waves = std::move(waves);
     const auto step = damped_step(found.pass);
     if (!step) {
@@ -73,9 +75,9 @@ Result<PointModel::Found> PointModel::at_reference(const ImageView& image, const
                                                    std::span<const Mode> fixed,
                                                    const SpotDeviations& deviations) {
   renderer_.set_deviations(deviations);
-  auto rendered = renderer_.render(waves, fixed);
-  return approach(image, noise, std::move(waves), std::move(rendered), fixed, kReferenceWaves,
-                  kReferenceRenderings);
+  return approach(
+      image, [&](const auto&) { return noise; }, std::move(waves), fixed, kReferenceWaves,
+      kReferenceRenderings);
 }
 
 Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise& noise,
@@ -102,17 +104,17 @@ Result<void> PointModel::use_reference(const ImageView& image, const PixelNoise&
   if (best_waves.empty()) best_waves = std::move(waves);
   auto found = at_reference(image, noise, std::move(best_waves), fixed, best);
   if (!found) return fail(found.error());
-  return count_from(*found, image, noise, fixed);
+  return count_from(*found, image, fixed);
 }
 
 /// Sets the zero of the coefficients: what a FrameFit measures in the reference's image. Model
 /// errors are then equal in reference and frames, and cancel.
 Result<void> PointModel::count_from(const Found& found, const ImageView& image,
-                                    const PixelNoise& noise, std::span<const Mode> fixed) {
+                                    std::span<const Mode> fixed) {
   reference_excess_ = found.pass.excess();
   reference_levels_ = found.pass.levels_dn();
   reference_waves_ = std::vector<double>(found.waves.size());
-  const auto fit = fit_at(found, noise, fixed);
+  const auto fit = fit_at(found, fixed);
   reference_residual_px_ = fit->check(image, 0.0).residual_px;
   const std::vector<float> measured = fit->measure(image).coefficients;
   for (std::size_t k = 0; k < measured.size(); ++k) {
@@ -156,14 +158,27 @@ std::vector<double> PointModel::from_reference(std::span<const double> coefficie
   return waves;
 }
 
+/// The smaller of two noise estimates, at the light of a usual spot.
+PixelNoise PointModel::quieter(const PixelNoise& a, const PixelNoise& b) const {
+  const double usual_dn = reference_levels_.empty() ? 0.0 : std::ranges::max(reference_levels_);
+  return a.variance(usual_dn, 1) < b.variance(usual_dn, 1) ? a : b;
+}
+
 Result<std::shared_ptr<const FrameFit>> PointModel::templates(std::span<const ImageView> images,
                                                               Starts starts,
                                                               std::span<const Mode> fixed,
                                                               int renderings) {
+  std::optional<PixelNoise> least;
   const auto noise_from = [&](std::span<const RenderedSpot> rendered) {
-    return noise_of(images, rendered);
+    const PixelNoise now = noise_of(images, rendered);
+    least = least ? quieter(*least, now) : now;
+    return std::accumulate(noises_.begin(), noises_.end(), *least,
+                           [&](const auto& a, const auto& b) { return quieter(a, b); });
   };
-  return found_in(images.back(), noise_from, starts, fixed, renderings);
+  auto fit = found_in(images.back(), noise_from, starts, fixed, renderings);
+  if (least) noises_.push_back(*least);
+  if (noises_.size() > kNoises) noises_.pop_front();
+  return fit;
 }
 
 Result<std::shared_ptr<const FrameFit>> PointModel::templates(const ImageView& image, Starts starts,
@@ -191,26 +206,21 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
                                                              int renderings) {
   Result<std::shared_ptr<const FrameFit>> fit = fail(Errc::refused, "image", "no start is known");
   std::optional<Found> near;
-  PixelNoise noise_near;
   std::shared_ptr<const FrameFit> whole;
   renderings_ = 0;
   for (const std::vector<double>& start : starts) {
-    std::vector<double> waves = from_reference(start);
-    auto rendered = renderer_.render(waves, fixed);
-    const PixelNoise noise = noise_from(rendered);
-    auto found = approach(image, noise, std::move(waves), std::move(rendered), fixed, kNearWaves,
-                          renderings);
-    fit = found ? accepted(*found, image, noise, fixed, kMaxResidual) : fail(found.error());
+    auto found = approach(image, noise_from, from_reference(start), fixed, kNearWaves, renderings);
+    fit = found ? accepted(*found, image, fixed, kMaxResidual) : fail(found.error());
     if (fit) return fit;
     if (!found || found->away_waves > kFarWaves) continue;
-    whole = accepted_whole(*found, image, noise, fixed);
+    whole = accepted_whole(*found, image, fixed);
     if (!whole && near && near->pass.chi2() < found->pass.chi2()) continue;
-    near = std::move(*found), noise_near = noise;
+    near = std::move(*found);
     if (whole) break;
   }
   if (!near) return fit;
-  if (const auto rough = with_higher_modes(image, noise_near, std::move(*near), fixed)) {
-    auto in_air = accepted(*rough, image, noise_near, fixed, kMaxResidual);
+  if (const auto rough = with_higher_modes(image, std::move(*near), fixed)) {
+    auto in_air = accepted(*rough, image, fixed, kMaxResidual);
     if (in_air || !whole) return in_air;
   }
   if (whole) return whole;
@@ -221,18 +231,16 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
 /// may leave more than others: errors of a model that does not quite describe the bench.
 std::shared_ptr<const FrameFit> PointModel::accepted_whole(const Found& found,
                                                            const ImageView& image,
-                                                           const PixelNoise& noise,
                                                            std::span<const Mode> fixed) const {
   const double excess = found.pass.excess() - reference_excess_;
   if (found.away_waves > kNearWaves || excess > kMaxWholeExcess) return nullptr;
-  auto fit = accepted(found, image, noise, fixed, kMaxWholeResidual);
+  auto fit = accepted(found, image, fixed, kMaxWholeResidual);
   return fit && (*fit)->at_point().lost == 0 ? std::move(*fit) : nullptr;
 }
 
 /// Continues the search with errors by higher modes, whose strength the estimates give. None: the
 /// spots contradict each other.
-std::optional<PointModel::Found> PointModel::with_higher_modes(const ImageView& image,
-                                                               const PixelNoise& noise, Found found,
+std::optional<PointModel::Found> PointModel::with_higher_modes(const ImageView& image, Found found,
                                                                std::span<const Mode> fixed) {
   double higher_waves = kUsualHigherWaves;
   for (int k = 1;; ++k) {
@@ -256,7 +264,7 @@ std::optional<PointModel::Found> PointModel::with_higher_modes(const ImageView& 
       found.waves[j] += found.step(Eigen::Index(j));
     }
     found.rendered = renderer_.render(found.waves, fixed);
-    found.pass = fit_spots(image, found.rendered, noise, estimates_);
+    found.pass = fit_spots(image, found.rendered, found.noise, estimates_);
     ++renderings_;
   }
 }
@@ -280,7 +288,6 @@ bool PointModel::are_explained_by(double higher_waves, const Found& found) const
 
 Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
                                                              const ImageView& image,
-                                                             const PixelNoise& noise,
                                                              std::span<const Mode> fixed,
                                                              double max_residual) const {
   if (!(found.pass.excess() < allowed_excess()) || found.away_waves > kFarWaves) {
@@ -289,7 +296,7 @@ Result<std::shared_ptr<const FrameFit>> PointModel::accepted(const Found& found,
         "the spots differ from those of the model: check exposure, focus, and optics in the "
         "configuration");
   }
-  auto fit = fit_at(found, noise, fixed);
+  auto fit = fit_at(found, fixed);
   const double allowed_px = std::max(max_residual * found.rendered.front().window.width_px(),
                                      kMaxOverReference * reference_residual_px_);
   const FittedFrame& found_again = fit->check(image, allowed_px);
@@ -316,7 +323,7 @@ double PointModel::allowed_excess() const {
   return kMaxExcess + kMaxOverReference * reference_excess_;
 }
 
-std::shared_ptr<FrameFit> PointModel::fit_at(const Found& found, const PixelNoise& noise,
+std::shared_ptr<FrameFit> PointModel::fit_at(const Found& found,
                                              std::span<const Mode> fixed) const {
   OperatingPoint point;
   point.waves = found.waves;
@@ -324,7 +331,7 @@ std::shared_ptr<FrameFit> PointModel::fit_at(const Found& found, const PixelNois
   point.fixed.assign(fixed.begin(), fixed.end());
   point.deviations = renderer_.deviations();
   point.corrected_at = corrected_at_;
-  point.noise = noise;
+  point.noise = found.noise;
   point.levels_dn = found.pass.levels_dn();
   for (std::size_t i = 0; i < point.levels_dn.size(); ++i) {
     const bool lit = reference_levels_[i] > 0.0;

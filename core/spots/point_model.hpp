@@ -1,6 +1,7 @@
 /// Finds the operating point of an image and renders templates about it.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -52,9 +53,9 @@ class PointModel {
   /// Finds the wavefront of the last of `images` and makes templates about it. Tries `starts` in
   /// order, with at most `renderings` renderings each. A start that loses no spot ends the search.
   /// If no start leads to the wavefront exactly, a few more renderings about the nearest result
-  /// allow for modes above the measured ones. All images give the noise (noise_of). From a flat
-  /// start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18). Errc::refused, field
-  /// "image": the spots do not look as rendered.
+  /// allow for modes above the measured ones. All images give the noise (noise_of; the smallest of
+  /// the last searches counts). From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60
+  /// images (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
                                                     Starts starts, std::span<const Mode> fixed,
                                                     int renderings);
@@ -67,40 +68,38 @@ class PointModel {
                                                     int renderings);
 
  private:
+  using NoiseFrom = std::function<PixelNoise(std::span<const RenderedSpot>)>;
   struct Found {
     std::vector<double> waves;  ///< wavefront of the rendering
     std::vector<RenderedSpot> rendered;
+    PixelNoise noise;
     SpotPass pass;
     Eigen::VectorXd step;     ///< modes of the image minus modes of the rendering
     double away_waves = 0.0;  ///< norm of `step`
     std::vector<double> sigma_waves;
   };
-  Result<Found> approach(const ImageView& image, const PixelNoise& noise, std::vector<double> waves,
-                         std::vector<RenderedSpot> rendered, std::span<const Mode> fixed,
-                         double near_waves, int renderings);
-  std::optional<Found> with_higher_modes(const ImageView& image, const PixelNoise& noise,
-                                         Found found, std::span<const Mode> fixed);
+  Result<Found> approach(const ImageView& image, const NoiseFrom& noise_from,
+                         std::vector<double> waves, std::span<const Mode> fixed, double near_waves,
+                         int renderings);
+  std::optional<Found> with_higher_modes(const ImageView& image, Found found,
+                                         std::span<const Mode> fixed);
   bool are_explained_by(double higher_waves, const Found& found) const;
   Result<Found> at_reference(const ImageView& image, const PixelNoise& noise,
                              std::vector<double> waves, std::span<const Mode> fixed,
                              const SpotDeviations& deviations);
-  Result<void> count_from(const Found& found, const ImageView& image, const PixelNoise& noise,
-                          std::span<const Mode> fixed);
+  Result<void> count_from(const Found& found, const ImageView& image, std::span<const Mode> fixed);
   std::vector<double> from_reference(std::span<const double> coefficients) const;
-  using NoiseFrom = std::function<PixelNoise(std::span<const RenderedSpot>)>;
   Result<std::shared_ptr<const FrameFit>> found_in(const ImageView& image,
                                                    const NoiseFrom& noise_from, Starts starts,
                                                    std::span<const Mode> fixed, int renderings);
   Result<std::shared_ptr<const FrameFit>> accepted(const Found& found, const ImageView& image,
-                                                   const PixelNoise& noise,
                                                    std::span<const Mode> fixed,
                                                    double max_residual) const;
   std::shared_ptr<const FrameFit> accepted_whole(const Found& found, const ImageView& image,
-                                                 const PixelNoise& noise,
                                                  std::span<const Mode> fixed) const;
+  PixelNoise quieter(const PixelNoise& a, const PixelNoise& b) const;
   double allowed_excess() const;
-  std::shared_ptr<FrameFit> fit_at(const Found& found, const PixelNoise& noise,
-                                   std::span<const Mode> fixed) const;
+  std::shared_ptr<FrameFit> fit_at(const Found& found, std::span<const Mode> fixed) const;
 
   SpotRenderer renderer_;
   int estimates_;
@@ -108,6 +107,7 @@ class PointModel {
   std::vector<double> reference_waves_, reference_sigma_waves_;
   std::vector<double> reference_levels_;  ///< levels of the reference's spots, DN; 0: not found
   double reference_excess_ = 0.0, reference_residual_px_ = 0.0;
+  std::deque<PixelNoise> noises_;     ///< of the last searches; motion only makes them larger
   std::vector<double> corrected_at_;  ///< wavefront of the calibration; empty: no correction
 };
 

@@ -1,6 +1,7 @@
 #include "core/spots/wavefront_fit.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -14,7 +15,9 @@ constexpr double kRoundingDn2 = 1.0 / 12.0;  // rounding to whole DN
 // Least constant part, fraction of the mean variance: with less, dark pixels would outweigh all
 // others if the squares contain more than noise.
 constexpr double kMinDark = 0.01;
-constexpr double kUnsaturated = 0.9;  // of full scale: a binned pixel may hold a brighter pixel
+constexpr double kMinChange = 1e-3;     // of a spot: smaller ones are sums of the others
+constexpr double kMinNoiseShare = 0.5;  // of a binned pixel's noise
+constexpr double kUnsaturated = 0.9;    // of full scale: a binned pixel may hold a brighter pixel
 constexpr double kMinConditioning = 1e-12;
 constexpr double kUsualStepWaves = 0.014;  // expected step of a mode, for unlike spots
 
@@ -227,6 +230,21 @@ struct PairNoise {
   double squares = 0.0;  ///< sum of the squared differences
 };
 
+/// Orthonormal columns, which span all changes of a spot's lit binned pixels by its level, its
+/// background and the wavefront, to first order.
+Eigen::MatrixXd changes_of(const RenderedSpot& spot) {
+  const Eigen::MatrixXf& bends = spot.per_monomial.size() > 0 ? spot.per_monomial : spot.per_wave;
+  Eigen::MatrixXd changes(bends.rows(), bends.cols() + 2);
+  changes << bends.cast<double>(), spot.light.cast<double>(), Eigen::VectorXd::Ones(bends.rows());
+  for (Eigen::Index c = 0; c < changes.rows(); ++c) {
+    if (!spot.window.is_lit(c)) changes.row(c).setZero();
+  }
+  changes.colwise().normalize();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(changes.rows(), changes.cols());
+  solver.setThreshold(kMinChange).compute(changes);
+  return solver.householderQ() * Eigen::MatrixXd::Identity(changes.rows(), solver.rank());
+}
+
 PairNoise noise_between(const ImageView& one, const ImageView& other,
                         std::span<const RenderedSpot> rendered) {
   NoiseSums sums;
@@ -235,9 +253,12 @@ PairNoise noise_between(const ImageView& one, const ImageView& other,
     pixels = pixels_of(spot.window);
     const Eigen::VectorXd a = cells_of(one, spot.window), b = cells_of(other, spot.window);
     const double floor = dark_level(Eigen::VectorXf((0.5 * (a + b)).cast<float>()), spot.window);
+    const Eigen::MatrixXd changes = changes_of(spot);
+    const Eigen::VectorXd left = a - b - changes * (changes.transpose() * (a - b));
     for (Eigen::Index c = 0; c < a.size(); ++c) {
-      if (!spot.window.is_lit(c)) continue;
-      sums.add(0.5 * (a(c) + b(c)) - floor, 0.5 * std::pow(a(c) - b(c), 2));
+      const double share = 1.0 - changes.row(c).squaredNorm();  // of the noise that is left
+      if (!spot.window.is_lit(c) || share < kMinNoiseShare) continue;
+      sums.add(0.5 * (a(c) + b(c)) - floor, 0.5 * std::pow(left(c), 2) / share);
     }
   }
   return {sums.line(pixels), sums.y};

@@ -46,6 +46,19 @@ TEST_F(Templates, TheNoiseIsFoundFromTwoImages) {
   EXPECT_NEAR(noise.constant_dn2, kReadNoiseE * kReadNoiseE, 4.0);
 }
 
+/// In a closed loop, or as a bench vibrates, the next image has another wavefront and other light.
+TEST_F(Templates, TheNoiseIsFoundWhileTheWavefrontMoves) {
+  const Waves flat(18, 0.0), moved = random(18, 0.03, 3);
+  const auto rendered = renderer(1, 18).render(flat);
+  Image<float> then = light(1, moved);
+  for (float& electrons : then.pixels) electrons *= 1.1F;
+  const auto a = exposed(then, kReadNoiseE, 1), b = exposed(light(1, flat), kReadNoiseE, 2);
+  const PixelNoise noise = noise_of(std::vector{view(a), view(b)}, rendered);
+  std::printf("  %.3f DN per DN, %.2f DN^2 in the dark\n", noise.per_dn, noise.constant_dn2);
+  EXPECT_NEAR(noise.per_dn, 1.0, 0.3);
+  EXPECT_NEAR(noise.constant_dn2, kReadNoiseE * kReadNoiseE, 12.0);
+}
+
 /// Where the squares grow faster than the intensity, as from fringes, a straight line would be
 /// below zero at the dark end.
 TEST_F(Templates, TheNoiseOfDarkCellsIsNeverNegligible) {
