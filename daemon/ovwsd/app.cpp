@@ -164,7 +164,7 @@ Result<void> App::Parts::make_sensor() {
                      [this](bool runs) { state.set(&Conditions::job, runs); }});
   loop = std::make_unique<ClosedLoop>(ClosedLoopDeps{
       *keeper, slm, events, [this](bool closed) { state.set(&Conditions::loop, closed); },
-      [this] { return search->found_ns(); },
+      [this] { return search->found_ns(); }, [this] { return state.has_bench(); },
       [this](std::string kind, nlohmann::json content) {
         recorder.add_loop(std::move(kind), std::move(content));
       }});

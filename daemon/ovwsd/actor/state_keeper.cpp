@@ -50,4 +50,9 @@ std::string StateKeeper::name() const {
   return std::string(state_name(state_of(conditions_)));
 }
 
+bool StateKeeper::has_bench() const {
+  const std::lock_guard lock(mutex_);
+  return conditions_.camera && conditions_.display;
+}
+
 }  // namespace ovws

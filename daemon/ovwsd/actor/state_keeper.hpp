@@ -28,6 +28,8 @@ class StateKeeper {
   /// Checks whether the current state allows `action`; see `permit`.
   Result<void> check(Action action) const;
   std::string name() const;
+  /// Whether camera and display are connected.
+  bool has_bench() const;
 
  private:
   void set_locked(bool Conditions::*condition, bool holds);

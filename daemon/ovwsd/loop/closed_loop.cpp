@@ -127,11 +127,24 @@ void ClosedLoop::add(const FrameRecord& record) {
 bool ClosedLoop::do_work() {
   const bool asked = mailbox_.run_one(std::chrono::milliseconds(is_closed() ? 0 : kTurnMs));
   if (!is_closed()) return asked;
+  notice_bench();
   if (observe_next() || paused_ || !is_closed()) return true;
   const LoopEnd end = watch_->wait(monotonic_ns(), deps_.spots_found_ns());
   if (end != LoopEnd::none)
     set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
   return asked;
+}
+
+/// While the camera or the display is away, the watch begins again and again.
+void ClosedLoop::notice_bench() {
+  const bool away = !deps_.has_bench();
+  if (away) watch_.emplace(report_.get().settings, monotonic_ns());
+  if (std::exchange(away_, away) == away) return;
+  deps_.events.emit(
+      "loop", away ? Severity::warning : Severity::info,
+      away ? "the loop holds its correction: the camera or the display is not connected"
+           : "the loop goes on: camera and display are connected",
+      {{"closed", true}, {"holds", away}, {"steps", report_.get().steps}});
 }
 
 /// Observes the next frame if one comes in time, and steps if it is time. False: there was no step,
@@ -182,7 +195,7 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   times_ = {};
   stepped_ = true;
   shown_id_ = 0;
-  paused_ = false;
+  paused_ = away_ = false;
   lead_ = {};
   while (frames_.try_pop(taken_)) {
   }  // an earlier frame may refer to another reference
@@ -249,6 +262,8 @@ void ClosedLoop::step(const LoopFrame& frame) {
   if (end != LoopEnd::none)
     return set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
   if (auto shown = show(control_->correction()); !shown) {
+    log_.decided(t_for_ns, 0);
+    if (!deps_.has_bench()) return;
     return set_closed(false, "the correction cannot be shown: " + shown.error().reason,
                       Severity::warning);
   }

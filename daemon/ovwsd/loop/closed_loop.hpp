@@ -37,6 +37,8 @@ struct ClosedLoopDeps {
   /// CLOCK_MONOTONIC time (ns) of the last search that found lost spots; 0: there was none. Called
   /// in the loop thread.
   std::function<std::int64_t()> spots_found_ns;
+  /// Whether camera and display are connected. Called in the loop thread.
+  std::function<bool()> has_bench;
   /// Adds a document to the recording, if there is one. Called in the loop thread.
   LoopLog::Write record;
 };
@@ -47,7 +49,8 @@ struct ClosedLoopDeps {
 /// to arrive, if an earlier frame has come since the last step. After 0.3 s without a valid frame,
 /// a frame with a small fit residual and up to a third of its spots lost serves, too. The
 /// correction then separates overlapping spots, so that frames can become valid again. The patience
-/// begins again when a search finds lost spots.
+/// begins again when a search finds lost spots, and does not count while the camera or the display
+/// is not connected: the loop then holds its correction.
 class ClosedLoop : public Agent {
  public:
   using Done = std::function<void(Result<LoopReport>)>;
@@ -85,6 +88,7 @@ class ClosedLoop : public Agent {
   Result<LoopReport> begin(const LoopSettings& settings);
   Result<LoopReport> end(bool keep);
   Result<LoopReport> set_paused(bool paused);
+  void notice_bench();
   bool observe_next();
   std::int64_t t_exposed_ns() const;
   void observe(const LoopFrame& frame);
@@ -112,6 +116,7 @@ class ClosedLoop : public Agent {
   StepLog times_;
   LoopFrame taken_;             ///< the last one that was observed
   bool stepped_ = true;         ///< a step has used it
+  bool away_ = false;           ///< the camera or the display is not connected
   std::uint64_t shown_id_ = 0;  ///< the hologram that the last step showed
   LeadTime lead_;
 };

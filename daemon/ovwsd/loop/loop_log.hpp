@@ -27,7 +27,7 @@ class LoopLog {
   /// The laws observed a frame; `t_ns`: time of its residuals.
   void observed(std::uint64_t frame_id, std::int64_t t_ns);
   /// After that frame the laws computed the correction for `t_for_ns`, in the hologram
-  /// `hologram_id`.
+  /// `hologram_id`; 0: it could not be shown.
   void decided(std::int64_t t_for_ns, std::uint64_t hologram_id);
   void opened() { flush(); }
 

@@ -80,7 +80,9 @@ class ClosedLoopTest : public testing::Test {
   test::SimulatedBench bench_;
   ClosedLoop loop_{{bench_.keeper(), bench_.slm(), bench_.events(),
                     [this](bool closed) { is_closed_ = closed; }, [] { return std::int64_t{0}; },
+                    [this] { return has_bench_.load(); },
                     [](const std::string&, const nlohmann::json&) {}}};
+  std::atomic<bool> has_bench_{true};
   std::atomic<bool> is_closed_{false};  ///< as on_change last said
   std::atomic<bool> end_{false};
 
@@ -219,6 +221,20 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
   ASSERT_TRUE(wait_for([&] { return !is_closed_; }));
   EXPECT_NE(loop_.report().opened_because.find("no usable frame came for 4 s"), std::string::npos)
       << loop_.report().opened_because;
+}
+
+TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileTheBenchIsNotConnected) {
+  take_reference_frames();
+  ASSERT_TRUE(close({.patience_s = 0.5}));
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
+  has_bench_ = false;
+  twin::Truth dark = bench_.optics().truth();
+  dark.peak_electrons = 1.0;
+  bench_.optics().set_truth(dark);
+  std::this_thread::sleep_for(2s);
+  EXPECT_TRUE(is_closed_);
+  has_bench_ = true;
+  ASSERT_TRUE(wait_for([&] { return !is_closed_; }));
 }
 
 }  // namespace
