@@ -67,17 +67,52 @@ void Bench::set_truth(const Truth& truth) {
   ordered_ = state_.number;
 }
 
-std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns) {
+std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns, std::int64_t period_ns) {
   const std::lock_guard lock(mutex_);
   show_due_images();
-  const bool new_moment = state_.truth.turbulence && state_.t_ns != t_ns;
-  state_.t_ns = t_ns;
+  const bool as_expected = next_ns_ != 0 && t_ns >= next_ns_ && t_ns <= next_ns_ + kEarlyMomentNs;
+  const std::int64_t moment_ns = as_expected ? next_ns_ : t_ns;
+  next_ns_ = 0;
+  begun_ns_ = t_ns;
+  period_ns_ = period_ns;
+  begun_ = std::chrono::steady_clock::now();
+  const bool new_moment = state_.truth.turbulence && state_.t_ns != moment_ns;
+  state_.t_ns = moment_ns;
   if (state_.window != window || new_moment) {
     state_.window = window;
     note_change();
     ordered_ = state_.number;
   }
   return state_.number;
+}
+
+/// Frames begin a whole number of periods apart: the camera leaves out the periods that it misses.
+/// A frame may be early or late by half of kEarlyMomentNs.
+void Bench::expect_next() {
+  if (period_ns_ <= kEarlyMomentNs) return;
+  const std::chrono::nanoseconds passed = std::chrono::steady_clock::now() - begun_;
+  const std::int64_t until_next_ns = (passed.count() / period_ns_ + 1) * period_ns_;
+  next_ns_ = begun_ns_ + until_next_ns - kEarlyMomentNs / 2;
+  next_begin_ = begun_ + std::chrono::nanoseconds(until_next_ns);
+  changed_.notify_all();
+}
+
+/// The SLM's image when the next frame begins, as far as known now.
+std::shared_ptr<const Image<std::uint8_t>> Bench::next_grey() const {
+  auto grey = state_.grey;
+  for (const PendingImage& image : pending_) {
+    if (image.due <= next_begin_) grey = image.grey;
+  }
+  return grey;
+}
+
+bool Bench::preparation_wanted() const {
+  return !pending_.empty() && pending_.front().grey != prepared_;
+}
+
+bool Bench::ahead_wanted() const {
+  return state_.truth.turbulence && next_ns_ != 0 &&
+         (last_.t_ns != next_ns_ || last_.grey != next_grey());
 }
 
 /// Whether a frame of `scene_` may be sent. Changes of truth or window take effect at once, so a
@@ -102,6 +137,7 @@ void Bench::note_sent(std::uint64_t frame_id, const Scene& scene) {
   const std::lock_guard lock(mutex_);
   frame_truths_.push_back({frame_id, scene.t_ns, scene.turbulence});
   if (frame_truths_.size() > kFrameTruths) frame_truths_.pop_front();
+  expect_next();
 }
 
 std::vector<FrameTruth> Bench::frame_truths() const {
@@ -151,33 +187,48 @@ std::shared_ptr<const Scene> Bench::compute(const State& now) {
 void Bench::work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const auto something = [this] {
-    return state_.window && (computed_ != state_.number ||
-                             (!pending_.empty() && pending_.front().grey != prepared_));
+    return state_.window && (computed_ != state_.number || preparation_wanted() || ahead_wanted());
   };
   while (changed_.wait(lock, stop, something)) {
     if (computed_ != state_.number) {
       compute_now(lock);
-    } else {
+    } else if (preparation_wanted()) {
       prepare_next(lock);
+    } else {
+      compute_ahead(lock);
     }
   }
 }
 
-void Bench::compute_now(std::unique_lock<std::mutex>& lock) {
-  const State now = state_;
+/// Computes with the mutex unlocked.
+std::shared_ptr<const Scene> Bench::compute_unlocked(const State& now,
+                                                     std::unique_lock<std::mutex>& lock) {
   lock.unlock();
   const auto start = std::chrono::steady_clock::now();
   const auto intensity_before = last_intensity_;
   auto scene = compute(now);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   lock.lock();
-  scene_ = std::move(scene);
-  computed_ = now.number;
   if (last_intensity_ != intensity_before) {
     ++status_.far_fields;
     status_.far_field_ms = took.count();
   }
+  return scene;
+}
+
+void Bench::compute_now(std::unique_lock<std::mutex>& lock) {
+  const State now = state_;
+  scene_ = compute_unlocked(now, lock);
+  computed_ = now.number;
   changed_.notify_all();
+}
+
+/// Computes the next frame's light, which `compute` then finds unless the state changes.
+void Bench::compute_ahead(std::unique_lock<std::mutex>& lock) {
+  State next = state_;
+  next.grey = next_grey();
+  next.t_ns = next_ns_;
+  compute_unlocked(next, lock);
 }
 
 /// Prepares the image that the liquid crystal turns to, while it does.

@@ -51,6 +51,9 @@ class Bench {
   /// delivery and for detecting the change, so the daemon never accepts a stale frame as settled.
   static constexpr auto kStaleFrameTime = std::chrono::milliseconds(4);
 
+  /// Longest time by which the moment of a frame's turbulence is before the frame's begin.
+  static constexpr std::int64_t kEarlyMomentNs = 500'000;
+
   explicit Bench(const Config& config);
 
   void work(const std::stop_token& stop);  ///< body of the bench's thread
@@ -65,14 +68,17 @@ class Bench {
   void set_truth(const Truth& truth);
 
   /// Begins a frame of this window of the sensor at `t_ns` UTC. Returns the number of the current
-  /// state; with turbulence every moment is a new state.
-  std::uint64_t begin(const Roi& window, std::int64_t t_ns = 0);
+  /// state; with turbulence every moment is a new state. `period_ns`: time from frame to frame. If
+  /// it is not 0, the next moment is computed ahead after `note_sent`. For a frame that begins when
+  /// expected, Scene::t_ns is up to kEarlyMomentNs before `t_ns`, else equal to it.
+  std::uint64_t begin(const Roi& window, std::int64_t t_ns = 0, std::int64_t period_ns = 0);
   /// Waits for a scene of state `begun` (returned by `begin`) or of a newer state. If the returned
   /// scene is not `ready`, the caller prepares a frame of it and passes the scene as `ready` in the
   /// next call. Returns `ready` itself once its frame may be sent. Null at the deadline or on stop.
   std::shared_ptr<const Scene> scene(std::uint64_t begun, const std::shared_ptr<const Scene>& ready,
                                      Deadline deadline, const std::stop_token& stop);
-  /// Records a sent frame: with turbulence, adds its ground truth to `frame_truths`.
+  /// Records a sent frame, the one begun last: with turbulence, adds its ground truth to
+  /// `frame_truths`.
   void note_sent(std::uint64_t frame_id, const Scene& scene);
   std::vector<FrameTruth> frame_truths() const;  ///< of the last 32 frames, oldest first
   BenchStatus status() const;
@@ -87,12 +93,19 @@ class Bench {
     std::uint64_t number = 0;  ///< increases with each change of the state
   };
   std::shared_ptr<const Scene> compute(const State& now);
+  std::shared_ptr<const Scene> compute_unlocked(const State& now,
+                                                std::unique_lock<std::mutex>& lock);
   void compute_now(std::unique_lock<std::mutex>& lock);
   void prepare_next(std::unique_lock<std::mutex>& lock);
+  void compute_ahead(std::unique_lock<std::mutex>& lock);
   bool update_turbulence(const State& now);
-  void note_change();        // call with mutex_ locked
-  void show_due_images();    // call with mutex_ locked: shows pending images that have settled
-  bool may_be_sent() const;  // call with mutex_ locked
+  void expect_next();                                            // call with mutex_ locked
+  std::shared_ptr<const Image<std::uint8_t>> next_grey() const;  // call with mutex_ locked
+  bool preparation_wanted() const;                               // call with mutex_ locked
+  bool ahead_wanted() const;  // call with mutex_ locked, in the bench's thread
+  void note_change();         // call with mutex_ locked
+  void show_due_images();     // call with mutex_ locked: shows pending images that have settled
+  bool may_be_sent() const;   // call with mutex_ locked
 
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
@@ -108,7 +121,11 @@ class Bench {
   std::deque<PendingImage> pending_;  ///< on the display, but not yet on the liquid crystal
   std::shared_ptr<const Image<std::uint8_t>> prepared_;  ///< the last image given to `prepare`
   std::chrono::steady_clock::duration settle_{};
-  Deadline appeared_;  ///< when state_.grey appeared on the display
+  Deadline appeared_;                          ///< when state_.grey appeared on the display
+  std::int64_t begun_ns_ = 0, period_ns_ = 0;  ///< of the newest frame
+  Deadline begun_;                             ///< when `begin` was called for it
+  std::int64_t next_ns_ = 0;  ///< expected moment of the next frame; 0: none is expected
+  Deadline next_begin_;       ///< when that frame is expected to begin
   BenchStatus status_;
   std::deque<FrameTruth> frame_truths_;
 

@@ -205,7 +205,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   // Without an answer of the X server in 200 ms, the last known SLM image is used.
   bool answers = deps_.screen.catch_up(start + kDisplayTime, stop_);
   const std::uint64_t begun =
-      deps_.bench.begin(settings.roi, std::int64_t(arv_buffer_get_timestamp(buffer)));
+      deps_.bench.begin(settings.roi, std::int64_t(arv_buffer_get_timestamp(buffer)),
+                        std::int64_t(1e9 / settings.frame_rate_hz));
   std::shared_ptr<const Scene> ready;
   auto verified = start;
   int checks = 0;
@@ -213,6 +214,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
     if (scene == ready) {
       const auto now = std::chrono::steady_clock::now();
       if (!answers || now <= verified + kMaxDisplayAge) {
+        // Clients look up the ground truth of the turbulence by this time.
+        if (scene->truth.turbulence) arv_buffer_set_timestamp(buffer, std::uint64_t(scene->t_ns));
         deps_.bench.note_sent(arv_buffer_get_frame_id(buffer), *scene);
         return FrameFate::send;
       }

@@ -2,6 +2,7 @@
 /// wind, and the same in the light as in the ground truth.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -207,6 +208,52 @@ TEST(Bench, EachFramesLightIsOfTheMomentWhenItWasBegun) {
   EXPECT_EQ(bench.frame_truths()[1].turbulence, second->turbulence);
   for (int n = 0; n < 40; ++n) bench.note_sent(7, *second);
   EXPECT_EQ(bench.frame_truths().size(), 32U);
+}
+
+TEST(Bench, TheNextMomentIsComputedAheadAndIsTheOneThatTheSceneStates) {
+  constexpr Roi kWindow{192, 192, 64, 64};
+  // So long that no frame of this test takes longer.
+  constexpr std::int64_t kPeriod = 20 * kSecond, kEarly = Bench::kEarlyMomentNs / 2;
+  const Config config = parse_config(R"({"turbulence": {"rms_waves": 0.2}})").value();
+  const Turbulence air(*config.truth.turbulence);
+  Bench bench(config);
+  const std::jthread worker([&bench](const std::stop_token& token) { bench.work(token); });
+  const auto far_fields = [&bench] { return bench.status().far_fields; };
+  const auto wait_for = [&](std::uint64_t count) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (far_fields() < count && std::chrono::steady_clock::now() < end) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(far_fields(), count);
+  };
+  const auto check = [&](std::int64_t t_ns, std::int64_t moment_ns,
+                         const Image<std::uint8_t>& grey) {
+    const std::uint64_t begun = bench.begin(kWindow, t_ns, kPeriod);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const std::stop_source stop;
+    const auto scene = bench.scene(begun, nullptr, deadline, stop.get_token());
+    ASSERT_TRUE(scene);
+    EXPECT_EQ(scene->t_ns, moment_ns);
+    EXPECT_EQ(scene->turbulence, air.modes(scene->t_ns));
+    bench.note_sent(1, *scene);
+    BenchModel model(config);
+    model.set_aberration(config.truth.aberration, config.truth.shades);
+    model.set_window(kWindow, config.truth.geometry);
+    model.set_turbulence(&air, scene->t_ns);
+    EXPECT_EQ(scene->intensity->pixels, model.intensity(grey).pixels);
+  };
+  const Image<std::uint8_t> flat = *bench.shown();
+  Image<std::uint8_t> half = flat;
+  std::fill_n(half.pixels.begin(), half.pixels.size() / 2, std::uint8_t{60});
+  check(kNow, kNow, flat);
+  wait_for(2);  // with the next moment
+  check(kNow + kPeriod, kNow + kPeriod - kEarly, flat);
+  wait_for(3);  // of the moment after, and none again of this one
+  check(kNow + 2 * kPeriod + kEarly, kNow + 2 * kPeriod - kEarly, flat);
+  wait_for(4);
+  bench.show(half, std::chrono::steady_clock::now() - std::chrono::seconds(1));
+  check(kNow + 3 * kPeriod + kEarly, kNow + 3 * kPeriod, half);
+  check(kNow + 5 * kPeriod, kNow + 5 * kPeriod, half);  // not the moment computed ahead
 }
 
 TEST(TwinConfig, TurbulenceIsReadStrictly) {
