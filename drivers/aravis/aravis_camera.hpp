@@ -12,7 +12,8 @@ struct AravisConfig {
   std::string id;                ///< IP address, Aravis device id or serial number of the camera
   int packet_size_bytes = 9000;  ///< GigE: at most the camera's maximum; 0: keep the camera's value
   int buffers = 32;              ///< frame buffers; a recorder may hold half of the buffers
-  /// GigE without CAP_NET_RAW: size of the socket's receive buffer (SO_RCVBUF).
+  /// GigE: size of the socket's receive buffer (SO_RCVBUF). If it cannot hold 8 frames, they arrive
+  /// through a packet socket (CAP_NET_RAW), 0 to 5 ms late.
   int socket_buffer_bytes = 4 << 20;
   /// GigE: SCHED_FIFO priority of Aravis's packet-receiving thread. 0, or a missing privilege: the
   /// system's normal scheduling. USB3 always uses normal scheduling, because Aravis's thread may

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "core/port/clock.hpp"
+#include "drivers/aravis/udp_socket.hpp"
 
 namespace ovws {
 
@@ -42,6 +43,19 @@ void set_priority(void* priority, ArvStreamCallbackType type, ArvBuffer* /*buffe
   }
 }
 
+/// Whether the socket's receive buffer holds enough frames. If it does, frames come through it at
+/// once. Otherwise they come through Aravis's packet socket, if CAP_NET_RAW allows that: it holds
+/// 32 MiB, but the kernel hands its blocks of 2 MiB over every 5 ms only.
+bool fits_socket_buffer(std::size_t payload_bytes, int wanted_bytes) {
+  constexpr std::size_t kFrames = 8;
+  const UdpSocket probe;
+  int granted_bytes = 0;  // twice the wanted size, because the kernel needs memory for each packet
+  socklen_t size = sizeof(granted_bytes);
+  (void)setsockopt(probe.get(), SOL_SOCKET, SO_RCVBUF, &wanted_bytes, sizeof(wanted_bytes));
+  const bool known = getsockopt(probe.get(), SOL_SOCKET, SO_RCVBUF, &granted_bytes, &size) == 0;
+  return known && std::size_t(granted_bytes) / 2 >= kFrames * payload_bytes;
+}
+
 }  // namespace
 
 Result<void> prepare_transport(GenicamDevice& device, const AravisConfig& config) {
@@ -69,11 +83,17 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(GenicamDevice& device,
   if (!payload) return fail(payload.error());
   GErrorSlot error;
   const int priority = device.is_gige() ? config.receive_priority : 0;
+  if (device.is_gige()) {
+    const bool fits = fits_socket_buffer(std::size_t(*payload), config.socket_buffer_bytes);
+    arv_gv_device_set_stream_options(
+        ARV_GV_DEVICE(device.raw()),
+        fits ? ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED : ARV_GV_STREAM_OPTION_NONE);
+  }
   GRef<ArvStream> stream(
       arv_device_create_stream(device.raw(), set_priority, GINT_TO_POINTER(priority), error.out()));
   if (!stream) return fail(error.to_error(Errc::device, "opening the stream"));
-  // Without CAP_NET_RAW, frames arrive through this UDP socket; its default receive buffer is so
-  // small that all frames would be lost. Packet resend stays on (Aravis's default).
+  // The UDP socket's default receive buffer is so small that all frames would be lost. Packet
+  // resend stays on (Aravis's default).
   if (ARV_IS_GV_STREAM(stream.get()))
     g_object_set(stream.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size", config.socket_buffer_bytes, nullptr);
