@@ -16,6 +16,7 @@ namespace ovws::sdl {
 namespace {
 
 constexpr std::int64_t kPatienceNs = 100'000'000;
+constexpr std::int64_t kSmoothing = 16;
 constexpr std::int64_t kFirstPatienceNs = 1'500'000'000;  // an output that wakes up
 
 struct Disconnect {
@@ -46,10 +47,11 @@ struct RefreshClock::Impl {
   std::int64_t period_ns = 0;
   xcb_special_event_t* events = nullptr;
   std::uint32_t asked = 0, answered = 0;  ///< numbers of requests
-  std::int64_t refresh_ns = 0;            ///< the last one that was reported, CLOCK_MONOTONIC
+  std::int64_t refresh_ns = 0;            ///< time of the last one, CLOCK_MONOTONIC
 
   void ask();
   void read_answers();
+  void follow(std::int64_t reported_ns);
   bool wait_for_answer(std::int64_t until_ns);
 };
 
@@ -78,14 +80,18 @@ std::unique_ptr<RefreshClock> RefreshClock::open(std::uint32_t x_window, double 
   return clock;
 }
 
-bool RefreshClock::wait() {
+std::int64_t RefreshClock::wait() {
   impl_->read_answers();
   impl_->ask();
-  const std::int64_t now_ns = monotonic_ns(), since_ns = now_ns - impl_->refresh_ns;
-  if (since_ns > kPatienceNs) return impl_->wait_for_answer(now_ns + kPatienceNs);
-  std::this_thread::sleep_for(
-      std::chrono::nanoseconds(impl_->period_ns - since_ns % impl_->period_ns));
-  return true;
+  const std::int64_t now_ns = monotonic_ns();
+  if (now_ns > impl_->refresh_ns + kPatienceNs) {
+    return impl_->wait_for_answer(now_ns + kPatienceNs) ? impl_->refresh_ns : 0;
+  }
+  // The last reported refresh may be still to come.
+  std::int64_t left_ns = (impl_->refresh_ns - now_ns) % impl_->period_ns;
+  if (left_ns <= 0) left_ns += impl_->period_ns;
+  std::this_thread::sleep_for(std::chrono::nanoseconds(left_ns));
+  return now_ns + left_ns;
 }
 
 /// Asks for the next refresh, if no answer is awaited.
@@ -105,8 +111,18 @@ void RefreshClock::Impl::read_answers() {
                                done->kind == XCB_PRESENT_COMPLETE_KIND_NOTIFY_MSC;
     if (!tells_refresh || done->serial != asked) continue;
     answered = asked;
-    refresh_ns = std::int64_t(done->ust) * 1000;
+    follow(std::int64_t(done->ust) * 1000);
   }
+}
+
+/// Takes a reported refresh. Timers of servers without hardware jitter by some milliseconds, so its
+/// deviation from what the earlier ones say counts with a small part only.
+void RefreshClock::Impl::follow(std::int64_t reported_ns) {
+  const std::int64_t periods = (reported_ns - refresh_ns + period_ns / 2) / period_ns;
+  const std::int64_t expected_ns = refresh_ns + periods * period_ns;
+  const std::int64_t error_ns = reported_ns - expected_ns;
+  const bool goes_on = std::abs(error_ns) < period_ns / 4 && periods * period_ns < kPatienceNs;
+  refresh_ns = goes_on ? expected_ns + error_ns / kSmoothing : reported_ns;
 }
 
 bool RefreshClock::Impl::wait_for_answer(std::int64_t until_ns) {

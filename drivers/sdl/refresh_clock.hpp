@@ -19,9 +19,9 @@ class RefreshClock {
   RefreshClock(const RefreshClock&) = delete;
   RefreshClock& operator=(const RefreshClock&) = delete;
 
-  /// Waits for the beginning of the next vertical blank. False: no refresh was reported within
-  /// 0.1 s (the output is off, or the server has ended).
-  bool wait();
+  /// Waits for the beginning of the next vertical blank. Returns its time, CLOCK_MONOTONIC in ns;
+  /// 0: no refresh was reported within 0.1 s (the output is off, or the server has ended).
+  std::int64_t wait();
 
  private:
   struct Impl;

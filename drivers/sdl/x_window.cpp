@@ -126,10 +126,12 @@ class XWindow final : public SlmWindow {
     return seen;
   }
 
-  void wait_for_refresh() override {
+  std::int64_t wait_for_refresh() override {
     // Without an answer (the output is off, or the server is busy) no wait in the next second.
-    if (!refreshes_ || monotonic_ns() < next_refresh_ns_) return;
-    if (!refreshes_->wait()) next_refresh_ns_ = monotonic_ns() + kNoRefreshNs;
+    if (!refreshes_ || monotonic_ns() < next_refresh_ns_) return 0;
+    const std::int64_t refresh_ns = refreshes_->wait();
+    if (refresh_ns == 0) next_refresh_ns_ = monotonic_ns() + kNoRefreshNs;
+    return refresh_ns;
   }
 
   Result<void> connection() override {

@@ -171,7 +171,7 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
     return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
   }
   const std::int64_t asked_ns = monotonic_ns();
-  display_->wait_for_refresh();
+  t_refresh_mono_ns_ = display_->wait_for_refresh();
   refresh_wait_ns_ = monotonic_ns() - asked_ns;
   ShownHologram next = shown_;
   next.healthy = true;
@@ -211,6 +211,7 @@ void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   now.t_presented_mono_ns = t_presented_mono_ns_;
   now.t_begin_mono_ns = shown_.current.t_begin_mono_ns;
   now.t_settled_mono_ns = shown_.current.t_settled_mono_ns;
+  now.t_refresh_mono_ns = t_refresh_mono_ns_;
   now.refresh_wait_ns = refresh_wait_ns_;
   if (why) now.fault = why->reason;
   now.at_fault = why && needs_intervention(*why);

@@ -39,9 +39,10 @@ struct SlmSnapshot {
   std::int64_t t_begin_mono_ns = 0;  ///< just before the hologram was presented
   std::int64_t t_presented_mono_ns = 0;
   std::int64_t t_settled_mono_ns = 0;
-  std::int64_t refresh_wait_ns = 0;  ///< wait for the display's refresh before t_begin_mono_ns
-  std::string fault;                 ///< why the SLM is not healthy; empty if healthy
-  bool at_fault = false;             ///< a person must fix the fault before the display can be used
+  std::int64_t t_refresh_mono_ns = 0;  ///< the display's refresh just before; 0: unknown
+  std::int64_t refresh_wait_ns = 0;    ///< wait for the display's refresh before t_begin_mono_ns
+  std::string fault;                   ///< why the SLM is not healthy; empty if healthy
+  bool at_fault = false;  ///< a person must fix the fault before the display can be used
 };
 
 /// Readback check of the display: compares its buffer with the presented hologram.
@@ -114,7 +115,7 @@ class SlmLoop : public Agent {
   std::optional<HologramRequest> requested_;
   ShownHologram shown_;
   std::int64_t t_presented_mono_ns_ = 0;
-  std::int64_t refresh_wait_ns_ = 0;
+  std::int64_t t_refresh_mono_ns_ = 0, refresh_wait_ns_ = 0;
   std::int64_t next_try_ns_ = 0;
   std::int64_t next_check_ns_ = 0;
   Guarded<SlmSnapshot> snapshot_;
