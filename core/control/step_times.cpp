@@ -35,13 +35,13 @@ StepSummary StepLog::summary() const {
   return summary;
 }
 
-std::int64_t LeadTime::ns() const {
+std::int64_t RecentTime::ns(double share) const {
   const std::size_t known = std::min(count_, kSteps);
   if (known == 0) return 0;
   auto sorted = last_ns_;
-  const auto middle = sorted.begin() + std::ptrdiff_t((known - 1) / 2);
-  std::nth_element(sorted.begin(), middle, sorted.begin() + std::ptrdiff_t(known));
-  return *middle;
+  const auto place = sorted.begin() + std::ptrdiff_t(share * double(known - 1));
+  std::nth_element(sorted.begin(), place, sorted.begin() + std::ptrdiff_t(known));
+  return *place;
 }
 
 }  // namespace ovws

@@ -55,15 +55,15 @@ class StepLog {
   std::size_t count_ = 0;
 };
 
-/// Time from the decision of a step to the middle of the time in which its hologram is shown: the
-/// median of the last steps, so that a single slow step does not count. Not thread-safe.
-class LeadTime {
+/// A duration in the last steps. Not thread-safe.
+class RecentTime {
  public:
-  static constexpr std::size_t kSteps = 9;
+  static constexpr std::size_t kSteps = 32;
 
-  void add(std::int64_t lead_ns) { last_ns_[count_++ % kSteps] = lead_ns; }
-  /// 0: no step is known.
-  std::int64_t ns() const;
+  void add(std::int64_t took_ns) { last_ns_[count_++ % kSteps] = took_ns; }
+  /// The time that `share` of the steps did not exceed, 0 to 1; 0.5 gives the median. 0: no step is
+  /// known.
+  std::int64_t ns(double share) const;
 
  private:
   std::array<std::int64_t, kSteps> last_ns_{};

@@ -70,7 +70,8 @@ struct FrameRecord {
   /// Estimated end of the exposure, CLOCK_MONOTONIC: the undelayed arrival less half of the longest
   /// transfer time.
   std::int64_t t_exposed_mono_ns = 0;
-  std::int64_t period_ns = 0;  ///< of the camera's frames when it was sent; 0: unknown
+  std::int64_t transfer_ns = 0;  ///< longest time from end of exposure to arrival
+  std::int64_t period_ns = 0;    ///< of the camera's frames when it was sent; 0: unknown
 
   std::uint64_t number = 0;    ///< sequence number of published records, from 1
   bool pixels_missed = false;  ///< pixels were to be recorded, but too many buffers were lent

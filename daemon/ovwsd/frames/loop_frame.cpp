@@ -12,6 +12,7 @@ bool copy_to(LoopFrame& frame, const FrameRecord& record) {
   frame.hologram_id = record.hologram_id;
   frame.t_end_ns = record.t_exposed_mono_ns;
   frame.t_begin_ns = frame.t_end_ns - std::llround(1e3 * record.exposure_us);
+  frame.transfer_ns = record.transfer_ns;
   frame.period_ns = record.period_ns;
   // Spot positions, unlike templates, measure only the leading modes of the plan.
   const auto& modes_j = record.templates.credible ? plan.modes_j : plan.reconstructor->modes_j();

@@ -14,7 +14,8 @@ struct LoopFrame {
   std::uint64_t frame_id = 0, hologram_id = 0;
   /// Exposure, CLOCK_MONOTONIC, see FrameRecord::t_exposed_mono_ns.
   std::int64_t t_begin_ns = 0, t_end_ns = 0;
-  std::int64_t period_ns = 0;  ///< of the camera's frames; 0: unknown
+  std::int64_t transfer_ns = 0;  ///< longest time from end of exposure to arrival
+  std::int64_t period_ns = 0;    ///< of the camera's frames; 0: unknown
   int mode_count = 0;
   std::array<int, kMaxModes> modes_j{};
   std::array<float, kMaxModes> waves{};        ///< coefficients

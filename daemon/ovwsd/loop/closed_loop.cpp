@@ -19,6 +19,9 @@ namespace {
 constexpr int kTurnMs = 50;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kInvalidNs = 300'000'000;
+// A step that is late misses its refresh: it allows for the second longest of 32 preparations.
+constexpr double kSafeShare = 0.97;
+constexpr std::int64_t kSpareNs = 500'000;
 constexpr int kMinSpotsPerLost = 3;
 constexpr double kMaxResidual = 0.06;  // lambda/d
 
@@ -150,28 +153,39 @@ void ClosedLoop::notice_bench() {
 /// Observes the next frame if one comes in time, and steps if it is time. False: there was no step,
 /// and no frame of the newest hologram. The error of an older one may have been corrected.
 bool ClosedLoop::observe_next() {
-  const std::int64_t due_ns = stepped_ || paused_ ? kNever : t_exposed_ns();
+  const std::int64_t due_ns = stepped_ || paused_ ? kNever : t_due_ns();
   const std::chrono::nanoseconds left(
       std::clamp(due_ns - monotonic_ns(), std::int64_t{0}, kTurnMs * std::int64_t{1'000'000}));
   const bool came =
       frames_.pop(taken_, std::chrono::duration_cast<std::chrono::microseconds>(left));
   if (came) observe(taken_);
   const bool newest = taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
-  const bool due = (came && newest) || monotonic_ns() >= due_ns;
-  if (stepped_ || paused_ || !due) return came && newest;
+  if (stepped_ || paused_ || monotonic_ns() < t_due_ns()) return came && newest;
   step(taken_);
   return true;
 }
 
-/// The time at which a frame of the newest hologram has been exposed.
-std::int64_t ClosedLoop::t_exposed_ns() const {
+/// When to step: so late that the hologram is just ready for a refresh, the first one before which
+/// a frame of the newest hologram has been exposed. If the refreshes are not known: at once with
+/// the newest hologram's first frame, or when it has been exposed.
+std::int64_t ClosedLoop::t_due_ns() const {
   const SlmSnapshot slm = deps_.slm.snapshot();
   const bool shown = slm.hologram_id == deps_.keeper.snapshot()->hologram_id;
   if (!shown || taken_.period_ns == 0) return kNever;
-  return slm.t_settled_mono_ns + taken_.period_ns + taken_.t_end_ns - taken_.t_begin_ns;
+  const std::int64_t exposed_ns = slm.t_settled_mono_ns + taken_.period_ns + taken_.transfer_ns +
+                                  taken_.t_end_ns - taken_.t_begin_ns;
+  if (slm.t_refresh_mono_ns == 0 || !slm.info) {
+    return taken_.hologram_id == slm.hologram_id ? t_observed_ns_ : exposed_ns;
+  }
+  const double refresh_ns = 1e9 / slm.info->refresh_hz;
+  const std::int64_t ready_ns = std::max(exposed_ns, t_observed_ns_ + prepare_.ns(0.5));
+  const double refreshes = std::ceil(double(ready_ns - slm.t_refresh_mono_ns) / refresh_ns);
+  return slm.t_refresh_mono_ns + std::llround(refreshes * refresh_ns) - prepare_.ns(kSafeShare) -
+         kSpareNs;
 }
 
 void ClosedLoop::observe(const LoopFrame& frame) {
+  t_observed_ns_ = monotonic_ns();
   control_->observe({frame.middle_ns(), frame.measured(frame.modes_j), frame.measured(frame.waves),
                      frame.measured(frame.sigma_waves)},
                     frame.shown());
@@ -196,7 +210,7 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   stepped_ = true;
   shown_id_ = 0;
   paused_ = away_ = false;
-  lead_ = {};
+  lead_ = prepare_ = {};
   while (frames_.try_pop(taken_)) {
   }  // an earlier frame may refer to another reference
   LoopReport report;
@@ -255,7 +269,7 @@ void ClosedLoop::step(const LoopFrame& frame) {
   const SlmSnapshot before = deps_.slm.snapshot();
   const std::int64_t decided_ns = monotonic_ns();
   stepped_ = true;
-  const std::int64_t t_for_ns = decided_ns + lead_.ns();
+  const std::int64_t t_for_ns = decided_ns + lead_.ns(0.5);
   control_->step(t_for_ns);
   const LoopEnd end =
       watch_->step(control_->residual_rms_waves(), control_->at_limit(), decided_ns);
@@ -285,22 +299,26 @@ void ClosedLoop::add_times(const LoopFrame& frame, std::int64_t decided_ns,
   };
   StepTimes times;
   times.settle_ms = ms(before.t_presented_mono_ns, before.t_settled_mono_ns);
-  if (frame.hologram_id == before.hologram_id) {
+  const bool newest = frame.hologram_id == before.hologram_id;
+  const std::int64_t known_ns = std::max(t_observed_ns_, before.t_settled_mono_ns);
+  if (newest) {
     times.wait_ms = ms(before.t_settled_mono_ns, frame.t_begin_ns);
     times.exposure_ms = ms(frame.t_begin_ns, frame.t_end_ns);
-    times.compute_ms = ms(frame.t_end_ns, decided_ns);
+    times.compute_ms = ms(frame.t_end_ns, known_ns);
   } else {
-    times.wait_ms = ms(before.t_settled_mono_ns, decided_ns);
+    times.wait_ms = ms(before.t_settled_mono_ns, known_ns);
   }
-  times.refresh_ms = 1e-6 * double(now.refresh_wait_ns);
-  times.render_ms = ms(decided_ns, now.t_begin_mono_ns) - times.refresh_ms;
+  const std::int64_t ready_ns = now.t_begin_mono_ns - now.refresh_wait_ns;
+  times.render_ms = ms(decided_ns, ready_ns);
+  times.refresh_ms = ms(known_ns, decided_ns) + ms(ready_ns, now.t_begin_mono_ns);
   times.present_ms = ms(now.t_begin_mono_ns, now.t_presented_mono_ns);
   // A hologram is shown about half a settle time later than it is presented, as is the next one.
   const std::int64_t period_ns = now.t_presented_mono_ns - before.t_presented_mono_ns;
   const std::int64_t settle_ns = before.t_settled_mono_ns - before.t_presented_mono_ns;
   const std::int64_t shown_ns = now.t_presented_mono_ns + (period_ns + settle_ns) / 2;
   lead_.add(shown_ns - decided_ns);
-  times_.add({times, ms(frame.middle_ns(), shown_ns), frame.hologram_id == before.hologram_id});
+  prepare_.add(ready_ns - decided_ns);
+  times_.add({times, ms(frame.middle_ns(), shown_ns), newest});
 }
 
 Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {

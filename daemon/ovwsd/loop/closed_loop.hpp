@@ -90,7 +90,7 @@ class ClosedLoop : public Agent {
   Result<LoopReport> set_paused(bool paused);
   void notice_bench();
   bool observe_next();
-  std::int64_t t_exposed_ns() const;
+  std::int64_t t_due_ns() const;
   void observe(const LoopFrame& frame);
   void step(const LoopFrame& frame);
   void add_times(const LoopFrame& frame, std::int64_t decided_ns, const SlmSnapshot& before);
@@ -114,11 +114,13 @@ class ClosedLoop : public Agent {
   std::optional<LoopWatch> watch_;
   LoopLog log_;
   StepLog times_;
-  LoopFrame taken_;             ///< the last one that was observed
-  bool stepped_ = true;         ///< a step has used it
-  bool away_ = false;           ///< the camera or the display is not connected
-  std::uint64_t shown_id_ = 0;  ///< the hologram that the last step showed
-  LeadTime lead_;
+  LoopFrame taken_;                 ///< the last one that was observed
+  bool stepped_ = true;             ///< a step has used it
+  bool away_ = false;               ///< the camera or the display is not connected
+  std::uint64_t shown_id_ = 0;      ///< the hologram that the last step showed
+  std::int64_t t_observed_ns_ = 0;  ///< when `taken_` was observed
+  RecentTime lead_;                 ///< from a decision to the middle of its hologram's time
+  RecentTime prepare_;              ///< from a decision to the wait for the refresh
 };
 
 }  // namespace ovws

@@ -125,16 +125,19 @@ TEST(CheckModel, RefusesALawWithTooSmallAMargin) {
   EXPECT_TRUE(check({.law = LawName::integrator}));
 }
 
-TEST(LeadTime, IsThatOfMostSteps) {
+TEST(RecentTime, IsThatOfTheStatedShareOfTheSteps) {
   constexpr std::int64_t kMs = 1'000'000;
-  LeadTime lead;
-  EXPECT_EQ(lead.ns(), 0);
-  lead.add(300'000 * kMs);
-  for (int k = 0; k < 3; ++k) lead.add(16 * kMs);
-  EXPECT_EQ(lead.ns(), 16 * kMs);
-  for (int k = 0; k < 100; ++k) lead.add(17 * kMs);
-  lead.add(300'000 * kMs);
-  EXPECT_EQ(lead.ns(), 17 * kMs);
+  RecentTime time;
+  EXPECT_EQ(time.ns(0.5), 0);
+  time.add(300'000 * kMs);
+  for (int k = 0; k < 3; ++k) time.add(16 * kMs);
+  EXPECT_EQ(time.ns(0.5), 16 * kMs);
+  for (int k = 0; k < 100; ++k) time.add(17 * kMs);
+  time.add(300'000 * kMs);
+  EXPECT_EQ(time.ns(0.5), 17 * kMs);
+  EXPECT_EQ(time.ns(0.95), 17 * kMs);
+  for (int k = 0; k < 2; ++k) time.add(20 * kMs);
+  EXPECT_EQ(time.ns(0.95), 20 * kMs);
 }
 
 }  // namespace
