@@ -1,18 +1,29 @@
 #include "core/control/integrator.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ovws {
 
 void Integrator::observe(const ModeSample& sample) {
-  frames_ = std::min(frames_ + 1, kMostFrames);
-  const double disturbance = sample.residual_waves + sample.shown_waves;
-  disturbance_waves_ += (disturbance - disturbance_waves_) / frames_;
+  disturbance_waves_[frames_++ % kMostFrames] = sample.residual_waves + sample.shown_waves;
+}
+
+double Integrator::recent_disturbance_waves() const {
+  const std::size_t count = std::min(frames_, kMostFrames);
+  const double kept = std::pow(1.0 - gain_, 1.0 / double(count));
+  double sum = 0.0, weights = 0.0, weight = 1.0;
+  for (std::size_t k = 1; k <= count; ++k, weight *= kept) {
+    sum += weight * disturbance_waves_[(frames_ - k) % kMostFrames];
+    weights += weight;
+  }
+  return sum / weights;
 }
 
 double Integrator::step(std::int64_t, double limit_waves) {
   if (frames_ > 0) {
-    const double next = (1.0 - leak_ - gain_) * correction_waves_ + gain_ * disturbance_waves_;
+    const double next =
+        (1.0 - leak_ - gain_) * correction_waves_ + gain_ * recent_disturbance_waves();
     correction_waves_ = std::clamp(next, -limit_waves, limit_waves);
   }
   frames_ = 0;

@@ -1,7 +1,9 @@
 /// Integrating control law.
 #pragma once
 
+#include <array>
 #include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,9 +14,11 @@ namespace ovws {
 
 /// Leaky integrator of the disturbance (pseudo open-loop control; Piatrou and Gilles, Applied
 /// Optics 44, 1003, 2005). A step changes the correction c to (1 - leak - gain) c + gain d. The
-/// disturbance d is residual plus shown correction, averaged over the frames since the last step.
-/// If the next frame has the correction, that is (1 - leak) c + gain r with its residual r. The
-/// shown correction cancels in d, so the loop is stable with any delay of the correction.
+/// disturbance d is residual plus shown correction, averaged over the frames since the last step
+/// with growing weights, as if each frame had a step of its own: with the gain 1 the newest frame
+/// counts alone. If the next frame has the correction, that is (1 - leak) c + gain r with its
+/// residual r. The shown correction cancels in d, so the loop is stable with any delay of the
+/// correction.
 class Integrator final : public ModeLaw {
  public:
   /// `gain`: 0 to 1; `leak`: 0 to below 1. Starts with `correction_waves`.
@@ -28,11 +32,13 @@ class Integrator final : public ModeLaw {
                                              const LoopTiming& timing) const override;
 
  private:
-  static constexpr int kMostFrames = 16;  ///< that the mean has in full; older ones fade
+  static constexpr std::size_t kMostFrames = 16;
+  double recent_disturbance_waves() const;
+
   double gain_, leak_;
   double correction_waves_;
-  double disturbance_waves_ = 0.0;  ///< mean of the frames since the last step
-  int frames_ = 0;                  ///< since the last step, at most kMostFrames
+  std::array<double, kMostFrames> disturbance_waves_{};  ///< of the newest frames, in a ring
+  std::size_t frames_ = 0;                               ///< since the last step
 };
 
 }  // namespace ovws

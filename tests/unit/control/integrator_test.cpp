@@ -53,15 +53,24 @@ TEST(Integrator, CountsFromTheCorrectionOfTheFrame) {
   EXPECT_DOUBLE_EQ(law.step(4, test::kNoLimit), 0.5);
 }
 
-/// The gain counts per step, whatever the number of frames.
-TEST(Integrator, TakesTheMeanOfAStepsFrames) {
-  Integrator law(0.5, 0.0, 0.2);
+/// The gain counts per step, whatever the number of frames, and the newest frame counts most.
+TEST(Integrator, TakesAStepsFramesAsIfEachHadAStep) {
+  Integrator law(0.75, 0.0, 0.2), newest(1.0, 0.0, 0.2);
   EXPECT_DOUBLE_EQ(law.step(1, test::kNoLimit), 0.2) << "no frame, no change";
-  for (const double waves : {0.2, 0.4, 0.6}) {
+  for (const double waves : {0.2, 0.6}) {
     law.observe({.t_ns = 2, .residual_waves = waves, .shown_waves = 0.2});
+    newest.observe({.t_ns = 2, .residual_waves = waves, .shown_waves = 0.2});
   }
-  EXPECT_DOUBLE_EQ(law.step(3, test::kNoLimit), 0.4);
-  EXPECT_DOUBLE_EQ(law.step(4, test::kNoLimit), 0.4);
+  // Two steps of gain 0.5: to 0.4 and 0.8.
+  EXPECT_DOUBLE_EQ(law.step(3, test::kNoLimit), 0.5 * (0.5 * (0.2 + 0.4) + 0.8));
+  EXPECT_DOUBLE_EQ(law.step(4, test::kNoLimit), 0.55);
+  EXPECT_DOUBLE_EQ(newest.step(3, test::kNoLimit), 0.8);
+}
+
+TEST(Integrator, TakesTheNewestOfManyFrames) {
+  Integrator law(0.5, 0.0, 0.0);
+  for (int k = 0; k < 100; ++k) law.observe({.residual_waves = k < 84 ? 7.0 : 0.4});
+  EXPECT_NEAR(law.step(1, test::kNoLimit), 0.2, 1e-12);
 }
 
 }  // namespace
