@@ -307,9 +307,12 @@ Answer closed_loop(const Common& common) {
                           why.is_string() ? why.get<std::string>() : "no reason given")));
 }
 
-/// Waits until the loop has converged: 3 time constants, at least 5 and at most 200 steps.
-Answer wait_for_steps(const Common& common, double gain) {
-  const int needed = int(std::clamp(std::ceil(3.0 / gain), 5.0, 200.0));
+/// Steps until the loop has converged: 3 time constants, at least 5 and at most 200 steps.
+int steps_to_converge(double gain) {
+  return int(std::clamp(std::ceil(3.0 / gain), 5.0, 200.0));
+}
+
+Answer wait_for_steps(const Common& common, int needed) {
   const auto end = Clock::now() + kStepsTimeout;
   while (true) {
     Answer loop = closed_loop(common);
@@ -332,7 +335,7 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
     if (const Answer closed = loop.close(to_json(law.settings)); !closed) {
       return tl::make_unexpected(closed.error());
     }
-    const Answer before = wait_for_steps(common, law.settings.gain);
+    const Answer before = wait_for_steps(common, steps_to_converge(law.settings.gain));
     if (!before) return tl::make_unexpected(before.error());
     const auto begun = Clock::now();
     auto recorded = record(common, task);
@@ -351,6 +354,16 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
   auto done = record_steps();
   if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
   return done;
+}
+
+/// Closes the loop for a moment: loop.identify then knows the steps and their delay.
+tl::expected<void, CallFailure> measure_steps(const Common& common, BorrowedLoop& loop) {
+  constexpr int kSteps = 64;
+  const Answer closed = loop.close(json::object());
+  const Answer made = closed ? wait_for_steps(common, kSteps) : closed;
+  if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
+  if (!made) return tl::make_unexpected(made.error());
+  return {};
 }
 
 /// Waits until loop.identify, which watches while this program records, has ended.
@@ -396,8 +409,12 @@ Measured measure(const Common& common, const json& params, double seconds) {
   if (!correction) return tl::make_unexpected(correction.error());
   const bool needs_model = std::ranges::any_of(
       *loops, [](const LoopSettings& one) { return one.law != LawName::integrator; });
+  BorrowedLoop loop(common, *correction);
   Answer job = json();
   if (needs_model) {
+    if (const auto known = measure_steps(common, loop); !known) {
+      return tl::make_unexpected(known.error());
+    }
     const double watched_s = std::clamp(seconds, limits::kIdentifyS.min, limits::kIdentifyS.max);
     job = call(common, "loop.identify", {{"seconds", watched_s}});
   }
@@ -414,7 +431,6 @@ Measured measure(const Common& common, const json& params, double seconds) {
     if (!model) return tl::make_unexpected(model.error());
     measured.model = std::move(*model);
   }
-  BorrowedLoop loop(common, *correction);
   for (const LoopSettings& settings : *loops) {
     left -= 1.0;
     measured.laws.push_back({settings, {}, {}, {}});
