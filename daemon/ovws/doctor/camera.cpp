@@ -177,8 +177,8 @@ Finding judge_socket_buffer(const CameraFacts& facts) {
                                        *facts.rmem_max_bytes, facts.socket_buffer_bytes);
   if (*facts.rmem_max_bytes >= facts.socket_buffer_bytes) return ok(says);
   return warning(says +
-                     ": a daemon without CAP_NET_RAW loses packets when the CPU is busy (the "
-                     "service has it)",
+                     ": frames come up to 5 ms late, through a packet socket; or, to a daemon "
+                     "without CAP_NET_RAW, with lost packets when the CPU is busy",
                  fmt::format("sudo sysctl -w net.core.rmem_max={}", facts.socket_buffer_bytes));
 }
 
