@@ -51,10 +51,12 @@ LoopForecast forecast(const ModeLaw& law, const Disturbance& disturbance,
 }
 
 double best_gain(const Disturbance& disturbance, const LoopTiming& timing, double leak,
-                 double least_margin) {
-  const Densities of = densities(disturbance, timing.step_s);
+                 double least_margin, double frames) {
+  Densities of = densities(disturbance, timing.step_s);
+  const double noise = of.noise;
   double best = kLeastGain, least = std::numeric_limits<double>::infinity();
   for (double gain = kLeastGain; gain <= kMostGain; gain *= kGainRatio) {
+    of.noise = noise / Integrator::counted_frames(gain, frames);
     const LoopForecast found = forecast(Integrator(gain, leak, 0.0), of, timing);
     if (found.gain_margin < least_margin || !(found.residual_waves < least)) continue;
     least = found.residual_waves;

@@ -20,7 +20,8 @@ LoopForecast forecast(const ModeLaw& law, const Disturbance& disturbance, const 
 
 /// Gain of the integrator that leaves least of the disturbance (modal gain optimisation; Gendron
 /// and Lena, A&A 291, 337, 1994), of those with a gain margin of at least `least_margin`.
+/// `disturbance`: with the noise of one frame; a step has `frames` frames.
 double best_gain(const Disturbance& disturbance, const LoopTiming& timing, double leak,
-                 double least_margin);
+                 double least_margin, double frames = 1.0);
 
 }  // namespace ovws

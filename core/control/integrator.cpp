@@ -20,6 +20,14 @@ double Integrator::recent_disturbance_waves() const {
   return sum / weights;
 }
 
+double Integrator::counted_frames(double gain, double frames) {
+  const double kept = std::pow(1.0 - gain, 1.0 / frames);
+  if (kept >= 1.0) return frames;
+  // Sum of the weights, squared, over the sum of their squares; both are geometric series.
+  const double all = std::pow(kept, frames);
+  return (1.0 - all) * (1.0 + kept) / ((1.0 + all) * (1.0 - kept));
+}
+
 double Integrator::step(std::int64_t, double limit_waves) {
   if (frames_ > 0) {
     const double next =

@@ -27,14 +27,21 @@ double regular_interval_s(const std::vector<double>& times_s) {
   return sum / count;
 }
 
-/// Forecasts for one mode. A loop measures a step's disturbance with `frames` frames together.
+LoopForecast forecast_of_integrator(Disturbance disturbance, const LoopTiming& timing,
+                                    double frames, double gain, double leak) {
+  disturbance.noise_waves /= std::sqrt(Integrator::counted_frames(gain, frames));
+  return forecast(Integrator(gain, leak, 0.0), disturbance, timing);
+}
+
+/// Forecasts for one mode. A step of the loop has `frames` frames.
 void forecast_all(ModeModel& mode, const LoopTiming& timing, double frames, double gain,
                   double leak) {
-  Disturbance real = mode.disturbance;
+  const Disturbance of_frames = mode.disturbance;
+  mode.best_gain = best_gain(of_frames, timing, leak, LoopModel::kLeastMargin, frames);
+  mode.integrator = forecast_of_integrator(of_frames, timing, frames, gain, leak);
+  mode.optimised = forecast_of_integrator(of_frames, timing, frames, mode.best_gain, leak);
+  Disturbance real = of_frames;
   real.noise_waves /= std::sqrt(frames);
-  mode.best_gain = best_gain(real, timing, leak, LoopModel::kLeastMargin);
-  mode.integrator = forecast(Integrator(gain, leak, 0.0), real, timing);
-  mode.optimised = forecast(Integrator(mode.best_gain, leak, 0.0), real, timing);
   // More noise makes the predictor more cautious, until it has the least margin.
   Disturbance assumed = real;
   assumed.noise_waves = std::max(real.noise_waves, kLeastNoise * real.rms_waves());

@@ -67,6 +67,15 @@ TEST(Integrator, TakesAStepsFramesAsIfEachHadAStep) {
   EXPECT_DOUBLE_EQ(newest.step(3, test::kNoLimit), 0.8);
 }
 
+TEST(Integrator, CountsAsManyFramesAsItsWeightsAmountTo) {
+  EXPECT_DOUBLE_EQ(Integrator::counted_frames(1.0, 3.5), 1.0);
+  EXPECT_DOUBLE_EQ(Integrator::counted_frames(0.0, 3.5), 3.5);
+  EXPECT_NEAR(Integrator::counted_frames(0.01, 3.5), 3.5, 1e-3);
+  EXPECT_DOUBLE_EQ(Integrator::counted_frames(0.5, 1.0), 1.0);
+  // Weights 1 and 0.5.
+  EXPECT_DOUBLE_EQ(Integrator::counted_frames(0.75, 2.0), 1.5 * 1.5 / 1.25);
+}
+
 TEST(Integrator, TakesTheNewestOfManyFrames) {
   Integrator law(0.5, 0.0, 0.0);
   for (int k = 0; k < 100; ++k) law.observe({.residual_waves = k < 84 ? 7.0 : 0.4});
