@@ -176,7 +176,7 @@ Result<std::shared_ptr<const FrameFit>> PointModel::templates(std::span<const Im
                            [&](const auto& a, const auto& b) { return quieter(a, b); });
   };
   auto fit = found_in(images.back(), noise_from, starts, fixed, renderings);
-  if (least) noises_.push_back(*least);
+  if (fit && least) noises_.push_back(*least);
   if (noises_.size() > kNoises) noises_.pop_front();
   return fit;
 }

@@ -54,11 +54,13 @@ class PointModel {
   /// order, with at most `renderings` renderings each. A start that loses no spot ends the search.
   /// If no start leads to the wavefront exactly, a few more renderings about the nearest result
   /// allow for modes above the measured ones. All images give the noise (noise_of; the smallest of
-  /// the last searches counts). From a flat start, 12 renderings find 0.8 wave RMS in 59 of 60
-  /// images (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
+  /// the last successful searches counts). From a flat start, 12 renderings find 0.8 wave RMS in 59
+  /// of 60 images (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
                                                     Starts starts, std::span<const Mode> fixed,
                                                     int renderings);
+  /// Call when the camera's noise may have changed: with its gain or exposure.
+  void forget_noise() { noises_.clear(); }
   /// Makes templates from a single image, which also gives the noise.
   Result<std::shared_ptr<const FrameFit>> templates(const ImageView& image, Starts starts,
                                                     std::span<const Mode> fixed, int renderings);
@@ -107,7 +109,7 @@ class PointModel {
   std::vector<double> reference_waves_, reference_sigma_waves_;
   std::vector<double> reference_levels_;  ///< levels of the reference's spots, DN; 0: not found
   double reference_excess_ = 0.0, reference_residual_px_ = 0.0;
-  std::deque<PixelNoise> noises_;     ///< of the last searches; motion only makes them larger
+  std::deque<PixelNoise> noises_;     ///< of the last successful searches: motion makes them larger
   std::vector<double> corrected_at_;  ///< wavefront of the calibration; empty: no correction
 };
 

@@ -239,7 +239,7 @@ Eigen::MatrixXd changes_of(const RenderedSpot& spot) {
   for (Eigen::Index c = 0; c < changes.rows(); ++c) {
     if (!spot.window.is_lit(c)) changes.row(c).setZero();
   }
-  changes.colwise().normalize();
+  for (auto change : changes.colwise()) change.stableNormalize();
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(changes.rows(), changes.cols());
   solver.setThreshold(kMinChange).compute(changes);
   return solver.householderQ() * Eigen::MatrixXd::Identity(changes.rows(), solver.rank());
@@ -250,6 +250,7 @@ PairNoise noise_between(const ImageView& one, const ImageView& other,
   NoiseSums sums;
   double pixels = 1.0;
   for (const RenderedSpot& spot : rendered) {
+    if (!(spot.light.maxCoeff() > 0.0F)) continue;
     pixels = pixels_of(spot.window);
     const Eigen::VectorXd a = cells_of(one, spot.window), b = cells_of(other, spot.window);
     const double floor = dark_level(Eigen::VectorXf((0.5 * (a + b)).cast<float>()), spot.window);
@@ -257,7 +258,7 @@ PairNoise noise_between(const ImageView& one, const ImageView& other,
     const Eigen::VectorXd left = a - b - changes * (changes.transpose() * (a - b));
     for (Eigen::Index c = 0; c < a.size(); ++c) {
       const double share = 1.0 - changes.row(c).squaredNorm();  // of the noise that is left
-      if (!spot.window.is_lit(c) || share < kMinNoiseShare) continue;
+      if (!spot.window.is_lit(c) || !(share >= kMinNoiseShare)) continue;
       sums.add(0.5 * (a(c) + b(c)) - floor, 0.5 * std::pow(left(c), 2) / share);
     }
   }

@@ -52,6 +52,10 @@ class SpotsModel {
   /// Measured templates, if the wavefront of the last of `images` is within 0.02 wave RMS of the
   /// calibration's wavefront; else null.
   std::shared_ptr<const FrameFit> measured_near(std::span<const ImageView> images) const;
+  /// Call when the camera's gain or exposure has changed.
+  void forget_noise() {
+    if (rendered_) rendered_->forget_noise();
+  }
   bool has_measured() const { return measured_.has_value(); }
   bool has_rendered() const { return rendered_.has_value(); }
   /// Why an active calibration is not used; empty: it is used, or no calibration is active.

@@ -89,7 +89,14 @@ struct WavefrontSearch::Model {
   Result<SpotsModel> spots = fail(Errc::refused, "reference", "");
   std::int64_t failed_until_ns = 0;  ///< time to try again with other frames
   std::vector<double> last{};        ///< coefficients of the last rendered operating point
+  double gain_db = 0.0, gain_raw = kUnknownGain, exposure_us = 0.0;  ///< of the last frame
 
+  void use_settings_of(const FrameCopy& frame) {
+    const bool same = same_number(frame.gain_db, gain_db) &&
+                      same_number(frame.gain_raw, gain_raw) && frame.exposure_us == exposure_us;
+    if (!same && spots) spots->forget_noise();
+    gain_db = frame.gain_db, gain_raw = frame.gain_raw, exposure_us = frame.exposure_us;
+  }
   bool has_failed() const { return !spots && monotonic_ns() < failed_until_ns; }
   void set_failed(Error why) {
     spots = fail(std::move(why));
@@ -246,6 +253,7 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   if (is_other || (!model_->spots && !model_->has_failed())) make_model(images, sensor);
   if (!model_->spots) return fail(model_->spots.error());
   look_again_ns_ = monotonic_ns() + kLookAgainNs;
+  model_->use_settings_of(frame);
   auto fit = found(images, frame, sensor);
   if (!fit) return fail(fit.error());
   if (*fit == nullptr) return {};
