@@ -357,9 +357,11 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
 }
 
 /// Closes the loop for a moment: loop.identify then knows the steps and their delay.
-tl::expected<void, CallFailure> measure_steps(const Common& common, BorrowedLoop& loop) {
+tl::expected<void, CallFailure> measure_steps(const Common& common, LoopSettings settings,
+                                              BorrowedLoop& loop) {
   constexpr int kSteps = 64;
-  const Answer closed = loop.close(json::object());
+  settings.law = LawName::integrator;
+  const Answer closed = loop.close(to_json(settings));
   const Answer made = closed ? wait_for_steps(common, kSteps) : closed;
   if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
   if (!made) return tl::make_unexpected(made.error());
@@ -412,7 +414,7 @@ Measured measure(const Common& common, const json& params, double seconds) {
   BorrowedLoop loop(common, *correction);
   Answer job = json();
   if (needs_model) {
-    if (const auto known = measure_steps(common, loop); !known) {
+    if (const auto known = measure_steps(common, loops->front(), loop); !known) {
       return tl::make_unexpected(known.error());
     }
     const double watched_s = std::clamp(seconds, limits::kIdentifyS.min, limits::kIdentifyS.max);
