@@ -1,6 +1,7 @@
 #include "core/control/step_times.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace ovws {
@@ -39,7 +40,7 @@ std::int64_t RecentTime::ns(double share) const {
   const std::size_t known = std::min(count_, kSteps);
   if (known == 0) return 0;
   auto sorted = last_ns_;
-  const auto place = sorted.begin() + std::ptrdiff_t(share * double(known - 1));
+  const auto place = sorted.begin() + std::ptrdiff_t(std::ceil(share * double(known - 1)));
   std::nth_element(sorted.begin(), place, sorted.begin() + std::ptrdiff_t(known));
   return *place;
 }

@@ -12,13 +12,13 @@ namespace ovws {
 /// Where the time of one step goes: from presenting a hologram to presenting the next,
 /// milliseconds.
 struct StepTimes {
-  double settle_ms = 0.0;    ///< until the liquid crystal has settled
-  double wait_ms = 0.0;      ///< until the first usable frame begins
-  double exposure_ms = 0.0;  ///< of that frame
-  double compute_ms = 0.0;   ///< transfer and measurement of the frame, until the decision
+  double settle_ms = 0.0;  ///< until the liquid crystal has settled
+  double wait_ms = 0.0;  ///< until the last usable frame begins; if it is older, until it is known
+  double exposure_ms = 0.0;  ///< of that frame; 0 if it is older
+  double compute_ms = 0.0;   ///< its transfer and measurement; 0 if it is older
   double render_ms = 0.0;    ///< of the new correction and its hologram
-  double refresh_ms = 0.0;   ///< wait for the display's next refresh
-  double present_ms = 0.0;   ///< until the display has accepted the hologram
+  double refresh_ms = 0.0;  ///< wait for the display's next refresh, most of it before the decision
+  double present_ms = 0.0;  ///< until the display has accepted the hologram
 
   double total_ms() const {
     return settle_ms + wait_ms + exposure_ms + compute_ms + render_ms + refresh_ms + present_ms;
@@ -55,7 +55,7 @@ class StepLog {
   std::size_t count_ = 0;
 };
 
-/// A duration in the last steps. Not thread-safe.
+/// A duration in the last kSteps steps. Not thread-safe.
 class RecentTime {
  public:
   static constexpr std::size_t kSteps = 32;

@@ -26,8 +26,8 @@ class Display {
   /// system accepted the image, CLOCK_MONOTONIC in ns.
   virtual Result<std::int64_t> present(const Image<std::uint8_t>& grey) = 0;
   /// Waits until the output has begun its next refresh, 0.1 s at most, so that `present` changes
-  /// the image early in one. Returns when it began, CLOCK_MONOTONIC in ns; where the display system
-  /// does not tell, 0, at once.
+  /// the image early in one. Returns the time of its beginning, CLOCK_MONOTONIC in ns; 0,
+  /// at once, where the display system does not tell.
   virtual std::int64_t wait_for_refresh() { return 0; }
   /// Reads back the pixels that the output shows now (0xRRGGBB), whichever program drew them. Takes
   /// tens of milliseconds. Errc::unavailable: the display system gives no image; the object stays

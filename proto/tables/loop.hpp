@@ -62,12 +62,13 @@ template <>
 inline constexpr auto kTable<StepTimes> =
     Fields{"StepTimes",
            field<&StepTimes::settle_ms>("until the liquid crystal has settled, ms"),
-           field<&StepTimes::wait_ms>(
-               "until the first usable frame begins, or until the step is taken without one, ms"),
+           field<&StepTimes::wait_ms>("until the last usable frame begins, or, if it shows an "
+                                      "older hologram, until it is known, ms"),
            field<&StepTimes::exposure_ms>("exposure of that frame, ms"),
            field<&StepTimes::compute_ms>("transfer and measurement of the frame, ms"),
            field<&StepTimes::render_ms>("computation of the new correction and its hologram, ms"),
-           field<&StepTimes::refresh_ms>("wait for the display's next refresh, ms"),
+           field<&StepTimes::refresh_ms>(
+               "wait for the display's next refresh, before and after the decision, ms"),
            field<&StepTimes::present_ms>("until the display has accepted the hologram, ms")};
 
 template <>

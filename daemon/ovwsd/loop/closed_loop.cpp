@@ -6,21 +6,20 @@
 #include <chrono>
 #include <cmath>
 #include <future>
-#include <limits>
 #include <memory>
 #include <utility>
 
 #include "core/control/loop_laws.hpp"
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/loop/step_due.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr int kTurnMs = 50;
-constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kInvalidNs = 300'000'000;
 // A step that is late misses its refresh: it allows for the second longest of 32 preparations.
-constexpr double kSafeShare = 0.97;
+constexpr double kSafeShare = 0.95;
 constexpr std::int64_t kSpareNs = 500'000;
 constexpr int kMinSpotsPerLost = 3;
 constexpr double kMaxResidual = 0.06;  // lambda/d
@@ -138,50 +137,57 @@ bool ClosedLoop::do_work() {
   return asked;
 }
 
-/// While the camera or the display is away, the watch begins again and again.
+/// While the camera or the display is away, the watch begins again and again. Afterwards only new
+/// frames count, and the step over that time tells no times.
 void ClosedLoop::notice_bench() {
   const bool away = !deps_.has_bench();
   if (away) watch_.emplace(report_.get().settings, monotonic_ns());
   if (std::exchange(away_, away) == away) return;
+  stepped_ = true;
+  shown_id_ = 0;
+  while (frames_.try_pop(taken_)) {
+  }
   deps_.events.emit(
       "loop", away ? Severity::warning : Severity::info,
       away ? "the loop holds its correction: the camera or the display is not connected"
-           : "the loop goes on: camera and display are connected",
-      {{"closed", true}, {"holds", away}, {"steps", report_.get().steps}});
+           : "the camera and the display are connected again",
+      {{"closed", true},
+       {"holds", away},
+       {"paused", paused_.load()},
+       {"steps", report_.get().steps}});
 }
 
 /// Observes the next frame if one comes in time, and steps if it is time. False: there was no step,
 /// and no frame of the newest hologram. The error of an older one may have been corrected.
 bool ClosedLoop::observe_next() {
-  const std::int64_t due_ns = stepped_ || paused_ ? kNever : t_due_ns();
+  const std::int64_t due_ns = stepped_ || paused_ ? StepState::kNever : t_step_due_ns();
   const std::chrono::nanoseconds left(
       std::clamp(due_ns - monotonic_ns(), std::int64_t{0}, kTurnMs * std::int64_t{1'000'000}));
   const bool came =
       frames_.pop(taken_, std::chrono::duration_cast<std::chrono::microseconds>(left));
   if (came) observe(taken_);
   const bool newest = taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
-  if (stepped_ || paused_ || monotonic_ns() < t_due_ns()) return came && newest;
+  if (stepped_ || paused_ || monotonic_ns() < t_step_due_ns()) return came && newest;
   step(taken_);
   return true;
 }
 
-/// When to step: so late that the hologram is just ready for a refresh, the first one before which
-/// a frame of the newest hologram has been exposed. If the refreshes are not known: at once with
-/// the newest hologram's first frame, or when it has been exposed.
-std::int64_t ClosedLoop::t_due_ns() const {
+std::int64_t ClosedLoop::t_step_due_ns() const {
   const SlmSnapshot slm = deps_.slm.snapshot();
-  const bool shown = slm.hologram_id == deps_.keeper.snapshot()->hologram_id;
-  if (!shown || taken_.period_ns == 0) return kNever;
-  const std::int64_t exposed_ns = slm.t_settled_mono_ns + taken_.period_ns + taken_.transfer_ns +
-                                  taken_.t_end_ns - taken_.t_begin_ns;
-  if (slm.t_refresh_mono_ns == 0 || !slm.info) {
-    return taken_.hologram_id == slm.hologram_id ? t_observed_ns_ : exposed_ns;
+  if (slm.hologram_id != deps_.keeper.snapshot()->hologram_id) return StepState::kNever;
+  StepState state{.t_observed_ns = t_observed_ns_,
+                  .has_newest = taken_.hologram_id == slm.hologram_id,
+                  .usual_prepare_ns = prepare_.ns(0.5),
+                  .safe_prepare_ns = prepare_.ns(kSafeShare) + kSpareNs};
+  if (taken_.period_ns > 0) {
+    state.t_exposed_ns = slm.t_settled_mono_ns + taken_.period_ns + taken_.transfer_ns +
+                         taken_.t_end_ns - taken_.t_begin_ns;
   }
-  const double refresh_ns = 1e9 / slm.info->refresh_hz;
-  const std::int64_t ready_ns = std::max(exposed_ns, t_observed_ns_ + prepare_.ns(0.5));
-  const double refreshes = std::ceil(double(ready_ns - slm.t_refresh_mono_ns) / refresh_ns);
-  return slm.t_refresh_mono_ns + std::llround(refreshes * refresh_ns) - prepare_.ns(kSafeShare) -
-         kSpareNs;
+  if (slm.t_refresh_mono_ns > 0 && slm.info) {
+    state.t_refresh_ns = slm.t_refresh_mono_ns;
+    state.refresh_ns = std::llround(1e9 / slm.info->refresh_hz);
+  }
+  return t_due_ns(state);
 }
 
 void ClosedLoop::observe(const LoopFrame& frame) {

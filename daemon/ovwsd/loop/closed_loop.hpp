@@ -44,13 +44,12 @@ struct ClosedLoopDeps {
 };
 
 /// Closed-loop control in the loop thread. The control laws observe every valid frame with the
-/// correction of its hologram. A step follows the first frame that was exposed while the newest
-/// hologram stood still; and once such a frame must have been exposed, a step need not wait for it
-/// to arrive, if an earlier frame has come since the last step. After 0.3 s without a valid frame,
-/// a frame with a small fit residual and up to a third of its spots lost serves, too. The
-/// correction then separates overlapping spots, so that frames can become valid again. The patience
-/// begins again when a search finds lost spots, and does not count while the camera or the display
-/// is not connected: the loop then holds its correction.
+/// correction of its hologram. A step uses the frames that have come since the last step, and is
+/// taken when t_due_ns says so, for which a frame of the newest hologram need not have arrived.
+/// After 0.3 s without a valid frame, a frame with a small fit residual and up to a third of its
+/// spots lost serves, too. The correction then separates overlapping spots, so that frames can
+/// become valid again. The patience begins again when a search finds lost spots, and does not count
+/// while the camera or the display is not connected: the loop then holds its correction.
 class ClosedLoop : public Agent {
  public:
   using Done = std::function<void(Result<LoopReport>)>;
@@ -90,7 +89,7 @@ class ClosedLoop : public Agent {
   Result<LoopReport> set_paused(bool paused);
   void notice_bench();
   bool observe_next();
-  std::int64_t t_due_ns() const;
+  std::int64_t t_step_due_ns() const;
   void observe(const LoopFrame& frame);
   void step(const LoopFrame& frame);
   void add_times(const LoopFrame& frame, std::int64_t decided_ns, const SlmSnapshot& before);
