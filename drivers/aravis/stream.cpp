@@ -206,11 +206,14 @@ GrabStatus AravisStream::grab(GrabbedFrame& out, std::chrono::microseconds timeo
   }
   out.t_arrival_mono_ns = monotonic_ns();
   out.t_arrival_ns = utc_ns();
+  const bool is_first = std::exchange(awaits_first_, false);
   if (arv_buffer_get_status(buffer) != ARV_BUFFER_STATUS_SUCCESS ||
       !view_image(buffer, out.image)) {
     arv_stream_push_buffer(stream_.get(), buffer);
     strays_.delivered_incomplete();
-    return GrabStatus::incomplete;
+    // Aravis sets the size of the socket's buffer with the first packet, too late for the others of
+    // that frame.
+    return is_first ? grab(out, timeout) : GrabStatus::incomplete;
   }
   out.frame_id = ids_->next(arv_buffer_get_frame_id(buffer));
   strays_.delivered(out.frame_id);

@@ -41,7 +41,7 @@ class AravisStream {
 
   /// Waits for the next frame. The arrival time is taken right after the frame leaves Aravis's
   /// queue, so it includes the thread's wake-up latency. A damaged frame, or a frame of unexpected
-  /// size, is reported as `incomplete`.
+  /// size, is reported as `incomplete`, unless it is the stream's first.
   GrabStatus grab(GrabbedFrame& out, std::chrono::microseconds timeout);
   /// Takes a lent buffer back. Only the next `grab` requeues the buffer, because Aravis's queue
   /// locks and allocates.
@@ -69,6 +69,7 @@ class AravisStream {
 
   FrameShape shape_;
   FrameIdUnwrapper* ids_;
+  bool awaits_first_ = true;
   StrayFrames strays_;
   StrayFrames::Counts unreported_;
   std::optional<PacketCounts> packets_;      ///< none for USB cameras, which have no packets

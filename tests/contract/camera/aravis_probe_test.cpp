@@ -41,7 +41,7 @@ TEST(AravisCamera, ProbingReportsWhetherAnotherProgramControlsItAndTakesNoContro
   list_cameras();
   EXPECT_TRUE((*camera)->alive());
   GrabbedFrame frame;
-  EXPECT_EQ((*camera)->grab(frame, std::chrono::seconds(5)), GrabStatus::frame);
+  ASSERT_EQ((*camera)->grab(frame, std::chrono::seconds(5)), GrabStatus::frame);
   (*camera)->release(frame.slot);
   camera->reset();
   EXPECT_FALSE(ask_gige_camera(kAddress)->controlled);
