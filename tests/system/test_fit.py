@@ -158,7 +158,7 @@ class Fit(BenchCase):
         self.call("record.start", {"name": name})
         self.recorded_frames(20)
         for modes in wavefronts:
-            self.fitted(stream, 10, self.show(modes))
+            self.fitted(stream, 40, self.show(modes))  # the first ones by the templates before
         self.call("record.stop")
         path = self.bench.directory / "recordings" / f"{name}.h5"
         done = subprocess.run([self.bench.programs / "ovws", "--json", "replay", path], capture_output=True, text=True, timeout=120)
