@@ -231,7 +231,7 @@ TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileTheBenchIsNotConnected) {
   twin::Truth dark = bench_.optics().truth();
   dark.peak_electrons = 1.0;
   bench_.optics().set_truth(dark);
-  std::this_thread::sleep_for(2s);
+  std::this_thread::sleep_for(2s);  // four times the patience: nothing may happen
   EXPECT_TRUE(is_closed_);
   has_bench_ = true;
   ASSERT_TRUE(wait_for([&] { return !is_closed_; }));
