@@ -11,7 +11,9 @@
 
 namespace ovws {
 
-constexpr const char* kRecordingSchema = "ovws.recording/1";
+constexpr const char* kRecordingSchema = "ovws.recording/2";
+/// Of older versions: `spots`, `coefficients` and `sigma_waves` have one dimension.
+constexpr const char* kFlatRecordingSchema = "ovws.recording/1";
 /// Limit of one image: a reader allocates memory by the size stated in the file.
 constexpr std::size_t kMaxRecordedImageBytes = 128 << 20;
 /// Limits that both the recorder and the reader enforce.
@@ -32,9 +34,10 @@ struct RecordedFrame {
   double fit_residual_px = 0.0, rms_waves = 0.0;
   float saturated = 0.0F;
   std::uint32_t tracked = 0;
+  /// Its row of `spots` and of `coefficients`. With kFlatRecordingSchema: its first row of them.
   std::uint64_t first_spot = 0, first_coefficient = 0;
-  std::uint32_t spots = 0, coefficients = 0;
-  std::int64_t picture = -1;         ///< row of the image in `pictures`; -1: no image
+  std::uint32_t spots = 0, coefficients = 0;  ///< how many columns, or rows
+  std::int64_t picture = -1;                  ///< row of the image in `pictures`; -1: no image
   std::uint64_t dropped_before = 0;  ///< frames since the previous row that are not in this file
   std::uint8_t picture_dropped = 0;  ///< 1: its image was dropped because the disk was too slow
   std::uint8_t still = 0, settled = 0, settings_known = 0, determined = 0, explained = 0, valid = 0;

@@ -6,70 +6,39 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <limits>
+#include <numeric>
 #include <string>
 #include <vector>
 
+#include "core/optics/zernike.hpp"
 #include "core/port/clock.hpp"
 #include "drivers/hdf5/types.hpp"
+#include "drivers/record/tables.hpp"
 
 namespace ovws {
 namespace {
 
 using hdf5::Handle;
+using hdf5::Matrix;
+using hdf5::Table;
+using hdf5::write_attribute;
 
-constexpr hsize_t kTableChunk = 1024;   // rows per chunk of a dataset
-constexpr hsize_t kNumberChunk = 8192;  // rows per chunk of the spots' and coefficients' datasets
+constexpr hsize_t kTableChunk = 1024;  // rows per chunk of a dataset
+constexpr hsize_t kScaleChunk = 64;    // columns per chunk of their names
 constexpr hsize_t kTextChunk = 1 << 16;
 // Deflate level, compatible with HDF5's built-in filter. Level 1 is two to four times as fast as
 // higher levels, which save only a few percent more.
 constexpr int kDeflateLevel = 1;
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
+constexpr RecordedSpot kNoSpot{kNoValue, kNoValue};
 constexpr unsigned kDeflated = 0;      // filter mask of H5Dwrite_chunk: all filters applied
 constexpr unsigned kUncompressed = 1;  // filter mask: the first filter (deflate) is skipped
-
-/// One-dimensional chunked dataset that grows by rows. Functions return false if the library fails.
-class Table {
- public:
-  static bool create(hid_t file, const char* name, hid_t type, hsize_t chunk_rows) {
-    const hsize_t none = 0, unlimited = H5S_UNLIMITED;
-    const Handle space(H5Screate_simple(1, &none, &unlimited), H5Sclose);
-    const Handle chunked(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    if (H5Pset_chunk(chunked, 1, &chunk_rows) < 0) return false;
-    return bool(
-        Handle(H5Dcreate2(file, name, type, space, H5P_DEFAULT, chunked, H5P_DEFAULT), H5Dclose));
-  }
-
-  bool open(hid_t file, const char* name) {
-    set_ = Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-    return bool(set_);
-  }
-
-  template <class T>
-  bool append(std::span<const T> rows, hid_t type) {
-    if (rows.empty()) return true;
-    const hsize_t first = rows_, count = rows.size(), all = first + count;
-    if (H5Dset_extent(set_, &all) < 0) return false;
-    const Handle space(H5Dget_space(set_), H5Sclose);
-    const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
-    if (H5Sselect_hyperslab(space, H5S_SELECT_SET, &first, nullptr, &count, nullptr) < 0 ||
-        H5Dwrite(set_, type, memory, space, H5P_DEFAULT, rows.data()) < 0) {
-      return false;
-    }
-    rows_ = all;
-    return true;
-  }
-
-  bool flush() { return H5Dflush(set_) >= 0; }
-  bool close() { return set_.close(); }
-  std::uint64_t rows() const { return rows_; }
-
- private:
-  Handle set_;
-  hsize_t rows_ = 0;
-};
 
 struct FreeCompressor {
   void operator()(libdeflate_compressor* compressor) const {
@@ -82,23 +51,6 @@ tl::unexpected<Error> failed(const std::string& path, const std::string& what) {
   return fail(
       Errc::unavailable, "path",
       path + ": " + what + why + "; check the free disk space and the folder's permissions");
-}
-
-bool write_attribute(hid_t on, const std::string& name, hid_t type, const void* value) {
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle attribute(H5Acreate2(on, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
-                         H5Aclose);
-  return attribute && H5Awrite(attribute, type, value) >= 0;
-}
-
-/// Writes a UTF-8 attribute of variable length, which h5py reads as str; fixed length would be read
-/// as bytes.
-bool write_attribute(hid_t on, const std::string& name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type, H5T_VARIABLE);
-  H5Tset_cset(type, H5T_CSET_UTF8);
-  const char* const value = text.c_str();
-  return write_attribute(on, name, type, static_cast<const void*>(&value));
 }
 
 bool write_header(hid_t file, const RecordingHeader& header) {
@@ -144,6 +96,46 @@ bool create_images(hid_t file, const RecordingHeader& header) {
   return set && write_attribute(set, "unit", "DN");
 }
 
+/// Name of a mode, of fixed length: SWMR writing allows no text of variable length.
+using ModeName = std::array<char, 40>;
+
+ModeName name_of_mode(int j) {
+  ModeName name{};
+  if (j > 0) zernike_name(j).copy(name.data(), name.size() - 1);
+  return name;
+}
+
+Handle mode_name_type() {
+  Handle text(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(text, std::tuple_size_v<ModeName>);
+  H5Tset_strpad(text, H5T_STR_NULLPAD);
+  H5Tset_cset(text, H5T_CSET_UTF8);
+  return text;
+}
+
+/// The dimension scales: `time` of the frames, `mode` and `spot` of the columns.
+bool create_scales(hid_t file) {
+  constexpr std::array kFrames{
+      hdf5::ScaledDimension{"frames", 0}, hdf5::ScaledDimension{"coefficients", 0},
+      hdf5::ScaledDimension{"sigma_waves", 0}, hdf5::ScaledDimension{"spots", 0}};
+  constexpr std::array kModes{hdf5::ScaledDimension{"coefficients", 1},
+                              hdf5::ScaledDimension{"sigma_waves", 1},
+                              hdf5::ScaledDimension{"mode_name", 0}};
+  constexpr std::array kSpots{hdf5::ScaledDimension{"spots", 1}};
+  const auto add_units = [file](const char* name, const char* units) {
+    const Handle set(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
+    return set && write_attribute(set, "units", std::string(units));
+  };
+  return Table::create(file, "time", H5T_STD_I64LE, kTableChunk) &&
+         Table::create(file, "mode", H5T_STD_I32LE, kScaleChunk) &&
+         Table::create(file, "mode_name", mode_name_type(), kScaleChunk) &&
+         Table::create(file, "spot", H5T_STD_I32LE, kScaleChunk) &&
+         hdf5::make_scale(file, "time", kFrames) && hdf5::make_scale(file, "mode", kModes) &&
+         hdf5::make_scale(file, "spot", kSpots) &&
+         add_units("time", "nanoseconds since 1970-01-01T00:00:00Z") &&
+         add_units("coefficients", "wave") && add_units("sigma_waves", "wave");
+}
+
 Handle row_of_one() {
   const hsize_t one = 1;
   return {H5Screate_simple(1, &one, nullptr), H5Sclose};
@@ -158,16 +150,19 @@ struct RecordFile::Impl {
   Handle spot_type = hdf5::row_type(kSpotFields, sizeof(RecordedSpot));
   Handle document_type = hdf5::row_type(kDocumentFields, sizeof(RecordedDocument));
   Handle summary_type = hdf5::row_type(kSummaryFields, sizeof(RecordedSummary));
+  Handle name_type = mode_name_type();
   Handle file;  // order matters: datasets are closed first, then the file, then the types
   Handle pictures, summary;
-  Table frames, spots, coefficients, sigma_waves, documents, text;
+  Table frames, documents, text, time, mode, mode_name, spot;
+  Matrix spots, coefficients, sigma_waves;
   std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor;
   std::vector<std::byte> packed;
   hsize_t image_count = 0;
   std::uint64_t flushed_frames = 0, flushed_images = 0;
   struct stat created {};
   hsize_t height = 0, columns = 0;
-  std::uint64_t first_spot = 0, first_coefficient = 0;
+  std::vector<int> modes_j;  ///< of the columns of `coefficients`; 0: it changed
+  bool modes_written = false;
   std::vector<RecordedFrame> new_frames;
   std::vector<RecordedSpot> new_spots;
   std::vector<float> new_coefficients, new_sigma_waves;
@@ -181,11 +176,13 @@ struct RecordFile::Impl {
         columns(hsize_t(image_columns(header.format, header.width))) {}
 
   std::span<const std::byte> pack(std::span<const std::byte> picture);
-  bool create(const RecordingHeader& header);
-  bool create_tables(const RecordingHeader& header);
+  bool create(const RecordingHeader& header, RecordedWidth expected);
+  bool create_tables(const RecordingHeader& header, RecordedWidth expected);
   bool begin_swmr();
   bool write_summary(const RecordedSummary& now);
   bool append_all();
+  bool append_cells();
+  bool write_column_names();
   tl::unexpected<Error> mark_broken(const std::string& what) {
     broken = true;
     return failed(path, what);
@@ -199,7 +196,7 @@ std::span<const std::byte> RecordFile::Impl::pack(std::span<const std::byte> pic
       compressor.get(), picture.data(), picture.size(), packed.data(), packed.size()));
 }
 
-bool RecordFile::Impl::create_tables(const RecordingHeader& header) {
+bool RecordFile::Impl::create_tables(const RecordingHeader& header, RecordedWidth expected) {
   const Handle one = row_of_one();
   const Handle made(
       H5Dcreate2(file, "summary", summary_type, one, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
@@ -207,13 +204,13 @@ bool RecordFile::Impl::create_tables(const RecordingHeader& header) {
   const RecordedSummary nothing;
   return made && H5Dwrite(made, summary_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &nothing) >= 0 &&
          create_images(file, header) && Table::create(file, "frames", frame_type, kTableChunk) &&
-         Table::create(file, "spots", spot_type, kNumberChunk) &&
-         Table::create(file, "coefficients", H5T_IEEE_F32LE, kNumberChunk) &&
-         Table::create(file, "sigma_waves", H5T_IEEE_F32LE, kNumberChunk) &&
+         Matrix::create(file, "spots", spot_type, expected.spots, &kNoSpot) &&
+         Matrix::create(file, "coefficients", H5T_IEEE_F32LE, expected.modes, &kNoValue) &&
+         Matrix::create(file, "sigma_waves", H5T_IEEE_F32LE, expected.modes, &kNoValue) &&
          Table::create(file, "documents", document_type, kTableChunk) &&
          Table::create(file, "text", H5T_STD_U8LE, kTextChunk) &&
          write_units(file, "frames", kFrameFields) && write_units(file, "spots", kSpotFields) &&
-         write_units(file, "summary", kSummaryFields);
+         write_units(file, "summary", kSummaryFields) && create_scales(file);
 }
 
 /// Switches to SWMR writing: from here on HDF5 writes data before the references to the data.
@@ -223,16 +220,17 @@ bool RecordFile::Impl::begin_swmr() {
   summary = Handle(H5Dopen2(file, "summary", H5P_DEFAULT), H5Dclose);
   return pictures && summary && frames.open(file, "frames") && spots.open(file, "spots") &&
          coefficients.open(file, "coefficients") && sigma_waves.open(file, "sigma_waves") &&
-         documents.open(file, "documents") && text.open(file, "text");
+         documents.open(file, "documents") && text.open(file, "text") && time.open(file, "time") &&
+         mode.open(file, "mode") && mode_name.open(file, "mode_name") && spot.open(file, "spot");
 }
 
-bool RecordFile::Impl::create(const RecordingHeader& header) {
+bool RecordFile::Impl::create(const RecordingHeader& header, RecordedWidth expected) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   errno = 0;
   file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
-  return file && write_header(file, header) && create_tables(header) && begin_swmr();
+  return file && write_header(file, header) && create_tables(header, expected) && begin_swmr();
 }
 
 bool RecordFile::Impl::write_summary(const RecordedSummary& now) {
@@ -241,10 +239,11 @@ bool RecordFile::Impl::write_summary(const RecordedSummary& now) {
 }
 
 Result<std::unique_ptr<RecordFile>> RecordFile::create(const std::string& path,
-                                                       const RecordingHeader& header) {
+                                                       const RecordingHeader& header,
+                                                       RecordedWidth expected) {
   hdf5::silence_errors();
   auto impl = make_hidden<Impl>(path, header);
-  if (!impl->create(header)) {
+  if (!impl->create(header, expected)) {
     const auto error = failed(path, "the recording cannot be started");
     const bool file_created = bool(impl->file);
     impl.reset();
@@ -275,17 +274,23 @@ void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> sp
                            std::span<const float> coefficients,
                            std::span<const float> sigma_waves) {
   Impl& m = *impl_;
-  frame.first_spot = m.first_spot;
-  frame.first_coefficient = m.first_coefficient;
+  frame.first_spot = frame.first_coefficient = m.frames.rows() + m.new_frames.size();
   frame.spots = std::uint32_t(spots.size());
   frame.coefficients = std::uint32_t(coefficients.size());
-  m.first_spot += spots.size();
-  m.first_coefficient += coefficients.size();
   m.new_frames.push_back(frame);
   m.new_spots.insert(m.new_spots.end(), spots.begin(), spots.end());
   m.new_coefficients.insert(m.new_coefficients.end(), coefficients.begin(), coefficients.end());
   m.new_sigma_waves.insert(m.new_sigma_waves.end(), sigma_waves.begin(), sigma_waves.end());
   m.new_sigma_waves.resize(m.new_coefficients.size(), NAN);  // the rows of both belong together
+}
+
+void RecordFile::name_modes(std::span<const int> modes_j) {
+  Impl& m = *impl_;
+  m.modes_written = false;
+  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    if (k == m.modes_j.size()) m.modes_j.push_back(modes_j[k]);
+    if (m.modes_j[k] != modes_j[k]) m.modes_j[k] = 0;
+  }
 }
 
 Result<void> RecordFile::add_document(std::string_view kind, std::string_view sha256,
@@ -331,17 +336,50 @@ bool RecordFile::in_place() const {
          now.st_dev == impl_->created.st_dev;
 }
 
+/// Writes one value of the dimension scales for each column.
+bool RecordFile::Impl::write_column_names() {
+  if (spot.rows() < spots.columns()) {
+    std::vector<int> numbers(spots.columns());
+    std::iota(numbers.begin(), numbers.end(), 0);
+    if (!spot.overwrite(std::span<const int>(numbers), H5T_NATIVE_INT) || !spot.flush()) {
+      return false;
+    }
+  }
+  if (modes_written && mode.rows() == coefficients.columns()) return true;
+  std::vector<int> numbers = modes_j;
+  numbers.resize(coefficients.columns());
+  std::vector<ModeName> names(numbers.size());
+  std::ranges::transform(numbers, names.begin(), name_of_mode);
+  modes_written = true;
+  return mode.overwrite(std::span<const int>(numbers), H5T_NATIVE_INT) && mode.flush() &&
+         mode_name.overwrite(std::span<const ModeName>(names), name_type) && mode_name.flush();
+}
+
+/// Appends spots, coefficients and standard errors of the new frames.
+bool RecordFile::Impl::append_cells() {
+  std::vector<std::uint32_t> spot_counts, mode_counts;
+  std::vector<std::int64_t> times;
+  for (const RecordedFrame& frame : new_frames) {
+    spot_counts.push_back(frame.spots);
+    mode_counts.push_back(frame.coefficients);
+    times.push_back(frame.t_arrival_ns);
+  }
+  return spots.append(std::span<const RecordedSpot>(new_spots), spot_counts, spot_type) &&
+         spots.flush() &&
+         coefficients.append(std::span<const float>(new_coefficients), mode_counts,
+                             H5T_IEEE_F32LE) &&
+         coefficients.flush() &&
+         sigma_waves.append(std::span<const float>(new_sigma_waves), mode_counts, H5T_IEEE_F32LE) &&
+         sigma_waves.flush() && write_column_names() &&
+         time.append(std::span<const std::int64_t>(times), H5T_STD_I64LE) && time.flush();
+}
+
 /// Appends the rows of `frames` last, so that the spots, coefficients and images that they refer to
 /// are already written.
 bool RecordFile::Impl::append_all() {
   return text.flush() &&
          documents.append(std::span<const RecordedDocument>(new_documents), document_type) &&
-         documents.flush() && H5Dflush(pictures) >= 0 &&
-         spots.append(std::span<const RecordedSpot>(new_spots), spot_type) && spots.flush() &&
-         coefficients.append(std::span<const float>(new_coefficients), H5T_IEEE_F32LE) &&
-         coefficients.flush() &&
-         sigma_waves.append(std::span<const float>(new_sigma_waves), H5T_IEEE_F32LE) &&
-         sigma_waves.flush() &&
+         documents.flush() && H5Dflush(pictures) >= 0 && append_cells() &&
          frames.append(std::span<const RecordedFrame>(new_frames), frame_type) && frames.flush();
 }
 
@@ -370,6 +408,7 @@ Result<void> RecordFile::close(std::uint64_t frames_dropped, std::uint64_t pictu
   const bool closed = m.write_summary(last) && m.pictures.close() && m.summary.close() &&
                       m.frames.close() && m.spots.close() && m.coefficients.close() &&
                       m.sigma_waves.close() && m.documents.close() && m.text.close() &&
+                      m.time.close() && m.mode.close() && m.mode_name.close() && m.spot.close() &&
                       m.file.close();
   if (!closed) return m.mark_broken("the recording cannot be closed");
   return {};

@@ -14,6 +14,12 @@
 
 namespace ovws {
 
+/// Usual number of spots and modes of a frame, for which the file is laid out. Frames may have
+/// more.
+struct RecordedWidth {
+  std::size_t spots = 19, modes = 18;
+};
+
 /// Recording file; only one thread at a time may use it. Unless stated otherwise, errors are
 /// Errc::unavailable with the field "path", and the reason names the remedy. After a failed write
 /// the file holds everything up to the last flush, and every later write fails.
@@ -21,7 +27,8 @@ class RecordFile {
  public:
   /// Errors: the file exists already, or cannot be created; no new file is left behind.
   static Result<std::unique_ptr<RecordFile>> create(const std::string& path,
-                                                    const RecordingHeader& header);
+                                                    const RecordingHeader& header,
+                                                    RecordedWidth expected = {});
 
   /// Writes an image without padding and returns its row in `pictures`. With `compress` false the
   /// image is stored uncompressed, which saves CPU time.
@@ -30,6 +37,9 @@ class RecordFile {
   /// and coefficients. `sigma_waves`: standard errors, as many as `coefficients`.
   void add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
                  std::span<const float> coefficients, std::span<const float> sigma_waves);
+  /// Names the columns of `coefficients`: OSA/ANSI index of each coefficient of the next frames. A
+  /// column that had another mode before is called 0.
+  void name_modes(std::span<const int> modes_j);
   /// Adds a document that applies from the next added frame on. `kind` has at most 15 bytes.
   /// Errc::refused if more documents or text would exceed the limits of RecordingReader.
   Result<void> add_document(std::string_view kind, std::string_view sha256, std::string_view text);

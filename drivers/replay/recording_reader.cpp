@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 
 #include "drivers/hdf5/types.hpp"
 
@@ -32,10 +33,17 @@ struct FreeDecompressor {
   }
 };
 
-/// One-dimensional dataset and its number of rows.
+/// Dataset of rows, or of rows and columns.
 struct Rows {
   Handle set;
   hsize_t count = 0;
+  std::optional<hsize_t> columns;  ///< none: it has one dimension
+
+  /// Whether it has the cells of a frame: columns of one row, or consecutive rows.
+  bool has(std::uint64_t first, std::uint32_t cells) const {
+    if (columns) return cells == 0 || (first < count && cells <= *columns);
+    return first <= count && cells <= count - first;
+  }
 };
 
 bool read_attribute(hid_t file, const char* name, hid_t type, void* value) {
@@ -83,27 +91,39 @@ bool fits_file_size(hid_t file, hsize_t rows, std::size_t row_bytes) {
   return H5Fget_filesize(file, &bytes) >= 0 && rows <= bytes / row_bytes;
 }
 
-/// Opens a dataset. False unless it exists, has exactly the type `type`, and its chunks fit into
-/// memory.
+/// Whether the dataset's chunks fit into memory.
+bool chunks_fit(hid_t layout, int dimensions, std::size_t row_bytes) {
+  if (H5Pget_layout(layout) != H5D_CHUNKED) return H5Pget_layout(layout) == H5D_CONTIGUOUS;
+  std::array<hsize_t, 2> chunk{1, 1};
+  return H5Pget_chunk(layout, dimensions, chunk.data()) == dimensions &&
+         chunk[0] <= kMaxChunkBytes / row_bytes &&
+         chunk[1] <= kMaxChunkBytes / row_bytes / std::max<hsize_t>(chunk[0], 1);
+}
+
+/// Opens a dataset. False unless it exists, has exactly the type `type`, one dimension or at most
+/// `max_dimensions`, and its chunks fit into memory.
 bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, hsize_t max_rows,
-               Rows& out) {
+               Rows& out, int max_dimensions = 1) {
   out.set = Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
   if (!out.set) return false;
   const Handle stored(H5Dget_type(out.set), H5Tclose);
   const Handle space(H5Dget_space(out.set), H5Sclose);
   const Handle layout(H5Dget_create_plist(out.set), H5Pclose);
-  if (!stored || !space || !layout || H5Tequal(stored, type) <= 0 ||
-      H5Sget_simple_extent_ndims(space) != 1 || H5Pget_nfilters(layout) != 0 ||
+  if (!stored || !space || !layout || H5Tequal(stored, type) <= 0 || H5Pget_nfilters(layout) != 0 ||
       H5Pget_external_count(layout) != 0) {
     return false;
   }
-  if (H5Sget_simple_extent_dims(space, &out.count, nullptr) != 1 || out.count > max_rows ||
-      !fits_file_size(file, out.count, row_bytes)) {
+  const int dimensions = H5Sget_simple_extent_ndims(space);
+  std::array<hsize_t, 2> extent{};
+  if (dimensions < 1 || dimensions > max_dimensions ||
+      H5Sget_simple_extent_dims(space, extent.data(), nullptr) != dimensions) {
     return false;
   }
-  if (H5Pget_layout(layout) != H5D_CHUNKED) return H5Pget_layout(layout) == H5D_CONTIGUOUS;
-  hsize_t chunk = 0;
-  return H5Pget_chunk(layout, 1, &chunk) == 1 && chunk <= kMaxChunkBytes / row_bytes;
+  out.count = extent[0];
+  if (dimensions == 2) out.columns = extent[1];
+  // Only datasets of one dimension are read as a whole.
+  return out.count <= max_rows && (out.columns || fits_file_size(file, out.count, row_bytes)) &&
+         chunks_fit(layout, dimensions, row_bytes);
 }
 
 bool read_rows(const Rows& rows, hid_t type, hsize_t first, hsize_t count, void* out) {
@@ -113,6 +133,20 @@ bool read_rows(const Rows& rows, hid_t type, hsize_t first, hsize_t count, void*
   const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
   return space && memory &&
          H5Sselect_hyperslab(space, H5S_SELECT_SET, &first, nullptr, &count, nullptr) >= 0 &&
+         H5Dread(rows.set, type, memory, space, H5P_DEFAULT, out) >= 0;
+}
+
+/// Reads the cells of one frame.
+bool read_cells(const Rows& rows, hid_t type, hsize_t first, std::uint32_t cells, void* out) {
+  if (!rows.columns) return read_rows(rows, type, first, cells, out);
+  if (cells == 0) return true;
+  if (!rows.has(first, cells)) return false;
+  const std::array<hsize_t, 2> at{first, 0}, size{1, cells};
+  const Handle space(H5Dget_space(rows.set), H5Sclose);
+  const Handle memory(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
+  return space && memory &&
+         H5Sselect_hyperslab(space, H5S_SELECT_SET, at.data(), nullptr, size.data(), nullptr) >=
+             0 &&
          H5Dread(rows.set, type, memory, space, H5P_DEFAULT, out) >= 0;
 }
 
@@ -177,7 +211,8 @@ bool RecordingReader::Impl::open_file() {
 
 bool RecordingReader::Impl::read_header() {
   std::string schema, format;
-  if (!read_attribute(file, "schema", schema) || schema != kRecordingSchema) return false;
+  if (!read_attribute(file, "schema", schema)) return false;
+  if (schema != kRecordingSchema && schema != kFlatRecordingSchema) return false;
   const bool read =
       read_attribute(file, "program", header.program) &&
       read_attribute(file, "pixel_format", format) &&
@@ -233,23 +268,21 @@ bool RecordingReader::Impl::open_tables() {
   const htri_t sigmas = H5Lexists(file, "sigma_waves", H5P_DEFAULT);
   has_sigma_waves = sigmas > 0;
   return sigmas >= 0 &&
-         open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots) &&
-         open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMaxRows, coefficients) &&
-         (!has_sigma_waves ||
-          open_rows(file, "sigma_waves", H5T_IEEE_F32LE, sizeof(float), kMaxRows, sigma_waves)) &&
+         open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots, 2) &&
+         open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMaxRows, coefficients,
+                   2) &&
+         (!has_sigma_waves || open_rows(file, "sigma_waves", H5T_IEEE_F32LE, sizeof(float),
+                                        kMaxRows, sigma_waves, 2)) &&
          open_rows(file, "documents", document_type, sizeof(RecordedDocument),
                    kMaxRecordedDocuments, documents) &&
          open_rows(file, "text", H5T_STD_U8LE, 1, kMaxRecordedTextBytes, text);
 }
 
 bool RecordingReader::Impl::is_complete(const RecordedFrame& frame) const {
-  const auto fits = [](std::uint64_t first, std::uint32_t count, hsize_t all) {
-    return count <= kMaxPartsPerFrame && first <= all && count <= all - first;
-  };
-  return fits(frame.first_spot, frame.spots, spots.count) &&
-         fits(frame.first_coefficient, frame.coefficients, coefficients.count) &&
-         (!has_sigma_waves ||
-          fits(frame.first_coefficient, frame.coefficients, sigma_waves.count)) &&
+  return frame.spots <= kMaxPartsPerFrame && frame.coefficients <= kMaxPartsPerFrame &&
+         spots.has(frame.first_spot, frame.spots) &&
+         coefficients.has(frame.first_coefficient, frame.coefficients) &&
+         (!has_sigma_waves || sigma_waves.has(frame.first_coefficient, frame.coefficients)) &&
          frame.picture >= -1 && frame.picture < std::int64_t(image_count) &&
          frame.left_justified_bits < 16;
 }
@@ -299,7 +332,7 @@ std::size_t RecordingReader::image_bytes() const {
 
 Result<std::vector<RecordedSpot>> RecordingReader::spots(const RecordedFrame& frame) {
   std::vector<RecordedSpot> all(frame.spots);
-  if (!read_rows(impl_->spots, impl_->spot_type, frame.first_spot, frame.spots, all.data())) {
+  if (!read_cells(impl_->spots, impl_->spot_type, frame.first_spot, frame.spots, all.data())) {
     return impl_->unreadable("the file is damaged: the spots of a frame cannot be read");
   }
   return all;
@@ -307,8 +340,8 @@ Result<std::vector<RecordedSpot>> RecordingReader::spots(const RecordedFrame& fr
 
 Result<std::vector<float>> RecordingReader::coefficients(const RecordedFrame& frame) {
   std::vector<float> all(frame.coefficients);
-  if (!read_rows(impl_->coefficients, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
-                 all.data())) {
+  if (!read_cells(impl_->coefficients, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
+                  all.data())) {
     return impl_->unreadable("the file is damaged: the coefficients of a frame cannot be read");
   }
   return all;
@@ -317,8 +350,8 @@ Result<std::vector<float>> RecordingReader::coefficients(const RecordedFrame& fr
 Result<std::vector<float>> RecordingReader::sigma_waves(const RecordedFrame& frame) {
   if (!impl_->has_sigma_waves) return {};
   std::vector<float> all(frame.coefficients);
-  if (!read_rows(impl_->sigma_waves, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
-                 all.data())) {
+  if (!read_cells(impl_->sigma_waves, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
+                  all.data())) {
     return impl_->unreadable("the file is damaged: the standard errors of a frame cannot be read");
   }
   return all;

@@ -7,13 +7,15 @@ import hashlib
 import json
 import os
 import random
+import re
 import statistics
 import subprocess
+import sys
 import time
 from pathlib import Path
 
 import numpy
-from case import BenchCase, main, own_mounts, wait_for
+from case import ROOT, BenchCase, main, own_mounts, wait_for
 from ovws_client.recording import Recording
 
 KILLS = int(os.environ.get("OVWS_RECORD_KILLS", "3"))
@@ -38,7 +40,9 @@ class RecordCase(BenchCase):
         frames = recording.frames
         self.assertTrue((numpy.diff(frames["frame_id"].astype(int)) - 1 == frames["gap"][1:] + frames["dropped_before"][1:]).all())
         self.assertTrue((frames["picture"] < len(recording.file["pictures"])).all())
-        self.assertEqual(int(frames["first_spot"][-1] + frames["spots"][-1]) <= len(recording.file["spots"]), True)
+        for name in ("spots", "coefficients", "sigma_waves", "time"):
+            self.assertGreaterEqual(len(recording.file[name]), len(frames))
+        self.assertEqual(list(frames["first_spot"]), list(range(len(frames))))
         for row in recording.file["documents"][:]:
             text = recording._text(row)
             self.assertEqual(hashlib.sha256(text).hexdigest().encode(), row["sha256"])
@@ -111,8 +115,34 @@ class Record(RecordCase):
         self.assertEqual(run.plan(0)["reference_px"], self.call("reference.get")["positions_px"])
         self.assertEqual(next(run.documents("configuration")), self.call("config.get"))
         self.assertEqual(run.file["frames"].attrs["unit.exposure_us"], "us")
-        self.assertEqual((run.file.attrs["schema"], run.file.attrs["pixel_format"]), ("ovws.recording/1", "Mono8"))
+        self.assertEqual((run.file.attrs["schema"], run.file.attrs["pixel_format"]), ("ovws.recording/2", "Mono8"))
+        self.check_labels(run)
         print(f"\n  {len(ids)} frames, {report['bytes'] / len(ids) / 1024:.0f} KiB each; {compared} compared with the stream")
+
+    def check_labels(self, run):
+        """Checks the dimension scales, as other programs see them."""
+        rows, j = len(run.frames), run.modes(0)
+        for name, columns, label, unit in (("coefficients", len(j), "mode", "wave"), ("sigma_waves", len(j), "mode", "wave"), ("spots", 19, "spot", None)):
+            data = run.file[name]
+            self.assertEqual((data.shape, data.dims[0].label, data.dims[1].label), ((rows, columns), "time", label))
+            self.assertEqual(len(data.dims[1][label]), columns)
+            self.assertEqual(list(data.dims[0]["time"][:]), list(run.frames["t_arrival_ns"]))
+            self.assertEqual(data.attrs.get("units"), unit)
+        self.assertEqual(list(run.file["mode"][:]), j)
+        self.assertEqual(list(run.file["spot"][:]), list(range(19)))
+        names = list(run.file["mode_name"].asstr()[:])
+        self.assertEqual(names[:4], ["vertical tilt", "horizontal tilt", "oblique astigmatism", "defocus"])
+        self.assertEqual(run.file["time"].attrs["units"], "nanoseconds since 1970-01-01T00:00:00Z")
+        self.assertTrue(all(isinstance(value, str) for name, value in run.file.attrs.items() if name.startswith("camera_")))
+
+    def test_the_document_reads_it_as_it_says(self):
+        self.take_reference(20)
+        self.record("run-1", 20)
+        (block,) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "proto" / "RECORDING.md").read_text(), re.MULTILINE | re.DOTALL)
+        done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, timeout=60, cwd=self.bench.directory / "recordings")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("'oblique astigmatism': ", done.stdout)
+        self.assertRegex(done.stdout, r"\(\d+, 19\) spot")
 
     def test_it_ends_as_asked_and_only_plain_names_are_taken(self):
         for name in ("../x", "a/b", "", ".hidden", "-x", "x" * 101, "a\n"):
@@ -145,6 +175,10 @@ class Record(RecordCase):
         changes = self.open("changes")
         self.check_whole(changes)
         self.assertEqual(set(changes.frames["spots"]), {19, 37}, changes.summary)
+        self.assertEqual(changes.file["spots"].shape, (len(changes.frames), 37))
+        few = int(numpy.argmax(changes.frames["spots"] == 19))
+        self.assertTrue(numpy.isnan(changes.file["spots"]["x"][few, 19:]).all())
+        self.assertEqual(len(changes.spots(few)), 19)
         self.assertEqual(list(changes.documents("camera"))[-1]["settings"]["gain_db"], 3.0)
         self.assertIn([{"j": 3, "waves": 0.1}], [plan["aberration"] for plan in changes.documents("plan")])
 

@@ -171,6 +171,12 @@ std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
   return facts_.front();
 }
 
+RecordedWidth Recorder::expected_width() {
+  const std::lock_guard lock(facts_mutex_);
+  if (facts_.empty()) return {};
+  return {facts_.back()->predicted_px.size(), facts_.back()->modes_j.size()};
+}
+
 void Recorder::camera_changed(const CameraSettings& settings,
                               const std::optional<CameraInfo>& info) {
   mailbox_.post([this, settings, info, changed_ns = monotonic_ns()] {
@@ -246,7 +252,7 @@ Result<void> Recorder::begin(const Begin& begin) {
   running->asked = begin.asked;
   running->header = header_of(begin);
   running->header.wavelength_nm = wavelength_nm_;
-  auto file = RecordFile::create(*path, running->header);
+  auto file = RecordFile::create(*path, running->header, expected_width());
   if (!file) return fail(file.error());
   running->file = std::move(*file);
   const Document camera = make_document("camera", camera_content(begin.camera, begin.camera_info));
@@ -353,6 +359,7 @@ std::optional<Recorder::Ending> Recorder::write_plan(std::uint64_t plan_id) {
                     roi.height, roi.x, roi.y, pixel_format_name(facts->format)),
         Rest::after};
   }
+  running_->file->name_modes(facts->modes_j);
   for (const Document& document : running_->documents.of(*facts)) {
     if (auto added = add(*running_->file, document); !added) return Ending{added.error().reason};
   }

@@ -107,6 +107,7 @@ class Recorder : public Agent {
   std::string write_rest(std::int64_t until_ns);
   void publish_report();
   void keep_facts(std::size_t most);
+  RecordedWidth expected_width();
   std::shared_ptr<const PlanFacts> facts_of(std::uint64_t plan_id);
 
   const std::optional<std::string> directory_;

@@ -6,8 +6,7 @@ import json
 import h5py
 import numpy
 
-SCHEMA = "ovws.recording/1"
-
+SCHEMAS = ("ovws.recording/2", "ovws.recording/1")  # of the first, a row of spots and coefficients is a frame
 
 FRAME_FIELDS = ("frame_id", "t_arrival_ns", "plan_id", "first_spot", "spots", "first_coefficient", "coefficients", "picture",
                 "left_justified_bits", "valid", "settings_known")
@@ -42,8 +41,8 @@ class Recording:
         self.file = h5py.File(path, "r", libver="latest", swmr=True)
         try:
             with reading("attributes"):
-                if self.attributes.get("schema") != SCHEMA:
-                    raise ValueError(f"{path}: not a recording of schema {SCHEMA}")
+                if self.attributes.get("schema") not in SCHEMAS:
+                    raise ValueError(f"{path}: not a recording of schema {SCHEMAS[0]}")
             #: One row per frame: `frame_id`, `t_arrival_ns`, `valid`, `picture`, …; RECORDING.md lists fields and units.
             self.frames = self._rows("frames")
             with reading("frames"):  # the file has 0 where the stream has null
@@ -147,13 +146,24 @@ class Recording:
     def _parts(self, table, first, count, frame):
         with reading(table):
             if frame is not None:
-                begin, size = int(self.frames[first][frame]), int(self.frames[count][frame])
-                return self._slice(table, begin, size)
+                return self._cells(table, int(self.frames[first][frame]), int(self.frames[count][frame]))
             counts = numpy.unique(self.frames[count])
             if len(counts) > 1:
                 raise ValueError(f"{table}: {counts[0]} to {counts[-1]} per frame; read them frame by frame")
             width = int(counts[0]) if len(counts) else 0
-            return self._slice(table, 0, width * len(self.frames)).reshape(len(self.frames), width)
+            if self.file[table].ndim == 1:
+                return self._slice(table, 0, width * len(self.frames)).reshape(len(self.frames), width)
+            if self.file[table].shape[1] < width:
+                raise LookupError(f"its columns end at {self.file[table].shape[1]}, before {width}")
+            return self._slice(table, 0, len(self.frames))[:, :width]
+
+    def _cells(self, table, row, size):
+        """The cells of a frame: columns of one row, or in older recordings `size` rows."""
+        if self.file[table].ndim == 1:
+            return self._slice(table, row, size)
+        if not size <= self.file[table].shape[1]:
+            raise LookupError(f"its columns end at {self.file[table].shape[1]}, before {size}")
+        return self._slice(table, row, 1)[0, :size]
 
     def _slice(self, table, begin, size):
         if begin < 0 or begin + size > len(self.file[table]):

@@ -107,6 +107,34 @@ TEST_P(RecordFileLimit, AfterAWriteThatFailedNothingIsAddedAndAllBeforeCanBeRead
 INSTANTIATE_TEST_SUITE_P(Bytes, RecordFileLimit,
                          ::testing::Values(1'000, 5'000, 20'000, 33'333, 77'000, 100'001));
 
+TEST(RecordFile, FramesWithDifferentNumbersOfSpotsAndModesAreReadAsTheyWere) {
+  const std::string path = own_folder("record_file_width") + ".h5";
+  std::filesystem::remove(path);
+  const std::vector<std::size_t> widths{7, 7, 0, 37, 5, 5, 40};
+  auto file = RecordFile::create(path, small_header(), {.spots = 7, .modes = 5});
+  ASSERT_TRUE(file) << file.error().reason;
+  for (std::size_t i = 0; i < widths.size(); ++i) {
+    std::vector<RecordedSpot> spots(widths[i]);
+    for (std::size_t k = 0; k < widths[i]; ++k) spots[k].x = float(100 * i + k);
+    const std::vector<float> waves(widths[i], float(i));
+    (*file)->add_frame({}, spots, waves, waves);
+    if (i % 3 == 1) ASSERT_TRUE((*file)->flush(0, 0));
+  }
+  ASSERT_TRUE((*file)->close(0, 0));
+  auto reader = RecordingReader::open(path);
+  ASSERT_TRUE(reader) << reader.error().reason;
+  ASSERT_EQ((*reader)->frames().size(), widths.size());
+  for (std::size_t i = 0; i < widths.size(); ++i) {
+    const RecordedFrame& frame = (*reader)->frames()[i];
+    const auto spots = (*reader)->spots(frame).value();
+    ASSERT_EQ(spots.size(), widths[i]);
+    for (std::size_t k = 0; k < widths[i]; ++k) EXPECT_EQ(spots[k].x, float(100 * i + k));
+    EXPECT_EQ((*reader)->coefficients(frame).value(), std::vector<float>(widths[i], float(i)));
+    EXPECT_EQ((*reader)->sigma_waves(frame).value(), std::vector<float>(widths[i], float(i)));
+  }
+  std::filesystem::remove(path);
+}
+
 TEST(RecordFile, OneThatCannotBeBegunLeavesNothing) {
   const std::string path = own_folder("record_file_begin") + ".h5";
   std::filesystem::remove(path);
