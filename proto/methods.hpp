@@ -174,6 +174,10 @@ inline constexpr auto kLutRun = method<LutRun, JobNumber>(
     "Measures the SLM's phase response to grey levels: two patches of the pupil with binary "
     "gratings interfere on the camera, one of them with each grey level in turn. Returns at once; "
     "the job's result is that of lut.get, and is active from then on.");
+inline constexpr auto kRecordEstimate = method<RecordEstimate, RecordSize>(
+    "record.estimate",
+    "Returns how large a recording with the current settings would become, at most, and how long "
+    "the disk has space for it.");
 inline constexpr auto kRecordGet = method<Nothing, RecordReport>(
     "record.get", "Returns the state of the current or the last recording.");
 inline constexpr auto kRecordStart = method<RecordStart, RecordReport>(
@@ -247,17 +251,56 @@ inline constexpr auto kSystemDescribe = method<Nothing, Description>(
 inline constexpr auto kSystemStatus =
     method<Nothing, StatusMessage>("system.status", "Returns the contents of the status message.");
 
-inline constexpr std::tuple kMethods{
-    kAberrationClear, kAberrationGet,   kAberrationSet,  kCalibrationClear, kCalibrationGet,
-    kCalibrationRun,  kCameraGet,       kCameraSet,      kConfigGet,        kConfigSave,
-    kCorrectionClear, kCorrectionGet,   kCorrectionSet,  kExperimentCell,   kExperimentGainSweep,
-    kExperimentGet,   kFlatnessClear,   kFlatnessGet,    kFlatnessRun,      kJobCancel,
-    kJobGet,          kLoopClose,       kLoopGet,        kLoopIdentify,     kLoopModel,
-    kLoopOpen,        kLoopPause,       kLutClear,       kLutGet,           kLutRun,
-    kRecordGet,       kRecordStart,     kRecordStop,     kReferenceClear,   kReferenceGet,
-    kReferenceSet,    kReferenceTake,   kRefineGet,      kRefineSet,        kRegistrationClear,
-    kRegistrationGet, kRegistrationRun, kSensorGet,      kSensorSet,        kSlmSettle,
-    kSlmShow,         kSlmVerify,       kSystemDescribe, kSystemStatus};
+inline constexpr std::tuple kMethods{kAberrationClear,
+                                     kAberrationGet,
+                                     kAberrationSet,
+                                     kCalibrationClear,
+                                     kCalibrationGet,
+                                     kCalibrationRun,
+                                     kCameraGet,
+                                     kCameraSet,
+                                     kConfigGet,
+                                     kConfigSave,
+                                     kCorrectionClear,
+                                     kCorrectionGet,
+                                     kCorrectionSet,
+                                     kExperimentCell,
+                                     kExperimentGainSweep,
+                                     kExperimentGet,
+                                     kFlatnessClear,
+                                     kFlatnessGet,
+                                     kFlatnessRun,
+                                     kJobCancel,
+                                     kJobGet,
+                                     kLoopClose,
+                                     kLoopGet,
+                                     kLoopIdentify,
+                                     kLoopModel,
+                                     kLoopOpen,
+                                     kLoopPause,
+                                     kLutClear,
+                                     kLutGet,
+                                     kLutRun,
+                                     kRecordEstimate,
+                                     kRecordGet,
+                                     kRecordStart,
+                                     kRecordStop,
+                                     kReferenceClear,
+                                     kReferenceGet,
+                                     kReferenceSet,
+                                     kReferenceTake,
+                                     kRefineGet,
+                                     kRefineSet,
+                                     kRegistrationClear,
+                                     kRegistrationGet,
+                                     kRegistrationRun,
+                                     kSensorGet,
+                                     kSensorSet,
+                                     kSlmSettle,
+                                     kSlmShow,
+                                     kSlmVerify,
+                                     kSystemDescribe,
+                                     kSystemStatus};
 
 inline constexpr std::tuple kStreams{
     stream<WavefrontMessage>("wavefront", "Modes of each processed frame."),

@@ -54,7 +54,9 @@ std::optional<ErrorReport> job_error(const JobReport& job) {
   return ErrorReport{int(failure.code), std::move(failure.message), {std::move(failure.data)}};
 }
 
-std::optional<std::string> not_plain(const std::string& name) {
+std::optional<std::string> not_plain(const std::optional<std::string>& given) {
+  if (!given) return std::nullopt;
+  const std::string& name = *given;
   const auto is_letter = [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
   };

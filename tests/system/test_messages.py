@@ -137,6 +137,7 @@ class Messages(BenchCase):
     def call_records(self):
         call = self.checked_call
         call("record.get")
+        call("record.estimate")
         call("record.start", {"name": "all", "limit_s": 60})
         call("record.stop")
         call("config.get")

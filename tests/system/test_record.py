@@ -144,6 +144,29 @@ class Record(RecordCase):
         self.assertIn("'oblique astigmatism': ", done.stdout)
         self.assertRegex(done.stdout, r"\(\d+, 19\) spot")
 
+    def test_its_size_is_known_before_and_a_name_is_not_needed(self):
+        size = self.call("record.estimate")
+        self.assertAlmostEqual(size["bytes_per_hour"], size["bytes_per_frame"] * 100 * 3600)
+        self.assertAlmostEqual(size["hours_free"], size["bytes_free"] / size["bytes_per_hour"])
+        no_images = self.call("record.estimate", {"pictures_every": 0})
+        self.assertAlmostEqual(size["bytes_per_frame"] - no_images["bytes_per_frame"], 512 * 512)
+        self.assertAlmostEqual(self.call("record.estimate", {"pictures_every": 8})["bytes_per_frame"], no_images["bytes_per_frame"] + 512 * 64)
+        files = []
+        for _ in range(3):  # in the same second, too
+            files.append(Path(self.call("record.start", {"pictures_every": 0})["file"]))
+            self.call("record.stop")
+            self.assertRegex(files[-1].name, r"^run-20\d{6}-\d{6}(-\d)?\.h5$")
+        self.assertEqual(len(set(files)), 3)
+        begun = self.call("record.start", {"pictures_every": 0})
+        self.recorded_frames(600)
+        ended = self.call("record.stop")
+        with Recording(begun["file"]) as run:
+            self.assertGreaterEqual(len(run.frames), 600)
+            empty = files[0].stat().st_size
+            per_frame = (ended["bytes"] - empty) / len(run.frames)
+            print(f"\n  {per_frame:.0f} bytes a frame without images, estimated {no_images['bytes_per_frame']:.0f}; {empty / 1024:.0f} KiB empty")
+        self.assertLess(per_frame, 2.5 * no_images["bytes_per_frame"])  # the last chunk of each dataset is not full
+
     def test_it_ends_as_asked_and_only_plain_names_are_taken(self):
         for name in ("../x", "a/b", "", ".hidden", "-x", "x" * 101, "a\n"):
             self.assertEqual(self.refused("record.start", {"name": name}).data["field"], "name", name)

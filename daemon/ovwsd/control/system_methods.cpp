@@ -198,6 +198,10 @@ void get_recording(Services& services, Reply<RecordReport> reply) {
   reply(services.recorder.report());
 }
 
+void estimate_recording(Services& services, const RecordEstimate& asked, Reply<RecordSize> reply) {
+  reply(services.recorder.size_of(services.camera.snapshot().settings, asked.pictures_every));
+}
+
 constexpr std::array kRows{
     row<kCameraGet, get_camera>(Role::read, Action::read),
     row<kCameraSet, set_camera>(Role::control, Action::set_camera),
@@ -211,6 +215,7 @@ constexpr std::array kRows{
     row<kLoopOpen, open_loop>(Role::control, Action::open_loop),
     row<kLoopPause, pause_loop>(Role::control, Action::open_loop),
     row<kLoopGet, get_loop>(Role::read, Action::read),
+    row<kRecordEstimate, estimate_recording>(Role::read, Action::read),
     row<kRecordStart, start_recording>(Role::control, Action::record),
     row<kRecordStop, stop_recording>(Role::control, Action::record),
     row<kRecordGet, get_recording>(Role::read, Action::read),

@@ -1,24 +1,19 @@
 #include "daemon/ovwsd/record/recorder.hpp"
 
 #include <spdlog/fmt/fmt.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <new>
 #include <utility>
 
 #include "core/port/clock.hpp"
-#include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/tables/camera.hpp"
 
 namespace ovws {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr int kTurnUs = 20'000;
 constexpr std::chrono::milliseconds kIdle{50};
@@ -28,7 +23,6 @@ constexpr std::int64_t kFlushNs = 250'000'000;
 // wait for the disk.
 constexpr std::size_t kIdleFacts = 4;
 constexpr std::size_t kMaxFacts = FrameStore::kMaxFrames + kIdleFacts;
-constexpr std::uint64_t kMinFreeBytes = 64 << 20;  // free disk space that a recording leaves
 
 constexpr const char* kGone =
     "its file was removed or moved while it was written; do so only after record.stop";
@@ -36,17 +30,6 @@ constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write remaining fra
 constexpr const char* kTooSlow =
     "the disk was too slow to write the last frames: use a faster disk, or a smaller camera.roi";
 constexpr const char* kDiskFull = "the disk is full: less than 64 MiB are left; delete some files";
-
-std::optional<std::string> directory_of(const Config& config) {
-  if (config.record.directory) return config.record.directory;
-  const auto state = state_directory_of(config.state);
-  return state ? std::optional(*state + "/recordings") : std::nullopt;
-}
-
-bool disk_is_full(const std::string& path) {
-  struct statvfs disk {};
-  return ::statvfs(path.c_str(), &disk) == 0 && disk.f_bavail * disk.f_frsize < kMinFreeBytes;
-}
 
 nlohmann::json camera_content(const CameraSettings& settings,
                               const std::optional<CameraInfo>& info) {
@@ -139,7 +122,7 @@ struct Recorder::Running {
 };
 
 Recorder::Recorder(const Config& config, Pipeline& pipeline, Events& events)
-    : directory_(directory_of(config)),
+    : folder_(config),
       buffer_bytes_(std::size_t(config.record.buffer_mib) << 20),
       wavelength_nm_(config.optics.wavelength_nm),
       pipeline_(pipeline),
@@ -169,6 +152,22 @@ std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
   if (found == facts_.end()) return nullptr;
   facts_.erase(facts_.begin(), found);  // frames come in the order of their plans
   return facts_.front();
+}
+
+RecordSize Recorder::size_of(const CameraSettings& camera, int pictures_every) {
+  const double image_bytes =
+      double(row_bytes(camera.pixel_format, camera.roi.width)) * camera.roi.height;
+  const RecordedWidth width = expected_width();
+  const double frame_bytes =
+      double(sizeof(RecordedFrame) + sizeof(std::int64_t) + width.spots * sizeof(RecordedSpot) +
+             width.modes * 2 * sizeof(float));
+  RecordSize size;
+  size.bytes_per_frame =
+      frame_bytes + (pictures_every == 0 ? 0.0 : image_bytes / double(pictures_every));
+  size.bytes_per_hour = size.bytes_per_frame * camera.frame_rate_hz * 3600.0;
+  size.bytes_free = folder_.free_bytes();
+  if (size.bytes_free) size.hours_free = double(*size.bytes_free) / size.bytes_per_hour;
+  return size;
 }
 
 RecordedWidth Recorder::expected_width() {
@@ -212,35 +211,13 @@ void Recorder::stop(Done done) {
   });
 }
 
-Result<std::string> Recorder::path_of(const std::string& name) const {
-  if (!directory_) {
-    return fail(Errc::refused, "record.directory",
-                "no folder for recordings is configured: set record.directory or state.directory");
-  }
-  std::error_code failed;
-  fs::create_directories(*directory_, failed);
-  if (failed) {
-    return fail(Errc::unavailable, "record.directory",
-                *directory_ + " cannot be created: " + failed.message());
-  }
-  const std::string path = fs::absolute(*directory_ + "/" + name + ".h5", failed).string();
-  if (fs::exists(path, failed)) {
-    return fail(Errc::refused, "name", path + " already exists: choose another name");
-  }
-  return path;
-}
-
 Result<void> Recorder::begin(const Begin& begin) {
   if (running_) {
     return fail(Errc::refused, "",
                 running_->path + " is being recorded: end it with record.stop first");
   }
-  const auto path = path_of(begin.asked.name);
+  const auto path = folder_.new_file(begin.asked.name);
   if (!path) return fail(path.error());
-  if (disk_is_full(*directory_)) {
-    return fail(Errc::unavailable, "record.directory",
-                *directory_ + " has less than 64 MiB of free space: delete some files");
-  }
   const auto image_bytes = image_bytes_of(begin.camera);
   if (!image_bytes) return fail(image_bytes.error());
   const std::size_t pictures =

@@ -18,6 +18,7 @@
 #include "daemon/ovwsd/actor/mailbox.hpp"
 #include "daemon/ovwsd/record/frame_store.hpp"
 #include "daemon/ovwsd/record/plan_facts.hpp"
+#include "daemon/ovwsd/record/record_folder.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "drivers/record/record_file.hpp"
 #include "proto/requests.hpp"
@@ -71,6 +72,8 @@ class Recorder : public Agent {
   void start(Begin begin, Done done);
   void stop(Done done);
   RecordReport report() const { return report_.get(); }
+  /// Size of a recording with these settings of the camera, and the current sensor. Any thread.
+  RecordSize size_of(const CameraSettings& camera, int pictures_every);
   /// Frames of the last recording that could not be written when the daemon stopped; 0 if none.
   /// Frames dropped before that are not counted.
   std::uint64_t lost_at_stop() const { return lost_at_stop_.load(); }
@@ -95,7 +98,6 @@ class Recorder : public Agent {
     Rest rest = Rest::drop;
     Cause cause = Cause::trouble;
   };
-  Result<std::string> path_of(const std::string& name) const;
   Result<void> begin(const Begin& begin);
   std::optional<Ending> write(const TakenFrame& frame);
   std::optional<Ending> write_plan(std::uint64_t plan_id);
@@ -110,7 +112,7 @@ class Recorder : public Agent {
   RecordedWidth expected_width();
   std::shared_ptr<const PlanFacts> facts_of(std::uint64_t plan_id);
 
-  const std::optional<std::string> directory_;
+  const RecordFolder folder_;
   const std::size_t buffer_bytes_;
   const double wavelength_nm_;
   Pipeline& pipeline_;

@@ -117,6 +117,7 @@ void print_status() {
       for (const char* method : {"record.start", "record.stop", "record.get"}) {
         print_result(method, to_json(status.record));
       }
+      print_result("record.estimate", to_json(RecordSize{263493.0, 94.9e9, 1ULL << 40, 11.6}));
       status.counters = {{"frames_grabbed", 5}};
       status.latency = {{"tracked", LatencySummary{5, 1, 2, 3, 4}}};
       status.versions = {{"ovws", "0"}};
@@ -364,6 +365,8 @@ void print_all_params() {
                      "spacing", "tracker", "template", "operator", "mode_count", "estimates"});
   print_params<RefineSet>("refine.set", {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e",
                                          "black_level_dn", "saturation_dn", "spot_amplitudes"});
+  print_result("record.estimate", to_json(RecordSize{}));
+  print_params<RecordEstimate>("record.estimate", {"pictures_every", "pictures"});
   print_params<RecordStart>("record.start",
                             {"name", "name", "pictures_every", "limit_s", "limit_mib"}, 2000);
   print_params<ModesSet>("aberration.set", {"modes", "modes", "norm"}, 2000);
