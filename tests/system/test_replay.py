@@ -11,6 +11,7 @@ import time
 
 import h5py
 import numpy
+import PIL.Image
 from astropy.io import fits
 from case import ROOT, BenchCase, bench_module, main, wait_for
 from ovws_client import export
@@ -157,6 +158,9 @@ class Replay(BenchCase):
             for of in (Recording.spots, Recording.coefficients, Recording.sigma_waves):
                 self.assertEqual(of(older).tobytes(), of(run).tobytes())
                 self.assertEqual(of(older, 7).tobytes(), of(run, 7).tobytes())
+        for name in ("still", "older"):
+            self.export_csv(name)
+        self.assertEqual(self.csv("still"), self.csv("older"))
         with h5py.File(self.path("older"), "r+") as file:
             del file["sigma_waves"]
         self.assertEqual(self.replayed("older"), still)
@@ -238,12 +242,20 @@ class Replay(BenchCase):
         sigma_waves = numpy.where(run.frames["valid"][:, None] == 1, run.sigma_waves(), numpy.nan)
         for known in (coefficients, sigma_waves):
             self.assertGreater(numpy.isfinite(known[:, 2]).sum(), 0.5 * len(run.frames))
-        self.export("out", "--csv", folder / "out.csv", "--npz", folder / "out.npz", "--fits", folder / "out.fits", "--pictures")
-        with open(folder / "out.csv", newline="") as file:
-            lines = list(csv.DictReader(file))
-        for name, known in (("j3", coefficients), ("sigma_j3", sigma_waves)):
-            written = [float(line[name] or "nan") for line in lines]
-            self.assertTrue(numpy.array_equal(written, known[:, 2].astype(float), equal_nan=True))
+        self.export("out", "--npz", folder / "out.npz", "--fits", folder / "out.fits", "--pictures")
+        made = self.export_csv("out", "--csv", "--spots", "--images")
+        self.assertEqual(made[:2], ["out.csv", "out-spots.csv"])
+        lines = list(csv.DictReader(io.StringIO(self.csv("out"))))
+        for name, known in (("j3", coefficients), ("sigma_j3", sigma_waves), ("rms_waves", run.frames["rms_waves"][:, None].repeat(3, axis=1))):
+            written = numpy.array([float(line[name] or "nan") for line in lines]).astype(known.dtype)
+            self.assertTrue(numpy.array_equal(written, known[:, 2], equal_nan=True), name)
+        self.assertEqual([int(line["t_arrival_ns"]) for line in lines], list(run.frames["t_arrival_ns"]))
+        spots = list(csv.DictReader(io.StringIO(self.csv("out-spots"))))
+        self.assertTrue(numpy.array_equal(numpy.array([spot["x_px"] for spot in spots], numpy.float32).reshape(-1, 19), run.spots()["x"]))
+        row = int(numpy.flatnonzero(run.frames["picture"] >= 0)[3])
+        with PIL.Image.open(folder / f"out-{run.frames['frame_id'][row]:08}.png") as image:
+            self.assertTrue((numpy.asarray(image) == run.picture(row)).all())
+        self.assertEqual(len(made) - 2, int((run.frames["picture"] >= 0).sum()))
         with numpy.load(folder / "out.npz") as arrays:
             self.assertTrue(numpy.array_equal(arrays["coefficients"], coefficients, equal_nan=True))
             self.assertTrue(numpy.array_equal(arrays["sigma_waves"], sigma_waves, equal_nan=True))
@@ -276,16 +288,16 @@ class Replay(BenchCase):
         self.record_sensor({"charge": 2})
         self.call("record.stop")
         self.assertIn("charge: changed", self.export("two", "--fits", out, status=1).stderr)
-        good = self.bench.directory / "good.csv"
-        self.export("every_third", "--csv", good)
-        kept = good.read_text()
         self.call("record.start", {"name": "wider"})
         self.recorded_frames(1)
         self.record_sensor({"charge": 1, "subapertures_across": 7})
         self.call("record.stop")
-        self.assertIn("read them frame by frame", self.export("wider", "--csv", good, status=1).stderr)
-        self.assertEqual(good.read_text(), kept)
-        self.assertIn("No such file", self.export("nothing", "--csv", good, status=1).stderr)
+        self.export_csv("wider")  # the modes of the larger sensor continue those of the smaller one
+        counts = self.open("wider").frames["coefficients"]
+        self.assertEqual(len(self.csv("wider").splitlines()[0].split(",")), 11 + 2 * counts.max())
+        self.assertIn("read them frame by frame", self.export("wider", "--npz", out, status=1).stderr)
+        self.assertIn("No such file", self.export("nothing", "--npz", out, status=1).stderr)
+        self.assertIn("No such file", self.run_export("nothing")[1])
         self.assertIn("give at least one of", self.export("two", status=2).stderr)
         self.call("record.start", {"name": "none", "pictures_every": 0})
         self.recorded_frames(10)
@@ -298,6 +310,20 @@ class Replay(BenchCase):
         stream = self.stream("wavefront")
         for _ in range(10):
             wait_for(lambda: (m := stream.next(1.0)) and m["settled"] and m["hologram_id"] == hologram_id, what=f"a frame with {params}")
+
+    def run_export(self, name, *arguments):
+        done = subprocess.run([self.bench.programs / "ovws", "export", self.path(name) if isinstance(name, str) else name, *arguments], capture_output=True, text=True, timeout=60,
+                              cwd=self.bench.directory)
+        return done.returncode, done.stdout + done.stderr
+
+    def export_csv(self, name, *arguments):
+        """Runs `ovws export` in the bench's folder; returns the names of the files that it wrote."""
+        status, said = self.run_export(name, *arguments)
+        self.assertEqual(status, 0, said)
+        return said.splitlines()
+
+    def csv(self, name):
+        return (self.bench.directory / f"{name}.csv").read_text()
 
     def export(self, name, *arguments, status=0):
         done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=bench_module.find_programs().parent / "python",
@@ -364,7 +390,7 @@ class Replay(BenchCase):
         self.recorded_frames(21)
         self.call("record.stop")
         damaged, out = self.bench.directory / "damaged.h5", self.bench.directory / "damaged"
-        wanted = ["--csv", f"{out}.csv", "--npz", f"{out}.npz", "--fits", f"{out}.fits", "--pictures"]
+        wanted = ["--npz", f"{out}.npz", "--fits", f"{out}.fits", "--pictures"]
         for what, damage in DAMAGES.items():
             with self.subTest(what):
                 shutil.copy(self.path("whole"), damaged)
@@ -375,6 +401,8 @@ class Replay(BenchCase):
                     export.main([str(damaged), *wanted])
                 self.assertEqual(ended.exception.code, 1)
                 self.assertRegex(said.getvalue(), "^.*damaged.h5: .+")
+                status, text = self.run_export(damaged, "--csv", "--spots", "--images", "-o", out)
+                self.assertIn(status, (0, 1), text)
                 out.with_suffix(".fits").unlink(missing_ok=True)
 
     def test_what_is_no_recording_is_reported(self):

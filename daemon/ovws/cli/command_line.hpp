@@ -18,6 +18,7 @@ CLI::Validator number_from(double min, double max);
 // the parsing, because the callbacks hold references to them.
 void add_online_commands(CLI::App& app, const Common& common, int& status);
 void add_offline_commands(CLI::App& app, const Common& common, int& status);
+void add_export(CLI::App& app, const Common& common, int& status);
 
 /// Prints a bash completion script. The script's tables come from the commands and options of `app`
 /// and from the schemas of the daemon's methods.

@@ -106,6 +106,14 @@ struct ReplayOptions {
 
 int replay_recording(const Common& common, const ReplayOptions& options);
 
+struct ExportOptions {
+  std::string path;
+  std::string prefix;  ///< begin of the files' names; empty: the recording's name
+  bool csv = false, spots = false, images = false;
+};
+
+int export_recording(const Common& common, const ExportOptions& options);
+
 // Accuracy studies. `experiment` and `rejection` run on a daemon's bench, all others offline.
 
 inline constexpr const char* kExperiment = "experiment";

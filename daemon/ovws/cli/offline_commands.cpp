@@ -217,6 +217,7 @@ void add_offline_commands(CLI::App& app, const Common& common, int& status) {
   add_measure(app, common, status);
   add_keygen(app, common, status);
   add_replay(app, common, status);
+  add_export(app, common, status);
   add_study(app, common, status);
 }
 

@@ -1,6 +1,6 @@
-"""Export of recordings to FITS, CSV and NumPy files.
+"""Export of recordings to FITS and NumPy files; `ovws export` writes CSV and PNG files.
 
-    python3 -m ovws_client.export run-1.h5 --csv run-1.csv --npz run-1.npz --fits run-1.fits [--pictures]
+    python3 -m ovws_client.export run-1.h5 --npz run-1.npz --fits run-1.fits [--pictures]
 
 FITS (needs astropy; Debian: python3-astropy) follows the Adaptive Optics Telemetry standard (AOT 1.0) as far as it applies: AOT_TIME,
 AOT_DETECTORS and AOT_WAVEFRONT_SENSORS with the images that they refer to. The other mandatory tables exist without rows, because a
@@ -14,8 +14,6 @@ import numpy
 
 from .recording import Recording, RecordingError, reading
 
-FRAME_COLUMNS = ("frame_id", "t_arrival_ns", "hologram_id", "valid", "settled", "tracked", "gain_db", "exposure_us", "rms_waves", "fit_residual_px")
-SETTINGS = ("gain_db", "gain_raw", "exposure_us")
 EMPTY_TABLES = ("AOT_ATMOSPHERIC_PARAMETERS", "AOT_ABERRATIONS", "AOT_TELESCOPES", "AOT_SCORING_CAMERAS", "AOT_WAVEFRONT_CORRECTORS", "AOT_LOOPS")
 
 
@@ -24,22 +22,6 @@ def good(run, waves):
     waves = waves.copy()
     waves[run.frames["valid"] == 0] = numpy.nan
     return waves
-
-
-def to_csv(run, path):
-    """Writes one line per frame: times and settings (gain_raw only for a camera without gain in dB), then j1, j2, … in waves, then their
-    standard errors sigma_j1, sigma_j2, …. Unknown and invalid values are empty. Raises ValueError, and writes no file, if the number of modes
-    changed during the recording."""
-    modes = run.modes(0) if len(run.frames) else []
-    names = [f"{prefix}{j}" for prefix in ("j", "sigma_j") for j in modes]
-    values = numpy.concatenate([good(run, run.coefficients()), good(run, run.sigma_waves())], axis=1)
-    raw = "gain_raw" in run.frames.dtype.names and not numpy.isnan(run.frames["gain_raw"]).all()
-    columns = (*FRAME_COLUMNS, "gain_raw") if raw else FRAME_COLUMNS
-    with open(path, "w", encoding="ascii") as out:
-        print(*columns, *names, sep=",", file=out)
-        for row, waves in zip(run.frames, values):
-            known = ("" if numpy.isnan(row[name]) or (name in SETTINGS and not row["settings_known"]) else row[name] for name in columns)
-            print(*known, *("" if numpy.isnan(c) else repr(float(c)) for c in waves), sep=",", file=out)
 
 
 def to_npz(run, path):
@@ -162,21 +144,18 @@ def to_fits(run, path, pictures=False):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="python3 -m ovws_client.export", description="Exports recordings to FITS, CSV and NumPy files.")
+    parser = argparse.ArgumentParser(prog="python3 -m ovws_client.export", description="Exports recordings to FITS and NumPy files.")
     parser.add_argument("recording")
-    parser.add_argument("--csv", metavar="FILE", help="CSV file with one line per frame")
     parser.add_argument("--npz", metavar="FILE", help="NumPy archive of arrays")
     parser.add_argument("--fits", metavar="FILE", help="FITS file in the Adaptive Optics Telemetry standard")
     parser.add_argument("--pictures", action="store_true", help="include the camera's images in the FITS file")
     options = parser.parse_args(arguments)
-    if not (options.csv or options.npz or options.fits):
-        parser.error("give at least one of --csv, --npz and --fits")
+    if not (options.npz or options.fits):
+        parser.error("give at least one of --npz and --fits")
     try:
         with Recording(options.recording) as run, reading("recording"):
             if not len(run.frames):
                 raise ValueError("holds no frames")
-            if options.csv:
-                to_csv(run, options.csv)
             if options.npz:
                 to_npz(run, options.npz)
             if options.fits:

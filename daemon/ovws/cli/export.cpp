@@ -1,0 +1,237 @@
+/// ovws export: writes the measurements and images of a recording as CSV and PNG files.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/base/pixels.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/image_file.hpp"
+#include "daemon/shared/encoding.hpp"
+#include "drivers/replay/recording_reader.hpp"
+#include "proto/json_text.hpp"
+#include "proto/strict_json.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr int kMaxDepth = 64;
+
+tl::unexpected<Error> damaged(const std::string& what) {
+  return fail(Errc::invalid, "path", "the recording is damaged: " + what);
+}
+
+/// OSA/ANSI indices of the columns of a recording.
+Result<std::vector<int>> modes_of(RecordingReader& reader) {
+  const auto texts = reader.documents();
+  if (!texts) return fail(texts.error());
+  std::map<std::string, json> operators;
+  std::vector<int> all;
+  for (const RecordedText& one : *texts) {
+    if (one.kind != "plan" && one.kind != "operator") continue;
+    if (sha256_hex(one.text) != one.sha256) return damaged("the checksum of a " + one.kind);
+    const auto content = parse_strict_json(one.text, kMaxDepth, JsonComments::refused);
+    if (!content || !content->is_object()) return damaged("a " + one.kind + " cannot be read");
+    if (one.kind == "operator") {
+      operators[one.sha256] = content->value("j", json::array());
+      continue;
+    }
+    const json listed =  // older versions have them in the operator only
+        content->contains("modes_j") ? content->at("modes_j")
+                                     : operators[content->value("operator", "")];
+    const bool numbers = listed.is_array() && std::ranges::all_of(listed, [](const json& j) {
+                           return j.is_number_integer();
+                         });
+    if (!numbers) return damaged("the modes of a plan");
+    const auto modes_j = listed.get<std::vector<int>>();
+    const std::size_t both = std::min(all.size(), modes_j.size());
+    if (!std::equal(all.begin(), all.begin() + std::ptrdiff_t(both), modes_j.begin())) {
+      return fail(Errc::refused, "path",
+                  "the modes changed during the recording, so that a column would have two "
+                  "meanings: read it frame by frame (proto/RECORDING.md)");
+    }
+    if (modes_j.size() > all.size()) all = modes_j;
+  }
+  return all;
+}
+
+std::string text_of(double value) {
+  return std::isnan(value) ? "" : fmt::format("{}", value);
+}
+std::string text_of(float value) {
+  return std::isnan(value) ? "" : fmt::format("{}", value);
+}
+
+struct Column {
+  const char* name;
+  std::string (*text)(const RecordedFrame& frame);
+};
+
+template <class T>
+std::string setting(const RecordedFrame& frame, T value) {
+  return frame.settings_known != 0 ? text_of(value) : "";
+}
+
+/// Columns of a frame. Values that the stream would not publish are empty.
+constexpr std::array kColumns{
+    Column{"frame_id", [](const RecordedFrame& f) { return std::to_string(f.frame_id); }},
+    Column{"t_arrival_ns", [](const RecordedFrame& f) { return std::to_string(f.t_arrival_ns); }},
+    Column{"hologram_id", [](const RecordedFrame& f) { return std::to_string(f.hologram_id); }},
+    Column{"valid", [](const RecordedFrame& f) { return std::to_string(f.valid); }},
+    Column{"settled", [](const RecordedFrame& f) { return std::to_string(f.settled); }},
+    Column{"tracked", [](const RecordedFrame& f) { return std::to_string(f.tracked); }},
+    Column{"gain_db", [](const RecordedFrame& f) { return setting(f, f.gain_db); }},
+    Column{"gain_raw", [](const RecordedFrame& f) { return setting(f, f.gain_raw); }},
+    Column{"exposure_us", [](const RecordedFrame& f) { return setting(f, f.exposure_us); }},
+    Column{"rms_waves",
+           [](const RecordedFrame& f) { return f.valid != 0 ? text_of(f.rms_waves) : ""; }},
+    Column{"fit_residual_px", [](const RecordedFrame& f) {
+             return f.valid != 0 || f.explained == 0 ? text_of(f.fit_residual_px) : "";
+           }}};
+
+/// Cells of one frame, empty where it has no valid value.
+std::string cells(const std::vector<float>& waves, std::size_t columns, bool valid) {
+  std::string text;
+  for (std::size_t k = 0; k < columns; ++k) {
+    text += ',';
+    if (valid && k < waves.size()) text += text_of(waves[k]);
+  }
+  return text;
+}
+
+Result<void> close(std::ofstream& out, const fs::path& path) {
+  out.close();
+  if (!out) return cannot_write(path, "check the free disk space");
+  return {};
+}
+
+Result<void> write_modes(RecordingReader& reader, const fs::path& path) {
+  const auto modes_j = modes_of(reader);
+  if (!modes_j) return fail(modes_j.error());
+  std::ofstream out(path);
+  if (!out) return cannot_write(path, why_not_opened(path, errno));
+  std::string head;
+  for (const Column& column : kColumns) head += std::string(column.name) + ',';
+  head.pop_back();
+  for (const int j : *modes_j) head += fmt::format(",j{}", j);
+  for (const int j : *modes_j) head += fmt::format(",sigma_j{}", j);
+  out << head << '\n';
+  for (const RecordedFrame& frame : reader.frames()) {
+    const auto waves = reader.coefficients(frame);
+    const auto sigma = reader.sigma_waves(frame);
+    if (!waves || !sigma) return fail((waves ? sigma : waves).error());
+    std::string line;
+    for (const Column& column : kColumns) line += column.text(frame) + ',';
+    line.pop_back();
+    out << line << cells(*waves, modes_j->size(), frame.valid != 0)
+        << cells(*sigma, modes_j->size(), frame.valid != 0) << '\n';
+  }
+  return close(out, path);
+}
+
+Result<void> write_spots(RecordingReader& reader, const fs::path& path) {
+  std::ofstream out(path);
+  if (!out) return cannot_write(path, why_not_opened(path, errno));
+  out << "frame_id,spot,x_px,y_px,peak_dn,quality,level_dn,noise_dn\n";
+  for (const RecordedFrame& frame : reader.frames()) {
+    const auto spots = reader.spots(frame);
+    if (!spots) return fail(spots.error());
+    for (std::size_t k = 0; k < spots->size(); ++k) {
+      const RecordedSpot& s = (*spots)[k];
+      out << fmt::format("{},{},{},{},{},{},{},{}\n", frame.frame_id, k, text_of(s.x), text_of(s.y),
+                         text_of(s.peak), text_of(s.quality), text_of(s.level), text_of(s.noise));
+    }
+  }
+  return close(out, path);
+}
+
+/// Writes the images as PNG: 8 bits, or 16 bits with the camera's values.
+Result<void> write_images(RecordingReader& reader, const std::string& prefix,
+                          std::vector<std::string>& files) {
+  const RecordingHeader& header = reader.header();
+  const bool bytes = traits_of(header.format).layout == PixelLayout::bytes;
+  std::vector<std::byte> pixels(reader.image_bytes());
+  cv::Mat picture(header.height, header.width, bytes ? CV_8UC1 : CV_16UC1);
+  for (const RecordedFrame& frame : reader.frames()) {
+    if (frame.picture < 0) continue;
+    if (auto read = reader.picture(frame, pixels); !read) return read;
+    const ImageView view{pixels.data(), header.width,
+                         header.height, std::ptrdiff_t(row_bytes(header.format, header.width)),
+                         header.format, frame.left_justified_bits};
+    visit_rows(view, 0, 0, view.width, view.height, [&](int x, int y, const auto* row, int count) {
+      for (int i = 0; i < count; ++i) {
+        if (bytes) picture.at<unsigned char>(y, x + i) = static_cast<unsigned char>(row[i]);
+        if (!bytes) picture.at<std::uint16_t>(y, x + i) = row[i];
+      }
+    });
+    files.push_back(fmt::format("{}-{:08}.png", prefix, frame.frame_id));
+    if (auto written = write_image(files.back(), picture); !written) return written;
+  }
+  return {};
+}
+
+Result<std::vector<std::string>> write_files(const ExportOptions& options) {
+  auto reader = RecordingReader::open(options.path);
+  if (!reader) return fail(reader.error());
+  const std::string prefix =
+      options.prefix.empty() ? fs::path(options.path).stem().string() : options.prefix;
+  std::vector<std::string> files;
+  if (options.csv || (!options.spots && !options.images)) {
+    files.push_back(prefix + ".csv");
+    if (auto written = write_modes(**reader, files.back()); !written) return fail(written.error());
+  }
+  if (options.spots) {
+    files.push_back(prefix + "-spots.csv");
+    if (auto written = write_spots(**reader, files.back()); !written) return fail(written.error());
+  }
+  if (options.images) {
+    auto written = write_images(**reader, prefix, files);
+    if (!written) return fail(written.error());
+  }
+  return files;
+}
+
+}  // namespace
+
+int export_recording(const Common& common, const ExportOptions& options) {
+  const auto files = write_files(options);
+  if (!files) return report(common, files.error());
+  if (common.json) {
+    print("{}\n", json_text(json{{"files", *files}}));
+    return kOk;
+  }
+  for (const std::string& file : *files) print("{}\n", file);
+  return kOk;
+}
+
+void add_export(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "export",
+      "write a recording as files for other programs, and print their names; replaces files of "
+      "the same name; works offline");
+  auto options = std::make_shared<ExportOptions>();
+  command->add_option("file", options->path, "recording made by record.start")->required();
+  command->add_flag("--csv", options->csv,
+                    "NAME.csv: one line per frame, with its modes in waves and their standard "
+                    "errors (default)");
+  command->add_flag("--spots", options->spots,
+                    "NAME-spots.csv: one line per spot of a frame, with its position");
+  command->add_flag("--images", options->images,
+                    "NAME-FRAME.png: each image with the camera's values, 8 or 16 bits");
+  command->add_option("--output,-o", options->prefix,
+                      "NAME: begin of the files' names (default: the recording's name, in the "
+                      "current folder)");
+  command->callback([&common, &status, options] { status = export_recording(common, *options); });
+}
+
+}  // namespace ovws::cli
