@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""Generates ovws_client/methods.py from the JSON Schemas: every method of the daemon with its types and documentation.
+"""Generates ovws_client/methods.py from the JSON Schemas: every method of the daemon with its types and documentation; and
+ovws_client/mode_names.py.
 
-    make_methods.py SCHEMAS METHODS_PY      SCHEMAS: the folder written by write_schemas
+    make_methods.py SCHEMAS MODE_NAMES PACKAGE     SCHEMAS and MODE_NAMES: the folder and the file written by write_schemas
 """
 import json
 import re
@@ -20,6 +21,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from enum import Enum
 from typing import Any, Final, Literal, NotRequired, TypedDict
+
+from .job import Job
+from .modes import ModeKey, Modes, mode_indices, mode_list
 
 
 class LeftOut(Enum):
@@ -127,16 +131,53 @@ def given_keys(schema):
     return sorted(schema["params"]["properties"], key=lambda key: key not in schema["params"].get("required", []))
 
 
+def resolved(schema, whole):
+    """The schema that a $ref of `whole` means."""
+    return whole["$defs"][schema["$ref"].split("/")[-1]] if "$ref" in schema else schema
+
+
+def modes_kind(key, schema, whole):
+    """How people may give these params: "list" for modes with waves, "indices" for modes alone, None for anything else."""
+    items = schema.get("items")
+    if not items:
+        return None
+    items = resolved(items.get("oneOf", [items])[0], whole)
+    if set(items.get("properties", ())) == {"j", "waves"}:
+        return "list"
+    return "indices" if key == "modes" and items.get("type") == "integer" else None
+
+
+def type_of_param(structures, key, schema, whole):
+    kind = modes_kind(key, schema, whole)
+    if kind is None:
+        return structures.type_of(schema, "Sequence")
+    return ("Modes" if kind == "list" else "Sequence[ModeKey]") + (" | None" if "null" in schema.get("type", []) else "")
+
+
+def given(key, schema, whole):
+    kind = modes_kind(key, schema, whole)
+    return f"{key}=mode_{kind}({key})" if kind else f"{key}={key}"
+
+
 def signature_lines(structures, name, schema, prefix):
     required = schema["params"].get("required", [])
-    kinds = {key: structures.type_of(schema["params"]["properties"][key], "Sequence") for key in given_keys(schema)}
+    kinds = {key: type_of_param(structures, key, schema["params"]["properties"][key], schema["params"]) for key in given_keys(schema)}
     arguments = ["self"] + [f"{key}: {kinds[key]}" for key in kinds if key in required]
     arguments += ["*"] * (len(kinds) > len(required))
     arguments += [f"{key}: {kinds[key]} | LeftOut = LEFT_OUT" for key in kinds if key not in required]
-    begin, end = f"    {prefix}def {name.replace('.', '_')}(", f") -> {structures.type_of(schema['result'], 'list')}:"
+    begin, end = f"    {prefix}def {name.replace('.', '_')}(", f") -> {result_type(structures, schema, prefix)}:"
     line = begin + ", ".join(arguments) + end
     yield ""
     yield from [line] if len(line) <= WIDTH else [begin, *(f"        {argument}," for argument in arguments), "    " + end]
+
+
+def starts_job(structures, schema, prefix):
+    """Whether the blocking method returns a Job, which can be waited for."""
+    return not prefix and structures.type_of(schema["result"], "list") == "JobNumber"
+
+
+def result_type(structures, schema, prefix):
+    return "Job" if starts_job(structures, schema, prefix) else structures.type_of(schema["result"], "list")
 
 
 def docstring(name, schema, whole):
@@ -154,10 +195,10 @@ def docstring(name, schema, whole):
 
 def body_lines(structures, name, schema, wait):
     begin = f"        result: {structures.type_of(schema['result'], 'list')} = {wait}self.call(\"{name}\""
-    given = ", ".join(f"{key}={key}" for key in given_keys(schema))
-    line = begin + (f", _given({given}))" if given else ")")
-    yield from [line] if len(line) <= WIDTH else [begin + ", _given(", *wrapped(given, "            "), "        ))"]
-    yield "        return result"
+    params = ", ".join(given(key, schema["params"]["properties"][key], schema["params"]) for key in given_keys(schema))
+    line = begin + (f", _given({params}))" if params else ")")
+    yield from [line] if len(line) <= WIDTH else [begin + ", _given(", *wrapped(params, "            "), "        ))"]
+    yield "        return self._job(result)" if starts_job(structures, schema, wait) else "        return result"
 
 
 def module(folder):
@@ -172,6 +213,8 @@ def module(folder):
                   '    """Base class of clients: one Python method for each method of the daemon, which calls `call`."""', "",
                   f"    {prefix}def call(self, method: str, params: Mapping[str, object] | None = None) -> Any:",
                   "        raise NotImplementedError"]
+        if not prefix:
+            lines += ["", "    def _job(self, result: JobNumber) -> Job:", "        return Job(self, {\"job\": result[\"job\"]})"]
         for name, schema in schemas.items():
             lines += signature_lines(structures, name, schema, prefix)
             lines += docstring(name, schema, whole=not prefix)
@@ -179,9 +222,15 @@ def module(folder):
     return "\n".join(lines) + "\n"
 
 
+def names_module(names):
+    return "\n".join(['"""Names of the modes by OSA/ANSI index. Generated by make_methods.py from the daemon\'s own table; do not edit."""',
+                      "from typing import Final", "", "MODE_NAMES: Final = (", *(f"    {json.dumps(name)}," for name in names), ")"]) + "\n"
+
+
 def main():
-    schemas, made = map(Path, sys.argv[1:])
-    made.write_text(module(schemas))
+    schemas, names, package = map(Path, sys.argv[1:])
+    (package / "mode_names.py").write_text(names_module(json.loads(names.read_text())))
+    (package / "methods.py").write_text(module(schemas))
 
 
 if __name__ == "__main__":

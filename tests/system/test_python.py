@@ -60,6 +60,7 @@ class Scripts(BenchCase):
         self.assertRegex(printed, r"\d+ True \[")
 
     def test_the_other_blocks(self):
+        self.take_reference(20)
         _, *others = blocks("python")
         self.assertGreaterEqual(len(others), 3)
         for block in others:
@@ -216,6 +217,43 @@ class Numbers(BenchCase):
         self.assertEqual(asyncio.run(both()), ("running", True, ("tracker", "lg")))
 
 
+class AtTheBench(BenchCase):
+    """What the client does with methods and streams together."""
+
+    twin_config = {"noise": "pool"}
+
+    def test_settings_are_restored_also_after_an_error(self):
+        before = self.client.camera_get()["settings"], self.client.sensor_get()
+        with self.client.settings(gain_db=6, exposure_us=900.0, tracker="lg") as applied:
+            self.assertEqual((applied["gain_db"], applied["exposure_us"], applied["tracker"]), (6.0, 900.0, "lg"))
+            self.assertEqual(self.client.camera_get()["settings"]["gain_db"], 6.0)
+        for wrong in ({"gain_db": 3, "tracker": "lgg"}, {"gain_db": 1000}, {"nothing": 1}):
+            with self.assertRaises(Refused) as caught, self.client.settings(**wrong):
+                self.fail("it was entered")
+            self.assertIn(caught.exception.field, wrong)
+        with self.assertRaises(KeyError), self.client.settings(gain_db=3):
+            raise KeyError("in the block")
+        self.assertEqual(self.client.camera_get()["settings"], before[0])
+        self.assertEqual(self.client.sensor_get()["tracker"], before[1]["tracker"])
+
+    def test_an_image_and_a_wavefront_are_of_what_was_set_before(self):
+        self.take_reference(50)
+        bright = self.client.image().pixels.mean()
+        with self.client.settings(exposure_us=500.0):
+            self.assertLess(self.client.image().pixels.mean(), 0.5 * bright)
+        for waves in (0.1, -0.1):
+            self.client.aberration_set({"defocus": waves})
+            mean = self.client.wavefront(frames=20)
+            self.assertEqual((mean.frames, mean.hologram_id), (20, self.client.aberration_get()["hologram_id"]))
+            self.assertAlmostEqual(mean.waves("defocus"), waves, delta=0.005)
+            self.assertLess(abs(mean.waves("defocus") - waves) - 0.004, 5 * mean.standard_error_waves[3])
+            self.assertGreater(mean.standard_error_waves[3], 0.0)
+
+    def test_without_a_reference_it_says_how_many_were_not_valid(self):
+        with self.assertRaisesRegex(NoAnswer, r"0 of 20 valid frames within 1.0 s, and \d+ that were not valid; is there a reference\?"):
+            self.client.wavefront(frames=20, timeout_s=1.0)
+
+
 class Keys(BenchCase):
     def start(self):
         folder = self.bench.directory
@@ -234,6 +272,8 @@ class Keys(BenchCase):
 
         with Client(timeout_s=20.0, **self.keys) as client, Subscription(ovws_client.Status, timeout_s=20.0, **self.keys) as stream:
             self.assertEqual(client.system_status()["state"], next(stream).state)
+            with client.subscribe(ovws_client.Status, timeout_s=20.0) as again:
+                self.assertEqual(next(again).state, client.system_status()["state"])
             with self.assertRaises(Refused) as caught:
                 client.camera_set(gain_db=1.0)
             self.assertEqual((caught.exception.code, caught.exception.field), (-32003, "method"))

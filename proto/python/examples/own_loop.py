@@ -12,5 +12,4 @@ with Client() as client, Subscription(Wavefront, timeout_s=5.0) as stream:
         residual_waves = np.sqrt(np.sum(frame.coefficients_waves**2))
         print(f"step {step}: residual {residual_waves:.4f} waves RMS, tilts included")
         correction_waves = correction_waves + GAIN * frame.coefficients_waves
-        modes = [{"j": j, "waves": waves} for j, waves in zip(frame.j.tolist(), correction_waves.tolist())]
-        hologram_id = client.correction_set(modes)["hologram_id"]
+        hologram_id = client.correction_set(dict(zip(frame.j.tolist(), correction_waves.tolist())))["hologram_id"]

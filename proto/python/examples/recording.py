@@ -5,7 +5,7 @@ from ovws_client import Client
 from ovws_client.recording import Recording
 
 with Client(timeout_s=10.0) as client:
-    path = client.record_start(name=time.strftime("example-%Y%m%d-%H%M%S"), limit_s=10.0)["file"]
+    path = client.record_start(limit_s=10.0)["file"]
     time.sleep(2.0)
     client.record_stop()
 

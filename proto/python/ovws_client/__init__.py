@@ -3,16 +3,21 @@ from .async_client import AsyncClient
 from .async_subscription import AsyncSubscription
 from .client import Client
 from .errors import ClientError, JobFailed, Lost, NoAnswer, NotUnderstood, Refused
+from .job import Job
 from .lattice import px_per_slope, subaperture_centres
+from .measured import MeanWavefront
 from .messages import Event, Image, Message, Phase, Refined, Spots, Status, Wavefront
 from .methods import LEFT_OUT, LeftOut
+from .mode_names import MODE_NAMES
+from .modes import mode_index, mode_name
 from .stream import Stream
 from .subscription import Subscription
 from .wire import use_keys
 from .zernike import orders, osa_index, phase_map_waves, pupil_grid, zernike
 
 __all__ = [
-    "LEFT_OUT", "AsyncClient", "AsyncSubscription", "Client", "ClientError", "Event", "Image", "JobFailed", "LeftOut", "Lost", "Message",
-    "NoAnswer", "NotUnderstood", "Phase", "Refined", "Refused", "Spots", "Status", "Stream", "Subscription", "Wavefront", "orders",
-    "osa_index", "phase_map_waves", "pupil_grid", "px_per_slope", "subaperture_centres", "use_keys", "zernike",
+    "LEFT_OUT", "MODE_NAMES", "AsyncClient", "AsyncSubscription", "Client", "ClientError", "Event", "Image", "Job", "JobFailed", "LeftOut",
+    "Lost", "MeanWavefront", "Message", "NoAnswer", "NotUnderstood", "Phase", "Refined", "Refused", "Spots", "Status", "Stream",
+    "Subscription", "Wavefront", "mode_index", "mode_name", "orders", "osa_index", "phase_map_waves", "pupil_grid", "px_per_slope",
+    "subaperture_centres", "use_keys", "zernike",
 ]

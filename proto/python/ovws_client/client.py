@@ -9,12 +9,14 @@ from typing import Any
 
 import zmq
 
-from .errors import JobFailed, NoAnswer
-from .methods import JobNumber, Methods
+from .bench import Bench
+from .errors import NoAnswer
+from .job import Job
+from .methods import JobNumber
 from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
 
 
-class Client(Methods):
+class Client(Bench):
     """Blocking client of one daemon; keys as in use_keys. Not thread-safe.
 
     `timeout_s`: maximum time to wait for an answer. Errors are ClientError: NoAnswer, or Refused with the daemon's message.
@@ -22,6 +24,8 @@ class Client(Methods):
 
     def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
         self.timeout_s = timeout_s
+        self.endpoint = endpoint
+        self.keys = {"key": key, "server_key": server_key}
         self._ids = itertools.count(1)
         self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(zmq.DEALER)
         self._socket.linger = 0
@@ -48,18 +52,9 @@ class Client(Methods):
                 return reply
         raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}")
 
-    def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0) -> Any:
-        """Waits for the end of a job and returns its result. `job`: its number, or the result of the method that started it. Raises JobFailed
-        if it failed or was cancelled, NoAnswer if it has not ended within `timeout_s` seconds (the job continues; `job_cancel` ends it)."""
-        number = job if isinstance(job, int) else job["job"]
-        end = time.monotonic() + timeout_s
-        while (report := self.job_get(number))["state"] == "running":
-            if time.monotonic() > end:
-                raise NoAnswer(f"job {number} ({report['kind']}) has not ended within {timeout_s} s")
-            time.sleep(0.05)
-        if report["state"] != "done":
-            raise JobFailed(report)
-        return report["result"]
+    def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0, progress: bool = False) -> Any:
+        """Waits for the end of a job and returns its result, as Job.wait. `job`: its number, or the result of the method that started it."""
+        return Job(self, {"job": job} if isinstance(job, int) else job).wait(timeout_s, progress)
 
     def close(self) -> None:
         """Closes the connection."""

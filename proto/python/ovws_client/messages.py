@@ -8,8 +8,10 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from . import display
 from .errors import NotUnderstood
 from .methods import FailedJob, Latency, Rates, RecordReport, StatusCamera, StatusRefine, StatusSensor, StatusSlm, StatusStore
+from .modes import ModeKey, coefficient, mode_name
 from .wire import IMAGES, NUMBERS
 from .zernike import phase_map_waves
 
@@ -104,6 +106,15 @@ class Wavefront(FrameMessage):
         """Wavefront over the pupil, waves, shape (size_px, size_px); NaN outside the pupil, and everywhere if not valid."""
         return phase_map_waves(self.j, self.coefficients_waves, size_px)
 
+    def waves(self, mode: ModeKey) -> float:
+        """Coefficient of a mode, given by name, index or orders (n, m); NaN if not valid. Raises ValueError if it is not measured."""
+        return coefficient(self.j, self.coefficients_waves, mode)
+
+    def _repr_html_(self) -> str:
+        state = f"{self.rms_waves:.4f} waves RMS without tilts" if self.rms_waves is not None else "not valid"
+        return display.wavefront(f"Frame {self.frame_id}: {state}, {self.tracked} of {self.subapertures} spots, at {self.wavelength_nm:g} nm",
+                                 [mode_name(j) for j in self.j.tolist()], self.coefficients_waves, self.sigma_waves, self.phase_waves())
+
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
         return super()._values(body, binary) | {"j": np.array(body["j"], np.int64), "coefficients_waves": _floats(body["coefficients"]),
@@ -192,6 +203,12 @@ class Image(Message):
     pixels: NDArray[np.uint8] | NDArray[np.uint16]
     """grey levels, DN, (rows, columns), in the received memory (no copy)"""
 
+    def _repr_html_(self) -> str:
+        top, full = int(self.pixels.max()), (1 << self.significant_bits) - 1
+        saturated = int((self.pixels >= full).sum())
+        caption = f"frame {self.frame_id}: {self.pixels.shape[1]} x {self.pixels.shape[0]} {self.pixel_format}, brightest pixel {top} of {full} DN, {saturated} saturated"
+        return display.img(display.grey(self.pixels, self.significant_bits), caption)
+
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
         return super()._values(body, binary) | {"pixels": _array(body, binary)}
@@ -210,6 +227,10 @@ class Phase(Message):
     wavelength_nm: float
     waves: NDArray[np.float32]
     """waves, (rows, columns) of pupil_grid; NaN outside the pupil"""
+
+    def _repr_html_(self) -> str:
+        scale = float(np.nanmax(np.abs(self.waves))) if self.valid else 0.0
+        return display.img(display.signed(self.waves, scale), f"frame {self.frame_id}: -{scale:.3f} (blue) to +{scale:.3f} waves (red)")
 
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:

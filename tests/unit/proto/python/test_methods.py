@@ -6,12 +6,15 @@ import unittest
 
 from paths import METHODS
 
-from ovws_client import LEFT_OUT, methods
+from ovws_client import LEFT_OUT, Job, methods
 
 
 class Recorder(methods.Methods):
     def call(self, method, params=None):
         return method, params
+
+    def _job(self, result):
+        return result
 
 
 class AsyncRecorder(methods.AsyncMethods):
@@ -49,6 +52,9 @@ class Made(unittest.TestCase):
         for name, schema in METHODS.items():
             with self.subTest(method=name):
                 result = typing.get_type_hints(getattr(methods.Methods, name.replace(".", "_")))["return"]
+                if result is Job:  # JobNumber, with the client
+                    result = typing.get_type_hints(getattr(methods.AsyncMethods, name.replace(".", "_")))["return"]
+                    self.assertIs(result, methods.JobNumber)
                 self.assertEqual(result.__required_keys__, set(schema["result"]["required"]))
                 self.assertEqual(result.__required_keys__ | result.__optional_keys__, set(schema["result"]["properties"]))
 
