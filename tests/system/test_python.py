@@ -71,13 +71,14 @@ class Scripts(BenchCase):
         folder = self.bench.directory / "clone"
         unwanted = shutil.ignore_patterns("build", "*.egg-info", "__pycache__")
         shutil.copytree(PYTHON, folder / "build" / "release" / "python", ignore=unwanted)
+        shutil.copytree(PYTHON.parent / "wheel", folder / "build" / "release" / "wheel")
         shutil.copytree(SOURCE / "examples", folder / "proto" / "python" / "examples")
         (folder / "bin").mkdir()
         (folder / "bin" / "python3").symlink_to(sys.executable)
         commands = "set -e\n" + f'PATH="{folder}/bin:$PATH"\n' + "".join(blocks("sh"))
         self.assertIn("pip install", commands)
         self.assertEqual(commands.count("python3 proto/python/examples/"), len(list((SOURCE / "examples").glob("*.py"))))
-        self.assertRegex(self.run_here(["sh", "-c", commands], path="", cwd=folder), r"(?m)^running$")
+        self.assertRegex(self.run_here(["sh", "-c", commands], path=PYTHON, cwd=folder), r"(?m)^running$")
 
     def test_the_links(self):
         for link in re.findall(r"\]\(([^)#:]+)\)", README):
