@@ -1,5 +1,6 @@
 #include "core/tracking/spot_geometry.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -18,6 +19,21 @@ double walk(int charge, double from, Stop stop) {
     if (stop(here, next)) return radius;
     here = next;
   }
+}
+
+SpotGeometry computed_geometry(int charge) {
+  const auto falls = [](double here, double next) { return next < here; };
+  const auto rises = [](double here, double next) { return next > here; };
+  SpotGeometry g;
+  if (charge != 0) {
+    g.ring = walk(charge, 0.0, falls);
+    const double half = 0.5 * spot_intensity(charge, g.ring);
+    g.ring_inner = walk(charge, 0.0, [half](double here, double) { return here >= half; });
+  }
+  const double half = 0.5 * spot_intensity(charge, g.ring);
+  g.ring_outer = walk(charge, g.ring, [half](double here, double) { return here <= half; });
+  g.dark = walk(charge, g.ring_outer, rises);
+  return g;
 }
 
 }  // namespace
@@ -42,18 +58,14 @@ double spot_intensity(int charge, double radius) {
 }
 
 SpotGeometry spot_geometry(int charge) {
-  const auto falls = [](double here, double next) { return next < here; };
-  const auto rises = [](double here, double next) { return next > here; };
-  SpotGeometry g;
-  if (charge != 0) {
-    g.ring = walk(charge, 0.0, falls);
-    const double half = 0.5 * spot_intensity(charge, g.ring);
-    g.ring_inner = walk(charge, 0.0, [half](double here, double) { return here >= half; });
-  }
-  const double half = 0.5 * spot_intensity(charge, g.ring);
-  g.ring_outer = walk(charge, g.ring, [half](double here, double) { return here <= half; });
-  g.dark = walk(charge, g.ring_outer, rises);
-  return g;
+  constexpr int kKept = 9;  // charges 0 to 8, all that can be tracked
+  static const auto kept = [] {
+    std::array<SpotGeometry, kKept> all;
+    for (int order = 0; order < kKept; ++order) all[std::size_t(order)] = computed_geometry(order);
+    return all;
+  }();
+  const int order = std::abs(charge);
+  return order < kKept ? kept[std::size_t(order)] : computed_geometry(order);
 }
 
 }  // namespace ovws

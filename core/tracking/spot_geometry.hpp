@@ -19,7 +19,8 @@ struct SpotGeometry {
   double dark = 0.0;        ///< first minimum outside the ring or the bright core
 };
 
-/// Computes the characteristic radii. Takes milliseconds: for constructors, not for the frame path.
+/// The characteristic radii. The first call takes tens of milliseconds: for constructors, not for
+/// the frame path. Later calls with charges from -8 to 8 look the radii up. Thread-safe.
 SpotGeometry spot_geometry(int charge);
 
 }  // namespace ovws
