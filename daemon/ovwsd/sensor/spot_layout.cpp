@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,66 +17,8 @@
 namespace ovws {
 namespace {
 
-constexpr int kRegionStep = 16;  // px: every camera accepts multiples of it
-
-/// Spot layout of a flat wavefront on the camera.
-struct Layout {
-  std::vector<Vec2> spots_px;
-  double lambda_d_px = 0.0;
-  double nearest = std::numeric_limits<double>::infinity();  ///< closest two spots, lambda/d
-  Vec2 reach_px;           ///< largest distance of a spot from the base spot, in x and in y
-  double margin_px = 0.0;  ///< recommended distance of a spot's centre from the image's edge
-};
-
-Layout layout_of(const SpotBench& bench) {
-  Layout layout;
-  layout.spots_px = model_spots_px(bench.lattice, bench.sensor, bench.slm, bench.optics,
-                                   bench.roi.width, bench.roi.height);
-  layout.lambda_d_px = lambda_d_px(bench.optics, bench.slm, bench.sensor);
-  layout.margin_px = (spot_geometry(bench.sensor.charge).dark + 0.5) * layout.lambda_d_px;
-  const Vec2 base = base_spot_px(bench.optics, bench.roi.width, bench.roi.height);
-  const auto& spots = layout.spots_px;
-  for (std::size_t i = 0; i < spots.size(); ++i) {
-    layout.reach_px.x = std::max(layout.reach_px.x, std::abs(spots[i].x - base.x));
-    layout.reach_px.y = std::max(layout.reach_px.y, std::abs(spots[i].y - base.y));
-    for (std::size_t k = 0; k < i; ++k) {
-      const double px = std::hypot(spots[i].x - spots[k].x, spots[i].y - spots[k].y);
-      layout.nearest = std::min(layout.nearest, px / layout.lambda_d_px);
-    }
-  }
-  return layout;
-}
-
-/// Size in pixels of the smallest region, centred on the base spot, that contains all spots after
-/// their distances from the base spot are multiplied by `factor`.
-Vec2 region_for(const Layout& layout, double factor) {
-  const auto side = [&](double reach_px) {
-    const double px = 2.0 * (factor * reach_px + layout.margin_px) + 1.0;
-    return kRegionStep * std::ceil(px / kRegionStep);
-  };
-  return {side(layout.reach_px.x), side(layout.reach_px.y)};
-}
-
 bool fits(Vec2 region, const Roi& roi) {
   return region.x <= roi.width && region.y <= roi.height;
-}
-
-/// Whether a region centred on the base spot would contain the SLM's zeroth order, which is much
-/// brighter than the spots.
-bool contains_zeroth_order(Vec2 region, const SpotBench& bench) {
-  const Vec2 away_px =
-      px_per_cycle(bench.optics, bench.slm) * base_grating_cpp(bench.sensor, bench.slm);
-  return std::abs(away_px.x) < 0.5 * region.x && std::abs(away_px.y) < 0.5 * region.y;
-}
-
-/// Rounding to two significant digits, up or down, for proposed settings.
-double rounded_up(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-  return unit * std::ceil(value / unit - 1e-9);
-}
-double rounded_down(double value) {
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-  return unit * std::floor(value / unit + 1e-9);
 }
 
 std::string spot_name(int charge) {
@@ -90,7 +31,7 @@ struct Visibility {
   bool determined = false;
 };
 
-Visibility visibility_of(const SpotBench& bench, const Layout& layout) {
+Visibility visibility_of(const SpotBench& bench, const SpotLayout& layout) {
   const double edge_px = spot_geometry(bench.sensor.charge).ring_outer * layout.lambda_d_px;
   Visibility visibility;
   std::vector<SpotFix> found(layout.spots_px.size());
@@ -117,7 +58,7 @@ Visibility visibility_of(const SpotBench& bench, const Layout& layout) {
 }
 
 /// Proposes settings at which neighbouring spots have the recommended distance.
-std::string wider_spacing(const SpotBench& bench, const Layout& layout) {
+std::string wider_spacing(const SpotBench& bench, const SpotLayout& layout) {
   const double factor = recommended_spot_distance(bench.sensor.charge) / layout.nearest;
   const int fewer = int(bench.sensor.subapertures_across / std::sqrt(factor));
   const double spacing = rounded_up(bench.sensor.spacing * factor);
@@ -134,7 +75,7 @@ std::string wider_spacing(const SpotBench& bench, const Layout& layout) {
 }
 
 /// Proposes a setting at which all spots fit into the present region.
-std::string alternative_to_region(const SpotBench& bench, const Layout& layout) {
+std::string alternative_to_region(const SpotBench& bench, const SpotLayout& layout) {
   const auto share = [&](double fixed_px) {
     const double x = (0.5 * (bench.roi.width - 1) - fixed_px) / layout.reach_px.x;
     const double y = (0.5 * (bench.roi.height - 1) - fixed_px) / layout.reach_px.y;
@@ -153,6 +94,52 @@ std::string alternative_to_region(const SpotBench& bench, const Layout& layout) 
 
 }  // namespace
 
+SpotLayout spot_layout(const SpotBench& bench) {
+  SpotLayout layout;
+  layout.spots_px = model_spots_px(bench.lattice, bench.sensor, bench.slm, bench.optics,
+                                   bench.roi.width, bench.roi.height);
+  layout.lambda_d_px = lambda_d_px(bench.optics, bench.slm, bench.sensor);
+  layout.margin_px = (spot_geometry(bench.sensor.charge).dark + 0.5) * layout.lambda_d_px;
+  const Vec2 base = base_spot_px(bench.optics, bench.roi.width, bench.roi.height);
+  const auto& spots = layout.spots_px;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    layout.reach_px.x = std::max(layout.reach_px.x, std::abs(spots[i].x - base.x));
+    layout.reach_px.y = std::max(layout.reach_px.y, std::abs(spots[i].y - base.y));
+    for (std::size_t k = 0; k < i; ++k) {
+      const double px = std::hypot(spots[i].x - spots[k].x, spots[i].y - spots[k].y);
+      layout.nearest = std::min(layout.nearest, px / layout.lambda_d_px);
+    }
+  }
+  return layout;
+}
+
+Vec2 region_for(const SpotLayout& layout, double factor) {
+  const auto side = [&](double reach_px) {
+    const double px = 2.0 * (factor * reach_px + layout.margin_px) + 1.0;
+    return kRegionStep * std::ceil(px / kRegionStep);
+  };
+  return {side(layout.reach_px.x), side(layout.reach_px.y)};
+}
+
+Vec2 zeroth_order_px(const SpotBench& bench) {
+  return px_per_cycle(bench.optics, bench.slm) * base_grating_cpp(bench.sensor, bench.slm);
+}
+
+bool contains_zeroth_order(Vec2 region, const SpotBench& bench) {
+  const Vec2 away_px = zeroth_order_px(bench);
+  return std::abs(away_px.x) < 0.5 * region.x && std::abs(away_px.y) < 0.5 * region.y;
+}
+
+double rounded_up(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return unit * std::ceil(value / unit - 1e-9);
+}
+
+double rounded_down(double value) {
+  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
+  return unit * std::floor(value / unit + 1e-9);
+}
+
 double min_spot_distance(int charge) {
   const int l = std::abs(charge);
   constexpr std::array<double, 4> kByCharge{1.5, 0.93, 1.05, 1.05};
@@ -165,7 +152,7 @@ double recommended_spot_distance(int charge) {
 }
 
 Result<void> check_spots_apart(const SpotBench& bench) {
-  const Layout layout = layout_of(bench);
+  const SpotLayout layout = spot_layout(bench);
   const double minimum = min_spot_distance(bench.sensor.charge);
   if (layout.nearest >= minimum) return {};
   return fail(
@@ -194,7 +181,7 @@ Result<void> check_mode_count(const SpotBench& bench) {
   }
   OpticsConfig centred = bench.optics;  // the region may still be moved
   centred.centre_px.reset();
-  const Vec2 region = region_for(layout_of(bench), 1.0);
+  const Vec2 region = region_for(spot_layout(bench), 1.0);
   const ModeBench modes{bench.sensor,
                         bench.slm,
                         centred,
@@ -215,7 +202,7 @@ Result<void> check_mode_count(const SpotBench& bench) {
 }
 
 Result<void> check_spots_in_region(const SpotBench& bench) {
-  const Layout layout = layout_of(bench);
+  const SpotLayout layout = spot_layout(bench);
   const Visibility visibility = visibility_of(bench, layout);
   if (visibility.determined) return {};
   const std::string what =

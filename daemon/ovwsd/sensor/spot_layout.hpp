@@ -2,6 +2,9 @@
 /// can separate neighbouring spots.
 #pragma once
 
+#include <limits>
+#include <vector>
+
 #include "config/config.hpp"
 #include "core/base/result.hpp"
 #include "core/optics/lattice.hpp"
@@ -30,6 +33,35 @@ struct SpotBench {
   const Roi& roi;
   PixelFormat format;
 };
+
+/// Layout of the spots of a flat wavefront on the camera.
+struct SpotLayout {
+  std::vector<Vec2> spots_px;
+  double lambda_d_px = 0.0;
+  double nearest = std::numeric_limits<double>::infinity();  ///< closest two spots, lambda/d
+  Vec2 reach_px;           ///< largest distance of a spot from the base spot, in x and in y
+  double margin_px = 0.0;  ///< recommended distance of a spot's centre from the image's edge
+};
+
+SpotLayout spot_layout(const SpotBench& bench);
+
+/// Sizes of a camera's region are multiples of this number of pixels: every camera accepts them.
+constexpr int kRegionStep = 16;
+
+/// Size in pixels of the smallest region, centred on the base spot, that contains all spots with
+/// their margin after their distances from the base spot are multiplied by `factor`.
+Vec2 region_for(const SpotLayout& layout, double factor);
+
+/// Distance of the base spot from the SLM's zeroth order, camera pixels.
+Vec2 zeroth_order_px(const SpotBench& bench);
+
+/// Whether a region of this size, centred on the base spot, contains the zeroth order, which is
+/// much brighter than the spots.
+bool contains_zeroth_order(Vec2 region, const SpotBench& bench);
+
+/// Rounds to two significant digits, for proposed settings.
+double rounded_up(double value);
+double rounded_down(double value);
 
 /// Checks the distance of neighbouring spots. Errc::invalid, field "sensor.spacing": it is less
 /// than min_spot_distance. The message proposes values that work.

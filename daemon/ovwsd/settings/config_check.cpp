@@ -36,6 +36,12 @@ Result<void> check_usable(const Config& config) {
   if (!hologram) return fail(hologram.error());
   const auto renderer = HologramRenderer::make(*hologram);
   if (!renderer) return fail(renderer.error());
+  return check_sensor(config);
+}
+
+Result<void> check_sensor(const Config& config) {
+  const auto lattice = make_lattice(config.sensor, config.slm.geometry);
+  if (!lattice) return fail(lattice.error());
   if (auto fast = check_daemon_tracker(config.tracking); !fast) {
     return fail(fast.error().code, "tracking." + fast.error().field, fast.error().reason);
   }

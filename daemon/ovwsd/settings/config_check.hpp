@@ -10,6 +10,9 @@ namespace ovws {
 /// files, lattice and tracker settings. Called at start, at reload and by `ovws doctor`; opens no
 /// device. Endpoints and keys: see check_security.
 Result<void> check_usable(const Config& config);
+/// The part of check_usable that judges the sensor on its bench: pupil, number of subapertures,
+/// gratings, spot size, tracker. Reads no file; takes well below a millisecond.
+Result<void> check_sensor(const Config& config);
 /// Checks the spot layout by the configuration alone. Errc::invalid (field "sensor.spacing" or
 /// "camera.roi"): spots fall outside the camera's region or are too close for the tracker; see
 /// spot_layout.hpp.
