@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "config/config.hpp"
 #include "core/control/refine_settings.hpp"
 #include "daemon/shared/client.hpp"
 
@@ -74,6 +75,8 @@ struct FarFieldOptions {
 };
 
 int save_farfield(const Common& common, const FarFieldOptions& options);
+/// Writes the image of a configuration; `options.picture.config_path` is not read.
+Result<void> write_farfield(const Config& config, const FarFieldOptions& options);
 
 struct MeasureOptions {
   std::string config_path;

@@ -75,27 +75,6 @@ Result<Image<float>> electrons(const Config& config, const FarFieldOptions& opti
   return intensity;
 }
 
-Result<void> make_farfield(const FarFieldOptions& options) {
-  const auto config = config_of(options.picture);
-  if (!config) return fail(config.error());
-  DetectorConfig detector;
-  detector.quantum_efficiency = 1.0;
-  detector.bits = options.bits;
-  detector.seed = options.seed;
-  detector.read_noise_e = options.noise_free ? 0.0 : options.read_noise_e;
-  detector.shot_noise = !options.noise_free;
-  if (options.noise_free) detector.prnu = detector.dark_current_e_per_s = 0.0;
-  const auto collected = electrons(*config, options, detector.full_well_e);
-  if (!collected) return fail(collected.error());
-  Image<std::uint16_t> dn;
-  Detector(detector, collected->width, collected->height)
-      .expose(*collected, config->camera.settings.exposure_us, options.gain_db, dn);
-  if (options.bits > 8) return write_png(options.picture.output, dn);
-  Image<std::uint8_t> narrow(dn.width, dn.height);
-  std::copy(dn.pixels.begin(), dn.pixels.end(), narrow.pixels.begin());
-  return write_png(options.picture.output, narrow);
-}
-
 int finish(const Common& common, const std::string& output, const Result<void>& done) {
   if (!done) return report(common, done.error());
   if (common.json) {
@@ -112,8 +91,29 @@ int save_hologram(const Common& common, const ImageOptions& options) {
   return finish(common, options.output, make_hologram(options));
 }
 
+Result<void> write_farfield(const Config& config, const FarFieldOptions& options) {
+  DetectorConfig detector;
+  detector.quantum_efficiency = 1.0;
+  detector.bits = options.bits;
+  detector.seed = options.seed;
+  detector.read_noise_e = options.noise_free ? 0.0 : options.read_noise_e;
+  detector.shot_noise = !options.noise_free;
+  if (options.noise_free) detector.prnu = detector.dark_current_e_per_s = 0.0;
+  const auto collected = electrons(config, options, detector.full_well_e);
+  if (!collected) return fail(collected.error());
+  Image<std::uint16_t> dn;
+  Detector(detector, collected->width, collected->height)
+      .expose(*collected, config.camera.settings.exposure_us, options.gain_db, dn);
+  if (options.bits > 8) return write_png(options.picture.output, dn);
+  Image<std::uint8_t> narrow(dn.width, dn.height);
+  std::copy(dn.pixels.begin(), dn.pixels.end(), narrow.pixels.begin());
+  return write_png(options.picture.output, narrow);
+}
+
 int save_farfield(const Common& common, const FarFieldOptions& options) {
-  return finish(common, options.picture.output, make_farfield(options));
+  const auto config = config_of(options.picture);
+  if (!config) return report(common, config.error());
+  return finish(common, options.picture.output, write_farfield(*config, options));
 }
 
 }  // namespace ovws::cli

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/design.hpp"
 #include "daemon/ovws/cli/modes_text.hpp"
 #include "daemon/ovws/study/studies.hpp"
 #include "proto/limits.hpp"
@@ -212,6 +213,7 @@ void add_study(CLI::App& app, const Common& common, int& status) {
 }  // namespace
 
 void add_offline_commands(CLI::App& app, const Common& common, int& status) {
+  add_design(app, common, status);
   add_hologram(app, common, status);
   add_farfield(app, common, status);
   add_measure(app, common, status);
