@@ -39,8 +39,8 @@ Error unknown_model(const char* option, const std::vector<Model>& models, const 
   for (const Model& model : models) names.push_back(model.name);
   const auto near = nearest_name(name, names);
   return {Errc::invalid, option,
-          "\"" + name + "\" is no known model" + (near ? "; did you mean " + *near + "?" : "") +
-              " Give WIDTHxHEIGHT@PITCH, e.g. 1920x1080@8, or see ovws design --list"};
+          "\"" + name + "\" is no known model" + (near ? " (did you mean " + *near + "?)" : "") +
+              ": give WIDTHxHEIGHT@PITCH, e.g. 1920x1080@8, or see ovws design --list"};
 }
 
 /// Checks a size and a pitch against the ranges of the configuration.
