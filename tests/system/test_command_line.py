@@ -40,6 +40,27 @@ class CommandLine(BenchCase):
         error = json.loads(self.ovws("--json", "call", "camera.set", '{"gian_db": 1}', code=1))["error"]
         self.assertEqual(error["data"]["nearest"], "gain_db")
 
+    def test_calls_with_words(self):
+        set_ = json.loads(self.ovws("--json", "call", "camera.set", "exposure_us=1500", "roi.width=480", "gain_db=3"))["applied"]
+        self.assertEqual((set_["exposure_us"], set_["roi"]["width"], set_["gain_db"]), (1500, 480, 3))
+        modes = json.loads(self.ovws("--json", "call", "aberration.set", "modes.spherical=0.1", "modes.3=-0.2"))["modes"]
+        self.assertEqual([(mode["j"], mode["waves"]) for mode in modes], [(12, 0.1), (3, -0.2)])
+        file = self.bench.directory / "params.json"
+        file.write_text('{"gain_db": 2, "exposure_us": 1000}')
+        set_ = json.loads(self.ovws("--json", "call", "camera.set", f"@{file}", "gain_db=1"))["applied"]
+        self.assertEqual((set_["exposure_us"], set_["gain_db"]), (1000, 1))
+        done = subprocess.run([self.bench.programs / "ovws", "call", "camera.set", "-"], input=file.read_text(), capture_output=True, text=True, timeout=30)
+        self.assertEqual(json.loads(done.stdout)["applied"]["gain_db"], 2)
+        self.assertIn("must be a number from", self.ovws("call", "camera.set", "exposure_us=-1", code=1))
+
+    def test_wrong_words_are_a_wrong_command_line(self):
+        for words, said in ((("camera.set", "gian_db=1"), "did you mean gain_db?"), (("camera.st",), "did you mean camera.set?"),
+                            (("camera.set", "exposure_us=2ms"), 'must be a number from 0.1 to 60000000, not "2ms"'),
+                            (("aberration.set", "modes.coma=0.2"), "vertical-coma or horizontal-coma"),
+                            (("camera.set", "@no-such-file"), "no-such-file: cannot be read")):
+            self.assertIn(said, self.ovws("call", *words, code=2))
+        self.assertIn("exposure_us", json.loads(self.ovws("--json", "call", "camera.set", "exposure_us=x", code=2))["error"]["message"])
+
     def test_a_job_is_waited_for(self):
         self.assertEqual(json.loads(self.ovws("call", "--wait", "reference.take", '{"frames": 5}'))["frames"], 5)
         self.call("camera.set", {"exposure_us": 9000, "gain_db": 24})

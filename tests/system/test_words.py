@@ -103,10 +103,13 @@ class Completions(unittest.TestCase):
         self.assertGreater(len(methods), 40)
         self.assertEqual(self.completed("ovws", "call", ""), set(methods))
         for method, keys in methods.items():
-            if len(keys) > 1:
-                self.assertEqual(self.completed("ovws", "call", method, ""), {f"'{{\"{key}\": " for key in keys}, method)
-        trackers = {f'{{"tracker": "{name}"}}' for name in methods["sensor.set"]["tracker"]["enum"]}
-        self.assertEqual(self.completed("ovws", "call", "sensor.set", "'{\"tracker\": \""), trackers)
+            found = {word.rstrip("=.").split(".")[0] for word in self.completed("ovws", "call", method, "")}
+            self.assertEqual(found, set(keys), method)
+        self.assertEqual(self.completed("ovws", "call", "camera.set", "ro"), {f"roi.{key}=" for key in ("x", "y", "width", "height")})
+        self.assertEqual(self.completed("ovws", "call", "sensor.set", "tracker", "="), set(methods["sensor.set"]["tracker"]["enum"]))
+        self.assertEqual(self.completed("ovws", "call", "camera.set", "gain_db", "=", "3", "clamp", "=", "t"), {"true"})
+        self.assertEqual(self.completed("ovws", "call", "aberration.set", "modes.def"), {"modes.defocus="})
+        self.assertIn("modes.vertical-coma=", self.completed("ovws", "call", "aberration.set", "modes."))
 
     def test_words_before_do_not_confuse_it(self):
         self.assertEqual(self.completed("ovws", "--endpoint", "tcp", ":", "//127.0.0.1", ":", "7702", "call", "-w", "sensor.s"), {"sensor.set"})
@@ -119,8 +122,8 @@ class Completions(unittest.TestCase):
         self.addCleanup(shell.close)
         shell.press(f"source {MADE / 'completion.bash'}; clear\n")
         for keys, line in (("ovws wa\t--pl\t", "ovws watch --plain"), ("ovws call sensor.se\t", "ovws call sensor.set"),
-                           ("ovws call sensor.set '{\"track\t\"mat\t", "ovws call sensor.set '{\"tracker\": \"matched\"}'"),
-                           ("ovws call camera.set \tgain_d\t12}'", "ovws call camera.set '{\"gain_db\": 12}'")):
+                           ("ovws call sensor.set track\tmat\t", "ovws call sensor.set tracker=matched"),
+                           ("ovws call camera.set \tgain_d\t12 cl\ttr\t", "ovws call camera.set gain_db=12 clamp=true")):
             with self.subTest(line):
                 shell.press("\x15\x0c" + keys)
                 wait_on(lambda: any(row.rstrip() == "$ " + line for row in shell.rows()), shell)

@@ -23,7 +23,8 @@ int show_status(const Common& common);
 int describe(const Common& common);
 
 struct CallOptions {
-  std::string method, params;
+  std::string method;
+  std::vector<std::string> params;  ///< words, see params_of
   bool wait = false;
 };
 

@@ -5,8 +5,8 @@
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/design.hpp"
-#include "daemon/ovws/cli/modes_text.hpp"
 #include "daemon/ovws/study/studies.hpp"
+#include "daemon/ovws/text/modes_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 
@@ -22,8 +22,10 @@ constexpr const char* kConfigHelp =
 void add_image_options(CLI::App& command, ImageOptions& options) {
   command.add_option("--config,-c", options.config_path, kConfigHelp);
   command
-      .add_option("--modes", options.modes,
-                  "Zernike modes added to the hologram: \"n,m:waves;n,m:waves\", e.g. \"2,-2:0.5\"")
+      .add_option(
+          "--modes", options.modes,
+          "Zernike modes added to the hologram: \"MODE:waves;MODE:waves\", each mode by n,m, by "
+          "j or by name, e.g. \"2,-2:0.5;defocus:0.1\"")
       ->check([](const std::string& text) {
         const auto modes = parse_modes(text, ZernikeNorm::rms);
         return modes ? std::string() : modes.error().reason;

@@ -1,13 +1,8 @@
-/// ovws status, describe and call: requests to a daemon.
-#include <algorithm>
-#include <chrono>
+/// ovws status and describe: what a daemon is and does.
 #include <cmath>
-#include <iostream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/json_text.hpp"
 
@@ -15,8 +10,6 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
-
-constexpr std::chrono::milliseconds kPollInterval{200};
 
 std::string text_or(const json& object, const char* key, const std::string& otherwise) {
   return object.contains(key) && object[key].is_string() ? object[key].get<std::string>()
@@ -157,59 +150,6 @@ int call_and_print(const Common& common, const std::string& method, const json& 
   return kOk;
 }
 
-/// Progress line of a job on the terminal. The destructor removes the line.
-class ProgressLine {
- public:
-  ProgressLine() = default;
-  ~ProgressLine() { study::print_progress(""); }
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
-
-  /// Shows the job's progress. `job`: a result of job.get.
-  void show(const json& job) {
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin_;
-    study::print_progress(fmt::format("{}: {:.0f} %, {:.0f} s", text_or(job, "kind", "job"),
-                                      100.0 * job.at("progress").get<double>(), passed.count()));
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
-/// Waits for the job in `started` and returns its result or its error.
-tl::expected<json, CallFailure> end_of_job(const Common& common, const json& started) {
-  ProgressLine progress;
-  while (true) {
-    auto report = call(common, "job.get", {{"job", started.at("job")}});
-    if (!report) return report;
-    progress.show(*report);
-    const std::string state = text_or(*report, "state", "");
-    if (state == "done") return report->at("result");
-    if (state != "running") {
-      json error = report->at("error");
-      if (!error.is_object()) error = {{"message", "the job was " + state}};
-      return tl::make_unexpected(CallFailure{true, std::move(error)});
-    }
-    std::this_thread::sleep_for(kPollInterval);
-  }
-}
-
-/// Formats JSON with indents; arrays of primitive values stay on one line.
-std::string readable(const json& value, const std::string& margin = "") {
-  const auto is_plain = [](const json& one) { return one.is_primitive(); };
-  const bool is_line = value.is_primitive() || value.empty() ||
-                       (value.is_array() && std::all_of(value.begin(), value.end(), is_plain));
-  if (is_line) return json_text(value);
-  std::string text = value.is_array() ? "[" : "{";
-  const std::string inner = margin + "  ";
-  for (const auto& [key, one] : value.items()) {
-    text += (text.size() == 1 ? "\n" : ",\n") + inner;
-    if (value.is_object()) text += json_text(json(key)) + ": ";
-    text += readable(one, inner);
-  }
-  return text + "\n" + margin + (value.is_array() ? "]" : "}");
-}
-
 }  // namespace
 
 int show_status(const Common& common) {
@@ -229,22 +169,6 @@ int show_status(const Common& common) {
 
 int describe(const Common& common) {
   return call_and_print(common, "system.describe", json::object(), print_description);
-}
-
-int call_method(const Common& common, const CallOptions& options) {
-  const std::string& text = options.params;
-  const json params = text.empty() ? json::object() : json_of(text);
-  if (params.is_discarded()) {
-    fmt::print(stderr, "ovws: the parameters are not JSON: {}\n", text);
-    return kUsage;
-  }
-  auto answer = call(common, options.method, params);
-  if (answer && options.wait && answer->is_object() && answer->contains("job")) {
-    answer = end_of_job(common, *answer);
-  }
-  if (!answer) return report_failure(common, answer.error());
-  print("{}\n", common.json ? json_text(*answer) : readable(*answer));
-  return kOk;
 }
 
 }  // namespace ovws::cli

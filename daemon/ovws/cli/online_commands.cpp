@@ -9,6 +9,15 @@
 namespace ovws::cli {
 namespace {
 
+constexpr const char* kParamsHelp =
+    "Dots in a KEY nest. A list is written as 3,4,5 or as JSON. Lists of modes also accept\n"
+    "LIST.MODE=NUMBER:\n"
+    "  ovws call aberration.set modes.vertical-coma=0.2 modes.4=-0.1\n"
+    "  ovws call loop.close modes=defocus,primary-spherical\n"
+    "MODE is the OSA/ANSI index j, n,m, or a name. Words of a name can be left out while it\n"
+    "stays unique: spherical is primary-spherical. coma is refused, because it can be\n"
+    "vertical-coma or horizontal-coma.";
+
 void add_status(CLI::App& app, const Common& common, int& status) {
   auto* command =
       app.add_subcommand("status", "show the state of the daemon, the camera and the SLM");
@@ -22,13 +31,17 @@ void add_describe(CLI::App& app, const Common& common, int& status) {
 }
 
 void add_call(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("call",
-                                     "call any method of the daemon, e.g. ovws call aberration.set "
-                                     "'{\"modes\": [{\"n\": 2, \"m\": -2, \"waves\": 0.5}]}'");
+  auto* command = app.add_subcommand(
+      "call",
+      "call any method of the daemon, e.g. ovws call camera.set exposure_us=2000 roi.width=512");
+  command->footer(kParamsHelp);
   auto options = std::make_shared<CallOptions>();
   command->add_option("method", options->method, "name of the method; ovws describe lists all")
       ->required();
-  command->add_option("params", options->params, "params as a JSON object (default: none)");
+  command->add_option(
+      "params", options->params,
+      "KEY=VALUE, a JSON object, @FILE with a JSON object, or - for one on standard "
+      "input; later words override earlier ones");
   command->add_flag(
       "--wait,-w", options->wait,
       "if the method starts a job, wait for its end and print its result, or why it failed; on a "

@@ -194,8 +194,8 @@ int watch(const Common& common, const WatchOptions& options) {
   if (options.topic == "refined" && status->at("refine").at("state") == "off") {
     return report(common, {Errc::refused, "refine.enabled",
                            "refinement is off, so there are no messages; switch it on with your "
-                           "camera's electrons per DN: ovws call refine.set '{\"enabled\": true, "
-                           "\"electrons_per_dn\": 39.2}'"});
+                           "camera's electrons per DN: ovws call refine.set enabled=true "
+                           "electrons_per_dn=39.2"});
   }
   std::signal(SIGINT, [](int) { stop_requested.store(true); });
   std::signal(SIGTERM, [](int) { stop_requested.store(true); });

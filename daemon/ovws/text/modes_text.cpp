@@ -1,28 +1,25 @@
-#include "daemon/ovws/cli/modes_text.hpp"
+#include "daemon/ovws/text/modes_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string_view>
+
+#include "daemon/ovws/text/mode_names.hpp"
 
 namespace ovws::cli {
 namespace {
 
 Result<Mode> parse_mode(const std::string& part, ZernikeNorm norm) {
-  std::istringstream words(part);
-  int n = 0;
-  int m = 0;
-  char comma = 0;
-  char colon = 0;
+  const auto colon = part.find(':');
+  const auto begin = part.find_first_not_of(" \t");
   double waves = 0.0;
-  words >> n >> comma >> m >> colon >> waves;
-  if (!words || comma != ',' || colon != ':' || !(words >> std::ws).eof() ||
-      !std::isfinite(waves)) {
+  std::istringstream number(colon == std::string::npos ? "" : part.substr(colon + 1));
+  if (!(number >> waves) || !(number >> std::ws).eof() || !std::isfinite(waves)) {
     return fail(Errc::invalid, "modes", "\"" + part + "\" does not have the form n,m:waves");
   }
-  const auto j = checked_osa_index(n, m);
-  if (!j)
-    return fail(Errc::invalid, "modes",
-                "\"" + part + "\" is not a Zernike mode: |m| <= n <= 20 with n - |m| even");
+  const auto j = mode_of(std::string_view(part).substr(begin, colon - begin));
+  if (!j) return fail(j.error());
   return Mode{*j, norm == ZernikeNorm::unit ? waves / zernike_rms_factor(*j) : waves};
 }
 

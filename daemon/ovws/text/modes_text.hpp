@@ -1,4 +1,4 @@
-/// Parses aberrations from text: "2,-2:0.5;4,0:0.1" (n,m:waves).
+/// Parses aberrations from text: "2,-2:0.5;defocus:0.1", see mode_of for the modes.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-#include "daemon/ovws/cli/modes_text.hpp"
+#include "daemon/ovws/text/modes_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,108 @@
+#include "daemon/ovws/text/mode_names.hpp"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <optional>
+#include <set>
+
+#include "core/optics/zernike.hpp"
+#include "proto/reader.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using Words = std::set<std::string>;
+
+Words words_of(std::string_view name) {
+  Words words;
+  std::string word;
+  for (const char c : name) {
+    if (c == '-' || c == '_' || c == ' ') {
+      if (!word.empty()) words.insert(word);
+      word.clear();
+    } else {
+      word += char(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  if (!word.empty()) words.insert(word);
+  return words;
+}
+
+std::optional<int> integer_of(std::string_view text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// Whether the text is meant as a number: j or n,m.
+bool is_number(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789,-+") == std::string_view::npos;
+}
+
+Result<int> mode_of_number(std::string_view text) {
+  const auto comma = text.find(',');
+  if (comma == std::string_view::npos) {
+    const auto j = integer_of(text);
+    if (j && *j >= 0 && *j <= kMaxZernikeIndex) return *j;
+    return fail(
+        Errc::invalid, "modes",
+        fmt::format("{} is not a mode: j is a whole number from 0 to {}", text, kMaxZernikeIndex));
+  }
+  const auto n = integer_of(text.substr(0, comma)), m = integer_of(text.substr(comma + 1));
+  const auto j = n && m ? checked_osa_index(*n, *m) : std::nullopt;
+  if (j) return *j;
+  return fail(Errc::invalid, "modes",
+              fmt::format("{} is not a Zernike mode: |m| <= n <= 20 with n - |m| even", text));
+}
+
+tl::unexpected<Error> no_mode(std::string_view text) {
+  std::vector<std::string> known = mode_names();
+  for (const std::string& name : mode_names()) {
+    for (const std::string& word : words_of(name)) known.push_back(word);
+  }
+  const auto near = nearest_name(text, known);
+  return fail(
+      Errc::invalid, "modes",
+      fmt::format("\"{}\" is not a mode{} give j, n,m, or a name: {}", text,
+                  near ? "; did you mean " + *near + "?" : ";", fmt::join(mode_names(), ", ")));
+}
+
+}  // namespace
+
+const std::vector<std::string>& mode_names() {
+  static const std::vector<std::string> kAll = [] {
+    std::vector<std::string> all;
+    for (int j = 0; !zernike_name(j).starts_with("Z("); ++j) {
+      all.push_back(zernike_name(j));
+      std::replace(all.back().begin(), all.back().end(), ' ', '-');
+    }
+    return all;
+  }();
+  return kAll;
+}
+
+Result<int> mode_of(std::string_view text) {
+  if (is_number(text)) return mode_of_number(text);
+  const Words given = words_of(text);
+  std::vector<std::string> found;
+  int last = 0;
+  for (int j = 0; j < int(mode_names().size()) && !given.empty(); ++j) {
+    const Words name = words_of(mode_names()[std::size_t(j)]);
+    if (name == given) return j;
+    if (name.contains("secondary") && !given.contains("secondary")) continue;
+    if (!std::includes(name.begin(), name.end(), given.begin(), given.end())) continue;
+    found.push_back(mode_names()[std::size_t(j)]);
+    last = j;
+  }
+  if (found.size() == 1) return last;
+  if (found.empty()) return no_mode(text);
+  return fail(Errc::invalid, "modes",
+              fmt::format("\"{}\" is ambiguous: {}", text, fmt::join(found, " or ")));
+}
+
+}  // namespace ovws::cli
