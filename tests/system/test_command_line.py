@@ -4,6 +4,7 @@ import json
 import os
 import pty
 import re
+import signal
 import subprocess
 import threading
 
@@ -11,6 +12,7 @@ import numpy
 import zmq
 from case import BenchCase, Client, main, wait_for
 from PIL import Image
+from terminal import Terminal
 
 
 def pixels(path):
@@ -19,6 +21,8 @@ def pixels(path):
 
 
 class CommandLine(BenchCase):
+    daemon_config = {"state": {"directory": "state"}}
+
     def ovws(self, *arguments, code=0):
         done = subprocess.run([self.bench.programs / "ovws", *map(str, arguments)], capture_output=True, text=True, timeout=30)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
@@ -60,6 +64,30 @@ class CommandLine(BenchCase):
                             (("camera.set", "@no-such-file"), "no-such-file: cannot be read")):
             self.assertIn(said, self.ovws("call", *words, code=2))
         self.assertIn("exposure_us", json.loads(self.ovws("--json", "call", "camera.set", "exposure_us=x", code=2))["error"]["message"])
+
+    def shown(self, *arguments, code=0):
+        """What the command prints on a terminal of 80 columns."""
+        terminal = Terminal([self.bench.programs / "ovws", *map(str, arguments)], columns=80, lines=40)
+        self.addCleanup(terminal.close)
+        self.assertEqual(terminal.process.wait(30.0), code)
+        wait_for(lambda: terminal.text().strip(), what="text")
+        return "\n".join(row.rstrip() for row in terminal.rows()).strip()
+
+    def test_results_are_sentences_on_a_terminal_only(self):
+        self.assertIn("exposure 2 ms, gain 0 dB, 100 frames/s, Mono8, region", self.shown("call", "camera.get"))
+        self.assertEqual(json.loads(self.ovws("call", "camera.get"))["settings"]["exposure_us"], 2000.0)
+        self.assertEqual(json.loads(self.ovws("--json", "call", "camera.get"))["settings"]["gain_db"], 0.0)
+        self.assertRegex(self.shown("call", "--wait", "reference.take", "frames=5"), r"reference taken from 5 frames: noise 0\.\d+ px")
+        self.assertIn("subapertures", self.shown("call", "sensor.get"))
+
+    def test_ctrl_c_cancels_the_job(self):
+        terminal = Terminal([self.bench.programs / "ovws", "call", "--wait", "reference.take", "frames=10000"])
+        self.addCleanup(terminal.close)
+        wait_for(lambda: re.search(r"reference\.take: \d+ %", terminal.text()), what="progress")
+        terminal.process.send_signal(signal.SIGINT)
+        self.assertEqual(terminal.process.wait(10.0), 1)
+        wait_for(lambda: "cancelled" in terminal.text(), what="the reason")
+        self.wait_until("running")
 
     def test_a_job_is_waited_for(self):
         self.assertEqual(json.loads(self.ovws("call", "--wait", "reference.take", '{"frames": 5}'))["frames"], 5)
@@ -108,7 +136,7 @@ class CommandLine(BenchCase):
         os.close(its)
         shown = os.read(ours, 65536).decode()
         self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 100))
-        self.assertRegex(shown, r"\rreference\.take: [1-9]\d? %, \d s")
+        self.assertRegex(shown, r"\rreference\.take: [1-9]\d? %, \d s left")
         self.assertTrue(shown.endswith("\r\x1b[K"), shown)
         self.assertNotIn("\n", shown)
 

@@ -1,8 +1,8 @@
 /// ovws status and describe: what a daemon is and does.
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/text/answer.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/json_text.hpp"
 
@@ -16,7 +16,7 @@ std::string text_or(const json& object, const char* key, const std::string& othe
                                                          : otherwise;
 }
 
-std::string reference_text(const json& sensor) {
+std::string reference_state(const json& sensor) {
   const std::string state = text_or(sensor, "reference", "none");
   if (state == "none") return "no reference";
   std::string text = state == "stale" ? "referenced (stale: see reference.get)" : "referenced";
@@ -29,43 +29,11 @@ std::string reference_text(const json& sensor) {
                     introduced);
 }
 
-/// Formats a result of loop.get: whether the loop is closed, its progress, and why it opened.
-std::string loop_text(const json& loop) {
-  const bool closed = loop.at("closed").get<bool>();
-  const auto steps = loop.at("steps").get<std::int64_t>();
-  std::string text = loop.at("paused").get<bool>() ? "paused" : closed ? "closed" : "open";
-  if (closed || steps > 0) {
-    text += fmt::format(", {} steps, correction {:.4f} wave RMS", steps,
-                        loop.at("correction_rms_waves").get<double>());
-  }
-  if (loop.at("residual_rms_waves").is_number()) {
-    text += fmt::format(", residual {:.4f} wave RMS", loop.at("residual_rms_waves").get<double>());
-  }
-  if (loop.at("opened_because").is_string()) {
-    text += fmt::format(", opened at {}: {}", text_or(loop, "t_opened", "?"),
-                        text_or(loop, "opened_because", ""));
-  }
-  return text;
-}
-
 void print_failed_job(const json& failed) {
   const std::string field = text_or(failed, "field", "");
   print("failed     job {} ({}) at {}: {}{}\n", failed.at("job").get<int>(),
         text_or(failed, "kind", ""), text_or(failed, "t_failed", "?"),
         field.empty() ? "" : field + ": ", text_or(failed, "reason", ""));
-}
-
-/// Formats a result of aberration.get; empty text: no aberration is introduced.
-std::string aberration_text(const json& aberration) {
-  double square = 0.0;
-  std::string text;
-  for (const json& mode : aberration.at("modes")) {
-    const double waves = mode.at("waves").get<double>();
-    if (waves == 0.0) continue;
-    square += waves * waves;
-    text += fmt::format(", {} {:+.4f}", text_or(mode, "name", "?"), waves);
-  }
-  return text.empty() ? "" : fmt::format("{:.4f} wave RMS introduced{}", std::sqrt(square), text);
 }
 
 /// Prints the faults of the sensor's layout, operator and frames; prints nothing for a null fault.
@@ -100,10 +68,10 @@ void print_status(const json& status, const json& loop, const json& aberration) 
   if (slm.at("fault").is_string()) print("slm        {}\n", text_or(slm, "fault", ""));
   print("sensor     charge {}, {} subapertures, {} modes, tracker {}, {}\n",
         sensor.at("charge").get<int>(), sensor.at("subapertures").get<int>(),
-        sensor.at("modes").get<int>(), text_or(sensor, "tracker", ""), reference_text(sensor));
+        sensor.at("modes").get<int>(), text_or(sensor, "tracker", ""), reference_state(sensor));
   print_sensor_faults(sensor);
-  const std::string introduced = aberration_text(aberration);
-  if (!introduced.empty()) print("aberration {}\n", introduced);
+  const std::string introduced = modes_text(aberration.at("modes"));
+  if (!introduced.empty()) print("aberration {} introduced\n", introduced);
   print("loop       {}\n", loop_text(loop));
   if (status.at("failed_job").is_object()) print_failed_job(status.at("failed_job"));
   if (status.contains("store") && status.at("store").at("reason").is_string()) {

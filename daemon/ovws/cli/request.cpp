@@ -1,0 +1,103 @@
+#include "daemon/ovws/cli/request.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <thread>
+
+#include "daemon/ovws/study/parallel.hpp"
+#include "daemon/ovws/text/quantity.hpp"
+#include "daemon/ovws/text/wrap.hpp"
+#include "proto/json_text.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kPollInterval{200};
+constexpr double kLeastProgress = 0.05;  ///< with less, the time left is a guess
+
+std::atomic<bool> interrupted{false};
+
+/// Progress line of a job on the terminal. The destructor removes the line.
+class ProgressLine {
+ public:
+  ProgressLine() = default;
+  ~ProgressLine() { study::print_progress(""); }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// Shows the job's progress. `job`: a result of job.get.
+  void show(const json& job) {
+    const double done = job.at("progress").get<double>();
+    std::string text = fmt::format("{}: {:.0f} %", job.at("kind").get<std::string>(), 100.0 * done);
+    if (done >= kLeastProgress) {
+      const double passed_s = std::chrono::duration<double>(Clock::now() - begin_).count();
+      text += ", " + time_text(std::ceil(passed_s * (1.0 - done) / done)) + " left";
+    }
+    study::print_progress(text);
+  }
+
+ private:
+  Clock::time_point begin_ = Clock::now();
+};
+
+/// Waits for the job and returns its result or its error.
+tl::expected<json, CallFailure> end_of_job(const Common& common, const json& job) {
+  catch_interrupts();
+  ProgressLine progress;
+  bool cancelled = false;
+  while (true) {
+    if (was_interrupted() && !cancelled) {
+      if (auto done = call(common, "job.cancel", {{"job", job}}); !done) return done;
+      cancelled = true;
+    }
+    auto report = call(common, "job.get", {{"job", job}});
+    if (!report) return report;
+    progress.show(*report);
+    const std::string state = report->at("state").get<std::string>();
+    if (state == "done") return report->at("result");
+    if (state != "running") {
+      json error = report->at("error");
+      if (!error.is_object()) error = {{"message", "the job was " + state}};
+      return tl::make_unexpected(CallFailure{true, std::move(error)});
+    }
+    std::this_thread::sleep_for(kPollInterval);
+  }
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::signal(signal, [](int) { interrupted.store(true); });
+  }
+}
+
+bool was_interrupted() {
+  return interrupted;
+}
+
+tl::expected<json, CallFailure> call_and_wait(const Common& common, const std::string& method,
+                                              const json& params) {
+  auto answer = call(common, method, params);
+  const bool is_job =
+      answer && answer->is_object() && answer->contains("job") && answer->size() == 1;
+  return is_job ? end_of_job(common, answer->at("job")) : answer;
+}
+
+int print_answer(const Common& common, const json& answer, const std::string& text) {
+  constexpr std::size_t kIndent = 2;
+  print("{}\n", common.json ? json_text(answer) : wrapped(text, terminal_columns(), kIndent));
+  return kOk;
+}
+
+int report_mistake(const Common& common, const Error& error) {
+  report(common, error);
+  return kUsage;
+}
+
+}  // namespace ovws::cli

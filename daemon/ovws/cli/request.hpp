@@ -1,0 +1,28 @@
+/// Requests of subcommands: calls, waits for jobs, and prints what came back.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/base/result.hpp"
+#include "daemon/shared/client.hpp"
+
+namespace ovws::cli {
+
+/// From now on SIGINT and SIGTERM do not end the process; `was_interrupted` reports them.
+void catch_interrupts();
+bool was_interrupted();
+
+/// Calls a method. If it starts a job, waits for its end and returns the job's result or error, and
+/// shows progress and time left on a terminal (stderr). Ctrl-C cancels the job.
+tl::expected<nlohmann::json, CallFailure> call_and_wait(const Common& common,
+                                                        const std::string& method,
+                                                        const nlohmann::json& params);
+
+/// Prints `text` wrapped for the terminal, or with --json `answer` on one line. Returns kOk.
+int print_answer(const Common& common, const nlohmann::json& answer, const std::string& text);
+
+/// Prints a mistake of the command line on stderr (as JSON on stdout with --json). Returns kUsage.
+int report_mistake(const Common& common, const Error& error);
+
+}  // namespace ovws::cli
