@@ -80,8 +80,44 @@ class CommandLine(BenchCase):
         self.assertRegex(self.shown("call", "--wait", "reference.take", "frames=5"), r"reference taken from 5 frames: noise 0\.\d+ px")
         self.assertIn("subapertures", self.shown("call", "sensor.get"))
 
+    def test_verbs_set_and_show(self):
+        self.assertIn("exposure 1.5 ms (the camera allows", self.ovws("exposure", "1500us"))
+        self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 1500.0)
+        self.assertIn("exposure 1.5 ms", self.ovws("exposure"))
+        self.assertIn("gain 3 dB", self.ovws("gain", "3"))
+        self.assertEqual(json.loads(self.ovws("--json", "gain"))["settings"]["gain_db"], 3.0)
+        self.assertIn("vertical coma +0.2000, defocus -0.1000", self.ovws("aberrate", "vertical-coma=0.2", "4=-0.1"))
+        self.assertIn("0.2236 wave RMS", self.ovws("aberrate"))
+        self.assertEqual(self.ovws("clear"), "no aberration is introduced\n")
+        self.assertIn("reference: none", self.ovws("reference"))
+        self.assertIn("reference taken from 10 frames", self.ovws("reference", 10))
+        self.assertRegex(self.ovws("reference"), r"measured .* from 10 frames")
+        self.assertIn("loop closed", self.ovws("loop", "close", "gain=0.3"))
+        self.assertEqual(self.call("loop.get")["gain"], 0.3)
+        for action, state in (("pause", "paused"), ("resume", "closed"), ("open", "open")):
+            self.assertIn("loop " + state, self.ovws("loop", action))
+        self.assertIn("loop open", self.ovws("loop"))
+
+    def test_wrong_verbs_are_a_wrong_command_line(self):
+        for words, said in ((("exposure", "2"), "has no unit: give e.g. 2ms or 2s"), (("gain", "loud"), "is not a gain"),
+                            (("aberrate", "coma=0.2"), "vertical-coma or horizontal-coma"), (("aberrate", "coma", "0.2"), "give MODE=WAVES"),
+                            (("loop", "opne"), "opne"), (("loop", "close", "gian=1"), "did you mean gain?"),
+                            (("reference", "0"), "range"), (("record", "60s"), "ovws record NAME 60s"), (("record", "a", "60"), "has no unit")):
+            self.assertIn(said, self.ovws(*words, code=2))
+
+    def test_record_ends_by_itself_and_by_ctrl_c(self):
+        self.assertIn("recording off", self.ovws("record"))
+        self.assertRegex(self.ovws("record", "short", "1s"), r"short\.h5: 1(\.\d+)? s, \d+ frames.*limit_s of 1 s is reached")
+        terminal = Terminal([self.bench.programs / "ovws", "record", "long", "1h"])
+        self.addCleanup(terminal.close)
+        wait_for(lambda: re.search(r"recording: [1-9].* frames, .*; 59 min 5\d s left; Ctrl-C stops", terminal.text()), what="progress")
+        terminal.process.send_signal(signal.SIGINT)
+        self.assertEqual(terminal.process.wait(10.0), 0)
+        wait_for(lambda: "ended: stopped by record.stop" in " ".join(terminal.text().split()), what="the end")
+        self.assertEqual(self.call("record.get")["state"], "ended")
+
     def test_ctrl_c_cancels_the_job(self):
-        terminal = Terminal([self.bench.programs / "ovws", "call", "--wait", "reference.take", "frames=10000"])
+        terminal = Terminal([self.bench.programs / "ovws", "reference", "10000"])
         self.addCleanup(terminal.close)
         wait_for(lambda: re.search(r"reference\.take: \d+ %", terminal.text()), what="progress")
         terminal.process.send_signal(signal.SIGINT)

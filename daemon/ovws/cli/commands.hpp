@@ -30,6 +30,29 @@ struct CallOptions {
 
 int call_method(const Common& common, const CallOptions& options);
 
+// Plain verbs. Without a value each shows the present one.
+
+int exposure_verb(const Common& common, const std::string& time);  ///< "2ms"; see seconds_of
+int gain_verb(const Common& common, const std::string& gain);      ///< "12"; see decibels_of
+/// `words`: MODE=WAVES, or norm=unit.
+int aberrate_verb(const Common& common, const std::vector<std::string>& words);
+int clear_verb(const Common& common);
+/// `words`: further params of reference.take.
+int reference_verb(const Common& common, const std::optional<int>& frames,
+                   const std::vector<std::string>& words);
+/// `action`: close, open, pause or resume; `words`: params of the method.
+int loop_verb(const Common& common, const std::string& action,
+              const std::vector<std::string>& words);
+
+struct RecordOptions {
+  std::string name;
+  std::string duration;            ///< empty: until Ctrl-C
+  std::vector<std::string> words;  ///< further params of record.start
+};
+
+/// Records until the duration has passed, or until Ctrl-C, and shows the progress.
+int record_verb(const Common& common, const RecordOptions& options);
+
 struct WatchOptions {
   std::string topic = "wavefront";
   int count = 0;  ///< number of messages to show; 0: until Ctrl-C

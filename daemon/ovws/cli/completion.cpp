@@ -139,6 +139,14 @@ _ovws() {
   elif [[ $command == call && -n $method ]]; then
     _ovws_params "$method" "$cur" "$key"
     return
+  elif [[ $command == aberrate ]]; then
+    mapfile -t COMPREPLY < <(compgen -S "=" -W "$_ovws_modes" -- "$cur")
+    [[ -n $key ]] && COMPREPLY=()
+    compopt -o nospace 2> /dev/null
+    return
+  elif [[ $command == loop && -n $method ]]; then
+    _ovws_params "loop.$method" "$cur" "$key"
+    return
   else
     words=${_ovws_choices["$command $((place + 1))"]}
   fi

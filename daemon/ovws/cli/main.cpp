@@ -84,6 +84,7 @@ int run(int argc, char** argv) {
   Common common;
   add_common_options(app, common);
   int status = kOk;
+  add_verbs(app, common, status);
   add_online_commands(app, common, status);
   add_offline_commands(app, common, status);
   add_completion(app);

@@ -1,0 +1,93 @@
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "daemon/ovws/cli/command_line.hpp"
+#include "daemon/ovws/cli/commands.hpp"
+#include "proto/limits.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using Words = std::vector<std::string>;
+
+void add_exposure(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("exposure", "set or show the camera's exposure time");
+  auto time = std::make_shared<std::string>();
+  command->add_option("time", *time, "time with its unit: 2ms, 2000us, 0.5s");
+  command->callback([&common, &status, time] { status = exposure_verb(common, *time); });
+}
+
+void add_gain(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("gain", "set or show the camera's gain");
+  auto gain = std::make_shared<std::string>();
+  command->add_option("gain", *gain, "gain, dB: 12");
+  command->callback([&common, &status, gain] { status = gain_verb(common, *gain); });
+}
+
+void add_aberrate(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "aberrate", "introduce an aberration instead of the present one, or show the present one");
+  auto words = std::make_shared<Words>();
+  command->add_option(
+      "modes", *words,
+      "MODE=WAVES, e.g. vertical-coma=0.2; modes as in ovws call --help. norm=unit: "
+      "amplitudes at the pupil's edge instead of RMS");
+  command->callback([&common, &status, words] { status = aberrate_verb(common, *words); });
+}
+
+void add_clear(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("clear", "remove the introduced aberration");
+  command->callback([&common, &status] { status = clear_verb(common); });
+}
+
+void add_reference(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("reference", "take a reference, or show the present one");
+  auto frames = std::make_shared<std::optional<int>>();
+  auto words = std::make_shared<Words>();
+  command->add_option("frames", *frames, "take one: number of frames to average, e.g. 100")
+      ->check(CLI::Range(limits::kReferenceFrames.min, limits::kReferenceFrames.max));
+  command->add_option("params", *words, "further params of reference.take: allow_aberration=true");
+  command->callback(
+      [&common, &status, frames, words] { status = reference_verb(common, *frames, *words); });
+}
+
+void add_loop(CLI::App& app, const Common& common, int& status) {
+  auto* command =
+      app.add_subcommand("loop", "close, open, pause or resume the loop, or show its state");
+  auto action = std::make_shared<std::string>();
+  auto words = std::make_shared<Words>();
+  command->add_option("action", *action, "what to do")
+      ->check(CLI::IsMember({"close", "open", "pause", "resume"}));
+  command->add_option("params", *words,
+                      "params of loop.close or loop.open: gain=0.3 modes=3,4,5, keep=false");
+  command->callback(
+      [&common, &status, action, words] { status = loop_verb(common, *action, *words); });
+}
+
+void add_record(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "record",
+      "record every frame into a file of the daemon's recordings until the duration has passed or "
+      "Ctrl-C is pressed, or show the state of the recording");
+  auto options = std::make_shared<RecordOptions>();
+  command->add_option("name", options->name, "name of the file without .h5");
+  command->add_option("duration", options->duration,
+                      "duration with its unit: 60s, 10min, 2h (default: until Ctrl-C)");
+  command->add_option("params", options->words,
+                      "further params of record.start: pictures_every=10 limit_mib=20000");
+  command->callback([&common, &status, options] { status = record_verb(common, *options); });
+}
+
+}  // namespace
+
+void add_verbs(CLI::App& app, const Common& common, int& status) {
+  add_exposure(app, common, status);
+  add_gain(app, common, status);
+  add_aberrate(app, common, status);
+  add_clear(app, common, status);
+  add_reference(app, common, status);
+  add_loop(app, common, status);
+  add_record(app, common, status);
+}
+
+}  // namespace ovws::cli

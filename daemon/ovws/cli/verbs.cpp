@@ -1,0 +1,154 @@
+/// Plain verbs for daily work: ovws exposure, gain, aberrate, clear, reference, loop and record.
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/request.hpp"
+#include "daemon/ovws/study/parallel.hpp"
+#include "daemon/ovws/text/answer.hpp"
+#include "daemon/ovws/text/params.hpp"
+#include "daemon/ovws/text/quantity.hpp"
+#include "daemon/shared/schemas/schemas.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+using Words = std::vector<std::string>;
+
+constexpr std::chrono::milliseconds kPollInterval{200};
+
+/// Calls a method, waits for its job, and prints the result. Returns an exit code.
+int act(const Common& common, const std::string& method, const json& params) {
+  const auto answer = call_and_wait(common, method, params);
+  if (!answer) return report_failure(common, answer.error());
+  return print_answer(common, *answer, answer_text(method, *answer));
+}
+
+/// As above, with params from words.
+int act_on_words(const Common& common, const std::string& method, const Words& words) {
+  const auto params = params_of(schema(method).at("params"), words);
+  return params ? act(common, method, *params) : report_mistake(common, params.error());
+}
+
+/// Sets camera settings, or reads them if there are no params, and prints one of them with `show`.
+int act_on_camera(const Common& common, const json& params, const char* what,
+                  std::string (*show)(const json&, const json&)) {
+  const auto answer = call(common, params.empty() ? "camera.get" : "camera.set", params);
+  if (!answer) return report_failure(common, answer.error());
+  const json& settings = answer->at(params.empty() ? "settings" : "applied");
+  return print_answer(common, *answer,
+                      std::string(what) + " " + show(settings, answer->at("limits")));
+}
+
+int report_mistake_in(const Common& common, const std::string& key, Error error) {
+  error.field = key;
+  return report_mistake(common, error);
+}
+
+/// Shows the recording until it ends or Ctrl-C ends it. Returns the last result of record.get.
+tl::expected<json, CallFailure> end_of_recording(const Common& common,
+                                                 std::optional<double> duration_s) {
+  catch_interrupts();
+  while (!was_interrupted()) {
+    auto report = call(common, "record.get", json::object());
+    if (!report || report->at("state") != "recording") return report;
+    const double passed_s = report->at("duration_s").get<double>();
+    std::string text = fmt::format("recording: {}, {} frames, {}", time_text(std::round(passed_s)),
+                                   report->at("frames").get<std::uint64_t>(),
+                                   size_text(report->at("bytes").get<double>()));
+    if (duration_s) {
+      text += "; " + time_text(std::max(0.0, std::ceil(*duration_s - passed_s))) + " left";
+    }
+    study::print_progress(text + "; Ctrl-C stops");
+    std::this_thread::sleep_for(kPollInterval);
+  }
+  return call(common, "record.stop", json::object());
+}
+
+/// Whether the recording ended as it was asked to.
+bool has_ended_well(const json& record) {
+  const std::string reason = record.at("reason").is_string() ? record.at("reason") : json("");
+  return reason.starts_with("limit_") || reason.starts_with("stopped by record.stop");
+}
+
+}  // namespace
+
+int exposure_verb(const Common& common, const std::string& time) {
+  if (time.empty()) return act_on_camera(common, json::object(), "exposure", exposure_text);
+  const auto seconds = seconds_of(time);
+  if (!seconds) return report_mistake_in(common, "exposure", seconds.error());
+  return act_on_camera(common, {{"exposure_us", 1e6 * *seconds}}, "exposure", exposure_text);
+}
+
+int gain_verb(const Common& common, const std::string& gain) {
+  if (gain.empty()) return act_on_camera(common, json::object(), "gain", gain_text);
+  const auto decibels = decibels_of(gain);
+  if (!decibels) return report_mistake_in(common, "gain", decibels.error());
+  return act_on_camera(common, {{"gain_db", *decibels}}, "gain", gain_text);
+}
+
+int aberrate_verb(const Common& common, const Words& words) {
+  if (words.empty()) return act(common, "aberration.get", json::object());
+  Words of_method;
+  for (const std::string& word : words) {
+    const auto equals = word.find('=');
+    if (equals == std::string::npos) {
+      return report_mistake(common,
+                            {Errc::invalid, word, "give MODE=WAVES, e.g. vertical-coma=0.2"});
+    }
+    of_method.push_back((word.starts_with("norm=") ? "" : "modes.") + word);
+  }
+  return act_on_words(common, "aberration.set", of_method);
+}
+
+int clear_verb(const Common& common) {
+  return act(common, "aberration.clear", json::object());
+}
+
+int reference_verb(const Common& common, const std::optional<int>& frames, const Words& words) {
+  if (!frames) return act(common, "reference.get", json::object());
+  Words of_method = words;
+  of_method.push_back(fmt::format("frames={}", *frames));
+  return act_on_words(common, "reference.take", of_method);
+}
+
+int loop_verb(const Common& common, const std::string& action, const Words& words) {
+  if (action.empty()) return act(common, "loop.get", json::object());
+  if (action == "pause" || action == "resume") {
+    Words of_method = words;
+    of_method.push_back(action == "pause" ? "paused=true" : "paused=false");
+    return act_on_words(common, "loop.pause", of_method);
+  }
+  return act_on_words(common, "loop." + action, words);
+}
+
+int record_verb(const Common& common, const RecordOptions& options) {
+  if (options.name.empty()) return act(common, "record.get", json::object());
+  if (options.duration.empty() && seconds_of(options.name)) {
+    return report_mistake(common, {Errc::invalid, options.name,
+                                   "give the name first: ovws record NAME " + options.name});
+  }
+  auto params = params_of(schema("record.start").at("params"), options.words);
+  if (!params) return report_mistake(common, params.error());
+  (*params)["name"] = options.name;
+  std::optional<double> duration_s;
+  if (!options.duration.empty()) {
+    const auto seconds = seconds_of(options.duration);
+    if (!seconds) return report_mistake_in(common, "duration", seconds.error());
+    (*params)["limit_s"] = *seconds;
+    duration_s = *seconds;
+  }
+  if (auto begun = call(common, "record.start", *params); !begun) {
+    return report_failure(common, begun.error());
+  }
+  const auto ended = end_of_recording(common, duration_s);
+  study::print_progress("");
+  if (!ended) return report_failure(common, ended.error());
+  print_answer(common, *ended, answer_text("record.get", *ended));
+  return has_ended_well(*ended) ? kOk : kError;
+}
+
+}  // namespace ovws::cli
