@@ -37,6 +37,31 @@ class CommandLine(BenchCase):
             self.assertIn(method, self.ovws("describe"))
         self.assertIn("params", json.loads(self.ovws("--json", "describe"))["methods"]["camera.set"])
 
+    def test_one_method_is_described(self):
+        text = self.ovws("describe", "camera.set")
+        self.assertRegex(text, r"(?m)^  exposure_us +a number from 0\.1 to 60000000$")
+        self.assertIn("ovws call camera.set exposure_us=1500 frame_rate_hz=200", text)
+        self.assertIn("rms_waves", self.ovws("describe", "wavefront"))
+        self.assertIn("params", json.loads(self.ovws("--json", "describe", "camera.set")))
+        self.assertIn("did you mean camera.set?", self.ovws("describe", "camera.st", code=2))
+        self.assertLessEqual(max(map(len, self.shown("describe").splitlines())), 80)
+
+    def test_status_in_reading_order(self):
+        self.take_reference(10)
+        self.call("camera.set", {"exposure_us": 1500})
+        text = wait_for(lambda: "RMS" in (t := self.ovws("status")) and t, what="a valid frame")
+        subjects = [line.split()[0] for line in text.splitlines() if not line.startswith(" ")]
+        order = ["state", "camera", "settings", "slm", "sensor", "reference", "wavefront", "aberration", "loop", "recording", "latency", "losses"]
+        self.assertEqual([subject for subject in order if subject in subjects], [s for s in dict.fromkeys(subjects) if s in order])
+        self.assertEqual(set(order) - set(subjects), set())
+        self.assertRegex(text, r"(?m)^state +running for \d+")
+        self.assertIn("exposure 1.5 ms, gain 0 dB", text)
+        self.assertRegex(text, r"(?m)^reference +measured .* from 10 frames, STALE: exposure_us was 2000\.0, is 1500\.0$")
+        self.assertRegex(text, r"(?m)^wavefront +RMS 0\.\d+ wave without tilts, 19 of 19 spots, 0 % saturated$")
+        self.assertIn("recording  off", text)
+        self.call("reference.clear")
+        wait_for(lambda: "NOT VALID: no reference" in self.ovws("status"), what="no reference")
+
     def test_calls(self):
         set_ = self.ovws("call", "aberration.set", '{"modes": [{"n": 2, "m": -2, "waves": 0.25}]}')
         self.assertEqual(json.loads(set_)["modes"][0]["j"], 3)
@@ -65,9 +90,9 @@ class CommandLine(BenchCase):
             self.assertIn(said, self.ovws("call", *words, code=2))
         self.assertIn("exposure_us", json.loads(self.ovws("--json", "call", "camera.set", "exposure_us=x", code=2))["error"]["message"])
 
-    def shown(self, *arguments, code=0):
+    def shown(self, *arguments, code=0, lines=40):
         """What the command prints on a terminal of 80 columns."""
-        terminal = Terminal([self.bench.programs / "ovws", *map(str, arguments)], columns=80, lines=40)
+        terminal = Terminal([self.bench.programs / "ovws", *map(str, arguments)], columns=80, lines=lines)
         self.addCleanup(terminal.close)
         self.assertEqual(terminal.process.wait(30.0), code)
         wait_for(lambda: terminal.text().strip(), what="text")

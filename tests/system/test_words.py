@@ -102,6 +102,9 @@ class Completions(unittest.TestCase):
         methods = schemas_with_params()
         self.assertGreater(len(methods), 40)
         self.assertEqual(self.completed("ovws", "call", ""), set(methods))
+        self.assertEqual(self.completed("ovws", "describe", ""), set(methods))
+        self.assertEqual(self.completed("ovws", "aberrate", "def"), {"defocus="})
+        self.assertEqual(self.completed("ovws", "loop", "close", "law", "=", "p"), {"predictor"})
         for method, keys in methods.items():
             found = {word.rstrip("=.").split(".")[0] for word in self.completed("ovws", "call", method, "")}
             self.assertEqual(found, set(keys), method)

@@ -20,7 +20,8 @@ bool output_has_no_reader();
 // Commands that need a daemon.
 
 int show_status(const Common& common);
-int describe(const Common& common);
+/// `name`: one method or stream; empty: the list of all.
+int describe(const Common& common, const std::string& name);
 
 struct CallOptions {
   std::string method;

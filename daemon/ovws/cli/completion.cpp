@@ -66,6 +66,7 @@ void add_command(Tables& tables, const CLI::App& app, const std::string& command
 
 void add_method(Tables& tables, const std::string& method, const json& params) {
   append(tables.choices["call 1"], method);
+  append(tables.choices["describe 1"], method);
   for (const ParamsKey& key : keys_of(params)) {
     append(tables.keys[method], key.path + (is_mode_list(key.schema) ? "." : "="));
     std::string& values = tables.values[method + " " + key.path];

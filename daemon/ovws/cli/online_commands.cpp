@@ -19,15 +19,19 @@ constexpr const char* kParamsHelp =
     "vertical-coma or horizontal-coma.";
 
 void add_status(CLI::App& app, const Common& common, int& status) {
-  auto* command =
-      app.add_subcommand("status", "show the state of the daemon, the camera and the SLM");
+  auto* command = app.add_subcommand(
+      "status", "show the state of the bench: camera, SLM, reference, wavefront, loop, recording");
   command->callback([&common, &status] { status = show_status(common); });
 }
 
 void add_describe(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
-      "describe", "list every method and stream of the daemon (with --json: their schemas)");
-  command->callback([&common, &status] { status = describe(common); });
+      "describe",
+      "list every method and stream of the daemon, or explain one: its keys with ranges, and "
+      "examples (with --json: their schemas)");
+  auto name = std::make_shared<std::string>();
+  command->add_option("name", *name, "method or stream, e.g. camera.set");
+  command->callback([&common, &status, name] { status = describe(common, *name); });
 }
 
 void add_call(CLI::App& app, const Common& common, int& status) {

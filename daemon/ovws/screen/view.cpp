@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "daemon/ovws/text/losses.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::screen {
@@ -17,12 +18,6 @@ constexpr double kStatusMaxAgeS = 3.0;  ///< an older status is stale; the perio
 constexpr double kMaxAgeFrames = 3.0;
 constexpr std::size_t kEventsKept = 50;
 constexpr std::size_t kSpotColumns = 6;
-constexpr std::array<std::string_view, 14> kLosses{
-    "frames_lost",        "frames_incomplete", "frames_duplicated", "frames_out_of_order",
-    "frames_late",        "frames_unplanned",  "frames_unexpected", "frames_dropped",
-    "frames_unexplained", "spots_lost",        "messages_dropped",  "deadline_missed",
-    "camera_reconnects",  "display_faults"};
-
 double seconds(Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
@@ -62,7 +57,7 @@ void Gatherer::read_status(json status) {
   for (const auto& [name, count] : view_.status.at("counters").items()) {
     if (count.is_number_unsigned()) counters[name] = count.get<std::uint64_t>();
   }
-  for (const std::string_view loss : kLosses) {
+  for (const std::string_view loss : cli::kLosses) {
     const std::string name(loss);
     const std::uint64_t count = counters.contains(name) ? counters[name] : 0;
     // A restarted daemon counts from 0 again.

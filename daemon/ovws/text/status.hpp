@@ -1,0 +1,20 @@
+/// The state of the bench in reading order.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace ovws::cli {
+
+/// What `ovws status` shows: results of system.status, camera.get, … and the newest frame.
+struct BenchState {
+  nlohmann::json status, loop, aberration, correction, reference;
+  nlohmann::json wavefront;  ///< newest wavefront message; null: none came
+  std::string not_valid;     ///< why its frame is not valid; empty: it is
+};
+
+/// One line per subject, with its name in the first 11 columns, ending with a newline. Throws
+/// nlohmann::json::exception if a part is not one of this version of the daemon.
+std::string status_text(const BenchState& bench);
+
+}  // namespace ovws::cli

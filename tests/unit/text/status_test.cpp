@@ -1,0 +1,65 @@
+#include "daemon/ovws/text/status.hpp"
+
+#include <gtest/gtest.h>
+
+#include "daemon/shared/schemas/schemas.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+
+json example(const char* method) {
+  return schema(method).at("result").at("examples").at(0);
+}
+
+BenchState bench() {
+  return {schema("stream.status").at("examples").at(0),
+          example("loop.get"),
+          example("aberration.get"),
+          example("correction.get"),
+          example("reference.get"),
+          schema("stream.wavefront").at("examples").at(0),
+          ""};
+}
+
+TEST(Status, SubjectsComeInReadingOrder) {
+  const std::string text = status_text(bench());
+  std::size_t last = 0;
+  for (const char* subject : {"state ", "settings ", "sensor ", "reference ", "wavefront ",
+                              "aberration ", "loop ", "recording ", "losses "}) {
+    const auto at = text.find(std::string("\n") + subject);
+    const auto found = text.starts_with(subject) ? 0 : at;
+    ASSERT_NE(found, std::string::npos) << subject << text;
+    EXPECT_GE(found, last) << subject;
+    last = found;
+  }
+  EXPECT_NE(text.find("exposure"), std::string::npos);
+  EXPECT_NE(text.find("% saturated"), std::string::npos);
+}
+
+TEST(Status, AFrameThatIsNotValidSaysWhy) {
+  BenchState state = bench();
+  state.wavefront["valid"] = false;
+  state.not_valid = "no reference";
+  EXPECT_NE(status_text(state).find("wavefront  NOT VALID: no reference; "), std::string::npos);
+  state.wavefront = nullptr;
+  EXPECT_NE(status_text(state).find("wavefront  no frame is published"), std::string::npos);
+}
+
+TEST(Status, OnlyLossesAreCounted) {
+  BenchState state = bench();
+  state.status["counters"] = {{"frames_grabbed", 1000}, {"requests", 7}, {"frames_lost", 0}};
+  EXPECT_NE(status_text(state).find("losses     none since the start"), std::string::npos);
+  state.status["counters"]["frames_lost"] = 3;
+  EXPECT_NE(status_text(state).find("losses     frames_lost 3 since the start"), std::string::npos);
+}
+
+TEST(Status, AForeignStatusIsAnError) {
+  BenchState state = bench();
+  state.status = json::object();
+  EXPECT_THROW(status_text(state), json::exception);
+}
+
+}  // namespace
+}  // namespace ovws::cli
