@@ -1,5 +1,7 @@
 #include "daemon/shared/client.hpp"
 
+#include <netdb.h>
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <string_view>
@@ -27,11 +29,24 @@ std::string host_of(const std::string& endpoint) {
   return endpoint.substr(kTcp.size(), colon - kTcp.size());
 }
 
+/// Whether the host exists. If the name service does not answer, it may.
+bool may_exist(std::string host) {
+  if (host.starts_with('[')) host = host.substr(1, host.size() - 2);
+  addrinfo* found = nullptr;
+  const int failure = getaddrinfo(host.c_str(), nullptr, nullptr, &found);
+  if (failure == 0) freeaddrinfo(found);
+  return failure != EAI_NONAME;
+}
+
 /// Empty for "tcp://HOST:PORT" and "ipc://PATH", otherwise an error text. ZeroMQ accepts further
 /// forms, but the daemon uses only these two.
 std::string check_endpoint(const std::string& endpoint) {
-  if (!endpoint_fault(endpoint)) return {};
-  return endpoint + " is not an endpoint: use tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
+  const std::string host = host_of(endpoint);
+  if (endpoint_fault(endpoint)) {
+    return endpoint + " is not an endpoint: use tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
+  }
+  if (host.empty() || may_exist(host)) return {};
+  return endpoint + ": there is no host \"" + host + "\"";
 }
 
 tl::unexpected<CallFailure> no_answer(const std::string& why) {

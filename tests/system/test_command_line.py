@@ -212,7 +212,9 @@ class CommandLine(BenchCase):
         for endpoint in ("127.0.0.1", "127.0.0.1:7702", "tcp://127.0.0.1", "tcp://:7702", "tcp://127.0.0.1:77020", "tcp://127.0.0.1:port", ""):
             self.assertIn("tcp://HOST:PORT", self.ovws("--endpoint", endpoint, "status", code=2))
         self.ovws("call", "sensor.get", "{not json", code=2)
-        self.ovws(code=2)
+        self.assertIn("Subcommands:", self.ovws(code=2))
+        self.assertIn("Subcommands:", self.shown(code=2, lines=200))
+        self.assertIn('there is no host "no such host"', self.ovws("--endpoint", "tcp://no such host:7702", "status", code=2))
         daemon = subprocess.run([self.bench.programs / "ovwsd", "--no-such-option"], capture_output=True, text=True, timeout=30)
         self.assertEqual(daemon.returncode, 2, daemon.stderr)
         self.ovws("status", "more", code=2)

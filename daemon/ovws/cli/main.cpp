@@ -10,6 +10,7 @@
 
 #include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/text/wrap.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/reader.hpp"
 
@@ -49,10 +50,17 @@ int end_output(int status) {
   return status == kOk ? kError : status;
 }
 
-/// Prints a command-line error. Also handles --help and --version, which CLI11 reports the same
-/// way.
+/// Prints a command-line error, or the help if there is no command. Also handles --help and
+/// --version, which CLI11 reports the same way.
 int report_parse(const CLI::App& app, const CLI::ParseError& error) {
   const auto rest = app.remaining();
+  const bool has_no_command = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr &&
+                              rest.empty() && app.get_subcommands().empty();
+  if (has_no_command || dynamic_cast<const CLI::CallForHelp*>(&error) != nullptr) {
+    constexpr std::size_t kHelpColumn = 30;
+    print("{}\n", wrapped(app.help(), terminal_columns(), kHelpColumn));
+    return has_no_command ? kUsage : kOk;
+  }
   if (error.get_exit_code() == 0 || !app.get_subcommands().empty() || rest.empty() ||
       rest.front().starts_with('-')) {
     return app.exit(error) == 0 ? kOk : kUsage;

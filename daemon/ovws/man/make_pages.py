@@ -3,6 +3,7 @@
 
     daemon/ovws/man/make_pages.py FOLDER_OF_PROGRAMS OUTPUT_FOLDER
 """
+import itertools
 import os
 import re
 import subprocess
@@ -79,6 +80,16 @@ def put_end(page, name, footer=""):
     page.text("README.md and proto/WIRE.md in the folder of the package's documentation.")
 
 
+def put_footer(page, footer):
+    """The text after a command's options: indented lines are code."""
+    for is_code, lines in itertools.groupby(footer.splitlines(), key=lambda line: line.startswith("  ")):
+        if is_code:
+            page.code([line.strip() for line in lines])
+        else:
+            page.paragraph()
+            page.text(" ".join(lines))
+
+
 def new_page(name, version):
     number, about = SEE[name]
     page = Page(name, number, version, time.strftime("%Y-%m-%d", time.gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())))))
@@ -120,6 +131,7 @@ def ovws_page(programs, version):
             page.subsection(f"{own.usage}".replace("[OPTIONS]", "[options]"))
             page.text(sentence(own.about))
             put_entries(page, own.sections.get("Positionals", []) + [e for e in own.sections["Options"] if "--help" not in e[0]])
+            put_footer(page, own.footer)
 
     return program_page("ovws", programs, version, describe, [
         ("OVWS_KEY", "same as --key"), ("OVWS_SERVER_KEY", "same as --server-key"), ("OVWS_METRICS_LISTEN", "same as --listen of metrics"),
