@@ -18,8 +18,8 @@ namespace ovws::cli {
 namespace {
 
 constexpr const char* kExitCodes =
-    "Exit codes: 0 done; 1 the daemon or the command reported an error, or the output cannot be "
-    "written;\n2 the command line is wrong; 3 no daemon answered in time.";
+    "Exit codes: 0 done; 1 the daemon or the command reported an error, or the\noutput cannot be "
+    "written; 2 the command line is wrong; 3 no daemon answered in time.";
 
 bool is_open(int descriptor) {
   return fcntl(descriptor, F_GETFD) != -1;

@@ -10,13 +10,13 @@ namespace ovws::cli {
 namespace {
 
 constexpr const char* kParamsHelp =
-    "Dots in a KEY nest. A list is written as 3,4,5 or as JSON. Lists of modes also accept\n"
-    "LIST.MODE=NUMBER:\n"
+    "Dots in a KEY nest. A list is written as 3,4,5 or as JSON. Lists of modes\n"
+    "also accept LIST.MODE=NUMBER:\n"
     "  ovws call aberration.set modes.vertical-coma=0.2 modes.4=-0.1\n"
     "  ovws call loop.close modes=defocus,primary-spherical\n"
-    "MODE is the OSA/ANSI index j, n,m, or a name. Words of a name can be left out while it\n"
-    "stays unique: spherical is primary-spherical. coma is refused, because it can be\n"
-    "vertical-coma or horizontal-coma.";
+    "MODE is the OSA/ANSI index j, n,m, or a name. Words of a name can be left out\n"
+    "while it stays unique: spherical is primary-spherical. coma is refused, because\n"
+    "it can be vertical-coma or horizontal-coma.";
 
 void add_status(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
