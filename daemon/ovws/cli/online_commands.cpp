@@ -54,12 +54,13 @@ void add_call(CLI::App& app, const Common& common, int& status) {
 }
 
 void add_watch(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "watch",
-      "show the bench full-screen (press ? for help). Piped, or with --plain or "
-      "-n: the topics wavefront and refined as a table. With --json, and for "
-      "other topics: one JSON object per line. With --timeout: end if no message "
-      "arrives for that long");
+  auto* command =
+      app.add_subcommand("watch",
+                         "show the bench full-screen (press ? for help). Piped, or with --plain or "
+                         "-n: the topics wavefront and refined as a table, and on a terminal event "
+                         "as one line per event. With --json, and otherwise: one JSON object per "
+                         "line. With --timeout: end if no message "
+                         "arrives for that long");
   auto options = std::make_shared<WatchOptions>();
   command->add_option("topic", options->topic, "stream")
       ->check(CLI::IsMember({"wavefront", "refined", "spots", "image", "phase", "status", "event"}))

@@ -12,6 +12,7 @@
 
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/text/answer.hpp"
 #include "daemon/shared/client.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
@@ -117,6 +118,7 @@ class Watch {
         options_(options),
         table_(!common.json && has_table(options.topic)),
         in_place_(table_ && isatty(STDOUT_FILENO) != 0),
+        event_lines_(!common.json && options.topic == "event" && isatty(STDOUT_FILENO) != 0),
         status_(status) {}
 
   /// Shows messages until the count, the timeout or a stop request. Returns the exit code.
@@ -158,6 +160,7 @@ class Watch {
   }
 
   void show(const StreamMessage& message) const {
+    if (event_lines_) return print("{}\n", event_text(json_of(message.json)));
     if (!table_) return print("{}\n", message.json);
     if (in_place_) print("\033[H\033[J");
     const json body = json_of(message.json);
@@ -168,7 +171,8 @@ class Watch {
   const WatchOptions& options_;
   bool table_;
   bool in_place_;
-  json status_;  ///< the newest status message
+  bool event_lines_;  ///< events as lines for people
+  json status_;       ///< the newest status message
   Clock::time_point last_{};
 };
 

@@ -3,24 +3,32 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/screen/page.hpp"
 #include "daemon/ovws/screen/terminal.hpp"
+#include "daemon/ovws/text/answer.hpp"
+#include "daemon/ovws/text/quantity.hpp"
 #include "daemon/shared/stream_follower.hpp"
 
 namespace ovws::cli {
 namespace {
 
+using nlohmann::json;
 using screen::Clock;
 using screen::Key;
 
 constexpr std::chrono::milliseconds kPeriod{50};  ///< from one drawing to the next
 constexpr double kCallTimeoutS = 0.3;             ///< longest wait for a missing daemon
+constexpr double kActionTimeoutS = 3.0;           ///< longest wait for the answer to a key
 constexpr int kQueue = 1000;
 constexpr int kPage = 10;
 
@@ -35,12 +43,46 @@ std::string reason_of(const screen::View& view) {
   return why_not_valid(view.wavefront, view.status);
 }
 
+/// A call that a key asks for.
+struct Action {
+  std::string question;
+  std::string method;
+  json params;
+};
+
+/// The action of a key in this state of the bench; none if the key has none, or if the state is
+/// unknown.
+std::optional<Action> action_of(Key key, const screen::View& view) {
+  constexpr double kStep = 1.25;
+  constexpr int kFrames = 100;
+  if (view.status.is_null()) return std::nullopt;
+  if (key == Key::reference) {
+    return Action{fmt::format("take a reference of {} frames", kFrames),
+                  "reference.take",
+                  {{"frames", kFrames}}};
+  }
+  if (key == Key::clear) return Action{"remove the aberration", "aberration.clear", json::object()};
+  if (key == Key::loop) {
+    const bool is_open = view.status.at("loop") == "open";
+    return Action{is_open ? "close the loop" : "open the loop",
+                  is_open ? "loop.close" : "loop.open", json::object()};
+  }
+  if (key != Key::longer && key != Key::shorter) return std::nullopt;
+  const double now_us = view.status.at("camera").at("settings").at("exposure_us").get<double>();
+  const double us =
+      std::round(10.0 * (key == Key::longer ? now_us * kStep : now_us / kStep)) / 10.0;
+  return Action{"set the exposure to " + time_text(1e-6 * us), "camera.set", {{"exposure_us", us}}};
+}
+
 class WatchScreen {
  public:
   WatchScreen(const Common& common, screen::Terminal terminal)
-      : terminal_(std::move(terminal)),
+      : common_(common),
+        terminal_(std::move(terminal)),
         stream_(common, "endpoint", {"wavefront", "spots", "status", "event"}, kQueue),
-        gatherer_(Clock::now()) {}
+        gatherer_(Clock::now()) {
+    common_.timeout_s = kActionTimeoutS;
+  }
 
   int run() {
     while (!stop_requested && !quit_) {
@@ -64,7 +106,28 @@ class WatchScreen {
     }
   }
 
+  /// Acts, and notes the answer in the last row.
+  void act(const Action& action) {
+    const auto answer = call(common_, action.method, action.params);
+    choice_.note = answer ? answer_text(action.method, *answer)
+                          : answer.error().error.value("message", std::string("no answer"));
+  }
+
+  /// Asks before an action, and acts after `y`. Every other key withdraws the question.
+  void ask_or_act(Key key) {
+    const std::optional<Action> asked = std::exchange(asked_, std::nullopt);
+    choice_.note.clear();
+    try {
+      if (asked && key == Key::yes) return act(*asked);
+      asked_ = action_of(key, gatherer_.view(Clock::now()));
+    } catch (const json::exception&) {
+      choice_.note = "the daemon's reply has an unknown format: check that it has this version";
+    }
+    if (asked_) choice_.note = asked_->question + "? y: yes, any other key: no";
+  }
+
   void handle_key(Key key) {
+    ask_or_act(key);
     if (key == Key::quit) quit_ = true;
     if (key == Key::pause) choice_.paused = !choice_.paused;
     choice_.help = key == Key::help && !choice_.help;
@@ -89,11 +152,13 @@ class WatchScreen {
     terminal_.show(canvas);
   }
 
+  Common common_;
   screen::Terminal terminal_;
   StreamFollower stream_;
   screen::Gatherer gatherer_;
   screen::View shown_;
   screen::Choice choice_;
+  std::optional<Action> asked_;  ///< waits for `y`
   bool quit_ = false;
 };
 

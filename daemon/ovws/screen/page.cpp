@@ -13,13 +13,18 @@ using nlohmann::json;
 
 constexpr int kTopRows = 3, kMinRight = 34, kMaxRight = 70;
 constexpr int kLatencyRows = 5, kMinMapRows = 7;
-constexpr const char* kKeys = " q quit   p pause   up/down modes   ? help";
+constexpr const char* kKeys =
+    " q quit  p pause  r reference  +/- exposure  l loop  c clear  ? help";
 constexpr const char* kPausedKeys = " PAUSED   p resume   q quit   up/down modes   ? help";
 
 constexpr const char* kHelp[]{
     "q         quit",
     "p         pause, resume",
     "up, down  scroll the modes; also k and j, page up, page down, home, end",
+    "r         take a reference of 100 frames",
+    "+, -      exposure a quarter longer, a fifth shorter",
+    "l         close or open the loop",
+    "c         remove the introduced aberration; these four ask before they act",
     "?         show or hide this help",
     "",
     "modes     OSA/ANSI, RMS-normalised, waves: aberration minus reference",
@@ -168,9 +173,10 @@ void draw(Canvas& canvas, const View& view, Choice& choice) {
                 Style::alarm);
   }
   const int last = canvas.height() - 1;
-  const Style style = choice.paused ? Style::alarm : Style::title;
+  const Style style = choice.paused || !choice.note.empty() ? Style::alarm : Style::title;
   canvas.fill({0, last, canvas.width(), 1}, {U' ', style});
-  canvas.text(0, last, canvas.width(), choice.paused ? kPausedKeys : kKeys, style);
+  const std::string keys = choice.paused ? kPausedKeys : kKeys;
+  canvas.text(0, last, canvas.width(), choice.note.empty() ? keys : " " + choice.note, style);
   if (choice.help) draw_help(canvas);
 }
 

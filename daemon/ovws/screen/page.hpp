@@ -1,6 +1,8 @@
 /// Draws the full screen of `ovws watch`.
 #pragma once
 
+#include <string>
+
 #include "daemon/ovws/screen/canvas.hpp"
 #include "daemon/ovws/screen/view.hpp"
 
@@ -13,6 +15,7 @@ struct Choice {
   bool paused = false;
   bool help = false;
   int first_mode = 0;  ///< index of the first mode shown; draw limits the index
+  std::string note;    ///< question or answer in the last row, instead of the keys; empty: none
 };
 
 /// Draws the whole screen. On a canvas smaller than kMinWidth x kMinHeight, draws only a note about

@@ -59,7 +59,10 @@ Key meaning(int code) {
                                         {KEY_UP, Key::up},         {'k', Key::up},
                                         {KEY_DOWN, Key::down},     {'j', Key::down},
                                         {KEY_PPAGE, Key::page_up}, {KEY_NPAGE, Key::page_down},
-                                        {KEY_HOME, Key::home},     {KEY_END, Key::end}};
+                                        {KEY_HOME, Key::home},     {KEY_END, Key::end},
+                                        {'r', Key::reference},     {'+', Key::longer},
+                                        {'-', Key::shorter},       {'l', Key::loop},
+                                        {'c', Key::clear},         {'y', Key::yes}};
   for (const auto& [known, key] : kKeys) {
     if (code == known) return key;
   }

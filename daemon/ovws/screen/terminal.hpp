@@ -8,7 +8,25 @@
 
 namespace ovws::screen {
 
-enum class Key { none, other, quit, pause, help, up, down, page_up, page_down, home, end };
+enum class Key {
+  none,
+  other,
+  quit,
+  pause,
+  help,
+  up,
+  down,
+  page_up,
+  page_down,
+  home,
+  end,
+  reference,
+  longer,
+  shorter,
+  loop,
+  clear,
+  yes
+};
 
 /// Full-screen mode of the terminal; one instance at a time. The destructor restores the previous
 /// contents of the terminal.

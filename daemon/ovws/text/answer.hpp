@@ -16,6 +16,9 @@ std::string answer_text(const std::string& method, const nlohmann::json& result)
 /// Leaves out nulls, empty values, and keys that only programs need.
 std::string summary_text(const nlohmann::json& result);
 
+/// "12:03:04 warning loop: the loop opened …", in local time, of an event message.
+std::string event_text(const nlohmann::json& event);
+
 // Sentences that other texts use, too.
 
 /// "exposure 2 ms, gain 0 dB, 100 frames/s, Mono8, region 512 x 512 at (0, 0)"; `settings`: of the

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <ctime>
 #include <map>
 #include <numbers>
 #include <vector>
@@ -303,6 +304,14 @@ std::string record_text(const json& record) {
   }
   if (text_or(record, "state", "") == "ended") text += "; ended: " + text_or(record, "reason", "?");
   return text;
+}
+
+std::string event_text(const json& event) {
+  const std::time_t second = event.at("t_ns").get<std::int64_t>() / 1'000'000'000;
+  const std::string severity = text_or(event, "severity", "");
+  return fmt::format("{:%H:%M:%S} {}{}: {}", fmt::localtime(second),
+                     severity == "info" ? "" : severity + " ", text_or(event, "kind", "?"),
+                     text_or(event, "text", ""));
 }
 
 std::string answer_text(const std::string& method, const json& result) {
