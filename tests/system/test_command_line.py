@@ -127,12 +127,13 @@ class CommandLine(BenchCase):
         for words, said in ((("exposure", "2"), "has no unit: give e.g. 2ms or 2s"), (("gain", "loud"), "is not a gain"),
                             (("aberrate", "coma=0.2"), "vertical-coma or horizontal-coma"), (("aberrate", "coma", "0.2"), "give MODE=WAVES"),
                             (("loop", "opne"), "opne"), (("loop", "close", "gian=1"), "did you mean gain?"),
-                            (("reference", "0"), "range"), (("record", "60s"), "ovws record NAME 60s"), (("record", "a", "60"), "has no unit")):
+                            (("reference", "0"), "range"), (("record", "a", "60"), "has no unit")):
             self.assertIn(said, self.ovws(*words, code=2))
 
     def test_record_ends_by_itself_and_by_ctrl_c(self):
         self.assertIn("recording off", self.ovws("record"))
         self.assertRegex(self.ovws("record", "short", "1s"), r"short\.h5: 1(\.\d+)? s, \d+ frames.*limit_s of 1 s is reached")
+        self.assertRegex(self.ovws("record", "1s"), r"run-.*\.h5: 1(\.\d+)? s, \d+ frames")
         terminal = Terminal([self.bench.programs / "ovws", "record", "long", "1h"])
         self.addCleanup(terminal.close)
         wait_for(lambda: re.search(r"recording: [1-9].* frames, .*; 59 min 5\d s left; Ctrl-C stops", terminal.text()), what="progress")

@@ -46,8 +46,8 @@ int loop_verb(const Common& common, const std::string& action,
               const std::vector<std::string>& words);
 
 struct RecordOptions {
-  std::string name;
-  std::string duration;            ///< empty: until Ctrl-C
+  std::string name;      ///< empty: show the state; a time: the duration, and the daemon's name
+  std::string duration;  ///< empty: until Ctrl-C
   std::vector<std::string> words;  ///< further params of record.start
 };
 

@@ -70,7 +70,8 @@ void add_record(CLI::App& app, const Common& common, int& status) {
       "record every frame into a file of the daemon's recordings until the duration has passed or "
       "Ctrl-C is pressed, or show the state of the recording");
   auto options = std::make_shared<RecordOptions>();
-  command->add_option("name", options->name, "name of the file without .h5");
+  command->add_option("name", options->name,
+                      "name of the file without .h5 (default: run- and the time)");
   command->add_option("duration", options->duration,
                       "duration with its unit: 60s, 10min, 2h (default: until Ctrl-C)");
   command->add_option("params", options->words,

@@ -127,16 +127,14 @@ int loop_verb(const Common& common, const std::string& action, const Words& word
 
 int record_verb(const Common& common, const RecordOptions& options) {
   if (options.name.empty()) return act(common, "record.get", json::object());
-  if (options.duration.empty() && seconds_of(options.name)) {
-    return report_mistake(common, {Errc::invalid, options.name,
-                                   "give the name first: ovws record NAME " + options.name});
-  }
   auto params = params_of(schema("record.start").at("params"), options.words);
   if (!params) return report_mistake(common, params.error());
-  (*params)["name"] = options.name;
+  const bool is_named = !options.duration.empty() || !seconds_of(options.name);
+  if (is_named) (*params)["name"] = options.name;
+  const std::string& duration = is_named ? options.duration : options.name;
   std::optional<double> duration_s;
-  if (!options.duration.empty()) {
-    const auto seconds = seconds_of(options.duration);
+  if (!duration.empty()) {
+    const auto seconds = seconds_of(duration);
     if (!seconds) return report_mistake_in(common, "duration", seconds.error());
     (*params)["limit_s"] = *seconds;
     duration_s = *seconds;
