@@ -11,7 +11,7 @@ import zmq
 import zmq.asyncio
 
 from .errors import JobFailed, NoAnswer
-from .methods import AsyncMethods, JobNumber
+from .methods import AsyncMethods, JobNumber, JobReport
 from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
 
 
@@ -57,13 +57,22 @@ class AsyncClient(AsyncMethods):
         number = job if isinstance(job, int) else job["job"]
         try:
             async with asyncio.timeout(timeout_s):
-                while (report := await self.job_get(number))["state"] == "running":
+                while (report := await self._report(number)) is None or report["state"] == "running":
                     await asyncio.sleep(0.05)
         except TimeoutError:
             raise NoAnswer(f"job {number} has not ended within {timeout_s} s") from None
         if report["state"] != "done":
             raise JobFailed(report)
         return report["result"]
+
+    async def _report(self, job: int) -> JobReport | None:
+        """State of a job, or None if the answer was lost."""
+        try:
+            return await self.job_get(job)
+        except NoAnswer:
+            if self._socket.closed:
+                raise
+            return None
 
     def close(self) -> None:
         """Closes the connection; pending calls raise NoAnswer."""

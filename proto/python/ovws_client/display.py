@@ -42,7 +42,7 @@ def grey(pixels: NDArray[Any], significant_bits: int) -> NDArray[np.uint8]:
 
 
 def signed(values: NDArray[Any], scale: float) -> NDArray[np.uint8]:
-    """Colours of values from -scale to scale; NaN is transparent white."""
+    """Colours of values from -scale to scale; NaN is white."""
     part = np.nan_to_num(np.clip(values / scale if scale > 0.0 else values * 0.0, -1.0, 1.0))[..., None]
     colours = np.where(part < 0.0, _ZERO + part * (_ZERO - _LOW), _ZERO + part * (_HIGH - _ZERO))
     colours[np.isnan(values)] = 255

@@ -41,11 +41,11 @@ class Job(dict[str, int]):
 
     def wait(self, timeout_s: float = 600.0, progress: bool = False) -> Any:
         """Waits for the end of the job and returns its result. Raises JobFailed if it failed or was cancelled, NoAnswer if it has not ended
-        within `timeout_s` seconds (the job continues; `cancel` ends it). With `progress`, shows progress and time left on standard error."""
+        within `timeout_s` seconds (the job continues; `cancel` ends it). A lost answer is asked for again until then. With `progress`, shows progress and time left on standard error."""
         begun = time.monotonic()
         line = ProgressLine() if progress else None
         try:
-            while (report := self.report())["state"] == "running":
+            while (report := self._report_until(begun + timeout_s))["state"] == "running":
                 if line is not None:
                     line.show(report)
                 if time.monotonic() > begun + timeout_s:
@@ -59,6 +59,16 @@ class Job(dict[str, int]):
         if report["state"] != "done":
             raise JobFailed(report)
         return report["result"]
+
+    def _report_until(self, end: float) -> dict[str, Any]:
+        """The report, asked for until there is an answer; raises NoAnswer after `end`, by the monotonic clock."""
+        while True:
+            try:
+                return self.report()
+            except NoAnswer:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.05)
 
 
 class ProgressLine:

@@ -23,25 +23,33 @@ def mode_name(j: int) -> str:
 
 
 def mode_index(mode: ModeKey) -> int:
-    """OSA/ANSI index of a mode given by index, orders (n, m) or name. Capitals do not matter, and _ and - are spaces. Words of a name suffice
-    if no other name has them: "spherical". Raises ValueError with the names that are possible."""
-    if isinstance(mode, tuple):
-        return osa_index(*mode)
-    if not isinstance(mode, str):
-        j = int(mode)
-        if j != mode or not 0 <= j <= MAX_J:
-            raise ValueError(f"mode {mode}: the OSA/ANSI index must be an integer from 0 to {MAX_J}")
-        return j
-    if found := re.fullmatch(r"\s*Z\(\s*(\d+)\s*,\s*([-+]?\d+)\s*\)\s*", mode, re.IGNORECASE):
-        return osa_index(int(found[1]), int(found[2]))
-    wanted = mode.lower().replace("_", " ").replace("-", " ").split()
-    if " ".join(wanted) in MODE_NAMES:
-        return MODE_NAMES.index(" ".join(wanted))
-    near = [j for j, name in enumerate(MODE_NAMES) if wanted and set(wanted) <= set(name.split())]
+    """OSA/ANSI index of a mode given by index, orders (n, m) or text. Text as in `ovws`: "7", "3,-1", or a name, whose words may have any
+    order and capitals, with spaces, _ or - between them. Words may be left out if only one name has the others: "spherical"; "secondary" is
+    never implied. Also "Z(n,m)", as mode_name gives it. Raises ValueError with the names that are possible."""
+    if isinstance(mode, str):
+        if found := re.fullmatch("(-?[0-9]+),(-?[0-9]+)", re.sub(r"^Z\((.*)\)$", r"\1", mode)):
+            return mode_index((int(found[1]), int(found[2])))
+        return mode_index(int(mode)) if re.fullmatch("-?[0-9]+", mode) else _named(mode)
+    j = osa_index(*mode) if isinstance(mode, tuple) else int(mode)
+    if not isinstance(mode, tuple) and j != mode or not 0 <= j <= MAX_J:
+        raise ValueError(f"mode {mode}: the OSA/ANSI index must be an integer from 0 to {MAX_J}")
+    return j
+
+
+def _named(text: str) -> int:
+    """OSA/ANSI index of the mode with this name."""
+    wanted = set(re.split("[-_ ]+", text.lower())) - {""}
+    near = []
+    for j, name in enumerate(MODE_NAMES):
+        words = set(name.split())
+        if words == wanted:
+            return j
+        if wanted and wanted <= words and ("secondary" in wanted or "secondary" not in words):
+            near.append(j)
     if len(near) == 1:
         return near[0]
     names = ", ".join(f"{MODE_NAMES[j]} (j = {j})" for j in near or range(len(MODE_NAMES)))
-    raise ValueError(f"mode {mode!r}: give one of {names}; or j, or (n, m)")
+    raise ValueError(f"mode {text!r}: give one of {names}; or j, or (n, m)")
 
 
 def mode_indices(modes: Any) -> Any:

@@ -42,7 +42,7 @@ class Recording:
         try:
             with reading("attributes"):
                 if self.attributes.get("schema") not in SCHEMAS:
-                    raise ValueError(f"{path}: not a recording of schema {SCHEMAS[0]}")
+                    raise ValueError(f"{path}: not a recording of schema {' or '.join(SCHEMAS)}")
             #: One row per frame: `frame_id`, `t_arrival_ns`, `valid`, `picture`, …; RECORDING.md lists fields and units.
             self.frames = self._rows("frames")
             with reading("frames"):  # the file has 0 where the stream has null

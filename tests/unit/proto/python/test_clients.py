@@ -117,6 +117,28 @@ class Clients(unittest.TestCase):
 
         asyncio.run(main())
 
+    def test_an_answer_about_a_job_that_is_lost_is_asked_for_again(self):
+        def answers(waiting):  # of four requests, only the last
+            return waiting[-1:]
+
+        replies = [{"result": job("done")}] * 4
+        Played(endpoint := next(self.endpoints), replies, together=4, order=answers)
+        with Client(endpoint, 0.2) as client:
+            self.assertEqual(client.wait_for_job(3, timeout_s=20.0), {"frames": 9})
+
+        async def main(endpoint):
+            Played(endpoint, replies, together=4, order=answers)
+            async with AsyncClient(endpoint, 0.2) as later:
+                self.assertEqual(await later.wait_for_job(3, timeout_s=20.0), {"frames": 9})
+            silent = AsyncClient(next(self.endpoints), timeout_s=20.0)
+            waiting = asyncio.create_task(silent.wait_for_job(3))
+            await asyncio.sleep(0.05)
+            silent.close()
+            with self.assertRaisesRegex(NoAnswer, "closed"):
+                await waiting
+
+        asyncio.run(main(next(self.endpoints)))
+
     def test_nobody_answers(self):
         words = "within 0.1 s; does the daemon run, and does it require a key"
         with Client(next(self.endpoints), timeout_s=0.1) as client, self.assertRaisesRegex(NoAnswer, words):

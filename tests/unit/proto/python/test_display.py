@@ -48,6 +48,7 @@ class Display(unittest.TestCase):
         colours = np.asarray(picture(text)).astype(int)
         self.assertEqual(colours.shape, (128, 128, 3))
         self.assertEqual(colours[0, 0].tolist(), [255, 255, 255], "nothing outside the pupil")
+        self.assertEqual(display.signed(np.array([[np.nan, 0.0]]), 1.0).tolist(), [[[255, 255, 255], [247, 247, 247]]])
         lost = frame([0.0, 0.0, 0.1, -0.25], valid=False)._repr_html_()
         self.assertIn("not valid", lost)
         self.assertNotIn("base64", lost)

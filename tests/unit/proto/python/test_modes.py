@@ -11,6 +11,18 @@ from ovws_client import MODE_NAMES, Client, JobFailed, NoAnswer, methods, mode_i
 from ovws_client.job import Job
 
 
+# Text and its mode, or None where it is refused: as mode_of of the command line.
+CASES = {
+    "7": 7, "0": 0, "230": 230, "007": 7, "231": None, "-1": None, "+7": None, "9999999999": None, "7.0": None, "٧": None, " 7": None,
+    "3,-1": 7, "2,0": 4, "0,0": 0, "20,20": 230, "21,1": None, "3,+1": None, "3, -1": None, "2,1": None, "1,2,3": None, "3,": None, ",": None,
+    "defocus": 4, "Defocus": 4, "vertical-coma": 7, "Coma_Vertical": 7, "COMA vertical": 7, "coma--vertical ": 7, "coma\tvertical": None,
+    "oblique astigmatism": 3, "astigmatism oblique": 3, "astigmatism-oblique": 3, "astigmatism": None, "secondary astigmatism": None,
+    "secondary oblique": 11, "secondary vertical": 13, "secondary": None, "vertical secondary astigmatism": 13, "quadrafoil oblique": 10,
+    "spherical": 12, "primary": 12, "trefoil oblique": 9, "horizontal-coma": 8, "horizontal": None, "oblique": None, "coma": None, "tilt": None,
+    "comma": None, "defocuss": None, "defocus defocus": 4, "defocus coma": None, "x": None, "": None, "-": None, " ": None, "_": None,
+}
+
+
 class Sent(Client):
     """A client that notes what it would send."""
 
@@ -19,7 +31,10 @@ class Sent(Client):
 
     def call(self, method, params=None):
         self.sent.append((method, params or {}))
-        return self.replies.pop(0) if self.replies else {"job": 3}
+        reply = self.replies.pop(0) if self.replies else {"job": 3}
+        if isinstance(reply, Exception):
+            raise reply
+        return reply
 
 
 class Modes(unittest.TestCase):
@@ -29,13 +44,31 @@ class Modes(unittest.TestCase):
             self.assertIn(f'"{name}"', source)
             self.assertEqual((mode_name(j), mode_index(name), mode_index(name.upper().replace(" ", "_"))), (name, j, j))
         self.assertGreaterEqual(len(MODE_NAMES), 15)
-        for j in range(200):
+        for j in range(231):
             self.assertEqual((mode_index(mode_name(j)), mode_index(orders(j)), mode_index(np.int64(j))), (j, j, j))
 
-    def test_some_words_of_a_name_are_enough_if_they_are_of_one_mode(self):
-        self.assertEqual([mode_index(words) for words in ("spherical", "horizontal-coma", "trefoil oblique", "secondary oblique")], [12, 8, 9, 11])
-        for wrong, text in (("coma", r"vertical coma \(j = 7\), horizontal coma \(j = 8\)"), ("none", "piston"), ("", "piston"), (-1, "from 0 to 230"),
-                            (231, "from 0 to 230"), (1.5, "integer"), ((2, 1), "not a mode")):
+    def test_the_rules_are_those_of_the_command_line(self):
+        for text, j in CASES.items():
+            with self.subTest(text=text):
+                if j is not None:
+                    self.assertEqual(mode_index(text), j)
+                    continue
+                with self.assertRaises(ValueError):
+                    mode_index(text)
+
+    def test_the_cases_hold_those_of_its_own_test(self):
+        source = (ROOT / "tests" / "unit" / "text" / "mode_names_test.cpp").read_text()
+        (refused,) = re.findall(r"const char\* text : \{(.*?)\}", source, re.DOTALL)
+        ambiguous = re.findall(r'mode_of\("([^"]*)"\)\.error', source)
+        theirs = {text: int(j) for text, j in re.findall(r'mode_of\("([^"]*)"\)\.value\(\), (\d+)\)', source)}
+        theirs |= dict.fromkeys([*re.findall(r'"([^"]*)"', refused), *ambiguous])
+        self.assertGreater(len(theirs), 15)
+        self.assertEqual(theirs, {text: CASES.get(text, "missing") for text in theirs})
+
+    def test_what_is_wrong_is_said(self):
+        for wrong, text in (("coma", r"one of vertical coma \(j = 7\), horizontal coma \(j = 8\);"), ("none", "piston"), ("", "piston"), (-1, "from 0 to 230"),
+                            ("astigmatism", r"one of oblique astigmatism \(j = 3\), vertical astigmatism \(j = 5\);"),
+                            (231, "from 0 to 230"), ("231", "from 0 to 230"), (1.5, "integer"), ((2, 1), "not a mode"), ((21, 1), "from 0 to 230")):
             with self.assertRaisesRegex(ValueError, text):
                 mode_index(wrong)
 
@@ -88,6 +121,14 @@ class Jobs(unittest.TestCase):
         self.assertRegex(lines[1], r"^reference\.take \[#{15}\.{15}\]  50 % 0 s left")
         self.assertRegex(lines[2], r"^reference\.take \[#{30}\] 100 % done after 0 s")
         self.assertTrue(said.getvalue().endswith("\n"))
+
+    def test_a_lost_answer_is_asked_for_again(self):
+        lost = NoAnswer("no answer")
+        client = Sent(lost, report("running", 0.5), lost, lost, report("done", 1.0))
+        self.assertEqual(Job(client, {"job": 3}).wait(), {"frames": 9})
+        self.assertEqual(client.sent, [("job.get", {"job": 3})] * 5)
+        with self.assertRaisesRegex(NoAnswer, "^no answer$"):
+            Job(Sent(*[lost] * 99), {"job": 3}).wait(timeout_s=0.1)
 
     def test_its_end_without_result_is_raised(self):
         with self.assertRaisesRegex(JobFailed, "it was cancelled"):
