@@ -180,6 +180,7 @@ struct RecordingReader::Impl {
   Handle pictures;
   hsize_t image_count = 0;
   Rows spots, coefficients, sigma_waves, text, documents;
+  bool flat = false;            ///< of schema kFlatRecordingSchema
   bool has_sigma_waves = true;  ///< older versions did not record them
   RecordingHeader header;
   RecordedSummary summary;
@@ -212,7 +213,8 @@ bool RecordingReader::Impl::open_file() {
 bool RecordingReader::Impl::read_header() {
   std::string schema, format;
   if (!read_attribute(file, "schema", schema)) return false;
-  if (schema != kRecordingSchema && schema != kFlatRecordingSchema) return false;
+  flat = schema == kFlatRecordingSchema;
+  if (schema != kRecordingSchema && !flat) return false;
   const bool read =
       read_attribute(file, "program", header.program) &&
       read_attribute(file, "pixel_format", format) &&
@@ -306,8 +308,8 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
   }
   if (!impl->read_header()) {
     return fail(Errc::invalid, "path",
-                path + " is not a recording of schema " + kRecordingSchema +
-                    ": give a file that record.start wrote");
+                path + " is not a recording of schema " + kRecordingSchema + " or " +
+                    kFlatRecordingSchema + ": give a file that record.start wrote");
   }
   // Read the frame rows first. While a recording is still being written, the data that these rows
   // refer to are then already in the file.
@@ -353,6 +355,19 @@ Result<std::vector<float>> RecordingReader::sigma_waves(const RecordedFrame& fra
   if (!read_cells(impl_->sigma_waves, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
                   all.data())) {
     return impl_->unreadable("the file is damaged: the standard errors of a frame cannot be read");
+  }
+  return all;
+}
+
+Result<std::optional<std::vector<int>>> RecordingReader::columns_j() {
+  if (impl_->flat) return std::nullopt;
+  Rows modes;
+  if (!open_rows(impl_->file, "mode", H5T_STD_I32LE, sizeof(int), kMaxPartsPerFrame, modes)) {
+    return impl_->unreadable("the modes of the columns cannot be read");
+  }
+  std::vector<int> all(modes.count);
+  if (!read_rows(modes, H5T_NATIVE_INT, 0, modes.count, all.data())) {
+    return impl_->unreadable("the modes of the columns cannot be read");
   }
   return all;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,6 +37,9 @@ class RecordingReader {
   /// Standard errors of the coefficients, waves. Empty for recordings of older versions, which do
   /// not have them.
   Result<std::vector<float>> sigma_waves(const RecordedFrame& frame);
+  /// OSA/ANSI indices of the columns of the coefficients; 0: it changed, or no frame has it. None
+  /// for recordings of older versions, whose plans have them.
+  Result<std::optional<std::vector<int>>> columns_j();
   /// Reads the image of a frame that has one: image_bytes() into `out`.
   Result<void> picture(const RecordedFrame& frame, std::span<std::byte> out);
   /// The JSON documents of the recording (plans, and what they refer to: proto/RECORDING.md) in

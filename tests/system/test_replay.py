@@ -4,6 +4,7 @@ import csv
 import hashlib
 import io
 import json
+import resource
 import shutil
 import subprocess
 import sys
@@ -245,7 +246,10 @@ class Replay(BenchCase):
         self.export("out", "--npz", folder / "out.npz", "--fits", folder / "out.fits", "--pictures")
         made = self.export_csv("out", "--csv", "--spots", "--images")
         self.assertEqual(made[:2], ["out.csv", "out-spots.csv"])
-        lines = list(csv.DictReader(io.StringIO(self.csv("out"))))
+        before = self.csv("out")
+        status, said = self.run_export("out", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)), restore_signals=False)
+        self.assertEqual((status, self.csv("out"), list(folder.glob("*.part"))), (1, before, []), said)  # as on a full disk
+        lines = list(csv.DictReader(io.StringIO(before)))
         for name, known in (("j3", coefficients), ("sigma_j3", sigma_waves), ("rms_waves", run.frames["rms_waves"][:, None].repeat(3, axis=1))):
             written = numpy.array([float(line[name] or "nan") for line in lines]).astype(known.dtype)
             self.assertTrue(numpy.array_equal(written, known[:, 2], equal_nan=True), name)
@@ -253,7 +257,7 @@ class Replay(BenchCase):
         spots = list(csv.DictReader(io.StringIO(self.csv("out-spots"))))
         self.assertTrue(numpy.array_equal(numpy.array([spot["x_px"] for spot in spots], numpy.float32).reshape(-1, 19), run.spots()["x"]))
         row = int(numpy.flatnonzero(run.frames["picture"] >= 0)[3])
-        with PIL.Image.open(folder / f"out-{run.frames['frame_id'][row]:08}.png") as image:
+        with PIL.Image.open(folder / f"out-{row:08}.png") as image:
             self.assertTrue((numpy.asarray(image) == run.picture(row)).all())
         self.assertEqual(len(made) - 2, int((run.frames["picture"] >= 0).sum()))
         with numpy.load(folder / "out.npz") as arrays:
@@ -303,6 +307,10 @@ class Replay(BenchCase):
         self.recorded_frames(10)
         self.call("record.stop")
         self.assertIn("pictures: the recording has none", self.export("none", "--fits", out, "--pictures", status=1).stderr)
+        status, said = self.run_export("none", "--csv", "--images")
+        self.assertEqual(status, 1, said)
+        self.assertIn("no images", said)
+        self.assertFalse((self.bench.directory / "none.csv").exists())
 
     def record_sensor(self, params):
         """Changes the sensor and waits for 10 settled frames of it, which the recording then contains."""
@@ -311,9 +319,9 @@ class Replay(BenchCase):
         for _ in range(10):
             wait_for(lambda: (m := stream.next(1.0)) and m["settled"] and m["hologram_id"] == hologram_id, what=f"a frame with {params}")
 
-    def run_export(self, name, *arguments):
+    def run_export(self, name, *arguments, **more):
         done = subprocess.run([self.bench.programs / "ovws", "export", self.path(name) if isinstance(name, str) else name, *arguments], capture_output=True, text=True, timeout=60,
-                              cwd=self.bench.directory)
+                              cwd=self.bench.directory, **more)
         return done.returncode, done.stdout + done.stderr
 
     def export_csv(self, name, *arguments):

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -31,8 +32,14 @@ tl::unexpected<Error> damaged(const std::string& what) {
   return fail(Errc::invalid, "path", "the recording is damaged: " + what);
 }
 
-/// OSA/ANSI indices of the columns of a recording.
-Result<std::vector<int>> modes_of(RecordingReader& reader) {
+tl::unexpected<Error> modes_changed() {
+  return fail(Errc::refused, "path",
+              "the modes changed during the recording, so that a column would have two meanings: "
+              "read it frame by frame (proto/RECORDING.md)");
+}
+
+/// The modes of the columns in a recording of an older version: those of its plans.
+Result<std::vector<int>> modes_of_plans(RecordingReader& reader) {
   const auto texts = reader.documents();
   if (!texts) return fail(texts.error());
   std::map<std::string, json> operators;
@@ -56,13 +63,30 @@ Result<std::vector<int>> modes_of(RecordingReader& reader) {
     const auto modes_j = listed.get<std::vector<int>>();
     const std::size_t both = std::min(all.size(), modes_j.size());
     if (!std::equal(all.begin(), all.begin() + std::ptrdiff_t(both), modes_j.begin())) {
-      return fail(Errc::refused, "path",
-                  "the modes changed during the recording, so that a column would have two "
-                  "meanings: read it frame by frame (proto/RECORDING.md)");
+      return modes_changed();
     }
     if (modes_j.size() > all.size()) all = modes_j;
   }
   return all;
+}
+
+/// OSA/ANSI indices of the columns of a recording, as far as a frame has values in them.
+Result<std::vector<int>> modes_of(RecordingReader& reader) {
+  auto columns_j = reader.columns_j();
+  if (!columns_j) return fail(columns_j.error());
+  if (!*columns_j) return modes_of_plans(reader);
+  std::vector<int>& modes_j = **columns_j;
+  std::size_t used = 0;
+  for (const RecordedFrame& f : reader.frames()) {
+    used = std::max<std::size_t>(used, f.coefficients);
+  }
+  if (modes_j.size() < used) return damaged("the modes of its columns");
+  modes_j.resize(used);
+  if (std::ranges::any_of(modes_j, [](int j) { return j < 0; })) {
+    return damaged("the modes of its columns");
+  }
+  if (std::ranges::find(modes_j, 0) != modes_j.end()) return modes_changed();
+  return modes_j;
 }
 
 std::string text_of(double value) {
@@ -109,17 +133,25 @@ std::string cells(const std::vector<float>& waves, std::size_t columns, bool val
   return text;
 }
 
-Result<void> close(std::ofstream& out, const fs::path& path) {
+/// Writes a file beside it and renames that at the end: a failure leaves the old file as it was.
+Result<void> replace(const fs::path& path,
+                     const std::function<Result<void>(std::ostream&)>& write) {
+  const fs::path part = path.string() + ".part";
+  std::ofstream out(part);
+  if (!out) return cannot_write(path, why_not_opened(path, errno));
+  auto written = write(out);
   out.close();
-  if (!out) return cannot_write(path, "check the free disk space");
-  return {};
+  if (written && !out) written = cannot_write(path, "check the free disk space");
+  std::error_code failed;
+  if (written) fs::rename(part, path, failed);
+  if (failed) written = cannot_write(path, failed.message());
+  if (!written) fs::remove(part, failed);
+  return written;
 }
 
-Result<void> write_modes(RecordingReader& reader, const fs::path& path) {
+Result<void> write_modes(RecordingReader& reader, std::ostream& out) {
   const auto modes_j = modes_of(reader);
   if (!modes_j) return fail(modes_j.error());
-  std::ofstream out(path);
-  if (!out) return cannot_write(path, why_not_opened(path, errno));
   std::string head;
   for (const Column& column : kColumns) head += std::string(column.name) + ',';
   head.pop_back();
@@ -136,12 +168,10 @@ Result<void> write_modes(RecordingReader& reader, const fs::path& path) {
     out << line << cells(*waves, modes_j->size(), frame.valid != 0)
         << cells(*sigma, modes_j->size(), frame.valid != 0) << '\n';
   }
-  return close(out, path);
+  return {};
 }
 
-Result<void> write_spots(RecordingReader& reader, const fs::path& path) {
-  std::ofstream out(path);
-  if (!out) return cannot_write(path, why_not_opened(path, errno));
+Result<void> write_spots(RecordingReader& reader, std::ostream& out) {
   out << "frame_id,spot,x_px,y_px,peak_dn,quality,level_dn,noise_dn\n";
   for (const RecordedFrame& frame : reader.frames()) {
     const auto spots = reader.spots(frame);
@@ -152,17 +182,24 @@ Result<void> write_spots(RecordingReader& reader, const fs::path& path) {
                          text_of(s.peak), text_of(s.quality), text_of(s.level), text_of(s.noise));
     }
   }
-  return close(out, path);
+  return {};
 }
 
-/// Writes the images as PNG: 8 bits, or 16 bits with the camera's values.
+bool has_images(const RecordingReader& reader) {
+  return std::ranges::any_of(reader.frames(),
+                             [](const RecordedFrame& f) { return f.picture >= 0; });
+}
+
+/// Writes the images as PNG: 8 bits, or 16 bits with the camera's values. Their names have the row
+/// of the frame, because a reopened camera counts its frames from the start again.
 Result<void> write_images(RecordingReader& reader, const std::string& prefix,
                           std::vector<std::string>& files) {
   const RecordingHeader& header = reader.header();
   const bool bytes = traits_of(header.format).layout == PixelLayout::bytes;
   std::vector<std::byte> pixels(reader.image_bytes());
   cv::Mat picture(header.height, header.width, bytes ? CV_8UC1 : CV_16UC1);
-  for (const RecordedFrame& frame : reader.frames()) {
+  for (std::size_t number = 0; number < reader.frames().size(); ++number) {
+    const RecordedFrame& frame = reader.frames()[number];
     if (frame.picture < 0) continue;
     if (auto read = reader.picture(frame, pixels); !read) return read;
     const ImageView view{pixels.data(), header.width,
@@ -174,7 +211,7 @@ Result<void> write_images(RecordingReader& reader, const std::string& prefix,
         if (!bytes) picture.at<std::uint16_t>(y, x + i) = row[i];
       }
     });
-    files.push_back(fmt::format("{}-{:08}.png", prefix, frame.frame_id));
+    files.push_back(fmt::format("{}-{:08}.png", prefix, number));
     if (auto written = write_image(files.back(), picture); !written) return written;
   }
   return {};
@@ -185,14 +222,24 @@ Result<std::vector<std::string>> write_files(const ExportOptions& options) {
   if (!reader) return fail(reader.error());
   const std::string prefix =
       options.prefix.empty() ? fs::path(options.path).stem().string() : options.prefix;
+  if (options.images && !has_images(**reader)) {
+    return fail(Errc::refused, "path",
+                "the recording has no images: leave out --images, or record with pictures_every of "
+                "at least 1");
+  }
+  const auto write = [&reader](auto writer) {
+    return [&reader, writer](std::ostream& out) { return writer(**reader, out); };
+  };
   std::vector<std::string> files;
   if (options.csv || (!options.spots && !options.images)) {
     files.push_back(prefix + ".csv");
-    if (auto written = write_modes(**reader, files.back()); !written) return fail(written.error());
+    if (auto written = replace(files.back(), write(write_modes)); !written)
+      return fail(written.error());
   }
   if (options.spots) {
     files.push_back(prefix + "-spots.csv");
-    if (auto written = write_spots(**reader, files.back()); !written) return fail(written.error());
+    if (auto written = replace(files.back(), write(write_spots)); !written)
+      return fail(written.error());
   }
   if (options.images) {
     auto written = write_images(**reader, prefix, files);
@@ -226,8 +273,10 @@ void add_export(CLI::App& app, const Common& common, int& status) {
                     "errors (default)");
   command->add_flag("--spots", options->spots,
                     "NAME-spots.csv: one line per spot of a frame, with its position");
-  command->add_flag("--images", options->images,
-                    "NAME-FRAME.png: each image with the camera's values, 8 or 16 bits");
+  command->add_flag(
+      "--images", options->images,
+      "NAME-ROW.png: the image of each row of frames, counted from 0, with the camera's values, "
+      "8 or 16 bits");
   command->add_option("--output,-o", options->prefix,
                       "NAME: begin of the files' names (default: the recording's name, in the "
                       "current folder)");
