@@ -176,8 +176,8 @@ inline constexpr auto kLutRun = method<LutRun, JobNumber>(
     "the job's result is that of lut.get, and is active from then on.");
 inline constexpr auto kRecordEstimate = method<RecordEstimate, RecordSize>(
     "record.estimate",
-    "Returns how large a recording with the current settings would become, at most, and how long "
-    "the disk has space for it.");
+    "Returns how large a recording with the current settings would become, without its documents, "
+    "and how long the disk has space for it.");
 inline constexpr auto kRecordGet = method<Nothing, RecordReport>(
     "record.get", "Returns the state of the current or the last recording.");
 inline constexpr auto kRecordStart = method<RecordStart, RecordReport>(

@@ -199,7 +199,7 @@ void get_recording(Services& services, Reply<RecordReport> reply) {
 }
 
 void estimate_recording(Services& services, const RecordEstimate& asked, Reply<RecordSize> reply) {
-  reply(services.recorder.size_of(services.camera.snapshot().settings, asked.pictures_every));
+  services.recorder.size_of(services.camera.snapshot().settings, asked.pictures_every, reply);
 }
 
 constexpr std::array kRows{

@@ -74,8 +74,8 @@ Result<std::string> RecordFolder::new_file(const std::optional<std::string>& nam
 
 std::optional<std::uint64_t> RecordFolder::free_bytes() const {
   if (!path_) return std::nullopt;
-  fs::path folder = fs::absolute(*path_);  // the first recording makes it
   std::error_code failed;
+  fs::path folder = fs::absolute(*path_, failed);  // the first recording makes it
   while (!fs::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
   return free_bytes_at(folder);
 }

@@ -21,7 +21,8 @@ class RecordFolder {
   /// Errc::refused (no folder is configured, the file exists already), Errc::unavailable (the
   /// folder cannot be made, or its disk is full).
   Result<std::string> new_file(const std::optional<std::string>& name) const;
-  /// Bytes that recordings may still take; none if no folder is configured.
+  /// Bytes that recordings may still take; none if no folder is configured. As long as the disk
+  /// does not answer, this does not return.
   std::optional<std::uint64_t> free_bytes() const;
 
  private:

@@ -154,6 +154,13 @@ std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
   return facts_.front();
 }
 
+void Recorder::size_of(const CameraSettings& camera, int pictures_every,
+                       std::function<void(const RecordSize&)> done) {
+  mailbox_.post([this, camera, pictures_every, done = std::move(done)] {
+    done(size_of(camera, pictures_every));
+  });
+}
+
 RecordSize Recorder::size_of(const CameraSettings& camera, int pictures_every) {
   const double image_bytes =
       double(row_bytes(camera.pixel_format, camera.roi.width)) * camera.roi.height;

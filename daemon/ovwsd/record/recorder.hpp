@@ -66,14 +66,17 @@ class Recorder : public Agent {
   void on_close() override;
   Agent& taker() { return taker_; }
 
-  // `start` and `stop` may be called in any thread; `done` is called in the write thread. Errors of
-  // `start`: Errc::refused (a recording runs, there is no folder, the file exists, the image is too
-  // large), Errc::unavailable (disk or memory).
+  // `start`, `stop` and `size_of` may be called in any thread; `done` is called in the write
+  // thread, because a disk may not answer. Errors of `start`: Errc::refused (a recording runs,
+  // there is no folder, the file exists, the image is too large), Errc::unavailable (disk or
+  // memory).
   void start(Begin begin, Done done);
   void stop(Done done);
   RecordReport report() const { return report_.get(); }
-  /// Size of a recording with these settings of the camera, and the current sensor. Any thread.
-  RecordSize size_of(const CameraSettings& camera, int pictures_every);
+  /// Size of a recording with these settings of the camera, and the current sensor: without the
+  /// documents, and of images that cannot be compressed.
+  void size_of(const CameraSettings& camera, int pictures_every,
+               std::function<void(const RecordSize&)> done);
   /// Frames of the last recording that could not be written when the daemon stopped; 0 if none.
   /// Frames dropped before that are not counted.
   std::uint64_t lost_at_stop() const { return lost_at_stop_.load(); }
@@ -109,6 +112,7 @@ class Recorder : public Agent {
   std::string write_rest(std::int64_t until_ns);
   void publish_report();
   void keep_facts(std::size_t most);
+  RecordSize size_of(const CameraSettings& camera, int pictures_every);
   RecordedWidth expected_width();
   std::shared_ptr<const PlanFacts> facts_of(std::uint64_t plan_id);
 
