@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/design/attempt.hpp"
@@ -147,7 +148,11 @@ std::vector<Change> changes_that_help(const Bench& bench, const Config& base, Li
     if (auto change = part(bench, base)) found.push_back(std::move(*change));
   }
   if (!found.empty()) return found;
-  for (const Change& half : first_halves(bench)) {
+  const auto halves = first_halves(bench);
+  std::ranges::copy_if(halves, std::back_inserter(found),
+                       [&base](const Change& half) { return works(half.bench, base); });
+  if (!found.empty()) return found;
+  for (const Change& half : halves) {
     for (const Part part : {another_lens, larger_camera, larger_slm}) {
       auto change = part(half.bench, base);
       if (!change) continue;

@@ -195,6 +195,15 @@ TEST(Design, WhereManySubaperturesDoNotFitTheShapesOfFewerSpotsGiveTheModes) {
   EXPECT_FALSE(design(bench));
 }
 
+TEST(Design, OneChangeIsProposedWhereOneIsEnough) {
+  Bench bench = pluto();
+  bench.beam_mm = 0.008;
+  const auto made = design(bench);
+  ASSERT_FALSE(made);
+  ASSERT_EQ(made.error().changes.size(), 1U);
+  EXPECT_EQ(made.error().changes.front().options, "--beam 8.649");
+}
+
 struct Impossible {
   const char* what;
   Limit limit;
