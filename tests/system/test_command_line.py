@@ -49,7 +49,7 @@ class CommandLine(BenchCase):
     def test_status_in_reading_order(self):
         self.take_reference(10)
         self.call("camera.set", {"exposure_us": 1500})
-        text = wait_for(lambda: "RMS" in (t := self.ovws("status")) and t, what="a valid frame")
+        text = wait_for(lambda: "RMS" in (t := self.ovws("status")) and "latency" in t and t, what="a valid frame")
         subjects = [line.split()[0] for line in text.splitlines() if not line.startswith(" ")]
         order = ["state", "camera", "settings", "slm", "sensor", "reference", "wavefront", "aberration", "loop", "recording", "latency", "losses"]
         self.assertEqual([subject for subject in order if subject in subjects], [s for s in dict.fromkeys(subjects) if s in order])
@@ -133,7 +133,7 @@ class CommandLine(BenchCase):
     def test_record_ends_by_itself_and_by_ctrl_c(self):
         self.assertIn("recording off", self.ovws("record"))
         self.assertRegex(self.ovws("record", "short", "1s"), r"short\.h5: 1(\.\d+)? s, \d+ frames.*limit_s of 1 s is reached")
-        self.assertRegex(self.ovws("record", "1s"), r"run-.*\.h5: 1(\.\d+)? s, \d+ frames")
+        self.assertRegex(self.ovws("record", "pictures_every=5", "1s"), r"run-.*\.h5: 1(\.\d+)? s, \d+ frames")
         terminal = Terminal([self.bench.programs / "ovws", "record", "long", "1h"])
         self.addCleanup(terminal.close)
         wait_for(lambda: re.search(r"recording: [1-9].* frames, .*; 59 min 5\d s left; Ctrl-C stops", terminal.text()), what="progress")

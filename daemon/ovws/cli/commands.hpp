@@ -45,14 +45,10 @@ int reference_verb(const Common& common, const std::optional<int>& frames,
 int loop_verb(const Common& common, const std::string& action,
               const std::vector<std::string>& words);
 
-struct RecordOptions {
-  std::string name;      ///< empty: show the state; a time: the duration, and the daemon's name
-  std::string duration;  ///< empty: until Ctrl-C
-  std::vector<std::string> words;  ///< further params of record.start
-};
-
-/// Records until the duration has passed, or until Ctrl-C, and shows the progress.
-int record_verb(const Common& common, const RecordOptions& options);
+/// Records until the duration has passed, or until Ctrl-C, and shows the progress. `words`: a name,
+/// a duration, and params of record.start as KEY=VALUE, each may be left out; none: shows the
+/// state.
+int record_verb(const Common& common, const std::vector<std::string>& words);
 
 struct WatchOptions {
   std::string topic = "wavefront";

@@ -14,9 +14,10 @@ constexpr const char* kParamsHelp =
     "also accept LIST.MODE=NUMBER:\n"
     "  ovws call aberration.set modes.vertical-coma=0.2 modes.4=-0.1\n"
     "  ovws call loop.close modes=defocus,primary-spherical\n"
-    "MODE is the OSA/ANSI index j, n,m, or a name. Words of a name can be left out\n"
-    "while it stays unique: spherical is primary-spherical. coma is refused, because\n"
-    "it can be vertical-coma or horizontal-coma.";
+    "MODE is the OSA/ANSI index j, a name, or (not in a list with commas) n,m.\n"
+    "Words of a name can be left out while it stays unique: spherical is\n"
+    "primary-spherical. coma is refused, because it can be vertical-coma or\n"
+    "horizontal-coma.";
 
 void add_status(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(

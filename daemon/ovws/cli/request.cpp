@@ -72,7 +72,7 @@ tl::expected<json, CallFailure> end_of_job(const Common& common, const json& job
 }  // namespace
 
 void catch_interrupts() {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     std::signal(signal, [](int) { interrupted.store(true); });
   }
 }

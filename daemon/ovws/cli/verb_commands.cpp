@@ -69,14 +69,13 @@ void add_record(CLI::App& app, const Common& common, int& status) {
       "record",
       "record every frame into a file of the daemon's recordings until the duration has passed or "
       "Ctrl-C is pressed, or show the state of the recording");
-  auto options = std::make_shared<RecordOptions>();
-  command->add_option("name", options->name,
-                      "name of the file without .h5 (default: run- and the time)");
-  command->add_option("duration", options->duration,
-                      "duration with its unit: 60s, 10min, 2h (default: until Ctrl-C)");
-  command->add_option("params", options->words,
-                      "further params of record.start: pictures_every=10 limit_mib=20000");
-  command->callback([&common, &status, options] { status = record_verb(common, *options); });
+  auto words = std::make_shared<std::vector<std::string>>();
+  command->add_option(
+      "words", *words,
+      "NAME of the file without .h5 (default: run- and the time), then DURATION with "
+      "its unit: 60s, 10min, 2h (default: until Ctrl-C); and further params of "
+      "record.start: pictures_every=10 limit_mib=20000");
+  command->callback([&common, &status, words] { status = record_verb(common, *words); });
 }
 
 }  // namespace

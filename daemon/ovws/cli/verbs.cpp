@@ -65,13 +65,16 @@ tl::expected<json, CallFailure> end_of_recording(const Common& common,
     study::print_progress(text + "; Ctrl-C stops");
     std::this_thread::sleep_for(kPollInterval);
   }
-  return call(common, "record.stop", json::object());
+  auto stopped = call(common, "record.stop", json::object());
+  // Refused: the recording has ended by itself meanwhile.
+  return stopped ? stopped : call(common, "record.get", json::object());
 }
 
 /// Whether the recording ended as it was asked to.
 bool has_ended_well(const json& record) {
   const std::string reason = record.at("reason").is_string() ? record.at("reason") : json("");
-  return reason.starts_with("limit_") || reason.starts_with("stopped by record.stop");
+  return reason == "stopped by record.stop" ||
+         (reason.starts_with("limit_") && reason.ends_with("is reached"));
 }
 
 }  // namespace
@@ -125,19 +128,25 @@ int loop_verb(const Common& common, const std::string& action, const Words& word
   return act_on_words(common, "loop." + action, words);
 }
 
-int record_verb(const Common& common, const RecordOptions& options) {
-  if (options.name.empty()) return act(common, "record.get", json::object());
-  auto params = params_of(schema("record.start").at("params"), options.words);
+int record_verb(const Common& common, const std::vector<std::string>& words) {
+  if (words.empty()) return act(common, "record.get", json::object());
+  Words named, plain;
+  for (const std::string& word : words) {
+    (word.find('=') == std::string::npos ? plain : named).push_back(word);
+  }
+  auto params = params_of(schema("record.start").at("params"), named);
   if (!params) return report_mistake(common, params.error());
-  const bool is_named = !options.duration.empty() || !seconds_of(options.name);
-  if (is_named) (*params)["name"] = options.name;
-  const std::string& duration = is_named ? options.duration : options.name;
+  const bool is_named = plain.size() > 1 || (plain.size() == 1 && !seconds_of(plain.front()));
+  if (is_named) (*params)["name"] = plain.front();
   std::optional<double> duration_s;
-  if (!duration.empty()) {
-    const auto seconds = seconds_of(duration);
+  if (plain.size() > (is_named ? 1 : 0)) {
+    const auto seconds = seconds_of(plain[is_named ? 1 : 0]);
     if (!seconds) return report_mistake_in(common, "duration", seconds.error());
     (*params)["limit_s"] = *seconds;
     duration_s = *seconds;
+  }
+  if (plain.size() > 2) {
+    return report_mistake(common, {Errc::invalid, plain[2], "give the name and the duration only"});
   }
   if (auto begun = call(common, "record.start", *params); !begun) {
     return report_failure(common, begun.error());

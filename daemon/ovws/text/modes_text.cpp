@@ -3,22 +3,35 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <string_view>
 
 #include "daemon/ovws/text/mode_names.hpp"
 
 namespace ovws::cli {
 namespace {
 
+/// Without the blanks at the ends and beside a comma.
+std::string without_blanks(const std::string& text) {
+  std::string kept;
+  for (const char c : text) {
+    if (c != ' ' && c != '\t') {
+      if (c == ',') kept.resize(kept.find_last_not_of(' ') + 1);
+      kept += c;
+    } else if (!kept.empty() && kept.back() != ' ' && kept.back() != ',') {
+      kept += ' ';
+    }
+  }
+  kept.resize(kept.find_last_not_of(' ') + 1);
+  return kept;
+}
+
 Result<Mode> parse_mode(const std::string& part, ZernikeNorm norm) {
   const auto colon = part.find(':');
-  const auto begin = part.find_first_not_of(" \t");
   double waves = 0.0;
   std::istringstream number(colon == std::string::npos ? "" : part.substr(colon + 1));
   if (!(number >> waves) || !(number >> std::ws).eof() || !std::isfinite(waves)) {
     return fail(Errc::invalid, "modes", "\"" + part + "\" does not have the form n,m:waves");
   }
-  const auto j = mode_of(std::string_view(part).substr(begin, colon - begin));
+  const auto j = mode_of(without_blanks(part.substr(0, colon)));
   if (!j) return fail(j.error());
   return Mode{*j, norm == ZernikeNorm::unit ? waves / zernike_rms_factor(*j) : waves};
 }

@@ -141,8 +141,8 @@ tl::unexpected<Error> unknown_key(const std::string& key, const json& schema) {
                                   fmt::join(known, ", ")));
 }
 
-/// Adds MODE=NUMBER to a list of modes.
-Result<void> add_mode(const std::string& key, const json& schema, const std::string& mode,
+/// Sets MODE=NUMBER in a list of modes.
+Result<void> set_mode(const std::string& key, const json& schema, const std::string& mode,
                       const std::string& text, json& list) {
   const auto j = mode_of(mode);
   if (!j) return fail(j.error());
@@ -155,15 +155,24 @@ Result<void> add_mode(const std::string& key, const json& schema, const std::str
     if (!value) return fail(value.error());
     one[name] = std::move(*value);
   }
-  list.push_back(std::move(one));
+  const auto same = std::find_if(list.begin(), list.end(), [&](const json& other) {
+    return other.is_object() && other.value("j", json()) == json(*j);
+  });
+  if (same != list.end()) {
+    *same = std::move(one);
+  } else {
+    list.push_back(std::move(one));
+  }
   return {};
 }
 
 Result<void> put(json& params, const json& root, const std::string& key, const std::string& text) {
   json* at = &params;
   json schema = root;
+  std::size_t begin = 0;
   for (const std::string& part : split(key, '.')) {
-    if (is_mode_list(schema)) return add_mode(key, schema, part, text, *at);
+    if (is_mode_list(schema)) return set_mode(key, schema, key.substr(begin), text, *at);
+    begin += part.size() + 1;
     const json properties = schema.value("properties", json::object());
     if (!properties.contains(part)) return unknown_key(key, root);
     if (!at->is_object()) *at = json::object();
@@ -179,8 +188,9 @@ Result<void> put(json& params, const json& root, const std::string& key, const s
 
 Result<std::string> text_of_file(const std::string& path) {
   std::ifstream file(path);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) return mistake(path, "cannot be read");
+  std::string text;
+  std::getline(file, text, '\0');  // unlike an iterator, it does not throw for a folder
+  if (!file.is_open() || file.bad()) return mistake(path, "cannot be read");
   return text;
 }
 
@@ -192,7 +202,7 @@ Result<void> put_object(json& params, const std::string& origin, const Result<st
   if (!text) return fail(text.error());
   const json object = json_of(*text);
   if (!object.is_object()) return mistake(origin, "the parameters are not a JSON object");
-  params.update(object);
+  params.update(object, true);
   return {};
 }
 

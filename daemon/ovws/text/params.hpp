@@ -19,7 +19,7 @@ struct ParamsKey {
 /// All keys of a params schema, sorted. A list of modes, which also accepts LIST.MODE, is one key.
 std::vector<ParamsKey> keys_of(const nlohmann::json& params_schema);
 /// Whether a key is a list of objects that each have a mode (j) and one number, e.g. `modes` of
-/// aberration.set. Then the word LIST.MODE=NUMBER adds one to the list.
+/// aberration.set. Then the word LIST.MODE=NUMBER sets one in the list.
 bool is_mode_list(const nlohmann::json& schema);
 /// What a value must be: "a number from 0.1 to 60000000", "one of rms, unit".
 std::string expected_of(const nlohmann::json& schema);
@@ -28,7 +28,7 @@ std::string expected_of(const nlohmann::json& schema);
 ///
 ///     roi.width=512             dots nest; the value is text, or JSON if the schema requires
 ///                               another type; a list may be written as 3,4,5
-///     modes.vertical-coma=0.2   adds a mode to a list of modes, see mode_of
+///     modes.vertical-coma=0.2   sets a mode in a list of modes, see mode_of
 ///     {"gain_db": 12}           a JSON object
 ///     @FILE, -                  a JSON object from a file, or from standard input
 ///

@@ -118,7 +118,8 @@ TEST(RecordFile, FramesWithDifferentNumbersOfSpotsAndModesAreReadAsTheyWere) {
     for (std::size_t k = 0; k < widths[i]; ++k) spots[k].x = float(100 * i + k);
     const std::vector<float> waves(widths[i], float(i));
     (*file)->add_frame({}, spots, waves, waves);
-    if (i % 3 == 1) ASSERT_TRUE((*file)->flush(0, 0));
+    if (i % 3 != 1) continue;
+    ASSERT_TRUE((*file)->flush(0, 0));
   }
   ASSERT_TRUE((*file)->close(0, 0));
   auto reader = RecordingReader::open(path);

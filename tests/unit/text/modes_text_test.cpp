@@ -6,7 +6,7 @@ namespace ovws::cli {
 namespace {
 
 TEST(ModesText, ModesAreReadInOrder) {
-  const auto modes = parse_modes("2,-2:0.5; 4,0:-0.1", ZernikeNorm::rms);
+  const auto modes = parse_modes("2, -2 : 0.5; 4 ,0 :-0.1", ZernikeNorm::rms);
   ASSERT_TRUE(modes);
   EXPECT_EQ(*modes, (std::vector<Mode>{{3, 0.5}, {12, -0.1}}));
 }

@@ -49,13 +49,18 @@ TEST(Params, ModesAreAddedByNameAndByNumber) {
   EXPECT_EQ(params("loop.close", {"gains.defocus=0.2", "offsets.8=0.01"}),
             json::parse(R"({"gains": [{"j": 4, "gain": 0.2}],
                             "offsets": [{"j": 8, "waves": 0.01}]})"));
+  EXPECT_EQ(params("aberration.set", {"modes.7=0.1", "modes.vertical-coma=0.2"}),
+            json::parse(R"({"modes": [{"j": 7, "waves": 0.2}]})"));
   expect_text(refusal("aberration.set", "modes.coma=0.2"), "vertical-coma or horizontal-coma");
+  expect_text(refusal("aberration.set", "modes.3.1=0.2"), "3.1");
   expect_text(refusal("aberration.set", "modes.defocus=much"), "modes.defocus: must be a number");
 }
 
 TEST(Params, LaterWordsOverrideObjects) {
   EXPECT_EQ(params("camera.set", {R"({"gain_db": 1, "exposure_us": 2})", "gain_db=3"}),
             json::parse(R"({"gain_db": 3, "exposure_us": 2})"));
+  EXPECT_EQ(params("camera.set", {"roi.height=64", R"({"roi": {"width": 512}})"}),
+            json::parse(R"({"roi": {"height": 64, "width": 512}})"));
   EXPECT_EQ(params("camera.set", {}), json::object());
 }
 
@@ -71,7 +76,7 @@ TEST(Params, AMistakeNamesTheKeyAndWhatIsAllowed) {
   expect_text(refusal("sensor.set", "tracker=ft"),
               "lg, fit, matched, not \"ft\"; did you mean fit?");
   expect_text(refusal("sensor.get", "x=1"), "the method has no keys");
-  for (const char* word : {"{not json", "[1]", "gain_db", "=1", "12", "@no/such/file"}) {
+  for (const char* word : {"{not json", "[1]", "gain_db", "=1", "12", "@no/such/file", "@/"}) {
     EXPECT_FALSE(refusal("camera.set", word).empty());
   }
 }
