@@ -98,6 +98,9 @@ int check(const std::string& path, const ovws::LoadedConfig& loaded) {
   if (!has_usable_key_files(path, config)) return 1;
   report_saved(loaded);
   if (const auto seen = ovws::check_sees_spots(config); !seen) return log_failure(seen.error());
+  if (const auto dark = ovws::check_zeroth_order(config); !dark) {
+    spdlog::warn(ovws::text_of(dark.error()));
+  }
   spdlog::info("{} is valid", path.empty() ? "the default configuration" : path);
   std::printf("%s\n", ovws::dump_config(config).c_str());
   return 0;

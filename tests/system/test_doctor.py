@@ -95,7 +95,7 @@ class Well(DoctorCase):
             findings = self.examine()
             self.assertEqual(self.faults(findings), set())
             for name in ("configuration", "camera.found", "camera.interface", "camera.packets", "slm.server", "slm.output", "slm.mode",
-                         "slm.gamma", "slm.power", "slm.screen_saver", "slm.compositor", "state.directory", "daemon.answer",
+                         "optics.zeroth_order", "slm.gamma", "slm.power", "slm.screen_saver", "slm.compositor", "state.directory", "daemon.answer",
                          "daemon.version", "daemon.state", "daemon.store", "daemon.job"):
                 self.check(findings, name, "ok")
             self.check(findings, "camera.control", "ok", "the daemon controls the camera")

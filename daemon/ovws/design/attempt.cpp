@@ -113,12 +113,6 @@ double pupil_px(const Bench& bench) {
   return std::min(side, std::floor(*bench.beam_mm * 1e3 / bench.slm.pitch_um));
 }
 
-SpotBench spot_bench(const Config& config, const Lattice& lattice) {
-  const CameraSettings& camera = config.camera.settings;
-  return {lattice,    config.sensor,      config.tracking, config.optics, config.slm.geometry,
-          camera.roi, camera.pixel_format};
-}
-
 Candidate make_candidate(const Bench& bench, const Config& base, int across, bool shapes) {
   Candidate made{bench, bare_config(bench, base, across), {}, 0.0, std::nullopt};
   Config& config = made.config;

@@ -34,7 +34,4 @@ double pupil_px(const Bench& bench);
 /// check_sees_spots. `finest_cpp`: limit of the gratings.
 tl::expected<Config, Finding> attempt(const Candidate& candidate, double finest_cpp);
 
-/// The spots and their bench, for the functions of spot_layout.hpp. `lattice` must outlive it.
-SpotBench spot_bench(const Config& config, const Lattice& lattice);
-
 }  // namespace ovws::design

@@ -58,6 +58,14 @@ Finding judge_configuration(const ConfigurationFacts& facts) {
   return ok(facts.saved.empty() ? good : good + "; " + facts.saved);
 }
 
+Finding judge_zeroth_order(const ConfigurationFacts& facts) {
+  if (!facts.config || facts.error || facts.unseen) {
+    return not_here("the configuration describes no usable sensor");
+  }
+  if (!facts.zeroth_order) return ok("the SLM's zeroth order is outside camera.roi");
+  return warning(text_of(*facts.zeroth_order), fix_of(facts, *facts.zeroth_order));
+}
+
 }  // namespace
 
 ConfigurationFacts read_configuration(const std::string& path) {
@@ -76,12 +84,14 @@ ConfigurationFacts read_configuration(const std::string& path) {
   facts.saved_is_unused = !loaded->unused_reason.empty();
   if (const auto usable = check_usable(config); !usable) facts.error = usable.error();
   if (const auto seen = check_sees_spots(config); !seen) facts.unseen = seen.error();
+  if (const auto dark = check_zeroth_order(config); !dark) facts.zeroth_order = dark.error();
   facts.keys = check_key_files(facts.path, config);
   return facts;
 }
 
 Findings judge(const ConfigurationFacts& facts) {
-  return run_checks<ConfigurationFacts>({{"configuration", judge_configuration}}, facts);
+  return run_checks<ConfigurationFacts>(
+      {{"configuration", judge_configuration}, {"optics.zeroth_order", judge_zeroth_order}}, facts);
 }
 
 }  // namespace ovws::doctor

@@ -17,7 +17,8 @@ struct ConfigurationFacts {
   std::optional<Config> config;  ///< the defaults if there is no file; none: loading failed
   std::optional<Error> error;    ///< why `config` is missing or unusable
   std::optional<Error> unseen;   ///< why a daemon would find no spots with this configuration
-  std::string rejected;          ///< path of saved values that were set aside; empty: none
+  std::optional<Error> zeroth_order;  ///< why it disturbs; none: it is outside the region
+  std::string rejected;               ///< path of saved values that were set aside; empty: none
   KeyFileCheck keys;
   std::string saved;             ///< saved settings as text (describe_saved); empty: none
   bool saved_is_unused = false;  ///< the saved values are damaged, or of another configuration file

@@ -94,6 +94,12 @@ std::string alternative_to_region(const SpotBench& bench, const SpotLayout& layo
 
 }  // namespace
 
+SpotBench spot_bench(const Config& config, const Lattice& lattice) {
+  const CameraSettings& camera = config.camera.settings;
+  return {lattice,    config.sensor,      config.tracking, config.optics, config.slm.geometry,
+          camera.roi, camera.pixel_format};
+}
+
 SpotLayout spot_layout(const SpotBench& bench) {
   SpotLayout layout;
   layout.spots_px = model_spots_px(bench.lattice, bench.sensor, bench.slm, bench.optics,
@@ -128,6 +134,24 @@ Vec2 zeroth_order_px(const SpotBench& bench) {
 bool contains_zeroth_order(Vec2 region, const SpotBench& bench) {
   const Vec2 away_px = zeroth_order_px(bench);
   return std::abs(away_px.x) < 0.5 * region.x && std::abs(away_px.y) < 0.5 * region.y;
+}
+
+Result<void> check_zeroth_order(const SpotBench& bench) {
+  const double margin_px = lambda_d_px(bench.optics, bench.slm, bench.sensor);
+  const Vec2 base = base_spot_px(bench.optics, bench.roi.width, bench.roi.height);
+  const Vec2 at = base - zeroth_order_px(bench);
+  const auto inside = [margin_px](double place, int side) {
+    return place > -margin_px && place < side - 1 + margin_px;
+  };
+  if (!inside(at.x, bench.roi.width) || !inside(at.y, bench.roi.height)) return {};
+  const double px_per_groove =
+      px_per_cycle(bench.optics, bench.slm).scale() / double(bench.slm.width_px);
+  const double grooves = std::ceil((base.x + 2.0 * margin_px) / px_per_groove);
+  return fail(Errc::invalid, "camera.roi",
+              fmt::format("the SLM's zeroth order, much brighter than the spots, falls at ({:.0f}, "
+                          "{:.0f}) px of the region: move or shrink camera.roi so that it is "
+                          "outside, or set the first number of sensor.grooves to {:.0f} or more",
+                          at.x, at.y, grooves));
 }
 
 double rounded_up(double value) {

@@ -34,6 +34,10 @@ struct SpotBench {
   PixelFormat format;
 };
 
+/// The spots' bench by the configuration. `lattice`: that of the configuration; it must outlive the
+/// result, and so must `config`.
+SpotBench spot_bench(const Config& config, const Lattice& lattice);
+
 /// Layout of the spots of a flat wavefront on the camera.
 struct SpotLayout {
   std::vector<Vec2> spots_px;
@@ -58,6 +62,10 @@ Vec2 zeroth_order_px(const SpotBench& bench);
 /// Whether a region of this size, centred on the base spot, contains the zeroth order, which is
 /// much brighter than the spots.
 bool contains_zeroth_order(Vec2 region, const SpotBench& bench);
+
+/// Checks that the zeroth order is outside the camera's region, by lambda/d at least.
+/// Errc::invalid, field "camera.roi": it is not; the message proposes values that work.
+Result<void> check_zeroth_order(const SpotBench& bench);
 
 /// Rounds to two significant digits, for proposed settings.
 double rounded_up(double value);

@@ -55,13 +55,16 @@ Result<void> check_sensor(const Config& config) {
 Result<void> check_sees_spots(const Config& config) {
   const auto lattice = make_lattice(config.sensor, config.slm.geometry);
   if (!lattice) return fail(lattice.error());
-  const CameraSettings& camera = config.camera.settings;
-  const SpotBench bench{*lattice,           config.sensor,       config.tracking,
-                        config.optics,      config.slm.geometry, camera.roi,
-                        camera.pixel_format};
+  const SpotBench bench = spot_bench(config, *lattice);
   if (auto apart = check_spots_apart(bench); !apart) return apart;
   if (auto checked = check_mode_count(bench); !checked) return checked;
   return check_spots_in_region(bench);
+}
+
+Result<void> check_zeroth_order(const Config& config) {
+  const auto lattice = make_lattice(config.sensor, config.slm.geometry);
+  if (!lattice) return fail(lattice.error());
+  return check_zeroth_order(spot_bench(config, *lattice));
 }
 
 }  // namespace ovws

@@ -17,5 +17,8 @@ Result<void> check_sensor(const Config& config);
 /// "camera.roi"): spots fall outside the camera's region or are too close for the tracker; see
 /// spot_layout.hpp.
 Result<void> check_sees_spots(const Config& config);
+/// Whether the SLM's zeroth order falls outside the camera's region, by the configuration alone;
+/// see spot_layout.hpp. A bench inside of which it falls may measure, with saturated pixels.
+Result<void> check_zeroth_order(const Config& config);
 
 }  // namespace ovws

@@ -145,5 +145,16 @@ TEST(SpotLayout, ModesThatOnlyShapesDetermineNeedTheTrackerFit) {
   EXPECT_NE(refusal(with_modes(1, 9)), "");
 }
 
+TEST(SpotLayout, TheZerothOrderInTheRegionIsToldWithGroovesThatMoveItOut) {
+  Config config = bench(1, TrackerKind::lg);
+  EXPECT_TRUE(check_zeroth_order(config));
+  config.sensor.grooves = {100.0, 20.0};  // the zeroth order is 151 px to the left of the spots
+  const auto refused = check_zeroth_order(config);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "camera.roi");
+  config.sensor.grooves[0] = number_after(refused.error().reason, "sensor.grooves to");
+  EXPECT_TRUE(check_zeroth_order(config)) << refused.error().reason;
+}
+
 }  // namespace
 }  // namespace ovws

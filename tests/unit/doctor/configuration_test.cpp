@@ -27,6 +27,17 @@ TEST(DoctorConfiguration, ThatSeesNoSpotsIsAFault) {
             std::string::npos);
 }
 
+TEST(DoctorConfiguration, TheZerothOrderInTheRegionIsAWarning) {
+  ConfigurationFacts facts;
+  facts.path = "a.json";
+  facts.config = Config{};
+  expect(facts, "optics.zeroth_order", Verdict::ok);
+  facts.zeroth_order = Error{Errc::invalid, "camera.roi", "the zeroth order falls at (3, 4) px"};
+  expect(facts, "optics.zeroth_order", Verdict::warning, "sudoedit a.json");
+  facts.error = Error{Errc::invalid, "optics", "nothing fits"};
+  expect(facts, "optics.zeroth_order", Verdict::not_here);
+}
+
 TEST(DoctorConfiguration, NoFileIsAWarning) {
   ConfigurationFacts facts;
   facts.config = Config{};
