@@ -250,6 +250,30 @@ class AtTheBench(BenchCase):
             self.assertLess(abs(mean.waves("defocus") - waves) - 0.004, 5 * mean.standard_error_waves[3])
             self.assertGreater(mean.standard_error_waves[3], 0.0)
 
+    def test_with_await_it_is_the_same(self):
+        self.take_reference(50)
+
+        async def seen():
+            async with AsyncClient() as client:
+                before = (await client.camera_get())["settings"]
+                bright = (await client.image()).pixels.mean()
+                with self.assertRaises(Refused):
+                    async with client.settings(exposure_us=500.0, gain_db=1000):
+                        self.fail("it was entered")
+                async with client.settings(exposure_us=500.0):
+                    dim = (await client.image()).pixels.mean()
+                await client.aberration_set({"defocus": 0.1})
+                mean = await client.wavefront(frames=20)
+                with self.assertRaisesRegex(NoAnswer, "of 1000 valid frames within 0.5 s"):
+                    await client.wavefront(frames=1000, timeout_s=0.5)
+                return before == (await client.camera_get())["settings"], dim / bright, mean
+
+        restored, ratio, mean = asyncio.run(seen())
+        self.assertTrue(restored)
+        self.assertLess(ratio, 0.5)
+        self.assertEqual(mean.frames, 20)
+        self.assertAlmostEqual(mean.waves("defocus"), 0.1, delta=0.005)
+
     def test_without_a_reference_it_says_how_many_were_not_valid(self):
         with self.assertRaisesRegex(NoAnswer, r"0 of 20 valid frames within 1.0 s, and \d+ that were not valid; is there a reference\?"):
             self.client.wavefront(frames=20, timeout_s=1.0)

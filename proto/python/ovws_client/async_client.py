@@ -10,16 +10,19 @@ from typing import Any
 import zmq
 import zmq.asyncio
 
+from .async_bench import AsyncBench
 from .errors import JobFailed, NoAnswer
-from .methods import AsyncMethods, JobNumber, JobReport
+from .methods import JobNumber, JobReport
 from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
 
 
-class AsyncClient(AsyncMethods):
+class AsyncClient(AsyncBench):
     """Client for asyncio, otherwise as Client. Any number of tasks of one event loop may call concurrently. Close it with `async with` or `close`."""
 
     def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
         self.timeout_s = timeout_s
+        self.endpoint = endpoint
+        self.keys = {"key": key, "server_key": server_key}
         self._ids = itertools.count(1)
         self._waiting: dict[int, asyncio.Future[Any]] = {}
         self._reader: asyncio.Task[None] | None = None
