@@ -83,6 +83,12 @@ inline constexpr auto kCalibrationRun = method<CalibrationRun, JobNumber>(
     "that of calibration.get, and the matrix is active from then on (operator measured), unless "
     "the "
     "tracker is fit.");
+inline constexpr auto kCameraAutoExposure = method<AutoExposure, JobNumber>(
+    "camera.auto_exposure",
+    "Changes the exposure until the brightest pixels of the image are at a fraction of full scale; "
+    "lowers the gain if the shortest exposure is still too bright. Works with every pattern that "
+    "the SLM shows. Returns at once; the job's result is the settings in use. If the job fails or "
+    "is cancelled, the previous exposure and gain are restored.");
 inline constexpr auto kCameraGet = method<Nothing, CameraReport>(
     "camera.get", "Returns the camera's settings and its current limits.");
 inline constexpr auto kCameraSet = method<CameraSet, CameraSetReport>(
@@ -257,6 +263,7 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kCalibrationClear,
                                      kCalibrationGet,
                                      kCalibrationRun,
+                                     kCameraAutoExposure,
                                      kCameraGet,
                                      kCameraSet,
                                      kConfigGet,

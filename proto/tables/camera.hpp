@@ -93,4 +93,25 @@ inline constexpr auto kTable<CameraReport> =
            field<&CameraReport::settings>("the camera's settings"),
            field<&CameraReport::limits>("current limits of the connected camera")};
 
+/// Result of the `camera.auto_exposure` job.
+struct AutoExposureReport {
+  double exposure_us = 0.0, gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
+  double brightest = 0.0;
+  int saturated_pixels = 0;
+  int looks = 0;
+};
+template <>
+inline constexpr auto kTable<AutoExposureReport> = Fields{
+    "AutoExposureReport",
+    field<&AutoExposureReport::exposure_us>("exposure time in use, microseconds"),
+    field<&AutoExposureReport::gain_db>("gain in use, dB; null: the camera has no gain in dB")
+        .or_null(),
+    field<&AutoExposureReport::gain_raw>("gain in use in the camera's own steps, or null")
+        .or_null(),
+    field<&AutoExposureReport::brightest>(
+        "brightness of the brightest pixels, fraction of full scale", {0, 1}),
+    field<&AutoExposureReport::saturated_pixels>(
+        "number of pixels that were at full scale in one of the frames", Bounds::at_least(0)),
+    field<&AutoExposureReport::looks>("number of images that were judged", Bounds::at_least(1))};
+
 }  // namespace ovws

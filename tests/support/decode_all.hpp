@@ -17,6 +17,7 @@ inline void decode_all(const Json& params) {
   (void)decode<LutRun>(params);
   (void)decode<FlatnessRun>(params);
   (void)decode<SettleRun>(params);
+  (void)decode<AutoExposure>(params);
   (void)decode<LoopSettings>(params);
   (void)decode<LoopIdentify>(params);
   (void)decode<LoopOpen>(params);

@@ -55,6 +55,7 @@ class Messages(BenchCase):
         call("system.status")
         call("camera.get")
         call("camera.set", {"gain_db": 6.0, "exposure_us": 3000.0})
+        self.checked_job("camera.auto_exposure", {})
         call("camera.set", {"roi": {"x": 16, "y": 16, "width": 480, "height": 480}, "pixel_format": "Mono12"})
         call("camera.set", {"roi": {"x": 0, "y": 0, "width": 512, "height": 512}, "pixel_format": "Mono8", "gain_db": 0.0, "exposure_us": 2000.0})
         call("sensor.get")

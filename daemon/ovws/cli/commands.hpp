@@ -33,7 +33,7 @@ int call_method(const Common& common, const CallOptions& options);
 
 // Plain verbs. Without a value each shows the present one.
 
-int exposure_verb(const Common& common, const std::string& time);  ///< "2ms"; see seconds_of
+int exposure_verb(const Common& common, const std::string& time);  ///< "2ms" (seconds_of), "auto"
 int gain_verb(const Common& common, const std::string& gain);      ///< "12"; see decibels_of
 /// `words`: MODE=WAVES, or norm=unit.
 int aberrate_verb(const Common& common, const std::vector<std::string>& words);

@@ -11,9 +11,13 @@ namespace {
 using Words = std::vector<std::string>;
 
 void add_exposure(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("exposure", "set or show the camera's exposure time");
+  auto* command = app.add_subcommand(
+      "exposure", "set or show the camera's exposure time, or let the daemon find it");
   auto time = std::make_shared<std::string>();
-  command->add_option("time", *time, "time with its unit: 2ms, 2000us, 0.5s");
+  command->add_option(
+      "time", *time,
+      "time with its unit: 2ms, 2000us, 0.5s; or auto: the brightest pixels come to "
+      "70 % of full scale");
   command->callback([&common, &status, time] { status = exposure_verb(common, *time); });
 }
 

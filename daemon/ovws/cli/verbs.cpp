@@ -81,6 +81,7 @@ bool has_ended_well(const json& record) {
 
 int exposure_verb(const Common& common, const std::string& time) {
   if (time.empty()) return act_on_camera(common, json::object(), "exposure", exposure_text);
+  if (time == "auto") return act(common, "camera.auto_exposure", json::object());
   const auto seconds = seconds_of(time);
   if (!seconds) return report_mistake_in(common, "exposure", seconds.error());
   return act_on_camera(common, {{"exposure_us", 1e6 * *seconds}}, "exposure", exposure_text);

@@ -59,6 +59,14 @@ std::string camera_answer(const json& result) {
   return "no camera is connected; its settings will be:\n" + settings;
 }
 
+std::string exposure_answer(const json& result) {
+  const int saturated = result.at("saturated_pixels").get<int>();
+  return fmt::format(
+      "exposure {}, gain {}: the brightest pixels are at {:.0f} % of full scale, {}",
+      exposure_text(result, {}), gain_text(result, {}), 100.0 * number(result, "brightest"),
+      saturated == 0 ? "none is saturated" : fmt::format("{} pixels are saturated", saturated));
+}
+
 std::string aberration_answer(const json& result) {
   const std::string modes = modes_text(result.at("modes"));
   return modes.empty() ? "no aberration is introduced" : "introduced aberration: " + modes;
@@ -190,6 +198,7 @@ const std::map<std::string, Sentence> kSentences{{"aberration.clear", aberration
                                                  {"calibration.clear", calibration_answer},
                                                  {"calibration.get", calibration_answer},
                                                  {"calibration.run", calibration_answer},
+                                                 {"camera.auto_exposure", exposure_answer},
                                                  {"camera.get", camera_answer},
                                                  {"camera.set", camera_answer},
                                                  {"config.save", saved_answer},

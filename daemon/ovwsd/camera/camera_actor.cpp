@@ -107,20 +107,18 @@ void CameraActor::change_or_keep(CameraSet change, Applied done) {
   });
 }
 
-void CameraActor::restore_gain(double gain_db, std::function<void()> then) {
-  mailbox_.post([this, gain_db, then = std::move(then)] {
-    CameraSet change;
-    change.put(&CameraSettings::gain_db, gain_db);
-    carry_out(change, [this, gain_db, change](const Result<CameraSnapshot>& applied) {
+void CameraActor::restore(CameraSet before, std::function<void()> then) {
+  mailbox_.post([this, before = std::move(before), then = std::move(then)] {
+    carry_out(before, [this, &before](const Result<CameraSnapshot>& applied) {
       if (applied) return;
-      settings_.gain_db = gain_db;  // applied at the next connection or camera.set
-      keep_asked(change);
+      settings_ = before.applied_to(settings_);  // applied at the next connection or camera.set
+      keep_asked(before);
       if (camera_ && !lost_) {
         deps_.events.emit("camera", Severity::warning,
-                          fmt::format("camera: the gain of {} dB could not be restored after a "
-                                      "job: {}; set it with camera.set",
-                                      gain_db, applied.error().reason),
-                          {{"gain_db", gain_db}});
+                          fmt::format("camera: the settings {} could not be restored after a job: "
+                                      "{}; set them with camera.set",
+                                      before.given().dump(), applied.error().reason),
+                          before.given());
       }
       publish(snapshot_.get());
     });

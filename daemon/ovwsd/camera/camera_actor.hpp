@@ -64,9 +64,9 @@ class CameraActor : public Agent {
   void change_for_job(CameraSet change, Applied done);
   /// Applies a change as `change` does, or keeps it for the next connection of a camera.
   void change_or_keep(CameraSet change, Applied done);
-  /// Restores `gain_db` after a job, now or at the next connection. `then` is called in the camera
-  /// thread, or destroyed uncalled if that thread has ended. Thread-safe.
-  void restore_gain(double gain_db, std::function<void()> then);
+  /// Restores the settings of `before` after a job, now or at the next connection. `then` is called
+  /// in the camera thread, or destroyed uncalled if that thread has ended. Thread-safe.
+  void restore(CameraSet before, std::function<void()> then);
   CameraSnapshot snapshot() const { return snapshot_.get(); }
 
  private:

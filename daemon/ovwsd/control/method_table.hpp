@@ -122,7 +122,9 @@ constexpr MethodRow row(Role role, Action action) {
       }};
 }
 
-// Method rows: of the sensor, of experiments, and all others. Add a method as a function and a row.
+// Method rows: of the camera, of the sensor, of experiments, and all others. Add a method as a
+// function and a row.
+std::span<const MethodRow> camera_methods();
 std::span<const MethodRow> sensor_methods();
 std::span<const MethodRow> experiment_methods();
 std::span<const MethodRow> system_methods();

@@ -1,4 +1,4 @@
-/// Methods of the daemon's other parts: camera, config, job, loop, record, refine, system.
+/// Methods of the daemon's other parts: config, job, loop, record, refine, system.
 #include "config/config.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/access/client_guard.hpp"
@@ -18,25 +18,6 @@
 
 namespace ovws {
 namespace {
-
-void get_camera(Services& services, Reply<CameraReport> reply) {
-  const CameraSnapshot camera = services.camera.snapshot();
-  reply(CameraReport{camera.info, camera.settings, camera.limits});
-}
-
-void set_camera(Services& services, const CameraSet& change, Reply<CameraSetReport> reply) {
-  if (change.gives(&CameraSettings::pixel_format)) {
-    const auto suits = can_measure(*services.keeper.snapshot(), services.config.slm.geometry,
-                                   change.applied_to({}).pixel_format);
-    if (!suits) return reply(suits.error());
-  }
-  services.camera.change(change, [&services, change, reply](Result<CameraSnapshot> applied) {
-    if (!applied) return reply(applied.error());
-    services.keeper.after_changes([change, reply, camera = *applied] {
-      reply(CameraSetReport{change, camera.settings, camera.limits});
-    });
-  });
-}
 
 Config in_use(const Services& services) {
   return config_in_use(services.config, services.loaded.get(), services.camera, services.keeper,
@@ -203,8 +184,6 @@ void estimate_recording(Services& services, const RecordEstimate& asked, Reply<R
 }
 
 constexpr std::array kRows{
-    row<kCameraGet, get_camera>(Role::read, Action::read),
-    row<kCameraSet, set_camera>(Role::control, Action::set_camera),
     row<kConfigGet, get_config>(Role::read, Action::read),
     row<kConfigSave, save_config>(Role::control, Action::save_config),
     row<kJobGet, get_job>(Role::read, Action::read),

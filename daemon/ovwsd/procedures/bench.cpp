@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <thread>
 #include <utility>
 
@@ -125,36 +126,52 @@ void Bench::warn(std::string kind, std::string text, nlohmann::json data) {
   deps_.events.emit(std::move(kind), Severity::warning, std::move(text), std::move(data));
 }
 
-Result<double> Bench::try_gain(double gain_db) {
+Result<CameraSnapshot> Bench::try_camera(const CameraSet& change) {
   if (stopped()) return fail(stopped_error());
-  auto promise = std::make_shared<std::promise<Result<double>>>();
+  auto promise = std::make_shared<std::promise<Result<CameraSnapshot>>>();
   auto future = promise->get_future();
-  CameraSet change;
-  change.put(&CameraSettings::gain_db, gain_db);
-  deps_.camera.change_for_job(
-      change, [promise = std::move(promise)](const Result<CameraSnapshot>& set) {
-        promise->set_value(set ? Result<double>(set->settings.gain_db) : fail(set.error()));
-      });
+  deps_.camera.change_for_job(change, [promise = std::move(promise)](Result<CameraSnapshot> set) {
+    promise->set_value(std::move(set));
+  });
   return wait_for(std::move(future));
 }
 
-Result<double> Bench::set_gain(double gain_db) {
+Result<CameraSnapshot> Bench::set_camera(const CameraSet& change) {
   const CameraSnapshot before = camera();
-  if (!gain_before_db_) gain_before_db_ = before.asked.gain_db;
+  for (const auto member :
+       {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {
+    if (!change.gives(member) || camera_before_.gives(member)) continue;
+    const double asked = before.asked.*member;
+    camera_before_.put(member, std::isnan(asked) ? before.settings.*member : asked);
+  }
   const std::int64_t begin_ns = monotonic_ns();
   while (true) {
-    auto set = try_gain(gain_db);
+    auto set = try_camera(change);
     if (set || needs_intervention(set.error())) return set;
     if (1e-9 * double(monotonic_ns() - begin_ns) > patience_s(before.settings)) return set;
     std::this_thread::sleep_for(kPollInterval);
   }
 }
 
-void Bench::restore_gain() {
-  if (!gain_before_db_) return;
+Result<double> Bench::set_gain(double gain_db) {
+  CameraSet change;
+  change.put(&CameraSettings::gain_db, gain_db);
+  const auto set = set_camera(change);
+  if (!set) return fail(set.error());
+  return set->settings.gain_db;
+}
+
+Result<void> Bench::keep_camera() {
+  if (!deps_.jobs.use_result(job_)) return fail(stopped_error());
+  camera_before_ = {};
+  return {};
+}
+
+void Bench::restore_camera() {
+  if (camera_before_.given().empty()) return;
   auto restored = std::make_shared<std::promise<void>>();
   auto done = restored->get_future();
-  deps_.camera.restore_gain(*gain_before_db_, [restored] { restored->set_value(); });
+  deps_.camera.restore(camera_before_, [restored] { restored->set_value(); });
   restored.reset();
   done.wait();  // returns also if the camera thread has ended, which breaks the promise
 }
@@ -233,8 +250,13 @@ Result<std::vector<SeriesFrame>> Bench::series(int frames, FromPixels from) {
 /// Averages images into `to`, which must outlive the request.
 std::unique_ptr<FrameBroker::Request> Bench::request_images(int frames, ImageMean& to) const {
   return deps_.frames.request(FrameBroker::Needs::pixels, frames,
-                              [&to, under = measured_under(*sensor())](const FrameRecord& record) {
-                                return under.still(record) && to.add(record);
+                              [&to, under = measured_under(*sensor()),
+                               with = camera().settings](const FrameRecord& record) {
+                                return under.still(record) &&
+                                       record.exposure_us == with.exposure_us &&
+                                       same_number(record.gain_db, with.gain_db) &&
+                                       same_number(record.gain_raw, with.gain_raw) &&
+                                       to.add(record);
                               });
 }
 

@@ -64,9 +64,15 @@ class Bench {
   /// Publishes a warning event.
   void warn(std::string kind, std::string text, nlohmann::json data);
 
-  /// Sets the camera gain and returns the value in dB read back. The previous gain is restored when
-  /// the procedure ends. Waits for a disconnected camera for as long as for a frame, at least 10 s.
+  /// Changes exposure or gain of the camera and returns the state afterwards. The previous values
+  /// are restored when the procedure ends, unless keep_camera is called. Waits for a disconnected
+  /// camera for as long as for a frame, at least 10 s.
+  Result<CameraSnapshot> set_camera(const CameraSet& change);
+  /// The same for the gain; returns the value in dB read back.
   Result<double> set_gain(double gain_db);
+  /// Makes the camera's settings the job's result: they are not restored. Errc::refused: the job
+  /// was cancelled.
+  Result<void> keep_camera();
 
   /// Records the next `frames` settled frames of the current hologram at the current gain. For
   /// `from` see FrameSeries.
@@ -79,8 +85,8 @@ class Bench {
   /// frames. Reports the progress. Errc::refused, field "camera": the camera's settings changed
   /// during the job.
   Result<TakenReference> reference(int frames);
-  /// Mean image of the next `frames` frames of the current hologram, DN; NaN at pixels that were
-  /// saturated in a frame.
+  /// Mean image of the next `frames` frames of the current hologram and camera settings, DN; NaN at
+  /// pixels that were saturated in a frame.
   Result<Image<float>> picture(int frames);
 
   /// Passes every frame with its pixels to `take`, settled or not, until the request is destroyed.
@@ -102,15 +108,15 @@ class Bench {
 
   /// Reports the progress of the whole procedure, 0 .. 1.
   void report_progress(double progress);
-  /// Restores the camera gain; call it in the procedure thread after the procedure. Returns when
-  /// the gain is restored, or when the camera thread has ended.
-  void restore_gain();
+  /// Restores exposure and gain of the camera; call it in the procedure thread after the procedure.
+  /// Returns when they are restored, or when the camera thread has ended.
+  void restore_camera();
   bool stopped() const { return stop_.load(); }
 
  private:
   template <class T>
   Result<T> wait_for(std::future<Result<T>> future);
-  Result<double> try_gain(double gain_db);
+  Result<CameraSnapshot> try_camera(const CameraSet& change);
   Result<void> check_display() const;
   Error no_frame(double waited_s) const;
   Result<void> edit(SensorChange change);
@@ -121,7 +127,7 @@ class Bench {
   BenchDeps deps_;
   const std::atomic<bool>& stop_;
   std::atomic<double>& progress_;
-  std::optional<double> gain_before_db_;  ///< gain to restore, dB; none: unchanged
+  CameraSet camera_before_;  ///< settings to restore; empty: unchanged
   std::shared_ptr<PendingFiles> files_ = std::make_shared<PendingFiles>();
 };
 

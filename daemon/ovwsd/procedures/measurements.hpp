@@ -1,5 +1,5 @@
-/// Measurement procedures of the bench: calibration, flatness, LUT, reference, registration and
-/// settle time. Each procedure also fails with the errors of Bench.
+/// Measurement procedures of the bench: calibration, exposure, flatness, LUT, reference,
+/// registration and settle time. Each procedure also fails with the errors of Bench.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,6 +12,7 @@
 #include "daemon/ovwsd/procedures/bench.hpp"
 #include "daemon/ovwsd/sensor/calibration.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
+#include "proto/tables/camera.hpp"
 #include "proto/tables/params.hpp"
 
 namespace ovws {
@@ -23,6 +24,15 @@ namespace ovws {
 /// field "modes": all modes were requested, spots were lost, and a mode cannot be measured.
 Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry& slm,
                                                 const CalibrationRun& run);
+
+/// `camera.auto_exposure`: changes the exposure until the brightest pixels are at the target,
+/// within 5 % of it, or 10 % after eight looks, or as near as the camera's steps allow. Lowers the
+/// gain if the shortest exposure is too bright. The brightest pixels are those of the mean of three
+/// frames: as many pixels as the pattern has spots are at least as bright, hot pixels left out.
+/// Keeps the camera's settings. Errc::refused, with the field that limits the exposure: no light,
+/// too dark, too bright, or the brightness does not follow the exposure.
+Result<AutoExposureReport> set_exposure(Bench& bench, const SlmGeometry& slm,
+                                        const AutoExposure& asked);
 
 /// `flatness.run`: measures the flatness error of the SLM and the optics by scanning a single
 /// aperture with a bright spot over the pupil (ScanGrid). All positions use the same grating, so

@@ -118,11 +118,11 @@ Result<nlohmann::json> Procedures::carry_out(Run& run) {
   }
 }
 
-/// Restores gain and hologram and releases the sensor before the job ends, because a client may
+/// Restores camera and hologram and releases the sensor before the job ends, because a client may
 /// start the next job as soon as a job has ended. A disk that does not answer delays only the end
 /// of the job.
 void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result) {
-  run->bench->restore_gain();
+  run->bench->restore_camera();
   auto given_back = std::make_shared<std::promise<void>>();
   auto done = given_back->get_future();
   deps_.bench.keeper.release(Hold::of_job(run->job), [given_back] { given_back->set_value(); });

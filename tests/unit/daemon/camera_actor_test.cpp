@@ -101,7 +101,9 @@ class CameraActorTest : public testing::Test {
   }
   bool restored(double gain_db) {
     bool done = false;
-    actor_->restore_gain(gain_db, [&done] { done = true; });
+    CameraSet before;
+    before.put(&CameraSettings::gain_db, gain_db);
+    actor_->restore(before, [&done] { done = true; });
     actor_->do_work();
     return done;
   }
@@ -184,9 +186,10 @@ TEST_F(CameraActorTest, GainThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   EXPECT_EQ(events[0].kind, "camera");
   EXPECT_EQ(events[0].severity, Severity::warning);
   EXPECT_EQ(events[0].data["gain_db"], 3.0);
-  EXPECT_EQ(events[0].text,
-            "camera: the gain of 3 dB could not be restored after a job: the register is locked; "
-            "set it with camera.set");
+  EXPECT_EQ(
+      events[0].text,
+      "camera: the settings {\"gain_db\":3.0} could not be restored after a job: the register is "
+      "locked; set them with camera.set");
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   device_.refuses_gains = false;
   CameraSet exposure;

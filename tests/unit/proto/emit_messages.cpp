@@ -166,6 +166,7 @@ void print_flatnesses() {
   print_result("flatness.get", to_json(flatness));
   print_result("flatness.run", to_json(JobNumber{6}));
   print_result("slm.settle", to_json(JobNumber{7}));
+  print_result("camera.auto_exposure", to_json(JobNumber{8}));
   print_result("slm.verify", to_json(VerifyReport{7, 0xffffffffU, 1U, 12}));
 }
 
@@ -381,6 +382,7 @@ void print_all_params() {
   print_params<RegistrationRun>("registration.run", {"frames", "frame"});
   print_params<FlatnessRun>("flatness.run", {"frames", "frame"});
   print_params<SettleRun>("slm.settle", {"repetitions", "watch_ms", "frames"});
+  print_params<AutoExposure>("camera.auto_exposure", {"target", "max_exposure_us", "targets"});
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});
   print_params<ReferenceSet>("reference.set", {"source"}, 3000);
   print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});

@@ -216,6 +216,10 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_EQ(error_of(decode<SlmShow>(json::object())).field, "pattern");
   EXPECT_EQ(decode<FlatnessRun>(json::object())->frames, 5);
   EXPECT_EQ(error_of(decode<FlatnessRun>({{"frames", 0}})).field, "frames");
+  EXPECT_EQ(decode<AutoExposure>(json::object())->target, 0.7);
+  EXPECT_FALSE(decode<AutoExposure>({{"max_exposure_us", nullptr}})->max_exposure_us);
+  EXPECT_EQ(error_of(decode<AutoExposure>({{"target", 1.0}})).field, "target");
+  EXPECT_EQ(error_of(decode<AutoExposure>({{"max_exposure_us", 0}})).field, "max_exposure_us");
   EXPECT_EQ(decode<SettleRun>(json::object())->repetitions, 20);
   EXPECT_EQ(error_of(decode<SettleRun>({{"repetitions", 2}})).field, "repetitions");
   EXPECT_EQ(error_of(decode<SettleRun>({{"watch_ms", 1}})).field, "watch_ms");

@@ -1,0 +1,56 @@
+/// Methods of the camera.
+#include "config/config.hpp"
+#include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/control/method_table.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/procedures/procedures.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "proto/tables/camera.hpp"
+#include "proto/tables/set.hpp"
+
+namespace ovws {
+namespace {
+
+void get_camera(Services& services, Reply<CameraReport> reply) {
+  const CameraSnapshot camera = services.camera.snapshot();
+  reply(CameraReport{camera.info, camera.settings, camera.limits});
+}
+
+void set_camera(Services& services, const CameraSet& change, Reply<CameraSetReport> reply) {
+  if (change.gives(&CameraSettings::pixel_format)) {
+    const auto suits = can_measure(*services.keeper.snapshot(), services.config.slm.geometry,
+                                   change.applied_to({}).pixel_format);
+    if (!suits) return reply(suits.error());
+  }
+  services.camera.change(change, [&services, change, reply](Result<CameraSnapshot> applied) {
+    if (!applied) return reply(applied.error());
+    services.keeper.after_changes([change, reply, camera = *applied] {
+      reply(CameraSetReport{change, camera.settings, camera.limits});
+    });
+  });
+}
+
+void start_exposure(Services& services, const AutoExposure& params, Reply<JobNumber> reply) {
+  services.procedures.start(
+      kCameraAutoExposure.name,
+      [slm = services.config.slm.geometry, params](Bench& bench) -> Result<Json> {
+        const auto found = set_exposure(bench, slm, params);
+        if (!found) return fail(found.error());
+        return to_json(*found);
+      },
+      with_job_number(std::move(reply)));
+}
+
+constexpr std::array kRows{
+    row<kCameraAutoExposure, start_exposure>(Role::control, Action::start_job),
+    row<kCameraGet, get_camera>(Role::read, Action::read),
+    row<kCameraSet, set_camera>(Role::control, Action::set_camera),
+};
+
+}  // namespace
+
+std::span<const MethodRow> camera_methods() {
+  return kRows;
+}
+
+}  // namespace ovws

@@ -1,0 +1,199 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "daemon/ovwsd/procedures/exposure_look.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kMaxLooks = 8;
+constexpr int kFrames = 3;               // averaged for each look
+constexpr double kClose = 0.05;          // relative deviation from the target that ends the search
+constexpr double kAcceptable = 0.1;      // the same after the last look
+constexpr double kStep = 10.0;           // change of the exposure where brightness says nothing
+constexpr double kMaxRise = 30.0;        // of the exposure from one look to the next
+constexpr double kEven = 0.25;           // of full scale: even light is not a black level
+constexpr double kSaturatesRise = 1.5;   // rise of the exposure ...
+constexpr double kSaturatesLevel = 1.1;  // ... that must raise the brightness by more than this
+
+Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm) {
+  const SensorView now = bench.sensor();
+  const CameraSettings settings = bench.camera().settings;
+  const LitPixels lit = lit_pixels(settings.pixel_format, now->optics.wavelength_nm);
+  const auto image = bench.picture(kFrames);
+  if (!image) return fail(image.error());
+  return judge_exposure(on_plane(*image, lit.plane), expected_spots(*now, slm, lit), settings);
+}
+
+/// Search for the exposure with which the brightest pixels are at the target.
+class ExposureSearch {
+ public:
+  ExposureSearch(Bench& bench, const SlmGeometry& slm, const AutoExposure& asked)
+      : bench_(bench), slm_(slm), asked_(asked) {}
+
+  Result<AutoExposureReport> run() {
+    for (int looks = 1;; ++looks) {
+      bench_.report_progress(double(looks - 1) / kMaxLooks);
+      const auto look = look_at(bench_, slm_);
+      if (!look) return fail(look.error());
+      if (is_within(*look, looks < kMaxLooks ? kClose : kAcceptable)) return report(*look, looks);
+      if (looks == kMaxLooks) return fail(unsteady(*look));
+      auto changed = change(*look);
+      if (!changed) return fail(changed.error());
+      if (!*changed) return report(*look, looks);
+      previous_ = *look;
+    }
+  }
+
+ private:
+  bool is_within(const ExposureLook& look, double tolerance) const {
+    return !look.saturated() && look.lit &&
+           std::abs(look.fraction() / asked_.target - 1.0) <= tolerance;
+  }
+
+  /// Factor by which the exposure should change.
+  double factor(const ExposureLook& look) const {
+    if (look.saturated()) return 1.0 / kStep;
+    if (!look.lit) return kStep;
+    const double wanted = asked_.target * look.full - look.dark;
+    return std::clamp(wanted / (look.brightest - look.dark), 1.0 / kStep, kMaxRise);
+  }
+
+  struct Limit {
+    double us;
+    const char* field;
+    const char* advice;
+  };
+  /// Longest exposure that may be used, and what to change for a longer one.
+  Limit longest(const CameraSettings& now, const CameraLimits& limits) const {
+    Limit longest{limits.exposure_us.max, "camera.exposure_us", ""};
+    // Cameras lower the frame rate for exposures longer than a frame period.
+    if (const double period_us = 1e6 / now.frame_rate_hz; period_us < longest.us) {
+      longest = {period_us, "camera.frame_rate_hz", "lower camera.frame_rate_hz, "};
+    }
+    if (asked_.max_exposure_us && *asked_.max_exposure_us < longest.us) {
+      longest = {*asked_.max_exposure_us, "max_exposure_us", "raise max_exposure_us, "};
+    }
+    return longest;
+  }
+
+  /// Changes exposure or gain. Returns false if the camera has no setting that is nearer.
+  Result<bool> change(const ExposureLook& look) {
+    const auto limits = bench_.camera().limits;
+    if (!limits) return fail(Errc::unavailable, "camera", "the camera was disconnected");
+    if (!look.lit && !look.saturated() && look.fraction() > kEven) return fail(even(look));
+    if (auto rises = check_rises(look); !rises) return fail(rises.error());
+    const double now_us = look.settings.exposure_us, by = factor(look);
+    const Limit most = longest(look.settings, *limits);
+    const double least_us = std::min(limits->exposure_us.min, most.us);
+    constexpr double kSame = 1.001;
+    if (by > 1.0 && now_us * kSame >= most.us) return fail(too_dark(look, most));
+    if (by < 1.0 && now_us <= least_us * kSame) return lower_gain(look, *limits, by);
+    CameraSet change;
+    change.set_clamp(true);
+    change.put(&CameraSettings::exposure_us, std::clamp(by * now_us, least_us, most.us));
+    return apply(change, look);
+  }
+
+  Result<bool> lower_gain(const ExposureLook& look, const CameraLimits& limits, double by) {
+    CameraSet change;
+    change.set_clamp(true);
+    if (limits.gain_raw) {  // its unit is the camera's own
+      if (look.settings.gain_raw <= limits.gain_raw->min) return fail(too_bright(look));
+      change.put(&CameraSettings::gain_raw, limits.gain_raw->min);
+    } else {
+      if (look.settings.gain_db <= limits.gain_db.min) return fail(too_bright(look));
+      change.put(&CameraSettings::gain_db,
+                 std::max(limits.gain_db.min, look.settings.gain_db + 20.0 * std::log10(by)));
+    }
+    return apply(change, look);
+  }
+
+  Result<bool> apply(const CameraSet& change, const ExposureLook& look) {
+    const auto now = bench_.set_camera(change);
+    if (!now) return fail(now.error());
+    if (now->settings != look.settings) return true;
+    if (look.saturated()) return fail(too_bright(look));
+    return false;
+  }
+
+  /// Fails if the last rise of the exposure did not make the image brighter.
+  Result<void> check_rises(const ExposureLook& look) const {
+    if (!previous_ || !previous_->lit || previous_->saturated() || look.saturated() ||
+        !same_gain(previous_->settings, look.settings) || look.fraction() >= asked_.target) {
+      return {};
+    }
+    const bool risen = look.settings.exposure_us > kSaturatesRise * previous_->settings.exposure_us;
+    const double before = previous_->brightest - previous_->dark;
+    if (!risen || look.brightest - look.dark > kSaturatesLevel * before) return {};
+    return fail(Errc::refused, "target",
+                fmt::format("a longer exposure does not make the image brighter than {:.0f} % of "
+                            "full scale: the camera saturates there; raise camera.gain_db, or "
+                            "choose a lower target",
+                            100.0 * look.fraction()));
+  }
+
+  Error too_dark(const ExposureLook& look, const Limit& most) const {
+    if (!look.lit) {
+      return {Errc::refused, most.field,
+              fmt::format(
+                  "no light reaches the camera: at the longest exposure of {:g} ms the image shows "
+                  "only noise; check that the laser is on and its shutter open, that the camera's "
+                  "cover is off, and that a spot appears with slm.show grating",
+                  1e-3 * look.settings.exposure_us)};
+    }
+    return {Errc::refused, most.field,
+            fmt::format("too dark: at the longest exposure of {:g} ms the brightest pixels reach "
+                        "{:.0f} % of full scale; {}raise the laser's power or camera.gain_db",
+                        1e-3 * look.settings.exposure_us, 100.0 * look.fraction(), most.advice)};
+  }
+
+  Error too_bright(const ExposureLook& look) const {
+    return {Errc::refused, "camera.exposure_us",
+            fmt::format("too bright: at the shortest exposure of {:g} us and the lowest gain the "
+                        "brightest pixels reach {:.0f} % of full scale and {} pixels are "
+                        "saturated; lower the laser's power or insert a neutral-density filter",
+                        look.settings.exposure_us, 100.0 * look.fraction(), look.saturated_pixels)};
+  }
+
+  static Error even(const ExposureLook& look) {
+    return {Errc::refused, "target",
+            fmt::format("the image is evenly bright, at {:.0f} % of full scale, and no spot stands "
+                        "out: darken the room, or check that the SLM is lit by the laser and in "
+                        "focus",
+                        100.0 * look.fraction())};
+  }
+
+  Error unsteady(const ExposureLook& look) const {
+    return {Errc::refused, "target",
+            fmt::format("the brightness does not follow the exposure: after {} looks the brightest "
+                        "pixels are at {:.0f} % of full scale; check that the laser's power is "
+                        "steady and that nothing moves on the bench",
+                        kMaxLooks, 100.0 * look.fraction())};
+  }
+
+  Result<AutoExposureReport> report(const ExposureLook& look, int looks) {
+    if (auto kept = bench_.keep_camera(); !kept) return fail(kept.error());
+    return AutoExposureReport{look.settings.exposure_us, look.settings.gain_db,
+                              look.settings.gain_raw,    look.fraction(),
+                              look.saturated_pixels,     looks};
+  }
+
+  Bench& bench_;
+  const SlmGeometry slm_;
+  const AutoExposure asked_;
+  std::optional<ExposureLook> previous_;
+};
+
+}  // namespace
+
+Result<AutoExposureReport> set_exposure(Bench& bench, const SlmGeometry& slm,
+                                        const AutoExposure& asked) {
+  return ExposureSearch(bench, slm, asked).run();
+}
+
+}  // namespace ovws

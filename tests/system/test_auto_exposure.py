@@ -1,0 +1,105 @@
+"""camera.auto_exposure finds the exposure of the twin's camera, whatever the light is, or says what is wrong."""
+import json
+import subprocess
+
+from case import BenchCase, Client, main, wait_for
+
+CLOSE = 0.05  # of the target, as documented
+TARGET = 0.7
+ZEROTH_PX = 16  # the zeroth order is at the left edge of this bench's image, brighter than the spots
+
+
+class AutoExposure(BenchCase):
+    small = True
+    twin_config = {"noise": "fresh"}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+        self.usual = self.twin.call("twin.get")["peak_electrons"]
+
+    def light(self, factor):
+        self.twin.call("twin.set", {"peak_electrons": factor * self.usual})
+
+    def found(self, **params):
+        result = self.run_job("camera.auto_exposure", params, 60.0)["result"]
+        pixels = self.client.image().pixels[:, ZEROTH_PX:]
+        top = float(pixels.max()) / self.full_scale()
+        print(f"\n  {result['exposure_us']:.1f} us, {result['gain_db']} dB in {result['looks']} looks: {result['brightest']:.3f} of full scale, single brightest pixel {top:.3f}")
+        self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], result["exposure_us"])
+        target = params.get("target", TARGET)
+        self.assertLess(abs(result["brightest"] / target - 1.0), CLOSE)
+        # The single brightest pixel of one frame has noise, and spots are unequally bright.
+        self.assertGreater(top, 0.95 * target)
+        self.assertLess(top, 1.25 * target)
+        self.assertLess(result["saturated_pixels"], 10)  # of the zeroth order
+        self.assertLessEqual(result["looks"], 8)
+        return result
+
+    def full_scale(self):
+        return {"Mono8": 255, "Mono12": 4095, "BayerRG12p": 4095}[self.call("camera.get")["settings"]["pixel_format"]]
+
+    def failure(self, **params):
+        before = self.call("camera.get")["settings"]
+        job = self.call("camera.auto_exposure", params)["job"]
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        self.assertEqual(ended["state"], "failed", ended)
+        self.assertEqual(self.call("camera.get")["settings"], before)
+        print(f"\n  {ended['error']['data']['field']}: {ended['error']['message']}")
+        return ended["error"]
+
+    def test_from_every_light(self):
+        self.light(100.0)  # as an exposure that is 100 times too long
+        self.found()
+        self.light(1.0)
+        self.call("camera.set", {"exposure_us": 20.0})  # about 100 times too short
+        self.found()
+        self.call("camera.set", {"pixel_format": "Mono12"})
+        self.found(target=0.5)
+        self.light(0.02)
+        self.call("slm.show", {"pattern": "grating"})  # all light in one spot
+        self.found()
+        self.light(1.0)
+        self.call("slm.show", {"pattern": "sensor"})
+        self.call("camera.set", {"pixel_format": "BayerRG12p", "exposure_us": 2000.0})
+        self.found()
+        self.call("camera.set", {"pixel_format": "Mono8", "gain_db": 20.0})
+        self.light(100.0)
+        self.assertLess(self.found()["gain_db"], 20.0)
+
+    def test_what_is_wrong_is_said(self):
+        self.light(0.0)
+        self.assertIn("laser is on", self.failure()["message"])
+        self.light(1.0)
+        self.assertIn("max_exposure_us", self.failure(max_exposure_us=100.0)["message"])
+        self.light(10000.0)
+        self.assertIn("neutral-density", self.failure()["message"])
+        self.check_cancelled()
+        self.light(1.0)
+        self.check_verb()
+
+    def check_cancelled(self):
+        before = self.call("camera.get")["settings"]
+        job = self.call("camera.auto_exposure")["job"]
+        wait_for(lambda: self.call("camera.get")["settings"] != before, 10.0, "a changed exposure")
+        self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
+        self.assertEqual(self.call("camera.get")["settings"], before)
+
+    def check_verb(self):
+        def ovws(*words):
+            return subprocess.run([self.bench.programs / "ovws", *words], capture_output=True, text=True, timeout=60)
+
+        said = ovws("exposure", "auto")
+        print("\n ", said.stdout)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertRegex(said.stdout, r"^exposure [\d.]+ ms, gain 0 dB: the brightest pixels are at \d\d % of full scale, \d+ pixels\s+are\s+saturated\n$")
+        self.assertIn("brightest", json.loads(ovws("--json", "exposure", "auto").stdout))
+        self.light(0.0)
+        said = ovws("exposure", "auto")
+        self.assertEqual(said.returncode, 1)
+        self.assertIn("no light reaches the camera", said.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,182 @@
+/// camera.auto_exposure on the simulated bench, and its judgement of single images.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "daemon/ovwsd/procedures/exposure_look.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/sensor/sensor_changes.hpp"
+#include "tests/support/simulated_bench.hpp"
+
+namespace ovws {
+namespace {
+
+using test::SimulatedBench;
+using test::small_daemon_config;
+using test::small_twin_config;
+
+Result<AutoExposureReport> expose_on(SimulatedBench& bench, const AutoExposure& asked = {}) {
+  AutoExposureReport report;
+  const auto run = bench.run("camera.auto_exposure", [&](Bench& on) -> Result<nlohmann::json> {
+    auto found = set_exposure(on, bench.config().slm.geometry, asked);
+    if (!found) return fail(found.error());
+    report = *found;
+    return nlohmann::json{};
+  });
+  if (!run) return fail(run.error());
+  return report;
+}
+
+struct Bright {
+  double light = 1.0;  ///< times the usual laser's power
+  double exposure_us = 2000.0;
+  double gain_db = 0.0;
+  double target = 0.7;
+};
+
+class AutoExposureFrom : public testing::TestWithParam<Bright> {};
+
+TEST_P(AutoExposureFrom, EndsAtTheTarget) {
+  const Bright& begin = GetParam();
+  auto daemon = small_daemon_config();
+  auto twin = small_twin_config();
+  daemon.camera.settings.exposure_us = begin.exposure_us;
+  daemon.camera.settings.gain_db = begin.gain_db;
+  twin.truth.peak_electrons *= begin.light;
+  SimulatedBench bench(daemon, twin);
+  ASSERT_TRUE(bench.is_running());
+  const auto found = expose_on(bench, {begin.target, std::nullopt});
+  ASSERT_TRUE(found) << found.error().reason;
+  EXPECT_NEAR(found->brightest, begin.target, 0.05 * begin.target);
+  EXPECT_EQ(found->saturated_pixels, 0);
+  EXPECT_LE(found->looks, 7);
+  const CameraSnapshot camera = bench.camera();
+  EXPECT_EQ(camera.settings.exposure_us, found->exposure_us);
+  EXPECT_EQ(camera.asked.exposure_us, found->exposure_us) << "config.save keeps it";
+  EXPECT_EQ(camera.settings.gain_db, found->gain_db);
+  EXPECT_LE(found->gain_db, begin.gain_db);
+}
+INSTANTIATE_TEST_SUITE_P(Benches, AutoExposureFrom,
+                         testing::Values(Bright{2.0, 2000.0}, Bright{100.0, 2000.0},
+                                         Bright{5.0, 20.0}, Bright{2.0, 2500.0, 12.0},
+                                         Bright{100.0, 2000.0, 30.0}, Bright{1.0, 10.0, 0.0, 0.3}));
+
+TEST(AutoExposureJob, JudgesTheGratingsSpot) {
+  auto twin = small_twin_config();
+  twin.truth.peak_electrons *= 0.1;
+  SimulatedBench bench(small_daemon_config(), twin);
+  ASSERT_TRUE(bench.is_running());
+  ASSERT_TRUE(bench.edit(show_pattern(HologramKind::grating)));
+  const auto found = expose_on(bench);
+  ASSERT_TRUE(found) << found.error().reason;
+  EXPECT_NEAR(found->brightest, 0.7, 0.035);
+  EXPECT_EQ(found->saturated_pixels, 0);
+}
+
+/// A bench on which the job fails with a reason, and leaves the camera as it was.
+struct Hopeless {
+  const char* name;
+  double light;
+  double full_well_e;
+  AutoExposure asked;
+  const char* field;
+  const char* reason;
+};
+
+class AutoExposureFails : public testing::TestWithParam<Hopeless> {};
+
+TEST_P(AutoExposureFails, WithAReasonAndRestoresTheCamera) {
+  const Hopeless& bad = GetParam();
+  auto daemon = small_daemon_config();
+  auto twin = small_twin_config();
+  daemon.camera.settings.exposure_us = 150.0;
+  daemon.camera.settings.gain_db = 3.0;
+  twin.truth.peak_electrons *= bad.light;
+  SimulatedBench bench(daemon, twin);
+  ASSERT_TRUE(bench.is_running());
+  const auto found = expose_on(bench, bad.asked);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().field, bad.field);
+  EXPECT_NE(found.error().reason.find(bad.reason), std::string::npos) << found.error().reason;
+  EXPECT_EQ(bench.camera().settings.exposure_us, 150.0);
+  EXPECT_EQ(bench.camera().settings.gain_db, 3.0);
+}
+INSTANTIATE_TEST_SUITE_P(
+    Benches, AutoExposureFails,
+    testing::Values(Hopeless{"no light", 0.0, 0.0, {}, "camera.frame_rate_hz", "laser is on"},
+                    Hopeless{"too dark", 0.1, 0.0, {}, "camera.frame_rate_hz", "too dark"},
+                    Hopeless{"short limit", 1.0, 0.0, {0.7, 200.0}, "max_exposure_us", "too dark"},
+                    Hopeless{"too bright", 1e4, 0.0, {}, "camera.exposure_us", "neutral-density"}),
+    [](const auto& of) {
+      std::string name = of.param.name;
+      std::replace(name.begin(), name.end(), ' ', '_');
+      return name;
+    });
+
+TEST(AutoExposureJob, RestoresTheCameraWhenItIsCancelled) {
+  auto twin = small_twin_config();
+  twin.truth.peak_electrons *= 100.0;
+  SimulatedBench bench(small_daemon_config(), twin);
+  ASSERT_TRUE(bench.is_running());
+  std::thread canceller([&bench] {
+    while (bench.camera().settings.exposure_us == 2000.0) std::this_thread::yield();
+    bench.cancel();
+  });
+  const auto found = expose_on(bench);
+  canceller.join();
+  ASSERT_FALSE(found);
+  EXPECT_EQ(bench.camera().settings.exposure_us, 2000.0);
+}
+
+/// Black level 2, and spots of 5 x 5 pixels.
+Image<float> image_with(int spots, float level) {
+  Image<float> image(64, 64, 2.0F);
+  for (int k = 0; k < spots; ++k) {
+    for (int y = -2; y <= 2; ++y) {
+      for (int x = -2; x <= 2; ++x) {
+        image.at(8 + 12 * (k % 4) + x, 8 + 12 * (k / 4) + y) =
+            2.0F + level * std::exp(-0.5F * float(x * x + y * y) / 2.0F);
+      }
+    }
+  }
+  return image;
+}
+
+TEST(ExposureLook, IsNotOfHotPixels) {
+  const CameraSettings settings;
+  Image<float> image = image_with(7, 100.0F);
+  for (int k = 0; k < 40; ++k) image.at(3 * (k % 8) + 1, 62 - 3 * (k / 8)) = NAN;
+  const auto look = judge_exposure(image, {7, true}, settings);
+  EXPECT_NEAR(look.brightest, 102.0, 1.0);
+  EXPECT_NEAR(look.dark, 2.0, 0.1);
+  EXPECT_EQ(look.saturated_pixels, 40);
+  EXPECT_TRUE(look.lit);
+  EXPECT_TRUE(judge_exposure(image, {7, false}, settings).saturated());
+}
+
+TEST(ExposureLook, OfDarknessIsNotLit) {
+  Image<float> image(64, 64, 2.0F);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] += float(i % 7) / 3.0F;
+  image.at(20, 20) = 200.0F;  // hot
+  EXPECT_FALSE(judge_exposure(image, {7, true}, {}).lit);
+  EXPECT_FALSE(judge_exposure(Image<float>(64, 64, 0.0F), {1, true}, {}).lit);
+}
+
+TEST(ExposureLook, OfAnImageAtFullScaleIsSaturated) {
+  const auto look = judge_exposure(Image<float>(64, 64, NAN), {19, true}, {});
+  EXPECT_TRUE(look.saturated());
+  EXPECT_TRUE(look.lit || look.saturated());
+  EXPECT_EQ(look.saturated_pixels, 64 * 64);
+  EXPECT_EQ(look.fraction(), 1.0);
+}
+
+TEST(ExposureLook, UsesTheFormatsFullScale) {
+  CameraSettings settings;
+  settings.pixel_format = PixelFormat::mono12;
+  const auto look = judge_exposure(image_with(7, 2000.0F), {7, true}, settings);
+  EXPECT_NEAR(look.fraction(), 2002.0 / 4095.0, 0.001);
+}
+
+}  // namespace
+}  // namespace ovws
