@@ -1,8 +1,6 @@
 #include "daemon/ovwsd/procedures/exposure_look.hpp"
 
 #include <algorithm>
-#include <cstdint>
-#include <numeric>
 #include <vector>
 
 namespace ovws {
@@ -12,7 +10,8 @@ constexpr double kSignificance = 6.0;  // of light, in standard deviations of th
 constexpr double kDarkShare = 0.05;    // fraction of the pixels that are darker than `dark`
 constexpr double kHotContrast = 10.0;  // a hot pixel exceeds all its neighbours by this factor
 constexpr double kResolvedPx = 1.5;    // narrower spots may look like hot pixels
-constexpr std::size_t kMaxHot = 256;   // hot pixels that are left out at most
+constexpr double kPercentile = 0.8;    // of the spots' brightest pixels
+constexpr double kApart = 1.5;         // lambda/d between peaks of two spots
 
 float or_full(float dn, double full) {
   return std::isnan(dn) ? float(full) : dn;
@@ -38,14 +37,57 @@ float quantile(std::vector<float>& values, double share) {
   return *at;
 }
 
+struct Peak {
+  double dn = 0.0;
+  int x = 0, y = 0;
+};
+
+/// The brightest pixel of each tile of the image, without hot pixels.
+std::vector<Peak> tile_peaks(const Image<float>& image, int side, bool skip_hot, double dark,
+                             double full) {
+  std::vector<Peak> peaks;
+  for (int top = 0; top < image.height; top += side) {
+    for (int left = 0; left < image.width; left += side) {
+      Peak best{-1.0};
+      for (int y = top; y < std::min(top + side, image.height); ++y) {
+        for (int x = left; x < std::min(left + side, image.width); ++x) {
+          const double dn = or_full(image.at(x, y), full);
+          if (dn <= best.dn) continue;
+          const std::size_t at = std::size_t(y) * image.width + x;
+          if (!skip_hot || !is_hot(image, at, dark, full)) best = {dn, x, y};
+        }
+      }
+      if (best.dn >= 0.0) peaks.push_back(best);
+    }
+  }
+  return peaks;
+}
+
+/// As many peaks as there are spots, the brightest first, kApart apart.
+std::vector<Peak> brightest_peaks(const Image<float>& image, const ExpectedSpots& expected,
+                                  double dark, double full) {
+  const double apart_px = std::max(1.0, kApart * expected.size_px);
+  auto all =
+      tile_peaks(image, int(std::ceil(apart_px)), expected.size_px >= kResolvedPx, dark, full);
+  std::sort(all.begin(), all.end(), [](const Peak& a, const Peak& b) { return a.dn > b.dn; });
+  std::vector<Peak> found;
+  for (const Peak& peak : all) {
+    if (int(found.size()) == expected.count) break;
+    const bool is_near = std::any_of(found.begin(), found.end(), [&](const Peak& other) {
+      return std::hypot(peak.x - other.x, peak.y - other.y) < apart_px;
+    });
+    if (!is_near) found.push_back(peak);
+  }
+  return found;
+}
+
 }  // namespace
 
 ExpectedSpots expected_spots(const SensorSnapshot& now, const SlmGeometry& slm,
                              const LitPixels& lit) {
   const double spot_px = lambda_d_px(now.optics, slm, now.sensor) / lit.plane.step;
-  if (now.pattern == HologramKind::sensor) return {now.subapertures, spot_px >= kResolvedPx};
-  const double whole_px = spot_px / now.sensor.subapertures_across;  // the whole pupil's spot
-  return {1, whole_px >= kResolvedPx};
+  if (now.pattern == HologramKind::sensor) return {now.subapertures, spot_px};
+  return {1, spot_px / now.sensor.subapertures_across};  // the whole pupil's spot
 }
 
 ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expected,
@@ -53,27 +95,19 @@ ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expe
   ExposureLook look;
   look.settings = settings;
   look.full = full_scale_dn(settings.pixel_format);
+  look.saturated_pixels = int(std::count_if(image.pixels.begin(), image.pixels.end(),
+                                            [](float dn) { return std::isnan(dn); }));
   std::vector<float> values(image.pixels.size());
   std::transform(image.pixels.begin(), image.pixels.end(), values.begin(),
                  [&](float dn) { return or_full(dn, look.full); });
-  look.saturated_pixels = int(std::count_if(image.pixels.begin(), image.pixels.end(),
-                                            [](float dn) { return std::isnan(dn); }));
   look.dark = double(quantile(values, kDarkShare));
   const float median = quantile(values, 0.5);
-  std::vector<std::uint32_t> order(image.pixels.size());
-  std::iota(order.begin(), order.end(), 0U);
-  const auto value_at = [&](std::uint32_t i) { return or_full(image.pixels[i], look.full); };
-  const std::size_t top = std::min(order.size(), std::size_t(expected.count) + kMaxHot);
-  std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(top), order.end(),
-                    [&](std::uint32_t a, std::uint32_t b) { return value_at(a) > value_at(b); });
-  int left = expected.count;
-  for (std::size_t k = 0; k < top && left > 0; ++k) {
-    if (expected.resolved && is_hot(image, order[k], look.dark, look.full)) continue;
-    look.brightest = double(value_at(order[k]));
-    --left;
-  }
   for (float& value : values) value = std::abs(value - median);
   const double noise = 1.4826 * double(quantile(values, 0.5));  // of a normal distribution
+  const std::vector<Peak> peaks = brightest_peaks(image, expected, look.dark, look.full);
+  if (peaks.empty()) return look;
+  const auto rank = std::size_t((1.0 - kPercentile) * expected.count);
+  look.brightest = peaks[std::min(rank, peaks.size() - 1)].dn;
   look.lit = look.brightest - double(median) > std::max(1.0, kSignificance * noise);
   if (look.brightest >= look.full) look.brightest = NAN;
   return look;

@@ -12,7 +12,7 @@ namespace ovws {
 /// Brightness of one image, DN.
 struct ExposureLook {
   double full = 0.0;       ///< full scale of the pixel format
-  double brightest = 0.0;  ///< of the spots; NaN: at full scale
+  double brightest = 0.0;  ///< of the spots' brightest pixels; NaN: at full scale
   double dark = 0.0;       ///< black level and stray light
   bool lit = false;        ///< the brightest pixels exceed the noise
   int saturated_pixels = 0;
@@ -25,7 +25,7 @@ struct ExposureLook {
 /// What the image should contain.
 struct ExpectedSpots {
   int count = 1;
-  bool resolved = true;  ///< spots are wider than a pixel, unlike hot pixels
+  double size_px = 1.0;  ///< lambda/d of a spot, in the pixels that the laser reaches
 };
 
 /// The spots of the pattern that the SLM shows, on the pixels `lit` that the laser reaches.
@@ -33,8 +33,9 @@ ExpectedSpots expected_spots(const SensorSnapshot& now, const SlmGeometry& slm,
                              const LitPixels& lit);
 
 /// Evaluates a mean image in DN whose saturated pixels are NaN, taken with `settings`. `brightest`
-/// is the brightness that as many pixels reach as there are spots. Pixels that are ten times as
-/// bright as all their neighbours are left out if spots are resolved.
+/// is the 80th percentile of the brightest pixels of as many peaks as there are spots, at least 1.5
+/// lambda/d apart: a zeroth order in view does not count. Pixels that are ten times as bright as
+/// all their neighbours are left out, unless spots are about as small as a pixel.
 ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expected,
                             const CameraSettings& settings);
 

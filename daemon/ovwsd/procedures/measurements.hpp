@@ -27,10 +27,10 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
 
 /// `camera.auto_exposure`: changes the exposure until the brightest pixels are at the target,
 /// within 5 % of it, or 10 % after eight looks, or as near as the camera's steps allow. Lowers the
-/// gain if the shortest exposure is too bright. The brightest pixels are those of the mean of three
-/// frames: as many pixels as the pattern has spots are at least as bright, hot pixels left out.
-/// Keeps the camera's settings. Errc::refused, with the field that limits the exposure: no light,
-/// too dark, too bright, or the brightness does not follow the exposure.
+/// gain if the shortest exposure is too bright. The brightest pixels are those of the spots in
+/// the mean of three frames (judge_exposure). Keeps the camera's settings. Errc::refused, with the
+/// field that limits the exposure: no light, too dark, too bright, or the brightness does not
+/// follow the exposure.
 Result<AutoExposureReport> set_exposure(Bench& bench, const SlmGeometry& slm,
                                         const AutoExposure& asked);
 

@@ -49,7 +49,7 @@ TEST_P(AutoExposureFrom, EndsAtTheTarget) {
   const auto found = expose_on(bench, {begin.target, std::nullopt});
   ASSERT_TRUE(found) << found.error().reason;
   EXPECT_NEAR(found->brightest, begin.target, 0.05 * begin.target);
-  EXPECT_EQ(found->saturated_pixels, 0);
+  EXPECT_LT(found->saturated_pixels, 30) << "of the zeroth order";
   EXPECT_LE(found->looks, 7);
   const CameraSnapshot camera = bench.camera();
   EXPECT_EQ(camera.settings.exposure_us, found->exposure_us);
@@ -58,9 +58,9 @@ TEST_P(AutoExposureFrom, EndsAtTheTarget) {
   EXPECT_LE(found->gain_db, begin.gain_db);
 }
 INSTANTIATE_TEST_SUITE_P(Benches, AutoExposureFrom,
-                         testing::Values(Bright{2.0, 2000.0}, Bright{100.0, 2000.0},
+                         testing::Values(Bright{2.0, 2000.0}, Bright{10.0, 2000.0},
                                          Bright{5.0, 20.0}, Bright{2.0, 2500.0, 12.0},
-                                         Bright{100.0, 2000.0, 30.0}, Bright{1.0, 10.0, 0.0, 0.3}));
+                                         Bright{10.0, 2000.0, 30.0}, Bright{1.0, 10.0, 0.0, 0.3}));
 
 TEST(AutoExposureJob, JudgesTheGratingsSpot) {
   auto twin = small_twin_config();
@@ -71,7 +71,7 @@ TEST(AutoExposureJob, JudgesTheGratingsSpot) {
   const auto found = expose_on(bench);
   ASSERT_TRUE(found) << found.error().reason;
   EXPECT_NEAR(found->brightest, 0.7, 0.035);
-  EXPECT_EQ(found->saturated_pixels, 0);
+  EXPECT_LT(found->saturated_pixels, 30) << "of the zeroth order";
 }
 
 /// A bench on which the job fails with a reason, and leaves the camera as it was.
@@ -147,24 +147,32 @@ TEST(ExposureLook, IsNotOfHotPixels) {
   const CameraSettings settings;
   Image<float> image = image_with(7, 100.0F);
   for (int k = 0; k < 40; ++k) image.at(3 * (k % 8) + 1, 62 - 3 * (k / 8)) = NAN;
-  const auto look = judge_exposure(image, {7, true}, settings);
+  const auto look = judge_exposure(image, {7, 4.0}, settings);
   EXPECT_NEAR(look.brightest, 102.0, 1.0);
   EXPECT_NEAR(look.dark, 2.0, 0.1);
   EXPECT_EQ(look.saturated_pixels, 40);
   EXPECT_TRUE(look.lit);
-  EXPECT_TRUE(judge_exposure(image, {7, false}, settings).saturated());
+  EXPECT_TRUE(judge_exposure(image, {7, 1.0}, settings).saturated());
+}
+
+TEST(ExposureLook, IsNotOfABrightZerothOrder) {
+  Image<float> image = image_with(7, 100.0F);
+  for (int k = 0; k < 9; ++k) image.at(56 + k % 3, 56 + k / 3) = NAN;
+  const auto look = judge_exposure(image, {7, 4.0}, {});
+  EXPECT_NEAR(look.brightest, 102.0, 1.0);
+  EXPECT_EQ(look.saturated_pixels, 9);
 }
 
 TEST(ExposureLook, OfDarknessIsNotLit) {
   Image<float> image(64, 64, 2.0F);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] += float(i % 7) / 3.0F;
   image.at(20, 20) = 200.0F;  // hot
-  EXPECT_FALSE(judge_exposure(image, {7, true}, {}).lit);
-  EXPECT_FALSE(judge_exposure(Image<float>(64, 64, 0.0F), {1, true}, {}).lit);
+  EXPECT_FALSE(judge_exposure(image, {7, 4.0}, {}).lit);
+  EXPECT_FALSE(judge_exposure(Image<float>(64, 64, 0.0F), {1, 4.0}, {}).lit);
 }
 
 TEST(ExposureLook, OfAnImageAtFullScaleIsSaturated) {
-  const auto look = judge_exposure(Image<float>(64, 64, NAN), {19, true}, {});
+  const auto look = judge_exposure(Image<float>(64, 64, NAN), {19, 4.0}, {});
   EXPECT_TRUE(look.saturated());
   EXPECT_TRUE(look.lit || look.saturated());
   EXPECT_EQ(look.saturated_pixels, 64 * 64);
@@ -174,7 +182,7 @@ TEST(ExposureLook, OfAnImageAtFullScaleIsSaturated) {
 TEST(ExposureLook, UsesTheFormatsFullScale) {
   CameraSettings settings;
   settings.pixel_format = PixelFormat::mono12;
-  const auto look = judge_exposure(image_with(7, 2000.0F), {7, true}, settings);
+  const auto look = judge_exposure(image_with(7, 2000.0F), {7, 4.0}, settings);
   EXPECT_NEAR(look.fraction(), 2002.0 / 4095.0, 0.001);
 }
 
