@@ -7,6 +7,7 @@
 
 #include "proto/messages.hpp"
 #include "proto/requests.hpp"
+#include "proto/tables/slm_change.hpp"
 
 namespace ovws {
 
@@ -17,6 +18,7 @@ struct CameraReport;
 struct CameraSetReport;
 struct CellReport;
 struct Config;
+struct ConfigSave;
 struct Description;
 struct FlatnessReport;
 struct GainSweepRun;
@@ -25,6 +27,9 @@ struct KnownExperiment;
 struct KnownReference;
 struct KnownRegistration;
 struct LutReport;
+struct RecordingList;
+struct ReferenceList;
+struct ReferenceName;
 struct RefineReport;
 struct RefineSetReport;
 struct SavedReport;
@@ -91,6 +96,15 @@ inline constexpr auto kCameraAutoExposure = method<AutoExposure, JobNumber>(
     "is cancelled, the previous exposure and gain are restored.");
 inline constexpr auto kCameraGet = method<Nothing, CameraReport>(
     "camera.get", "Returns the camera's settings and its current limits.");
+inline constexpr auto kCameraList = method<Nothing, CameraList>(
+    "camera.list",
+    "Discovers the cameras on all networks and USB buses, which takes about a second. Empty if "
+    "camera.driver has no discovery.");
+inline constexpr auto kCameraSelect = method<CameraSelect, CameraReport>(
+    "camera.select",
+    "Disconnects the camera and connects to this one, with the present settings as far as its "
+    "limits allow. If it is not there or cannot be opened, the former one stays in use. "
+    "config.save keeps the choice.");
 inline constexpr auto kCameraSet = method<CameraSet, CameraSetReport>(
     "camera.set",
     "Changes camera settings, all or nothing; omitted keys stay unchanged. The streams continue. "
@@ -99,7 +113,7 @@ inline constexpr auto kCameraSet = method<CameraSet, CameraSetReport>(
 inline constexpr auto kConfigGet = method<Nothing, Config>(
     "config.get",
     "Returns the effective configuration: the file's keys, all defaults, and later changes.");
-inline constexpr auto kConfigSave = method<Nothing, SavedReport>(
+inline constexpr auto kConfigSave = method<ConfigSave, SavedReport>(
     "config.save",
     "Saves the settings in use that differ from the configuration file, atomically, to an overlay "
     "in the state directory. The daemon applies the overlay over the file at its start and at "
@@ -186,6 +200,8 @@ inline constexpr auto kRecordEstimate = method<RecordEstimate, RecordSize>(
     "and how long the disk has space for it.");
 inline constexpr auto kRecordGet = method<Nothing, RecordReport>(
     "record.get", "Returns the state of the current or the last recording.");
+inline constexpr auto kRecordList = method<Nothing, RecordingList>(
+    "record.list", "Lists the recordings in the daemon's folder, the newest first.");
 inline constexpr auto kRecordStart = method<RecordStart, RecordReport>(
     "record.start",
     "Records every frame from now on into a file: its measurement, its timestamps, all settings "
@@ -196,8 +212,20 @@ inline constexpr auto kReferenceClear = method<Nothing, KnownReference>(
     "reference.clear",
     "Deletes the reference, also on disk; if that fails, nothing changes. Frames are not valid "
     "until a new reference is taken.");
+inline constexpr auto kReferenceDelete = method<ReferenceName, ReferenceList>(
+    "reference.delete", "Deletes a saved reference. The active reference stays.");
 inline constexpr auto kReferenceGet =
     method<Nothing, KnownReference>("reference.get", "Returns the active reference, or nulls.");
+inline constexpr auto kReferenceList = method<Nothing, ReferenceList>(
+    "reference.list", "Lists the saved references, and whether each fits the present sensor.");
+inline constexpr auto kReferenceLoad = method<ReferenceName, KnownReference>(
+    "reference.load",
+    "Makes a saved reference the active one, in place of the present one; its time and origin "
+    "stay. "
+    "Refused if it does not fit the present sensor, camera, region, LUT or flatness.");
+inline constexpr auto kReferenceSave = method<ReferenceName, ReferenceList>(
+    "reference.save",
+    "Saves the active reference under a name, at most 32 of them. An existing name is refused.");
 inline constexpr auto kReferenceSet = method<ReferenceSet, KnownReference>(
     "reference.set",
     "Makes the predicted spot positions of the configuration, or of the active registration, the "
@@ -238,6 +266,15 @@ inline constexpr auto kSensorSet = method<SensorSet, SensorSetReport>(
     "Changes sensor and tracking settings, all or nothing; omitted keys stay unchanged. A change "
     "of geometry, charge or tracker deactivates the reference, which is active again when the same "
     "settings return.");
+inline constexpr auto kSlmOutputs = method<Nothing, OutputList>(
+    "slm.outputs",
+    "Lists the outputs of the X server and whether each could drive the SLM. Refused on other "
+    "display systems.");
+inline constexpr auto kSlmSet = method<SlmChange, SlmSettings>(
+    "slm.set",
+    "Changes the SLM's output or settle time, all or nothing; omitted keys stay unchanged. Another "
+    "output is opened at once; if it cannot drive the SLM, the former one stays in use. The result "
+    "is the settings in use; config.save keeps them.");
 inline constexpr auto kSlmSettle = method<SettleRun, JobNumber>(
     "slm.settle",
     "Measures the settle time of the SLM, from the display's acceptance of an image until the "
@@ -265,6 +302,8 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kCalibrationRun,
                                      kCameraAutoExposure,
                                      kCameraGet,
+                                     kCameraList,
+                                     kCameraSelect,
                                      kCameraSet,
                                      kConfigGet,
                                      kConfigSave,
@@ -290,10 +329,15 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kLutRun,
                                      kRecordEstimate,
                                      kRecordGet,
+                                     kRecordList,
                                      kRecordStart,
                                      kRecordStop,
                                      kReferenceClear,
+                                     kReferenceDelete,
                                      kReferenceGet,
+                                     kReferenceList,
+                                     kReferenceLoad,
+                                     kReferenceSave,
                                      kReferenceSet,
                                      kReferenceTake,
                                      kRefineGet,
@@ -303,6 +347,8 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kRegistrationRun,
                                      kSensorGet,
                                      kSensorSet,
+                                     kSlmOutputs,
+                                     kSlmSet,
                                      kSlmSettle,
                                      kSlmShow,
                                      kSlmVerify,

@@ -13,6 +13,7 @@
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/actor/disk.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/camera/camera_finder.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/control/status_reporter.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
@@ -20,6 +21,7 @@
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
+#include "daemon/ovwsd/sensor/named_references.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
@@ -81,6 +83,7 @@ struct App::Parts {
   Disk disk;
   DaemonStore store{config.state, events, &disk};
   ExperimentArchive experiments{store};
+  NamedReferences named{store, events};
   StateKeeper state{events};
   LatestValue<ShownHologram> shown;
   LatestValue<AppliedSettings> settings;
@@ -91,6 +94,7 @@ struct App::Parts {
   Jobs jobs{events};
   SlmLoop slm;
   CameraActor camera;
+  CameraFinder finder;
   std::unique_ptr<SensorKeeper> keeper;
   std::unique_ptr<Procedures> procedures;
   std::unique_ptr<ClosedLoop> loop;
@@ -116,6 +120,11 @@ struct App::Parts {
         camera(config.camera, {pipeline, settings, counters, events,
                                [this] { return state.check(Action::set_camera); },
                                [this](const CameraSnapshot& now) { camera_changed(now); }}),
+        finder([this] {
+          CameraConfig now = config.camera;
+          now.id = camera.snapshot().id;
+          return now;
+        }),
         threads(config.realtime, config.pipeline.cpus,
                 [this](const ThreadFailure& failure) { thread_failed(failure); }) {
     disk.each_turn([this] { return store.turn(); });
@@ -189,7 +198,7 @@ Result<void> App::Parts::bind_streams() {
   images = std::make_unique<ImagePublisher>(std::move(*image_socket), image_config, pipeline,
                                             counters, frames);
   reloader = std::make_unique<Reloader>(
-      ReloadDeps{config, loaded, state, camera, *keeper, *refiner, *images, events, disk});
+      ReloadDeps{config, loaded, state, camera, slm, *keeper, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(
       StatusDeps{state,    camera,    slm,      *keeper,
                  *search,  *images,   *loop,    *refiner,
@@ -200,9 +209,9 @@ Result<void> App::Parts::bind_streams() {
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(Services{config, loaded, state, camera, *keeper, jobs,
-                                                 *procedures, experiments, *loop, *refiner,
-                                                 recorder, *status, slm, counters, *clients, disk});
+  services = std::make_unique<Services>(
+      Services{config, loaded, state, camera, finder, *keeper, jobs, *procedures, experiments,
+               named, *loop, *refiner, recorder, *status, slm, counters, *clients, disk});
   const ControlHandler handle = [this](std::string_view request, const std::string& key,
                                        std::function<void(std::string)> reply) {
     const RpcDispatch call = [&](const std::string& method, const nlohmann::json& params,
@@ -240,6 +249,7 @@ Result<void> App::Parts::start_threads() {
   }
   starts.push_back({ThreadRole::acquire, pipeline.acquisition()});
   starts.push_back({ThreadRole::camera, camera});
+  starts.push_back({ThreadRole::discover, finder});
   starts.push_back({ThreadRole::procedure, *procedures});
   starts.push_back({ThreadRole::loop, *loop});
   disk.begin();  // before the start of any thread that may post work to the disk thread
@@ -260,6 +270,7 @@ Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
   auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
   if (auto made = parts->make_sensor(); !made) return fail(made.error());
   parts->experiments.load();
+  parts->named.load();
   auto clients =
       ClientGuard::make(parts->config.security, parts->counters, parts->events, parts->disk);
   if (!clients) return fail(clients.error());

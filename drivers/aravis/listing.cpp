@@ -3,6 +3,7 @@
 #include <arv.h>
 
 #include <algorithm>
+#include <mutex>
 
 #include "core/base/printable.hpp"
 
@@ -17,6 +18,8 @@ std::string text_of(const char* given) {
 }  // namespace
 
 std::vector<ListedCamera> list_cameras() {
+  static std::mutex one_at_a_time;  // Aravis replaces its list, whose texts are read below
+  const std::lock_guard lock(one_at_a_time);
   arv_update_device_list();
   std::vector<ListedCamera> cameras;
   for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
@@ -29,7 +32,7 @@ std::vector<ListedCamera> list_cameras() {
 
 const ListedCamera* find_listed(const std::vector<ListedCamera>& cameras, const std::string& id) {
   const auto found = std::ranges::find_if(cameras, [&](const ListedCamera& camera) {
-    return !id.empty() && (camera.id == id || camera.serial == id);
+    return !id.empty() && (camera.id == id || camera.serial == id || camera.address == id);
   });
   return found != cameras.end() ? &*found : nullptr;
 }

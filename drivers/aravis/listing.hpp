@@ -13,10 +13,10 @@ struct ListedCamera {
   bool gige = false;
 };
 
-/// Discovers cameras on all networks and USB buses; takes about 1 s.
+/// Discovers cameras on all networks and USB buses; takes about 1 s. Thread-safe.
 std::vector<ListedCamera> list_cameras();
 
-/// Finds the camera with this Aravis device id or serial number; null if there is none.
+/// Finds the camera with this Aravis device id, serial number or address; null if there is none.
 const ListedCamera* find_listed(const std::vector<ListedCamera>& cameras, const std::string& id);
 
 /// List of cameras for messages: "ID at ADDRESS, …"; empty if there are no cameras.

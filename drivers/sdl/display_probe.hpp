@@ -18,10 +18,10 @@ struct DisplayProbe {
   bool composited = false;    ///< a compositing manager is running
 };
 
-/// Probes the X server. Call it in one thread at a time, while no display is open; it blocks until
-/// the X server answers. Errors, field "slm.display": Errc::unavailable (no display system, or it
-/// does not answer), Errc::refused (not an X server: other display systems report nothing to a
-/// program without a window).
+/// Probes the X server. Call it in one thread at a time, and while a display is open in the thread
+/// of that display; it blocks until the X server answers. Errors, field "slm.display":
+/// Errc::unavailable (no display system, or it does not answer), Errc::refused (not an X server:
+/// other display systems report nothing to a program without a window).
 Result<DisplayProbe> probe_display();
 
 }  // namespace ovws::sdl

@@ -3,8 +3,10 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/port/display.hpp"
+#include "core/port/display_output.hpp"
 
 namespace ovws {
 
@@ -24,5 +26,13 @@ struct SdlConfig {
 /// its next refresh. Opening sets a linear gamma ramp and wakes the screens. Each `check` handles
 /// events; once a second, or after a change, it also verifies output, mode, gamma and window.
 Result<std::unique_ptr<Display>> open_sdl_display(const SdlConfig& config);
+
+/// Lists the X server's outputs, also while a display is open. Main thread only; blocks until the X
+/// server answers, usually for milliseconds. Errors: see probe_display.
+Result<std::vector<DisplayOutput>> list_sdl_outputs(const SdlConfig& config);
+
+/// Checks whether the configured output could be opened, without opening it. Errors: as of
+/// open_sdl_display. Other display systems than X tell nothing before they are opened: no error.
+Result<void> check_sdl_output(const SdlConfig& config);
 
 }  // namespace ovws

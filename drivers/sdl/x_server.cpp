@@ -132,8 +132,10 @@ void read_crtc(XDisplay* display, const Resources& resources, RRCrtc crtc, Outpu
 Result<Connection> connect_to_x() {
   XSetIOErrorHandler(on_broken_connection);
   XSetErrorHandler(on_request_error);
-  lost = false;
-  refusal[0] = '\0';
+  if (!Video::is_open()) {
+    lost = false;
+    refusal[0] = '\0';
+  }
   Connection display(XOpenDisplay(nullptr));
   if (display != nullptr) return display;
   return fail(Errc::unavailable, "slm.display",

@@ -27,8 +27,9 @@ struct CloseDisplay {
 };
 using Connection = std::unique_ptr<XDisplay, CloseDisplay>;
 
-/// Connects to the X server named by DISPLAY. Sets error handlers that keep the process alive, and
-/// resets the recorded errors. Errc::unavailable, field "slm.display", if no server answers.
+/// Connects to the X server named by DISPLAY. Sets error handlers that keep the process alive.
+/// Resets the recorded errors, unless a display is open, whose lost connection must not be
+/// forgotten. Errc::unavailable, field "slm.display", if no server answers.
 Result<Connection> connect_to_x();
 
 /// Whether an X connection of this process broke since the last connect_to_x.

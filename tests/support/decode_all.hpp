@@ -2,7 +2,10 @@
 
 #include "proto/requests.hpp"
 #include "proto/rpc.hpp"
+#include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
+#include "proto/tables/files.hpp"
+#include "proto/tables/slm_change.hpp"
 
 namespace ovws::test {
 
@@ -16,6 +19,10 @@ inline void decode_all(const Json& params) {
   (void)decode<RegistrationRun>(params);
   (void)decode<LutRun>(params);
   (void)decode<FlatnessRun>(params);
+  (void)decode<CameraSelect>(params);
+  (void)decode<SlmChange>(params);
+  (void)decode<ReferenceName>(params);
+  (void)decode<ConfigSave>(params);
   (void)decode<SettleRun>(params);
   (void)decode<AutoExposure>(params);
   (void)decode<LoopSettings>(params);

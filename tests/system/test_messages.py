@@ -54,6 +54,8 @@ class Messages(BenchCase):
         call("system.describe")
         call("system.status")
         call("camera.get")
+        call("camera.list")
+        call("camera.select", {"id": "127.0.0.1"})
         call("camera.set", {"gain_db": 6.0, "exposure_us": 3000.0})
         self.checked_job("camera.auto_exposure", {})
         call("camera.set", {"roi": {"x": 16, "y": 16, "width": 480, "height": 480}, "pixel_format": "Mono12"})
@@ -74,6 +76,10 @@ class Messages(BenchCase):
         self.take_reference(20)
         call("reference.get")
         call("job.get", {"job": job + 1})
+        call("reference.save", {"name": "one"})
+        call("reference.list")
+        call("reference.load", {"name": "one"})
+        call("reference.delete", {"name": "one"})
 
     def call_loop(self):
         """Needs a reference, which it replaces by the model's and removes."""
@@ -125,6 +131,9 @@ class Messages(BenchCase):
         call("flatness.clear")
         self.checked_job("slm.settle", {"repetitions": 3})
         call("slm.verify")
+        call("slm.outputs")
+        call("slm.set", {"settle_ms": 21.0})
+        call("slm.set", {"settle_ms": 20.0})
         for pattern in ("flat", "grating", "identify", "sensor"):
             call("slm.show", {"pattern": pattern})
 
@@ -141,6 +150,7 @@ class Messages(BenchCase):
         call("record.estimate")
         call("record.start", {"name": "all", "limit_s": 60})
         call("record.stop")
+        call("record.list")
         call("config.get")
         call("config.save")
 

@@ -39,7 +39,7 @@ int gain_verb(const Common& common, const std::string& gain);      ///< "12"; se
 int aberrate_verb(const Common& common, const std::vector<std::string>& words);
 int clear_verb(const Common& common);
 /// `words`: further params of reference.take.
-int reference_verb(const Common& common, const std::optional<int>& frames,
+int reference_verb(const Common& common, const std::string& action,
                    const std::vector<std::string>& words);
 /// `action`: close, open, pause or resume; `words`: params of the method.
 int loop_verb(const Common& common, const std::string& action,

@@ -45,14 +45,20 @@ void add_clear(CLI::App& app, const Common& common, int& status) {
 }
 
 void add_reference(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("reference", "take a reference, or show the present one");
-  auto frames = std::make_shared<std::optional<int>>();
+  auto* command = app.add_subcommand(
+      "reference", "take a reference, show the present one, or keep several by name");
+  auto action = std::make_shared<std::string>();
   auto words = std::make_shared<Words>();
-  command->add_option("frames", *frames, "take one: number of frames to average, e.g. 100")
-      ->check(CLI::Range(limits::kReferenceFrames.min, limits::kReferenceFrames.max));
-  command->add_option("params", *words, "further params of reference.take: allow_aberration=true");
+  command
+      ->add_option("action", *action,
+                   "take one: number of frames to average, e.g. 100; or save, load, delete, list")
+      ->check(CLI::Range(limits::kReferenceFrames.min, limits::kReferenceFrames.max) |
+              CLI::IsMember({"save", "load", "delete", "list"}));
+  command->add_option("params", *words,
+                      "NAME to save, load or delete; or further params of reference.take: "
+                      "allow_aberration=true");
   command->callback(
-      [&common, &status, frames, words] { status = reference_verb(common, *frames, *words); });
+      [&common, &status, action, words] { status = reference_verb(common, *action, *words); });
 }
 
 void add_loop(CLI::App& app, const Common& common, int& status) {

@@ -112,11 +112,18 @@ int clear_verb(const Common& common) {
   return act(common, "aberration.clear", json::object());
 }
 
-int reference_verb(const Common& common, const std::optional<int>& frames, const Words& words) {
-  if (!frames) return act(common, "reference.get", json::object());
+int reference_verb(const Common& common, const std::string& action, const Words& words) {
+  if (action.empty()) return act(common, "reference.get", json::object());
+  if (action == "list") return act_on_words(common, "reference.list", words);
   Words of_method = words;
-  of_method.push_back(fmt::format("frames={}", *frames));
-  return act_on_words(common, "reference.take", of_method);
+  if (action != "save" && action != "load" && action != "delete") {  // a number of frames
+    of_method.push_back("frames=" + action);
+    return act_on_words(common, "reference.take", of_method);
+  }
+  if (words.size() != 1) {
+    return report_mistake(common, {Errc::invalid, "name", "give the name of one reference"});
+  }
+  return act_on_words(common, "reference." + action, {"name=" + words.front()});
 }
 
 int loop_verb(const Common& common, const std::string& action, const Words& words) {

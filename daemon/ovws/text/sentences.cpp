@@ -59,6 +59,39 @@ std::string camera_answer(const json& result) {
   return "no camera is connected; its settings will be:\n" + settings;
 }
 
+std::string cameras_answer(const json& result) {
+  std::string text;
+  for (const json& camera : result.at("cameras")) {
+    const std::string address = text_or(camera, "address", "");
+    text += fmt::format("{}{}{}{}", text.empty() ? "" : "\n", text_or(camera, "id", "?"),
+                        address.empty() ? "" : " at " + address,
+                        is_true(camera, "selected") ? " (selected)" : "");
+  }
+  return text.empty() ? "no camera answers: check power, cable and network, or run ovws doctor"
+                      : text;
+}
+
+std::string outputs_answer(const json& result) {
+  std::string text;
+  for (const json& output : result.at("outputs")) {
+    const std::string reason = text_or(output, "reason", "");
+    text +=
+        fmt::format("{}{}{}: {}{}", text.empty() ? "" : "\n", text_or(output, "name", "?"),
+                    is_true(output, "selected") ? " (selected)" : "",
+                    is_true(output, "on") ? fmt::format("{} x {}, ", output.at("width").get<int>(),
+                                                        output.at("height").get<int>())
+                                          : "",
+                    reason.empty() ? "usable" : reason);
+  }
+  return text.empty() ? "the display system has no outputs" : text;
+}
+
+std::string slm_settings_answer(const json& result) {
+  return fmt::format("SLM on output {}{}, settle time {:g} ms", text_or(result, "display", "?"),
+                     is_true(result, "allow_primary") ? ", which may be the primary one" : "",
+                     number(result, "settle_ms"));
+}
+
 std::string exposure_answer(const json& result) {
   const int saturated = result.at("saturated_pixels").get<int>();
   return fmt::format(
@@ -93,6 +126,29 @@ std::string taken_reference(const json& result) {
 
 std::string reference_answer(const json& result) {
   return "reference: " + reference_text(result);
+}
+
+std::string references_answer(const json& result) {
+  std::string text;
+  for (const json& one : result.at("references")) {
+    const std::string reason = text_or(one, "reason", "");
+    text += fmt::format("{}{}: taken {}{}", text.empty() ? "" : "\n", text_or(one, "name", "?"),
+                        age_text(one.at("t_taken_ns").get<std::int64_t>()),
+                        reason.empty() ? "" : ", does not fit: " + reason);
+  }
+  return text.empty() ? "no reference is saved; save the active one with ovws reference save NAME"
+                      : text;
+}
+
+std::string recordings_answer(const json& result) {
+  if (!result.at("folder").is_string()) return "no folder for recordings is configured";
+  std::string text = "recordings in " + text_or(result, "folder", "");
+  for (const json& one : result.at("recordings")) {
+    text += fmt::format("\n{}: {}, {}", text_or(one, "name", "?"), size_text(number(one, "bytes")),
+                        age_text(one.at("t_modified_ns").get<std::int64_t>()));
+  }
+  const int left_off = result.at("left_off").get<int>();
+  return left_off == 0 ? text : text + fmt::format("\nand {} older ones", left_off);
 }
 
 std::string lut_answer(const json& result) {
@@ -200,6 +256,8 @@ const std::map<std::string, Sentence> kSentences{{"aberration.clear", aberration
                                                  {"calibration.run", calibration_answer},
                                                  {"camera.auto_exposure", exposure_answer},
                                                  {"camera.get", camera_answer},
+                                                 {"camera.list", cameras_answer},
+                                                 {"camera.select", camera_answer},
                                                  {"camera.set", camera_answer},
                                                  {"config.save", saved_answer},
                                                  {"correction.clear", correction_answer},
@@ -218,15 +276,22 @@ const std::map<std::string, Sentence> kSentences{{"aberration.clear", aberration
                                                  {"lut.get", lut_answer},
                                                  {"lut.run", lut_answer},
                                                  {"record.get", record_answer},
+                                                 {"record.list", recordings_answer},
                                                  {"record.start", record_answer},
                                                  {"record.stop", record_answer},
                                                  {"reference.clear", reference_answer},
                                                  {"reference.get", reference_answer},
+                                                 {"reference.delete", references_answer},
+                                                 {"reference.list", references_answer},
+                                                 {"reference.load", reference_answer},
+                                                 {"reference.save", references_answer},
                                                  {"reference.set", reference_answer},
                                                  {"reference.take", taken_reference},
                                                  {"registration.clear", registration_answer},
                                                  {"registration.get", registration_answer},
                                                  {"registration.run", registration_answer},
+                                                 {"slm.outputs", outputs_answer},
+                                                 {"slm.set", slm_settings_answer},
                                                  {"slm.settle", settle_answer},
                                                  {"slm.show", show_answer},
                                                  {"slm.verify", verify_answer}};

@@ -53,7 +53,7 @@ CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
       deps_(std::move(deps)),
       settings_(config_.settings),
       asked_(settings_) {
-  snapshot_.set({false, {}, settings_, asked_, {}, "not opened yet", false});
+  snapshot_.set({false, {}, settings_, asked_, {}, "not opened yet", false, config_.id});
 }
 
 CameraActor::~CameraActor() = default;
@@ -105,6 +105,31 @@ void CameraActor::change_or_keep(CameraSet change, Applied done) {
     publish(snapshot_.get());
     done(snapshot_.get());
   });
+}
+
+void CameraActor::select(std::string id, bool wait, Applied done) {
+  mailbox_.post([this, id = std::move(id), wait, done = std::move(done)] {
+    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
+    carry_out_selection(id, wait, done);
+  });
+}
+
+void CameraActor::carry_out_selection(const std::string& id, bool wait, const Applied& done) {
+  if (id == config_.id && snapshot_.get().connected) return done(snapshot_.get());
+  if (camera_ && !close_camera()) {
+    return done(fail(Errc::unavailable, "camera",
+                     "frames of the present camera are still in use; repeat the request"));
+  }
+  limits_.reset();
+  const std::string before = std::exchange(config_.id, id);
+  CameraSet clamped;
+  clamped.set_clamp(true);
+  open_with(clamped);
+  const CameraSnapshot now = snapshot_.get();
+  if (now.connected || now.at_fault || wait) return done(now);
+  config_.id = before;
+  open_with({});
+  done(fail(Errc::unavailable, "camera.id", now.fault));
 }
 
 void CameraActor::restore(CameraSet before, std::function<void()> then) {
@@ -355,6 +380,7 @@ void CameraActor::publish_absent(const Error& why) {
 void CameraActor::publish(CameraSnapshot now) {
   now.settings = settings_;
   now.asked = asked_;
+  now.id = config_.id;
   const CameraSnapshot before = snapshot_.get();
   snapshot_.set(now);
   if (!now.fault.empty() && now.fault != before.fault) {

@@ -29,6 +29,7 @@ struct CameraSnapshot {
   std::optional<CameraLimits> limits;
   std::string fault;      ///< why the camera is not connected; empty if connected
   bool at_fault = false;  ///< the camera is present, but unusable until a person fixes the fault
+  std::string id;         ///< camera.id in use
 };
 
 struct CameraActorDeps {
@@ -64,6 +65,11 @@ class CameraActor : public Agent {
   void change_for_job(CameraSet change, Applied done);
   /// Applies a change as `change` does, or keeps it for the next connection of a camera.
   void change_or_keep(CameraSet change, Applied done);
+  /// Disconnects the camera and connects to the one with this id, with the present settings clamped
+  /// to its limits. `done` gets the state afterwards, which is without a camera if that one cannot
+  /// use the settings, or with `wait` if it does not answer. Otherwise, if it cannot be opened, the
+  /// former camera is opened again and `done` gets the error. Thread-safe.
+  void select(std::string id, bool wait, Applied done);
   /// Restores the settings of `before` after a job, now or at the next connection. `then` is called
   /// in the camera thread, or destroyed uncalled if that thread has ended. Thread-safe.
   void restore(CameraSet before, std::function<void()> then);
@@ -73,6 +79,7 @@ class CameraActor : public Agent {
   using UnusableFrames = std::array<std::uint64_t, 3>;  ///< counts in the order of kUnusable
 
   void carry_out(const CameraSet& change, const Applied& done);
+  void carry_out_selection(const std::string& id, bool wait, const Applied& done);
   void reopen(const CameraSet& change, const Applied& done);
   void open_with(const CameraSet& change);
   void keep_asked(const CameraSet& change);

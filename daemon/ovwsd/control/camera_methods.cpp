@@ -1,11 +1,13 @@
 /// Methods of the camera.
 #include "config/config.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/camera/camera_finder.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/camera.hpp"
+#include "proto/tables/devices.hpp"
 #include "proto/tables/set.hpp"
 
 namespace ovws {
@@ -41,9 +43,32 @@ void start_exposure(Services& services, const AutoExposure& params, Reply<JobNum
       with_job_number(std::move(reply)));
 }
 
+void list_cameras(Services& services, Reply<CameraList> reply) {
+  services.finder.list(
+      [reply](const std::vector<CameraListing>& listed) { reply(CameraList{listed}); });
+}
+
+void select_camera(Services& services, const CameraSelect& params, Reply<CameraReport> reply) {
+  const auto select = [&services, params, reply](const Result<void>& found) {
+    if (!found) return reply(found.error());
+    services.camera.select(params.id, params.wait,
+                           [&services, reply](const Result<CameraSnapshot>& selected) {
+                             if (!selected) return reply(selected.error());
+                             services.keeper.after_changes([reply, camera = *selected] {
+                               reply(CameraReport{camera.info, camera.settings, camera.limits});
+                             });
+                           });
+  };
+  if (params.wait) return select({});
+  services.finder.find(params.id, select);  // a typing error does not disconnect the camera
+}
+
 constexpr std::array kRows{
     row<kCameraAutoExposure, start_exposure>(Role::control, Action::start_job),
     row<kCameraGet, get_camera>(Role::read, Action::read),
+    row<kCameraList, list_cameras>(Role::read, Action::read),
+    // Another camera or output is like a reload: no job and no closed loop may depend on it.
+    row<kCameraSelect, select_camera>(Role::control, Action::reload_config),
     row<kCameraSet, set_camera>(Role::control, Action::set_camera),
 };
 

@@ -20,6 +20,7 @@ namespace ovws {
 
 // Include only headers of the parts that you use: all parts together take seconds to compile.
 class CameraActor;
+class CameraFinder;
 class ClientGuard;
 class ClosedLoop;
 struct Config;
@@ -28,6 +29,7 @@ class Disk;
 class ExperimentArchive;
 class Jobs;
 class LiveRefiner;
+class NamedReferences;
 struct LoadedConfig;
 class Procedures;
 class Recorder;
@@ -42,10 +44,12 @@ struct Services {
   const Guarded<LoadedConfig>& loaded;  ///< last loaded, at the start or by a reload
   StateKeeper& state;
   CameraActor& camera;
+  CameraFinder& finder;
   SensorKeeper& keeper;
   Jobs& jobs;
   Procedures& procedures;
   ExperimentArchive& experiments;
+  NamedReferences& named;
   ClosedLoop& loop;
   LiveRefiner& refiner;
   Recorder& recorder;
@@ -122,11 +126,12 @@ constexpr MethodRow row(Role role, Action action) {
       }};
 }
 
-// Method rows: of the camera, of the sensor, of experiments, and all others. Add a method as a
-// function and a row.
+// Method rows: of the camera, of the sensor, of experiments, of references, and all others. Add a
+// method as a function and a row.
 std::span<const MethodRow> camera_methods();
 std::span<const MethodRow> sensor_methods();
 std::span<const MethodRow> experiment_methods();
+std::span<const MethodRow> reference_methods();
 std::span<const MethodRow> system_methods();
 
 /// Calls a method for a client. Checks the client's key (empty without `security`) and role, then

@@ -1,61 +1,23 @@
 /// Methods that change or measure the sensor and its hologram: aberration, calibration, correction,
-/// flatness, lut, reference, registration, sensor, slm.
+/// flatness, lut, registration, sensor, slm.
 #include <spdlog/fmt/fmt.h>
 
 #include "config/config.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
+#include "daemon/ovwsd/control/sensor_handlers.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "proto/tables/calibration.hpp"
+#include "proto/tables/devices.hpp"
 #include "proto/tables/sensor.hpp"
 #include "proto/tables/set.hpp"
 #include "proto/tables/slm.hpp"
 
 namespace ovws {
 namespace {
-
-/// Result type of a method, which `report(services, sensor)` makes.
-template <auto report>
-using ReportOf = std::invoke_result_t<decltype(report), const Services&, const SensorSnapshot&>;
-
-template <auto report>
-void get(Services& services, Reply<ReportOf<report>> reply) {
-  reply(report(services, *services.keeper.snapshot()));
-}
-
-/// Makes the change, and replies with `report(services, sensor)` of the changed sensor.
-template <auto report>
-void edit(Services& services, Hold as, SensorChange change, Reply<ReportOf<report>> reply) {
-  services.keeper.edit(as, std::move(change),
-                       [&services, reply = std::move(reply)](const Result<SensorView>& changed) {
-                         if (!changed) return reply(changed.error());
-                         reply(report(services, **changed));
-                       });
-}
-
-template <auto report, auto change>
-void clear(Services& services, Reply<ReportOf<report>> reply) {
-  edit<report>(services, Hold::unheld(), change(), std::move(reply));
-}
-
-/// Starts the job of a method, whose result `measure(services, bench, params)` returns.
-template <const auto& method, auto measure>
-void run(Services& services, const typename std::remove_cvref_t<decltype(method)>::Params& params,
-         Reply<JobNumber> reply) {
-  services.procedures.start(
-      method.name, [&services, params](Bench& bench) { return measure(services, bench, params); },
-      with_job_number(std::move(reply)));
-}
-
-/// Activates the measurement of a job. Returns the job's result, which is the report of the sensor.
-template <auto report>
-Result<Json> use(const Services& services, Bench& bench, SensorChange change) {
-  if (auto used = bench.use(std::move(change)); !used) return fail(used.error());
-  return to_json(report(services, *bench.sensor()));
-}
 
 template <auto modes>
 ModesReport modes_of(const Services& /*services*/, const SensorSnapshot& now) {
@@ -164,37 +126,6 @@ Result<Json> linearise(const Services& services, Bench& bench, const LutRun& run
   return use<lut_of>(services, bench, use_lut(std::move(*lut)));
 }
 
-KnownReference reference_of(const Services& services, const SensorSnapshot& now) {
-  if (!now.reference) return {};
-  const Reference& r = *now.reference;
-  return {ReferenceReport{r.frames,
-                          r.key.sensor.charge,
-                          r.key.tracking.tracker,
-                          r.t_taken_ns,
-                          r.positions_px,
-                          r.standard_error_px,
-                          std::string(reference_source_name(r.source)),
-                          r.sha256,
-                          stale_fields(r, services.camera.snapshot().settings),
-                          {*r.origin},
-                          rms_waves(r.introduced)}};
-}
-
-Result<Json> refer(const Services& /*services*/, Bench& bench, const ReferenceTake& take) {
-  return take_reference(bench, take);
-}
-
-void run_reference(Services& services, const ReferenceTake& params, Reply<JobNumber> reply) {
-  if (auto can = can_take_reference(*services.keeper.snapshot(), params); !can) {
-    return reply(can.error());
-  }
-  run<kReferenceTake, refer>(services, params, std::move(reply));
-}
-
-void use_model(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> reply) {
-  edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
-}
-
 KnownRegistration known_registration(const Services& /*services*/, const SensorSnapshot& now) {
   return {now.registration};
 }
@@ -239,7 +170,22 @@ void show(Services& services, const SlmShow& what, Reply<ShowReport> reply) {
 Result<Json> settle(const Services& services, Bench& bench, const SettleRun& run) {
   const auto time = measure_settle(bench, services.config.slm.geometry, run);
   if (!time) return fail(time.error());
-  return to_json(SettleReport{*time, run.repetitions, services.config.slm.settle_ms});
+  return to_json(SettleReport{*time, run.repetitions, services.slm.snapshot().settings.settle_ms});
+}
+
+void list_outputs(Services& services, Reply<OutputList> reply) {
+  services.slm.list_outputs([reply](Result<std::vector<DisplayOutput>> outputs) {
+    if (!outputs) return reply(outputs.error());
+    reply(OutputList{std::move(*outputs)});
+  });
+}
+
+void set_slm(Services& services, const SlmChange& given, Reply<SlmSettings> reply) {
+  SlmSet change;
+  if (given.display) change.put(&SlmSettings::display, *given.display);
+  if (given.allow_primary) change.put(&SlmSettings::allow_primary, *given.allow_primary);
+  if (given.settle_ms) change.put(&SlmSettings::settle_ms, *given.settle_ms);
+  services.slm.change(change, reply);
 }
 
 void verify(Services& services, Reply<VerifyReport> reply) {
@@ -267,17 +213,14 @@ constexpr std::array kRows{
     row<kLutRun, run<kLutRun, linearise>>(Role::control, Action::start_job),
     row<kLutGet, get<lut_of>>(Role::read, Action::read),
     row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Action::clear_reference),
-    row<kReferenceTake, run_reference>(Role::control, Action::start_job),
-    row<kReferenceGet, get<reference_of>>(Role::read, Action::read),
-    row<kReferenceSet, use_model>(Role::control, Action::clear_reference),
-    row<kReferenceClear, clear<reference_of, forget_reference>>(Role::control,
-                                                                Action::clear_reference),
     row<kRegistrationRun, run<kRegistrationRun, register_camera>>(Role::control, Action::start_job),
     row<kRegistrationGet, get<known_registration>>(Role::read, Action::read),
     row<kRegistrationClear, clear<known_registration, forget_registration>>(
         Role::control, Action::clear_reference),
     row<kSensorGet, get<sensor_of>>(Role::read, Action::read),
     row<kSensorSet, change_sensor>(Role::control, Action::set_sensor),
+    row<kSlmOutputs, list_outputs>(Role::read, Action::read),
+    row<kSlmSet, set_slm>(Role::control, Action::reload_config),
     row<kSlmShow, show>(Role::control, Action::show_pattern),
     row<kSlmSettle, run<kSlmSettle, settle>>(Role::control, Action::start_job),
     row<kSlmVerify, verify>(Role::read, Action::read),

@@ -7,10 +7,12 @@
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
+#include "daemon/ovwsd/record/record_folder.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
 #include "proto/json_text.hpp"
 #include "proto/tables/description.hpp"
+#include "proto/tables/files.hpp"
 #include "proto/tables/loop.hpp"
 #include "proto/tables/record.hpp"
 #include "proto/tables/set.hpp"
@@ -20,8 +22,8 @@ namespace ovws {
 namespace {
 
 Config in_use(const Services& services) {
-  return config_in_use(services.config, services.loaded.get(), services.camera, services.keeper,
-                       services.refiner);
+  return config_in_use(services.config, services.loaded.get(), services.camera, services.slm,
+                       services.keeper, services.refiner);
 }
 
 void get_config(Services& services, Reply<Config> reply) {
@@ -29,7 +31,7 @@ void get_config(Services& services, Reply<Config> reply) {
   reply(JsonOf<Config>{json_of(dump_config(in_use(services)))});
 }
 
-void save_config(Services& services, Reply<SavedReport> reply) {
+void save_config(Services& services, const ConfigSave& params, Reply<SavedReport> reply) {
   const LoadedConfig loaded = services.loaded.get();
   if (!loaded.overlay) {
     return reply(Error{Errc::refused, "state.directory",
@@ -39,12 +41,13 @@ void save_config(Services& services, Reply<SavedReport> reply) {
   Config now = in_use(services);
   now.camera.settings = as_in_file(now.camera.settings, services.camera.snapshot().asked,
                                    loaded.file.camera.settings);
-  const auto asked =
-      services.disk.request([path = *loaded.overlay, values = values_to_save(loaded, now), reply] {
-        const auto saved = write_saved(path, values);
-        if (!saved) return reply(saved.error());
-        reply(SavedReport{path, values.keys});
-      });
+  const SavedValues values = values_to_save(loaded, now);
+  if (params.preview) return reply(SavedReport{*loaded.overlay, values.keys});
+  const auto asked = services.disk.request([path = *loaded.overlay, values, reply] {
+    const auto saved = write_saved(path, values);
+    if (!saved) return reply(saved.error());
+    reply(SavedReport{path, values.keys});
+  });
   if (!asked) reply(asked.error());
 }
 
@@ -139,7 +142,7 @@ void get_loop_model(Services& services, Reply<KnownLoopModel> reply) {
 /// Timing of a loop on this bench, estimated from the settings.
 LoopTiming estimated_timing(Services& services, const CameraSettings& camera) {
   const auto display = services.slm.snapshot().info;
-  return estimated_timing(services.config, camera, display ? display->refresh_hz : 0.0);
+  return estimated_timing(in_use(services), camera, display ? display->refresh_hz : 0.0);
 }
 
 Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify& params) {
@@ -183,6 +186,12 @@ void estimate_recording(Services& services, const RecordEstimate& asked, Reply<R
   services.recorder.size_of(services.camera.snapshot().settings, asked.pictures_every, reply);
 }
 
+void list_recordings(Services& services, Reply<RecordingList> reply) {
+  const auto asked = services.disk.request(
+      [folder = RecordFolder(services.config), reply] { reply(folder.list()); });
+  if (!asked) reply(asked.error());
+}
+
 constexpr std::array kRows{
     row<kConfigGet, get_config>(Role::read, Action::read),
     row<kConfigSave, save_config>(Role::control, Action::save_config),
@@ -195,6 +204,7 @@ constexpr std::array kRows{
     row<kLoopPause, pause_loop>(Role::control, Action::open_loop),
     row<kLoopGet, get_loop>(Role::read, Action::read),
     row<kRecordEstimate, estimate_recording>(Role::read, Action::read),
+    row<kRecordList, list_recordings>(Role::read, Action::read),
     row<kRecordStart, start_recording>(Role::control, Action::record),
     row<kRecordStop, stop_recording>(Role::control, Action::record),
     row<kRecordGet, get_recording>(Role::read, Action::read),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "daemon/ovwsd/devices/sdl_config.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
 #include "drivers/aravis/aravis_camera.hpp"
 #include "drivers/replay/replay_camera.hpp"
@@ -35,12 +36,7 @@ Result<std::unique_ptr<Camera>> open_replay(const CameraConfig& config) {
 }
 
 Result<std::unique_ptr<Display>> open_sdl(const SlmConfig& config) {
-  SdlConfig sdl;
-  sdl.output = config.display;
-  sdl.width = config.geometry.width_px;
-  sdl.height = config.geometry.height_px;
-  sdl.allow_primary = config.allow_primary;
-  return open_sdl_display(sdl);
+  return open_sdl_display(sdl_config(config));
 }
 
 constexpr std::array kCameras{Row<CameraConfig, Camera>{"aravis", open_aravis},

@@ -2,8 +2,10 @@
 
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
+#include <sys/stat.h>
 #include <sys/statvfs.h>
 
+#include <algorithm>
 #include <ctime>
 #include <filesystem>
 #include <system_error>
@@ -70,6 +72,33 @@ Result<std::string> RecordFolder::new_file(const std::optional<std::string>& nam
                 *path_ + " has less than 64 MiB of free space: delete some files");
   }
   return path;
+}
+
+RecordingList RecordFolder::list() const {
+  constexpr std::size_t kMaxListed = 100;
+  RecordingList list;
+  if (!path_) return list;
+  std::error_code failed;
+  list.folder = fs::absolute(*path_, failed).string();
+  for (fs::directory_iterator at(*list.folder, failed), end; !failed && at != end;
+       at.increment(failed)) {
+    const fs::path& path = at->path();
+    struct stat about {};
+    if (path.extension() != ".h5" || ::lstat(path.c_str(), &about) != 0) continue;
+    if (!S_ISREG(about.st_mode)) continue;
+    const timespec& changed = about.st_mtim;
+    list.recordings.push_back({path.stem().string(), path.string(), std::uint64_t(about.st_size),
+                               std::int64_t(changed.tv_sec) * 1'000'000'000 + changed.tv_nsec});
+  }
+  auto& all = list.recordings;
+  std::sort(all.begin(), all.end(), [](const RecordingFile& a, const RecordingFile& b) {
+    return a.t_modified_ns > b.t_modified_ns;
+  });
+  if (all.size() > kMaxListed) {
+    list.left_off = int(all.size() - kMaxListed);
+    all.resize(kMaxListed);
+  }
+  return list;
 }
 
 std::optional<std::uint64_t> RecordFolder::free_bytes() const {

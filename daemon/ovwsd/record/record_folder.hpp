@@ -7,6 +7,7 @@
 
 #include "config/config.hpp"
 #include "core/base/result.hpp"
+#include "proto/tables/files.hpp"
 
 namespace ovws {
 
@@ -21,6 +22,9 @@ class RecordFolder {
   /// Errc::refused (no folder is configured, the file exists already), Errc::unavailable (the
   /// folder cannot be made, or its disk is full).
   Result<std::string> new_file(const std::optional<std::string>& name) const;
+  /// The recordings in the folder, the newest first, at most 100. As long as the disk does not
+  /// answer, this does not return.
+  RecordingList list() const;
   /// Bytes that recordings may still take; none if no folder is configured. As long as the disk
   /// does not answer, this does not return.
   std::optional<std::uint64_t> free_bytes() const;

@@ -4,6 +4,7 @@
 
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/sensor/named_references.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 
 namespace ovws {
@@ -176,6 +177,18 @@ SensorChange use_model_reference() {
     model.positions_px = model_positions(edit.state, edit.bench.optics);
     model.standard_error_px.assign(model.positions_px.size(), Vec2{});
     keep_reference(edit, std::move(model));
+    return {};
+  };
+}
+
+SensorChange use_saved_reference(Reference reference) {
+  return [reference = std::move(reference)](SensorEdit& edit) -> Result<void> {
+    std::string why = misfit(reference, edit);
+    if (why.empty()) why = edit.bench.origins.obstacle(reference);  // renders its hologram
+    if (!why.empty()) {
+      return fail(Errc::refused, "name", "the reference does not fit the present sensor: " + why);
+    }
+    keep_reference(edit, reference);
     return {};
   };
 }

@@ -47,9 +47,9 @@ std::string hash_of(const Image<std::uint8_t>& grey) {
   return sha256_of(std::span(grey.pixels));
 }
 
-/// Describes the first key below `path` whose value differs between `then` and `now`; empty: no
-/// difference. A missing key counts as null.
-std::string difference(const std::string& path, const json& then, const json& now) {
+}  // namespace
+
+std::string first_difference(const std::string& path, const json& then, const json& now) {
   if (!then.is_object() || !now.is_object()) {
     return then == now ? "" : path + " was " + json_text(then) + ", and is " + json_text(now);
   }
@@ -57,14 +57,12 @@ std::string difference(const std::string& path, const json& then, const json& no
   keys.update(now);
   for (const auto& [key, value] : keys.items()) {
     const json null;
-    auto found = difference(path + "." + key, then.contains(key) ? then[key] : null,
-                            now.contains(key) ? now[key] : null);
+    auto found = first_difference(path + "." + key, then.contains(key) ? then[key] : null,
+                                  now.contains(key) ? now[key] : null);
     if (!found.empty()) return found;
   }
   return {};
 }
-
-}  // namespace
 
 std::optional<CameraName> camera_name(const std::optional<CameraInfo>& camera) {
   if (!camera) return std::nullopt;
@@ -151,7 +149,7 @@ std::string ReferenceBench::obstacle(const Reference& reference) const {
 std::string ReferenceBench::obstacle(const json& origin, const ReferenceKey& key,
                                      std::size_t spots) const {
   for (const char* part : {"optics", "slm"}) {
-    auto differs = difference(part, origin.value(part, json()), bench_[part]);
+    auto differs = first_difference(part, origin.value(part, json()), bench_[part]);
     if (!differs.empty()) return differs;
   }
   HologramConfig hologram = hologram_;

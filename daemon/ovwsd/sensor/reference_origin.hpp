@@ -31,6 +31,10 @@ struct OriginInputs {
 
 /// Vendor, model and serial number of the camera; none if the camera is unknown.
 std::optional<CameraName> camera_name(const std::optional<CameraInfo>& camera);
+/// Describes the first key below `path` whose value differs; empty: no difference. A missing key
+/// counts as null.
+std::string first_difference(const std::string& path, const nlohmann::json& then,
+                             const nlohmann::json& now);
 /// camera_name as JSON; null if the camera is unknown.
 nlohmann::json camera_json(const std::optional<CameraInfo>& camera);
 

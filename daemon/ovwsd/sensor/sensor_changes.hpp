@@ -56,6 +56,9 @@ SensorChange use_registration(Registration registration);
 SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
 SensorChange use_lut(MeasuredLut lut);
 SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness);
+/// `reference.load`: makes a saved reference the active one; its origin and time stay.
+/// Errc::refused, field "name": it does not fit the present sensor.
+SensorChange use_saved_reference(Reference reference);
 
 // Deletions: the following changes delete the data that applies to the current sensor, in memory
 // and on disk. If the files cannot be removed, the change is undone and the request fails.

@@ -103,6 +103,10 @@ void SensorKeeper::edit(Hold as, SensorChange change, Done done, std::function<v
       });
 }
 
+void SensorKeeper::ask(std::function<void(const SensorEdit&)> question) {
+  mailbox_.post([this, question = std::move(question)] { question(new_edit()); });
+}
+
 void SensorKeeper::hold(Hold by) {
   if (by.by == Hold::By::job) lease_ = state_;
   set_hold(by);

@@ -60,6 +60,9 @@ class SensorKeeper : public Agent {
   /// or at once if it has no files. Errors: those of may_change and of the change; the SLM cannot
   /// sample the hologram; no plan can be built; the display does not take the hologram.
   void edit(Hold as, SensorChange change, Done done, std::function<void()> active = nullptr);
+  /// Calls `question` with the present state, after all changes requested so far. It changes
+  /// nothing.
+  void ask(std::function<void(const SensorEdit&)> question);
   /// Calls `then` when all changes requested so far have been carried out.
   void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
   /// Releases the sensor if `by` holds it, then calls `then`. After a job, restores the previous

@@ -12,12 +12,16 @@ namespace ovws {
 namespace {
 
 /// Prefixes of keys that can change at run time, except those that begin with a prefix in kFixed.
-constexpr std::array<std::string_view, 11> kLive{"camera.pixel_format",
+constexpr std::array<std::string_view, 15> kLive{"camera.id",
+                                                 "camera.pixel_format",
                                                  "camera.exposure_us",
                                                  "camera.gain_db",
                                                  "camera.gain_raw",
                                                  "camera.frame_rate_hz",
                                                  "camera.roi.",
+                                                 "slm.display",
+                                                 "slm.allow_primary",
+                                                 "slm.settle_ms",
                                                  "sensor.",
                                                  "tracking.",
                                                  "refine.",
@@ -42,12 +46,15 @@ void for_each_rounded(CameraSettings& to, const CameraSettings& a, const CameraS
 }  // namespace
 
 Config config_in_use(const Config& started, const LoadedConfig& loaded, const CameraActor& camera,
-                     const SensorKeeper& keeper, const LiveRefiner& refiner) {
+                     const SlmLoop& slm, const SensorKeeper& keeper, const LiveRefiner& refiner) {
   const SensorView sensor = keeper.snapshot();
+  const CameraSnapshot of_camera = camera.snapshot();
   Config now = started;
   now.stream.image_rate_hz = loaded.effective.stream.image_rate_hz;
   now.log.level = loaded.effective.log.level;
-  now.camera.settings = camera.snapshot().settings;
+  now.camera.id = of_camera.id;
+  now.camera.settings = of_camera.settings;
+  use_settings(now.slm, slm.snapshot().settings);
   now.sensor = sensor->sensor;
   now.tracking = sensor->tracking;
   now.refine = in_format(refiner.settings(), now.camera.settings.pixel_format);

@@ -13,10 +13,10 @@
 namespace ovws {
 
 /// Configuration in use: `started` with the reloaded stream and log settings, and the current
-/// settings of camera, sensor and refinement. A daemon that starts with it as its file has the
+/// settings of camera, SLM, sensor and refinement. A daemon that starts with it as its file has the
 /// present settings. Thread-safe.
 Config config_in_use(const Config& started, const LoadedConfig& loaded, const CameraActor& camera,
-                     const SensorKeeper& keeper, const LiveRefiner& refiner);
+                     const SlmLoop& slm, const SensorKeeper& keeper, const LiveRefiner& refiner);
 
 /// Dotted keys whose values differ.
 struct ConfigDifference {

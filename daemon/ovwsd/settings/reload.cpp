@@ -80,27 +80,47 @@ void Reloader::begin() {
 
 void Reloader::change(const LoadedConfig& read) {
   Reload reload;
-  reload.before =
-      config_in_use(deps_.config, deps_.loaded.get(), deps_.camera, deps_.keeper, deps_.refiner);
+  reload.before = config_in_use(deps_.config, deps_.loaded.get(), deps_.camera, deps_.slm,
+                                deps_.keeper, deps_.refiner);
   reload.after = read.effective;
   reload.read = read;
   const CameraSnapshot camera = deps_.camera.snapshot();
   reload.before.camera.settings = camera.asked;
   reload.after.camera.settings = as_requested(read.effective.camera.settings, camera);
   reload.keys = difference(reload.before, reload.after);
-  change_camera(reload);
+  change_slm(reload);
+}
+
+void Reloader::change_slm(const Reload& reload) {
+  const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
+  if (after == before) return select_camera(reload);
+  deps_.slm.change(SlmSet::difference(before, after),
+                   [this, reload](const Result<SlmSettings>& used) {
+                     if (!used) return refuse(with_section("slm", used.error(), reload.read));
+                     select_camera(reload);
+                   });
+}
+
+/// Uses the camera of this id as a start does: it may appear later.
+void Reloader::select_camera(const Reload& reload) {
+  const std::string& id = reload.after.camera.id;
+  if (id == reload.before.camera.id) return change_camera(reload);
+  deps_.camera.select(id, true, [this, reload](const Result<CameraSnapshot>& used) {
+    if (!used) return roll_back_slm(reload, with_section("camera", used.error(), reload.read));
+    change_camera(reload);
+  });
 }
 
 void Reloader::change_camera(const Reload& reload) {
   const CameraSettings &before = reload.before.camera.settings,
                        &after = reload.after.camera.settings;
   if (after == before) return change_refine(reload);
-  deps_.camera.change_or_keep(CameraSet::difference(before, after),
-                              [this, reload](const Result<CameraSnapshot>& used) {
-                                if (!used)
-                                  return refuse(with_section("camera", used.error(), reload.read));
-                                change_refine(reload);
-                              });
+  deps_.camera.change_or_keep(
+      CameraSet::difference(before, after), [this, reload](const Result<CameraSnapshot>& used) {
+        if (!used)
+          return roll_back_devices(reload, with_section("camera", used.error(), reload.read));
+        change_refine(reload);
+      });
 }
 
 void Reloader::change_refine(const Reload& reload) {
@@ -141,14 +161,37 @@ void Reloader::roll_back(const Reload& reload, const Error& why) {
 void Reloader::roll_back_camera(const Reload& reload, const Error& why) {
   const CameraSettings &before = reload.before.camera.settings,
                        &after = reload.after.camera.settings;
+  if (after == before) return roll_back_devices(reload, why);
+  deps_.camera.change_or_keep(CameraSet::difference(after, before),
+                              [this, reload, why](const Result<CameraSnapshot>& used) {
+                                if (used) return roll_back_devices(reload, why);
+                                Error both = why;
+                                both.reason += "; the camera's settings could not be restored: " +
+                                               used.error().reason;
+                                refuse(both, "all but the camera is unchanged");
+                              });
+}
+
+/// Returns to the previous camera and SLM.
+void Reloader::roll_back_devices(const Reload& reload, const Error& why) {
+  const std::string& before = reload.before.camera.id;
+  if (reload.after.camera.id == before) return roll_back_slm(reload, why);
+  deps_.camera.select(before, true, [this, reload, why](const Result<CameraSnapshot>& used) {
+    Error both = why;
+    if (!used) both.reason += "; the camera could not be restored: " + used.error().reason;
+    roll_back_slm(reload, both);
+  });
+}
+
+void Reloader::roll_back_slm(const Reload& reload, const Error& why) {
+  const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
   if (after == before) return refuse(why);
-  deps_.camera.change_or_keep(
-      CameraSet::difference(after, before), [this, why](const Result<CameraSnapshot>& used) {
-        if (used) return refuse(why);
-        Error both = why;
-        both.reason += "; the camera's settings could not be restored: " + used.error().reason;
-        refuse(both, "all but the camera is unchanged");
-      });
+  deps_.slm.change(SlmSet::difference(after, before), [this, why](const Result<SlmSettings>& used) {
+    if (used) return refuse(why);
+    Error both = why;
+    both.reason += "; the SLM's settings could not be restored: " + used.error().reason;
+    refuse(both, "all but the SLM is unchanged");
+  });
 }
 
 void Reloader::finish(const Reload& reload) {

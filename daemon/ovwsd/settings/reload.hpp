@@ -14,6 +14,7 @@
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
+#include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/ovwsd/streams/image_publisher.hpp"
 #include "daemon/shared/guarded.hpp"
 
@@ -24,6 +25,7 @@ struct ReloadDeps {
   Guarded<LoadedConfig>& loaded;  ///< last loaded; an applied reload replaces it
   const StateKeeper& state;
   CameraActor& camera;
+  SlmLoop& slm;
   SensorKeeper& keeper;
   LiveRefiner& refiner;
   ImagePublisher& images;
@@ -31,10 +33,10 @@ struct ReloadDeps {
   Disk& disk;
 };
 
-/// Applies one reload at a time, completely or not at all. Changes camera, refinement, then sensor,
-/// as the methods of the control socket do. If a part refuses, the earlier changes are rolled back.
-/// During a reload no job starts and nothing else changes the sensor. Keys that need a restart are
-/// reported, but not applied. An event of kind `config` reports the outcome.
+/// Applies one reload at a time, completely or not at all. Changes SLM, camera, refinement, then
+/// sensor, as the methods of the control socket do. If a part refuses, the earlier changes are
+/// rolled back. During a reload no job starts and nothing else changes the sensor. Keys that need a
+/// restart are reported, but not applied. An event of kind `config` reports the outcome.
 class Reloader {
  public:
   explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}
@@ -53,6 +55,8 @@ class Reloader {
 
   void begin();
   void change(const LoadedConfig& read);
+  void change_slm(const Reload& reload);
+  void select_camera(const Reload& reload);
   void change_camera(const Reload& reload);
   void change_refine(const Reload& reload);
   void change_sensor(const Reload& reload);
@@ -60,6 +64,8 @@ class Reloader {
   void finish(const Reload& reload);
   void report(const Reload& reload);
   void roll_back_camera(const Reload& reload, const Error& why);
+  void roll_back_devices(const Reload& reload, const Error& why);
+  void roll_back_slm(const Reload& reload, const Error& why);
   void refuse(const Error& why, const char* what_stays = "nothing has changed");
   void end(Severity severity, std::string text, nlohmann::json data);
 

@@ -37,12 +37,13 @@ using Group = std::vector<std::string>;
 
 /// Groups of keys whose values depend on each other. If one key of a group was edited in the file,
 /// the file's values are used for the whole group.
-const std::array<Group, 3>& groups() {
-  static const std::array<Group, 3> all{
+const std::array<Group, 4>& groups() {
+  static const std::array<Group, 4> all{
       {{"camera.gain_db", "camera.gain_raw"},
        {"camera.roi.height", "camera.roi.width", "camera.roi.x", "camera.roi.y"},
        {"camera.pixel_format", "refine.black_level_dn", "refine.electrons_per_dn",
-        "refine.saturation_dn"}}};
+        "refine.saturation_dn"},
+       {"slm.allow_primary", "slm.display"}}};
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/devices/device_lists.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
 
 namespace ovws {
@@ -26,9 +27,22 @@ Error stopping() {
 
 }  // namespace
 
+SlmSettings settings_of(const SlmConfig& config) {
+  return {config.display, config.allow_primary, config.settle_ms};
+}
+
+void use_settings(SlmConfig& config, const SlmSettings& settings) {
+  config.display = settings.display;
+  config.allow_primary = settings.allow_primary;
+  config.settle_ms = settings.settle_ms;
+}
+
 SlmLoop::SlmLoop(SlmConfig config, SlmLoopDeps deps)
     : config_(std::move(config)), deps_(std::move(deps)) {
-  snapshot_.change([](SlmSnapshot& now) { now.fault = "not opened yet"; });
+  snapshot_.change([this](SlmSnapshot& now) {
+    now.fault = "not opened yet";
+    now.settings = settings_of(config_);
+  });
 }
 
 SlmLoop::~SlmLoop() = default;
@@ -45,6 +59,7 @@ bool SlmLoop::do_work() {
     const auto verdict = compare_output();  // one comparison answers all requests
     for (const auto& done : pending.verify) done(verdict);
   }
+  for (const auto& task : pending.other) task(nullptr);
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
     if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
@@ -74,6 +89,8 @@ void SlmLoop::close() {
   }();
   if (pending.job) pending.job->done.set_value(fail(stopping()));
   for (const auto& done : pending.verify) done(fail(stopping()));
+  const Error why = stopping();
+  for (const auto& task : pending.other) task(&why);
 }
 
 Result<void> SlmLoop::show(HologramRequest request) {
@@ -115,6 +132,63 @@ void SlmLoop::verify(std::function<void(Result<SlmVerdict>)> done) {
   done(fail(stopping()));
 }
 
+/// Queues a task for the main thread. After close the task gets the error, in the caller's thread.
+void SlmLoop::post(std::function<void(const Error* stopping)> task) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!closed_) {
+      pending_.other.push_back(std::move(task));
+      ready_.notify_one();
+      return;
+    }
+  }
+  const Error why = stopping();
+  task(&why);
+}
+
+void SlmLoop::list_outputs(std::function<void(Result<std::vector<DisplayOutput>>)> done) {
+  post([this, done = std::move(done)](const Error* why) {
+    if (why != nullptr) return done(fail(*why));
+    done(ovws::list_outputs(config_));
+  });
+}
+
+void SlmLoop::change(SlmSet change, SettingsDone done) {
+  post([this, change = std::move(change), done = std::move(done)](const Error* why) {
+    if (why != nullptr) return done(fail(*why));
+    done(use(change));
+  });
+}
+
+Result<SlmSettings> SlmLoop::use(const SlmSet& change) {
+  const SlmSettings before = settings_of(config_), wanted = change.applied_to(before);
+  SlmConfig next = config_;
+  use_settings(next, wanted);
+  if (next.display != before.display || next.allow_primary != before.allow_primary) {
+    if (auto usable = check_output(next); !usable) return fail(usable.error());
+    if (auto opened = reopen(next); !opened) return fail(opened.error());
+  }
+  config_ = next;
+  snapshot_.change([&wanted](SlmSnapshot& now) { now.settings = wanted; });
+  deps_.events.status_changed();
+  return wanted;
+}
+
+/// Closes the display and opens the one of `config`; if that fails, the former one again.
+Result<void> SlmLoop::reopen(const SlmConfig& config) {
+  const SlmConfig before = std::exchange(config_, config);
+  display_.reset();
+  shown_ = ShownHologram{};
+  deps_.shown.write(shown_);
+  if (!requested_) return {};
+  try_open();
+  if (display_) return {};
+  const Error why{Errc::device, "slm.display", snapshot_.get().fault};
+  config_ = before;
+  try_open();
+  return fail(why);
+}
+
 Result<SlmVerdict> SlmLoop::compare_output() {
   if (!display_) {
     return fail(Errc::unavailable, "slm", "there is no display: " + snapshot_.get().fault);
@@ -147,7 +221,8 @@ Result<SlmVerdict> SlmLoop::compare_output() {
 SlmLoop::Pending SlmLoop::wait_for_work() {
   std::unique_lock lock(mutex_);
   ready_.wait_for(lock, kTurn, [this] {
-    return pending_.when_possible || pending_.job || !pending_.verify.empty();
+    return pending_.when_possible || pending_.job || !pending_.verify.empty() ||
+           !pending_.other.empty();
   });
   return std::exchange(pending_, {});
 }
@@ -215,6 +290,7 @@ void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   now.refresh_wait_ns = refresh_wait_ns_;
   if (why) now.fault = why->reason;
   now.at_fault = why && needs_intervention(*why);
+  now.settings = settings_of(config_);
   const SlmSnapshot before = snapshot_.get();
   snapshot_.set(now);
   if (!now.fault.empty() && now.fault != before.fault) {

@@ -20,6 +20,7 @@
 #include "core/rt/latest_value.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/shared/guarded.hpp"
+#include "proto/tables/devices.hpp"
 
 namespace ovws {
 
@@ -43,6 +44,7 @@ struct SlmSnapshot {
   std::int64_t refresh_wait_ns = 0;    ///< wait for the display's refresh before t_begin_mono_ns
   std::string fault;                   ///< why the SLM is not healthy; empty if healthy
   bool at_fault = false;  ///< a person must fix the fault before the display can be used
+  SlmSettings settings;
 };
 
 /// Readback check of the display: compares its buffer with the presented hologram.
@@ -60,6 +62,10 @@ struct SlmLoopDeps {
   /// Called in the main thread when the SLM's health, or the reason of its fault, has changed.
   std::function<void(const SlmSnapshot&)> on_change;
 };
+
+/// The settings of a configuration that can change at run time, and a configuration with others.
+SlmSettings settings_of(const SlmConfig& config);
+void use_settings(SlmConfig& config, const SlmSettings& settings);
 
 class SlmLoop : public Agent {
  public:
@@ -86,6 +92,15 @@ class SlmLoop : public Agent {
   /// not allow reading.
   void verify(std::function<void(Result<SlmVerdict>)> done);
 
+  /// Lists the outputs of the display system. Thread-safe; `done` is called in the main thread
+  /// (after close: in the caller's).
+  void list_outputs(std::function<void(Result<std::vector<DisplayOutput>>)> done);
+  using SettingsDone = std::function<void(Result<SlmSettings>)>;
+  /// Changes the settings, all or nothing, and reopens the display if it is another output.
+  /// Thread-safe; `done` gets the settings in use, in the main thread (after close: in the
+  /// caller's). Errors: the output cannot be used; the former settings stay in use.
+  void change(SlmSet change, SettingsDone done);
+
   SlmSnapshot snapshot() const { return snapshot_.get(); }
 
  private:
@@ -99,11 +114,15 @@ class SlmLoop : public Agent {
     std::optional<HologramRequest> when_possible;
     std::shared_ptr<Job> job;
     std::vector<std::function<void(Result<SlmVerdict>)>> verify;
+    std::vector<std::function<void(const Error* stopping)>> other;  ///< null: carry it out
   };
 
   Pending wait_for_work();
   void carry_out(Job& job);
   Result<SlmVerdict> compare_output();
+  void post(std::function<void(const Error* stopping)> task);
+  Result<SlmSettings> use(const SlmSet& change);
+  Result<void> reopen(const SlmConfig& config);
   void try_open();
   Result<void> present(const HologramRequest& request);
   void fault(const Error& why);

@@ -24,6 +24,7 @@ enum class ThreadRole {
   reconstruct,
   publish,
   camera,
+  discover,
   prepare,
   procedure,
   loop,
@@ -62,7 +63,7 @@ struct ThreadRow {
   OnException on_exception = OnException::go_on;
 };
 
-constexpr std::array<ThreadRow, 18> kThreadTable{{
+constexpr std::array<ThreadRow, 19> kThreadTable{{
     {ThreadRole::acquire, "acquire", 80, "the camera's next frame", 2.0, OnHang::restart, 0,
      OnException::restart},
     {ThreadRole::track, "track", 75, "its ring buffer", 2.0, OnHang::restart, 0,
@@ -72,6 +73,7 @@ constexpr std::array<ThreadRow, 18> kThreadTable{{
     {ThreadRole::publish, "publish", 60,
      "its ring buffer, the rebinding of its socket (a key was withdrawn)", 5.0, OnHang::restart},
     {ThreadRole::camera, "camera", 0, "camera registers, discovery", 30.0, OnHang::restart},
+    {ThreadRole::discover, "discover", 0, "the discovery of cameras", 30.0, OnHang::report},
     {ThreadRole::prepare, "prepare", 0, "its mailbox, the display presenting a hologram", 30.0,
      OnHang::restart, 0, OnException::restart},
     {ThreadRole::procedure, "procedure", 0, "frames, the other threads; a procedure takes minutes",

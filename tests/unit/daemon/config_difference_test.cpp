@@ -22,10 +22,13 @@ TEST(ConfigDifference, NamesWhatChangesLiveAndWhatWaits) {
   after.refine.rate_hz *= 0.5;
   after.stream.image_rate_hz *= 0.5;
   after.slm.settle_ms += 1.0;
+  after.slm.geometry.pitch_um += 1.0;
+  after.camera.id = "1234";
   const auto keys = difference(Config{}, after);
-  EXPECT_EQ(keys.live, (Keys{"camera.exposure_us", "camera.roi.width", "refine.rate_hz",
-                             "stream.image_rate_hz", "tracking.tracker"}));
-  EXPECT_EQ(keys.restart, (Keys{"camera.transfer_ms", "slm.settle_ms"}));
+  EXPECT_EQ(keys.live,
+            (Keys{"camera.exposure_us", "camera.id", "camera.roi.width", "refine.rate_hz",
+                  "slm.settle_ms", "stream.image_rate_hz", "tracking.tracker"}));
+  EXPECT_EQ(keys.restart, (Keys{"camera.transfer_ms", "slm.pitch_um"}));
 }
 
 TEST(ConfigDifference, OneKeyOfALiveRoomWaits) {

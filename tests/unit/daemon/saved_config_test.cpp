@@ -112,7 +112,7 @@ TEST_F(SavedConfig, ValuesThatBelongTogetherAreOfOnePlace) {
 
 TEST_F(SavedConfig, OnlyWhatChangesAtRunTimeIsSaved) {
   Config in_use = changed();
-  in_use.slm.settle_ms = 99.0;  // a change that needs a restart
+  in_use.slm.geometry.pitch_um = 99.0;  // a change that needs a restart
   in_use.tracking.kernel_radius *= 1.1;
   EXPECT_EQ(save(in_use), (Keys{"camera.exposure_us", "tracking.tracker"}));
 }

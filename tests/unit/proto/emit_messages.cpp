@@ -10,11 +10,14 @@
 #include "proto/encode.hpp"
 #include "proto/requests.hpp"
 #include "proto/tables/calibration.hpp"
+#include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
+#include "proto/tables/files.hpp"
 #include "proto/tables/job.hpp"
 #include "proto/tables/loop.hpp"
 #include "proto/tables/set.hpp"
 #include "proto/tables/slm.hpp"
+#include "proto/tables/slm_change.hpp"
 #include "proto/tables/status.hpp"
 
 namespace ovws {
@@ -167,6 +170,17 @@ void print_flatnesses() {
   print_result("flatness.run", to_json(JobNumber{6}));
   print_result("slm.settle", to_json(JobNumber{7}));
   print_result("camera.auto_exposure", to_json(JobNumber{8}));
+  for (const char* method : {"reference.list", "reference.save", "reference.delete"}) {
+    print_result(method,
+                 to_json(ReferenceList{{{"one", 1767225600000000000, ""}, {"two", 0, "no"}}}));
+  }
+  print_result("record.list", to_json(RecordingList{}));
+  print_result("record.list", to_json(RecordingList{"/a", {{"b", "/a/b.h5", 5, 7}}, 2}));
+  print_result("camera.list", to_json(CameraList{{{"a-b-1", "1", "", true, true}, {}}}));
+  print_result("slm.outputs", to_json(OutputList{{{},
+                                                  {"HDMI-1", "SLM", true, true, true, 1280, 768,
+                                                   60.0, "it is the primary one", true}}}));
+  print_result("slm.set", to_json(SlmSettings{"HDMI-1", true, 5.0}));
   print_result("slm.verify", to_json(VerifyReport{7, 0xffffffffU, 1U, 12}));
 }
 
@@ -381,6 +395,9 @@ void print_all_params() {
   print_params<ModesSet>("correction.set", {"modes", "modes", "norm"}, 2000);
   print_params<RegistrationRun>("registration.run", {"frames", "frame"});
   print_params<FlatnessRun>("flatness.run", {"frames", "frame"});
+  print_params<CameraSelect>("camera.select", {"id", "wait", "wait_for"}, 2000);
+  print_params<ConfigSave>("config.save", {"preview", "previews"}, 2000);
+  print_params<SlmChange>("slm.set", {"display", "allow_primary", "settle_ms", "settle"});
   print_params<SettleRun>("slm.settle", {"repetitions", "watch_ms", "frames"});
   print_params<AutoExposure>("camera.auto_exposure", {"target", "max_exposure_us", "targets"});
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});

@@ -1,0 +1,106 @@
+/// Methods of references: the active one, and those saved by name.
+#include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/control/sensor_handlers.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/sensor/named_references.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "proto/tables/files.hpp"
+#include "proto/tables/reference.hpp"
+
+namespace ovws {
+namespace {
+
+KnownReference reference_of(const Services& services, const SensorSnapshot& now) {
+  if (!now.reference) return {};
+  const Reference& r = *now.reference;
+  return {ReferenceReport{r.frames,
+                          r.key.sensor.charge,
+                          r.key.tracking.tracker,
+                          r.t_taken_ns,
+                          r.positions_px,
+                          r.standard_error_px,
+                          std::string(reference_source_name(r.source)),
+                          r.sha256,
+                          stale_fields(r, services.camera.snapshot().settings),
+                          {*r.origin},
+                          rms_waves(r.introduced)}};
+}
+
+Result<Json> refer(const Services& /*services*/, Bench& bench, const ReferenceTake& take) {
+  return take_reference(bench, take);
+}
+
+void run_reference(Services& services, const ReferenceTake& params, Reply<JobNumber> reply) {
+  if (auto can = can_take_reference(*services.keeper.snapshot(), params); !can) {
+    return reply(can.error());
+  }
+  run<kReferenceTake, refer>(services, params, std::move(reply));
+}
+
+void use_model(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> reply) {
+  edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
+}
+
+void list_references(Services& services, Reply<ReferenceList> reply) {
+  services.keeper.ask([all = services.named.all(), reply](const SensorEdit& now) {
+    ReferenceList list;
+    for (const auto& [name, reference] : all) {
+      list.references.push_back({name, reference->t_taken_ns, misfit(*reference, now)});
+    }
+    reply(list);
+  });
+}
+
+/// Makes a callback that replies with the list, or with the error.
+NamedReferences::Done then_list(Services& services, Reply<ReferenceList> reply) {
+  return [&services, reply = std::move(reply)](const Result<void>& done) {
+    if (!done) return reply(done.error());
+    list_references(services, reply);
+  };
+}
+
+void save_reference(Services& services, const ReferenceName& params, Reply<ReferenceList> reply) {
+  const auto active = services.keeper.snapshot()->reference;
+  if (!active) {
+    return reply(Error{Errc::refused, "", "there is no reference: take one with reference.take"});
+  }
+  services.named.save(params.name, active, then_list(services, std::move(reply)));
+}
+
+void load_reference(Services& services, const ReferenceName& params, Reply<KnownReference> reply) {
+  services.named.find(params.name, [&services, reply](Result<Reference> found) {
+    if (!found) return reply(found.error());
+    services.keeper.edit(Hold::unheld(), use_saved_reference(std::move(*found)),
+                         [&services, reply](const Result<SensorView>& changed) {
+                           if (!changed) return reply(changed.error());
+                           reply(reference_of(services, **changed));
+                         });
+  });
+}
+
+void delete_reference(Services& services, const ReferenceName& params, Reply<ReferenceList> reply) {
+  services.named.remove(params.name, then_list(services, std::move(reply)));
+}
+
+// Saving and deleting change files only, whatever the bench is doing.
+constexpr Action kFilesOnly = Action::record;
+
+constexpr std::array kRows{
+    row<kReferenceTake, run_reference>(Role::control, Action::start_job),
+    row<kReferenceGet, get<reference_of>>(Role::read, Action::read),
+    row<kReferenceSet, use_model>(Role::control, Action::clear_reference),
+    row<kReferenceClear, clear<reference_of, forget_reference>>(Role::control,
+                                                                Action::clear_reference),
+    row<kReferenceDelete, delete_reference>(Role::control, kFilesOnly),
+    row<kReferenceList, list_references>(Role::read, Action::read),
+    row<kReferenceLoad, load_reference>(Role::control, Action::clear_reference),
+    row<kReferenceSave, save_reference>(Role::control, kFilesOnly),
+};
+
+}  // namespace
+
+std::span<const MethodRow> reference_methods() {
+  return kRows;
+}
+
+}  // namespace ovws
