@@ -80,4 +80,7 @@ constexpr Integers kRecords{8, 4096};  ///< must be a power of two
 constexpr Integers kCpu{0, 1023};
 constexpr std::size_t kMaxCpus = 64;
 
+/// Images whose 16 brightest pixels reach less than this fraction of full scale are called dark.
+constexpr double kDarkFraction = 0.05;
+
 }  // namespace ovws::limits

@@ -25,6 +25,7 @@ struct StatusMessage {
 
   struct CameraPart {
     bool connected = false, streaming = false;
+    std::optional<double> brightest;
     std::optional<CameraInfo> info;
     CameraSettings settings;           ///< in use; if not connected, those that will be applied
     std::optional<std::string> fault;  ///< what is wrong, and the remedy

@@ -91,6 +91,7 @@ struct App::Parts {
   Pipeline pipeline;
   Recorder recorder;
   FrameBroker frames;
+  ImageBrightness brightness;
   Jobs jobs{events};
   SlmLoop slm;
   CameraActor camera;
@@ -116,10 +117,12 @@ struct App::Parts {
         pipeline(config.pipeline, {counters, shown, settings}),
         recorder(config, pipeline, events),
         slm(config.slm,
-            {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
+            {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); },
+             [this] { return state.check(Action::reload_config); }}),
         camera(config.camera, {pipeline, settings, counters, events,
                                [this] { return state.check(Action::set_camera); },
-                               [this](const CameraSnapshot& now) { camera_changed(now); }}),
+                               [this](const CameraSnapshot& now) { camera_changed(now); },
+                               [this] { return state.check(Action::reload_config); }}),
         finder([this] {
           CameraConfig now = config.camera;
           now.id = camera.snapshot().id;
@@ -177,7 +180,8 @@ Result<void> App::Parts::make_sensor() {
       [this](std::string kind, nlohmann::json content) {
         recorder.add_loop(std::move(kind), std::move(content));
       }});
-  search = std::make_unique<WavefrontSearch>(config.slm.geometry, frames, *keeper, events);
+  search =
+      std::make_unique<WavefrontSearch>(config.slm.geometry, frames, brightness, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
                                           *keeper, queue);
   return {};
@@ -196,15 +200,30 @@ Result<void> App::Parts::bind_streams() {
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
   images = std::make_unique<ImagePublisher>(std::move(*image_socket), image_config, pipeline,
-                                            counters, frames);
+                                            counters, frames, brightness);
   reloader = std::make_unique<Reloader>(
       ReloadDeps{config, loaded, state, camera, slm, *keeper, *refiner, *images, events, disk});
-  status = std::make_unique<StatusReporter>(
-      StatusDeps{state,    camera,    slm,      *keeper,
-                 *search,  *images,   *loop,    *refiner,
-                 recorder, jobs,      pipeline, published_latency,
-                 counters, events,    store,    queue,
-                 threads,  *reloader, *clients, [this] { end_without_display(); }});
+  status = std::make_unique<StatusReporter>(StatusDeps{state,
+                                                       camera,
+                                                       slm,
+                                                       *keeper,
+                                                       *search,
+                                                       *images,
+                                                       brightness,
+                                                       *loop,
+                                                       *refiner,
+                                                       recorder,
+                                                       jobs,
+                                                       pipeline,
+                                                       published_latency,
+                                                       counters,
+                                                       events,
+                                                       store,
+                                                       queue,
+                                                       threads,
+                                                       *reloader,
+                                                       *clients,
+                                                       [this] { end_without_display(); }});
   return {};
 }
 

@@ -23,13 +23,17 @@ inline const std::vector<std::string>& counter_names() {
 inline constexpr const char* kFaultMeaning = "what is wrong and what to do; null: no fault";
 
 template <>
-inline constexpr auto kTable<StatusMessage::CameraPart> =
-    Fields{"StatusCamera",
-           field<&StatusMessage::CameraPart::connected>("whether a camera is connected"),
-           field<&StatusMessage::CameraPart::streaming>("whether it is streaming"),
-           field<&StatusMessage::CameraPart::info>("identity of the camera"),
-           field<&StatusMessage::CameraPart::settings>("the camera's settings"),
-           field<&StatusMessage::CameraPart::fault>(kFaultMeaning)};
+inline constexpr auto kTable<StatusMessage::CameraPart> = Fields{
+    "StatusCamera",
+    field<&StatusMessage::CameraPart::connected>("whether a camera is connected"),
+    field<&StatusMessage::CameraPart::streaming>("whether it is streaming"),
+    field<&StatusMessage::CameraPart::brightest>(
+        "grey level that the 16 brightest pixels of the newest image reach, fraction of full "
+        "scale; null: no images are sent",
+        {0, 1}),
+    field<&StatusMessage::CameraPart::info>("identity of the camera"),
+    field<&StatusMessage::CameraPart::settings>("the camera's settings"),
+    field<&StatusMessage::CameraPart::fault>(kFaultMeaning)};
 
 template <>
 inline constexpr auto kTable<StatusMessage::SlmPart> =

@@ -7,6 +7,7 @@
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/losses.hpp"
 #include "daemon/ovws/text/quantity.hpp"
+#include "proto/limits.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -28,6 +29,17 @@ std::string state_text(const json& status) {
   return fault.empty() ? text : text + "; " + fault;
 }
 
+/// How bright the newest image is, and what to do if it is dark.
+std::string brightness_text(const json& brightest) {
+  if (!brightest.is_number()) return "";
+  const double fraction = brightest.get<double>();
+  const std::string text =
+      fmt::format("brightest pixels at {:.1f} % of full scale", 100.0 * fraction);
+  if (fraction >= limits::kDarkFraction) return text;
+  return text +
+         ": DARK; ovws exposure auto, and check the laser, its shutter and the camera's cover";
+}
+
 std::string camera_lines(const json& camera, const json& rates) {
   std::string lines;
   if (camera.at("info").is_object()) {
@@ -37,6 +49,7 @@ std::string camera_lines(const json& camera, const json& rates) {
                                         rates.at("grabbed_hz").get<double>()));
   }
   lines += line("camera", text_of(camera, "fault"));
+  lines += line("image", brightness_text(camera.value("brightest", json())));
   const json& settings = camera.at("settings");
   return settings.is_object() ? lines + line("settings", camera_settings_text(settings)) : lines;
 }

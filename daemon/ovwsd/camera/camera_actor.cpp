@@ -100,21 +100,27 @@ void CameraActor::change_or_keep(CameraSet change, Applied done) {
   mailbox_.post([this, change, done = std::move(done)] {
     if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
     if (camera_ || snapshot_.get().at_fault) return carry_out(change, done);
-    settings_ = change.applied_to(settings_);
-    keep_asked(change);
-    publish(snapshot_.get());
+    keep_for_next(change);
     done(snapshot_.get());
   });
 }
 
-void CameraActor::select(std::string id, bool wait, Applied done) {
-  mailbox_.post([this, id = std::move(id), wait, done = std::move(done)] {
-    if (const auto allowed = deps_.may_change(); !allowed) return done(fail(allowed.error()));
-    carry_out_selection(id, wait, done);
-  });
+void CameraActor::keep_for_next(const CameraSet& change) {
+  settings_ = change.applied_to(settings_);
+  keep_asked(change);
+  publish(snapshot_.get());
 }
 
-void CameraActor::carry_out_selection(const std::string& id, bool wait, const Applied& done) {
+void CameraActor::select(std::string id, CameraSet change, bool wait, Applied done) {
+  mailbox_.post(
+      [this, id = std::move(id), change = std::move(change), wait, done = std::move(done)] {
+        if (const auto allowed = deps_.may_select(); !allowed) return done(fail(allowed.error()));
+        carry_out_selection(id, change, wait, done);
+      });
+}
+
+void CameraActor::carry_out_selection(const std::string& id, const CameraSet& change, bool wait,
+                                      const Applied& done) {
   if (id == config_.id && snapshot_.get().connected) return done(snapshot_.get());
   if (camera_ && !close_camera()) {
     return done(fail(Errc::unavailable, "camera",
@@ -122,12 +128,17 @@ void CameraActor::carry_out_selection(const std::string& id, bool wait, const Ap
   }
   limits_.reset();
   const std::string before = std::exchange(config_.id, id);
-  CameraSet clamped;
-  clamped.set_clamp(true);
-  open_with(clamped);
+  // The settings read back are rounded to what the former camera can do.
+  const CameraSettings settings = std::exchange(settings_, asked_);
+  open_with(change);
   const CameraSnapshot now = snapshot_.get();
-  if (now.connected || now.at_fault || wait) return done(now);
+  if (now.connected) return done(now);
+  if (now.at_fault || wait) {
+    keep_for_next(change);
+    return done(snapshot_.get());
+  }
   config_.id = before;
+  settings_ = settings;
   open_with({});
   done(fail(Errc::unavailable, "camera.id", now.fault));
 }

@@ -42,6 +42,8 @@ struct CameraActorDeps {
   /// Called in the camera thread after each published change of settings, connection or fault. New
   /// settings may change the image's size or format.
   std::function<void(const CameraSnapshot&)> on_change;
+  /// Checks whether another camera may be selected now. Camera thread.
+  std::function<Result<void>()> may_select = [] { return Result<void>{}; };
 };
 
 /// Agent of the camera thread: owns the camera.
@@ -65,11 +67,12 @@ class CameraActor : public Agent {
   void change_for_job(CameraSet change, Applied done);
   /// Applies a change as `change` does, or keeps it for the next connection of a camera.
   void change_or_keep(CameraSet change, Applied done);
-  /// Disconnects the camera and connects to the one with this id, with the present settings clamped
-  /// to its limits. `done` gets the state afterwards, which is without a camera if that one cannot
-  /// use the settings, or with `wait` if it does not answer. Otherwise, if it cannot be opened, the
-  /// former camera is opened again and `done` gets the error. Thread-safe.
-  void select(std::string id, bool wait, Applied done);
+  /// Disconnects the camera and connects to the one with this id, with `change` applied to the
+  /// requested settings. `done` gets the state afterwards, which is without a camera if that one
+  /// cannot use the settings, or with `wait` if it does not answer; the change is then kept for the
+  /// next connection. Otherwise, if it cannot be opened, the former camera is opened again with the
+  /// former settings and `done` gets the error. Thread-safe.
+  void select(std::string id, CameraSet change, bool wait, Applied done);
   /// Restores the settings of `before` after a job, now or at the next connection. `then` is called
   /// in the camera thread, or destroyed uncalled if that thread has ended. Thread-safe.
   void restore(CameraSet before, std::function<void()> then);
@@ -79,7 +82,9 @@ class CameraActor : public Agent {
   using UnusableFrames = std::array<std::uint64_t, 3>;  ///< counts in the order of kUnusable
 
   void carry_out(const CameraSet& change, const Applied& done);
-  void carry_out_selection(const std::string& id, bool wait, const Applied& done);
+  void carry_out_selection(const std::string& id, const CameraSet& change, bool wait,
+                           const Applied& done);
+  void keep_for_next(const CameraSet& change);
   void reopen(const CameraSet& change, const Applied& done);
   void open_with(const CameraSet& change);
   void keep_asked(const CameraSet& change);

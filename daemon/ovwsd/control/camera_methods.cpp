@@ -51,7 +51,9 @@ void list_cameras(Services& services, Reply<CameraList> reply) {
 void select_camera(Services& services, const CameraSelect& params, Reply<CameraReport> reply) {
   const auto select = [&services, params, reply](const Result<void>& found) {
     if (!found) return reply(found.error());
-    services.camera.select(params.id, params.wait,
+    CameraSet clamped;  // the present settings, as far as the other camera has them
+    clamped.set_clamp(true);
+    services.camera.select(params.id, clamped, params.wait,
                            [&services, reply](const Result<CameraSnapshot>& selected) {
                              if (!selected) return reply(selected.error());
                              services.keeper.after_changes([reply, camera = *selected] {

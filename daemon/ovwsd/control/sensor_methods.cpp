@@ -174,9 +174,9 @@ Result<Json> settle(const Services& services, Bench& bench, const SettleRun& run
 }
 
 void list_outputs(Services& services, Reply<OutputList> reply) {
-  services.slm.list_outputs([reply](Result<std::vector<DisplayOutput>> outputs) {
+  services.slm.list_outputs([reply](const Result<std::vector<DisplayOutput>>& outputs) {
     if (!outputs) return reply(outputs.error());
-    reply(OutputList{std::move(*outputs)});
+    reply(OutputList{*outputs});
   });
 }
 

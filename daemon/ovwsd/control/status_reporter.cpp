@@ -113,6 +113,7 @@ StatusMessage StatusReporter::current() const {
   status.loop_paused = deps_.loop.is_paused();
   const CameraSnapshot camera = deps_.camera.snapshot();
   status.camera = camera_part(camera, deps_.pipeline);
+  status.camera.brightest = deps_.brightness.newest(monotonic_ns());
   status.slm = slm_part(deps_.slm.snapshot());
   status.store = deps_.store.report();
   for (const HungThread& one : deps_.threads.hung_threads()) {

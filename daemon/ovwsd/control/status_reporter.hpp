@@ -40,6 +40,7 @@ struct StatusDeps {
   const SensorKeeper& keeper;
   const WavefrontSearch& search;
   const ImagePublisher& images;
+  const ImageBrightness& brightness;
   const ClosedLoop& loop;
   const LiveRefiner& refiner;
   const Recorder& recorder;

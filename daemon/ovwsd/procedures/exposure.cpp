@@ -11,20 +11,24 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxLooks = 8;
-constexpr int kFrames = 3;               // averaged for each look
+constexpr int kFrames = 3;               // averaged for a look at an unknown brightness ...
+constexpr int kFineFrames = 12;          // ... and for the next ones, as many as fit in ...
+constexpr double kFineS = 1.0;           // ... this time, because noise misleads at a high gain
 constexpr double kClose = 0.05;          // relative deviation from the target that ends the search
 constexpr double kAcceptable = 0.1;      // the same after the last look
 constexpr double kStep = 10.0;           // change of the exposure where brightness says nothing
 constexpr double kMaxRise = 30.0;        // of the exposure from one look to the next
+constexpr double kSame = 1.001;          // rounding of exposures
 constexpr double kEven = 0.25;           // of full scale: even light is not a black level
 constexpr double kSaturatesRise = 1.5;   // rise of the exposure ...
 constexpr double kSaturatesLevel = 1.1;  // ... that must raise the brightness by more than this
 
-Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm) {
+Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm, bool fine) {
   const SensorView now = bench.sensor();
   const CameraSettings settings = bench.camera().settings;
   const LitPixels lit = lit_pixels(settings.pixel_format, now->optics.wavelength_nm);
-  const auto image = bench.picture(kFrames);
+  const double most = std::min(double(kFineFrames), kFineS * settings.frame_rate_hz);
+  const auto image = bench.picture(fine ? std::max(kFrames, int(most)) : kFrames);
   if (!image) return fail(image.error());
   return judge_exposure(on_plane(*image, lit.plane), expected_spots(*now, slm, lit), settings);
 }
@@ -36,9 +40,11 @@ class ExposureSearch {
       : bench_(bench), slm_(slm), asked_(asked) {}
 
   Result<AutoExposureReport> run() {
+    if (auto limited = limit_exposure(); !limited) return fail(limited.error());
     for (int looks = 1;; ++looks) {
       bench_.report_progress(double(looks - 1) / kMaxLooks);
-      const auto look = look_at(bench_, slm_);
+      const bool fine = previous_ && previous_->lit && !previous_->saturated();
+      const auto look = look_at(bench_, slm_, fine);
       if (!look) return fail(look.error());
       if (is_within(*look, looks < kMaxLooks ? kClose : kAcceptable)) return report(*look, looks);
       if (looks == kMaxLooks) return fail(unsteady(*look));
@@ -81,16 +87,28 @@ class ExposureSearch {
     return longest;
   }
 
+  /// Shortens an exposure that is longer than the longest that may be used.
+  Result<void> limit_exposure() {
+    const CameraSnapshot now = bench_.camera();
+    if (!now.limits) return fail(disconnected());
+    const Limit most = longest(now.settings, *now.limits);
+    if (now.settings.exposure_us <= kSame * most.us) return {};
+    CameraSet change;
+    change.set_clamp(true);
+    change.put(&CameraSettings::exposure_us, most.us);
+    if (const auto set = bench_.set_camera(change); !set) return fail(set.error());
+    return {};
+  }
+
   /// Changes exposure or gain. Returns false if the camera has no setting that is nearer.
   Result<bool> change(const ExposureLook& look) {
     const auto limits = bench_.camera().limits;
-    if (!limits) return fail(Errc::unavailable, "camera", "the camera was disconnected");
+    if (!limits) return fail(disconnected());
     if (!look.lit && !look.saturated() && look.fraction() > kEven) return fail(even(look));
     if (auto rises = check_rises(look); !rises) return fail(rises.error());
     const double now_us = look.settings.exposure_us, by = factor(look);
     const Limit most = longest(look.settings, *limits);
     const double least_us = std::min(limits->exposure_us.min, most.us);
-    constexpr double kSame = 1.001;
     if (by > 1.0 && now_us * kSame >= most.us) return fail(too_dark(look, most));
     if (by < 1.0 && now_us <= least_us * kSame) return lower_gain(look, *limits, by);
     CameraSet change;
@@ -144,12 +162,12 @@ class ExposureSearch {
                   "no light reaches the camera: at the longest exposure of {:g} ms the image shows "
                   "only noise; check that the laser is on and its shutter open, that the camera's "
                   "cover is off, and that a spot appears with slm.show grating",
-                  1e-3 * look.settings.exposure_us)};
+                  1e-3 * most.us)};
     }
     return {Errc::refused, most.field,
             fmt::format("too dark: at the longest exposure of {:g} ms the brightest pixels reach "
                         "{:.0f} % of full scale; {}raise the laser's power or camera.gain_db",
-                        1e-3 * look.settings.exposure_us, 100.0 * look.fraction(), most.advice)};
+                        1e-3 * most.us, 100.0 * look.fraction(), most.advice)};
   }
 
   Error too_bright(const ExposureLook& look) const {
@@ -158,6 +176,10 @@ class ExposureSearch {
                         "brightest pixels reach {:.0f} % of full scale and {} pixels are "
                         "saturated; lower the laser's power or insert a neutral-density filter",
                         look.settings.exposure_us, 100.0 * look.fraction(), look.saturated_pixels)};
+  }
+
+  static Error disconnected() {
+    return {Errc::unavailable, "camera", "the camera was disconnected"};
   }
 
   static Error even(const ExposureLook& look) {

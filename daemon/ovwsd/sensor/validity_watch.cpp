@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "proto/limits.hpp"
+
 namespace ovws {
 namespace {
 
@@ -37,7 +39,8 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
 std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) const {
   const std::int64_t since_ns = since_ns_;
   if (since_ns == 0 || now_ns - newest_ns_ > kMaxFrameAgeNs) return std::nullopt;
-  return Lack{since_ns, tracked_, spots_, explained_, waits_, searched_};
+  return Lack{
+      since_ns, tracked_, spots_, explained_, waits_, searched_, brightness_.newest(now_ns)};
 }
 
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
@@ -49,9 +52,11 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                lack.waits       ? ", but templates have not confirmed them yet"
                                : lack.explained ? ""
                                                 : ", but no wavefront explains their positions");
-  invalid.action = !lack.searched ? "use the tracker fit: it also finds strong aberrations"
-                   : lack.waits   ? "wait: templates of this wavefront are being rendered"
-                                  : action_of(search, now_ns);
+  invalid.action = lack.brightest && *lack.brightest < limits::kDarkFraction
+                       ? dark_text(*lack.brightest)
+                   : !lack.searched ? "use the tracker fit: it also finds strong aberrations"
+                   : lack.waits     ? "wait: templates of this wavefront are being rendered"
+                                    : action_of(search, now_ns);
   invalid.searches = search.searches;
   if (lack.searched && !search.running && !lack.waits)
     invalid.t_next_search_ns = utc_ns + std::max<std::int64_t>(search.next_ns - now_ns, 0);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "daemon/ovwsd/actor/events.hpp"
+#include "daemon/ovwsd/frames/image_brightness.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/status_message.hpp"
 
@@ -29,7 +30,12 @@ class ValidityWatch {
     bool explained = true;  ///< false: no wavefront explains the spots' positions
     bool waits = false;     ///< true: templates must confirm the positions first
     bool searched = true;   ///< templates can measure frames, so the wavefront is searched
+    /// See brightest_fraction; none: unknown.
+    std::optional<double> brightest = std::nullopt;
   };
+
+  /// `brightness`: of the camera's images; must outlive this object.
+  explicit ValidityWatch(const ImageBrightness& brightness) : brightness_(brightness) {}
 
   void on_frame(bool valid, const Lack& lack, std::int64_t now_ns);
 
@@ -51,6 +57,7 @@ class ValidityWatch {
   void announce(Events& events, std::int64_t now_ns);
 
  private:
+  const ImageBrightness& brightness_;
   std::atomic<std::int64_t> since_ns_{0};  ///< 0: the newest frame was valid
   std::atomic<std::int64_t> newest_ns_{0};
   std::atomic<int> tracked_{0}, spots_{0};

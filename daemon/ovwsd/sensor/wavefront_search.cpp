@@ -104,9 +104,14 @@ struct WavefrontSearch::Model {
   }
 };
 
-WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
+WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames,
+                                 const ImageBrightness& brightness, SensorKeeper& keeper,
                                  Events& events)
-    : slm_(slm), keeper_(keeper), events_(events), inbox_(frames, can_be_rendered) {}
+    : slm_(slm),
+      keeper_(keeper),
+      events_(events),
+      inbox_(frames, can_be_rendered),
+      validity_(brightness) {}
 
 WavefrontSearch::~WavefrontSearch() = default;
 

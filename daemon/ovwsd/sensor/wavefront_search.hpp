@@ -37,8 +37,9 @@ namespace ovws {
 /// flat enough for the tracker.
 class WavefrontSearch : public Agent {
  public:
-  WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, SensorKeeper& keeper,
-                  Events& events);
+  /// All references must outlive this object.
+  WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, const ImageBrightness& brightness,
+                  SensorKeeper& keeper, Events& events);
   ~WavefrontSearch() override;
 
   bool do_work() override;

@@ -61,8 +61,8 @@ void Reloader::poll() {
 
 void Reloader::begin() {
   if (deps_.loaded.get().path.empty()) {
-    return refuse({Errc::refused, "",
-                   "there is no file to read: the daemon was started without --config FILE"});
+    return refuse(Error{Errc::refused, "",
+                        "there is no file to read: the daemon was started without --config FILE"});
   }
   if (const auto allowed = deps_.state.check(Action::reload_config); !allowed) {
     return refuse(allowed.error());
@@ -88,6 +88,7 @@ void Reloader::change(const LoadedConfig& read) {
   reload.before.camera.settings = camera.asked;
   reload.after.camera.settings = as_requested(read.effective.camera.settings, camera);
   reload.keys = difference(reload.before, reload.after);
+  reload.had_camera = camera.connected;
   change_slm(reload);
 }
 
@@ -101,13 +102,18 @@ void Reloader::change_slm(const Reload& reload) {
                    });
 }
 
-/// Uses the camera of this id as a start does: it may appear later.
+/// Uses the camera of this id with the file's settings as a start does: it may appear later. But
+/// one that cannot use the settings is refused.
 void Reloader::select_camera(const Reload& reload) {
   const std::string& id = reload.after.camera.id;
   if (id == reload.before.camera.id) return change_camera(reload);
-  deps_.camera.select(id, true, [this, reload](const Result<CameraSnapshot>& used) {
+  const CameraSet change =
+      CameraSet::difference(reload.before.camera.settings, reload.after.camera.settings);
+  deps_.camera.select(id, change, true, [this, reload](const Result<CameraSnapshot>& used) {
     if (!used) return roll_back_slm(reload, with_section("camera", used.error(), reload.read));
-    change_camera(reload);
+    if (used->at_fault)
+      return roll_back_devices(reload, Error{Errc::invalid, "camera", used->fault});
+    change_refine(reload);
   });
 }
 
@@ -150,48 +156,58 @@ void Reloader::change_sensor(const Reload& reload) {
 }
 
 /// Rolls back refinement and camera. The sensor is changed last, so there is no change to undo.
-void Reloader::roll_back(const Reload& reload, const Error& why) {
+void Reloader::roll_back(const Reload& reload, const Refusal& refusal) {
   if (!(reload.after.refine == reload.before.refine)) {
     (void)deps_.refiner.change(RefineSet::whole(reload.before.refine),
                                reload.before.camera.settings.pixel_format);
   }
-  roll_back_camera(reload, why);
+  roll_back_camera(reload, refusal);
 }
 
-void Reloader::roll_back_camera(const Reload& reload, const Error& why) {
+void Reloader::Refusal::add(const char* part, const std::string& reason) {
+  why.reason += fmt::format("; the {} could not be restored: {}", part, reason);
+  not_restored.emplace_back(part);
+}
+
+void Reloader::roll_back_camera(const Reload& reload, const Refusal& refusal) {
   const CameraSettings &before = reload.before.camera.settings,
                        &after = reload.after.camera.settings;
-  if (after == before) return roll_back_devices(reload, why);
+  const bool is_same = reload.after.camera.id == reload.before.camera.id;
+  if (!is_same || after == before) return roll_back_devices(reload, refusal);
   deps_.camera.change_or_keep(CameraSet::difference(after, before),
-                              [this, reload, why](const Result<CameraSnapshot>& used) {
-                                if (used) return roll_back_devices(reload, why);
-                                Error both = why;
-                                both.reason += "; the camera's settings could not be restored: " +
-                                               used.error().reason;
-                                refuse(both, "all but the camera is unchanged");
+                              [this, reload, refusal](const Result<CameraSnapshot>& used) {
+                                Refusal both = refusal;
+                                if (!used) both.add("camera's settings", used.error().reason);
+                                roll_back_devices(reload, both);
                               });
 }
 
-/// Returns to the previous camera and SLM.
-void Reloader::roll_back_devices(const Reload& reload, const Error& why) {
-  const std::string& before = reload.before.camera.id;
-  if (reload.after.camera.id == before) return roll_back_slm(reload, why);
-  deps_.camera.select(before, true, [this, reload, why](const Result<CameraSnapshot>& used) {
-    Error both = why;
-    if (!used) both.reason += "; the camera could not be restored: " + used.error().reason;
-    roll_back_slm(reload, both);
-  });
+/// Returns to the previous camera, with its settings, and to the previous SLM.
+void Reloader::roll_back_devices(const Reload& reload, const Refusal& refusal) {
+  const Config &before = reload.before, &after = reload.after;
+  if (after.camera.id == before.camera.id) return roll_back_slm(reload, refusal);
+  const CameraSet change = CameraSet::difference(after.camera.settings, before.camera.settings);
+  deps_.camera.select(before.camera.id, change, true,
+                      [this, reload, refusal](const Result<CameraSnapshot>& used) {
+                        Refusal both = refusal;
+                        if (!used) {
+                          both.add("camera", used.error().reason);
+                        } else if (reload.had_camera && !used->connected) {
+                          both.add("camera", used->fault);
+                        }
+                        roll_back_slm(reload, both);
+                      });
 }
 
-void Reloader::roll_back_slm(const Reload& reload, const Error& why) {
+void Reloader::roll_back_slm(const Reload& reload, const Refusal& refusal) {
   const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
-  if (after == before) return refuse(why);
-  deps_.slm.change(SlmSet::difference(after, before), [this, why](const Result<SlmSettings>& used) {
-    if (used) return refuse(why);
-    Error both = why;
-    both.reason += "; the SLM's settings could not be restored: " + used.error().reason;
-    refuse(both, "all but the SLM is unchanged");
-  });
+  if (after == before) return refuse(refusal);
+  deps_.slm.change(SlmSet::difference(after, before),
+                   [this, refusal](const Result<SlmSettings>& used) {
+                     Refusal both = refusal;
+                     if (!used) both.add("SLM's settings", used.error().reason);
+                     refuse(both);
+                   });
 }
 
 void Reloader::finish(const Reload& reload) {
@@ -219,7 +235,12 @@ void Reloader::report(const Reload& reload) {
        {"edited", reload.read.edited}});
 }
 
-void Reloader::refuse(const Error& why, const char* what_stays) {
+void Reloader::refuse(const Refusal& refusal) {
+  const Error& why = refusal.why;
+  const std::string what_stays = refusal.not_restored.empty()
+                                     ? "nothing has changed"
+                                     : fmt::format("all but the {} is unchanged",
+                                                   fmt::join(refusal.not_restored, " and the "));
   end(Severity::error, fmt::format("configuration not reloaded, {}: {}", what_stays, text_of(why)),
       {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }

@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "config/config.hpp"
 #include "daemon/ovwsd/actor/disk.hpp"
@@ -51,6 +53,14 @@ class Reloader {
     Config before, after;  ///< camera settings as requested, not as read back
     ConfigDifference keys;
     LoadedConfig read;
+    bool had_camera = false;  ///< a camera was connected before
+  };
+  /// Why the configuration was not applied, and which parts could not be restored.
+  struct Refusal {
+    Refusal(Error error) : why(std::move(error)) {}
+    void add(const char* part, const std::string& reason);
+    Error why;
+    std::vector<std::string> not_restored;
   };
 
   void begin();
@@ -60,13 +70,13 @@ class Reloader {
   void change_camera(const Reload& reload);
   void change_refine(const Reload& reload);
   void change_sensor(const Reload& reload);
-  void roll_back(const Reload& reload, const Error& why);
+  void roll_back(const Reload& reload, const Refusal& refusal);
   void finish(const Reload& reload);
   void report(const Reload& reload);
-  void roll_back_camera(const Reload& reload, const Error& why);
-  void roll_back_devices(const Reload& reload, const Error& why);
-  void roll_back_slm(const Reload& reload, const Error& why);
-  void refuse(const Error& why, const char* what_stays = "nothing has changed");
+  void roll_back_camera(const Reload& reload, const Refusal& refusal);
+  void roll_back_devices(const Reload& reload, const Refusal& refusal);
+  void roll_back_slm(const Reload& reload, const Refusal& refusal);
+  void refuse(const Refusal& refusal);
   void end(Severity severity, std::string text, nlohmann::json data);
 
   ReloadDeps deps_;

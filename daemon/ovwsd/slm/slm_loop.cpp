@@ -59,7 +59,11 @@ bool SlmLoop::do_work() {
     const auto verdict = compare_output();  // one comparison answers all requests
     for (const auto& done : pending.verify) done(verdict);
   }
-  for (const auto& task : pending.other) task(nullptr);
+  for (const auto& [change, done] : pending.changes) done(use(change));
+  if (!pending.outputs.empty()) {
+    const auto outputs = ovws::list_outputs(config_);
+    for (const auto& done : pending.outputs) done(outputs);
+  }
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
     if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
@@ -89,8 +93,8 @@ void SlmLoop::close() {
   }();
   if (pending.job) pending.job->done.set_value(fail(stopping()));
   for (const auto& done : pending.verify) done(fail(stopping()));
-  const Error why = stopping();
-  for (const auto& task : pending.other) task(&why);
+  for (const auto& done : pending.outputs) done(fail(stopping()));
+  for (const auto& [change, done] : pending.changes) done(fail(stopping()));
 }
 
 Result<void> SlmLoop::show(HologramRequest request) {
@@ -132,35 +136,32 @@ void SlmLoop::verify(std::function<void(Result<SlmVerdict>)> done) {
   done(fail(stopping()));
 }
 
-/// Queues a task for the main thread. After close the task gets the error, in the caller's thread.
-void SlmLoop::post(std::function<void(const Error* stopping)> task) {
+void SlmLoop::list_outputs(OutputsDone done) {
   {
     const std::lock_guard lock(mutex_);
     if (!closed_) {
-      pending_.other.push_back(std::move(task));
+      pending_.outputs.push_back(std::move(done));
       ready_.notify_one();
       return;
     }
   }
-  const Error why = stopping();
-  task(&why);
-}
-
-void SlmLoop::list_outputs(std::function<void(Result<std::vector<DisplayOutput>>)> done) {
-  post([this, done = std::move(done)](const Error* why) {
-    if (why != nullptr) return done(fail(*why));
-    done(ovws::list_outputs(config_));
-  });
+  done(fail(stopping()));
 }
 
 void SlmLoop::change(SlmSet change, SettingsDone done) {
-  post([this, change = std::move(change), done = std::move(done)](const Error* why) {
-    if (why != nullptr) return done(fail(*why));
-    done(use(change));
-  });
+  {
+    const std::lock_guard lock(mutex_);
+    if (!closed_) {
+      pending_.changes.emplace_back(std::move(change), std::move(done));
+      ready_.notify_one();
+      return;
+    }
+  }
+  done(fail(stopping()));
 }
 
 Result<SlmSettings> SlmLoop::use(const SlmSet& change) {
+  if (const auto allowed = deps_.may_change(); !allowed) return fail(allowed.error());
   const SlmSettings before = settings_of(config_), wanted = change.applied_to(before);
   SlmConfig next = config_;
   use_settings(next, wanted);
@@ -222,7 +223,7 @@ SlmLoop::Pending SlmLoop::wait_for_work() {
   std::unique_lock lock(mutex_);
   ready_.wait_for(lock, kTurn, [this] {
     return pending_.when_possible || pending_.job || !pending_.verify.empty() ||
-           !pending_.other.empty();
+           !pending_.outputs.empty() || !pending_.changes.empty();
   });
   return std::exchange(pending_, {});
 }

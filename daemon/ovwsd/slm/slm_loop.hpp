@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "config/config.hpp"
@@ -61,6 +62,8 @@ struct SlmLoopDeps {
   Events& events;
   /// Called in the main thread when the SLM's health, or the reason of its fault, has changed.
   std::function<void(const SlmSnapshot&)> on_change;
+  /// Checks whether the settings may change now. Main thread.
+  std::function<Result<void>()> may_change = [] { return Result<void>{}; };
 };
 
 /// The settings of a configuration that can change at run time, and a configuration with others.
@@ -92,9 +95,10 @@ class SlmLoop : public Agent {
   /// not allow reading.
   void verify(std::function<void(Result<SlmVerdict>)> done);
 
-  /// Lists the outputs of the display system. Thread-safe; `done` is called in the main thread
-  /// (after close: in the caller's).
-  void list_outputs(std::function<void(Result<std::vector<DisplayOutput>>)> done);
+  using OutputsDone = std::function<void(const Result<std::vector<DisplayOutput>>&)>;
+  /// Lists the outputs of the display system, once for all requests of a turn. Thread-safe; `done`
+  /// is called in the main thread (after close: in the caller's).
+  void list_outputs(OutputsDone done);
   using SettingsDone = std::function<void(Result<SlmSettings>)>;
   /// Changes the settings, all or nothing, and reopens the display if it is another output.
   /// Thread-safe; `done` gets the settings in use, in the main thread (after close: in the
@@ -114,13 +118,13 @@ class SlmLoop : public Agent {
     std::optional<HologramRequest> when_possible;
     std::shared_ptr<Job> job;
     std::vector<std::function<void(Result<SlmVerdict>)>> verify;
-    std::vector<std::function<void(const Error* stopping)>> other;  ///< null: carry it out
+    std::vector<OutputsDone> outputs;
+    std::vector<std::pair<SlmSet, SettingsDone>> changes;
   };
 
   Pending wait_for_work();
   void carry_out(Job& job);
   Result<SlmVerdict> compare_output();
-  void post(std::function<void(const Error* stopping)> task);
   Result<SlmSettings> use(const SlmSet& change);
   Result<void> reopen(const SlmConfig& config);
   void try_open();

@@ -18,12 +18,14 @@ constexpr std::int64_t kPauseNs = 10'000'000;  // between two checks for open re
 }  // namespace
 
 ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& config,
-                               Pipeline& pipeline, Counters& counters, FrameBroker& frames)
+                               Pipeline& pipeline, Counters& counters, FrameBroker& frames,
+                               ImageBrightness& brightness)
     : socket_(std::move(socket)),
       config_(config),
       pipeline_(pipeline),
       counters_(counters),
       frames_(frames),
+      brightness_(brightness),
       rate_hz_(config_.rate_hz) {}
 
 bool ImagePublisher::image_is_due() const {
@@ -63,6 +65,7 @@ void ImagePublisher::serve(const FrameRecord& record) {
 void ImagePublisher::send(const FrameRecord& record) {
   send_image(record);
   send_phase(record);
+  brightness_.look(record.frame.image, monotonic_ns());
   sent_.fetch_add(1);
 }
 

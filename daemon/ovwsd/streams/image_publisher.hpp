@@ -14,6 +14,7 @@
 #include "core/rt/counters.hpp"
 #include "core/wavefront/phase_map.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
+#include "daemon/ovwsd/frames/image_brightness.hpp"
 #include "drivers/zmq/publisher.hpp"
 
 namespace ovws {
@@ -27,9 +28,10 @@ struct ImagePublisherConfig {
 /// Agent of the images thread.
 class ImagePublisher : public Agent {
  public:
-  /// `frames` must outlive this object. Its requests for pixels are served between two images.
+  /// `frames` and `brightness` must outlive this object. Requests for pixels are served between two
+  /// images; `brightness` looks at each image that is sent.
   ImagePublisher(Publisher socket, const ImagePublisherConfig& config, Pipeline& pipeline,
-                 Counters& counters, FrameBroker& frames);
+                 Counters& counters, FrameBroker& frames, ImageBrightness& brightness);
 
   bool do_work() override;
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
@@ -51,6 +53,7 @@ class ImagePublisher : public Agent {
   Pipeline& pipeline_;
   Counters& counters_;
   FrameBroker& frames_;
+  ImageBrightness& brightness_;
   std::atomic<double> rate_hz_;
   std::atomic<std::int64_t> next_ns_{0};
   bool requested_ = false;

@@ -76,9 +76,10 @@ class CameraActorTest : public testing::Test {
   CameraActorTest() {
     device = &device_;
     config_.settings.gain_db = 3.0;
-    actor_.emplace(config_, CameraActorDeps{pipeline_, settings_, counters_, events_,
-                                            [] { return Result<void>{}; },
-                                            [](const CameraSnapshot& /*now*/) {}});
+    actor_.emplace(
+        config_,
+        CameraActorDeps{pipeline_, settings_, counters_, events_, [] { return Result<void>{}; },
+                        [](const CameraSnapshot& /*now*/) {}, [this] { return may_select_; }});
     frame_path_ = std::thread([this] {
       while (!ended_) pipeline_.acquisition().do_work();
     });
@@ -107,6 +108,14 @@ class CameraActorTest : public testing::Test {
     actor_->do_work();
     return done;
   }
+  Result<CameraSnapshot> select(const std::string& id, std::optional<double> gain_db, bool wait) {
+    CameraSet change;
+    if (gain_db) change.put(&CameraSettings::gain_db, *gain_db);
+    std::optional<Result<CameraSnapshot>> answer;
+    actor_->select(id, change, wait, [&](Result<CameraSnapshot> now) { answer = std::move(now); });
+    actor_->do_work();
+    return answer.value_or(fail(Errc::internal, "", "no answer"));
+  }
   /// Takes the queued events whose data has this key.
   std::vector<EventMessage> events_with(const char* key) {
     std::vector<EventMessage> found;
@@ -125,6 +134,7 @@ class CameraActorTest : public testing::Test {
   LatestValue<ShownHologram> shown_;
   LatestValue<AppliedSettings> settings_;
   Pipeline pipeline_{PipelineConfig{}, {counters_, shown_, settings_}};
+  Result<void> may_select_;
   std::optional<CameraActor> actor_;
   std::atomic<bool> ended_{false};
   std::thread frame_path_;
@@ -246,6 +256,40 @@ TEST_F(CameraActorTest, CameraThatLostPowerAndIsNotBackRefusesASetAndKeepsTheSet
   for (int turn = 0; turn < 200 && !actor_->snapshot().connected; ++turn) actor_->do_work();
   ASSERT_TRUE(actor_->snapshot().connected);
   EXPECT_EQ(device_.asked->gain_db, 3.0);
+}
+
+TEST_F(CameraActorTest, AnotherCameraIsSelectedWithTheGivenSettings) {
+  device_.rounds_gains = true;
+  ASSERT_TRUE(set_for_job(4.3));
+  const auto other = select("other", std::nullopt, true);
+  ASSERT_TRUE(other) << other.error().reason;
+  EXPECT_EQ(other->id, "other");
+  EXPECT_EQ(device_.asked->gain_db, 4.3) << "not as the former camera rounded it";
+  const auto third = select("third", 7.2, true);
+  ASSERT_TRUE(third) << third.error().reason;
+  EXPECT_EQ(third->settings.gain_db, 7.0);
+  EXPECT_EQ(third->asked.gain_db, 7.2);
+}
+
+TEST_F(CameraActorTest, AnAbsentCameraIsOnlySelectedIfItIsWaitedFor) {
+  device_.absent = true;
+  EXPECT_FALSE(select("absent", 7.0, false));
+  EXPECT_NE(actor_->snapshot().id, "absent");
+  EXPECT_EQ(actor_->snapshot().asked.gain_db, 3.0);
+  const auto waits = select("absent", 7.0, true);
+  ASSERT_TRUE(waits) << waits.error().reason;
+  EXPECT_FALSE(waits->connected);
+  EXPECT_EQ(waits->id, "absent");
+  EXPECT_EQ(waits->settings.gain_db, 7.0) << "for its next connection";
+}
+
+TEST_F(CameraActorTest, NoCameraIsSelectedWhenItMayNotBeAnyMore) {
+  may_select_ = fail(Errc::refused, "", "the loop is closed");
+  const auto refused = select("other", 7.0, true);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().reason, "the loop is closed");
+  EXPECT_TRUE(actor_->snapshot().connected);
+  EXPECT_NE(actor_->snapshot().id, "other");
 }
 
 TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {

@@ -9,7 +9,8 @@ namespace {
 constexpr std::int64_t kS = 1'000'000'000;
 
 TEST(ValidityWatch, CountsFromTheFirstInvalidFrame) {
-  ValidityWatch watch;
+  const ImageBrightness unknown;
+  ValidityWatch watch(unknown);
   EXPECT_FALSE(watch.lack(kS));
   watch.on_frame(true, {0, 19, 19, true}, kS);
   EXPECT_FALSE(watch.lack(kS));
@@ -26,7 +27,8 @@ TEST(ValidityWatch, CountsFromTheFirstInvalidFrame) {
 }
 
 TEST(ValidityWatch, SaysNothingWhenNoFramesCome) {
-  ValidityWatch watch;
+  const ImageBrightness unknown;
+  ValidityWatch watch(unknown);
   watch.on_frame(false, {0, 7, 19, true}, kS);
   EXPECT_TRUE(watch.lack(2 * kS));
   EXPECT_FALSE(watch.lack(3 * kS));
@@ -54,6 +56,34 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   const auto plain = invalid_in_words({2 * kS, 7, 19, true, false, false}, {}, 4 * kS, utc_ns);
   EXPECT_EQ(plain.action, "use the tracker fit: it also finds strong aberrations");
   EXPECT_FALSE(plain.t_next_search_ns);
+}
+
+TEST(ValidityWatch, ADarkImageIsTheReason) {
+  ImageBrightness brightness;
+  ValidityWatch watch(brightness);
+  watch.on_frame(false, {0, 0, 19, true, false, false}, 2 * kS);
+  const auto why = [&] { return watch.why_invalid(2 * kS, 0)->action; };
+  EXPECT_TRUE(why().starts_with("use the tracker fit"));
+  Image<std::uint8_t> image(64, 48);
+  brightness.look(view_of(image), 2 * kS);
+  EXPECT_TRUE(why().starts_with("the image is dark, its brightest pixels reach 0.0 % of")) << why();
+  std::fill_n(image.pixels.begin() + 100, 16, std::uint8_t(128));
+  brightness.look(view_of(image), 2 * kS);
+  EXPECT_TRUE(why().starts_with("use the tracker fit"));
+}
+
+TEST(ImageBrightness, IsThatOfThe16BrightestPixelsForThreeSeconds) {
+  ImageBrightness brightness;
+  EXPECT_FALSE(brightness.newest(0));
+  Image<std::uint8_t> image(64, 48);
+  std::fill_n(image.pixels.begin() + 500, 15, std::uint8_t(255));  // hot pixels
+  image.pixels[0] = 51;
+  brightness.look(view_of(image), kS);
+  EXPECT_NEAR(brightness.newest(4 * kS).value(), 0.2, 1e-3);
+  EXPECT_FALSE(brightness.newest(4 * kS + 1));
+  image.pixels[1] = 255;
+  brightness.look(view_of(image), kS);
+  EXPECT_EQ(brightness.newest(kS), 1.0);
 }
 
 }  // namespace

@@ -74,6 +74,22 @@ TEST(AutoExposureJob, JudgesTheGratingsSpot) {
   EXPECT_LT(found->saturated_pixels, 30) << "of the zeroth order";
 }
 
+TEST(AutoExposureJob, UsesNoLongerExposureThanAsked) {
+  auto twin = small_twin_config();
+  twin.truth.peak_electrons *= 2.0;
+  SimulatedBench bench(small_daemon_config(), twin);
+  ASSERT_TRUE(bench.is_running());
+  const auto free = expose_on(bench);
+  ASSERT_TRUE(free) << free.error().reason;
+  const auto refused = expose_on(bench, {0.7, 0.5 * free->exposure_us});
+  ASSERT_FALSE(refused) << "at the target with a longer exposure";
+  EXPECT_EQ(refused.error().field, "max_exposure_us");
+  EXPECT_EQ(bench.camera().settings.exposure_us, free->exposure_us);
+  const auto lower = expose_on(bench, {0.3, 0.5 * free->exposure_us});
+  ASSERT_TRUE(lower) << lower.error().reason;
+  EXPECT_LE(lower->exposure_us, 0.501 * free->exposure_us);
+}
+
 /// A bench on which the job fails with a reason, and leaves the camera as it was.
 struct Hopeless {
   const char* name;

@@ -261,6 +261,7 @@ void print_experiments() {
 void print_results() {
   const json params{{"gain_db", 500}, {"clamp", true}};
   print_result("camera.get", to_json(CameraReport{}));
+  print_result("camera.select", to_json(CameraReport{kInfo, {}, kLimits}));
   print_result("camera.get", to_json(CameraReport{kInfo, {}, kLimits}));
   print_result("camera.set", to_json(CameraSetReport{*CameraSet::decode(params), {}, kLimits}));
   print_result("camera.set", to_json(CameraSetReport{}));
@@ -291,6 +292,7 @@ void print_results() {
   reference.stale = {{"gain_db", 16.0, 20.0}, {"pixel_format", "Mono8", "Mono12"}};
   reference.origin.json = schema("reference.get").at("result").at("examples")[0].at("origin");
   print_result("reference.set", to_json(KnownReference{reference}));
+  print_result("reference.load", to_json(KnownReference{reference}));
   reference.sha256 = "ba7816bf";
   print_result("reference.get", to_json(KnownReference{reference}));
   print_result("reference.clear", to_json(KnownReference{}));

@@ -47,6 +47,18 @@ TEST(Status, AFrameThatIsNotValidSaysWhy) {
   EXPECT_NE(status_text(state).find("wavefront  no frame is published"), std::string::npos);
 }
 
+TEST(Status, ADarkImageIsSaid) {
+  BenchState state = bench();
+  state.status["camera"]["brightest"] = nullptr;
+  EXPECT_EQ(status_text(state).find("full scale"), std::string::npos);
+  state.status["camera"]["brightest"] = 0.7;
+  EXPECT_NE(status_text(state).find("brightest pixels at 70.0 % of full scale\n"),
+            std::string::npos);
+  state.status["camera"]["brightest"] = 0.012;
+  EXPECT_NE(status_text(state).find("at 1.2 % of full scale: DARK; ovws exposure auto"),
+            std::string::npos);
+}
+
 TEST(Status, OnlyLossesAreCounted) {
   BenchState state = bench();
   state.status["counters"] = {{"frames_grabbed", 1000}, {"requests", 7}, {"frames_lost", 0}};
