@@ -85,6 +85,11 @@ DaemonsCamera camera_of(const DaemonFacts& facts) {
   return has ? DaemonsCamera::with : DaemonsCamera::without;
 }
 
+bool shows_holograms(const DaemonFacts& facts) {
+  const json::json_pointer connected("/slm/connected");
+  return facts.status && facts.status->contains(connected) && facts.status->at(connected) == true;
+}
+
 Findings judge(const DaemonFacts& facts) {
   return run_checks<DaemonFacts>({{"daemon.answer", judge_answer},
                                   {"daemon.version", judge_version},

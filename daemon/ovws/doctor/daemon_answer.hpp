@@ -21,6 +21,8 @@ struct DaemonFacts {
 };
 
 DaemonsCamera camera_of(const DaemonFacts& facts);
+/// Whether the daemon answered and has the SLM's output open.
+bool shows_holograms(const DaemonFacts& facts);
 Findings judge(const DaemonFacts& facts);
 
 }  // namespace ovws::doctor

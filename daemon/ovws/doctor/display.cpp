@@ -49,6 +49,11 @@ Finding judge_server(const DisplayFacts& facts) {
   if (!facts.probe) {
     const Error& error = facts.probe.error();
     if (error.code == Errc::refused) return not_here(error.reason);
+    if (facts.daemon_shows) {
+      return not_here(
+          "the daemon shows holograms, but this program cannot query its X server: " + error.reason,
+          "run ovws doctor with the DISPLAY and XAUTHORITY of the daemon");
+    }
     return fault(error.reason, facts.server_named ? "sudo systemctl restart display-manager"
                                                   : "export DISPLAY=:0");
   }
@@ -173,11 +178,12 @@ Result<DisplayProbe> probe_in_time() {
 
 }  // namespace
 
-DisplayFacts read_display(const SlmConfig& config) {
+DisplayFacts read_display(const SlmConfig& config, bool daemon_shows) {
   return {
       {config.display, config.geometry.width_px, config.geometry.height_px, config.allow_primary},
       probe_in_time(),
-      std::getenv("DISPLAY") != nullptr};
+      std::getenv("DISPLAY") != nullptr,
+      daemon_shows};
 }
 
 Findings judge(const DisplayFacts& facts) {

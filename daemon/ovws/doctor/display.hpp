@@ -13,11 +13,12 @@ struct DisplayFacts {
   SdlConfig config;
   Result<sdl::DisplayProbe> probe;
   bool server_named = false;  ///< the environment variable DISPLAY is set
+  bool daemon_shows = false;  ///< a daemon that answers has the SLM's output open
 };
 
 /// Probes the X server. Takes up to 3 s if it does not answer; call it once per process. Opens no
-/// window.
-DisplayFacts read_display(const SlmConfig& config);
+/// window. `daemon_shows`: see DisplayFacts.
+DisplayFacts read_display(const SlmConfig& config, bool daemon_shows);
 Findings judge(const DisplayFacts& facts);
 
 }  // namespace ovws::doctor

@@ -26,7 +26,7 @@ Findings examine(const std::string& path, const std::string& endpoint, const Ask
   Findings found = judge(configuration);
   if (configuration.config) {
     add(found, judge(read_camera(config.camera, camera_of(daemon))));
-    add(found, judge(read_display(config.slm)));
+    add(found, judge(read_display(config.slm, shows_holograms(daemon))));
     add(found, judge(read_state(config.state)));
   } else {
     for (const char* name : {"camera", "slm", "state"}) {

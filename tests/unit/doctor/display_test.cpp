@@ -37,6 +37,9 @@ TEST(DoctorDisplay, AnUnresponsiveServerIsAFaultAndWaylandIsNotJudged) {
   facts.probe = fail(Errc::unavailable, "slm.display", "does not answer");
   expect(facts, "slm.server", Verdict::fault, "restart display-manager");
   expect(facts, "slm.mode", Verdict::not_here);
+  facts.daemon_shows = true;
+  expect(facts, "slm.server", Verdict::not_here, "DISPLAY and XAUTHORITY of the daemon");
+  facts.daemon_shows = false;
   facts.server_named = false;
   expect(facts, "slm.server", Verdict::fault, "export DISPLAY=:0");
   facts.probe = fail(Errc::refused, "slm.display", "the display system is wayland");
