@@ -1,0 +1,188 @@
+#include "daemon/commission/bench.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include "drivers/zmq/client.hpp"
+#include "proto/json_text.hpp"
+
+namespace ovws::commission {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kPollInterval{100};
+constexpr double kPatience_s = 30.0;  ///< with a daemon that does not answer while a job runs
+constexpr double kImageTimeout_s = 8.0;
+constexpr double kStreamMargin_s = 0.05;  ///< from a frame's arrival to its image message
+
+/// Throws nothing, whatever the daemon sends.
+std::string text_at(const json& object, const char* key, const std::string& otherwise) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : otherwise;
+}
+
+Error error_of(const cli::CallFailure& failure) {
+  const auto found = failure.error.find("data");
+  const json data = found != failure.error.end() ? *found : json();
+  const std::string message = text_at(failure.error, "message", "no reason given");
+  if (!failure.answered) return {Errc::unavailable, "", "the daemon does not answer: " + message};
+  return {Errc::refused, text_at(data, "field", ""), text_at(data, "reason", message)};
+}
+
+Error cancelled_error() {
+  return {Errc::refused, "", "the step was cancelled"};
+}
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+Image<float> fractions(const StreamMessage& message) {
+  const json header = json_of(message.json);
+  Image<float> image(header.at("shape").at(1).get<int>(), header.at("shape").at(0).get<int>());
+  const int bits = header.at("significant_bits").get<int>();
+  const float full_scale = float((1 << bits) - 1);
+  const std::size_t bytes = bits > 8 ? 2 : 1;
+  const std::size_t count = std::min(image.pixels.size(), message.binary.size() / bytes);
+  for (std::size_t k = 0; k < count; ++k) {
+    std::uint16_t value = 0;
+    std::memcpy(&value, &message.binary[k * bytes], bytes);
+    image.pixels[k] = float(value) / full_scale;
+  }
+  return image;
+}
+
+Result<Subscriber> subscribe_to(const cli::Common& common, const char* key,
+                                const std::string& topic, int queue) {
+  const auto endpoint = cli::stream_endpoint(common, key);
+  if (!endpoint) return fail(error_of(endpoint.error()));
+  return cli::subscribe(common, *endpoint, {topic}, queue);
+}
+
+}  // namespace
+
+void Bench::say(const std::string& text) {
+  progress_(done_, text);
+}
+
+Result<json> Bench::call(const std::string& method, const json& params) {
+  auto answer = cli::call(settings_.daemon, method, params);
+  if (!answer) return fail(error_of(answer.error()));
+  return std::move(*answer);
+}
+
+Result<json> Bench::call_patiently(const std::string& method, const json& params) {
+  const auto begin = Clock::now();
+  for (;;) {
+    auto answer = call(method, params);
+    const bool is_silent = !answer && answer.error().code == Errc::unavailable;
+    if (!is_silent || seconds_since(begin) > kPatience_s) return answer;
+    std::this_thread::sleep_for(kPollInterval);
+  }
+}
+
+Result<json> Bench::job(const std::string& method, const json& params, const std::string& text) {
+  if (cancelled_) return fail(cancelled_error());
+  auto begun = call(method, params);
+  if (!begun) return begun;
+  const json job = begun->at("job");
+  for (bool told = false;;) {
+    auto report = call_patiently("job.get", {{"job", job}});
+    if (!report) return report;
+    const std::string state = report->at("state").get<std::string>();
+    progress_(done_ = report->at("progress").get<double>(), text);
+    if (state == "done") return report->at("result");
+    if (cancelled_ && state == "cancelled") return fail(cancelled_error());
+    if (state != "running") {
+      const json error = report->at("error").is_object() ? report->at("error") : json::object();
+      return fail(
+          error_of({true, error.empty() ? json{{"message", "the job was " + state}} : error}));
+    }
+    if (cancelled_ && !told) {
+      told = true;
+      (void)call_patiently("job.cancel", {{"job", job}});
+    }
+    std::this_thread::sleep_for(kPollInterval);
+  }
+}
+
+Result<void> Bench::pause(double seconds) {
+  const auto begin = Clock::now();
+  while (seconds_since(begin) < seconds) {
+    if (cancelled_) return fail(cancelled_error());
+    std::this_thread::sleep_for(
+        std::chrono::duration<double>(std::clamp(seconds - seconds_since(begin), 0.0, 0.1)));
+  }
+  return {};
+}
+
+Result<Image<float>> Bench::image() {
+  const auto config = call("config.get");
+  if (!config) return fail(config.error());
+  const auto camera = call("camera.get");
+  if (!camera) return fail(camera.error());
+  if (config->at("stream").at("image_rate_hz").get<double>() <= 0.0) {
+    return fail(Errc::refused, "stream.image_rate_hz",
+                "is 0, so that no image is published: set it to 10 in the configuration file, and "
+                "reload the daemon");
+  }
+  const json& settings = camera->at("settings");
+  const double exposure_s = 1e-6 * settings.at("exposure_us").get<double>();
+  const double frame_s = std::max(exposure_s, 1.0 / settings.at("frame_rate_hz").get<double>());
+  const double wait_s = 1e-3 * config->at("slm").at("settle_ms").get<double>() +
+                        1e-3 * config->at("camera").at("transfer_ms").get<double>() + exposure_s +
+                        frame_s + kStreamMargin_s;
+  if (auto waited = pause(wait_s); !waited) return fail(waited.error());
+  auto stream = subscribe_to(settings_.daemon, "image_endpoint", "image", 1);
+  if (!stream) return fail(stream.error());
+  const auto begin = Clock::now();
+  while (seconds_since(begin) < kImageTimeout_s + 3.0 * frame_s) {
+    if (cancelled_) return fail(cancelled_error());
+    if (const auto message = stream->receive(kPollInterval)) return fractions(*message);
+  }
+  return fail(Errc::unavailable, "camera",
+              "no image came: check the camera's cable, its power and its trigger");
+}
+
+Result<Image<float>> Bench::image_of(const std::string& pattern) {
+  if (auto shown = call("slm.show", {{"pattern", pattern}}); !shown) return fail(shown.error());
+  return image();
+}
+
+Result<std::vector<json>> Bench::messages(const std::string& topic, double seconds) {
+  auto stream = subscribe_to(settings_.daemon, "endpoint", topic, 10'000);
+  if (!stream) return fail(stream.error());
+  std::vector<json> all;
+  const auto begin = Clock::now();
+  while (seconds_since(begin) < seconds) {
+    if (cancelled_) return fail(cancelled_error());
+    if (const auto message = stream->receive(kPollInterval)) all.push_back(json_of(message->json));
+  }
+  return all;
+}
+
+KeptLight::KeptLight(Bench& bench) : bench_(bench) {
+  const auto camera = bench.call("camera.get");
+  const auto status = bench.call("system.status");
+  if (camera) {
+    const json& settings = camera->at("settings");
+    camera_ = {{"exposure_us", settings.at("exposure_us")}};
+    const char* const gain = settings.at("gain_raw").is_null() ? "gain_db" : "gain_raw";
+    camera_[gain] = settings.at(gain);
+  }
+  if (status) pattern_ = status->at("slm").at("pattern").get<std::string>();
+}
+
+void KeptLight::restore() {
+  if (!pattern_.empty()) (void)bench_.call("slm.show", {{"pattern", pattern_}});
+  if (!camera_.is_null()) (void)bench_.call("camera.set", camera_);
+  pattern_.clear();
+  camera_ = nullptr;
+}
+
+}  // namespace ovws::commission

@@ -1,0 +1,85 @@
+/// The bench as a step sees it: calls and jobs of the daemon, and camera images. Blocking and
+/// cancellable; used from one thread.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "core/base/image.hpp"
+#include "core/base/result.hpp"
+#include "daemon/commission/commissioning.hpp"
+#include "daemon/shared/client.hpp"
+
+namespace ovws::commission {
+
+class Bench {
+ public:
+  using Progress = std::function<void(double done, const std::string& text)>;
+
+  /// `cancelled` and `settings` must outlive the Bench. `progress` is called in the same thread.
+  Bench(const Commissioning::Settings& settings, const std::atomic<bool>& cancelled,
+        Progress progress)
+      : settings_(settings), cancelled_(cancelled), progress_(std::move(progress)) {}
+
+  const Commissioning::Settings& settings() const { return settings_; }
+  bool cancelled() const { return cancelled_; }
+
+  /// Reports what happens at present. The progress stays.
+  void say(const std::string& text);
+
+  /// Calls a method and returns its result. Errors: as the daemon's, with its field; if it does not
+  /// answer, Errc::unavailable.
+  Result<nlohmann::json> call(const std::string& method,
+                              const nlohmann::json& params = nlohmann::json::object());
+  /// Starts a job, reports its progress, and returns its result. Once the step is cancelled,
+  /// cancels the job and fails. Tolerates a daemon that does not answer for about 30 s.
+  Result<nlohmann::json> job(const std::string& method, const nlohmann::json& params,
+                             const std::string& text);
+
+  /// A camera image, as fractions of full scale, whose exposure began after this call, and after
+  /// the SLM has settled. Errc::unavailable if none comes.
+  Result<Image<float>> image();
+  /// Shows a pattern of slm.show and returns an image of it.
+  Result<Image<float>> image_of(const std::string& pattern);
+  /// The messages of a topic of the stream of numbers that arrive within `seconds`.
+  Result<std::vector<nlohmann::json>> messages(const std::string& topic, double seconds);
+
+  /// Waits. Fails once the step is cancelled.
+  Result<void> pause(double seconds);
+
+ private:
+  Result<nlohmann::json> call_patiently(const std::string& method, const nlohmann::json& params);
+
+  const Commissioning::Settings& settings_;
+  const std::atomic<bool>& cancelled_;
+  Progress progress_;
+  double done_ = 0.0;
+};
+
+/// Pattern, exposure and gain of the camera as they are at the construction; `restore`, or else the
+/// destructor, sets them again.
+class KeptLight {
+ public:
+  explicit KeptLight(Bench& bench);
+  ~KeptLight() { restore(); }
+  KeptLight(const KeptLight&) = delete;
+  KeptLight& operator=(const KeptLight&) = delete;
+  void restore();
+  /// From now on the exposure in use is kept; only the pattern is restored.
+  void keep_exposure() { camera_ = nullptr; }
+  /// From now on the pattern in use is kept, too.
+  void keep_all() {
+    camera_ = nullptr;
+    pattern_.clear();
+  }
+
+ private:
+  Bench& bench_;
+  nlohmann::json camera_;
+  std::string pattern_;
+};
+
+}  // namespace ovws::commission

@@ -1,0 +1,249 @@
+/// Steps that find the light: exposure, base spot, zeroth order, region.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/optics/lattice.hpp"
+#include "daemon/commission/drawing.hpp"
+#include "daemon/commission/light.hpp"
+#include "daemon/commission/step.hpp"
+
+namespace ovws::commission {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kRim = 3.0;            ///< lambda/d that a spot keeps from the region's edge
+constexpr double kFarFromMiddle = 4.0;  ///< lambda/d that the base spot may be off the middle
+
+// Exposure ----------------------------------------------------------------------------------------
+
+Outcome run_exposure(Bench& bench, Memory& memory) {
+  const auto camera = bench.call("camera.get");
+  if (!camera) return failed(camera.error());
+  const json& settings = camera->at("settings");
+  const char* const gain = settings.at("gain_raw").is_null() ? "gain_db" : "gain_raw";
+  if (memory.before.is_null()) {
+    memory.before = {{"exposure_us", settings.at("exposure_us")}, {gain, settings.at(gain)}};
+  }
+  const auto found = expose_spots(bench);
+  if (!found) return failed(found.error());
+  const json& gain_db = found->at("gain_db");
+  return passed(
+      Wellness::good,
+      fmt::format("Exposure {:.0f} us (it was {:.0f}){}: the brightest pixels are at {:.0f} % of "
+                  "full scale.",
+                  found->at("exposure_us").get<double>(),
+                  memory.before.at("exposure_us").get<double>(),
+                  gain_db.is_null() ? "" : fmt::format(", gain {:.1f} dB", gain_db.get<double>()),
+                  100.0 * found->at("brightest").get<double>()));
+}
+
+Outcome undo_exposure(Bench& bench, const Memory& memory) {
+  const auto done = bench.call("camera.set", memory.before);
+  if (!done) return failed(done.error());
+  return passed(Wellness::note, fmt::format("The exposure is {:.0f} us again, as before.",
+                                            memory.before.at("exposure_us").get<double>()));
+}
+
+// Base spot ---------------------------------------------------------------------------------------
+
+struct Field {
+  double reach_px = 0.0;  ///< from the base spot to the outermost spots, with room
+  double lambda_d_px = 0.0;
+};
+
+/// How far the sensor's spots spread on the camera, by the configuration.
+Result<Field> field_of(const json& config, const json& sensor) {
+  const json& optics = config.at("optics");
+  const SlmGeometry slm{config.at("slm").at("width").get<int>(),
+                        config.at("slm").at("height").get<int>(),
+                        config.at("slm").at("pitch_um").get<double>()};
+  const OpticsConfig lens{optics.at("wavelength_nm").get<double>(),
+                          optics.at("focal_length_mm").get<double>(),
+                          optics.at("magnification").get<double>(),
+                          optics.at("camera_pitch_um").get<double>(), std::nullopt};
+  SensorConfig shape;
+  shape.grid = sensor.at("grid") == "square" ? Grid::square : Grid::hexagonal;
+  shape.subapertures_across = sensor.at("subapertures_across").get<int>();
+  shape.pupil_diameter_px = sensor.at("pupil_diameter_px").get<double>();
+  shape.grooves = sensor.at("grooves").get<std::array<double, 2>>();
+  shape.spacing = sensor.at("spacing").get<double>();
+  const auto lattice = make_lattice(shape, slm);
+  if (!lattice) return fail(lattice.error());
+  Field field{0.0, lambda_d_px(lens, slm, shape)};
+  for (const Subaperture& one : lattice->subapertures) {
+    const Vec2 offset = one.frequency_cpp - base_grating_cpp(shape, slm);
+    field.reach_px = std::max(field.reach_px, camera_px_per_cycle(lens, slm) * norm(offset));
+  }
+  field.reach_px += kRim * field.lambda_d_px;
+  return field;
+}
+
+/// The region of this size, or larger if the spots need it, with the spot in its middle as far as
+/// the camera's sensor allows.
+json region_around(const Spot& spot, const Field& field, const json& camera) {
+  const json& roi = camera.at("settings").at("roi");
+  const json& limits = camera.at("limits");
+  json region;
+  for (const auto& [place, size, sensor, at] : {std::tuple{"x", "width", "sensor_width", spot.x},
+                                                {"y", "height", "sensor_height", spot.y}}) {
+    const int sensor_px = limits.at(sensor).get<int>();
+    const int needed = int(std::ceil(2.0 * field.reach_px / 32.0)) * 32;
+    const int length = std::min(std::max(roi.at(size).get<int>(), needed), sensor_px);
+    const int begin = int(std::lround(roi.at(place).get<double>() + at - 0.5 * (length - 1)));
+    region[size] = length;
+    region[place] = std::clamp(begin / 2 * 2, 0, sensor_px - length);
+  }
+  return region;
+}
+
+/// How far a spot is from the edge of a region, relative to the current region's origin.
+double room(const Spot& spot, const json& region, const json& roi) {
+  const double x = spot.x + roi.at("x").get<double>() - region.at("x").get<double>();
+  const double y = spot.y + roi.at("y").get<double>() - region.at("y").get<double>();
+  return std::min({x, y, region.at("width").get<double>() - 1.0 - x,
+                   region.at("height").get<double>() - 1.0 - y});
+}
+
+Outcome judge_place(const Spot& spot, const Field& field, const json& camera, Outcome outcome) {
+  const json& roi = camera.at("settings").at("roi");
+  const json region = region_around(spot, field, camera);
+  const double present = room(spot, roi, roi), best = room(spot, region, roi);
+  const Vec2 off{spot.x - 0.5 * (roi.at("width").get<double>() - 1.0),
+                 spot.y - 0.5 * (roi.at("height").get<double>() - 1.0)};
+  const bool fits = present >= field.reach_px;
+  const bool is_off = norm(off) > kFarFromMiddle * field.lambda_d_px;
+  if (fits && !is_off) return outcome;
+  const bool helps = best > present + 1.0;
+  if (helps) {
+    outcome.ways.push_back(
+        {{"roi", fmt::format("move the camera's region to ({}, {}), {} x {} pixels",
+                             region.at("x").get<int>(), region.at("y").get<int>(),
+                             region.at("width").get<int>(), region.at("height").get<int>())},
+         {{"camera.set", {{"roi", region}, {"clamp", true}}}}});
+  }
+  outcome.passed = fits;
+  outcome.verdict.wellness = fits ? Wellness::note : Wellness::bad;
+  outcome.verdict.text +=
+      fits ? " It is off the region's middle."
+           : fmt::format(" The sensor's spots spread {:.0f} pixels around it, beyond the region.",
+                         field.reach_px);
+  outcome.verdict.advice =
+      helps ? "Move the region."
+            : fmt::format("Move the camera by ({:.0f}, {:.0f}) pixels.", off.x, off.y);
+  return outcome;
+}
+
+/// Images of the grating and of a flat SLM, at the exposure for the grating.
+struct Views {
+  Image<float> grating, flat;
+};
+Result<Views> views(Bench& bench) {
+  KeptLight kept(bench);
+  if (auto shown = bench.call("slm.show", {{"pattern", "grating"}}); !shown) {
+    return fail(shown.error());
+  }
+  if (auto exposed = expose(bench); !exposed) {  // too bright: the shortest one will do for a place
+    const auto camera = bench.call("camera.get");
+    if (!camera) return fail(camera.error());
+    const auto look = bench.image();
+    if (look && brightest(*look) > 0.9F) {
+      (void)bench.call("camera.set",
+                       {{"exposure_us", camera->at("limits").at("exposure_us").at("min")}});
+    }
+  }
+  auto grating = bench.image_of("grating");
+  if (!grating) return fail(grating.error());
+  auto flat = bench.image_of("flat");
+  if (!flat) return fail(flat.error());
+  return Views{std::move(*grating), std::move(*flat)};
+}
+
+Outcome no_spot(const Views& seen, const Memory& memory) {
+  Outcome outcome;
+  outcome.picture = grey_of(seen.grating);
+  outcome.verdict = {Wellness::bad, "The base grating makes no spot in the camera's region.",
+                     "Either the SLM's phase falls with the grey level, which the look-up table "
+                     "repairs, or the spot is outside the region: move the region or the camera."};
+  if (!memory.tried.contains("lut")) {
+    outcome.ways.push_back({{"lut", "measure the look-up table first"}, {}, "lut"});
+  }
+  return outcome;
+}
+
+Outcome run_spot(Bench& bench, Memory& memory) {
+  const auto config = bench.call("config.get");
+  const auto sensor = bench.call("sensor.get");
+  const auto camera = bench.call("camera.get");
+  if (!config) return failed(config.error());
+  if (!sensor) return failed(sensor.error());
+  if (!camera) return failed(camera.error());
+  if (memory.before.is_null()) memory.before = camera->at("settings").at("roi");
+  bench.say("showing the base grating alone");
+  const auto seen = views(bench);
+  if (!seen) return failed(seen.error());
+  const auto spot = spot_in(seen->grating, seen->flat);
+  if (!spot) return no_spot(*seen, memory);
+  const auto field = field_of(*config, *sensor);
+  if (!field) return failed(field.error());
+  auto outcome =
+      passed(Wellness::good, fmt::format("The base grating makes one spot, at ({:.0f}, {:.0f}) in "
+                                         "the region.",
+                                         spot->x, spot->y));
+  const auto zeroth = spot_in(seen->flat, seen->grating);
+  outcome.verdict.text +=
+      zeroth
+          ? fmt::format(" The zeroth order is inside, at ({:.0f}, {:.0f}); it is better outside.",
+                        zeroth->x, zeroth->y)
+          : " The zeroth order is outside.";
+  outcome.picture = grey_of(seen->grating);
+  mark(outcome.picture, spot->x, spot->y);
+  return judge_place(*spot, *field, *camera, std::move(outcome));
+}
+
+Outcome undo_spot(Bench& bench, const Memory& memory) {
+  const auto done = bench.call("camera.set", {{"roi", memory.before}});
+  if (!done) return failed(done.error());
+  return passed(Wellness::note, "The camera's region is as before.");
+}
+
+/// Whether frames are measured, which takes a suitable exposure.
+std::optional<bool> has_reference(const Look& look) {
+  return has_measured_reference(look) ? std::optional(true) : std::nullopt;
+}
+
+const std::array kSteps{
+    Step{"exposure", "Exposure",
+         "Sets the exposure so that the brightest pixels are below full scale.", has_reference,
+         run_exposure, undo_exposure},
+    Step{
+        "spot", "Base spot",
+        "Shows the base grating alone, and finds its spot, the zeroth order, and whether all spots "
+        "will be inside the camera's region.",
+        [](const Look& look) -> std::optional<bool> {
+          const bool is_registered = look.at("registration.get").at("registered");
+          return is_registered ? std::optional(true) : std::nullopt;
+        },
+        run_spot, undo_spot}};
+
+const Step kBrightness{"brightness",
+                       "Exposure of the sensor",
+                       "Sets the exposure again, for the spots of the corrected sensor.",
+                       has_reference,
+                       run_exposure,
+                       undo_exposure};
+
+}  // namespace
+
+std::span<const Step> light_steps() {
+  return kSteps;
+}
+
+const Step& brightness_step() {
+  return kBrightness;
+}
+
+}  // namespace ovws::commission

@@ -1,0 +1,312 @@
+/// Steps that make the sensor measure: exposure, reference, calibration, first closed loop, save.
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "daemon/commission/drawing.hpp"
+#include "daemon/commission/light.hpp"
+#include "daemon/commission/step.hpp"
+
+namespace ovws::commission {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kReferenceFrames = 100, kCalibrationFrames = 10;
+constexpr double kTestMode_waves = 0.1;  ///< defocus that the first loop must remove
+constexpr int kTestMode = 4;
+constexpr double kOpen_s = 1.0, kClosed_s = 4.0;
+constexpr double kMuchLess = 0.2;  ///< of the test that may be left
+
+/// Median of the RMS of the valid frames of a second; none: no frame was valid.
+std::optional<double> rms_waves(const std::vector<json>& frames) {
+  std::vector<double> all;
+  for (const json& frame : frames) {
+    if (frame.at("valid") == true && frame.at("rms_waves").is_number()) {
+      all.push_back(frame.at("rms_waves").get<double>());
+    }
+  }
+  if (all.empty()) return std::nullopt;
+  std::ranges::nth_element(all, all.begin() + std::ptrdiff_t(all.size() / 2));
+  return all[all.size() / 2];
+}
+
+// Reference ---------------------------------------------------------------------------------------
+
+Outcome run_reference(Bench& bench, Memory& memory) {
+  memory.before = true;
+  const auto flatness = bench.call("flatness.get");
+  if (!flatness) return failed(flatness.error());
+  const auto taken =
+      bench.job("reference.take", {{"frames", kReferenceFrames}}, "averaging the spots");
+  if (!taken) {
+    auto outcome = failed(taken.error());
+    if (!memory.tried.contains("brightness")) {
+      outcome.ways = {{{"brightness", "find the exposure again"}, {}, "brightness"}};
+    }
+    return outcome;
+  }
+  auto outcome =
+      passed(Wellness::good,
+             fmt::format("Taken from {} frames: noise {:.4f} pixels, drift {:.4f} pixels.",
+                         taken->at("frames").get<int>(), taken->at("noise_px").get<double>(),
+                         taken->at("drift_px").get<double>()));
+  if (const auto lost = taken->at("lost_spots").size(); lost > 0) {
+    outcome.verdict.wellness = Wellness::warning;
+    outcome.verdict.text += fmt::format(" {} spots were lost, and are left out.", lost);
+    outcome.verdict.advice = "Check that the whole pupil is lit.";
+  }
+  if (flatness->at("measured") == false) {
+    outcome.verdict.wellness = Wellness::warning;
+    outcome.verdict.text +=
+        " It contains the bench's own aberration, which the loop would keep: the flatness is not "
+        "measured.";
+    outcome.verdict.advice = "Measure the flatness first.";
+    outcome.ways = {{{"flatness", "measure the flatness first"}, {}, "flatness"}};
+  }
+  return outcome;
+}
+
+// Calibration -------------------------------------------------------------------------------------
+
+Image<std::uint8_t> graph_of_factors(const json& modes) {
+  Graph graph(0.0, double(modes.size()) + 1.0, 0.0, 1.5);
+  for (const json& mode : modes) {
+    if (!mode.at("factor").is_number()) continue;
+    graph.bar(mode.at("j").get<double>(), 0.35, mode.at("factor").get<double>());
+  }
+  return graph.image();
+}
+
+Outcome run_calibration(Bench& bench, Memory& memory) {
+  memory.before = true;
+  const auto made = bench.job("calibration.run", {{"frames", kCalibrationFrames}},
+                              "showing each mode with both signs");
+  if (!made) return failed(made.error());
+  auto outcome =
+      passed(Wellness::good,
+             fmt::format("{} modes are calibrated; condition number {:.1f}, drift {:.4f} pixels.",
+                         made->at("modes").size(), made->at("condition_number").get<double>(),
+                         made->at("drift_px").get<double>()));
+  if (made->at("disagreement") == "none") {
+    outcome.verdict.text += " The bench agrees with the model.";
+  } else {
+    outcome.verdict.wellness = Wellness::warning;
+    outcome.verdict.advice = made->at("disagreement_reason").get<std::string>();
+  }
+  outcome.picture = graph_of_factors(made->at("modes"));
+  return outcome;
+}
+
+// First closed loop -------------------------------------------------------------------------------
+
+struct LoopRun {
+  std::vector<json> open, closed;
+  json report;  ///< loop.get at the end
+};
+
+/// Params of loop.close for the loop that loop.get reports.
+json params_of(const json& loop) {
+  json params;
+  for (const char* key :
+       {"law", "gain", "leak", "modes", "gains", "offsets", "limit_waves", "patience_s"}) {
+    params[key] = loop.at(key);
+  }
+  return params;
+}
+
+/// What the test of the loop replaces: {"aberration", "correction", "loop"}, each as its method get
+/// reports it.
+Result<json> introduced(Bench& bench) {
+  json found;
+  for (const char* name : {"aberration", "correction", "loop"}) {
+    const auto now = bench.call(std::string(name) + ".get");
+    if (!now) return fail(now.error());
+    found[name] = *now;
+  }
+  return found;
+}
+
+Result<void> restore_introduced(Bench& bench, const json& before) {
+  const json& loop = before.at("loop");
+  (void)bench.call("loop.open", {{"keep", false}});
+  for (const char* name : {"aberration", "correction"}) {
+    const auto done = restore_modes(bench, name, before.at(name).at("modes"));
+    if (!done) return done;
+  }
+  if (loop.at("closed") == false) return {};
+  if (auto closed = bench.call("loop.close", params_of(loop)); !closed) return fail(closed.error());
+  if (loop.at("paused") == false) return {};
+  const auto paused = bench.call("loop.pause");
+  return paused ? Result<void>() : fail(paused.error());
+}
+
+/// Aberration, correction and loop as they were `before`: `restore`, or else the destructor, sets
+/// them again.
+class KeptLoop {
+ public:
+  KeptLoop(Bench& bench, json before) : bench_(bench), before_(std::move(before)) {}
+  ~KeptLoop() { (void)restore(); }
+  KeptLoop(const KeptLoop&) = delete;
+  KeptLoop& operator=(const KeptLoop&) = delete;
+  Result<void> restore() {
+    const json before = std::exchange(before_, nullptr);
+    return before.is_null() ? Result<void>() : restore_introduced(bench_, before);
+  }
+
+ private:
+  Bench& bench_;
+  json before_;
+};
+
+/// Watches a second with the loop open and a known defocus, then closes it.
+Result<LoopRun> watch_loop(Bench& bench, bool is_closed) {
+  if (is_closed) {
+    if (auto open = bench.call("loop.open"); !open) return fail(open.error());
+  }
+  const json test{{"modes", json::array({{{"j", kTestMode}, {"waves", kTestMode_waves}}})}};
+  if (auto set = bench.call("aberration.set", test); !set) return fail(set.error());
+  LoopRun run;
+  auto open = bench.messages("wavefront", kOpen_s);
+  if (!open) return fail(open.error());
+  run.open = std::move(*open);
+  if (auto closed = bench.call("loop.close"); !closed) return fail(closed.error());
+  auto closed = bench.messages("wavefront", kClosed_s);
+  if (!closed) return fail(closed.error());
+  run.closed = std::move(*closed);
+  auto report = bench.call("loop.get");
+  if (!report) return fail(report.error());
+  run.report = std::move(*report);
+  return run;
+}
+
+Image<std::uint8_t> graph_of_rms(const LoopRun& run) {
+  std::vector<std::pair<double, double>> points;
+  double most = 0.0;
+  for (const auto* frames : {&run.open, &run.closed}) {
+    for (const json& frame : *frames) {
+      if (!frame.at("rms_waves").is_number()) continue;
+      points.emplace_back(double(points.size()), frame.at("rms_waves").get<double>());
+      most = std::max(most, points.back().second);
+    }
+  }
+  Graph graph(0.0, std::max<double>(1.0, double(points.size())), 0.0, 1.1 * most);
+  graph.line(points);
+  return graph.image();
+}
+
+Outcome judge_loop(const LoopRun& run) {
+  const auto before = rms_waves(run.open);
+  const std::vector<json> last(run.closed.end() - std::ptrdiff_t(run.closed.size() / 4),
+                               run.closed.end());
+  const auto after = rms_waves(last);
+  if (run.report.at("closed") == false) {
+    const json& why = run.report.at("opened_because");
+    return failed(
+        {Errc::refused, "",
+         "The loop opened by itself: " + (why.is_string() ? why.get<std::string>() : "no reason")},
+        "Take a new reference, and run the calibration again.");
+  }
+  if (!before || !after) {
+    return failed({Errc::refused, "", "no frame was valid"},
+                  "Look at ovws status, and take the reference again.");
+  }
+  const std::string figures = fmt::format(
+      "A defocus of {:.2f} wave was shown: the RMS fell from {:.4f} to {:.4f} wave in "
+      "{} steps.",
+      kTestMode_waves, *before, *after, run.report.at("steps").get<int>());
+  if (*after < kMuchLess * *before) return passed(Wellness::good, figures);
+  return failed({Errc::refused, "", figures},
+                "Less was removed than expected: take the reference again, then the calibration.");
+}
+
+Outcome run_loop(Bench& bench, Memory& memory) {
+  const auto before = introduced(bench);
+  if (!before) return failed(before.error());
+  if (memory.before.is_null()) memory.before = *before;
+  const bool was_closed = before->at("loop").at("closed").get<bool>();
+  bench.say("closing the loop on a known defocus");
+  KeptLoop kept(bench, *before);
+  const auto run = watch_loop(bench, was_closed);
+  const auto restored = kept.restore();
+  auto outcome = run ? judge_loop(*run) : failed(run.error());
+  if (run) outcome.picture = graph_of_rms(*run);
+  if (!restored) {
+    outcome.passed = false;
+    outcome.verdict.wellness = Wellness::bad;
+    outcome.verdict.text +=
+        " Loop, aberration or correction could not be restored: " + text_of(restored.error()) + ".";
+  } else if (outcome.passed && was_closed) {
+    outcome.verdict.text += " The loop is closed again, as before.";
+  } else if (outcome.passed) {
+    outcome.verdict.text += " The loop is open again.";
+    outcome.ways = {{{"close", "close the loop, and leave it closed"},
+                     {{"loop.close", json::object()}},
+                     {},
+                     After::conclude}};
+  }
+  return outcome;
+}
+
+Outcome undo_loop(Bench& bench, const Memory& memory) {
+  const auto done = restore_introduced(bench, memory.before);
+  if (!done) return failed(done.error());
+  return passed(Wellness::note, "Loop, aberration and correction are as before.");
+}
+
+// Save --------------------------------------------------------------------------------------------
+
+Outcome run_save(Bench& bench, Memory&) {
+  const auto saved = bench.call("config.save");
+  if (!saved) {
+    return failed(saved.error(),
+                  "Set state.directory in the configuration; the service has a folder of its own.");
+  }
+  const auto keys = saved->at("saved").get<std::vector<std::string>>();
+  return passed(Wellness::good,
+                keys.empty() ? "All settings are those of the configuration file."
+                             : fmt::format("Saved in {}: {}.", saved->at("path").get<std::string>(),
+                                           fmt::join(keys, ", ")));
+}
+
+const std::array kSteps{
+    Step{"reference", "Reference", "Takes the wavefront from which coefficients count.",
+         [](const Look& look) -> std::optional<bool> { return has_measured_reference(look); },
+         run_reference,
+         [](Bench& bench, const Memory&) {
+           const auto done = bench.call("reference.clear");
+           return done ? passed(Wellness::note, "The reference is cleared.") : failed(done.error());
+         },
+         true, true},
+    Step{"calibration", "Calibration",
+         "Shows each mode with both signs, and measures what it does to every spot.",
+         [](const Look& look) -> std::optional<bool> {
+           return look.at("calibration.get").at("in_force") == true;
+         },
+         run_calibration,
+         [](Bench& bench, const Memory&) {
+           const auto done = bench.call("calibration.clear");
+           return done ? passed(Wellness::note, "The calibration is cleared.")
+                       : failed(done.error());
+         },
+         true},
+    Step{"loop", "First closed loop",
+         "Shows a known defocus, closes the loop, and judges whether it is removed.",
+         [](const Look& look) -> std::optional<bool> {
+           return look.at("loop.get").at("closed") == true ? std::optional(true) : std::nullopt;
+         },
+         run_loop, undo_loop},
+    Step{"save", "Save", "Saves the settings in use for the next start of the daemon.",
+         [](const Look&) { return std::optional<bool>(); }, run_save, nullptr}};
+
+}  // namespace
+
+std::span<const Step> sensor_steps() {
+  return kSteps;
+}
+
+}  // namespace ovws::commission

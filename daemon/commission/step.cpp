@@ -1,0 +1,53 @@
+#include "daemon/commission/step.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace ovws::commission {
+
+std::vector<std::string> looked_at() {
+  return {"system.status",  "config.get",     "lut.get",       "registration.get", "flatness.get",
+          "aberration.get", "correction.get", "reference.get", "calibration.get",  "loop.get"};
+}
+
+bool has_measured_reference(const Look& look) {
+  const nlohmann::json& reference = look.at("reference.get");
+  return reference.at("taken") == true && reference.at("source") != "model";
+}
+
+Result<void> restore_modes(Bench& bench, const std::string& name, const nlohmann::json& modes) {
+  nlohmann::json given = nlohmann::json::array();
+  for (const nlohmann::json& mode : modes) {
+    given.push_back({{"j", mode.at("j")}, {"waves", mode.at("waves")}});
+  }
+  const auto done =
+      given.empty() ? bench.call(name + ".clear") : bench.call(name + ".set", {{"modes", given}});
+  return done ? Result<void>() : fail(done.error());
+}
+
+std::span<const Step> steps() {
+  static const std::vector<Step> all = [] {
+    std::vector<Step> made;
+    for (const auto part : {device_steps(), light_steps(), slm_steps(),
+                            std::span(&brightness_step(), 1), sensor_steps()}) {
+      std::ranges::copy(part, std::back_inserter(made));
+    }
+    return made;
+  }();
+  return all;
+}
+
+Outcome failed(const Error& error, std::string advice) {
+  Outcome outcome;
+  outcome.verdict = {Wellness::bad, text_of(error), std::move(advice)};
+  return outcome;
+}
+
+Outcome passed(Wellness wellness, std::string text, std::string advice) {
+  Outcome outcome;
+  outcome.passed = true;
+  outcome.verdict = {wellness, std::move(text), std::move(advice)};
+  return outcome;
+}
+
+}  // namespace ovws::commission

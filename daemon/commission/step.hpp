@@ -1,0 +1,83 @@
+/// The table of steps, and what a step is made of.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "daemon/commission/bench.hpp"
+#include "daemon/commission/report.hpp"
+
+namespace ovws::commission {
+
+/// What follows when an offer has been taken.
+enum class After { rerun, conclude, stay };
+
+/// An offer with what it does.
+struct Way {
+  Offer offer;
+  std::vector<std::pair<std::string, nlohmann::json>> calls{};  ///< methods and params, in order
+  std::string first{};  ///< step to run before the step is run again
+  After after = After::rerun;
+};
+
+/// What a run or an undo of a step found.
+struct Outcome {
+  bool passed = false;
+  Verdict verdict;
+  std::vector<Way> ways{};
+  std::vector<std::string> commands{};
+  Image<std::uint8_t> picture{};  ///< empty: the camera's image at the end
+};
+
+/// What this commissioning remembers of a step.
+struct Memory {
+  nlohmann::json before;        ///< settings from before the first run; null: not run yet
+  std::set<std::string> tried;  ///< names of the offers that were taken
+};
+
+/// Results of methods without params, by name, as the daemon reported them at one moment.
+using Look = std::map<std::string, nlohmann::json>;
+/// The methods that a Look holds.
+std::vector<std::string> looked_at();
+
+/// Whether a reference was taken, by the sensor and not from the model.
+bool has_measured_reference(const Look& look);
+
+struct Step {
+  const char* name;
+  const char* title;
+  const char* purpose;
+  /// Whether its result is in use; none: the daemon does not tell.
+  std::optional<bool> (*is_done)(const Look&);
+  Outcome (*run)(Bench&, Memory&);
+  Outcome (*undo)(Bench&, const Memory&);  ///< null: nothing to undo
+  bool clears = false;                     ///< `undo` needs no memory: it clears what was measured
+  bool is_needed = false;                  ///< later steps cannot pass without it
+};
+
+std::span<const Step> steps();
+
+/// A failed outcome with what the daemon said.
+Outcome failed(const Error& error, std::string advice = {});
+Outcome passed(Wellness wellness, std::string text, std::string advice = {});
+
+/// Introduces modes by a method as `aberration.set`. `modes`: as `aberration.get` reports them;
+/// none clear it.
+Result<void> restore_modes(Bench& bench, const std::string& name, const nlohmann::json& modes);
+
+// The steps' functions, by file.
+
+std::span<const Step> device_steps();  ///< doctor, camera, output
+std::span<const Step> light_steps();   ///< exposure, spot
+std::span<const Step> slm_steps();     ///< registration, lut, settle, clear, flatness
+const Step& brightness_step();         ///< as exposure, when the sensor's spots are right
+std::span<const Step> sensor_steps();  ///< reference, calibration, loop, save
+
+}  // namespace ovws::commission

@@ -1,0 +1,118 @@
+/// The commissioning without a daemon: names, refusals and its document.
+#include "daemon/commission/commissioning.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <set>
+#include <thread>
+
+#include "daemon/commission/step.hpp"
+
+namespace ovws::commission {
+namespace {
+
+using nlohmann::json;
+
+/// An endpoint where nothing answers.
+Commissioning::Settings nowhere() {
+  Commissioning::Settings settings;
+  settings.daemon.endpoint = "tcp://127.0.0.1:9";
+  settings.daemon.timeout_s = 0.05;
+  return settings;
+}
+
+Report ended(const Commissioning& commissioning) {
+  for (int k = 0; k < 1000 && commissioning.report().running; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const Report report = commissioning.report();
+  EXPECT_FALSE(report.running.has_value());
+  return report;
+}
+
+TEST(Commissioning, TheDocumentHasItsKeys) {
+  const Commissioning commissioning(nowhere());
+  const json document = to_json(ended(commissioning));
+  EXPECT_EQ(document.at("schema"), "ovws.commission/1");
+  EXPECT_TRUE(document.at("running").is_null());
+  ASSERT_EQ(document.at("steps").size(), step_names().size());
+  std::set<std::string> names;
+  for (const json& step : document.at("steps")) {
+    ASSERT_EQ(step.size(), 8U);
+    names.insert(step.at("name").get<std::string>());
+    EXPECT_EQ(step.at("state"), "open") << "nothing is known of a daemon that does not answer";
+    EXPECT_TRUE(step.at("verdict").is_null());
+    EXPECT_TRUE(step.at("offers").empty());
+    EXPECT_EQ(step.at("can_undo"), false);
+    EXPECT_TRUE(step.at("picture").is_null());
+    EXPECT_FALSE(step.at("purpose").get<std::string>().empty());
+  }
+  EXPECT_EQ(names.size(), step_names().size());
+}
+
+TEST(Commissioning, AStepWithoutADaemonFailsAndSaysSo) {
+  Commissioning commissioning(nowhere());
+  ended(commissioning);
+  ASSERT_TRUE(commissioning.run("camera"));
+  const json step = to_json(ended(commissioning)).at("steps").at(1);
+  EXPECT_EQ(step.at("state"), "failed");
+  EXPECT_EQ(step.at("verdict").at("wellness"), "bad");
+  EXPECT_NE(step.at("verdict").at("text").get<std::string>().find("does not answer"),
+            std::string::npos);
+}
+
+TEST(Commissioning, ASkippedStepIsNotTheNextOne) {
+  Commissioning commissioning(nowhere());
+  const Report before = ended(commissioning);
+  ASSERT_NE(next_step(before), nullptr);
+  EXPECT_EQ(next_step(before)->name, "doctor");
+  ASSERT_TRUE(commissioning.skip("doctor"));
+  const Report after = ended(commissioning);
+  EXPECT_EQ(after.steps.front().state, State::skipped);
+  EXPECT_EQ(next_step(after)->name, "camera");
+}
+
+TEST(Commissioning, RefusesWhatItDoesNotKnow) {
+  Commissioning commissioning(nowhere());
+  ended(commissioning);
+  const auto run = commissioning.act("run", "camara", "");
+  ASSERT_FALSE(run);
+  EXPECT_EQ(run.error().code, Errc::invalid);
+  EXPECT_EQ(run.error().field, "step");
+  EXPECT_NE(run.error().reason.find("camera"), std::string::npos);
+  EXPECT_EQ(commissioning.act("rum", "camera", "").error().field, "action");
+  EXPECT_EQ(commissioning.act("offer", "camera", "x").error().field, "offer");
+  EXPECT_EQ(commissioning.act("undo", "camera", "").error().code, Errc::refused);
+  EXPECT_FALSE(commissioning.picture_png("camera"));
+  EXPECT_TRUE(commissioning.act("cancel", "", "")) << "nothing runs";
+}
+
+TEST(Commissioning, AReferenceFromTheModelIsNotDone) {
+  const auto has = [](const json& taken, const json& source) {
+    return has_measured_reference({{"reference.get", {{"taken", taken}, {"source", source}}}});
+  };
+  EXPECT_TRUE(has(true, "measured"));
+  EXPECT_FALSE(has(true, "model"));
+  EXPECT_FALSE(has(false, nullptr));
+}
+
+TEST(Commissioning, OneActionAtATime) {
+  Commissioning::Settings settings = nowhere();
+  settings.examine = [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return std::vector<Finding>{};
+  };
+  Commissioning commissioning(settings);
+  ended(commissioning);
+  ASSERT_TRUE(commissioning.run("doctor"));
+  ASSERT_TRUE(commissioning.report().running.has_value());
+  EXPECT_EQ(commissioning.report().running->step, "doctor");
+  const auto second = commissioning.run("camera");
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, Errc::refused);
+  ended(commissioning);
+}
+
+}  // namespace
+}  // namespace ovws::commission
