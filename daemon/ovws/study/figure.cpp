@@ -1,12 +1,14 @@
 #include "daemon/ovws/study/figure.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 
 namespace ovws::study {
 namespace {
@@ -108,18 +110,26 @@ bool can_be_drawn(const Series& series) {
   return std::any_of(series.y.begin(), series.y.end(), [](double y) { return std::isfinite(y); });
 }
 
-/// The gnuplot script: one data block per series, then the plot command.
-std::string script_of(const Figure& figure) {
-  std::string text = fmt::format(
-      "set terminal pngcairo size 1200,900 font 'sans,16' linewidth 1.8\n"
-      "set output {}\nset title {} noenhanced\nset xlabel {} offset 0,0.4 noenhanced\nset ylabel "
-      "{} noenhanced\n"
-      "set offsets graph 0.02, graph 0.02, 0, 0\nset grid\nset key below height 1 maxcols 3 "
-      "noenhanced font ',13'\nset pointsize 1.4\n"
-      "set linetype 5 linecolor rgb '#8c6d1f'\nset linetype 8 linecolor rgb '#666666'\n"
-      "set linetype 9 linecolor rgb '#e377c2'\nset linetype 10 linecolor rgb '#17becf'\n",
-      quoted(figure.name + ".png"), quoted(figure.title), quoted(figure.x_label),
-      quoted(figure.y_label));
+/// Terminal and output of a PNG file in the current folder.
+std::string png_terminal(const Figure& figure) {
+  return fmt::format(
+      "set terminal pngcairo size 1200,900 font 'sans,16' linewidth 1.8\nset output {}\n",
+      quoted(figure.name + ".png"));
+}
+
+/// The gnuplot script: one data block per series, then the plot command. `terminal`: commands that
+/// set terminal and output.
+std::string script_of(const Figure& figure, std::string terminal) {
+  std::string text =
+      std::move(terminal) +
+      fmt::format(
+          "set title {} noenhanced\nset xlabel {} offset 0,0.4 noenhanced\nset ylabel "
+          "{} noenhanced\n"
+          "set offsets graph 0.02, graph 0.02, 0, 0\nset grid\nset key below height 1 maxcols 3 "
+          "noenhanced font ',13'\nset pointsize 1.4\n"
+          "set linetype 5 linecolor rgb '#8c6d1f'\nset linetype 8 linecolor rgb '#666666'\n"
+          "set linetype 9 linecolor rgb '#e377c2'\nset linetype 10 linecolor rgb '#17becf'\n",
+          quoted(figure.title), quoted(figure.x_label), quoted(figure.y_label));
   text += axes_of(figure);
   std::string plots;
   for (std::size_t k = 0; k < figure.series.size(); ++k) {
@@ -138,6 +148,18 @@ std::string script_of(const Figure& figure) {
   return text + plots + "\n";
 }
 
+/// Errors: gnuplot is missing or fails.
+Result<void> run_gnuplot(const std::string& script) {
+  if (std::system("command -v gnuplot > /dev/null") != 0) {
+    return fail(Errc::unavailable, "", "gnuplot is missing (package gnuplot-nox)");
+  }
+  std::FILE* gnuplot = ::popen("gnuplot", "w");
+  if (gnuplot == nullptr) return fail(Errc::unavailable, "", "gnuplot cannot be started");
+  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+  if (::pclose(gnuplot) != 0 || !sent) return fail(Errc::unavailable, "", "gnuplot failed");
+  return {};
+}
+
 }  // namespace
 
 Result<void> write_text(const std::string& text, const std::filesystem::path& path) {
@@ -150,25 +172,39 @@ Result<void> write_text(const std::string& text, const std::filesystem::path& pa
 
 Result<void> write_numbers(const Figure& figure, const std::filesystem::path& folder) {
   if (auto done = write_text(csv_of(figure), folder / (figure.name + ".csv")); !done) return done;
-  return write_text(script_of(figure), folder / (figure.name + ".gnuplot"));
+  return write_text(script_of(figure, png_terminal(figure)), folder / (figure.name + ".gnuplot"));
 }
 
 Result<void> draw(const Figure& figure, const std::filesystem::path& folder) {
-  const std::string again =
-      fmt::format("the numbers are in {0}; draw the figures with: cd {0} && gnuplot *.gnuplot",
-                  folder.string());
-  if (std::system("command -v gnuplot > /dev/null") != 0) {
-    return fail(Errc::unavailable, "", "gnuplot is missing (package gnuplot-nox): " + again);
-  }
-  std::FILE* gnuplot = ::popen("gnuplot", "w");
-  if (gnuplot == nullptr) return fail(Errc::unavailable, "", "gnuplot cannot be started: " + again);
   const std::string script =
       fmt::format("cd {}\nload {}\n", quoted(folder.string()), quoted(figure.name + ".gnuplot"));
-  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  if (::pclose(gnuplot) != 0 || !sent) {
-    return fail(Errc::unavailable, "", "gnuplot failed to draw " + figure.name + ": " + again);
-  }
-  return {};
+  auto drawn = run_gnuplot(script);
+  if (drawn) return {};
+  return fail(Errc::unavailable, "",
+              fmt::format("{}: {}: the numbers are in {}; draw the figures with: cd {} && gnuplot "
+                          "*.gnuplot",
+                          figure.name, drawn.error().reason, folder.string(), folder.string()));
+}
+
+Result<std::string> svg_of(const Figure& figure) {
+  std::string name = std::filesystem::temp_directory_path() / "ovws-figure-XXXXXX";
+  const int file = ::mkstemp(name.data());
+  if (file < 0) return fail(Errc::unavailable, "", name + " cannot be created");
+  ::close(file);
+  const std::string path = name;
+  const std::string terminal = fmt::format(
+      "set terminal svg size 760,460 dynamic font 'sans,14' linewidth 1.5 name {} background "
+      "'white'\nset output {}\n",
+      quoted(figure.name), quoted(path));
+  auto drawn = run_gnuplot(script_of(figure, terminal) + "unset output\n");
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  if (!drawn) return fail(drawn.error());
+  const std::size_t begin = text.str().find("<svg");  // after the declarations of an XML file
+  if (begin != std::string::npos) return text.str().substr(begin);
+  return fail(Errc::unavailable, "", "gnuplot has no SVG terminal");
 }
 
 }  // namespace ovws::study

@@ -1,4 +1,4 @@
-/// Figures: numbers as CSV, drawn by gnuplot as PNG.
+/// Figures: numbers as CSV, drawn by gnuplot as PNG or SVG.
 #pragma once
 
 #include <filesystem>
@@ -56,5 +56,9 @@ Result<void> write_numbers(const Figure& figure, const std::filesystem::path& fo
 /// Draws NAME.png from the files of write_numbers. Errors (Errc::unavailable): gnuplot is missing
 /// or fails; the reason says what to do.
 Result<void> draw(const Figure& figure, const std::filesystem::path& folder);
+
+/// The figure as an SVG element for an HTML page. Errors (Errc::unavailable): gnuplot is missing or
+/// fails; the reason says what to do.
+Result<std::string> svg_of(const Figure& figure);
 
 }  // namespace ovws::study

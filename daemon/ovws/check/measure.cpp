@@ -1,0 +1,264 @@
+#include "daemon/ovws/check/measure.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "core/optics/zernike.hpp"
+#include "daemon/ovws/check/frame_reader.hpp"
+#include "daemon/ovws/check/stability.hpp"
+
+namespace ovws::check {
+namespace {
+
+using nlohmann::json;
+using Done = tl::expected<void, cli::CallFailure>;
+
+constexpr double kQuickS = 10.0, kLoopS = 8.0, kQuickLoopS = 4.0;
+constexpr double kLongWatchMs = 1000.0;
+constexpr double kJobS = 7.0;   // roughly, for the time left
+constexpr double kPokeS = 0.8;  // roughly, of one image of a mode
+constexpr int kFrames = 20, kQuickFrames = 6;
+/// Largest standard error of frames that count, in those of the wavefront at rest: templates of
+/// the wavefront before a poke measure the first frames less exactly.
+constexpr double kExactSigmas = 3.0;
+constexpr double kSlowSlmS = 1.0;  // watched after the first pokes, in case that the SLM is slow
+constexpr std::chrono::milliseconds kPollInterval{100};
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+std::string message_of(const cli::CallFailure& failed) {
+  return failed.error.value("message", "unknown error");
+}
+
+/// `error` of a job that has ended in `state`.
+JobResult failed_job(const json& error, const std::string& state) {
+  return {json(), error.is_object() ? error.value("message", state) : state};
+}
+
+/// A measurement in progress.
+class Run {
+ public:
+  Run(const cli::Common& common, const Options& options, const Hooks& hooks)
+      : common_(common), options_(options), hooks_(hooks), borrowed_(common) {
+    seconds_ = options.quick ? std::min(options.seconds, kQuickS) : options.seconds;
+  }
+
+  tl::expected<Measured, cli::CallFailure> operator()() {
+    for (const auto step : {&Run::look, &Run::may_run, &Run::settle, &Run::table, &Run::record,
+                            &Run::response, &Run::loop}) {
+      Done done = (this->*step)();
+      if (done && hooks_.interrupted()) {
+        done = tl::make_unexpected(failure("interrupted; the bench is as before"));
+      }
+      if (done) continue;
+      if (const Answer back = borrowed_.restore(); !back) return tl::make_unexpected(back.error());
+      return tl::make_unexpected(done.error());
+    }
+    if (const Answer back = borrowed_.restore(); !back) return tl::make_unexpected(back.error());
+    return std::move(measured_);
+  }
+
+ private:
+  Done look() {
+    measured_.version = OVWS_VERSION;
+    measured_.t_ns = now_ns();
+    measured_.quick = options_.quick;
+    const std::array parts{std::pair{"system.status", &measured_.status},
+                           std::pair{"sensor.get", &measured_.sensor},
+                           std::pair{"reference.get", &measured_.reference},
+                           std::pair{"registration.get", &measured_.registration},
+                           std::pair{"lut.get", &measured_.lut},
+                           std::pair{"flatness.get", &measured_.flatness},
+                           std::pair{"calibration.get", &measured_.calibration},
+                           std::pair{"config.get", &measured_.config}};
+    for (const auto& [method, part] : parts) {
+      auto answer = cli::call(common_, method, json::object());
+      if (!answer) return tl::make_unexpected(answer.error());
+      *part = std::move(*answer);
+    }
+    modes_j_ = measured_.sensor.at("modes_j").get<std::vector<int>>();
+    if (const Answer known = borrowed_.remember(); !known) {
+      return tl::make_unexpected(known.error());
+    }
+    return {};
+  }
+
+  Done may_run() {
+    const json& status = measured_.status;
+    const auto state = status.at("state").get<std::string>();
+    if (state == "job_running") {
+      return tl::make_unexpected(failure("another job is running: wait for its end"));
+    }
+    if (state != "running") {
+      return tl::make_unexpected(
+          failure("the daemon is in state " + state + ", not running: ovws status says why"));
+    }
+    if (status.at("slm").at("pattern") != "sensor") {
+      return tl::make_unexpected(
+          failure("the SLM does not show the sensor: ovws call slm.show pattern=sensor"));
+    }
+    if (!status.at("sensor").at("referenced").get<bool>()) {
+      return tl::make_unexpected(
+          failure("there is no reference: take one first, ovws reference 100"));
+    }
+    if (!borrowed_.loop_was_closed()) return {};
+    if (!options_.open_loop) {
+      return tl::make_unexpected(failure(
+          "the loop is closed: open it first (ovws loop open), or let the check open it and "
+          "close it again (--open-loop)"));
+    }
+    const Answer opened = borrowed_.open_loop();
+    return opened ? Done() : tl::make_unexpected(opened.error());
+  }
+
+  /// Time left after a step that needs `of_step` more seconds.
+  void progress(const std::string& text, double of_step) {
+    hooks_.progress(text, of_step + seconds_after_);
+  }
+
+  /// Plans the time of the steps after the present one, for the progress.
+  void begin(int step) {
+    const double pokes = 4.0 * kPokeS * double(modes_j_.size()) * (options_.quick ? 0.5 : 1.0);
+    const std::array left{kJobS, options_.quick ? 0.0 : kJobS, seconds_, pokes,
+                          options_.close_loop ? loop_s() : 0.0};
+    seconds_after_ = 0.0;
+    for (std::size_t i = std::size_t(step) + 1; i < left.size(); ++i) seconds_after_ += left[i];
+  }
+  double loop_s() const { return options_.quick ? kQuickLoopS : kLoopS; }
+
+  /// Runs a job; an interrupt cancels it. A failed job is no failure of the check.
+  JobResult job(const char* method, const json& params) {
+    const Answer started = cli::call(common_, method, params);
+    if (!started) return {json(), message_of(started.error())};
+    bool cancelled = false;
+    while (true) {
+      const json id{{"job", started->at("job")}};
+      if (hooks_.interrupted() && !cancelled) {
+        cancelled = cli::call(common_, "job.cancel", id).has_value();
+      }
+      const Answer now = cli::call(common_, "job.get", id);
+      if (!now) return {json(), message_of(now.error())};
+      const auto state = now->at("state").get<std::string>();
+      if (state == "done") return {now->at("result"), ""};
+      if (state != "running") {
+        return failed_job(now->at("error"), state);
+      }
+      progress(method, kJobS * (1.0 - now->at("progress").get<double>()));
+      std::this_thread::sleep_for(kPollInterval);
+    }
+  }
+
+  Done settle() {
+    begin(0);
+    const int repetitions = options_.quick ? 5 : 20;
+    measured_.settle = job("slm.settle", {{"repetitions", repetitions}});
+    if (measured_.settle.result.is_object() || hooks_.interrupted()) return {};
+    // The SLM may be slower than the time that was watched.
+    measured_.settle = job("slm.settle", {{"repetitions", 5}, {"watch_ms", kLongWatchMs}});
+    return {};
+  }
+
+  /// Measures the SLM's phase response if no table was measured. The new table is not kept.
+  Done table() {
+    begin(1);
+    if (measured_.lut.at("measured").get<bool>()) return {};
+    measured_.lut_run.reason = "left out (--quick)";
+    if (options_.quick) return {};
+    borrowed_.will_clear_lut();
+    measured_.lut_run = job("lut.run", {{"levels", 17}, {"frames", 2}});
+    const Answer back = borrowed_.clear_lut();
+    return back ? Done() : tl::make_unexpected(back.error());
+  }
+
+  Done record() {
+    begin(2);
+    auto reader = FrameReader::open(common_, hooks_.interrupted);
+    if (!reader) return tl::make_unexpected(reader.error());
+    measured_.open =
+        reader->record(seconds_, [&](double left) { progress("noise and drift", left); });
+    const Answer status = cli::call(common_, "system.status", json::object());
+    if (!status) return tl::make_unexpected(status.error());
+    measured_.counters_after = status->at("counters");
+    return {};
+  }
+
+  Done response() {
+    begin(3);
+    auto reader = FrameReader::open(common_, hooks_.interrupted);
+    if (!reader) return tl::make_unexpected(reader.error());
+    measured_.response.modes_j = modes_j_;
+    const Stability rest = stability_of(measured_.open);
+    Wanted wanted;
+    wanted.modes_j = modes_j_;
+    if (!std::isnan(rest.stated)) wanted.most_sigma_waves = kExactSigmas * rest.stated;
+    wanted.count = options_.quick ? kQuickFrames : kFrames;
+    for (std::size_t k = 0; k < modes_j_.size() && !hooks_.interrupted(); ++k) {
+      progress("response: " + zernike_name(modes_j_[k]),
+               4.0 * kPokeS * double(modes_j_.size() - k) * (options_.quick ? 0.5 : 1.0));
+      std::array<Shown, 4> shown;
+      wanted.least_s = k == 0 ? kSlowSlmS : 0.0;
+      for (std::size_t i = 0; i < shown.size() && !hooks_.interrupted(); ++i) {
+        const double sign = i == 0 || i == 3 ? 1.0 : -1.0;
+        const Answer poked = borrowed_.poke(modes_j_[k], sign * kPokeWaves);
+        if (!poked) return tl::make_unexpected(poked.error());
+        shown[i] = reader->shown(poked->at("hologram_id").get<std::uint64_t>(), wanted);
+        if (shown[i].rest.empty()) break;
+      }
+      measured_.response.pokes.push_back(poke_of(modes_j_[k], shown));
+    }
+    const Answer shown = borrowed_.unpoke();
+    if (!shown) return tl::make_unexpected(shown.error());
+    reader->shown(shown->at("hologram_id").get<std::uint64_t>(), wanted);
+    return {};
+  }
+
+  Done loop() {
+    begin(4);
+    LoopResult& result = measured_.loop;
+    result.reason = "left out (--no-loop)";
+    if (!options_.close_loop) return {};
+    if (const Answer closed = borrowed_.close_loop(); !closed) {
+      result.reason = message_of(closed.error());
+      return {};
+    }
+    auto reader = FrameReader::open(common_, hooks_.interrupted);
+    if (!reader) return tl::make_unexpected(reader.error());
+    reader->record(0.5 * loop_s(), [&](double left) { progress("closed loop", left); });
+    result.record =
+        reader->record(0.5 * loop_s(), [&](double left) { progress("closed loop", left); });
+    const Answer state = cli::call(common_, "loop.get", json::object());
+    if (!state) return tl::make_unexpected(state.error());
+    result.failed = !state->at("closed").get<bool>();
+    if (!result.failed) {
+      result.loop = *state;
+    } else if (state->at("opened_because").is_string()) {
+      result.reason = state->at("opened_because").get<std::string>();
+    }
+    return {};
+  }
+
+  const cli::Common& common_;
+  const Options& options_;
+  const Hooks& hooks_;
+  Borrowed borrowed_;
+  Measured measured_;
+  std::vector<int> modes_j_;
+  double seconds_ = 0.0, seconds_after_ = 0.0;
+};
+
+}  // namespace
+
+tl::expected<Measured, cli::CallFailure> measure(const cli::Common& common, const Options& options,
+                                                 const Hooks& hooks) {
+  return Run(common, options, hooks)();
+}
+
+}  // namespace ovws::check
