@@ -17,7 +17,9 @@ CLI::Validator number_from(double min, double max);
 // The callback of each command writes the exit code to `status`. `common` and `status` must outlive
 // the parsing, because the callbacks hold references to them.
 void add_online_commands(CLI::App& app, const Common& common, int& status);
+void add_check(CLI::App& app, const Common& common, int& status);
 void add_verbs(CLI::App& app, const Common& common, int& status);
+void add_setup(CLI::App& app, const Common& common, int& status);
 void add_offline_commands(CLI::App& app, const Common& common, int& status);
 void add_export(CLI::App& app, const Common& common, int& status);
 

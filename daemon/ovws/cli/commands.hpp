@@ -73,6 +73,17 @@ int serve_metrics(Common common, const std::string& address);
 /// configuration.
 int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint);
 
+struct AcceptanceOptions {
+  std::string output;     ///< HTML file; empty: none
+  double seconds = 60.0;  ///< for noise and drift
+  bool quick = false;
+  bool open_loop = false;  ///< opens a closed loop for the check
+  bool no_loop = false;    ///< does not close the loop
+};
+
+/// Measures the bench and prints the report of `ovws check`. Returns kError if a verdict is bad.
+int check_acceptance(const Common& common, const AcceptanceOptions& options);
+
 // Commands that work offline.
 
 struct ImageOptions {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/setup.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/json_text.hpp"
 
@@ -81,9 +82,14 @@ doctor::DaemonFacts ask(Common common, const std::string& endpoint) {
 
 }  // namespace
 
+doctor::Findings examine_bench(const Common& common, const std::string& config_path,
+                               const std::string& endpoint) {
+  return doctor::examine(config_path, endpoint,
+                         [&common](const std::string& where) { return ask(common, where); });
+}
+
 int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint) {
-  const Findings found = doctor::examine(
-      config_path, endpoint, [&common](const std::string& where) { return ask(common, where); });
+  const Findings found = examine_bench(common, config_path, endpoint);
   if (common.json) {
     print_json(found);
   } else {

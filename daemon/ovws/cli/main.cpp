@@ -94,6 +94,8 @@ int run(int argc, char** argv) {
   int status = kOk;
   add_verbs(app, common, status);
   add_online_commands(app, common, status);
+  add_check(app, common, status);
+  add_setup(app, common, status);
   add_offline_commands(app, common, status);
   add_completion(app);
   try {

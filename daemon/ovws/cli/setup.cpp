@@ -1,0 +1,404 @@
+#include "daemon/ovws/cli/setup.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "daemon/commission/commissioning.hpp"
+#include "daemon/ovws/cli/keyboard.hpp"
+#include "daemon/ovws/cli/request.hpp"
+#include "daemon/ovws/screen/picture_text.hpp"
+#include "daemon/ovws/study/parallel.hpp"
+#include "daemon/ovws/text/quantity.hpp"
+#include "daemon/ovws/text/wrap.hpp"
+#include "daemon/shared/atomic_file.hpp"
+#include "proto/json_text.hpp"
+#include "proto/reader.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using commission::Commissioning;
+using commission::Offer;
+using commission::Report;
+using commission::State;
+using commission::StepReport;
+using commission::Wellness;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds kPollInterval{100};
+constexpr double kPatience_s = 10.0;
+constexpr int kPictureColumns = 56;
+constexpr std::size_t kIndent = 2;
+constexpr int kMaxProposals = 6;  ///< that are taken for one step without a question
+
+constexpr const char* kHelp =
+    "  Enter  run the step; after it: go on, or take the proposal if it has failed\n"
+    "  1-9    take this offer\n"
+    "  y      run the repair's command in a shell\n"
+    "  r      repeat the step\n"
+    "  s      skip the step\n"
+    "  u      undo the step\n"
+    "  q      quit; ovws setup goes on at the first step that is not done\n";
+
+const char* word_of(Wellness wellness) {
+  switch (wellness) {
+    case Wellness::good:
+      return "good";
+    case Wellness::note:
+      return "note";
+    case Wellness::warning:
+      return "warning";
+    case Wellness::bad:
+      return "BAD";
+  }
+  return "";
+}
+
+const char* word_of(State state) {
+  switch (state) {
+    case State::open:
+      return "open";
+    case State::done:
+      return "done";
+    case State::skipped:
+      return "skipped";
+    case State::failed:
+      return "failed";
+  }
+  return "";
+}
+
+void print_wrapped(const std::string& text) {
+  print("{}\n", wrapped(text, terminal_columns(), kIndent));
+}
+
+std::vector<commission::Finding> findings_of(const doctor::Findings& found) {
+  std::vector<commission::Finding> findings;
+  for (const doctor::Finding& one : found) {
+    const auto wellness = one.verdict == doctor::Verdict::fault     ? Wellness::bad
+                          : one.verdict == doctor::Verdict::warning ? Wellness::warning
+                          : one.verdict == doctor::Verdict::ok      ? Wellness::good
+                                                                    : Wellness::note;
+    findings.push_back({wellness, one.name, one.meaning, one.fix});
+  }
+  return findings;
+}
+
+/// The step's place in the order, from 1.
+std::size_t number_of(const std::string& name) {
+  const auto names = commission::step_names();
+  return std::size_t(std::ranges::find(names, name) - names.begin()) + 1;
+}
+
+/// How a step's turn ended.
+enum class Turn { next, quit, stuck };
+
+/// A daemon that measures may answer late. A list must not wait long for one that is absent.
+Common patient(Common common, const SetupOptions& options) {
+  if (!options.list) common.timeout_s = std::max(common.timeout_s, kPatience_s);
+  return common;
+}
+
+class Conversation {
+ public:
+  Conversation(const Common& common, const SetupOptions& options)
+      : common_(common),
+        options_(options),
+        is_quiet_(common.json),
+        commissioning_({patient(common, options), [this] {
+                          return findings_of(
+                              examine_bench(common_, options_.config_path, options_.endpoint));
+                        }}) {}
+
+  int run();
+
+ private:
+  StepReport report_of(const std::string& name) const;
+  std::vector<std::string> plan() const;
+  void wait();
+  Turn turn(const std::string& name);
+  Turn before(const std::string& name, bool& is_run);
+  Turn after(const std::string& name, int proposals);
+  Turn after_unasked(const StepReport& step, int proposals);
+  Turn act(const std::string& action, const std::string& name, const std::string& offer,
+           int proposals);
+  char ask(const std::string& question);
+  void show_step(const StepReport& step) const;
+  void show_result(const StepReport& step, double seconds);
+  void show_others(const Report& earlier, const std::string& name) const;
+  void show_picture(const StepReport& step);
+  void run_commands(const StepReport& step);
+  int list() const;
+  int end(Turn turn);
+
+  Common common_;
+  SetupOptions options_;
+  bool is_quiet_;
+  Clock::time_point begun_ = Clock::now();
+  Commissioning commissioning_;
+};
+
+StepReport Conversation::report_of(const std::string& name) const {
+  const Report report = commissioning_.report();
+  return *std::ranges::find(report.steps, name, &StepReport::name);
+}
+
+/// The names of the steps to go through. Those of the command line are run even if they are done.
+std::vector<std::string> Conversation::plan() const {
+  if (!options_.steps.empty()) return options_.steps;
+  auto names = commission::step_names();
+  if (!options_.from.empty()) names.erase(names.begin(), std::ranges::find(names, options_.from));
+  return names;
+}
+
+/// Waits for the end of what runs, and shows its progress. Ctrl-C cancels it.
+void Conversation::wait() {
+  while (const auto running = commissioning_.report().running) {
+    if (was_interrupted()) commissioning_.cancel();
+    if (!is_quiet_ && !running->step.empty()) {
+      const double percent = 100.0 * running->progress;
+      study::print_progress(running->text +
+                            (percent > 0.0 ? fmt::format(": {:.0f} %", percent) : ""));
+    }
+    std::this_thread::sleep_for(kPollInterval);
+  }
+  study::print_progress("");
+}
+
+char Conversation::ask(const std::string& question) {
+  Keyboard keyboard;  // before the question: keys from then on count
+  print("{}\n", wrapped("> " + question, terminal_columns(), kIndent));
+  std::fflush(stdout);
+  return keyboard.next().value_or('q');
+}
+
+void Conversation::show_step(const StepReport& step) const {
+  if (is_quiet_) return;
+  print("\n{}. {} ({})\n", number_of(step.name), step.title, step.name);
+  print_wrapped("  " + step.purpose);
+}
+
+void Conversation::show_picture(const StepReport& step) {
+  if (step.picture.empty()) return;
+  if (!options_.folder.empty()) {
+    std::error_code ignored;  // replace_file reports it
+    std::filesystem::create_directories(options_.folder, ignored);
+    const auto path = std::filesystem::path(options_.folder) /
+                      fmt::format("{:02}-{}.png", number_of(step.name), step.name);
+    const auto png = commissioning_.picture_png(step.name);
+    const auto written = png ? replace_file(path.string(), *png) : Result<void>();
+    if (!written) fmt::print(stderr, "ovws: {}\n", text_of(written.error()));
+    if (!is_quiet_ && written) print("  picture: {}\n", path.string());
+  }
+  if (is_quiet_ || isatty(STDOUT_FILENO) == 0) return;
+  const char* const term = std::getenv("TERM");
+  const char* const no_colour = std::getenv("NO_COLOR");
+  const bool has_greys = term != nullptr && std::strstr(term, "256color") != nullptr &&
+                         (no_colour == nullptr || *no_colour == '\0');
+  print("{}", screen::picture_text(commissioning_.picture(step.name), kPictureColumns,
+                                   has_greys ? screen::Shades::blocks : screen::Shades::ascii));
+}
+
+void Conversation::show_result(const StepReport& step, double seconds) {
+  show_picture(step);
+  if (is_quiet_ || !step.verdict) return;
+  print_wrapped(fmt::format("  {}: {} ({})", word_of(step.verdict->wellness), step.verdict->text,
+                            time_text(std::round(10.0 * seconds) / 10.0)));
+  if (!step.verdict->advice.empty()) print_wrapped("  " + step.verdict->advice);
+  for (std::size_t k = 0; k < step.offers.size(); ++k) {
+    print_wrapped(fmt::format("  {} {}", k + 1, step.offers[k].text));
+  }
+}
+
+/// Shows what other steps found that ran since `earlier`.
+void Conversation::show_others(const Report& earlier, const std::string& name) const {
+  const Report now = commissioning_.report();
+  for (std::size_t k = 0; !is_quiet_ && k < now.steps.size(); ++k) {
+    const StepReport& step = now.steps[k];
+    if (step.name == name || step.picture == earlier.steps[k].picture || !step.verdict) continue;
+    print_wrapped(fmt::format("  {}: {}: {}", step.title, word_of(step.verdict->wellness),
+                              step.verdict->text));
+  }
+}
+
+/// Asks before a step is run. Turn::next with `is_run` false: it is skipped.
+Turn Conversation::before(const std::string& name, bool& is_run) {
+  while (true) {
+    const StepReport step = report_of(name);
+    const char key = ask(std::string("Enter runs it, s skips it") +
+                         (step.can_undo ? ", u undoes it" : "") + ", q quits, ? help");
+    if (key == 'q') return Turn::quit;
+    if (key == '?') print("{}", kHelp);
+    if (key == 'u' && step.can_undo) {
+      (void)commissioning_.undo(name);
+      wait();
+      show_result(report_of(name), 0.0);
+    }
+    if (key == 's') {
+      (void)commissioning_.skip(name);
+      wait();
+      is_run = false;
+      return Turn::next;
+    }
+    if (key == '\n') return Turn::next;
+  }
+}
+
+Turn Conversation::act(const std::string& action, const std::string& name, const std::string& offer,
+                       int proposals) {
+  const auto begun = Clock::now();
+  const Report earlier = commissioning_.report();
+  if (const auto done = commissioning_.act(action, name, offer); !done) {
+    fmt::print(stderr, "ovws: {}\n", text_of(done.error()));
+    return Turn::stuck;
+  }
+  wait();
+  show_others(earlier, name);
+  show_result(report_of(name), std::chrono::duration<double>(Clock::now() - begun).count());
+  return after(name, proposals);
+}
+
+void Conversation::run_commands(const StepReport& step) {
+  for (const std::string& command : step.commands) {
+    if (ask(command + "   y runs it, any other key does not") != 'y') continue;
+    if (std::system(command.c_str()) != 0) print("  it failed\n");
+  }
+}
+
+/// Without questions: takes proposals until the step passes.
+Turn Conversation::after_unasked(const StepReport& step, int proposals) {
+  if (step.state != State::failed) return Turn::next;
+  const auto proposal = std::ranges::find(step.offers, true, &Offer::is_proposal);
+  if (proposal == step.offers.end() || proposals == kMaxProposals) {
+    return step.is_needed ? Turn::stuck : Turn::next;
+  }
+  if (!is_quiet_) print_wrapped("  taken: " + proposal->text);
+  return act("offer", step.name, proposal->name, proposals + 1);
+}
+
+Turn Conversation::after(const std::string& name, int proposals) {
+  if (was_interrupted()) return Turn::quit;
+  const StepReport step = report_of(name);
+  if (options_.yes) return after_unasked(step, proposals);
+  const bool has_failed = step.state == State::failed;
+  const auto proposal = std::ranges::find(step.offers, true, &Offer::is_proposal);
+  const bool is_proposed = has_failed && proposal != step.offers.end();
+  std::string question = is_proposed  ? "Enter: " + proposal->text
+                         : has_failed ? std::string("Enter repeats it")
+                                      : std::string("Enter goes on");
+  if (!step.offers.empty()) question += ", a number takes an offer";
+  if (!step.commands.empty()) question += ", y runs the repairs";
+  question += ", r repeats, s skips, ";
+  if (step.can_undo) question += "u undoes, ";
+  const char key = ask(question + "q quits, ? help");
+  if (key == 'q') return Turn::quit;
+  if (key == '?') print("{}", kHelp);
+  if (key == 'y') run_commands(step);
+  if (key == 's') (void)commissioning_.skip(name);
+  wait();
+  if (key == 's' || (key == '\n' && !has_failed)) return Turn::next;
+  if (key == 'u' && step.can_undo) return act("undo", name, "", proposals);
+  if (key == '\n' && is_proposed) return act("offer", name, proposal->name, proposals);
+  if (key == 'r' || key == 'y' || key == '\n') return act("run", name, "", proposals);
+  const std::size_t number = std::size_t(key - '1');
+  if (key >= '1' && number < step.offers.size()) {
+    return act("offer", name, step.offers[number].name, proposals);
+  }
+  return after(name, proposals);
+}
+
+Turn Conversation::turn(const std::string& name) {
+  bool is_run = true;
+  if (!options_.yes) {
+    const Turn asked = before(name, is_run);
+    if (asked != Turn::next || !is_run) return asked;
+  }
+  return act("run", name, "", 0);
+}
+
+int Conversation::list() const {
+  const Report report = commissioning_.report();
+  if (common_.json) {
+    print("{}\n", json_text(to_json(report)));
+    return kOk;
+  }
+  for (const StepReport& step : report.steps) {
+    print("{:<8} {:<13} {}\n", word_of(step.state), step.name,
+          wrapped(step.purpose, terminal_columns(), 0));
+  }
+  return kOk;
+}
+
+int Conversation::end(Turn turn) {
+  const Report report = commissioning_.report();
+  if (common_.json) print("{}\n", json_text(to_json(report)));
+  const auto status = call(common_, "system.status", nlohmann::json::object());
+  if (!status && !status.error().answered) return report_failure(common_, status.error());
+  const bool has_failed = std::ranges::any_of(
+      report.steps, [](const StepReport& step) { return step.state == State::failed; });
+  if (is_quiet_) return has_failed ? kError : kOk;
+  std::string failed;
+  for (const StepReport& step : report.steps) {
+    if (step.state == State::failed) failed += (failed.empty() ? "" : ", ") + step.name;
+  }
+  const double seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
+  print_wrapped(fmt::format("\n{} after {}{}", turn == Turn::next ? "The end, reached" : "Ended",
+                            time_text(std::round(seconds)),
+                            failed.empty() ? "." : "; failed: " + failed + "."));
+  return has_failed ? kError : kOk;
+}
+
+int Conversation::run() {
+  catch_interrupts();
+  wait();
+  if (options_.list) return list();
+  Turn last = Turn::next;
+  for (const std::string& name : plan()) {
+    const StepReport step = report_of(name);
+    show_step(step);
+    const bool is_chosen = !options_.steps.empty() || name == options_.from;
+    if (!is_chosen && step.state == State::done) {
+      if (!is_quiet_) print("  done already\n");
+      continue;
+    }
+    last = turn(name);
+    if (was_interrupted()) last = Turn::quit;
+    if (last != Turn::next) break;
+  }
+  return end(last);
+}
+
+Result<void> check_names(const SetupOptions& options) {
+  auto names = options.steps;
+  if (!options.from.empty()) names.push_back(options.from);
+  const auto known = commission::step_names();
+  for (const std::string& name : names) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    const auto near = nearest_name(name, known);
+    return fail(Errc::invalid, name,
+                near ? "is no step; did you mean " + *near + "?"
+                     : std::string("is no step; ovws setup --list lists them"));
+  }
+  return {};
+}
+
+}  // namespace
+
+int set_up(const Common& common, const SetupOptions& options) {
+  if (const auto good = check_names(options); !good) return report_mistake(common, good.error());
+  const bool has_questions = !options.yes && !options.list;
+  if (has_questions && (common.json || isatty(STDIN_FILENO) == 0 || isatty(STDOUT_FILENO) == 0)) {
+    return report_mistake(
+        common, {Errc::invalid, "setup", "asks questions on a terminal: there, or use --yes"});
+  }
+  return Conversation(common, options).run();
+}
+
+}  // namespace ovws::cli

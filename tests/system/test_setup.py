@@ -1,0 +1,139 @@
+"""ovws setup on a terminal: a bench with four faults ends with a flat wavefront, a wrong output is found and replaced."""
+import json
+import os
+import random
+import subprocess
+
+from case import SMALL_SIZE, BenchCase, Client, main, wait_for
+from conversation import on, talk, transcript
+from terminal import Terminal
+
+MODES = range(3, 15)
+MOST_WAVES = 0.01
+
+
+def hidden_aberration(rms_waves):
+    rng = random.Random(1)
+    modes = {j: rng.gauss(0.0, 1.0) for j in MODES}
+    scale = rms_waves / sum(waves * waves for waves in modes.values()) ** 0.5
+    return [{"j": j, "waves": scale * waves} for j, waves in modes.items()]
+
+
+class SetupCase(BenchCase):
+    small = True
+
+    def start(self):
+        self.start_display()
+        self.add_output()
+        self.start_twin()
+        self.start_daemon(**{"state": {"directory": str(self.bench.directory / "state")}})
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+        wait_for(lambda: self.call("system.status")["state"] != "starting", what="the daemon's start")
+
+    def add_output(self):
+        """A third output of the SLM's size, which the twin does not watch."""
+        mode = f"{SMALL_SIZE[0]}x{SMALL_SIZE[1]}"
+        for words in (["--addmode", "DUMMY2", mode], ["--output", "DUMMY2", "--mode", mode, "--right-of", "DUMMY1"]):
+            subprocess.run(["xrandr", *words], env=os.environ | {"DISPLAY": self.bench.display}, check=True)
+
+    def set_up(self, *arguments, answer=on, status=0):
+        """Answers the questions of ovws setup; returns the transcript."""
+        command = [self.bench.programs / "ovws", "setup", "--config", self.bench.directory / "ovwsd.json", *arguments]
+        terminal = Terminal(command, columns=200, DISPLAY=self.bench.display)
+        self.addCleanup(terminal.close)
+        ended = talk(terminal, answer)
+        self.assertEqual(ended, status, transcript(terminal))
+        return transcript(terminal)
+
+    def states(self):
+        done = subprocess.run([self.bench.programs / "ovws", "--json", "setup", "--list"], capture_output=True, text=True, check=True)
+        document = json.loads(done.stdout)
+        self.assertEqual(document["schema"], "ovws.commission/1")
+        return {step["name"]: step["state"] for step in document["steps"]}
+
+
+class FourFaults(SetupCase):
+    """A mirrored camera, a far too long exposure, an SLM whose phase falls, and half a wave of hidden aberration."""
+    twin_config = {"camera": {"mirror": "x"}, "slm": {"depth_waves": -1.0}, "aberration": hidden_aberration(0.5),
+                   "light": {"peak_electrons": 60000}}
+    daemon_config = {"camera": {"exposure_us": 9900.0}}
+
+    def test_ends_with_a_flat_wavefront(self):
+        text = self.set_up()
+        self.assertIn("The phase falls with the grey level", text)
+        self.assertIn("mirrored;", text)
+        self.assertNotIn("not mirrored", text)
+        left = self.twin.call("twin.get", {"judge": "sensor"})["wavefront"]
+        self.assertTrue(left["unwrapped"], text)
+        self.assertLess(left["rms_waves"], MOST_WAVES)
+        self.check_that_it_resumes()
+        self.check_that_the_loop_is_restored()
+
+    def check_that_it_resumes(self):
+        """Another commissioning finds what is done, and an undone step is the only measured one that is open."""
+        self.assertEqual(self.states()["reference"], "done")
+        answers = iter("u\nq")  # before the reference is run again: undo it; then run it; then quit
+        text = self.set_up("--from", "reference", answer=lambda question: next(answers))
+        self.assertIn("The reference is cleared.", text)
+        states = self.states()
+        for name in ("registration", "lut", "flatness", "clear", "reference", "calibration"):
+            self.assertEqual(states[name], "done", states)
+
+    def check_that_the_loop_is_restored(self):
+        """The step leaves a closed loop and an aberration as they were; a reference from the model is none that was taken."""
+        self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.05}]})
+        self.call("loop.close", {"gain": 0.3})
+        self.assertIn("The loop is closed again, as before.", self.set_up("--yes", "loop"))
+        loop = self.call("loop.get")
+        self.assertEqual((loop["closed"], loop["gain"]), (True, 0.3))
+        [mode] = self.call("aberration.get")["modes"]
+        self.assertEqual((mode["j"], round(mode["waves"], 9)), (5, 0.05))
+        self.call("loop.open", {"keep": False})
+        self.call("reference.set", {"source": "model"})
+        self.assertEqual(self.states()["reference"], "open")
+
+
+class WrongOutput(SetupCase):
+    daemon_config = {"slm": {"display": "DUMMY2"}}
+
+    def test_is_named_and_replaced(self):
+        text = self.set_up("camera", "output", "spot")
+        self.assertIn("BAD: The camera's image does not change with what DUMMY2 shows.", text)
+        self.assertIn("use output DUMMY1 for the SLM", text)
+        self.assertIn("good: The camera's image changes with what DUMMY1 shows", text)
+        self.assertIn("The base grating makes one spot", text)
+        self.assertEqual(self.call("system.status")["slm"]["info"]["output"], "DUMMY1")
+
+
+class PrimaryDisplay(SetupCase):
+    daemon_config = {"slm": {"display": "DUMMY0"}}
+
+    def test_is_named_and_replaced(self):
+        answers = iter(["\n", "2", "q"]) if "DUMMY2" == self.first_offer() else iter(["\n", "\n", "q"])
+        text = self.set_up("output", answer=lambda question: next(answers))
+        self.assertIn("BAD: DUMMY0: ", text)
+        self.assertIn("good: The camera's image changes with what DUMMY1 shows", text)
+
+    def first_offer(self):
+        outputs = self.call("slm.outputs")["outputs"]
+        return next(output["name"] for output in outputs if output["usable"] and not output["selected"])
+
+
+class NoLight(SetupCase):
+    twin_config = {"light": {"peak_electrons": 1e-4}}
+
+    def test_is_named_and_ends_the_commissioning(self):
+        text = self.set_up("--yes", status=1)
+        self.assertIn("BAD: The camera sees no light", text)
+        self.assertIn("Switch on the laser", text)
+        self.assertNotIn("Registration", text)
+        self.call("slm.show", {"pattern": "flat"})
+        exposure_us = self.call("camera.get")["settings"]["exposure_us"]
+        self.set_up("--yes", "exposure", status=1)
+        self.assertEqual(self.call("system.status")["slm"]["pattern"], "flat")
+        self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], exposure_us)
+
+
+if __name__ == "__main__":
+    main()
