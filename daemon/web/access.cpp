@@ -5,7 +5,9 @@
 
 #include <algorithm>
 
+#include "daemon/web/commission_desk.hpp"
 #include "daemon/web/page_files.hpp"
+#include "daemon/web/recordings.hpp"
 
 namespace ovws::web {
 namespace {
@@ -25,21 +27,12 @@ constexpr std::array<RefusalRow, kRefusals> kRows{{
     {"right", "this link is for viewing only: use the control link of ovws-web --control", 403},
     {"command", "the page may not call this method: use ovws call", 403},
     {"full", "the maximum number of browsers is connected: close another page", 503},
+    {"ticket",
+     "this download's address was used, is too old, or is of another recording: press Download "
+     "again",
+     403},
+    {"downloads", "the maximum number of downloads is running: wait until one has ended", 503},
 }};
-
-std::string random_token() {
-  std::array<unsigned char, kTokenBytes> bytes{};
-  randombytes_buf(bytes.data(), bytes.size());
-  std::array<char, 2 * kTokenBytes + 1> text{};
-  sodium_bin2hex(text.data(), text.size(), bytes.data(), bytes.size());
-  return text.data();
-}
-
-/// Compares in constant time, against timing attacks.
-bool is_secret(std::string_view given, const std::string& secret) {
-  return !secret.empty() && given.size() == secret.size() &&
-         sodium_memcmp(given.data(), secret.data(), secret.size()) == 0;
-}
 
 /// Truncated, with non-printable characters replaced, so that a request cannot forge log lines or
 /// send terminal escape sequences.
@@ -52,6 +45,19 @@ std::string loggable(std::string_view text) {
 
 }  // namespace
 
+std::string random_token() {
+  std::array<unsigned char, kTokenBytes> bytes{};
+  randombytes_buf(bytes.data(), bytes.size());
+  std::array<char, 2 * kTokenBytes + 1> text{};
+  sodium_bin2hex(text.data(), text.size(), bytes.data(), bytes.size());
+  return text.data();
+}
+
+bool is_secret(std::string_view given, const std::string& secret) {
+  return !secret.empty() && given.size() == secret.size() &&
+         sodium_memcmp(given.data(), secret.data(), secret.size()) == 0;
+}
+
 const RefusalRow& row_of(Refusal refusal) {
   return kRows[std::size_t(refusal)];
 }
@@ -60,8 +66,17 @@ Tokens make_tokens(bool control) {
   return {random_token(), control ? random_token() : std::string{}};
 }
 
-std::optional<Route> route_of(std::string_view path) {
+std::optional<Route> route_of(std::string_view path, std::string_view method) {
   if (path == "/stream" || path == "/hologram.png") return Route{"GET", Right::look};
+  if (path.starts_with(kImagePath)) return Route{"GET", Right::look};
+  if (path == kCommissionPath && method == "POST") return Route{"POST", Right::control};
+  if (path == kCommissionPath || path.starts_with(kCommissionPicturePath)) {
+    return Route{"GET", Right::look};
+  }
+  if (path == "/recordings") return Route{"GET", Right::look};
+  if (path == "/ticket") return Route{"POST", Right::look};
+  // Without a token it takes a ticket, which Session checks.
+  if (path.starts_with(kRecordingPath)) return Route{"GET", Right::page};
   if (path == "/rpc") return Route{"POST", Right::control};
   if (page_file(path)) return Route{"GET", Right::page};
   return std::nullopt;
@@ -88,9 +103,9 @@ tl::expected<Right, Refusal> Access::judge(const RequestHead& head) const {
     return refuse(Refusal::origin);
   }
   const bool foreign = head.fetch_site == "cross-site" || head.fetch_site == "same-site";
-  const auto route = route_of(head.target);
+  const auto route = route_of(head.target, head.method);
   // Another site may link to the page itself, which contains no secret.
-  if (foreign && !(route && route->right == Right::page)) return refuse(Refusal::origin);
+  if (foreign && !page_file(head.target)) return refuse(Refusal::origin);
   if (!route) return refuse(Refusal::path);
   if (head.method != route->method) return refuse(Refusal::method);
   if (head.chunked || head.content_length.value_or(0) > kMaxBodyBytes) {

@@ -18,8 +18,21 @@ namespace ovws::web {
 
 enum class Right { page, look, control };  ///< each right includes the previous ones
 
-enum class Refusal { malformed, host, origin, method, path, size, token, right, command, full };
-constexpr std::size_t kRefusals = 10;
+enum class Refusal {
+  malformed,
+  host,
+  origin,
+  method,
+  path,
+  size,
+  token,
+  right,
+  command,
+  full,
+  ticket,
+  downloads
+};
+constexpr std::size_t kRefusals = 12;
 struct RefusalRow {
   std::string_view name;
   std::string_view reason;  ///< error message with the remedy
@@ -44,15 +57,23 @@ struct Tokens {
   std::string control;  ///< empty: control is disabled
 };
 
-/// Makes tokens of 128 random bits; the control token only if `control` is true.
+/// 128 random bits as text.
+std::string random_token();
+/// Whether `given` is the secret. Compares in constant time, against timing attacks.
+bool is_secret(std::string_view given, const std::string& secret);
+/// Makes random tokens; the control token only if `control` is true.
 Tokens make_tokens(bool control);
 
 /// HTTP method and right that a path requires. `route_of` returns none if the path does not exist.
+/// A path with two methods has a route for each; other methods get that of GET.
 struct Route {
   std::string_view method;
   Right right;
 };
-std::optional<Route> route_of(std::string_view path);
+std::optional<Route> route_of(std::string_view path, std::string_view method = "GET");
+
+/// Path of a part of the camera's newest image, followed by the query of parse_image_part.
+constexpr std::string_view kImagePath = "/image?";
 
 constexpr std::uint64_t kMaxBodyBytes = 64 * 1024;
 

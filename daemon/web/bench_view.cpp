@@ -15,6 +15,7 @@ using nlohmann::json;
 
 /// Limits the redraw rate: a closed loop makes up to ten holograms per second.
 constexpr std::chrono::milliseconds kDrawPeriod{500};
+constexpr std::chrono::seconds kSeldom{30};
 
 /// Radius of the bright ring (vortex) or of the bright spot (charge 0), camera pixels.
 double ring_px(const Config& config) {
@@ -32,7 +33,14 @@ json sensor_of(const json& sensor, const json& config_json) {
         {{"j", j}, {"n", index.n}, {"m", index.m}, {"name", zernike_name(j.get<int>())}});
   }
   const auto config = parse_config(json_text(config_json));
-  view["ring_px"] = config ? json(ring_px(*config)) : json(nullptr);
+  for (const char* key : {"ring_px", "pupil_mm", "lambda_pupil_px"}) view[key] = nullptr;
+  if (!config) return view;
+  const SlmGeometry& slm = config->slm.geometry;
+  view["ring_px"] = ring_px(*config);
+  view["pupil_mm"] = config->sensor.pupil_diameter_px * slm.pitch_um * 1e-3;
+  // lambda/D of the whole pupil: the shift by a phase slope of one cycle over the pupil.
+  view["lambda_pupil_px"] =
+      camera_px_per_cycle(config->optics, slm) / config->sensor.pupil_diameter_px;
   return view;
 }
 
@@ -53,11 +61,10 @@ json limits_of_wire() {
           {"patterns", kShowablePatterns()}};
 }
 
-json reference_of(json reference) {
-  reference.erase("positions_px");
-  reference.erase("standard_error_px");
-  reference.erase("origin");
-  return reference;
+/// Without parts that the page does not show, to keep the message small.
+json without(json report, std::initializer_list<const char*> keys) {
+  for (const char* key : keys) report.erase(key);
+  return report;
 }
 
 }  // namespace
@@ -76,10 +83,19 @@ json BenchView::hologram_of(const HologramSources& sources) {
   return {{"hologram_id", shown->hologram_id}, {"crc32", shown->crc32}, {"reason", nullptr}};
 }
 
-std::optional<json> BenchView::look(const std::string& pattern) {
-  const auto answers = cli::call_all(
-      common_, {"config.get", "camera.get", "sensor.get", "aberration.get", "correction.get",
-                "loop.get", "reference.get", "lut.get", "flatness.get"});
+const json& BenchView::seldom(Seldom& kept, const char* method, std::int64_t jobs) {
+  if (jobs == kept.jobs && Clock::now() - kept.at < kSeldom) return kept.answer;
+  const auto known = cli::call(common_, method, json::object());
+  if (!known) return kept.answer;
+  kept = {without(*known, {"origin", "singular_values_px_per_wave"}), jobs, Clock::now()};
+  return kept.answer;
+}
+
+std::optional<json> BenchView::look(const std::string& pattern, std::int64_t jobs) {
+  const auto answers =
+      cli::call_all(common_, {"config.get", "camera.get", "sensor.get", "aberration.get",
+                              "correction.get", "loop.get", "reference.get", "lut.get",
+                              "flatness.get", "registration.get", "loop.model"});
   if (!answers) return std::nullopt;
   const std::vector<json>& a = *answers;
   json view{{"schema", "ovws.web.bench/1"},
@@ -89,7 +105,16 @@ std::optional<json> BenchView::look(const std::string& pattern) {
             {"aberration", a[3]},
             {"correction", a[4]},
             {"loop", a[5]},
-            {"reference", reference_of(a[6])},
+            {"reference", without(a[6], {"positions_px", "standard_error_px", "origin"})},
+            {"measured",
+             {{"lut", without(a[7], {"grey_levels", "phase_rad", "standard_error_rad", "origin"})},
+              {"flatness", without(a[8], {"origin"})},
+              {"registration", a[9]},
+              {"calibration", seldom(calibration_, "calibration.get", jobs)}}},
+            {"settle_ms", a[0]["slm"]["settle_ms"]},
+            {"references",
+             seldom(references_, "reference.list", jobs).value("references", json::array())},
+            {"identified", a[10]["model"]},
             {"limits", limits_of_wire()},
             {"hologram", hologram_of({a[0], a[2], a[3], a[4], a[7], a[8], pattern})}};
   if (view == last_) return std::nullopt;

@@ -17,8 +17,9 @@ class BenchView {
   explicit BenchView(const cli::Common& common) : common_(common) {}
 
   /// Queries the daemon and returns the message for browsers. `pattern`: slm.pattern of `status`.
+  /// `jobs`: a number that changes when a job or a command may have changed what was measured.
   /// None if a query failed or nothing changed. Call from one thread only.
-  std::optional<nlohmann::json> look(const std::string& pattern);
+  std::optional<nlohmann::json> look(const std::string& pattern, std::int64_t jobs);
 
   /// Newest hologram image. Null if no image was drawn yet, or if the current hologram cannot be
   /// drawn; the message of `look` then gives the reason. Thread-safe.
@@ -30,7 +31,17 @@ class BenchView {
   /// {"hologram_id", "crc32", "reason"} of the hologram image; "reason" says why there is no image.
   nlohmann::json hologram_of(const HologramSources& sources);
 
+  /// The last answer to a query that may wait, or costs the daemon more than others.
+  struct Seldom {
+    nlohmann::json answer = nlohmann::json::object();
+    std::int64_t jobs = -1;
+    Clock::time_point at{};
+  };
+  /// Asks again after a job or a command, and seldom otherwise. Without an answer it stays.
+  const nlohmann::json& seldom(Seldom& kept, const char* method, std::int64_t jobs);
+
   const cli::Common& common_;
+  Seldom calibration_, references_;
   HologramSources drawn_;
   Clock::time_point drawn_at_{};
   nlohmann::json last_;

@@ -5,7 +5,7 @@
 namespace ovws::web {
 namespace {
 
-constexpr std::array<std::size_t, kSeries> kKept{kEventsKept, kTrendKept};
+constexpr std::array<std::size_t, kSeries> kKept{kEventsKept, kTrendKept, kHistoryKept};
 
 void append_length(std::string& bytes, std::size_t length) {
   for (int shift = 0; shift < 32; shift += 8) {

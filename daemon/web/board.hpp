@@ -16,14 +16,15 @@
 namespace ovws::web {
 
 /// Message kinds of which only the newest message is kept.
-enum class Slot { status, bench, health, wavefront, refined, spots, image, phase };
-constexpr std::size_t kSlots = 8;
+enum class Slot { status, bench, health, wavefront, refined, spots, image };
+constexpr std::size_t kSlots = 7;
 
-/// Message kinds with a history: the last kEventsKept and kTrendKept messages.
-enum class Series { event, trend };
-constexpr std::size_t kSeries = 2;
+/// Message kinds with a history: the last kEventsKept, kTrendKept and kHistoryKept messages.
+enum class Series { event, trend, history };
+constexpr std::size_t kSeries = 3;
 constexpr std::size_t kEventsKept = 100;
-constexpr std::size_t kTrendKept = 360;  ///< three minutes at two per second
+constexpr std::size_t kTrendKept = 360;    ///< three minutes at two per second
+constexpr std::size_t kHistoryKept = 720;  ///< an hour at one in five seconds
 
 /// Frames a message for the browser: lengths of the JSON and of the binary part as two
 /// little-endian uint32, then both parts.

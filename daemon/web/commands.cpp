@@ -12,11 +12,45 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxDepth = 16;
-constexpr std::array<std::string_view, 18> kMethods{
-    "aberration.clear", "aberration.set",  "camera.set",    "correction.clear", "job.cancel",
-    "job.get",          "loop.close",      "loop.get",      "loop.open",        "record.start",
-    "record.stop",      "reference.clear", "reference.get", "reference.set",    "reference.take",
-    "sensor.set",       "slm.show",        "slm.verify"};
+constexpr std::array<std::string_view, 39> kMethods{"aberration.clear",
+                                                    "aberration.set",
+                                                    "calibration.clear",
+                                                    "calibration.run",
+                                                    "camera.auto_exposure",
+                                                    "camera.set",
+                                                    "config.save",
+                                                    "correction.clear",
+                                                    "flatness.clear",
+                                                    "flatness.run",
+                                                    "job.cancel",
+                                                    "job.get",
+                                                    "loop.close",
+                                                    "loop.get",
+                                                    "loop.identify",
+                                                    "loop.model",
+                                                    "loop.open",
+                                                    "lut.clear",
+                                                    "lut.run",
+                                                    "record.estimate",
+                                                    "record.list",
+                                                    "record.start",
+                                                    "record.stop",
+                                                    "reference.clear",
+                                                    "reference.delete",
+                                                    "reference.get",
+                                                    "reference.list",
+                                                    "reference.load",
+                                                    "reference.save",
+                                                    "reference.set",
+                                                    "reference.take",
+                                                    "registration.clear",
+                                                    "registration.run",
+                                                    "sensor.set",
+                                                    "slm.set",
+                                                    "slm.settle",
+                                                    "slm.show",
+                                                    "slm.verify",
+                                                    "system.describe"};
 
 }  // namespace
 
@@ -31,6 +65,12 @@ tl::expected<Command, Refusal> parse_command(const std::string& body) {
     return tl::make_unexpected(Refusal::command);
   }
   return command;
+}
+
+bool changes_bench(const Command& command) {
+  const auto ends = {".get", ".list", ".model", ".estimate", ".describe", ".verify"};
+  return std::none_of(ends.begin(), ends.end(),
+                      [&](const char* end) { return command.method.ends_with(end); });
 }
 
 std::string carry_out(const cli::Common& common, const Command& command) {

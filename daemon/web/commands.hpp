@@ -18,6 +18,9 @@ struct Command {
 /// Refusal::command for a method that the page may not call.
 tl::expected<Command, Refusal> parse_command(const std::string& body);
 
+/// Whether the command may change what the page shows; false for those that only read.
+bool changes_bench(const Command& command);
+
 /// Calls the daemon and blocks for its reply. Returns {"result": ...} or {"error": {"code",
 /// "message", "data"}} as text; if the daemon does not answer, the error has no code.
 std::string carry_out(const cli::Common& common, const Command& command);

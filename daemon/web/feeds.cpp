@@ -2,6 +2,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <memory>
+
 #include "daemon/shared/stream_follower.hpp"
 #include "daemon/web/picture.hpp"
 #include "proto/json_text.hpp"
@@ -76,20 +78,20 @@ void Feeds::take_numbers() {
                              {"wavefront", "refined", "spots", "status", "event"}, kNumbersQueue);
   while (!stop_) {
     publish_health();
-    if (const auto message = stream.receive(kReceiveTimeout)) take(*message);
+    if (auto message = stream.receive(kReceiveTimeout)) take(std::move(*message));
   }
 }
 
-/// Subscribes to images and phase maps, but only while a browser is connected.
+/// Subscribes to images, but only while a browser is connected.
 void Feeds::take_images() {
   while (!stop_) {
     if (!watched()) {
       sleep_unless_stopped(kReceiveTimeout);
       continue;
     }
-    cli::StreamFollower stream(common_, "image_endpoint", {"image", "phase"}, kImagesQueue);
+    cli::StreamFollower stream(common_, "image_endpoint", {"image"}, kImagesQueue);
     while (!stop_ && watched()) {
-      if (const auto message = stream.receive(kReceiveTimeout)) take(*message);
+      if (auto message = stream.receive(kReceiveTimeout)) take(std::move(*message));
     }
   }
 }
@@ -108,7 +110,7 @@ void Feeds::poll_bench() {
     polled_change = change;
     polled_at = Clock::now();
     try {
-      const auto view = view_.look(pattern_.get());
+      const auto view = view_.look(pattern_.get(), jobs_);
       if (view) board_.put(Slot::bench, framed(json_text(*view)));
     } catch (const json::exception& error) {
       spdlog::warn("a reply of the daemon has an unknown format: {}", error.what());
@@ -118,22 +120,27 @@ void Feeds::poll_bench() {
   }
 }
 
-void Feeds::take(const StreamMessage& message) {
+void Feeds::take(StreamMessage message) {
+  const std::string topic = message.topic;
   try {
     if (message.topic == "wavefront") take_wavefront(message);
     if (message.topic == "status") take_status(message);
     if (message.topic == "spots") take_spots(message);
-    if (message.topic == "image" || message.topic == "phase") take_image(message);
     if (message.topic == "refined") board_.put(Slot::refined, framed(message.json));
+    if (message.topic == "event") look_again();
     if (message.topic == "event") board_.append(Series::event, framed(message.json));
+    if (message.topic == "image") take_image(std::move(message));
   } catch (const json::exception& error) {
-    spdlog::warn("a message \"{}\" has an unknown format: {}", message.topic, error.what());
+    spdlog::warn("a message \"{}\" has an unknown format: {}", topic, error.what());
   }
 }
 
 void Feeds::take_wavefront(const StreamMessage& message) {
   json wavefront = json_of(message.json);
   if (const auto bin = trend_.add(wavefront)) board_.append(Series::trend, framed(json_text(*bin)));
+  if (const auto bin = history_.add(wavefront)) {
+    board_.append(Series::history, framed(json_text(*bin)));
+  }
   wavefront_at_ = Clock::now();
   if (!valid_wavefront_.shows(wavefront.at("valid").get<bool>())) return;
   board_.put(Slot::wavefront, framed(message.json));
@@ -162,15 +169,13 @@ void Feeds::take_spots(const StreamMessage& message) {
   spots_.add(frame_id, std::move(packet));
 }
 
-void Feeds::take_image(const StreamMessage& message) {
-  if (message.topic == "phase") {
-    const bool valid = json_of(message.json)["valid"].get<bool>();
-    if (valid_phase_.shows(valid)) board_.put(Slot::phase, framed(message.json, message.binary));
-    return;
-  }
+void Feeds::take_image(StreamMessage message) {
   const auto image = reduced_image(message);
   if (!image) return;
-  const auto frame_id = json_of(image->json)["frame_id"].get<std::uint64_t>();
+  const json header = json_of(image->json);
+  const bool whole = header["reduced_by"] == 1;
+  image_.set(whole ? nullptr : std::make_shared<const StreamMessage>(std::move(message)));
+  const auto frame_id = header["frame_id"].get<std::uint64_t>();
   if (auto spots = spots_.of_frame(frame_id)) board_.put(Slot::spots, std::move(*spots));
   board_.put(Slot::image, framed(image->json, image->binary));
   last_image_ = Clock::now().time_since_epoch().count();

@@ -17,6 +17,7 @@
 #include "daemon/web/bench_view.hpp"
 #include "daemon/web/board.hpp"
 #include "daemon/web/health.hpp"
+#include "daemon/web/picture.hpp"
 #include "daemon/web/trend.hpp"
 
 namespace ovws::web {
@@ -70,17 +71,27 @@ class Feeds {
   /// browser is connected, because they cost the daemon time.
   HologramImagePtr hologram() const { return view_.hologram(); }
 
+  /// Says that a command may have changed what was measured. Thread-safe.
+  void look_again() {
+    ++jobs_;
+    ++hologram_change_;
+  }
+
+  /// The camera's newest image at full resolution, as long as the board's is reduced; else null.
+  /// Thread-safe.
+  CameraImagePtr image() const { return image_.get(); }
+
  private:
   using Clock = std::chrono::steady_clock;
 
   void take_numbers();
   void take_images();
   void poll_bench();
-  void take(const StreamMessage& message);
+  void take(StreamMessage message);
   void take_wavefront(const StreamMessage& message);
   void take_status(const StreamMessage& message);
   void take_spots(const StreamMessage& message);
-  void take_image(const StreamMessage& message);
+  void take_image(StreamMessage message);
   void publish_health();
   bool watched() const { return server_facts_().browsers > 0; }
   void sleep_unless_stopped(std::chrono::milliseconds time) const;
@@ -92,19 +103,18 @@ class Feeds {
   SpotShelf spots_;
   std::atomic<bool> stop_{false};
   std::atomic<std::int64_t> hologram_change_{0};  ///< counts changes in `status`
+  std::atomic<std::int64_t> jobs_{0};             ///< counts events and commands
   std::atomic<Clock::rep> last_image_{0};
 
+  Guarded<CameraImagePtr> image_;
   Guarded<std::string> pattern_;  ///< pattern that the SLM shows
 
   // Used only by the thread numbers_.
   BenchFacts facts_;
   Clock::time_point status_at_{}, wavefront_at_{}, health_at_{};
   RiseLately lost_, missed_;
-  Trend trend_;
+  Trend trend_{kTrendBinNs}, history_{kHistoryBinNs};
   HeldValid valid_wavefront_{std::chrono::milliseconds(500)};
-
-  // Used only by the thread pictures_. Few phase maps may be valid, so each is held for longer.
-  HeldValid valid_phase_{std::chrono::milliseconds(2000)};
 
   std::thread numbers_, pictures_, polling_;
 };

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "daemon/shared/client.hpp"
+#include "proto/limits.hpp"
 
 namespace ovws::web {
 namespace {
@@ -17,43 +18,70 @@ constexpr double kSilentS = 3.0;  // status comes once per second
 constexpr double kNoFramesS = 1.5;
 constexpr double kRecentS = 10.0;
 constexpr double kMaxSaturated = 0.1;  // fraction of the spots; reference.take refuses more
+constexpr int kReferenceFrames = 100;
 constexpr std::array<const char*, 4> kNames{"good", "note", "warning", "bad"};
+
+/// A button that leads to a panel of the page.
+json lead(const char* label, const char* section) {
+  return {{"label", label}, {"section", section}};
+}
+
+const json& to_events() {
+  static const json action = lead("Show the events", "events");
+  return action;
+}
+
+json call_of(const char* method, json params = json::object()) {
+  return {{"method", method}, {"params", std::move(params)}};
+}
+
+/// A button that calls methods of the daemon, one after the other; it waits for jobs.
+json act(const char* label, json calls) {
+  return {{"label", label}, {"calls", std::move(calls)}};
+}
+
+json take_reference(const char* label) {
+  return act(label, {call_of("reference.take", {{"frames", kReferenceFrames}})});
+}
 
 class Findings {
  public:
-  void bad(std::string text) { add(Wellness::bad, std::move(text)); }
-  void warning(std::string text) { add(Wellness::warning, std::move(text)); }
-  void note(std::string text) { add(Wellness::note, std::move(text)); }
+  void bad(std::string text, json action) { add(Wellness::bad, std::move(text), action); }
+  void warning(std::string text, json action) { add(Wellness::warning, std::move(text), action); }
+  void note(std::string text, json action) { add(Wellness::note, std::move(text), action); }
   std::vector<HealthFinding> sorted() {
-    if (found_.empty()) add(Wellness::good, "The bench is OK");
+    if (found_.empty()) add(Wellness::good, "The bench is OK", nullptr);
     std::stable_sort(found_.begin(), found_.end(),
                      [](const auto& a, const auto& b) { return a.wellness > b.wellness; });
     return std::move(found_);
   }
 
  private:
-  void add(Wellness wellness, std::string text) { found_.push_back({wellness, std::move(text)}); }
+  void add(Wellness wellness, std::string text, json action) {
+    found_.push_back({wellness, std::move(text), std::move(action)});
+  }
   std::vector<HealthFinding> found_;
 };
 
 /// Whether the device works; if not, adds a finding with the reason.
-bool check_device(const json& device, const char* title, Findings& findings) {
+bool check_device(const json& device, const char* title, const char* section, Findings& findings) {
+  const json action = lead("Show its panel", section);
   if (device["fault"].is_string()) {
-    findings.bad(fmt::format("{}: {}", title, device["fault"].get<std::string>()));
+    findings.bad(fmt::format("{}: {}", title, device["fault"].get<std::string>()), action);
     return false;
   }
   if (device["connected"].get<bool>()) return true;
-  findings.bad(fmt::format("{}: not connected; the daemon is trying to connect", title));
+  findings.bad(fmt::format("{}: not connected; the daemon is trying to connect", title), action);
   return false;
 }
 
 void check_state(const json& status, Findings& findings) {
   const auto state = status.at("state").get<std::string>();
-  if (state == "job_running") findings.note("A job is running");
-  if (state == "starting") findings.note("The daemon is starting");
-  if (state == "stopping") findings.bad("The daemon is stopping");
+  if (state == "job_running") findings.note("A job is running", to_events());
+  if (state == "starting") findings.note("The daemon is starting", to_events());
+  if (state == "stopping") findings.bad("The daemon is stopping", to_events());
   if (state == "fault" && status.at("fault").is_string()) {
-    findings.bad("Fault: " + status.at("fault").get<std::string>());
+    findings.bad("Fault: " + status.at("fault").get<std::string>(), to_events());
   }
 }
 
@@ -68,55 +96,86 @@ std::string action_of(const json& status) {
 void check_wavefront(const BenchFacts& facts, Findings& findings) {
   const json& wavefront = facts.wavefront;
   if (wavefront.is_null() || facts.wavefront_age_s > kNoFramesS) {
-    findings.bad("No frames arrive from the camera: check its cable and power, or run ovws doctor");
+    findings.bad("No frames arrive from the camera: check its cable and power, or run ovws doctor",
+                 lead("Show the frame rate", "bench"));
     return;
   }
   const json& status = facts.status;
   const auto pattern = status.at("slm").at("pattern").get<std::string>();
   const bool referenced = status.at("sensor").at("referenced").get<bool>();
   if (pattern == "sensor" && !referenced) {
-    findings.warning("No reference: take one to measure coefficients");
+    findings.warning("No reference: take one to measure coefficients",
+                     take_reference("Take a reference"));
   } else if (!wavefront.at("valid").get<bool>()) {
     const std::string why = cli::why_not_valid(wavefront, status);
     const bool passing = !wavefront.at("settled").get<bool>();
-    passing || pattern != "sensor" ? findings.note("No wavefront now: " + why)
-                                   : findings.bad("No wavefront: " + why + action_of(status));
+    if (pattern != "sensor") {
+      findings.note(
+          "No wavefront now: " + why,
+          act("Show the sensor's hologram", {call_of("slm.show", {{"pattern", "sensor"}})}));
+    } else if (passing) {
+      findings.note("No wavefront now: " + why, to_events());
+    } else {
+      findings.bad("No wavefront: " + why + action_of(status), lead("Show the image", "camera"));
+    }
   }
   const double saturated = wavefront.at("saturated").get<double>();
   if (saturated > 0.0) {
     const auto spots = std::lround(saturated * wavefront.at("subapertures").get<double>());
     const std::string text = fmt::format("{} of {} spots saturated: lower the exposure or the gain",
                                          spots, wavefront.at("subapertures").get<int>());
-    saturated > kMaxSaturated ? findings.warning(text) : findings.note(text);
+    const json action = act("Set the exposure", {call_of("camera.auto_exposure")});
+    saturated > kMaxSaturated ? findings.warning(text, action) : findings.note(text, action);
   }
   const int lost = wavefront.at("subapertures").get<int>() - wavefront.at("tracked").get<int>();
   if (pattern == "sensor" && lost > 0 && wavefront.at("valid").get<bool>()) {
     findings.warning(
-        fmt::format("{} of {} spots lost", lost, wavefront.at("subapertures").get<int>()));
+        fmt::format("{} of {} spots lost", lost, wavefront.at("subapertures").get<int>()),
+        lead("Show the image", "camera"));
   }
+}
+
+/// A dark image explains much of what the other checks find.
+void check_light(const json& status, Findings& findings) {
+  const json brightest = status.at("camera").value("brightest", json());
+  if (!brightest.is_number() || brightest.get<double>() >= limits::kDarkFraction) return;
+  findings.warning(fmt::format("The image is dark: its brightest pixels reach {:.1f} % of full "
+                               "scale; check the laser, its shutter and the camera's cover",
+                               100.0 * brightest.get<double>()),
+                   act("Set the exposure", {call_of("camera.auto_exposure")}));
 }
 
 void check_counts(const BenchFacts& facts, Findings& findings) {
   const double introduced = facts.status.at("sensor").value("reference_introduced_rms_waves", 0.0);
   if (introduced > 0.0) {
-    findings.warning(fmt::format(
-        "The reference contains an introduced aberration of {:.4f} wave RMS, and "
-        "coefficients are relative to it: clear the aberration and take a new reference",
-        introduced));
+    findings.warning(
+        fmt::format(
+            "The reference contains an introduced aberration of {:.4f} wave RMS, and "
+            "coefficients are relative to it: clear the aberration and take a new reference",
+            introduced),
+        act("Clear it and take a reference",
+            {call_of("aberration.clear"),
+             call_of("reference.take", {{"frames", kReferenceFrames}})}));
   }
   if (facts.status.at("sensor").at("reference") == "stale") {
     findings.note(
-        "The reference was taken with another gain, exposure or pixel format: take a new one");
+        "The reference was taken with another gain, exposure or pixel format: take a new one",
+        take_reference("Take a new one"));
+  }
+  const json layout = facts.status.at("sensor").value("layout_fault", json());
+  if (layout.is_string()) {
+    findings.warning(layout.get<std::string>(), lead("Show the image", "camera"));
   }
   if (facts.lost_lately > 0) {
-    findings.warning(fmt::format("The camera lost {} frames in {} s", facts.lost_lately, kRecentS));
+    findings.warning(fmt::format("The camera lost {} frames in {} s", facts.lost_lately, kRecentS),
+                     lead("Show the history", "trends"));
   }
   if (facts.missed_lately > 0) {
-    findings.warning(
-        fmt::format("{} frames of the last {} s were published more than a frame "
-                    "period after they arrived: lower the frame rate, or stop other "
-                    "programs on the daemon's machine",
-                    facts.missed_lately, kRecentS));
+    findings.warning(fmt::format("{} frames of the last {} s were published more than a frame "
+                                 "period after they arrived: lower the frame rate, or stop other "
+                                 "programs on the daemon's machine",
+                                 facts.missed_lately, kRecentS),
+                     lead("Show the frame rate", "bench"));
   }
 }
 
@@ -125,12 +184,13 @@ void check_counts(const BenchFacts& facts, Findings& findings) {
 std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
   Findings findings;
   if (facts.status.is_null() || facts.status_age_s > kSilentS) {
-    findings.bad("The daemon is silent: check that ovwsd is running");
+    findings.bad("The daemon is silent: check that ovwsd is running", to_events());
     return findings.sorted();
   }
   check_state(facts.status, findings);
-  const bool camera = check_device(facts.status.at("camera"), "Camera", findings);
-  const bool slm = check_device(facts.status.at("slm"), "SLM", findings);
+  const bool camera = check_device(facts.status.at("camera"), "Camera", "camera", findings);
+  const bool slm = check_device(facts.status.at("slm"), "SLM", "slm", findings);
+  if (camera) check_light(facts.status, findings);
   if (camera && slm) check_wavefront(facts, findings);
   check_counts(facts, findings);
   return findings.sorted();
@@ -139,7 +199,9 @@ std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
 json findings_json(const std::vector<HealthFinding>& findings) {
   json list = json::array();
   for (const HealthFinding& finding : findings) {
-    list.push_back({{"wellness", kNames[std::size_t(finding.wellness)]}, {"text", finding.text}});
+    list.push_back({{"wellness", kNames[std::size_t(finding.wellness)]},
+                    {"text", finding.text},
+                    {"action", finding.action}});
   }
   return list;
 }

@@ -24,13 +24,17 @@ enum class Wellness { good, note, warning, bad };
 struct HealthFinding {
   Wellness wellness = Wellness::good;
   std::string text;  ///< the problem, and what to do
+  /// What the button of the finding does: {"label", "calls": [{"method", "params"}]} calls methods
+  /// of the daemon in order, {"label", "section"} leads to the panel of the page with this id. Null
+  /// only if nothing is wrong.
+  nlohmann::json action;
 };
 
 /// Examines the bench. Returns all findings, the worst first; a single `good` finding if nothing is
 /// wrong.
 std::vector<HealthFinding> examine_bench(const BenchFacts& facts);
 
-/// The findings as a JSON array of {wellness, text} for the browser.
+/// The findings as a JSON array of {wellness, text, action} for the browser.
 nlohmann::json findings_json(const std::vector<HealthFinding>& findings);
 
 /// Increase of a counter of `status` in the last ten seconds. Use it from one thread at a time.

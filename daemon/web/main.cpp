@@ -45,10 +45,15 @@ int serve(Options options) {
   RefusalLog refusals;
   Board board;
   std::atomic<int> browsers{0};
+  CommissionDesk commission(options.common);
+  Tickets tickets;
+  std::atomic<int> downloads{0};
   Feeds* feeds = nullptr;
-  auto server = Server::listen(
-      options.address, options.port,
-      {options.common, access, refusals, board, [&feeds] { return feeds->hologram(); }, browsers});
+  auto server =
+      Server::listen(options.address, options.port,
+                     {options.common, access, refusals, board,
+                      [&feeds] { return feeds->hologram(); }, [&feeds] { return feeds->image(); },
+                      [&feeds] { feeds->look_again(); }, commission, browsers, tickets, downloads});
   if (!server) return report_error(server.error());
   cli::Common polling = options.common;
   polling.timeout_s = kPollTimeoutS;
@@ -60,6 +65,7 @@ int serve(Options options) {
   service::notify_ready();
   (*server)->run();
   service::notify_stopping();
+  commission.end();  // a running step restores what it has changed
   limit_exit_time();
   return cli::kOk;
 }

@@ -11,7 +11,10 @@
 #include "daemon/shared/client.hpp"
 #include "daemon/web/access.hpp"
 #include "daemon/web/board.hpp"
+#include "daemon/web/commission_desk.hpp"
 #include "daemon/web/hologram_image.hpp"
+#include "daemon/web/picture.hpp"
+#include "daemon/web/recordings.hpp"
 
 namespace ovws::web {
 
@@ -27,7 +30,13 @@ struct ServerParts {
   RefusalLog& refusals;
   const Board& board;
   std::function<HologramImagePtr()> hologram;
-  std::atomic<int>& browsers;  ///< number of open streams
+  std::function<CameraImagePtr()> image;  ///< the camera's newest image, or null
+  std::function<void()>
+      commanded;  ///< called after a command that may change the bench; in any thread
+  CommissionDesk& commission;
+  std::atomic<int>& browsers;   ///< number of open streams
+  Tickets& tickets;             ///< used by the server's thread only
+  std::atomic<int>& downloads;  ///< number of recordings that are being sent
 };
 
 class Server {

@@ -1,12 +1,11 @@
 #include "daemon/web/session.hpp"
 
-#include <poll.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <future>
 #include <limits>
 
+#include "daemon/web/in_pool.hpp"
 #include "daemon/web/page_files.hpp"
 #include "proto/json_text.hpp"
 
@@ -18,7 +17,7 @@ using std::chrono::milliseconds;
 constexpr std::size_t kMaxHeadBytes = 8 * 1024;
 constexpr milliseconds kRequestTimeout{5000};
 constexpr milliseconds kWriteTimeout{10'000};
-constexpr milliseconds kPollInterval{5};   ///< polls the board, or a pending call
+constexpr milliseconds kPollInterval{5};   ///< polls the board
 constexpr milliseconds kSendInterval{33};  ///< minimum interval of messages to a browser
 /// Socket send buffer. Small, because messages that wait there for a slow browser become stale.
 constexpr int kSendBufferBytes = 256 * 1024;
@@ -29,19 +28,6 @@ constexpr const char* kContentPolicy =
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 // Pass only locals to co_await, never owning temporaries: g++ 12 destroys some temporaries twice.
-
-template <class Body>
-void prepare(http::response<Body>& response, std::string_view type) {
-  response.version(11);
-  response.keep_alive(false);
-  response.set(http::field::content_type, beast::string_view(type.data(), type.size()));
-  response.set("Content-Security-Policy", kContentPolicy);
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Referrer-Policy", "no-referrer");
-  response.set("Cross-Origin-Resource-Policy", "same-origin");
-  response.set("Cross-Origin-Opener-Policy", "same-origin");
-  response.set(http::field::cache_control, "no-store");
-}
 
 RequestHead head_of(const http::request_parser<http::string_body>& parser) {
   const auto& request = parser.get();
@@ -58,25 +44,18 @@ RequestHead head_of(const http::request_parser<http::string_body>& parser) {
   return head;
 }
 
-/// Whether the browser closed its side of the connection (POLLRDHUP), even with data left unread.
-bool has_disconnected(tcp::socket& browser) {
-  pollfd look{browser.native_handle(), POLLRDHUP, 0};
-  return ::poll(&look, 1, 0) != 0;
-}
-
-/// Scope guard that increments a counter.
-class Counted {
- public:
-  explicit Counted(std::atomic<int>& count) : count_(count) { ++count_; }
-  ~Counted() { --count_; }
-  Counted(const Counted&) = delete;
-  Counted& operator=(const Counted&) = delete;
-
- private:
-  std::atomic<int>& count_;
-};
-
 }  // namespace
+
+void Session::prepare(http::fields& header, std::string_view type) {
+  header.set(http::field::connection, "close");
+  header.set(http::field::content_type, beast::string_view(type.data(), type.size()));
+  header.set("Content-Security-Policy", kContentPolicy);
+  header.set("X-Content-Type-Options", "nosniff");
+  header.set("Referrer-Policy", "no-referrer");
+  header.set("Cross-Origin-Resource-Policy", "same-origin");
+  header.set("Cross-Origin-Opener-Policy", "same-origin");
+  header.set(http::field::cache_control, "no-store");
+}
 
 Session::Session(tcp::socket socket, const ServerParts& parts, net::thread_pool& callers)
     : parts_(parts),
@@ -134,6 +113,21 @@ Task<void> Session::serve() {
     co_await stream(head, *right);
   } else if (head.target == "/hologram.png") {
     co_await hologram();
+  } else if (head.target.starts_with(kImagePath)) {
+    co_await image(head);
+  } else if (head.target.starts_with(kCommissionPicturePath)) {
+    co_await commission_picture(head);
+  } else if (head.target == kCommissionPath && head.method == "POST") {
+    co_await commission_action(parser, head);
+  } else if (head.target == kCommissionPath) {
+    std::string report = parts_.commission.report(*right);
+    co_await answer(http::status::ok, "application/json", std::move(report));
+  } else if (head.target == "/recordings") {
+    co_await recordings();
+  } else if (head.target.starts_with(kRecordingPath)) {
+    co_await recording(head, *right);
+  } else if (head.target == "/ticket") {
+    co_await ticket(parser, head);
   } else if (head.target == "/rpc") {
     co_await rpc(parser, head);
   } else {
@@ -193,36 +187,59 @@ Task<void> Session::pump(Right right) {
   }
 }
 
-Task<std::optional<std::string>> Session::reply_to(const Command& command) {
-  const auto left = std::make_shared<std::atomic<bool>>(false);
-  const auto call =
-      std::make_shared<std::packaged_task<std::string()>>([&common = parts_.common, command, left] {
-        return *left ? std::string() : carry_out(common, command);
-      });
-  std::future<std::string> reply = call->get_future();
-  net::post(callers_, [call] { (*call)(); });
-  net::steady_timer timer(co_await net::this_coro::executor);
-  while (reply.wait_for(milliseconds(0)) != std::future_status::ready) {
-    if (has_disconnected(connection_.socket())) {
-      *left = true;
-      co_return std::nullopt;
-    }
-    timer.expires_after(kPollInterval);
-    co_await timer.async_wait(net::use_awaitable);
-  }
-  co_return reply.get();
-}
-
 Task<void> Session::rpc(Request& parser, const RequestHead& head) {
   connection_.expires_after(kRequestTimeout);
   co_await http::async_read(connection_, buffer_, parser, net::use_awaitable);
   const auto request = parse_command(parser.get().body());
   if (!request) co_return co_await refuse(request.error(), head);
+  std::function<std::string()> work = [&common = parts_.common, command = *request,
+                                       commanded = parts_.commanded] {
+    std::string reply = carry_out(common, command);
+    if (changes_bench(command)) commanded();
+    return reply;
+  };
+  co_await answer_from_pool("application/json", std::move(work));
+}
+
+Task<void> Session::answer_from_pool(std::string_view type, std::function<std::string()> work) {
   connection_.expires_never();
-  auto reply = co_await reply_to(*request);
+  auto reply = co_await in_pool<std::string>(callers_, connection_.socket(), work);
   if (!reply) co_return;
   connection_.expires_after(kWriteTimeout);
+  const auto status = reply->empty() ? http::status::no_content : http::status::ok;
+  co_await answer(status, type, std::move(*reply));
+}
+
+Task<void> Session::commission_action(Request& parser, const RequestHead& head) {
+  connection_.expires_after(kRequestTimeout);
+  co_await http::async_read(connection_, buffer_, parser, net::use_awaitable);
+  auto reply = parts_.commission.act(parser.get().body());
+  if (!reply) co_return co_await refuse(reply.error(), head);
+  connection_.expires_after(kWriteTimeout);
   co_await answer(http::status::ok, "application/json", std::move(*reply));
+}
+
+Task<void> Session::commission_picture(const RequestHead& head) {
+  std::string step = head.target.substr(kCommissionPicturePath.size());
+  std::function<std::string()> work = [&desk = parts_.commission, step = std::move(step)] {
+    return desk.picture(step);
+  };
+  co_await answer_from_pool("image/png", std::move(work));
+}
+
+/// Answers with a part of the newest image at full resolution, framed like a message of the stream.
+Task<void> Session::image(const RequestHead& head) {
+  const auto part = parse_image_part(std::string_view(head.target).substr(kImagePath.size()));
+  if (!part) co_return co_await refuse(Refusal::malformed, head);
+  auto status = http::status::no_content;
+  std::string bytes;
+  if (const CameraImagePtr newest = parts_.image()) {
+    if (const auto cut = image_part(*newest, *part)) {
+      status = http::status::ok;
+      bytes = framed(cut->json, cut->binary);
+    }
+  }
+  co_await answer(status, "application/octet-stream", std::move(bytes));
 }
 
 Task<void> Session::hologram() {

@@ -1,6 +1,7 @@
 /// One HTTP connection: a request and its response.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,18 @@
 #include "daemon/web/server.hpp"
 
 namespace ovws::web {
+
+/// Scope guard that increments a counter.
+class Counted {
+ public:
+  explicit Counted(std::atomic<int>& count) : count_(count) { ++count_; }
+  ~Counted() { --count_; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+ private:
+  std::atomic<int>& count_;
+};
 
 /// State of one connection; lives as long as its coroutine.
 class Session {
@@ -26,6 +39,8 @@ class Session {
  private:
   using Request = http::request_parser<http::string_body>;
 
+  /// Sets the fields that all responses have.
+  static void prepare(http::fields& header, std::string_view type);
   Task<void> serve();
   /// Reads the request header. False if the request is malformed (then it was answered) or if the
   /// browser has disconnected.
@@ -34,11 +49,21 @@ class Session {
   Task<void> refuse(Refusal why, const RequestHead& head);
   Task<void> stream(const RequestHead& head, Right right);
   Task<void> pump(Right right);
-  /// Carries out a command in a thread of the pool, first come, first served. None if the browser
-  /// disconnects first; a call that has not begun is then dropped.
-  Task<std::optional<std::string>> reply_to(const Command& command);
+  /// Answers with the result of work that may block, done in a thread of the pool.
+  Task<void> answer_from_pool(std::string_view type, std::function<std::string()> work);
   Task<void> rpc(Request& parser, const RequestHead& head);
   Task<void> hologram();
+  Task<void> commission_action(Request& parser, const RequestHead& head);
+  Task<void> commission_picture(const RequestHead& head);
+  Task<void> image(const RequestHead& head);
+
+  // In download.cpp.
+  using Opened = Result<std::shared_ptr<const OpenRecording>>;
+  Task<std::optional<Opened>> open(const std::string& name);
+  Task<void> recordings();
+  Task<void> ticket(Request& parser, const RequestHead& head);
+  Task<void> recording(const RequestHead& head, Right right);
+  Task<void> send(const std::shared_ptr<const OpenRecording>& file);
 
   ServerParts parts_;
   net::thread_pool& callers_;

@@ -61,7 +61,7 @@ TEST_F(AccessTest, RefusesAnotherOriginEvenWithTheToken) {
 }
 
 TEST_F(AccessTest, AsksForTheTokenOfTheRight) {
-  for (const char* path : {"/stream", "/hologram.png"}) {
+  for (const char* path : {"/stream", "/hologram.png", "/image?x=0"}) {
     expect_refused(head("GET", path), Refusal::token);
     expect_refused(head("GET", path, "wrong"), Refusal::token);
     expect_refused(head("GET", path, kTokens.look + "0"), Refusal::token);
@@ -70,6 +70,18 @@ TEST_F(AccessTest, AsksForTheTokenOfTheRight) {
   }
   expect_refused(head("POST", "/rpc"), Refusal::token);
   expect_refused(head("POST", "/rpc", kTokens.look), Refusal::right);
+}
+
+TEST_F(AccessTest, LeavesADownloadWithoutATokenToItsTicket) {
+  RequestHead download = head("GET", "/recording?name=run-1&ticket=0");
+  EXPECT_EQ(access.judge(download), Right::page);
+  download.authorization = "Bearer " + kTokens.look;
+  EXPECT_EQ(access.judge(download), Right::look);
+  download.fetch_site = "cross-site";
+  expect_refused(download, Refusal::origin);
+  expect_refused(head("GET", "/recordings"), Refusal::token);
+  expect_refused(head("POST", "/ticket"), Refusal::token);
+  EXPECT_EQ(access.judge(head("POST", "/ticket", kTokens.look)), Right::look);
 }
 
 TEST_F(AccessTest, NobodyControlsWithoutATokenForIt) {
@@ -82,7 +94,7 @@ TEST_F(AccessTest, NobodyControlsWithoutATokenForIt) {
 
 TEST_F(AccessTest, KnowsItsPathsAndNothingElse) {
   for (const char* path : {"/../etc/passwd", "/page/../../x", "/%2e%2e/x", "//", "/style.css?x",
-                           "/main.js/", "*", "http://127.0.0.1:7704/", ""}) {
+                           "/image", "/main.js/", "*", "http://127.0.0.1:7704/", ""}) {
     expect_refused(head("GET", path), Refusal::path);
   }
   expect_refused(head("GET", "/rpc", kTokens.control), Refusal::method);

@@ -31,10 +31,11 @@ TEST(BoardTest, ASlowReaderCostsNoMoreThanWhatIsKept) {
   for (int i = 0; i < 1000; ++i) {
     board.append(Series::event, "e");
     board.append(Series::trend, "t");
+    board.append(Series::history, "h");
     board.put(Slot::image, std::string(1000, 'x'));
   }
   std::uint64_t seen = 0;
-  EXPECT_EQ(board.newer(seen).size(), kEventsKept + kTrendKept + 1);
+  EXPECT_EQ(board.newer(seen).size(), kEventsKept + kTrendKept + kHistoryKept + 1);
 }
 
 TEST(FramedTest, SaysBothLengths) {

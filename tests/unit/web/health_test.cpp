@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
+#include "daemon/web/commands.hpp"
+
 namespace ovws::web {
 namespace {
 
@@ -36,6 +40,33 @@ TEST_F(HealthTest, IsWellWhenNothingIsWrong) {
   EXPECT_EQ(examine_bench(facts).size(), 1U);
 }
 
+TEST_F(HealthTest, OffersOnlyCommandsThatThePageMayCall) {
+  facts.wavefront["saturated"] = 0.5;
+  facts.status["sensor"]["reference"] = "stale";
+  facts.status["sensor"]["reference_introduced_rms_waves"] = 0.3;
+  facts.status["sensor"]["layout_fault"] = "spots lie outside the region";
+  facts.lost_lately = facts.missed_lately = 1;
+  auto found = examine_bench(facts);
+  EXPECT_EQ(found.size(), 6U);
+  facts.status["sensor"]["referenced"] = false;
+  for (const auto& finding : examine_bench(facts)) found.push_back(finding);
+  facts.status["slm"]["pattern"] = "grating";
+  facts.wavefront["valid"] = false;
+  for (const auto& finding : examine_bench(facts)) found.push_back(finding);
+  std::set<std::string> methods;
+  for (const HealthFinding& finding : found) {
+    ASSERT_TRUE(finding.action.is_object()) << finding.text;
+    EXPECT_FALSE(finding.action.at("label").get<std::string>().empty());
+    EXPECT_NE(finding.action.contains("section"), finding.action.contains("calls"));
+    for (const json& call : finding.action.value("calls", json::array())) {
+      EXPECT_TRUE(parse_command(call.dump())) << call;
+      methods.insert(call.at("method"));
+    }
+  }
+  EXPECT_EQ(methods, (std::set<std::string>{"aberration.clear", "camera.auto_exposure",
+                                            "reference.take", "slm.show"}));
+}
+
 TEST_F(HealthTest, SilenceIsBad) {
   facts.status_age_s = 4.0;
   expect_worst(Wellness::bad, "silent");
@@ -61,6 +92,15 @@ TEST_F(HealthTest, AFrameThatCameLateIsNotAChangingHologram) {
   facts.status["slm"]["settled"] = true;
   facts.wavefront["hologram_id"] = 8;  // newer than the status
   expect_worst(Wellness::note, "hologram changing");
+}
+
+TEST_F(HealthTest, ADarkImageIsSaidWithTheExposureAsRemedy) {
+  facts.status["camera"]["brightest"] = 0.04;
+  expect_worst(Wellness::warning, "dark: its brightest pixels reach 4.0 %");
+  EXPECT_EQ(examine_bench(facts).front().action.at("calls").at(0).at("method"),
+            "camera.auto_exposure");
+  facts.status["camera"]["brightest"] = nullptr;
+  EXPECT_EQ(examine_bench(facts).front().wellness, Wellness::good);
 }
 
 TEST_F(HealthTest, FramesThatStoppedAreBad) {

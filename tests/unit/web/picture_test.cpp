@@ -48,6 +48,50 @@ TEST(ImageTest, AveragesALargeOne) {
   }
 }
 
+TEST(ImageTest, CountsLevelsOfTheCamerasPixelsAndShowsEverySaturatedOne) {
+  const auto image = image_of<std::uint8_t>(
+      2, 2048, [](int x, int y) { return std::uint8_t(y == 1 && x == 11 ? 255 : 10); });
+  const auto reduced = reduced_image(image);
+  ASSERT_TRUE(reduced);
+  const json header = json::parse(reduced->json);
+  EXPECT_EQ(header["reduced_by"], 2);
+  EXPECT_EQ(header["saturated_pixels"], 1);
+  EXPECT_EQ(header["brightest_dn"], 255);
+  EXPECT_EQ(header["histogram"].size(), kHistogramBins);
+  EXPECT_EQ(header["histogram"][5], 4095);
+  EXPECT_EQ(header["histogram"][127], 1);
+  EXPECT_EQ(int(reduced->binary[5]), 255);
+  EXPECT_EQ(int(reduced->binary[4]), 10);
+}
+
+TEST(ImageTest, CutsOutAPartWithItsPlace) {
+  const auto image =
+      image_of<std::uint16_t>(20, 30, [](int x, int y) { return std::uint16_t(100 * y + x); });
+  const auto part = image_part(image, {25, 3, 10, 2});
+  ASSERT_TRUE(part);
+  const json header = json::parse(part->json);
+  EXPECT_EQ(header["shape"], (json{2, 5}));
+  EXPECT_EQ(header["x"], 25);
+  EXPECT_EQ(header["y"], 3);
+  std::vector<std::uint16_t> pixels(10);
+  ASSERT_EQ(part->binary.size(), pixels.size() * 2);
+  std::memcpy(pixels.data(), part->binary.data(), part->binary.size());
+  EXPECT_EQ(pixels, (std::vector<std::uint16_t>{325, 326, 327, 328, 329, 425, 426, 427, 428, 429}));
+  EXPECT_FALSE(image_part(image, {30, 0, 5, 5}));
+  EXPECT_FALSE(image_part(image, {0, 0, 0, 5}));
+}
+
+TEST(ImageTest, ReadsTheQueryOfAPart) {
+  const auto part = parse_image_part("x=1&y=2&width=30&height=40");
+  ASSERT_TRUE(part);
+  EXPECT_EQ((std::vector{part->x, part->y, part->width, part->height}),
+            (std::vector{1, 2, 30, 40}));
+  for (const char* query : {"", "x=1", "x=1&y=2&width=30&height=40&", "x=-1&y=2&width=3&height=4",
+                            "x=1&y=2&width=99999999999&height=4", "y=1&x=2&width=3&height=4"}) {
+    EXPECT_FALSE(parse_image_part(query)) << query;
+  }
+}
+
 TEST(ImageTest, RefusesAnImageThatIsNotWhatItSays) {
   auto image = image_of<std::uint8_t>(3, 5, [](int, int) { return std::uint8_t(0); });
   image.binary.pop_back();

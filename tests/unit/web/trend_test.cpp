@@ -24,7 +24,7 @@ json frame(std::int64_t t_ms, double coefficient, bool valid = true) {
 }
 
 TEST(TrendTest, AveragesHalfASecondAndKeepsItsExtremes) {
-  Trend trend;
+  Trend trend(kTrendBinNs);
   EXPECT_FALSE(trend.add(frame(10'000, 0.1)));
   json spike = frame(10'100, 0.3);
   spike["latency_us"] = 900.0;
@@ -41,13 +41,14 @@ TEST(TrendTest, AveragesHalfASecondAndKeepsItsExtremes) {
   EXPECT_EQ((*bin)["latency_max_us"], 900.0);
   EXPECT_EQ((*bin)["latency_median_us"], 100.0);
   EXPECT_DOUBLE_EQ((*bin)["rms_waves"].get<double>(), 0.2);
+  EXPECT_DOUBLE_EQ((*bin)["rms_min_waves"].get<double>(), 0.1);
   EXPECT_DOUBLE_EQ((*bin)["rms_max_waves"].get<double>(), 0.3);
   EXPECT_DOUBLE_EQ((*bin)["coefficients"][1].get<double>(), -0.2);
   EXPECT_DOUBLE_EQ((*bin)["span_s"].get<double>(), 0.5);
 }
 
 TEST(TrendTest, SaysNothingOfModesThatWereNotMeasured) {
-  Trend trend;
+  Trend trend(kTrendBinNs);
   trend.add(frame(0, 0.0, false));
   const auto bin = trend.add(frame(600, 0.1));
   ASSERT_TRUE(bin);
@@ -56,7 +57,7 @@ TEST(TrendTest, SaysNothingOfModesThatWereNotMeasured) {
 }
 
 TEST(TrendTest, BeginsAnewWithOtherModesOrAnEarlierClock) {
-  Trend trend;
+  Trend trend(kTrendBinNs);
   trend.add(frame(1000, 0.9));
   json other = frame(1100, 0.4);
   other["j"] = {1, 2, 3};
@@ -68,6 +69,33 @@ TEST(TrendTest, BeginsAnewWithOtherModesOrAnEarlierClock) {
   EXPECT_DOUBLE_EQ((*bin)["rms_waves"].get<double>(), 0.4);
   EXPECT_DOUBLE_EQ((*bin)["rms_max_waves"].get<double>(), 0.4);
   EXPECT_FALSE(trend.add(frame(600, 0.1)));
+}
+
+TEST(TrendTest, HasBinsOfTheLengthAskedFor) {
+  Trend trend(kHistoryBinNs);
+  for (int i = 0; i < 100; ++i) EXPECT_FALSE(trend.add(frame(10'000 + 50 * i, 0.001 * i)));
+  const auto bin = trend.add(frame(15'000, 0.0));
+  ASSERT_TRUE(bin);
+  EXPECT_EQ((*bin)["bin_s"], 5.0);
+  EXPECT_EQ((*bin)["frames"], 100);
+  EXPECT_EQ((*bin)["rms_min_waves"], 0.0);
+  EXPECT_DOUBLE_EQ((*bin)["rms_max_waves"].get<double>(), 0.099);
+}
+
+TEST(TrendTest, AnHourOfManyModesStaysSmall) {
+  constexpr int kModes = 230;
+  Trend trend(kHistoryBinNs);
+  json full = frame(10'000, 0.1);
+  full["j"] = json::array();
+  full["coefficients"] = json::array();
+  for (int j = 1; j <= kModes; ++j) {
+    full["j"].push_back(j);
+    full["coefficients"].push_back(-1.0 / (j + 6.0));
+  }
+  trend.add(full);
+  const auto bin = trend.add(frame(20'000, 0.1));
+  ASSERT_TRUE(bin);
+  EXPECT_LT(bin->dump().size(), 4096U);
 }
 
 }  // namespace
