@@ -21,6 +21,28 @@ const answers = {
   press: ({ key }) => page.keyboard.press(key),
   click: ({ selector }) => page.locator(selector).click({ timeout: 10_000 }).then(() => null),
   fill: ({ selector, text }) => page.locator(selector).fill(text, { timeout: 10_000 }).then(() => null),
+  // Steps like ["move", x, y], ["down"], ["wheel", 0, -100]: methods of Playwright's mouse.
+  mouse: async ({ steps }) => {
+    for (const [method, ...given] of steps) await page.mouse[method](...given);
+  },
+  choose: ({ selector, value }) => page.locator(selector).selectOption(value, { timeout: 10_000 }).then(() => null),
+  hover: ({ selector, x, y }) => page.locator(selector).hover({ position: { x, y }, timeout: 10_000 }).then(() => null),
+  reload: () => page.reload().then(() => null),
+  // The file that a click saves: its proposed name, and where it was saved.
+  download: async ({ selector }) => {
+    const [file] = await Promise.all([page.waitForEvent("download", { timeout: 10_000 }), page.locator(selector).click({ timeout: 10_000 })]);
+    return { name: file.suggestedFilename(), path: await file.path() };
+  },
+  clipboard: async () => {
+    await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
+    return page.evaluate("navigator.clipboard.readText()");
+  },
+  // Steps like [type, [[x, y], ...]] of the protocol's dispatchTouchEvent: fingers that touch, move or leave.
+  touch: async ({ steps }) => {
+    const session = await page.context().newCDPSession(page);
+    for (const [type, points] of steps) await session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+    await session.detach();
+  },
   picture: ({ path }) => page.screenshot({ path, fullPage: true }).then(() => null),
   said: async () => said,
 };

@@ -128,8 +128,8 @@ class Page(WebCase):
         reached = []
         for _ in range(60):
             self.browser.press("Tab")
-            reached.append(self.browser.run("const e = document.activeElement; return e.id || e.textContent || e.tagName"))
-        for wanted in ("theme", "show-marks", "Take 100 frames"):
+            reached += self.browser.run("const e = document.activeElement; return [e.id, e.textContent]")
+        for wanted in ("theme", "menu-button", "show-marks", "Take 100 frames"):
             self.assertIn(wanted, reached)
 
     def test_controls_and_their_refusals(self):
@@ -144,8 +144,8 @@ class Page(WebCase):
         wait_for(lambda: self.call("camera.get")["settings"]["exposure_us"] == 1995.0, what="the slider's exposure")
         self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent === 'Compare with the output').click()")
         self.browser.wait_text("#slm .controls", lambda text: "identical" in text)
-        self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent.startsWith('Take')).click()")
-        self.browser.wait_text("#bench .controls", lambda text: "introduced aberration of 0.4000 wave RMS" in text)
+        self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent.startsWith('Take 100')).click()")
+        self.browser.wait_text("#bar .fields", lambda text: "introduced aberration of 0.4000 wave RMS" in text)
         self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent === 'Clear aberration and take').click()")
         self.browser.wait_text("#bench .controls", lambda text: "Active: 100 frames" in text)
         self.assertEqual(self.call("aberration.get")["modes"], [])
@@ -154,7 +154,7 @@ class Page(WebCase):
         self.browser.open("about:blank")
         self.browser.open(self.links["look"])
         self.browser.wait_text("#bench .controls", lambda text: "Exposure" in text)
-        self.assertEqual(self.browser.run("return document.querySelectorAll('#bench input, #bench button, #aberration input, #slm button').length"), 0)
+        self.assertEqual(self.browser.run("return document.querySelectorAll('#bench .controls :is(input, button), #aberration input, #slm .controls button').length"), 0)
         self.assertEqual(self.browser.text("#role"), "view only")
 
     def error_of(self, name):
@@ -170,7 +170,7 @@ class Page(WebCase):
 
     def test_an_error_ends_with_its_cause_and_names_the_range_that_is_shown(self):
         self.open()
-        helps = "return [...document.querySelectorAll('#bench .help')].map((e) => e.textContent).join(' ')"
+        helps = "return [...document.querySelectorAll('#bar .help')].map((e) => e.textContent).join(' ')"
         shown = wait_for(lambda: "dB" in (text := self.browser.run(helps)) and text, what="the ranges")
         self.assertIn("10.0 to 10\u202f000 \u00b5s, at 100 frames/s", shown)
         self.assertIn("0 to 48.0 dB", shown)
@@ -183,7 +183,7 @@ class Page(WebCase):
         self.assertEqual(self.error_of("Gain"), "")
         wait_for(lambda: self.error_of("Exposure") == "", what="the end of an error whose bench has changed")
         self.call("camera.set", {"exposure_us": 9000.0})
-        self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent.startsWith('Take')).click()")
+        self.browser.run("[...document.querySelectorAll('button')].find((b) => b.textContent.startsWith('Take 100')).click()")
         wait_for(lambda: "exposure" in self.error_of("Reference"), what="the refusal of a reference of saturated spots")
         time.sleep(2.0)
         self.assertIn("exposure", self.error_of("Reference"), "what the job's own end changed is no reason to forget why")
@@ -202,7 +202,7 @@ class Page(WebCase):
 
     def test_no_number_of_a_spot_is_cut_off(self):
         self.open()
-        self.browser.click("#camera summary")
+        self.browser.click("#spots summary")
         for width in (400, 1024, 1440, 1920):
             self.browser.resize(width, 1000)
             sizes = "const e = document.querySelector('#camera .scroll'); return [document.querySelector('#spot-table').rows.length, e.scrollWidth - e.clientWidth]"
@@ -210,17 +210,17 @@ class Page(WebCase):
 
     def test_a_recording_begins_and_ends_there(self):
         self.open()
-        self.browser.fill("#record input", "../elsewhere")
-        self.browser.click("#record button >> text=Record")
-        self.browser.wait_text("#record .controls .error", lambda text: text != "")
-        self.browser.fill("#record input", "from-the-page")
-        self.browser.click("#record button >> text=Record")
+        self.browser.fill("#record input[type=text]", "../elsewhere")
+        self.browser.click("#bar .fields button >> text=/^Record$/")
+        wait_for(lambda: self.error_of("Recording"), what="the refusal of the name")
+        self.browser.fill("#record input[type=text]", "from-the-page")
+        self.browser.click("#bar .fields button >> text=/^Record$/")
         self.browser.wait_text("#record-sub", lambda text: text == "recording")
         self.browser.wait_text("#record-facts dd:nth-of-type(3)", lambda frames: int(frames) > 2)
-        self.browser.click("#record button >> text=Stop")
+        self.browser.click("#bar .fields button >> text=Stop")
         self.browser.wait_text("#record-sub", lambda text: text == "ended: stopped by record.stop")
         self.assertTrue((self.bench.directory / "recordings" / "from-the-page.h5").exists())
-        self.assertEqual(self.browser.text("#record .controls .error"), "")
+        self.assertEqual(self.error_of("Recording"), "")
         self.check_console()
 
     def test_what_is_old_does_not_look_new(self):

@@ -108,6 +108,30 @@ class Browser:
     def fill(self, selector, text):
         self.ask("fill", selector=selector, text=text)
 
+    def mouse(self, *steps):
+        """Moves and presses the mouse: ("move", x, y), ("down",), ("up",), ("wheel", dx, dy)."""
+        self.ask("mouse", steps=steps)
+
+    def drag(self, start, end):
+        self.mouse(("move", *start), ("down",), ("move", (start[0] + end[0]) / 2, (start[1] + end[1]) / 2), ("move", *end), ("up",))
+
+    def pinch(self, at, before, after):
+        """Two fingers whose distance changes, CSS pixels."""
+        fingers = [[[at[0] - distance / 2, at[1]], [at[0] + distance / 2, at[1]]] for distance in (before, (before + after) / 2, after)]
+        self.ask("touch", steps=[["touchStart", fingers[0][:1]], ["touchStart", fingers[0]], *[["touchMove", both] for both in fingers[1:]], ["touchEnd", []]])
+
+    def box(self, selector):
+        """(left, top, width, height) of the element in the window, CSS pixels."""
+        return self.run("const b = document.querySelector(arguments[0]).getBoundingClientRect(); return [b.left, b.top, b.width, b.height]", selector)
+
+    def choose(self, selector, value):
+        self.ask("choose", selector=selector, value=value)
+
+    def download(self, selector):
+        """Clicks; returns the name and the bytes of the file that this saves."""
+        file = self.ask("download", selector=selector)
+        return file["name"], pathlib.Path(file["path"]).read_bytes()
+
     def text(self, selector):
         return self.run("return document.querySelector(arguments[0]).textContent", selector)
 

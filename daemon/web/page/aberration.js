@@ -1,6 +1,7 @@
 // Introduced aberration: one slider per mode. Modes that the sensor does not reconstruct keep their values.
 import { brief, byId, element, setText, signed } from "./format.js";
-import { button, NumberControl, reasonOf, Sender, showError } from "./widgets.js";
+import { call } from "./link.js";
+import { NumberControl, reasonOf, Sender, showError } from "./widgets.js";
 import { showFacts } from "./bench.js";
 
 const RANGES = [0.1, 0.5, 1, 2, 5, 20];
@@ -75,11 +76,15 @@ export function build(mayControl) {
   });
   label.append(select);
   toolbar.append(label);
-  button(toolbar, "Clear all", () => {
-    waves.clear();
-    show(true);
-    sender.send({ modes: [] });
-  });
+}
+
+/** Removes the introduced aberration; resolves to the daemon's reply. */
+export async function clear() {
+  const reply = await call("aberration.clear");
+  if (reply.error) return reply;
+  waves.clear();
+  show(true);
+  return reply;
 }
 
 export function takeBench({ aberration, sensor, limits: wire }) {

@@ -1,33 +1,25 @@
-// Exposure, gain, charge, tracker, reference and loop: current values, and controls for users with control rights.
+// Sensor and loop: charge, tracker, frame rate, reference and correction, for users with control rights; else their values.
 import { brief, byId, element, grouped, NONE, setText, timeOfDay } from "./format.js";
 import { call } from "./link.js";
 import { button, ChoiceControl, field, NumberControl, reasonOf, Sender } from "./widgets.js";
 
 let controls = null;
-let view = null; // the newest bench message
-const REFERENCE_FRAMES = 100;
 const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 ** slider };
 
 /** The gain in the camera's unit: dB or raw steps. */
-function gainOf(settings) {
+export function gainOf(settings) {
   return settings?.gain_db === null
     ? { key: "gain_raw", value: settings.gain_raw, unit: "(raw)", step: 1 }
     : { key: "gain_db", value: settings?.gain_db, unit: "dB", step: 0.1 };
 }
 
-function buildCamera(parent) {
-  const errors = (reply) => {
-    const atGain = /gain_(db|raw)$/.test(reply.error?.data?.field ?? "");
-    exposure.error(atGain ? "" : reasonOf(reply));
-    gain.error(atGain ? reasonOf(reply) : "");
-    const applied = reply.result?.applied ?? view.camera.settings;
-    exposure.show(applied.exposure_us, true);
-    gain.show(gainOf(applied).value, true);
-  };
-  const sender = new Sender("camera.set", errors);
-  const exposure = new NumberControl(parent, "Exposure", "\u00b5s", { map: LOG, onChange: (value) => sender.send({ exposure_us: value }) });
-  const gain = new NumberControl(parent, "Gain", gainOf(view?.camera.settings).unit, { onChange: (value) => sender.send({ [gainOf(view.camera.settings).key]: value }) });
-  return { exposure, gain };
+function buildRate(parent) {
+  const sender = new Sender("camera.set", (reply) => {
+    rate.error(reasonOf(reply));
+    if (reply.result) rate.show(reply.result.applied.frame_rate_hz, true);
+  });
+  const rate = new NumberControl(parent, "Frame rate", "Hz", { map: LOG, onChange: (value) => sender.send({ frame_rate_hz: value }) });
+  return { rate };
 }
 
 function buildSensor(parent) {
@@ -39,56 +31,15 @@ function buildSensor(parent) {
   return { charge, tracker };
 }
 
-async function follow(job, bar) {
-  for (;;) {
-    const { result } = await call("job.get", { job });
-    if (!result || result.state !== "running") return result;
-    bar.value = result.progress;
-    await new Promise((done) => setTimeout(done, 100));
-  }
-}
-
 function buildReference(parent) {
   const frame = field(parent, "Reference");
-  const bar = element("progress");
-  bar.id = frame.id;
-  bar.max = 1;
-  bar.hidden = true;
-  async function takeReference() {
-    take.disabled = retake.disabled = true;
-    bar.hidden = false;
-    bar.value = 0;
-    const reply = await call("reference.take", { frames: REFERENCE_FRAMES });
-    frame.error(reasonOf(reply));
-    const ended = reply.result ? await follow(reply.result.job, bar) : null;
-    if (ended && ended.state !== "done") frame.error(ended.error?.data?.reason || ended.error?.message || ended.state);
-    bar.hidden = true;
-    take.disabled = retake.disabled = false;
-  }
-  const take = button(frame.body, `Take ${REFERENCE_FRAMES} frames`, takeReference);
-  const retake = button(frame.body, "Clear aberration and take", async () => {
-    const reply = await call("aberration.clear");
-    frame.error(reasonOf(reply));
-    if (reply.result) await takeReference();
-  });
-  retake.hidden = true;
-  button(frame.body, "Clear", async () => frame.error(reasonOf(await call("reference.clear"))));
-  frame.body.append(bar);
-  return { reference: frame, retake };
+  button(frame.body, "Clear reference", async () => frame.error(reasonOf(await call("reference.clear")))).id = frame.id;
+  return { reference: frame };
 }
 
 function buildLoop(parent) {
-  const frame = field(parent, "Loop gain");
-  const gain = element("input");
-  gain.type = "number";
-  gain.id = frame.id;
-  gain.value = "0.3";
-  gain.step = "0.05";
-  gain.setAttribute("aria-describedby", frame.describedBy);
-  frame.body.append(gain);
-  button(frame.body, "Close", async () => frame.error(reasonOf(await call("loop.close", { gain: Number(gain.value) }))));
-  button(frame.body, "Open", async () => frame.error(reasonOf(await call("loop.open"))));
-  button(frame.body, "Clear correction", async () => frame.error(reasonOf(await call("correction.clear"))));
+  const frame = field(parent, "Correction");
+  button(frame.body, "Clear correction", async () => frame.error(reasonOf(await call("correction.clear")))).id = frame.id;
   return { loop: frame };
 }
 
@@ -100,7 +51,7 @@ export function build(mayControl) {
     parent.append(Object.assign(element("dl", "facts"), { id: "bench-facts" }));
     return;
   }
-  controls = { ...buildCamera(parent), ...buildSensor(parent), ...buildReference(parent), ...buildLoop(parent) };
+  controls = { ...buildSensor(parent), ...buildRate(parent), ...buildReference(parent), ...buildLoop(parent) };
 }
 
 function referenceText(reference) {
@@ -116,30 +67,19 @@ function loopText(loop) {
   return loop.opened_because ? `open since ${timeOfDay(loop.t_opened_ns)}: ${loop.opened_because}` : `open, correction ${brief(loop.correction_rms_waves)} wave RMS`;
 }
 
-function showControls({ camera, sensor, limits, reference, aberration, loop }) {
-  const { settings } = camera;
-  if (camera.limits) {
-    const { exposure_us: e } = camera.limits;
-    const { key, unit, step } = gainOf(settings);
-    const g = camera.limits[key] ?? camera.limits.gain_db ?? camera.limits.gain_raw;
-    // The exposure cannot exceed the frame period.
-    const longest = Math.min(e.max, 1e6 / settings.frame_rate_hz);
-    controls.exposure.limits(e.min, longest);
-    controls.exposure.reach(e.min, longest);
-    controls.gain.limits(g.min, g.max);
-    controls.gain.reach(g.min, g.max, step);
-    const why = longest < e.max ? `, at ${brief(settings.frame_rate_hz)} frames/s` : "";
-    controls.exposure.help(`${brief(e.min)} to ${grouped(longest)} \u00b5s${why}`);
-    controls.gain.help(`${brief(g.min)} to ${brief(g.max)} ${unit}`);
+function showControls({ camera, sensor, limits, reference, loop }) {
+  const range = camera.limits?.frame_rate_hz;
+  if (range) {
+    controls.rate.limits(range.min, range.max);
+    controls.rate.reach(range.min, range.max);
+    controls.rate.help(`${brief(range.min)} to ${brief(range.max)} frames/s`);
   }
-  controls.exposure.show(settings.exposure_us);
-  controls.gain.show(gainOf(settings).value);
+  controls.rate.show(camera.settings.frame_rate_hz);
   const { min, max } = limits.charge;
   controls.charge.show(sensor.charge, Array.from({ length: max - min + 1 }, (_, i) => min + i));
   controls.tracker.show(sensor.tracker, limits.trackers);
   controls.reference.help(`Active: ${referenceText(reference)}`);
-  controls.retake.hidden = !reference.introduced_rms_waves && !aberration.modes.some((mode) => mode.waves !== 0);
-  controls.loop.help(`${loopText(loop)}; gain ${limits.loop_gain.min} to ${limits.loop_gain.max}`);
+  controls.loop.help(`Loop ${loopText(loop)}`);
 }
 
 /** Shows pairs of title and text; rebuilds the list only if its length changes. */
@@ -154,7 +94,6 @@ export function showFacts(list, facts) {
 }
 
 export function takeBench(message) {
-  view = message;
   const { camera, sensor, reference, loop } = message;
   const info = camera.info ? `${camera.info.vendor} ${camera.info.model}` : "no camera";
   setText(byId("bench-sub"), `${info}, ${sensor.subapertures} subapertures`);

@@ -1,10 +1,17 @@
 // Canvases at the screen's pixel resolution.
 
+const ratioNow = () => window.devicePixelRatio || 1;
+
+/** A canvas that is not on the page, for exports; width and height in CSS pixels. */
+export const detached = (width, height) => new OffscreenCanvas(width * ratioNow(), height * ratioNow());
+
+/** Width and height in CSS pixels. */
+export const sizeOf = (canvas) => (canvas instanceof OffscreenCanvas ? [canvas.width / ratioNow(), canvas.height / ratioNow()] : [canvas.clientWidth, canvas.clientHeight]);
+
 /** Resizes the canvas to device pixels and clears it; returns its context and size in CSS pixels. */
 export function begin(canvas) {
-  const ratio = window.devicePixelRatio || 1;
-  const width = canvas.clientWidth;
-  const height = canvas.clientHeight;
+  const ratio = ratioNow();
+  const [width, height] = sizeOf(canvas);
   const pixels = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== pixels[0] || canvas.height !== pixels[1]) [canvas.width, canvas.height] = pixels;
   const context = canvas.getContext("2d");

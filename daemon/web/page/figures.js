@@ -1,4 +1,5 @@
 // The key figures at the top of the page.
+import { chosen, inUnitText } from "./chosen.js";
 import { brief, byId, element, fixed, NONE, setText, strehl } from "./format.js";
 
 const FIGURES = [
@@ -11,16 +12,19 @@ const FIGURES = [
   ["screen", "Age on screen", "ms"],
 ];
 const values = new Map();
+let rmsUnit = null;
 
 export function build() {
   for (const [key, title, unit] of FIGURES) {
     const box = element("div");
     const value = element("span", "value", NONE);
     const dd = element("dd");
-    dd.append(value, element("span", "unit", unit));
+    const unitText = element("span", "unit", unit);
+    dd.append(value, unitText);
     box.append(element("dt", "", title), dd);
     byId("figures").append(box);
     values.set(key, value);
+    if (key === "rms") rmsUnit = unitText;
   }
   values.get("strehl").parentElement.title = "Mar\u00e9chal: exp(\u2212(2\u03c0 RMS)\u00b2), good for small aberrations";
 }
@@ -28,7 +32,8 @@ export function build() {
 const put = (key, text) => setText(values.get(key), text);
 
 export function takeWavefront(message) {
-  put("rms", fixed(message.rms_waves, 4));
+  put("rms", inUnitText(message.rms_waves));
+  setText(rmsUnit, chosen.unit);
   put("strehl", fixed(strehl(message.rms_waves), 3));
   put("spots", `${message.tracked}\u2009/\u2009${message.subapertures}`);
   put("latency", fixed(message.latency_us, 0));

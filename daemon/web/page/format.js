@@ -39,6 +39,26 @@ export function timeOfDay(ns) {
   return new Date(ns / 1e6).toLocaleTimeString([], { hour12: false });
 }
 
+/** Nanoseconds since 1970 as a local time of day, with the date unless it is today. */
+export function dayAndTime(ns) {
+  const at = new Date(ns / 1e6);
+  const today = at.toDateString() === new Date().toDateString();
+  return today ? timeOfDay(ns) : at.toLocaleString([], { dateStyle: "medium", timeStyle: "short", hour12: false });
+}
+
+/** A time to come, seconds: "20 s left", "3 min left". */
+export function timeLeft(seconds) {
+  if (seconds < 90) return `${Math.ceil(seconds)} s left`;
+  const minutes = Math.round(seconds / 60);
+  return minutes < 90 ? `${minutes} min left` : `${(minutes / 60).toFixed(1)} h left`;
+}
+
+/** Bytes as "12.3 MB", with decimal prefixes. */
+export function sizeText(bytes) {
+  const power = bytes < 1 ? 0 : Math.min(4, Math.floor(Math.log10(bytes) / 3));
+  return `${brief(bytes / 1000 ** power)} ${["B", "kB", "MB", "GB", "TB"][power]}`;
+}
+
 /** The smallest of these steps times a power of ten that is at least `value`. */
 export function roundUp(value, steps = [1, 2, 5, 10]) {
   const power = 10 ** Math.floor(Math.log10(value));

@@ -6,10 +6,14 @@ const HEAD_BYTES = 8;
 const MAX_LAG_MS = 2000;
 
 /** Calls a method of the daemon. Resolves to {result} or {error: {message, data: {field, reason}}}; never rejects. */
-export async function call(method, params = {}) {
+export const call = (method, params = {}) => fetchJson("/rpc", { method, params });
+
+/** Fetches a path, with POST if there is a `request`. Resolves as `call`. */
+export async function fetchJson(path, request) {
   const failed = (message) => ({ error: { message, data: { field: "", reason: message } } });
   try {
-    const reply = await fetch("/rpc", { method: "POST", headers: headers(), body: JSON.stringify({ method, params }) });
+    const sent = request ? { method: "POST", body: JSON.stringify(request) } : {};
+    const reply = await fetch(path, { ...sent, headers: headers() });
     const body = await reply.json();
     if (!reply.ok) return failed(body.reason);
     if (body.error && !body.error.data) return failed(body.error.message);
@@ -19,11 +23,37 @@ export async function call(method, params = {}) {
   }
 }
 
+/** The state of the commissioning; {reason} if it is refused, null if ovws-web does not answer. */
+export async function commission() {
+  try {
+    const reply = await fetch("/commission", { headers: headers() });
+    return reply.ok ? await reply.json() : { reason: (await reply.json()).reason };
+  } catch {
+    return null;
+  }
+}
+
+/** An action of the commissioning; resolves as `call`. */
+export const act = (action, step = "", offer = "") => fetchJson("/commission", { action, step, offer });
+
 /** Fetches an image from the server as a blob; null if there is none. */
 export async function picture(path) {
   try {
     const reply = await fetch(path, { headers: headers() });
     return reply.status === 200 ? await reply.blob() : null;
+  } catch {
+    return null;
+  }
+}
+
+/** A part of the camera's newest image at full resolution as {json, binary}; null if there is none. */
+export async function imagePart({ x, y, width, height }) {
+  try {
+    const reply = await fetch(`/image?x=${x}&y=${y}&width=${width}&height=${height}`, { headers: headers() });
+    if (reply.status !== 200) return null;
+    const inbox = new Inbox();
+    inbox.add(new Uint8Array(await reply.arrayBuffer()));
+    return inbox.next();
   } catch {
     return null;
   }
@@ -80,6 +110,7 @@ function isBehind(json) {
 }
 
 async function readOnce(onMessage, onState) {
+  minLag = Infinity; // a clock may have been set
   const reply = await fetch("/stream", { headers: headers(), cache: "no-store" });
   if (!reply.ok) {
     onState((await reply.json()).reason);

@@ -1,15 +1,28 @@
 // The page: dispatches messages to the views and redraws changed views in the next animation frame.
 import * as aberration from "./aberration.js";
+import * as alarm from "./alarm.js";
+import * as bar from "./bar.js";
 import * as bench from "./bench.js";
 import * as camera from "./camera.js";
+import { onChosen } from "./chosen.js";
+import * as derived from "./derived.js";
 import * as events from "./events.js";
 import * as figures from "./figures.js";
-import { byId, element, setText } from "./format.js";
+import { allowRemedies, showFindings } from "./findings.js";
+import { byId, setText } from "./format.js";
+import * as frame from "./frame.js";
 import * as history from "./history.js";
 import { listen } from "./link.js";
+import * as loop from "./loop.js";
 import * as map from "./map.js";
+import * as marks from "./marks.js";
 import * as modes from "./modes.js";
+import * as panels from "./panels.js";
+import * as procedures from "./procedures.js";
 import * as record from "./record.js";
+import * as recordings from "./recordings.js";
+import { setLack, setRight } from "./rights.js";
+import * as saved from "./saved.js";
 import * as slm from "./slm.js";
 import { chooseTheme } from "./theme.js";
 import * as trends from "./trends.js";
@@ -20,18 +33,22 @@ const STALE_MS = 1500;
 const DESCRIBE_MS = 500;
 let wavefront = null;
 let status = null;
-let lastFrame = { wavefront: 0, image: 0, phase: 0 };
+let lastFrame = { wavefront: 0, image: 0 };
 let newestBench = null;
 let modeNames = "";
 let right = "look";
+const BACKLOG_MS = 1500; // after which the bins of the past have come
+let connectedAt = 0;
 let clockOffset = null; // ms: upper limit of this computer's clock minus the server's
 const CLOCKS_AGREE_MS = 100;
 
 const takers = {
   "ovws.wavefront/1": (message) => {
     wavefront = message;
+    frame.take(message);
     lastFrame.wavefront = performance.now();
     dirty.add("wavefront");
+    if (map.isDue()) dirty.add("map");
   },
   "ovws.image/1": (message, binary) => {
     lastFrame.image = performance.now();
@@ -39,25 +56,25 @@ const takers = {
     dirty.add("camera");
   },
   "ovws.spots/1": (message, binary) => {
-    camera.takeSpots(message, binary);
+    camera.takeSpots(binary);
     dirty.add("camera");
-  },
-  "ovws.phase/1": (message, binary) => {
-    lastFrame.phase = performance.now();
-    map.takePhase(message, binary);
-    dirty.add("map");
   },
   "ovws.status/1": (message) => {
     status = message;
     slm.takeStatus(message);
-    record.takeStatus(message);
+    for (const view of [record, recordings, bar, procedures, loop, saved]) view.takeStatus(message);
     forgetErrors(whatRefusalsRestOn());
   },
-  "ovws.event/1": events.takeEvent,
+  "ovws.event/1": (event) => {
+    events.takeEvent(event);
+    marks.takeEvent(event);
+    procedures.takeEvent(event);
+  },
   "ovws.web.hello/1": takeHello,
   "ovws.web.trend/1": (bin) => {
     history.takeTrend(bin);
     figures.takeTrend(bin);
+    alarm.takeTrend(bin, performance.now() - connectedAt > BACKLOG_MS);
     dirty.add("trends");
   },
   "ovws.web.health/1": takeHealth,
@@ -77,38 +94,28 @@ function takeBench(message) {
   const names = message.sensor.mode_names.map((mode) => mode.j).join();
   if (names !== modeNames) modes.takeNames(message.sensor.mode_names);
   modeNames = names;
-  camera.takeRing(message.sensor.ring_px);
-  bench.takeBench(message);
+  camera.takeBench(message);
+  for (const view of [bench, bar, procedures, loop, saved, record]) view.takeBench(message);
   aberration.takeBench(message);
+  map.takeBench(message);
+  derived.takeBench(message);
   slm.takeBench(message, status?.slm.pattern);
   forgetErrors(whatRefusalsRestOn());
-}
-
-function showVerdict(wellness, text, others = []) {
-  const verdict = byId("verdict");
-  verdict.dataset.wellness = wellness;
-  setText(verdict.querySelector("p"), text);
-  document.title = wellness === "good" ? "ovws" : `ovws: ${text}`;
-  const list = byId("findings");
-  if (list.children.length !== others.length) list.replaceChildren(...others.map(() => element("li")));
-  others.forEach((finding, i) => {
-    list.children[i].dataset.wellness = finding.wellness;
-    setText(list.children[i], finding.text);
-  });
 }
 
 function takeHealth({ findings, t_ns: sent, browsers, refused }) {
   const offset = Date.now() - sent / 1e6;
   clockOffset = clockOffset === null ? offset : Math.min(clockOffset, offset);
-  const [worst, ...others] = findings;
-  if (worst) showVerdict(worst.wellness, worst.text, others);
+  if (findings.length) showFindings(alarm.withAlarm(findings));
   dirty.add("trends"); // the time axis moves, with frames or without
   const count = Object.values(refused).reduce((sum, n) => sum + n, 0);
   setText(byId("foot"), `${browsers} ${browsers === 1 ? "browser" : "browsers"} connected, ${count} ${count === 1 ? "request" : "requests"} refused`);
 }
 
 function takeState(reason) {
-  if (reason) showVerdict("bad", reason);
+  if (reason) showFindings([{ wellness: "bad", text: reason }]);
+  setLack(reason ? "Not connected to ovws-web." : "");
+  takeRight();
   document.body.classList.toggle("cut", reason !== "");
 }
 
@@ -126,9 +133,10 @@ function veil(section, since, now) {
 function describe() {
   const now = performance.now();
   veil("camera", lastFrame.image, now);
-  veil("map", lastFrame.phase, now);
+  veil("map", frame.isFrozen() ? now : lastFrame.wavefront, now);
   const stale = now - lastFrame.wavefront > STALE_MS;
-  for (const id of ["figures", "modes"]) byId(id).classList.toggle("stale", stale);
+  byId("figures").classList.toggle("stale", stale);
+  byId("modes").classList.toggle("stale", stale && !frame.isFrozen());
   camera.describe();
   map.describe();
   trends.describe();
@@ -138,8 +146,8 @@ function describe() {
 }
 
 function drawAll(now) {
-  if (dirty.has("wavefront")) {
-    modes.takeWavefront(wavefront);
+  if (dirty.has("wavefront") && wavefront) {
+    modes.showFrame();
     figures.takeWavefront(wavefront);
   }
   if (dirty.has("camera")) camera.draw(now);
@@ -152,30 +160,45 @@ function drawAll(now) {
   requestAnimationFrame(drawAll);
 }
 
-const redraw = () => ["camera", "map", "trends"].forEach((view) => dirty.add(view));
+const redraw = () => ["wavefront", "camera", "map", "trends"].forEach((view) => dirty.add(view));
+
+/** Enables or disables everything that changes the bench. */
+function takeRight() {
+  bar.takeRight();
+  camera.takeRight();
+  for (const view of [procedures, loop, saved]) view.takeRight();
+  allowRemedies();
+}
 
 /** Handles the first message of each connection; rebuilds controls only if the rights changed. */
 function takeHello({ right: given }) {
   if (given !== right) build(given === "control");
   right = given;
+  connectedAt = performance.now();
+  clockOffset = null; // a clock may have been set
+  setRight(given);
+  takeRight();
 }
 
 function build(mayControl) {
   setText(byId("role"), mayControl ? "control enabled" : "view only");
-  for (const view of [bench, aberration, slm, record]) view.build(mayControl);
+  for (const view of [bench, aberration, slm, record, procedures, loop, saved]) view.build(mayControl);
 }
 
 figures.build();
-trends.build(document.querySelector("#trends .charts"));
+map.build(redraw);
+modes.build(redraw);
+trends.build(byId("trends"), redraw);
+frame.onFreeze(redraw);
+onChosen(redraw);
+bar.build();
+camera.build(() => dirty.add("camera"));
 build(false);
+recordings.build();
+panels.build();
 chooseTheme(redraw);
 new ResizeObserver(redraw).observe(document.body);
-for (const box of document.querySelectorAll("#camera .switches input")) {
-  box.addEventListener("change", () => {
-    camera.repaint();
-    dirty.add("camera");
-  });
-}
+byId("commission").href += location.hash; // which holds the token
 addEventListener("hashchange", () => location.reload());
 listen((json, binary) => takers[json.schema]?.(json, binary), takeState);
 requestAnimationFrame(drawAll);

@@ -1,7 +1,7 @@
 // Colour theme: light, dark or the system's.
 import { byId, setText } from "./format.js";
 
-const NAMES = { auto: ["Auto", "system setting"], light: ["Light", "light"], dark: ["Dark", "dark"] };
+const NAMES = { auto: ["System", "system setting"], light: ["Light", "light"], dark: ["Dark", "dark"] };
 const ORDER = Object.keys(NAMES);
 
 /** Sets up the button that cycles through the themes; `onChange` redraws the canvases. */

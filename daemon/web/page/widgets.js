@@ -22,21 +22,40 @@ export function forgetErrors(bench) {
   }
 }
 
-/** The frame of a control: label, body, help line and error line. */
+/** Enables controls (reason ""), or disables them and says why: as their title, and by the element that shows the reason. */
+export function allow(controls, reason, shownBy) {
+  for (const control of controls) {
+    const because = reason ? shownBy.id : "";
+    const { hint = control.title, why = "" } = control.dataset;
+    control.disabled = reason !== "";
+    if (control.dataset.hint === hint && why === because && control.title === (reason || hint)) continue;
+    Object.assign(control.dataset, { hint, why: because });
+    control.title = reason || hint;
+    const others = (control.getAttribute("aria-describedby") ?? "").split(" ").filter((id) => id && id !== why);
+    control.setAttribute("aria-describedby", [...others, because].join(" ").trim());
+  }
+}
+
+/** The frame of a control: label, body, and lines of help, of the reason why it is disabled, and of its error. */
 export function field(parent, title, unit = "") {
   const id = `field-${++count}`;
   const box = element("div", "field");
   const label = element("label", "", title);
   label.htmlFor = id;
   const body = element("div", "body");
-  const help = element("p", "help");
-  const error = element("p", "error");
-  help.id = `${id}-help`;
-  error.id = `${id}-error`;
+  const [help, why, error] = ["help", "why", "error"].map((kind) => {
+    const line = element("p", kind);
+    line.id = `${id}-${kind}`;
+    return line;
+  });
   error.setAttribute("role", "alert");
-  box.append(label, body, help, error);
+  box.append(label, body, help, why, error);
   parent.append(box);
-  return { id, box, body, unit, help: (text) => setText(help, text), error: (text) => showError(error, text), describedBy: `${help.id} ${error.id}` };
+  const showHelp = (text) => {
+    setText(help, text);
+    help.title = text;
+  };
+  return { id, box, body, unit, why, help: showHelp, error: (text) => showError(error, text), describedBy: `${help.id} ${error.id}` };
 }
 
 /** The daemon's reason for an error; empty on success. */
@@ -116,6 +135,14 @@ export class NumberControl {
     return possible;
   }
 
+  /** Changes the unit that is shown. */
+  unit(unit) {
+    if (unit === this.#unit) return;
+    this.#unit = unit;
+    setText(this.#frame.body.querySelector(".unit"), unit);
+    this.#slider.setAttribute("aria-label", `${this.#frame.box.querySelector("label").textContent}, ${unit}`);
+  }
+
   /** Sets the range of accepted numbers. */
   limits(min, max) {
     this.#range = { min, max };
@@ -147,6 +174,15 @@ export class NumberControl {
 
   error(text) {
     this.#frame.error(text);
+  }
+
+  /** The frame, for further controls of the same value. */
+  get frame() {
+    return this.#frame;
+  }
+
+  get inputs() {
+    return [this.#slider, this.#number];
   }
 }
 

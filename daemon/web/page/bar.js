@@ -1,0 +1,173 @@
+// The bar that stays in view: exposure, gain, reference, loop, recording and aberration, each with its state.
+import * as aberration from "./aberration.js";
+import { gainOf } from "./bench.js";
+import { brief, byId, grouped, setText, timeOfDay } from "./format.js";
+import { JobButton } from "./jobs.js";
+import { call } from "./link.js";
+import { loopSettings } from "./loop.js";
+import * as record from "./record.js";
+import { whyNot } from "./rights.js";
+import { allow, button, field, NumberControl, reasonOf, Sender } from "./widgets.js";
+
+const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 ** slider };
+const REFERENCE_FRAMES = 100;
+const AUTO_TARGET = 0.7;
+
+let parts = null;
+let bench = null; // the newest bench message
+let status = null;
+
+function buildCamera(parent) {
+  const onReply = (reply) => {
+    const atGain = /gain_(db|raw)$/.test(reply.error?.data?.field ?? "");
+    exposure.error(atGain ? "" : reasonOf(reply));
+    gain.error(atGain ? reasonOf(reply) : "");
+    const applied = reply.result?.applied ?? bench.camera.settings;
+    exposure.show(applied.exposure_us, true);
+    gain.show(gainOf(applied).value, true);
+  };
+  const sender = new Sender("camera.set", onReply);
+  const exposure = new NumberControl(parent, "Exposure", "\u00b5s", { map: LOG, onChange: (value) => sender.send({ exposure_us: value }) });
+  exposure.frame.box.classList.add("wide");
+  const auto = new JobButton({ body: exposure.frame.body, error: (text) => exposure.error(text) }, "Auto", "camera.auto_exposure", {
+    params: () => ({ target: AUTO_TARGET }),
+    onDone: (result) => exposure.show(result.exposure_us, true),
+  });
+  auto.button.title = `Sets the exposure so that the brightest pixels reach ${100 * AUTO_TARGET} % of full scale`;
+  const gain = new NumberControl(parent, "Gain", "dB", { onChange: (value) => sender.send({ [gainOf(bench.camera.settings).key]: value }) });
+  return { exposure, auto, gain };
+}
+
+function buildReference(parent) {
+  const frame = field(parent, "Reference");
+  const take = new JobButton({ body: frame.body, error: frame.error }, `Take ${REFERENCE_FRAMES} frames`, "reference.take", { params: () => ({ frames: REFERENCE_FRAMES }) });
+  take.button.id = frame.id;
+  const retake = button(frame.body, "Clear aberration and take", async () => {
+    const reply = await aberration.clear();
+    frame.error(reasonOf(reply));
+    if (reply.result) take.run("reference.take", { frames: REFERENCE_FRAMES });
+  });
+  retake.hidden = true;
+  return { reference: frame, take, retake };
+}
+
+/** A field whose one button does one of two things, by the state. */
+function buildToggle(parent, title, onClick) {
+  const frame = field(parent, title);
+  const toggle = button(frame.body, "", async () => {
+    toggle.disabled = true;
+    frame.error(await onClick());
+    toggle.disabled = false;
+    update();
+  });
+  toggle.id = frame.id;
+  toggle.setAttribute("aria-describedby", frame.describedBy);
+  return { ...frame, toggle };
+}
+
+export function build() {
+  const parent = document.querySelector("#bar .fields");
+  const loop = async () => reasonOf(await (bench.loop.closed ? call("loop.open") : call("loop.close", loopSettings())));
+  parts = {
+    ...buildCamera(parent),
+    ...buildReference(parent),
+    loop: buildToggle(parent, "Loop", loop),
+    record: buildToggle(parent, "Recording", record.toggle),
+    clear: buildToggle(parent, "Aberration", async () => reasonOf(await aberration.clear())),
+  };
+  setText(parts.clear.toggle, "Clear");
+  byId("more").addEventListener("click", () => {
+    const open = byId("bar").classList.toggle("open");
+    byId("more").setAttribute("aria-expanded", String(open));
+    setText(byId("more"), open ? "Less" : "More");
+  });
+  update();
+}
+
+function showCamera({ settings, limits }) {
+  const { key, unit, step } = gainOf(settings);
+  parts.gain.unit(unit);
+  if (limits) {
+    const { exposure_us: e } = limits;
+    const g = limits[key] ?? limits.gain_db ?? limits.gain_raw;
+    // The exposure cannot exceed the frame period.
+    const longest = Math.min(e.max, 1e6 / settings.frame_rate_hz);
+    parts.exposure.limits(e.min, longest);
+    parts.exposure.reach(e.min, longest);
+    parts.gain.limits(g.min, g.max);
+    parts.gain.reach(g.min, g.max, step);
+    const why = longest < e.max ? `, at ${brief(settings.frame_rate_hz)} frames/s` : "";
+    parts.exposure.help(`${brief(e.min)} to ${grouped(longest)} \u00b5s${why}`);
+    parts.gain.help(`${brief(g.min)} to ${brief(g.max)} ${unit}`);
+  }
+  parts.exposure.show(settings.exposure_us);
+  parts.gain.show(gainOf(settings).value);
+}
+
+function referenceText({ taken, source, frames, t_taken_ns: at, stale }) {
+  if (!taken) return source === "model" ? "from the model" : "none";
+  return `${stale?.length ? "stale, " : ""}${timeOfDay(at)}, ${frames} frames`;
+}
+
+function loopText(loop) {
+  const residual = loop.residual_rms_waves === null ? "" : `, ${brief(loop.residual_rms_waves)} wave RMS`;
+  if (loop.closed) return `${loop.paused ? "paused" : "closed"}${residual}`;
+  return loop.opened_because ? `opened itself: ${loop.opened_because}` : "open";
+}
+
+/** Why a control is disabled though the page may control: what the bench lacks for it. */
+function lacks() {
+  const camera = !status || status.camera.connected ? "" : "The camera is not connected.";
+  const job = status?.state === "job_running" ? "A job is running." : "";
+  const reference = !status || status.sensor.referenced ? "" : "Needs a reference.";
+  const closed = bench?.loop.closed;
+  return { camera: camera || job, job, loop: closed ? "" : camera || job || reference, none: "" };
+}
+
+/** Enables every control, or disables it and says why. */
+function update() {
+  if (!parts) return;
+  const common = whyNot();
+  setText(byId("bar-why"), common);
+  const lack = lacks();
+  const rows = [
+    [parts.exposure.inputs, parts.exposure.frame, lack.camera],
+    [[parts.auto.button], parts.exposure.frame, lack.camera],
+    [parts.gain.inputs, parts.gain.frame, lack.camera],
+    [[parts.take.button, parts.retake], parts.reference, lack.camera],
+    [[parts.loop.toggle], parts.loop, lack.loop],
+    [[parts.record.toggle], parts.record, lack.none],
+    [[parts.clear.toggle], parts.clear, lack.job],
+  ];
+  for (const [controls, frame, reason] of rows) {
+    allow(controls, common || reason, common ? byId("bar-why") : frame.why);
+    setText(frame.why, common ? "" : reason);
+  }
+}
+
+export const takeRight = update;
+
+export function takeBench(message) {
+  bench = message;
+  const { camera, reference, aberration: introduced, loop } = message;
+  showCamera(camera);
+  parts.reference.help(referenceText(reference));
+  const shown = introduced.modes.filter((mode) => mode.waves !== 0);
+  parts.retake.hidden = parts.take.isRunning || shown.length === 0;
+  parts.take.button.hidden = parts.take.isRunning || shown.length > 0;
+  parts.clear.help(shown.length === 0 ? "none" : `${brief(Math.hypot(...shown.map((mode) => mode.waves)))} wave RMS`);
+  parts.loop.help(loopText(loop));
+  parts.loop.box.classList.toggle("closed", loop.closed);
+  setText(parts.loop.toggle, loop.closed ? "Open" : "Close");
+  update();
+}
+
+export function takeStatus(message) {
+  status = message;
+  const { record: now } = message;
+  const on = now.state === "recording";
+  parts.record.help(on ? `${grouped(now.duration_s)} s, ${grouped(now.frames)} frames` : "off");
+  parts.record.box.classList.toggle("recording", on);
+  setText(parts.record.toggle, on ? "Stop" : "Record");
+  update();
+}

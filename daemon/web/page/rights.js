@@ -1,0 +1,12 @@
+// Whether this page may change the bench now, and if not why.
+const VIEW_ONLY = "View only: to change something, open the link \u201ccontrol\u201d that ovws-web --control prints.";
+let right = "look";
+let lack = "Not connected to ovws-web.";
+
+export const setRight = (given) => (right = given);
+
+/** `reason`: why the connection is cut; empty if it is not. */
+export const setLack = (reason) => (lack = reason);
+
+/** Why nothing can be changed; empty if it can. */
+export const whyNot = () => lack || (right === "control" ? "" : VIEW_ONLY);

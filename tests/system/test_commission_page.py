@@ -1,0 +1,130 @@
+"""The page Commission in a real browser: clicking through it mends a bench with faults; what is left is judged by the twin's truth."""
+import json
+import time
+
+from case import main, wait_for
+from test_setup import MOST_WAVES, SetupCase, hidden_aberration
+from web_case import ADDRESS, Browser, WebCase, browser_packages
+
+BUSY = "return document.getElementById('cancel').hidden === false"
+WHERE = """const b = document.getElementById("primary");
+    return {title: document.getElementById("title").textContent, primary: b.hidden ? "" : b.textContent,
+            can: b.getAttribute("aria-disabled") !== "true", busy: !document.getElementById("cancel").hidden,
+            verdict: document.getElementById("verdict").hidden ? "" : document.querySelector("#verdict p").textContent, states: [...document.querySelectorAll("#steps button")].map((s) => s.dataset.state)}"""
+
+
+class CommissionCase(WebCase, SetupCase):
+    def setUp(self):
+        if not PACKAGES_AT:
+            self.skipTest("no Playwright: npm and a network are needed once")
+        super().setUp()
+        self.browser = Browser(PACKAGES_AT)
+        self.addCleanup(self.browser.close)
+        self.browser.resize(1440, 900)
+        self.open("control")
+
+    def open(self, link):
+        self.browser.open("about:blank")
+        self.browser.open(self.links[link].replace("/#", "/commission.html#"))
+        self.browser.wait_text("#title", lambda text: text[0].isdigit())
+        self.idle()
+
+    def idle(self, timeout_s=120.0):
+        """Waits until nothing runs; returns what the page shows."""
+        return wait_for(lambda: not (shown := self.browser.run(WHERE))["busy"] and shown, timeout_s, "the end of the step")
+
+    def click_primary(self):
+        """Clicks the large button, and waits for what follows."""
+        before = self.browser.run(WHERE)
+        self.browser.click("#primary")
+        wait_for(lambda: self.browser.run(BUSY) or self.browser.run(WHERE) != before, 5.0, f"a change after {before}")
+        return self.idle()
+
+    def check_console(self):
+        self.assertEqual([line for line in self.browser.ask("said") if ADDRESS in line], [])
+
+
+class Faults(CommissionCase):
+    twin_config = {"camera": {"mirror": "x"}, "aberration": hidden_aberration(0.5), "light": {"peak_electrons": 60000}}
+    daemon_config = {"camera": {"exposure_us": 9900.0}}  # as long as the frame rate allows
+
+    def test_clicking_through_mends_the_bench(self):
+        told, begun, shown = [], time.monotonic(), self.idle()
+        while shown["primary"]:
+            self.assertLess(time.monotonic() - begun, 300.0, told)
+            self.assertTrue(shown["can"], shown)
+            told.append((shown["title"], shown["primary"], shown["verdict"]))
+            print(f"{time.monotonic() - begun:6.1f} s", *told[-1], sep="  ", flush=True)
+            shown = self.click_primary()
+        self.assertEqual(set(shown["states"]), {"done"}, told)
+        self.assertIn("commissioned", self.browser.text("#end-title"))
+        self.assertFalse(self.browser.run("return document.getElementById('end').hidden"))
+        left = self.twin.call("twin.get", {"judge": "sensor"})["wavefront"]["rms_waves"]
+        print(f"true residual {left:.4f} wave", flush=True)
+        self.assertLess(left, MOST_WAVES)
+        self.check_console()
+
+
+class Controls(CommissionCase):
+    daemon_config = {"slm": {"display": "DUMMY2"}}
+
+    def choose(self, title):
+        self.browser.click(f"#steps button:has(.name:text-is('{title}'))")
+
+    def test_a_wrong_output_is_told_and_mended_by_its_offer(self):
+        self.choose("SLM output")
+        shown = self.click_primary()
+        self.assertIn("DUMMY2", shown["verdict"])
+        self.assertIn("DUMMY1", shown["primary"])  # the offer
+        shown = self.click_primary()
+        self.assertIn("DUMMY1", shown["verdict"])
+        self.assertEqual(shown["states"][2], "done", shown)
+        self.assertEqual(self.call("config.get")["slm"]["display"], "DUMMY1")
+        self.browser.click("#undo")
+        wait_for(lambda: self.call("config.get")["slm"]["display"] == "DUMMY2", what="the former output")
+        self.idle()
+        self.check_keys_cancel_and_skip()
+        self.check_what_a_view_only_link_shows()
+        self.check_axe()
+        self.check_console()
+
+    def check_keys_cancel_and_skip(self):
+        self.choose("Exposure")
+        self.browser.run("document.getElementById('primary').focus()")
+        self.browser.press("Enter")
+        wait_for(lambda: self.browser.run(BUSY), what="the step")
+        self.assertEqual(self.browser.run("return document.activeElement.id"), "primary")  # keeps the focus
+        self.browser.run("document.getElementById('cancel').click()")
+        shown = self.idle(20.0)
+        self.assertIn(shown["states"][3], ("failed", "done"))  # it may have ended before
+        self.choose("Look-up table")
+        self.browser.click("#skip")
+        wait_for(lambda: "skipped" in self.idle()["states"], what="a skipped step")
+
+    def check_what_a_view_only_link_shows(self):
+        self.open("look")
+        self.assertIn("View only", self.browser.text("#why"))
+        self.assertIn("skipped", self.browser.run(WHERE)["states"])
+        self.choose("Settle time")
+        self.assertFalse(self.browser.run(WHERE)["can"])
+        self.browser.run("document.getElementById('primary').click()")  # does nothing
+        self.assertIsNone(json.loads(self.ask("GET", "/commission", token=self.tokens["look"])[2])["running"])
+        self.assertEqual(self.ask("POST", "/commission", b'{"action":"run","step":"settle"}', self.tokens["look"])[0], 403)
+        self.assertEqual(self.ask("GET", "/commission")[0], 401)
+        self.open("control")
+
+
+    def check_axe(self):
+        self.browser.run((PACKAGES_AT / "node_modules" / "axe-core" / "axe.min.js").read_text())
+        for width, scheme in ((1440, "light"), (390, "light"), (1440, "dark"), (390, "dark")):
+            self.browser.resize(width, 900)
+            self.browser.ask("colours", scheme=scheme)
+            found = self.browser.run("return (await axe.run()).violations")
+            self.assertEqual([(v["id"], v["nodes"][0]["html"]) for v in found], [], (width, scheme))
+            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
+
+
+PACKAGES_AT = browser_packages()
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,333 @@
+"""The live page in a real browser: the bar of daily controls, the camera's panel, folding panels, and what a page without control shows."""
+import io
+import re
+import time
+
+import numpy
+from PIL import Image
+
+from case import main, wait_for
+from web_case import ADDRESS, Browser, WebCase, browser_packages
+
+PANELS = "return [...document.querySelectorAll('main > section')].filter((s) => s.offsetHeight > 0).map((s) => s.id)"
+READOUT = re.compile(r"x (\d+), y (\d+)(?: \((\d+), (\d+) in the region\))?: (\d+) DN, ([\d.]+) % of full scale(.*)")
+WHY = """const shown = (e) => e && e.offsetParent !== null && e.textContent !== "";
+    return [...document.querySelectorAll(":is(button, input, select):disabled")].filter((e) => e.offsetParent !== null)
+        .filter((e) => !e.title || !(e.getAttribute("aria-describedby") ?? "").split(" ").some((id) => shown(document.getElementById(id)) && document.getElementById(id).textContent === e.title))
+        .map((e) => e.outerHTML)"""
+
+
+class PageCase(WebCase):
+    small = True
+    daemon_config = {"record": {"directory": "recordings"}}
+
+    def setUp(self):
+        if not PACKAGES_AT:
+            self.skipTest("no Playwright: npm and a network are needed once")
+        super().setUp()
+        self.take_reference()
+        self.browser = Browser(PACKAGES_AT)
+        self.addCleanup(self.browser.close)
+        self.browser.resize(1440, 900)
+        self.open("control")
+
+    def open(self, link):
+        self.browser.open("about:blank")
+        self.browser.open(self.links[link])
+        self.browser.wait_text("#camera-sub", lambda text: "frame" in text)
+
+    def check_console(self):
+        self.assertEqual([line for line in self.browser.ask("said") if ADDRESS in line], [])
+
+    def settings(self):
+        return self.call("camera.get")["settings"]
+
+    def press(self, text, within="#bar .fields"):
+        self.browser.click(f"{within} button >> text=/^{text}/")
+
+    def check_box(self, selector):
+        """Checks that the element is in the window as a whole, and returns its box."""
+        left, top, width, height = self.browser.box(selector)
+        window = self.browser.run("return [innerWidth, innerHeight]")
+        self.assertGreater(width * height, 0, selector)
+        self.assertTrue(left >= 0 and top >= 0 and left + width <= window[0] and top + height <= window[1], f"{selector}: {left, top, width, height} in {window}")
+        return left, top, width, height
+
+    def readout(self):
+        text = self.browser.text("#camera-readout")
+        found = READOUT.fullmatch(text)
+        self.assertTrue(found, text)
+        return found
+
+    def zoom(self):
+        return float(self.browser.run("return (document.querySelector('#camera-sub').textContent.match(/([\\d.]+) \u00d7$/) ?? [0, 0])[1]"))
+
+
+class Bar(PageCase):
+    def check_full_screen(self):
+        self.browser.click("#camera-tools >> text=Full screen")
+        wait_for(lambda: self.browser.run(PANELS) == ["camera"], what="the camera alone")
+        self.check_box("#camera-canvas")
+        self.check_box("#bar .wide input[type=range]")
+        self.browser.click("#camera-tools >> text=Full screen")
+        wait_for(lambda: len(self.browser.run(PANELS)) > 5, what="all panels")
+
+    def test_camera_and_daily_controls_are_in_one_view(self):
+        _, _, width, height = self.check_box("#camera-canvas")
+        self.assertGreater(min(width, height), 500)
+        self.check_full_screen()
+        for selector in ("#bar .wide input[type=range]", "#bar .wide input[type=number]", "#bar .wide button", "#saturation", "#map-canvas"):
+            self.check_box(selector)
+        for width, height in ((1440, 900), (390, 844)):
+            self.browser.resize(width, height)
+            self.browser.run("scrollTo(0, document.body.scrollHeight)")
+            wait_for(lambda: self.browser.run("return scrollY") > 500, what="a page that is scrolled")
+            self.check_box("#bar .wide input[type=range]")
+            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
+        self.assertLess(self.browser.box("#bar")[3], 100)
+        self.assertEqual(self.browser.run("return [...document.querySelectorAll('#bar .field')].filter((f) => f.offsetParent).length"), 1)
+        self.browser.click("#more")
+        self.assertEqual(self.browser.run("return [...document.querySelectorAll('#bar .field')].filter((f) => f.offsetParent).length"), 6)
+        self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), 390)
+        self.browser.click("#menu-button")
+        self.browser.click("#menu button >> text=/^Camera$/")
+        wait_for(lambda: 0 < self.browser.box("#camera")[1] < 400, what="the camera's panel below the bar")
+        self.browser.click("#camera .fold")
+        self.browser.click("#map .fold")
+        self.open("control")
+        self.browser.wait_text("#camera-sub", lambda text: "frame" in text)
+        folded = "return [...document.querySelectorAll('.folded')].map((s) => s.id)"
+        self.assertEqual(self.browser.run(folded), ["camera", "map"])
+        self.browser.click("#menu-button")
+        self.browser.click("#menu button >> text=/^Camera$/")
+        self.assertEqual(self.browser.run(folded), ["map"])
+        self.check_console()
+
+    def test_every_control_of_the_bar_acts_on_the_bench(self):
+        browser = self.browser
+        browser.run("""const slider = document.querySelector("#bar .wide input[type=range]");
+            slider.value = "3.2"; slider.dispatchEvent(new Event("input", {bubbles: true}))""")
+        wait_for(lambda: self.settings()["exposure_us"] == 1585.0, what="the slider's exposure")
+        browser.fill("#bar .wide input[type=number]", "1200")
+        browser.press("Enter")
+        wait_for(lambda: self.settings()["exposure_us"] == 1200.0, what="the exposure as a number")
+        browser.fill("#bar .field:nth-child(2) input[type=number]", "3")
+        browser.press("Enter")
+        wait_for(lambda: self.settings()["gain_db"] == 3.0, what="the gain")
+        browser.wait_text("#bar .fields", lambda text: "stale" in text)
+        taken = self.call("reference.get")["t_taken_ns"]
+        self.press("Take 100")
+        wait_for(lambda: self.call("reference.get")["t_taken_ns"] != taken, what="a new reference")
+        self.wait_until("running")
+        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.1}]})
+        browser.wait_text("#bar .fields", lambda text: "0.100 wave RMS" in text)
+        self.press("Clear$")
+        wait_for(lambda: self.call("aberration.get")["modes"] == [], what="no aberration")
+        self.press("Close")
+        wait_for(lambda: self.call("loop.get")["closed"], what="a closed loop")
+        self.press("Open")
+        wait_for(lambda: not self.call("loop.get")["closed"], what="an open loop")
+        self.press("Record")
+        wait_for(lambda: self.call("record.get")["state"] == "recording", what="a recording")
+        self.press("Stop")
+        wait_for(lambda: self.call("record.get")["state"] == "ended", what="its end")
+        self.call("camera.set", {"exposure_us": 200.0, "gain_db": 0.0})
+        self.browser.wait_text("#saturation", lambda text: "Raise the exposure" in text)
+        self.press("Auto")
+        wait_for(lambda: self.settings()["exposure_us"] > 800.0, what="a longer exposure")
+        self.browser.wait_text("#saturation", lambda text: re.search(r" [5-9]\d % of full scale", text))
+        self.check_console()
+
+    def test_findings_lead_to_their_remedy(self):
+        self.call("camera.set", {"exposure_us": 9000.0})
+        self.browser.wait_text("#verdict", lambda text: "spots saturated" in text)
+        self.browser.wait_text("#saturation", lambda text: "spots are measured wrong" in text)
+        self.browser.click("#verdict button >> text=Set the exposure")
+        wait_for(lambda: self.settings()["exposure_us"] < 6000.0, what="a shorter exposure")
+        self.wait_until("running")
+        self.call("camera.set", {"exposure_us": 1000.0})
+        self.browser.click("header button >> text=Take a new one")
+        self.browser.wait_text("header", lambda text: "another gain" not in text)
+        self.call("slm.show", {"pattern": "grating"})
+        self.browser.click("header button >> text=Show the sensor's hologram")
+        wait_for(lambda: self.call("system.status")["slm"]["pattern"] == "sensor", what="the sensor's hologram")
+        self.call("reference.clear")
+        self.browser.click("header button >> text=Take a reference")
+        wait_for(lambda: self.call("reference.get")["taken"], what="a reference")
+        self.check_console()
+
+    def test_without_control_everything_that_is_disabled_says_why(self):
+        self.assertEqual(self.browser.run(WHY), [])
+        self.call("reference.clear")
+        self.browser.wait_text("#bar .fields", lambda text: "Needs a reference." in text)
+        self.assertEqual(self.browser.run(WHY), [])
+        self.open("look")
+        self.browser.wait_text("#bar-why", lambda text: text.startswith("View only"))
+        wait_for(lambda: self.browser.run("return document.querySelector('header button.call')?.disabled"), what="a remedy that is disabled")
+        self.browser.click("#camera-tools >> text=Region")
+        self.assertGreater(self.browser.run("return document.querySelectorAll(':disabled').length"), 15)
+        self.assertEqual(self.browser.run(WHY), [])
+
+
+class Camera(PageCase):
+    def check_axe(self):
+        browser = self.browser
+        browser.run((PACKAGES_AT / "node_modules" / "axe-core" / "axe.min.js").read_text())
+        self.call("camera.set", {"exposure_us": 9000.0})
+        browser.wait_text("#verdict", lambda text: "saturated" in text)
+        for theme, width, mode in (("dark", 1440, "Region"), ("light", 390, "Profile")):
+            browser.run("document.documentElement.dataset.theme = arguments[0]", theme)
+            browser.resize(width, 900)
+            browser.click(f"#camera-tools >> text={mode}")
+            browser.click("#menu-button")
+            grave = [(v["id"], v["nodes"][0]["html"]) for v in browser.run("return (await axe.run()).violations") if v["impact"] in ("serious", "critical")]
+            self.assertEqual(grave, [], f"{theme}, {width} px")
+            browser.press("Escape")
+            self.assertLessEqual(browser.run("return document.documentElement.scrollWidth"), width)
+
+    def canvas_at(self, x, y):
+        """Window position of a part of the canvas."""
+        left, top, width, height = self.browser.box("#camera-canvas")
+        return left + x * width, top + y * height
+
+    def test_zoom_pan_and_the_value_of_a_pixel(self):
+        browser = self.browser
+        middle = self.canvas_at(0.5, 0.5)
+        browser.mouse(("move", *middle), *[("wheel", 0, -200)] * 4)
+        fitted = min(browser.box("#camera-canvas")[2:]) / 512
+        wheeled = wait_for(lambda: (now := self.zoom()) > 3.8 * fitted and now, what="a zoom by four steps of 1.4")
+        x, y = (int(self.readout()[k]) for k in (1, 2))
+        self.assertTrue(250 <= x <= 262 and 250 <= y <= 262, (x, y))
+        browser.drag(middle, (middle[0] - 200, middle[1] + 100))
+        browser.mouse(("move", *middle))
+        moved = [int(self.readout()[k]) for k in (1, 2)]
+        self.assertAlmostEqual(moved[0] - x, 200 / wheeled, delta=2)
+        self.assertAlmostEqual(y - moved[1], 100 / wheeled, delta=2)
+        browser.mouse(("down",), ("up",), ("move", 5, 5))
+        wait_for(lambda: [int(self.readout()[k]) for k in (1, 2)] == moved, what="the marked pixel")
+        browser.press("Shift+ArrowRight")
+        wait_for(lambda: [int(self.readout()[k]) for k in (1, 2)] == [moved[0] + 1, moved[1]], what="the next pixel")
+        browser.press("Escape")
+        browser.wait_text("#camera-readout", lambda text: "Point at the image" in text)
+        browser.press("+")
+        wait_for(lambda: abs(self.zoom() / wheeled - 1.4) < 0.02, what="the key's zoom")
+        browser.press("0")
+        wait_for(lambda: self.zoom() == 0, what="the whole image")
+        browser.pinch(middle, 100.0, 250.0)
+        wait_for(lambda: abs(self.zoom() / fitted - 2.5) < 0.1, what="a zoom by what the fingers move apart")
+        browser.press("0")
+        browser.click("#camera-tools >> text=1:1")
+        wait_for(lambda: self.zoom() == 1.0 or self.zoom() == 0, what="pixel by pixel")
+        browser.click("#camera-tools >> text=Fit")
+        self.check_console()
+
+    def test_a_frozen_image_is_saved_as_the_camera_made_it(self):
+        browser, images = self.browser, self.stream("image", endpoint="tcp://127.0.0.1:7703")
+        kept = {}
+        browser.click("#camera-tools >> text=Freeze")
+        frame = int(browser.wait_text("#camera-badge", lambda text: text.startswith("Frozen")).split()[2].strip(","))
+        while frame not in kept and (message := images.next(1.0)):
+            kept[message["frame_id"]] = message
+            if message["frame_id"] > frame:
+                break
+        name, png = browser.download("#camera-tools >> text=Raw")
+        self.assertRegex(name, r"ovws-camera-raw-\d{8}-\d{6}\.png")
+        pixels = numpy.asarray(Image.open(io.BytesIO(png)))
+        self.assertEqual((pixels.shape, pixels.dtype), ((512, 512), numpy.uint8))
+        if frame in kept:
+            self.assertEqual(pixels.tobytes(), kept[frame]["binary"])
+        browser.mouse(("move", *self.canvas_at(0.51, 0.5)))
+        x, y, _, _, level, share, _ = self.readout().groups()
+        self.assertEqual(int(level), pixels[int(y), int(x)])
+        self.assertAlmostEqual(float(share), 100 * int(level) / 255, delta=0.06)
+        time.sleep(0.5)
+        self.assertIn(f"frame {frame}", browser.text("#camera-sub"))
+        view = Image.open(io.BytesIO(browser.download("#camera-tools >> text=PNG")[1]))
+        self.assertEqual(view.size, tuple(browser.run("const c = document.querySelector('#camera-canvas'); return [c.width, c.height]")))
+        browser.click("#camera-tools >> text=Freeze")
+        wait_for(lambda: f"frame {frame}" not in browser.text("#camera-sub"), what="newer frames")
+        self.check_console()
+
+    def test_profile_histogram_and_colours(self):
+        browser = self.browser
+        browser.click("#camera-tools >> text=Profile")
+        browser.drag(self.canvas_at(0.3, 0.4), self.canvas_at(0.7, 0.6))
+        length = float(re.search(r"along ([\d.]+) px", browser.wait_text("#profile-text", lambda text: "DN along" in text))[1])
+        width, height = self.browser.box("#camera-canvas")[2:]
+        zoom = min(width, height) / 512
+        self.assertAlmostEqual(length, ((0.4 * width) ** 2 + (0.2 * height) ** 2) ** 0.5 / zoom, delta=3)
+        colours = """const c = document.querySelector(arguments[0]);
+            return new Set(new Uint32Array(c.getContext("2d").getImageData(0, 0, c.width, c.height).data.buffer)).size"""
+        for canvas in ("#profile-canvas", "#histogram-canvas"):
+            self.assertGreater(browser.run(colours, canvas), 3, canvas)
+        coloured = """const c = document.querySelector("#camera-canvas"); const d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data;
+            let n = 0; for (let i = 0; i < d.length; i += 4) if (Math.max(d[i], d[i + 1], d[i + 2]) - Math.min(d[i], d[i + 1], d[i + 2]) > 60) n += 1; return n"""
+        browser.run("for (const id of ['marks', 'regions']) document.querySelector(`#show-${id}`).click()")
+        browser.click("#camera-tools >> text=Move")
+        wait_for(lambda: browser.run(coloured) < 50, what="a grey image without marks")
+        self.call("camera.set", {"exposure_us": 9000.0})
+        wait_for(lambda: browser.run(coloured) > 2000, what="saturated pixels in their colour")
+        self.call("camera.set", {"exposure_us": 1000.0})
+        wait_for(lambda: browser.run(coloured) < 50, what="no saturated pixel")
+        browser.run("const s = document.querySelector('#camera-scale'); s.value = 'heat'; s.dispatchEvent(new Event('change'))")
+        wait_for(lambda: browser.run(coloured) > 2000, what="false colours")
+        self.check_axe()
+        self.check_console()
+
+    def test_a_region_is_dragged_shown_and_applied(self):
+        browser = self.browser
+        browser.click("#camera-tools >> text=Region")
+        browser.drag(self.canvas_at(0.2, 0.1), self.canvas_at(0.8, 0.9))
+        numbers = "return [...document.querySelectorAll('#region input')].map((i) => Number(i.value))"
+        x, y, width, height = browser.run(numbers)
+        self.assertEqual((x % 4, width % 4, height % 2), (0, 0, 0))
+        self.assertIn(f"Sets {width} \u00d7 {height} px at ({x}, {y})", browser.text("#region"))
+        self.assertEqual(self.settings()["roi"]["width"], 512)
+        self.press("Cancel", "#region")
+        self.assertEqual(self.settings()["roi"]["width"], 512)
+        browser.click("#camera-tools >> text=Region")
+        browser.fill("#region input:nth-of-type(1)", "17")
+        browser.fill("#region input:nth-of-type(3)", "9999")
+        browser.press("Tab")
+        self.assertEqual(browser.run(numbers), [0, 0, 1024, 512])
+        self.press("Whole", "#region")
+        self.press("Apply", "#region")
+        wait_for(lambda: self.settings()["roi"] == {"x": 0, "y": 0, "width": 1024, "height": 1024}, what="the whole sensor")
+        browser.click("#camera-tools >> text=Region")
+        browser.wait_text("#camera-sub", lambda text: text.startswith("1024 \u00d7 1024"))
+        browser.drag(self.canvas_at(0.1, 0.1), self.canvas_at(0.6, 0.6))
+        self.press("Apply", "#region")
+        roi = wait_for(lambda: (now := self.settings()["roi"])["width"] < 1024 and now, what="the dragged region")
+        browser.wait_text("#camera-sub", lambda text: text.startswith(f"{roi['width']} \u00d7 {roi['height']}"))
+        browser.mouse(("move", *self.canvas_at(0.5, 0.5)))
+        sensor_x, _, x, *_ = wait_for(lambda: (found := READOUT.fullmatch(browser.text("#camera-readout"))) and found[3] and found, what="both coordinates").groups()
+        self.assertEqual(int(sensor_x), roi["x"] + int(x))
+        self.check_console()
+
+
+class LargeCamera(PageCase):
+    twin_config = {"camera": {"sensor_width": 2048, "sensor_height": 2048}}
+    daemon_config = {"camera": {"roi": {"width": 2048, "height": 2048}, "frame_rate_hz": 10.0}}
+
+    def test_all_pixels_are_there_when_zoomed_in(self):
+        browser = self.browser
+        browser.wait_text("#camera-badge", lambda text: text == "reduced by 2; zoom in for all pixels")
+        left, top, width, height = browser.box("#camera-canvas")
+        browser.mouse(("move", left + width / 3, top + height / 3))
+        self.assertEqual(self.readout()[7], ", mean of 2 \u00d7 2 pixels")
+        browser.mouse(*[("wheel", 0, -300)] * 6)
+        wait_for(lambda: READOUT.fullmatch(browser.text("#camera-readout"))[7] == "", what="a value of one pixel")
+        wait_for(lambda: browser.run("return document.querySelector('#camera-badge').hidden"), what="no word about reduction")
+        fetched = "return performance.getEntriesByType('resource').filter((e) => e.name.includes('/image?')).length"
+        before = browser.run(fetched)
+        time.sleep(1.0)
+        self.assertLess(browser.run(fetched) - before, 15)  # once for each of at most ten images
+        browser.click("#camera-tools >> text=Freeze")
+        browser.click("#camera-tools >> text=Fit")
+        browser.wait_text("#camera-badge", lambda text: text.startswith("Frozen") and "reduced" not in text)
+        self.check_console()
+
+
+if __name__ == "__main__":
+    PACKAGES_AT = browser_packages()  # before the network namespace removes the network
+    main()
