@@ -181,7 +181,8 @@ def main():
             bench.start_daemon({"state": {"directory": str(bench.directory / "state")}, "record": {"directory": str(recordings)}})
             Demo(bench, arguments.out.resolve()).run()
             if arguments.keep:
-                print(f"\nrunning: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C stops it\n"
+                print(f"\nlive page: {start_page(bench)}\n"
+                      f"running: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C stops it\n"
                       f"to check it: DISPLAY={bench.display} {name_of_ovws(bench)} doctor --config {bench.directory / 'ovwsd.json'}", flush=True)
                 wait_for_ctrl_c()
     except KeyboardInterrupt:
@@ -191,6 +192,14 @@ def main():
         print(f"ovws demo: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def start_page(bench):
+    """Starts the live page and returns its address, with control."""
+    page = bench.start("ovws-web", [bench.programs / "ovws-web", "--control"])
+    page.wait_for_line("ready", 10.0)
+    links = dict(line.split() for line in (bench.directory / "ovws-web.out").read_text().splitlines())
+    return links["control"]
 
 
 def name_of_ovws(bench):

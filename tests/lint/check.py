@@ -38,7 +38,7 @@ VENDORS = {
 }
 USERS_OF_DRIVER = {"hdf5": ("record", "replay"), "zmq": ("twin",)}  # drivers that other drivers use
 # Each program creates threads in one place only.
-THREAD_OWNERS = ("daemon/ovwsd/threads/thread_plan.", "daemon/ovws/doctor/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
+THREAD_OWNERS = ("daemon/commission/conductor.", "daemon/ovwsd/threads/thread_plan.", "daemon/ovws/doctor/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
 CODE = ("*.hpp", "*.cpp", "*.inc")
 MOST_LINES = 500
 MOST_FUNCTION_LINES = 60
