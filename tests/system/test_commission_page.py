@@ -1,4 +1,4 @@
-"""The page Commission in a real browser: clicking through it mends a bench with faults; what is left is judged by the twin's truth."""
+"""The page Commission in a real browser: clicking through it repairs a bench with faults; what is left is judged by the twin's truth."""
 import json
 import time
 
@@ -48,15 +48,15 @@ class Faults(CommissionCase):
     twin_config = {"camera": {"mirror": "x"}, "aberration": hidden_aberration(0.5), "light": {"peak_electrons": 60000}}
     daemon_config = {"camera": {"exposure_us": 9900.0}}  # as long as the frame rate allows
 
-    def test_clicking_through_mends_the_bench(self):
-        told, begun, shown = [], time.monotonic(), self.idle()
+    def test_clicking_through_repairs_the_bench(self):
+        reports, begun, shown = [], time.monotonic(), self.idle()
         while shown["primary"]:
-            self.assertLess(time.monotonic() - begun, 300.0, told)
+            self.assertLess(time.monotonic() - begun, 300.0, reports)
             self.assertTrue(shown["can"], shown)
-            told.append((shown["title"], shown["primary"], shown["verdict"]))
-            print(f"{time.monotonic() - begun:6.1f} s", *told[-1], sep="  ", flush=True)
+            reports.append((shown["title"], shown["primary"], shown["verdict"]))
+            print(f"{time.monotonic() - begun:6.1f} s", *reports[-1], sep="  ", flush=True)
             shown = self.click_primary()
-        self.assertEqual(set(shown["states"]), {"done"}, told)
+        self.assertEqual(set(shown["states"]), {"done"}, reports)
         self.assertIn("commissioned", self.browser.text("#end-title"))
         self.assertFalse(self.browser.run("return document.getElementById('end').hidden"))
         left = self.twin.call("twin.get", {"judge": "sensor"})["wavefront"]["rms_waves"]
@@ -71,7 +71,7 @@ class Controls(CommissionCase):
     def choose(self, title):
         self.browser.click(f"#steps button:has(.name:text-is('{title}'))")
 
-    def test_a_wrong_output_is_told_and_mended_by_its_offer(self):
+    def test_a_wrong_output_is_reported_and_repaired_by_its_offer(self):
         self.choose("SLM output")
         shown = self.click_primary()
         self.assertIn("DUMMY2", shown["verdict"])

@@ -7,7 +7,7 @@ import { showFacts } from "./bench.js";
 
 const MIB = 2 ** 20;
 let name = null; // the field of the file name, for users with control rights
-let every = null; // the field of pictures_every, likewise
+let every = null; // the field of pictures_every, for users with control rights
 let estimated = ""; // camera settings of the estimate
 let isRecording = false;
 
