@@ -101,4 +101,20 @@ FringeReading read_fringe(const Image<float>& light, const FringePatches& patche
   return reading;
 }
 
+PxPerCycle find_fringe_rotation(const Image<float>& light, const FringePatches& patches,
+                                Vec2 base_px, double scale) {
+  PxPerCycle best = scale;
+  double most = -1.0;
+  for (int degrees = 0; degrees < 180; ++degrees) {
+    const double c = scale * std::cos(degrees * std::numbers::pi / 180.0);
+    const double s = scale * std::sin(degrees * std::numbers::pi / 180.0);
+    const PxPerCycle map{c, -s, s, c};
+    const double beat = std::abs(read_fringe(light, patches, base_px, map).beat);
+    if (beat <= most) continue;
+    most = beat;
+    best = map;
+  }
+  return best;
+}
+
 }  // namespace ovws

@@ -57,4 +57,10 @@ struct FringeReading {
 FringeReading read_fringe(const Image<float>& light, const FringePatches& patches, Vec2 base_px,
                           const PxPerCycle& map);
 
+/// The map of a camera that was not registered, as far as read_fringe needs it: the rotation of
+/// `scale`, in steps of 1 degree, whose beat in this image is the largest. It may be off by 180
+/// degrees, or be a reflection instead, neither of which the fringes tell.
+PxPerCycle find_fringe_rotation(const Image<float>& light, const FringePatches& patches,
+                                Vec2 base_px, double scale);
+
 }  // namespace ovws

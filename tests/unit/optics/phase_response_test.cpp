@@ -162,6 +162,31 @@ class Bench {
   Image<std::uint8_t> grey_;
 };
 
+TEST(GreyFringe, TellsTheRotationOfTheCamera) {
+  const double scale = 1928.3;
+  const FringePatches patches = fringe_patches(SensorConfig{}, scale, 0.5);
+  constexpr int kSide = 128;
+  const Vec2 base{60.0, 66.5};
+  const auto dot = [](Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; };
+  for (const double degrees : {0.0, 30.0, 117.0, 179.0}) {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    const Vec2 per_px = patches.distance_px / scale * Vec2{std::cos(angle), std::sin(angle)};
+    Image<float> light(kSide, kSide);
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        const Vec2 from = Vec2{double(x), double(y)} - base;
+        const double fringe =
+            1.0 + 0.5 * std::cos(2.0 * std::numbers::pi * dot(from, per_px) + 1.0);
+        light.at(x, y) = float(2.0 + 80.0 * std::exp(-dot(from, from) / 200.0) * fringe);
+      }
+    }
+    const PxPerCycle map = find_fringe_rotation(light, patches, base, scale);
+    EXPECT_NEAR(map.xx, scale * std::cos(angle), 0.03 * scale) << degrees;
+    EXPECT_NEAR(map.yx, scale * std::sin(angle), 0.03 * scale) << degrees;
+    EXPECT_NEAR(map.scale(), scale, 1e-6);
+  }
+}
+
 TEST(PhaseResponse, IsFoundFromIdealBeatsWhateverTheCurve) {
   for (const double depth : {0.4, 0.9, 1.0, 1.2, 2.5}) {
     for (const double gamma : {0.8, 1.0, 1.4, 2.0}) {
