@@ -30,7 +30,9 @@ Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm, bool fine) {
   const double most = std::min(double(kFineFrames), kFineS * settings.frame_rate_hz);
   const auto image = bench.picture(fine ? std::max(kFrames, int(most)) : kFrames);
   if (!image) return fail(image.error());
-  return judge_exposure(on_plane(*image, lit.plane), expected_spots(*now, slm, lit), settings);
+  const auto expected = expected_spots(*now, slm, lit);
+  if (!expected) return fail(expected.error());
+  return judge_exposure(on_plane(*image, lit.plane), *expected, settings);
 }
 
 /// Search for the exposure with which the brightest pixels are at the target.
@@ -67,6 +69,18 @@ class ExposureSearch {
     if (!look.lit) return kStep;
     const double wanted = asked_.target * look.full - look.dark;
     return std::clamp(wanted / (look.brightest - look.dark), 1.0 / kStep, kMaxRise);
+  }
+
+  /// The same, between the exposures that were found too long and too short at this gain: stray
+  /// light that is brighter than the spots misleads `factor` otherwise to and fro.
+  double bracketed(const ExposureLook& look) {
+    if (previous_ && !same_gain(previous_->settings, look.settings))
+      too_long_us_ = too_short_us_ = {};
+    const double now_us = look.settings.exposure_us, by = factor(look);
+    (by < 1.0 ? too_long_us_ : too_short_us_) = now_us;
+    const auto& other = by < 1.0 ? too_short_us_ : too_long_us_;
+    const bool is_beyond = other && (by < 1.0 ? by * now_us <= *other : by * now_us >= *other);
+    return is_beyond ? std::sqrt(*other / now_us) : by;
   }
 
   struct Limit {
@@ -106,7 +120,7 @@ class ExposureSearch {
     if (!limits) return fail(disconnected());
     if (!look.lit && !look.saturated() && look.fraction() > kEven) return fail(even(look));
     if (auto rises = check_rises(look); !rises) return fail(rises.error());
-    const double now_us = look.settings.exposure_us, by = factor(look);
+    const double now_us = look.settings.exposure_us, by = bracketed(look);
     const Limit most = longest(look.settings, *limits);
     const double least_us = std::min(limits->exposure_us.min, most.us);
     if (by > 1.0 && now_us * kSame >= most.us) return fail(too_dark(look, most));
@@ -209,6 +223,7 @@ class ExposureSearch {
   const SlmGeometry slm_;
   const AutoExposure asked_;
   std::optional<ExposureLook> previous_;
+  std::optional<double> too_long_us_, too_short_us_;
 };
 
 }  // namespace

@@ -1,17 +1,26 @@
 #include "daemon/ovwsd/procedures/exposure_look.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <vector>
+
+#include "core/optics/lattice.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr double kSignificance = 6.0;  // of light, in standard deviations of the background
-constexpr double kDarkShare = 0.05;    // fraction of the pixels that are darker than `dark`
-constexpr double kHotContrast = 10.0;  // a hot pixel exceeds all its neighbours by this factor
-constexpr double kResolvedPx = 1.5;    // narrower spots may look like hot pixels
-constexpr double kPercentile = 0.8;    // of the spots' brightest pixels
-constexpr double kApart = 1.5;         // lambda/d between peaks of two spots
+constexpr double kSignificance = 6.0;    // of light, in standard deviations of the background
+constexpr double kDarkShare = 0.05;      // fraction of the pixels that are darker than `dark`
+constexpr double kHotContrast = 10.0;    // a hot pixel exceeds all its neighbours by this factor
+constexpr double kResolvedPx = 1.5;      // narrower spots may look like hot pixels
+constexpr std::array kShares{0.6, 0.4};  // of the spots that must be about equally bright
+constexpr int kMinEven = 6;              // ... but more than the first side lobes
+constexpr double kBeyondFull = 2.0;      // height that a saturated peak may have, per full scale
+constexpr double kPercentile = 0.8;      // of these spots' brightest pixels
+constexpr int kMorePeaks = 2;            // peaks that are looked at, relative to the spots
+constexpr double kApart = 1.5;           // lambda/d between peaks of two spots, and ...
+constexpr double kOfSpacing = 0.7;       // ... this share of the distance between two spots
 
 float or_full(float dn, double full) {
   return std::isnan(dn) ? float(full) : dn;
@@ -63,31 +72,74 @@ std::vector<Peak> tile_peaks(const Image<float>& image, int side, bool skip_hot,
   return peaks;
 }
 
-/// As many peaks as there are spots, the brightest first, kApart apart.
-std::vector<Peak> brightest_peaks(const Image<float>& image, const ExpectedSpots& expected,
-                                  double dark, double full) {
-  const double apart_px = std::max(1.0, kApart * expected.size_px);
+/// Heights of peaks above the black level, the highest first: more than there are spots, because a
+/// zeroth order has side lobes that are brighter than spots.
+std::vector<double> peak_heights(const Image<float>& image, const ExpectedSpots& expected,
+                                 double dark, double full) {
+  const double apart_px = std::max(1.0, expected.apart_px);
   auto all =
       tile_peaks(image, int(std::ceil(apart_px)), expected.size_px >= kResolvedPx, dark, full);
   std::sort(all.begin(), all.end(), [](const Peak& a, const Peak& b) { return a.dn > b.dn; });
   std::vector<Peak> found;
   for (const Peak& peak : all) {
-    if (int(found.size()) == expected.count) break;
+    if (int(found.size()) == kMorePeaks * expected.count) break;
     const bool is_near = std::any_of(found.begin(), found.end(), [&](const Peak& other) {
       return std::hypot(peak.x - other.x, peak.y - other.y) < apart_px;
     });
     if (!is_near) found.push_back(peak);
   }
-  return found;
+  std::vector<double> heights;
+  for (const Peak& peak : found) heights.push_back(peak.dn - dark);
+  return heights;
+}
+
+double smallest_spacing_cpp(const Lattice& lattice) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < lattice.subapertures.size(); ++k) {
+    for (std::size_t i = 0; i < k; ++i) {
+      least = std::min(least, norm(lattice.subapertures[k].frequency_cpp -
+                                   lattice.subapertures[i].frequency_cpp));
+    }
+  }
+  return std::isfinite(least) ? least : 0.0;
+}
+
+/// The height of the spots among lit peaks; `full` is that of a saturated peak. Spots are many and
+/// about equally bright, side lobes of a zeroth order are not: of all runs of successive peaks,
+/// that which is the most even, the brightest and the longest.
+double height_of_spots(const std::vector<double>& heights, int count, double full) {
+  const auto rank = [](int length) { return std::size_t((1.0 - kPercentile) * length); };
+  double best = 0.0;
+  double height = heights[std::min(rank(count), heights.size() - 1)];
+  for (const double share : kShares) {
+    const int length = std::max(int(std::ceil(share * count)), kMinEven);
+    for (std::size_t first = 0; first + std::size_t(length) <= heights.size(); ++first) {
+      const double top = heights[first] < full ? heights[first] : kBeyondFull * full;
+      const double last = heights[first + std::size_t(length) - 1], evenness = last / top;
+      const double score = last * evenness * evenness * share;
+      if (score <= best) continue;
+      best = score;
+      height = heights[first + rank(length)];
+    }
+  }
+  return height;
 }
 
 }  // namespace
 
-ExpectedSpots expected_spots(const SensorSnapshot& now, const SlmGeometry& slm,
-                             const LitPixels& lit) {
+Result<ExpectedSpots> expected_spots(const SensorSnapshot& now, const SlmGeometry& slm,
+                                     const LitPixels& lit) {
   const double spot_px = lambda_d_px(now.optics, slm, now.sensor) / lit.plane.step;
-  if (now.pattern == HologramKind::sensor) return {now.subapertures, spot_px};
-  return {1, spot_px / now.sensor.subapertures_across};  // the whole pupil's spot
+  if (now.pattern != HologramKind::sensor) {
+    const double whole_pupil_px = spot_px / now.sensor.subapertures_across;
+    return ExpectedSpots{1, whole_pupil_px, kApart * whole_pupil_px};
+  }
+  const auto lattice = make_lattice(now.sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  const double px_per_cpp = camera_px_per_cycle(now.optics, slm) / lit.plane.step;
+  const double nearest_px = px_per_cpp * smallest_spacing_cpp(*lattice);
+  return ExpectedSpots{now.subapertures, spot_px,
+                       std::max(kApart * spot_px, kOfSpacing * nearest_px)};
 }
 
 ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expected,
@@ -104,11 +156,15 @@ ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expe
   const float median = quantile(values, 0.5);
   for (float& value : values) value = std::abs(value - median);
   const double noise = 1.4826 * double(quantile(values, 0.5));  // of a normal distribution
-  const std::vector<Peak> peaks = brightest_peaks(image, expected, look.dark, look.full);
-  if (peaks.empty()) return look;
-  const auto rank = std::size_t((1.0 - kPercentile) * expected.count);
-  look.brightest = peaks[std::min(rank, peaks.size() - 1)].dn;
-  look.lit = look.brightest - double(median) > std::max(1.0, kSignificance * noise);
+  auto heights = peak_heights(image, expected, look.dark, look.full);
+  if (heights.empty()) return look;
+  look.brightest = look.dark + heights.front();
+  const double least = double(median) - look.dark + std::max(1.0, kSignificance * noise);
+  std::erase_if(heights, [&](double height) { return height <= least; });
+  look.lit = !heights.empty();
+  if (look.lit) {
+    look.brightest = look.dark + height_of_spots(heights, expected.count, look.full - look.dark);
+  }
   if (look.brightest >= look.full) look.brightest = NAN;
   return look;
 }

@@ -25,17 +25,20 @@ struct ExposureLook {
 /// What the image should contain.
 struct ExpectedSpots {
   int count = 1;
-  double size_px = 1.0;  ///< lambda/d of a spot, in the pixels that the laser reaches
+  double size_px = 1.0;   ///< lambda/d of a spot, in the pixels that the laser reaches
+  double apart_px = 1.0;  ///< between two spots, at least
 };
 
 /// The spots of the pattern that the SLM shows, on the pixels `lit` that the laser reaches.
-ExpectedSpots expected_spots(const SensorSnapshot& now, const SlmGeometry& slm,
-                             const LitPixels& lit);
+Result<ExpectedSpots> expected_spots(const SensorSnapshot& now, const SlmGeometry& slm,
+                                     const LitPixels& lit);
 
 /// Evaluates a mean image in DN whose saturated pixels are NaN, taken with `settings`. `brightest`
-/// is the 80th percentile of the brightest pixels of as many peaks as there are spots, at least 1.5
-/// lambda/d apart: a zeroth order in view does not count. Pixels that are ten times as bright as
-/// all their neighbours are left out, unless spots are about as small as a pixel.
+/// is the 80th percentile of the brightest pixels of the spots: those peaks, as far apart as spots
+/// are, that are many and about equally bright. A zeroth order in view with its side lobes does not
+/// count, nor do spots outside the image, as long as two fifths of the spots, and six, are inside.
+/// Pixels that are ten times as bright as all their neighbours are left out, unless spots are about
+/// as small as a pixel.
 ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expected,
                             const CameraSettings& settings);
 

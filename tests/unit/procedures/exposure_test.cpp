@@ -49,7 +49,7 @@ TEST_P(AutoExposureFrom, EndsAtTheTarget) {
   const auto found = expose_on(bench, {begin.target, std::nullopt});
   ASSERT_TRUE(found) << found.error().reason;
   EXPECT_NEAR(found->brightest, begin.target, 0.05 * begin.target);
-  EXPECT_LT(found->saturated_pixels, 30) << "of the zeroth order";
+  EXPECT_LT(found->saturated_pixels, 60) << "of the zeroth order";
   EXPECT_LE(found->looks, 7);
   const CameraSnapshot camera = bench.camera();
   EXPECT_EQ(camera.settings.exposure_us, found->exposure_us);
@@ -71,7 +71,7 @@ TEST(AutoExposureJob, JudgesTheGratingsSpot) {
   const auto found = expose_on(bench);
   ASSERT_TRUE(found) << found.error().reason;
   EXPECT_NEAR(found->brightest, 0.7, 0.035);
-  EXPECT_LT(found->saturated_pixels, 30) << "of the zeroth order";
+  EXPECT_LT(found->saturated_pixels, 60) << "of the zeroth order";
 }
 
 TEST(AutoExposureJob, UsesNoLongerExposureThanAsked) {
@@ -163,32 +163,48 @@ TEST(ExposureLook, IsNotOfHotPixels) {
   const CameraSettings settings;
   Image<float> image = image_with(7, 100.0F);
   for (int k = 0; k < 40; ++k) image.at(3 * (k % 8) + 1, 62 - 3 * (k / 8)) = NAN;
-  const auto look = judge_exposure(image, {7, 4.0}, settings);
+  const auto look = judge_exposure(image, {7, 4.0, 6.0}, settings);
   EXPECT_NEAR(look.brightest, 102.0, 1.0);
   EXPECT_NEAR(look.dark, 2.0, 0.1);
   EXPECT_EQ(look.saturated_pixels, 40);
   EXPECT_TRUE(look.lit);
-  EXPECT_TRUE(judge_exposure(image, {7, 1.0}, settings).saturated());
+  EXPECT_TRUE(judge_exposure(image, {7, 1.0, 1.5}, settings).saturated());
 }
 
 TEST(ExposureLook, IsNotOfABrightZerothOrder) {
   Image<float> image = image_with(7, 100.0F);
   for (int k = 0; k < 9; ++k) image.at(56 + k % 3, 56 + k / 3) = NAN;
-  const auto look = judge_exposure(image, {7, 4.0}, {});
+  const auto look = judge_exposure(image, {7, 4.0, 6.0}, {});
   EXPECT_NEAR(look.brightest, 102.0, 1.0);
   EXPECT_EQ(look.saturated_pixels, 9);
+}
+
+TEST(ExposureLook, IsNotOfSideLobesThatAreBrighterThanSpots) {
+  Image<float> image = image_with(7, 60.0F);
+  for (int k = 0; k < 9; ++k) image.at(56 + k % 3, 44 + k / 3) = NAN;
+  const float lobes[] = {240.0F, 200.0F, 160.0F, 120.0F, 95.0F};
+  for (int k = 0; k < 5; ++k) {
+    image.at(8 + 10 * k, 56) = lobes[k];
+    image.at(9 + 10 * k, 56) = 0.8F * lobes[k];
+  }
+  EXPECT_NEAR(judge_exposure(image, {7, 4.0, 6.0}, {}).brightest, 62.0, 1.0);
+}
+
+TEST(ExposureLook, IsOfTheSpotsThatAreInsideTheImage) {
+  EXPECT_NEAR(judge_exposure(image_with(7, 60.0F), {12, 4.0, 6.0}, {}).brightest, 62.0, 1.0);
+  EXPECT_NEAR(judge_exposure(image_with(4, 60.0F), {7, 4.0, 6.0}, {}).brightest, 62.0, 1.0);
 }
 
 TEST(ExposureLook, OfDarknessIsNotLit) {
   Image<float> image(64, 64, 2.0F);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] += float(i % 7) / 3.0F;
   image.at(20, 20) = 200.0F;  // hot
-  EXPECT_FALSE(judge_exposure(image, {7, 4.0}, {}).lit);
-  EXPECT_FALSE(judge_exposure(Image<float>(64, 64, 0.0F), {1, 4.0}, {}).lit);
+  EXPECT_FALSE(judge_exposure(image, {7, 4.0, 6.0}, {}).lit);
+  EXPECT_FALSE(judge_exposure(Image<float>(64, 64, 0.0F), {1, 4.0, 6.0}, {}).lit);
 }
 
 TEST(ExposureLook, OfAnImageAtFullScaleIsSaturated) {
-  const auto look = judge_exposure(Image<float>(64, 64, NAN), {19, 4.0}, {});
+  const auto look = judge_exposure(Image<float>(64, 64, NAN), {19, 4.0, 6.0}, {});
   EXPECT_TRUE(look.saturated());
   EXPECT_TRUE(look.lit || look.saturated());
   EXPECT_EQ(look.saturated_pixels, 64 * 64);
@@ -198,7 +214,7 @@ TEST(ExposureLook, OfAnImageAtFullScaleIsSaturated) {
 TEST(ExposureLook, UsesTheFormatsFullScale) {
   CameraSettings settings;
   settings.pixel_format = PixelFormat::mono12;
-  const auto look = judge_exposure(image_with(7, 2000.0F), {7, 4.0}, settings);
+  const auto look = judge_exposure(image_with(7, 2000.0F), {7, 4.0, 6.0}, settings);
   EXPECT_NEAR(look.fraction(), 2002.0 / 4095.0, 0.001);
 }
 
