@@ -193,7 +193,8 @@ inline constexpr auto kLutRun = method<LutRun, JobNumber>(
     "lut.run",
     "Measures the SLM's phase response to grey levels: two patches of the pupil with binary "
     "gratings interfere on the camera, one of them with each grey level in turn. Returns at once; "
-    "the job's result is that of lut.get, and is active from then on.");
+    "the job's result is that of lut.get, and is active from then on. Uses another exposure for "
+    "the time of the job if the spot is saturated or invisible.");
 inline constexpr auto kRecordEstimate = method<RecordEstimate, RecordSize>(
     "record.estimate",
     "Returns how large a recording with the current settings would become, without its documents, "

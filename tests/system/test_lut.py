@@ -80,9 +80,20 @@ class ShallowSlm(LookUpTable):
         cleared = self.call("lut.clear")
         self.assertEqual((cleared["source"], cleared["grey_levels"]), ("linear", list(range(256))))
         self.assertEqual(self.call("reference.get"), linear, "it belongs to the LUT that is in force again")
-        self.twin.call("twin.set", {"peak_electrons": 600000})
+        self.check_exposure()
+
+    def check_exposure(self):
+        """The job finds an exposure of its own, and restores the camera's."""
+        before = self.call("camera.get")["settings"]
+        for light, wanted in ((600_000, 0.9), (60, 0.9)):  # 100 times as bright, and as dim, as usual
+            self.twin.call("twin.set", {"peak_electrons": light})
+            self.assertLess(abs(self.run_job("lut.run", {})["result"]["depth_rad"] / (2.0 * math.pi * wanted) - 1.0), 0.02)
+            self.assertEqual(self.call("camera.get")["settings"], before)
+            self.call("lut.clear")
+        self.twin.call("twin.set", {"peak_electrons": 6e8})
         self.assertIn("saturated", self.failure("lut.run"))
         self.assertFalse(self.call("lut.get")["measured"])
+        self.assertEqual(self.call("camera.get")["settings"], before)
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ class Registration(BenchCase):
         self.take_reference(20)
         self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.wavefronts, 10)}, {19})
         before = self.call("registration.get")
-        self.refused_while(lambda: self.twin.call("twin.set", {"peak_electrons": 300000}), "saturated")
+        self.refused_while(lambda: self.twin.call("twin.set", {"peak_electrons": 3e8}), "saturated")
         self.twin.call("twin.set", {"peak_electrons": 6000})
         self.refused_while(lambda: self.place_camera(magnification=1.05), "does not move", 0.4)
         self.assertEqual(self.call("registration.get"), before)

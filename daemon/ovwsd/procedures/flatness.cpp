@@ -9,6 +9,7 @@
 #include "core/port/clock.hpp"
 #include "core/wavefront/surface_scan.hpp"
 #include "daemon/ovwsd/procedures/probe_bench.hpp"
+#include "daemon/ovwsd/procedures/saturation.hpp"
 
 namespace ovws {
 namespace {
@@ -145,9 +146,8 @@ Result<void> check_result(const MeasuredFlatness& measured, const ScanFit::Found
                           measured.iterations, measured.residual_rms_waves));
 }
 
-}  // namespace
-
-Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames) {
+Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, const SlmGeometry& slm,
+                                                   int frames) {
   const SensorView view = bench.sensor();
   const SensorSnapshot& now = *view;
   if (auto able = check_bench(now); !able) return fail(able.error());
@@ -180,6 +180,12 @@ Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, 
   measured.frames = frames;
   measured.pupil_diameter_px = now.sensor.pupil_diameter_px;
   return measured;
+}
+
+}  // namespace
+
+Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames) {
+  return unsaturated(bench, [&] { return flatness_at_this_exposure(bench, slm, frames); });
 }
 
 }  // namespace ovws

@@ -6,6 +6,7 @@
 
 #include "core/optics/grey_fringe.hpp"
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/procedures/saturation.hpp"
 
 namespace ovws {
 namespace {
@@ -15,9 +16,10 @@ constexpr std::array<double, 5> kRelativeDiameters{1.0, 0.7, 0.5, 0.35, 0.25};
 constexpr std::array<int, 8> kTrials{128, 160, 192, 224, 255, 96, 64, 32};
 constexpr double kMinContrast = 3.0;  // brightest pixel relative to the brightest at grey level 0
 
-Error saturated_error() {
+Error no_spot() {
   return {Errc::refused, "camera.exposure_us",
-          "the spot is saturated: lower the exposure or the gain"};
+          "there is no spot where the base spot is expected: run registration.run, increase "
+          "the exposure, or check that slm.settle_ms is long enough (slm.settle measures it)"};
 }
 
 /// Shows the patches and reads their interference fringes.
@@ -30,17 +32,23 @@ class LutBench {
         now_(bench.sensor()),
         map_(px_per_cycle(now_->optics, slm)) {}
 
-  /// Chooses the largest patches that do not saturate. The grey level with the brightest spot
-  /// becomes the fixed level.
+  /// Chooses exposure and patches: the largest that do not saturate. The grey level with the
+  /// brightest spot becomes the fixed level.
   Result<void> choose();
+  /// Finds the direction of the fringes, unless the registration tells it.
+  Result<void> find_direction();
   Result<std::complex<double>> beat(int grey);
   /// Determines whether the phase rises or falls with the grey level.
   Result<PhaseResponse> find_sign(PhaseResponse rising);
 
  private:
-  Result<bool> try_patches(double relative_diameter);
+  enum class Fit { saturated, invisible, good };
+  Result<Fit> try_patches(double relative_diameter);
+  Result<Fit> try_exposure();
+  Painter fringes(int grey, int fixed) const;
+  Result<Image<float>> picture(const Painter& paint);
   Result<FringeReading> read(const Painter& paint);
-  Result<FringeReading> read(int grey, int fixed);
+  Result<FringeReading> read(int grey, int fixed) { return read(fringes(grey, fixed)); }
   Result<double> blazed_dn(const PhaseLut& lut);
 
   Bench& bench_;
@@ -52,20 +60,24 @@ class LutBench {
   int fixed_ = 0;
 };
 
-Result<FringeReading> LutBench::read(const Painter& paint) {
+Result<Image<float>> LutBench::picture(const Painter& paint) {
   if (auto shown = bench_.show(paint); !shown) return fail(shown.error());
-  const auto light = bench_.picture(frames_);
+  return bench_.picture(frames_);
+}
+
+Result<FringeReading> LutBench::read(const Painter& paint) {
+  const auto light = picture(paint);
   if (!light) return fail(light.error());
   return read_fringe(*light, patches_, base_spot_px(now_->optics, light->width, light->height),
                      map_);
 }
 
 // The painter captures by value: after a cancel it may be called when `read` has returned.
-Result<FringeReading> LutBench::read(int grey, int fixed) {
-  return read([patches = patches_, sensor = now_->sensor, slm = slm_, grey, fixed](
-                  const HologramRenderer&, Image<std::uint8_t>& picture) {
+Painter LutBench::fringes(int grey, int fixed) const {
+  return [patches = patches_, sensor = now_->sensor, slm = slm_, grey, fixed](
+             const HologramRenderer&, Image<std::uint8_t>& picture) {
     draw_fringe_patches(patches, sensor, slm, grey, fixed, picture);
-  });
+  };
 }
 
 Result<double> LutBench::blazed_dn(const PhaseLut& lut) {
@@ -75,7 +87,7 @@ Result<double> LutBench::blazed_dn(const PhaseLut& lut) {
   });
   if (!seen) return fail(seen.error());
   if (!seen->saturated) return seen->brightest_dn;
-  return fail(saturated_error());
+  return fail(saturated_spot());
 }
 
 Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
@@ -90,8 +102,8 @@ Result<PhaseResponse> LutBench::find_sign(PhaseResponse rising) {
   return with_sign(std::move(rising), {seen_dn[0], seen_dn[2]}, {seen_dn[1], seen_dn[3]});
 }
 
-/// Tries one patch diameter, relative to a subaperture. Returns false if a pixel is saturated.
-Result<bool> LutBench::try_patches(double relative_diameter) {
+/// Tries one patch diameter, relative to a subaperture.
+Result<LutBench::Fit> LutBench::try_patches(double relative_diameter) {
   patches_ =
       fringe_patches(now_->sensor, map_, relative_diameter,
                      lit_pixels(bench_.camera().settings.pixel_format, now_->optics.wavelength_nm));
@@ -101,31 +113,57 @@ Result<bool> LutBench::try_patches(double relative_diameter) {
   for (const int grey : kTrials) {
     const auto seen = read(grey, grey);
     if (!seen) return fail(seen.error());
-    if (seen->saturated) return false;
+    if (seen->saturated) return Fit::saturated;
     if (seen->brightest_dn <= most) continue;
     most = seen->brightest_dn;
     fixed_ = grey;
   }
-  if (most > kMinContrast * std::max(1.0, dark->brightest_dn)) return true;
-  return fail(Errc::refused, "camera.exposure_us",
-              "there is no spot where the base spot is expected: run registration.run, increase "
-              "the exposure, or check that slm.settle_ms is long enough (slm.settle measures it)");
+  const bool stands_out = most > kMinContrast * std::max(1.0, dark->brightest_dn);
+  return stands_out ? Fit::good : Fit::invisible;
+}
+
+/// Tries the patch diameters. Small patches that do not stand out, where larger ones saturate, mean
+/// too long an exposure.
+Result<LutBench::Fit> LutBench::try_exposure() {
+  for (const double diameter : kRelativeDiameters) {
+    const auto fit = try_patches(diameter);
+    if (!fit) return fit;
+    if (*fit == Fit::good) return fit;
+    if (*fit == Fit::invisible && diameter == kRelativeDiameters.front()) return fit;
+  }
+  return Fit::saturated;
 }
 
 Result<void> LutBench::choose() {
-  for (const double diameter : kRelativeDiameters) {
-    const auto fits = try_patches(diameter);
-    if (!fits) return fail(fits.error());
-    if (*fits) return {};
+  bool was_saturated = false;
+  for (int steps = 0; steps <= kMaxExposureSteps; ++steps) {
+    const auto fit = try_exposure();
+    if (!fit) return fail(fit.error());
+    if (*fit == Fit::good) return {};
+    if (*fit == Fit::invisible && was_saturated) return fail(no_spot());
+    was_saturated = *fit == Fit::saturated;
+    const auto changed =
+        change_exposure(bench_, was_saturated ? 1.0 / kExposureStep : kExposureStep);
+    if (!changed) return fail(changed.error());
+    if (!*changed) break;
   }
-  return fail(saturated_error());
+  return fail(was_saturated ? saturated_spot() : no_spot());
+}
+
+Result<void> LutBench::find_direction() {
+  if (now_->registration) return {};
+  const auto light = picture(fringes(fixed_, fixed_));
+  if (!light) return fail(light.error());
+  map_ = find_fringe_rotation(
+      *light, patches_, base_spot_px(now_->optics, light->width, light->height), map_.scale());
+  return {};
 }
 
 Result<std::complex<double>> LutBench::beat(int grey) {
   const auto seen = read(grey, fixed_);
   if (!seen) return fail(seen.error());
   if (!seen->saturated) return seen->beat;
-  return fail(saturated_error());
+  return fail(saturated_spot());
 }
 
 /// Measures all grey levels upwards and then downwards; the difference of the two passes shows
@@ -170,6 +208,7 @@ Result<std::vector<GreyBeat>> measure_beats(Bench& bench, LutBench& lut_bench, i
 Result<MeasuredLut> measure_lut(Bench& bench, const SlmGeometry& slm, const LutRun& run) {
   LutBench lut_bench(bench, slm, run.frames);
   if (auto chosen = lut_bench.choose(); !chosen) return fail(chosen.error());
+  if (auto found = lut_bench.find_direction(); !found) return fail(found.error());
   const auto beats = measure_beats(bench, lut_bench, run.levels);
   if (!beats) return fail(beats.error());
   auto response = phase_response(*beats);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/wavefront/registration.hpp"
+#include "daemon/ovwsd/procedures/saturation.hpp"
 
 namespace ovws {
 namespace {
@@ -60,8 +61,7 @@ Result<std::optional<ProbeSpot>> probe_spot(const Image<float>& light, const Spo
     return std::optional<ProbeSpot>();
   }
   if (is_saturated(light, *rough, spots.lambda_d_px)) {
-    return fail(Errc::refused, "camera.exposure_us",
-                "the spot is saturated: lower the exposure or the gain");
+    return fail(saturated_spot());
   }
   return std::optional(ProbeSpot{*rough, find_probe(light, spots, *rough)});
 }

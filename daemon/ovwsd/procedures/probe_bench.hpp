@@ -31,8 +31,8 @@ struct ProbeSpot {
 };
 
 /// Finds the spot in an image of ProbeBench::light. None: no spot is above the noise, or the spot
-/// is closer than 1.5 lambda/d to the image's edge. Errors (Errc::refused, field
-/// "camera.exposure_us"): the spot is saturated.
+/// is closer than 1.5 lambda/d to the image's edge. Errors:
+/// saturated_spot().
 Result<std::optional<ProbeSpot>> probe_spot(const Image<float>& light, const SpotModel& spots);
 
 }  // namespace ovws

@@ -9,6 +9,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/procedures/probe_bench.hpp"
+#include "daemon/ovwsd/procedures/saturation.hpp"
 
 namespace ovws {
 namespace {
@@ -117,9 +118,8 @@ Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
   return fit_without_outliers(sights->fine, kMaxResidual * spots.lambda_d_px);
 }
 
-}  // namespace
-
-Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames) {
+Result<Registration> registration_at_this_exposure(Bench& bench, const SlmGeometry& slm,
+                                                   int frames) {
   const SensorView view = bench.sensor();
   const SensorSnapshot& now = *view;
   const CameraSettings camera = bench.camera().settings;
@@ -143,6 +143,12 @@ Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, 
   map->base_cpp = base_cpp;
   map->base_px = map->base_px + Vec2{double(camera.roi.x), double(camera.roi.y)};
   return map;
+}
+
+}  // namespace
+
+Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames) {
+  return unsaturated(bench, [&] { return registration_at_this_exposure(bench, slm, frames); });
 }
 
 }  // namespace ovws
