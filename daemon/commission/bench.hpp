@@ -68,9 +68,7 @@ class KeptLight {
   KeptLight(const KeptLight&) = delete;
   KeptLight& operator=(const KeptLight&) = delete;
   void restore();
-  /// From now on the exposure in use is kept; only the pattern is restored.
-  void keep_exposure() { camera_ = nullptr; }
-  /// From now on the pattern in use is kept, too.
+  /// From now on pattern and exposure in use are kept.
   void keep_all() {
     camera_ = nullptr;
     pattern_.clear();

@@ -9,7 +9,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr float kDim = 0.4F, kBright = 0.95F;
 constexpr int kCell = 16;
 constexpr int kReach_px = 40;      ///< around a spot's peak; holds an aberrated spot, too
 constexpr int kRim_px = 20;        ///< light that is brightest there belongs to a spot outside
@@ -74,15 +73,6 @@ Result<json> expose_spots(Bench& bench) {
   auto found = expose(bench);
   if (found) kept.keep_all();
   return found;
-}
-
-Result<void> expose_if_needed(Bench& bench) {
-  const auto image = bench.image();
-  if (!image) return fail(image.error());
-  const float most = brightest(*image);
-  if (most > kDim && most < kBright) return {};
-  if (auto exposed = expose_spots(bench); !exposed) return fail(exposed.error());
-  return {};
 }
 
 std::optional<Spot> spot_in(const Image<float>& with, const Image<float>& without) {

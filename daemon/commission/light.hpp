@@ -17,10 +17,6 @@ Result<nlohmann::json> expose(Bench& bench);
 /// The same for the sensor's spots, which the SLM shows from then on. If it fails, pattern and
 /// exposure are as before.
 Result<nlohmann::json> expose_spots(Bench& bench);
-/// The same as expose_spots, unless the brightest pixel is already between 0.4 and 0.95 of full
-/// scale.
-Result<void> expose_if_needed(Bench& bench);
-
 /// A spot that is in one image and not in another one.
 struct Spot {
   double x = 0.0, y = 0.0;  ///< centre of intensity, pixels

@@ -1,4 +1,4 @@
-/// Steps that find the light: exposure, base spot, zeroth order, region.
+/// Steps that find the light: base spot, zeroth order, region, exposure.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -216,9 +216,6 @@ std::optional<bool> has_reference(const Look& look) {
 }
 
 const std::array kSteps{
-    Step{"exposure", "Exposure",
-         "Sets the exposure so that the brightest pixels are below full scale.", has_reference,
-         run_exposure, undo_exposure},
     Step{
         "spot", "Base spot",
         "Shows the base grating alone, and finds its spot, the zeroth order, and whether all spots "
@@ -227,7 +224,10 @@ const std::array kSteps{
           const bool is_registered = look.at("registration.get").at("registered");
           return is_registered ? std::optional(true) : std::nullopt;
         },
-        run_spot, undo_spot}};
+        run_spot, undo_spot},
+    Step{"exposure", "Exposure",
+         "Sets the exposure so that the brightest pixels are below full scale.", has_reference,
+         run_exposure, undo_exposure}};
 
 const Step kBrightness{"brightness",
                        "Exposure of the sensor",

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "daemon/commission/drawing.hpp"
-#include "daemon/commission/light.hpp"
 #include "daemon/commission/step.hpp"
 
 namespace ovws::commission {
@@ -17,7 +16,6 @@ using nlohmann::json;
 constexpr int kLutLevels = 17, kSettleRepetitions = 5;
 constexpr double kNoticeableScale = 0.03;  ///< relative to the configured one
 constexpr double kGoodFlatness_waves = 0.02;
-constexpr int kDarker = 4, kMaxDarkenings = 5;
 
 bool is_true(const Look& look, const char* method, const char* key) {
   return look.at(method).at(key) == true;
@@ -60,10 +58,6 @@ double configured_scale(const json& config) {
 
 Outcome run_registration(Bench& bench, Memory& memory) {
   memory.before = true;
-  KeptLight kept(bench);
-  if (auto exposed = expose_if_needed(bench); !exposed && !bench.cancelled()) {
-    bench.say("the exposure stays: " + text_of(exposed.error()));
-  }
   const auto map = bench.job("registration.run", json::object(), "moving one spot about");
   if (!map) {
     auto outcome =
@@ -73,7 +67,6 @@ Outcome run_registration(Bench& bench, Memory& memory) {
     outcome.ways = other_first(memory, "lut", "measure the look-up table first");
     return outcome;
   }
-  kept.keep_exposure();
   const auto config = bench.call("config.get");
   if (!config) return failed(config.error());
   const double ratio = map->at("scale_px_per_cycle").get<double>() / configured_scale(*config);
@@ -107,31 +100,10 @@ Image<std::uint8_t> graph_of_phase(const json& lut) {
   return graph.image();
 }
 
-/// Measures the table; shortens the exposure as long as the spot is saturated. The exposure is
-/// restored.
-Result<json> measure_lut(Bench& bench) {
-  KeptLight kept(bench);
-  if (auto exposed = expose_if_needed(bench); !exposed) {
-    bench.say("the exposure stays: " + text_of(exposed.error()));
-  }
-  for (int darkenings = 0;; ++darkenings) {
-    auto lut = bench.job("lut.run", {{"levels", kLutLevels}},
-                         "showing grey levels in two patches that interfere");
-    const bool is_saturated = !lut && lut.error().reason.find("saturated") != std::string::npos;
-    if (!is_saturated || darkenings == kMaxDarkenings) return lut;
-    const auto camera = bench.call("camera.get");
-    if (!camera) return camera;
-    const double exposure_us = camera->at("settings").at("exposure_us").get<double>() / kDarker;
-    if (auto set = bench.call("camera.set", {{"exposure_us", exposure_us}, {"clamp", true}});
-        !set) {
-      return set;
-    }
-  }
-}
-
 Outcome run_lut(Bench& bench, Memory& memory) {
   memory.before = true;
-  const auto lut = measure_lut(bench);
+  const auto lut = bench.job("lut.run", {{"levels", kLutLevels}},
+                             "showing grey levels in two patches that interfere");
   if (!lut) {
     auto outcome =
         failed(lut.error(),

@@ -75,7 +75,7 @@ Result<void> restore_modes(Bench& bench, const std::string& name, const nlohmann
 // The steps' functions, by file.
 
 std::span<const Step> device_steps();  ///< doctor, camera, output
-std::span<const Step> light_steps();   ///< exposure, spot
+std::span<const Step> light_steps();   ///< spot, exposure
 std::span<const Step> slm_steps();     ///< registration, lut, settle, clear, flatness
 const Step& brightness_step();         ///< as exposure, when the sensor's spots are right
 std::span<const Step> sensor_steps();  ///< reference, calibration, loop, save

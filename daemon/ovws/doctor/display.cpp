@@ -75,6 +75,9 @@ Finding judge_mode(const DisplayFacts& facts) {
   const auto fits = sdl::check_mode(output, config);
   const std::string set_mode =
       fmt::format("xrandr --output {} --mode {}x{}", output.name, config.width, config.height);
+  if (output.primary && !config.allow_primary) {
+    return not_here(output.name + " is the main display");
+  }
   if (fits) {
     return ok(fmt::format("{} shows {}x{} at {:.1f} Hz, pixel for pixel", output.name,
                           output.mode_width, output.mode_height, output.refresh_hz));
