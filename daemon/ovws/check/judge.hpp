@@ -35,7 +35,9 @@ Finding judge_flatness(const Facts& facts);
 Finding judge_calibration(const Facts& facts);
 
 /// RMS error of the phase that a table shows, in waves: `grey_levels` of a result of lut.get on an
-/// SLM with `phase_rad`, a result of lut.run. A constant phase is no error.
+/// SLM with `phase_rad`, a result of lut.run. A constant phase is no error, nor is a phase
+/// that falls from step to step, as a linear table gives it on an SLM whose phase falls: a bench
+/// that is registered so measures well.
 double table_error_waves(const nlohmann::json& grey_levels, const nlohmann::json& phase_rad);
 
 }  // namespace ovws::check

@@ -48,13 +48,11 @@ void raise(Finding& found, Verdict verdict, const std::string& text) {
   found.text += "; " + text;
 }
 
-}  // namespace
-
-double table_error_waves(const json& grey_levels, const json& phase_rad) {
+/// RMS error of the phase that a table shows; `sign` -1: for a hologram that is shown conjugated.
+double error_as_waves(const json& grey_levels, const json& phase_rad, double sign) {
   const std::size_t count = grey_levels.size();
   std::vector<double> errors;
   std::complex<double> sum;
-  const double sign = phase_rad.back().get<double>() < 0.0 ? -1.0 : 1.0;
   for (std::size_t k = 0; k < count; ++k) {
     const double shown = phase_rad.at(grey_levels.at(k).get<std::size_t>()).get<double>();
     errors.push_back(sign * shown - 2.0 * std::numbers::pi * double(k) / double(count));
@@ -65,6 +63,13 @@ double table_error_waves(const json& grey_levels, const json& phase_rad) {
     squares += std::pow(std::arg(std::polar(1.0, error) * std::conj(sum)), 2);
   }
   return std::sqrt(squares / double(count)) / (2.0 * std::numbers::pi);
+}
+
+}  // namespace
+
+double table_error_waves(const json& grey_levels, const json& phase_rad) {
+  return std::min(error_as_waves(grey_levels, phase_rad, 1.0),
+                  error_as_waves(grey_levels, phase_rad, -1.0));
 }
 
 Finding judge_reference(const Facts& facts) {

@@ -173,6 +173,10 @@ TEST(Judge, AGoodBenchIsGood) {
 TEST(Judge, AShallowTableCostsItsErrorOverRootTwelve) {
   EXPECT_NEAR(table_error_waves(linear(), levels(0.95)), 0.05 / std::sqrt(12.0), 1e-4);
   EXPECT_NEAR(table_error_waves(linear(), levels(1.0)), 0.0, 1e-9);
+  EXPECT_NEAR(table_error_waves(linear(), levels(-1.0)), 0.0, 1e-9) << "the phase falls";
+  std::vector<int> falling{0};
+  for (int step = 1; step < 256; ++step) falling.push_back(256 - step);
+  EXPECT_NEAR(table_error_waves(falling, levels(-1.0)), 0.0, 1e-9) << "and the table repairs it";
   Measured measured = good_bench();
   measured.lut["measured"] = false;
   measured.lut["source"] = "linear";
