@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kLutLevels = 17, kSettleRepetitions = 5;
+constexpr int kLutLevels = 17, kSettleRepetitions = 10;
 constexpr double kNoticeableScale = 0.03;  ///< relative to the configured one
 constexpr double kGoodFlatness_waves = 0.02;
 

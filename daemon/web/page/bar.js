@@ -112,7 +112,7 @@ function referenceText({ taken, source, frames, t_taken_ns: at, stale }) {
 function loopText(loop) {
   const residual = loop.residual_rms_waves === null ? "" : `, ${brief(loop.residual_rms_waves)} wave RMS`;
   if (loop.closed) return `${loop.paused ? "paused" : "closed"}${residual}`;
-  return loop.opened_because ? `opened itself: ${loop.opened_because}` : "open";
+  return loop.opened_because ? `open: ${loop.opened_because}` : "open";
 }
 
 /** Why a control is disabled though the page may control: what the bench lacks for it. */

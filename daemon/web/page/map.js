@@ -12,6 +12,7 @@ import { actionButton, checkbox, freezeButton, positive, select, toolbar } from 
 import { DEFOCUS, radiusOfCurvatureM, strehlOf, TILTS } from "./units.js";
 import { wavefrontMap } from "./zernike.js";
 
+const LEAST_DEFOCUS = 1e-4; // wave: its standard error where the frame tells none
 const MAP_PX = 128;
 const MIN_INTERVAL_MS = { wavefront: 60, psf: 250, mtf: 250 };
 const NAMES = { wavefront: "Wavefront over the pupil", psf: "Point spread function", mtf: "Modulation transfer function" };
@@ -145,7 +146,8 @@ function lines() {
   const left = [options.tilt && "tilts", options.defocus && "defocus"].filter(Boolean).join(" and ");
   const defocus = options.defocus ? undefined : coefficientOf(frame)(DEFOCUS);
   const radius = defocus && bench?.pupilMm ? radiusOfCurvatureM(defocus, wavelengthNm(), bench.pupilMm) : null;
-  const curved = radius !== null && Math.abs(radius) < 1e6 ? `, radius of curvature ${brief(radius)} m` : "";
+  const error = frame.sigma?.[frame.j.indexOf(DEFOCUS)] ?? LEAST_DEFOCUS;
+  const curved = radius !== null && Math.abs(defocus) > 3 * error ? `, radius of curvature ${brief(radius)} m` : "";
   const text = [`Peak to valley ${brief(inUnit(high - low))} ${chosen.unit}, RMS ${inUnitText(rms)} ${chosen.unit}, Strehl ratio ${fixed(strehl, 3)}${curved}.`];
   if (left) text.push(`${left[0].toUpperCase()}${left.slice(1)} left out, by their coefficients.`);
   if (options.view === "psf") text.push(`Intensity relative to the peak without aberration. 1 \u03bb/D${onCamera(1)}.`);
