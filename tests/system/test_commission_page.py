@@ -3,7 +3,7 @@ import json
 import time
 
 from case import main, wait_for
-from test_setup import MOST_WAVES, SetupCase, hidden_aberration
+from test_setup import FAULTS, MOST_WAVES, TOO_LONG, SetupCase
 from web_case import ADDRESS, Browser, WebCase, browser_packages
 
 BUSY = "return document.getElementById('cancel').hidden === false"
@@ -40,13 +40,21 @@ class CommissionCase(WebCase, SetupCase):
         wait_for(lambda: self.browser.run(BUSY) or self.browser.run(WHERE) != before, 5.0, f"a change after {before}")
         return self.idle()
 
+    def click_until(self, title):
+        """Clicks the large button until the step of this title has a verdict; returns what the page shows."""
+        for _ in range(12):
+            shown = self.click_primary()
+            if title in shown["title"] and shown["verdict"]:
+                return shown
+        self.fail(shown)
+
     def check_console(self):
         self.assertEqual([line for line in self.browser.ask("said") if ADDRESS in line], [])
 
 
 class Faults(CommissionCase):
-    twin_config = {"camera": {"mirror": "x"}, "aberration": hidden_aberration(0.5), "light": {"peak_electrons": 60000}}
-    daemon_config = {"camera": {"exposure_us": 9900.0}}  # as long as the frame rate allows
+    twin_config = FAULTS
+    daemon_config = TOO_LONG
 
     def test_clicking_through_repairs_the_bench(self):
         reports, begun, shown = [], time.monotonic(), self.idle()
@@ -63,6 +71,28 @@ class Faults(CommissionCase):
         print(f"true residual {left:.4f} wave", flush=True)
         self.assertLess(left, MOST_WAVES)
         self.check_console()
+
+
+class NoLight(CommissionCase):
+    twin_config = {"light": {"peak_electrons": 1e-4}}
+
+    def test_is_named_with_what_to_do(self):
+        shown = self.click_until("SLM output")
+        self.assertIn("The camera sees no light", shown["verdict"])
+        self.assertIn("Switch on the laser", self.browser.text("#advice"))
+        self.assertEqual(shown["states"][2], "failed")
+
+
+class PrimaryDisplay(CommissionCase):
+    daemon_config = {"slm": {"display": "DUMMY0"}}
+
+    def test_is_named_and_replaced_by_the_offer(self):
+        shown = self.click_until("SLM output")
+        self.assertIn("DUMMY0 is the primary output", shown["verdict"])
+        self.assertIn("use output", shown["primary"])
+        self.click_primary()
+        wait_for(lambda: self.call("system.status")["slm"]["connected"], what="the other output")
+        self.assertNotEqual(self.call("config.get")["slm"]["display"], "DUMMY0")
 
 
 class Controls(CommissionCase):

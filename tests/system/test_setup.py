@@ -1,4 +1,4 @@
-"""ovws setup on a terminal: a bench with four faults ends with a flat wavefront, a wrong output is found and replaced."""
+"""ovws setup on a terminal: a bench with five faults ends with a flat wavefront, a wrong output is found and replaced."""
 import json
 import os
 import random
@@ -53,11 +53,15 @@ class SetupCase(BenchCase):
         return {step["name"]: step["state"] for step in document["steps"]}
 
 
-class FourFaults(SetupCase):
-    """A mirrored camera, a far too long exposure, an SLM whose phase falls, and half a wave of hidden aberration."""
-    twin_config = {"camera": {"mirror": "x"}, "slm": {"depth_waves": -1.0}, "aberration": hidden_aberration(0.5),
-                   "light": {"peak_electrons": 60000}}
-    daemon_config = {"camera": {"exposure_us": 9900.0}}
+# A rotated and mirrored camera, a far too long exposure, an SLM whose phase falls, and half a wave of hidden aberration.
+FAULTS = {"camera": {"mirror": "x", "rotation_deg": 30.0}, "slm": {"depth_waves": -1.0}, "aberration": hidden_aberration(0.5),
+          "light": {"peak_electrons": 60000}}
+TOO_LONG = {"camera": {"exposure_us": 9900.0}}  # as long as the frame rate allows
+
+
+class FiveFaults(SetupCase):
+    twin_config = FAULTS
+    daemon_config = TOO_LONG
 
     def test_ends_with_a_flat_wavefront(self):
         text = self.set_up()
