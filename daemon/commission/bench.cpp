@@ -17,6 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPollInterval{100};
 constexpr double kPatience_s = 30.0;  ///< with a daemon that does not answer while a job runs
+constexpr double kRestorePatience_s = 15.0;  ///< with devices that are gone at the end of a step
 constexpr double kImageTimeout_s = 8.0;
 constexpr double kStreamMargin_s = 0.05;  ///< from a frame's arrival to its image message
 
@@ -62,6 +63,19 @@ Result<Subscriber> subscribe_to(const cli::Common& common, const char* key,
   const auto endpoint = cli::stream_endpoint(common, key);
   if (!endpoint) return fail(error_of(endpoint.error()));
   return cli::subscribe(common, *endpoint, {topic}, queue);
+}
+
+/// Pattern of the SLM, and exposure and gain of the camera: {"camera": params of camera.set,
+/// "pattern"}.
+Result<json> light_of(Bench& bench) {
+  const auto camera = bench.call("camera.get");
+  if (!camera) return camera;
+  const auto status = bench.call("system.status");
+  if (!status) return status;
+  const json& settings = camera->at("settings");
+  const char* const gain = settings.at("gain_raw").is_null() ? "gain_db" : "gain_raw";
+  return json{{"camera", {{"exposure_us", settings.at("exposure_us")}, {gain, settings.at(gain)}}},
+              {"pattern", status->at("slm").at("pattern")}};
 }
 
 }  // namespace
@@ -166,23 +180,37 @@ Result<std::vector<json>> Bench::messages(const std::string& topic, double secon
   return all;
 }
 
-KeptLight::KeptLight(Bench& bench) : bench_(bench) {
-  const auto camera = bench.call("camera.get");
-  const auto status = bench.call("system.status");
-  if (camera) {
-    const json& settings = camera->at("settings");
-    camera_ = {{"exposure_us", settings.at("exposure_us")}};
-    const char* const gain = settings.at("gain_raw").is_null() ? "gain_db" : "gain_raw";
-    camera_[gain] = settings.at(gain);
+Result<void> Bench::restore_patiently(const std::string& what,
+                                      const std::function<Result<void>()>& restore) {
+  const auto begin = Clock::now();
+  for (;;) {
+    auto done = restore();
+    if (done) return done;
+    if (seconds_since(begin) > kRestorePatience_s) {
+      not_restored_ = what + " could not be restored: " + text_of(done.error());
+      return done;
+    }
+    say("waiting to restore " + what);
+    std::this_thread::sleep_for(kPollInterval);
   }
-  if (status) pattern_ = status->at("slm").at("pattern").get<std::string>();
+}
+
+KeptLight::KeptLight(Bench& bench) : bench_(bench) {
+  if (const auto now = light_of(bench)) before_ = *now;
 }
 
 void KeptLight::restore() {
-  if (!pattern_.empty()) (void)bench_.call("slm.show", {{"pattern", pattern_}});
-  if (!camera_.is_null()) (void)bench_.call("camera.set", camera_);
-  pattern_.clear();
-  camera_ = nullptr;
+  const json before = std::exchange(before_, nullptr);
+  if (before.is_null()) return;
+  (void)bench_.restore_patiently("exposure and pattern", [&]() -> Result<void> {
+    const auto now = light_of(bench_);
+    if (!now) return fail(now.error());
+    if (*now == before) return {};
+    const auto shown = bench_.call("slm.show", {{"pattern", before.at("pattern")}});
+    const auto set = bench_.call("camera.set", before.at("camera"));
+    if (shown && set) return {};
+    return fail((shown ? set : shown).error());
+  });
 }
 
 }  // namespace ovws::commission

@@ -50,6 +50,14 @@ class Bench {
   /// Waits. Fails once the step is cancelled.
   Result<void> pause(double seconds);
 
+  /// Repeats `restore` until it succeeds, also once the step is cancelled: a camera or a display
+  /// that is gone for some seconds refuses it meanwhile. Returns its last result. An error is kept
+  /// for not_restored(), with `what` it is about.
+  Result<void> restore_patiently(const std::string& what,
+                                 const std::function<Result<void>()>& restore);
+  /// What could not be restored, and why; empty if everything was.
+  const std::string& not_restored() const { return not_restored_; }
+
  private:
   Result<nlohmann::json> call_patiently(const std::string& method, const nlohmann::json& params);
 
@@ -57,10 +65,11 @@ class Bench {
   const std::atomic<bool>& cancelled_;
   Progress progress_;
   double done_ = 0.0;
+  std::string not_restored_;
 };
 
 /// Pattern, exposure and gain of the camera as they are at the construction; `restore`, or else the
-/// destructor, sets them again.
+/// destructor, sets them again if they have changed.
 class KeptLight {
  public:
   explicit KeptLight(Bench& bench);
@@ -69,15 +78,11 @@ class KeptLight {
   KeptLight& operator=(const KeptLight&) = delete;
   void restore();
   /// From now on pattern and exposure in use are kept.
-  void keep_all() {
-    camera_ = nullptr;
-    pattern_.clear();
-  }
+  void keep_all() { before_ = nullptr; }
 
  private:
   Bench& bench_;
-  nlohmann::json camera_;
-  std::string pattern_;
+  nlohmann::json before_;  ///< {"camera", "pattern"}; null: nothing to restore
 };
 
 }  // namespace ovws::commission

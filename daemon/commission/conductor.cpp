@@ -176,6 +176,11 @@ void Conductor::run_now(const Step& step) {
   }
   Bench on = bench();
   Outcome outcome = guarded([&] { return step.run(on, memory); });
+  if (!on.not_restored().empty()) {
+    outcome.passed = false;
+    outcome.verdict.wellness = Wellness::bad;
+    outcome.verdict.text += " Afterwards " + on.not_restored() + ".";
+  }
   if (outcome.picture.width == 0 && !cancelled_) outcome.picture = present_picture(on);
   keep(step, std::move(outcome));
   const std::lock_guard lock(mutex_);

@@ -155,7 +155,9 @@ class KeptLoop {
   KeptLoop& operator=(const KeptLoop&) = delete;
   Result<void> restore() {
     const json before = std::exchange(before_, nullptr);
-    return before.is_null() ? Result<void>() : restore_introduced(bench_, before);
+    if (before.is_null()) return {};
+    return bench_.restore_patiently("loop, aberration and correction",
+                                    [&] { return restore_introduced(bench_, before); });
   }
 
  private:
@@ -235,12 +237,8 @@ Outcome run_loop(Bench& bench, Memory& memory) {
   const auto restored = kept.restore();
   auto outcome = run ? judge_loop(*run) : failed(run.error());
   if (run) outcome.picture = graph_of_rms(*run);
-  if (!restored) {
-    outcome.passed = false;
-    outcome.verdict.wellness = Wellness::bad;
-    outcome.verdict.text +=
-        " Loop, aberration or correction could not be restored: " + text_of(restored.error()) + ".";
-  } else if (outcome.passed && was_closed) {
+  if (!restored) return outcome;  // the verdict will say it
+  if (outcome.passed && was_closed) {
     outcome.verdict.text += " The loop is closed again, as before.";
   } else if (outcome.passed) {
     outcome.verdict.text += " The loop is open again.";

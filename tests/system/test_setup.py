@@ -139,5 +139,20 @@ class NoLight(SetupCase):
         self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], exposure_us)
 
 
+class CameraGone(SetupCase):
+    def test_exposure_and_pattern_are_restored_when_it_is_back(self):
+        before = self.call("camera.get")["settings"]
+        command = [self.bench.programs / "ovws", "setup", "--yes", "spot"]
+        step = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(step.communicate)
+        wait_for(lambda: self.call("camera.get")["settings"]["exposure_us"] < before["exposure_us"]
+                 and self.call("system.status")["state"] == "running", what="an exposure that the step has set")
+        self.twin.call("twin.fault", {"kind": "unplug", "seconds": 15})
+        self.assertEqual(step.wait(60), 1)
+        wait_for(lambda: self.call("camera.get")["connected"], 20.0, "the camera")
+        self.assertEqual(self.call("camera.get")["settings"], before)
+        self.assertEqual(self.call("system.status")["slm"]["pattern"], "sensor")
+
+
 if __name__ == "__main__":
     main()
