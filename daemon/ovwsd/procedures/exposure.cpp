@@ -16,6 +16,8 @@ constexpr int kFineFrames = 12;          // ... and for the next ones, as many a
 constexpr double kFineS = 1.0;           // ... this time, because noise misleads at a high gain
 constexpr double kClose = 0.05;          // relative deviation from the target that ends the search
 constexpr double kAcceptable = 0.1;      // the same after the last look
+constexpr double kNearest = 0.25;        // the same where the camera has no nearer setting
+constexpr double kMostlyDark = 0.5;      // share of the black level in the brightness: too much
 constexpr double kStep = 10.0;           // change of the exposure where brightness says nothing
 constexpr double kMaxRise = 30.0;        // of the exposure from one look to the next
 constexpr double kSame = 1.001;          // rounding of exposures
@@ -61,6 +63,16 @@ class ExposureSearch {
   bool is_within(const ExposureLook& look, double tolerance) const {
     return !look.saturated() && look.lit &&
            std::abs(look.fraction() / asked_.target - 1.0) <= tolerance;
+  }
+
+  /// Whether the black level, not the spots, makes the image bright.
+  static bool is_stray(const ExposureLook& look) {
+    return look.dark > kMostlyDark * look.fraction() * look.full;
+  }
+
+  /// Whether the camera's nearest setting will do.
+  bool is_usable(const ExposureLook& look) const {
+    return is_within(look, kNearest) && !is_stray(look);
   }
 
   /// Factor by which the exposure should change.
@@ -123,8 +135,10 @@ class ExposureSearch {
     const double now_us = look.settings.exposure_us, by = bracketed(look);
     const Limit most = longest(look.settings, *limits);
     const double least_us = std::min(limits->exposure_us.min, most.us);
-    if (by > 1.0 && now_us * kSame >= most.us) return fail(too_dark(look, most));
-    if (by < 1.0 && now_us <= least_us * kSame) return lower_gain(look, *limits, by);
+    const bool is_longest = now_us * kSame >= most.us, is_shortest = now_us <= least_us * kSame;
+    if (by > 1.0 && is_longest && is_usable(look)) return false;
+    if (by > 1.0 && is_longest) return fail(too_dark(look, most));
+    if (by < 1.0 && is_shortest) return lower_gain(look, *limits, by);
     CameraSet change;
     change.set_clamp(true);
     change.put(&CameraSettings::exposure_us, std::clamp(by * now_us, least_us, most.us));
@@ -135,14 +149,19 @@ class ExposureSearch {
     CameraSet change;
     change.set_clamp(true);
     if (limits.gain_raw) {  // its unit is the camera's own
-      if (look.settings.gain_raw <= limits.gain_raw->min) return fail(too_bright(look));
+      if (look.settings.gain_raw <= limits.gain_raw->min) return at_darkest(look);
       change.put(&CameraSettings::gain_raw, limits.gain_raw->min);
     } else {
-      if (look.settings.gain_db <= limits.gain_db.min) return fail(too_bright(look));
+      if (look.settings.gain_db <= limits.gain_db.min) return at_darkest(look);
       change.put(&CameraSettings::gain_db,
                  std::max(limits.gain_db.min, look.settings.gain_db + 20.0 * std::log10(by)));
     }
     return apply(change, look);
+  }
+
+  Result<bool> at_darkest(const ExposureLook& look) const {
+    if (is_usable(look)) return false;
+    return fail(too_bright(look));
   }
 
   Result<bool> apply(const CameraSet& change, const ExposureLook& look) {
@@ -185,11 +204,19 @@ class ExposureSearch {
   }
 
   Error too_bright(const ExposureLook& look) const {
+    const std::string advice =
+        is_stray(look)
+            ? fmt::format(
+                  "the darkest pixels are at {:.0f} % already: darken the room, or lower "
+                  "the camera's black level",
+                  100.0 * look.dark / look.full)
+            : "lower the laser's power or insert a neutral-density filter";
     return {Errc::refused, "camera.exposure_us",
             fmt::format("too bright: at the shortest exposure of {:g} us and the lowest gain the "
                         "brightest pixels reach {:.0f} % of full scale and {} pixels are "
-                        "saturated; lower the laser's power or insert a neutral-density filter",
-                        look.settings.exposure_us, 100.0 * look.fraction(), look.saturated_pixels)};
+                        "saturated; {}",
+                        look.settings.exposure_us, 100.0 * look.fraction(), look.saturated_pixels,
+                        advice)};
   }
 
   static Error disconnected() {

@@ -85,6 +85,9 @@ TEST(AutoExposureJob, UsesNoLongerExposureThanAsked) {
   ASSERT_FALSE(refused) << "at the target with a longer exposure";
   EXPECT_EQ(refused.error().field, "max_exposure_us");
   EXPECT_EQ(bench.camera().settings.exposure_us, free->exposure_us);
+  const auto nearest = expose_on(bench, {0.7, 0.85 * free->exposure_us});
+  ASSERT_TRUE(nearest) << nearest.error().reason;
+  EXPECT_NEAR(nearest->brightest, 0.6, 0.06) << "the nearest that is allowed";
   const auto lower = expose_on(bench, {0.3, 0.5 * free->exposure_us});
   ASSERT_TRUE(lower) << lower.error().reason;
   EXPECT_LE(lower->exposure_us, 0.501 * free->exposure_us);
