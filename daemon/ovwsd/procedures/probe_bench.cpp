@@ -9,7 +9,8 @@
 namespace ovws {
 namespace {
 
-constexpr double kRim = 1.5;  // lambda/d: a spot closer to the edge is cut off
+constexpr double kRim = 1.5;       // lambda/d: a spot closer to the edge is cut off
+constexpr double kFlooded = 0.02;  // saturated share of an image, in which a spot may be lost
 
 bool is_at_rim(const Image<float>& light, Vec2 at, double rim_px) {
   return at.x < rim_px || at.y < rim_px || at.x > light.width - 1.0 - rim_px ||
@@ -25,6 +26,13 @@ bool is_saturated(const Image<float>& light, Vec2 at, double reach_px) {
     }
   }
   return false;
+}
+
+/// True if more pixels are saturated than of a zeroth order in view.
+bool is_flooded(const Image<float>& light) {
+  const auto saturated =
+      std::ranges::count_if(light.pixels, [](float dn) { return std::isnan(dn); });
+  return double(saturated) > kFlooded * double(light.pixels.size());
 }
 
 }  // namespace
@@ -57,6 +65,7 @@ Result<Image<float>> ProbeBench::light(const Probe& probe) {
 
 Result<std::optional<ProbeSpot>> probe_spot(const Image<float>& light, const SpotModel& spots) {
   const auto rough = spot_in(light, spots);
+  if (!rough && is_flooded(light)) return fail(saturated_spot());
   if (!rough || is_at_rim(light, *rough, kRim * spots.lambda_d_px)) {
     return std::optional<ProbeSpot>();
   }

@@ -96,8 +96,9 @@ Result<Registration> fit_without_outliers(std::vector<ProbeSight> sights, double
       return fail(
           Errc::refused, "",
           fmt::format("the spot does not move as an affine map predicts (residual {:.2f} px "
-                      "RMS): check that nothing else moves on the bench, that the spot is not "
-                      "saturated, and that the region of interest contains the sensor's field",
+                      "RMS): check that light reaches the camera, that nothing else moves on the "
+                      "bench, that the spot is not saturated, and that the region of interest "
+                      "contains the sensor's field",
                       map->residual_px));
     }
     sights.erase(std::max_element(sights.begin(), sights.end(), [&](const auto& a, const auto& b) {
