@@ -34,7 +34,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPollInterval{100};
 constexpr double kPatience_s = 10.0;
-constexpr int kPictureColumns = 56;
+constexpr std::size_t kPictureColumns = 56;  ///< at most
 constexpr std::size_t kIndent = 2;
 constexpr int kMaxProposals = 6;  ///< that are taken for one step without a question
 
@@ -202,7 +202,8 @@ void Conversation::show_picture(const StepReport& step) {
   const char* const no_colour = std::getenv("NO_COLOR");
   const bool has_greys = term != nullptr && std::strstr(term, "256color") != nullptr &&
                          (no_colour == nullptr || *no_colour == '\0');
-  print("{}", screen::picture_text(commissioning_.picture(step.name), kPictureColumns,
+  const int columns = int(std::min(kPictureColumns, terminal_columns()));
+  print("{}", screen::picture_text(commissioning_.picture(step.name), columns,
                                    has_greys ? screen::Shades::blocks : screen::Shades::ascii));
 }
 
@@ -324,6 +325,8 @@ Turn Conversation::turn(const std::string& name) {
 }
 
 int Conversation::list() const {
+  const auto status = call(common_, "system.status", nlohmann::json::object());
+  if (!status && !status.error().answered) return report_failure(common_, status.error());
   const Report report = commissioning_.report();
   if (common_.json) {
     print("{}\n", json_text(to_json(report)));
