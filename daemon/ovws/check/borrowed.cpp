@@ -101,7 +101,10 @@ Answer Borrowed::restore() {
   if (lut_changed_) restore_one("lut.clear", json::object());
   if (poked_) restore_one("aberration.set", aberration_);
   if (loop_changed_) restore_one("correction.set", correction_);
-  if (loop_changed_ && loop_was_closed()) restore_one("loop.close", loop_params());
+  if (loop_changed_ && loop_was_closed()) {
+    restore_one("loop.close", loop_params());
+    if (loop_.at("paused") == true) restore_one("loop.pause", json::object());
+  }
   poked_ = loop_closed_ = loop_changed_ = lut_changed_ = false;
   if (failed.empty()) return json();
   return tl::make_unexpected(failure("not everything could be restored; do so by: " + failed));
