@@ -191,6 +191,17 @@ class Page(WebCase):
         wait_for(lambda: self.error_of("Reference") == "", what="the end of the refusal with its cause")
         self.check_console()
 
+    def test_a_value_that_was_changed_elsewhere_is_shown_when_the_field_is_left(self):
+        self.open()
+        field = "const i = document.querySelector('#bar input[type=number]');"
+        wait_for(lambda: self.browser.run(field + "return i.value") == "2000", what="the exposure")
+        self.browser.run(field + "i.focus()")
+        self.call("camera.set", {"exposure_us": 300.0})
+        time.sleep(2.0)
+        self.assertEqual(self.browser.run(field + "return i.value"), "2000", "the user may be typing")
+        self.browser.run(field + "i.blur()")
+        wait_for(lambda: self.browser.run(field + "return i.value") == "300", what="the exposure in use")
+
     def test_the_sliders_reach_as_far_as_chosen_again(self):
         self.open()
         reach = "return [document.querySelector('#aberration-range').value, document.querySelector('#aberration input[type=range]').max]"

@@ -2,6 +2,7 @@
 import { call } from "./link.js";
 import { brief, element, setText } from "./format.js";
 
+const EDIT_MS = 1000; // from the last touch of a slider or a field on, the user is not changing it any more
 const SETTLE_MS = 1500; // grace time for changes that the refused command itself causes, e.g. the end of a job
 const shownErrors = new Map(); // element with an error -> {bench, since}
 let count = 0;
@@ -124,6 +125,10 @@ export class NumberControl {
       this.#touched = performance.now();
       if (this.#number.value !== "" && this.#isPossible(Number(this.#number.value))) onChange(Number(this.#number.value));
     });
+    // Another page may have changed the value meanwhile.
+    const showLater = () => setTimeout(() => this.show(this.#shown), 1.1 * EDIT_MS);
+    this.#number.addEventListener("blur", showLater);
+    this.#slider.addEventListener("change", showLater);
   }
 
   /** Checks the value against the displayed range; the daemon's own range may be wider than the device's. */
@@ -157,7 +162,7 @@ export class NumberControl {
 
   /** Whether the user is changing the value. */
   get isEditing() {
-    return document.activeElement === this.#number || performance.now() - this.#touched < 1000;
+    return document.activeElement === this.#number || performance.now() - this.#touched < EDIT_MS;
   }
 
   /** Shows the active value, unless the user is changing it. */
