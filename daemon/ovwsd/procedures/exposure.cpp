@@ -60,8 +60,14 @@ class ExposureSearch {
   }
 
  private:
+  /// Whether the look's brightness is that of spots. A few lit peaks may be a zeroth order alone,
+  /// unless a longer exposure is saturated.
+  bool is_of_spots(const ExposureLook& look) const {
+    return look.lit && (look.certain || too_long_us_);
+  }
+
   bool is_within(const ExposureLook& look, double tolerance) const {
-    return !look.saturated() && look.lit &&
+    return !look.saturated() && is_of_spots(look) &&
            std::abs(look.fraction() / asked_.target - 1.0) <= tolerance;
   }
 
@@ -78,7 +84,7 @@ class ExposureSearch {
   /// Factor by which the exposure should change.
   double factor(const ExposureLook& look) const {
     if (look.saturated()) return 1.0 / kStep;
-    if (!look.lit) return kStep;
+    if (!is_of_spots(look)) return kStep;
     const double wanted = asked_.target * look.full - look.dark;
     return std::clamp(wanted / (look.brightest - look.dark), 1.0 / kStep, kMaxRise);
   }
@@ -174,8 +180,9 @@ class ExposureSearch {
 
   /// Fails if the last rise of the exposure did not make the image brighter.
   Result<void> check_rises(const ExposureLook& look) const {
-    if (!previous_ || !previous_->lit || previous_->saturated() || look.saturated() ||
-        !same_gain(previous_->settings, look.settings) || look.fraction() >= asked_.target) {
+    if (!previous_ || !previous_->certain || !look.certain || previous_->saturated() ||
+        look.saturated() || !same_gain(previous_->settings, look.settings) ||
+        look.fraction() >= asked_.target) {
       return {};
     }
     const bool risen = look.settings.exposure_us > kSaturatesRise * previous_->settings.exposure_us;

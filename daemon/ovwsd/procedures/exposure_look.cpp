@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/optics/lattice.hpp"
@@ -93,6 +94,11 @@ std::vector<double> peak_heights(const Image<float>& image, const ExpectedSpots&
   return heights;
 }
 
+/// Rank of the peak at kPercentile among `count`, the highest first.
+std::size_t rank_of(int count) {
+  return std::size_t((1.0 - kPercentile) * count);
+}
+
 double smallest_spacing_cpp(const Lattice& lattice) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < lattice.subapertures.size(); ++k) {
@@ -106,20 +112,19 @@ double smallest_spacing_cpp(const Lattice& lattice) {
 
 /// The height of the spots among lit peaks; `full` is that of a saturated peak. Spots are many and
 /// about equally bright, side lobes of a zeroth order are not: of all runs of successive peaks,
-/// that which is the most even, the brightest and the longest.
-double height_of_spots(const std::vector<double>& heights, int count, double full) {
-  const auto rank = [](int length) { return std::size_t((1.0 - kPercentile) * length); };
+/// that which is the most even, the brightest and the longest. None: too few peaks.
+std::optional<double> height_of_spots(const std::vector<double>& heights, int count, double full) {
   double best = 0.0;
-  double height = heights[std::min(rank(count), heights.size() - 1)];
+  std::optional<double> height;
   for (const double share : kShares) {
-    const int length = std::max(int(std::ceil(share * count)), kMinEven);
+    const int length = std::min(count, std::max(int(std::ceil(share * count)), kMinEven));
     for (std::size_t first = 0; first + std::size_t(length) <= heights.size(); ++first) {
       const double top = heights[first] < full ? heights[first] : kBeyondFull * full;
       const double last = heights[first + std::size_t(length) - 1], evenness = last / top;
       const double score = last * evenness * evenness * share;
       if (score <= best) continue;
       best = score;
-      height = heights[first + rank(length)];
+      height = heights[first + rank_of(length)];
     }
   }
   return height;
@@ -163,7 +168,10 @@ ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expe
   std::erase_if(heights, [&](double height) { return height <= least; });
   look.lit = !heights.empty();
   if (look.lit) {
-    look.brightest = look.dark + height_of_spots(heights, expected.count, look.full - look.dark);
+    const auto of_spots = height_of_spots(heights, expected.count, look.full - look.dark);
+    const std::size_t rank = std::min(rank_of(expected.count), heights.size() - 1);
+    look.certain = of_spots.has_value();
+    look.brightest = look.dark + of_spots.value_or(heights[rank]);
   }
   if (look.brightest >= look.full) look.brightest = NAN;
   return look;

@@ -15,6 +15,7 @@ struct ExposureLook {
   double brightest = 0.0;  ///< of the spots' brightest pixels; NaN: at full scale
   double dark = 0.0;       ///< black level and stray light
   bool lit = false;        ///< the brightest pixels exceed the noise
+  bool certain = false;    ///< enough of them to be the spots, and not a zeroth order alone
   int saturated_pixels = 0;
   CameraSettings settings;
 
