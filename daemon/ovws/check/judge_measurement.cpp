@@ -61,6 +61,13 @@ double first_error(const Response& response) {
   return std::max(errors[errors.size() / 2], first_watched);
 }
 
+/// A finding for which too few frames were valid.
+Finding unmeasured(Finding found) {
+  found.verdict = Verdict::note;
+  found.text = fmt::format("not measured: fewer than {} frames are valid", kMinFrames);
+  return found;
+}
+
 double mean_saturated(const Record& record) {
   double sum = 0.0;
   for (const Frame& frame : record.frames) sum += frame.saturated;
@@ -104,7 +111,7 @@ Finding judge_noise(const Facts& facts) {
   Finding found{"noise", "Noise of a single frame"};
   found.limit =
       fmt::format("at most {} wave, and at most {} times what the frames state", kMost, kRatio);
-  if (!open.usable) return found;
+  if (!open.usable) return unmeasured(found);
   found.cost_waves = open.noise;
   found.text =
       fmt::format("{:.5f} wave (root sum square over {} modes)", open.noise, open.modes.size());
@@ -126,7 +133,7 @@ Finding judge_motion(const Facts& facts) {
   const Stability& open = facts.open;
   Finding found{"motion", "Vibration and turbulence"};
   found.limit = fmt::format("at most {} wave RMS with tilts; bad above {} wave", kGood, kBad);
-  if (!open.usable) return found;
+  if (!open.usable) return unmeasured(found);
   found.cost_waves = open.motion;
   found.verdict = verdict_of(open.motion, kGood, kWarning, kBad);
   found.text = fmt::format("the wavefront moves by {:.4f} wave RMS", open.motion);
@@ -147,7 +154,7 @@ Finding judge_drift(const Facts& facts) {
   constexpr double kGood = 0.005, kWarning = 0.02, kBad = 0.1;
   Finding found{"drift", "Drift over the record"};
   found.limit = fmt::format("at most {} wave; bad above {} wave", kGood, kBad);
-  if (!facts.open.usable) return found;
+  if (!facts.open.usable) return unmeasured(found);
   found.cost_waves = facts.open.drift;
   found.verdict = verdict_of(facts.open.drift, kGood, kWarning, kBad);
   found.text = fmt::format("{:.4f} wave in {:.0f} s (straight line, all modes)", facts.open.drift,
@@ -171,6 +178,12 @@ Finding judge_loop(const Facts& facts) {
     return found;
   }
   const double rms = rms_waves(loop.record);
+  if (std::isnan(rms)) {
+    found.verdict = Verdict::bad;
+    found.text = "no frame is valid while it is closed";
+    found.fix = "ovws status";
+    return found;
+  }
   const json& step = loop.loop.at("step");
   const double step_ms = step.at("p50_ms").get<double>();
   found.cost_waves = rms;
@@ -220,8 +233,10 @@ Finding judge_settle(const Facts& facts) {
       "first frame after a change within {} wave of the later ones; no longer than {:g} times what "
       "is needed",
       kGood, kTooLong);
-  found.text = fmt::format("{:g} ms are used; the first frame after a change is off by {:.4f} wave",
-                           used, std::isnan(first) ? 0.0 : first);
+  found.text = fmt::format("{:g} ms are used", used);
+  if (!std::isnan(first)) {
+    found.text += fmt::format("; the first frame after a change is off by {:.4f} wave", first);
+  }
   double proposed = 0.0;
   bool short_by_job = false;
   if (measured.settle.result.is_object()) {
@@ -230,6 +245,7 @@ Finding judge_settle(const Facts& facts) {
     found.text += fmt::format("; measured: {:g} ms are needed", proposed);
   } else {
     found.text += "; not measured: " + measured.settle.reason;
+    if (std::isnan(first)) found.verdict = Verdict::note;
   }
   // A wavefront that moves changes between two frames, too.
   const bool first_is_off = first > std::hypot(kGood, 3.0 * facts.open.motion);

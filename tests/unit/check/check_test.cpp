@@ -221,6 +221,22 @@ TEST(Judge, AShortSettleTimeIsBad) {
   EXPECT_EQ(first.at(0).fix, "ovws call slm.set settle_ms=120");
 }
 
+TEST(Judge, WhatWasNotMeasuredIsNotGood) {
+  Measured dark = good_bench();
+  for (Record* record : {&dark.open, &dark.loop.record}) {
+    for (Frame& frame : record->frames) frame.valid = false;
+  }
+  for (Poke& poke : dark.response.pokes) poke.read = false;
+  dark.settle = {json(), "no light"};
+  const Findings findings = judge(dark);
+  for (const char* name : {"noise", "motion", "drift", "settle"}) {
+    EXPECT_EQ(of(findings, name).verdict, Verdict::note) << name;
+    EXPECT_NE(of(findings, name).text.find("not measured"), std::string::npos) << name;
+  }
+  EXPECT_EQ(of(findings, "loop").verdict, Verdict::bad);
+  EXPECT_EQ(of(findings, "loop").text.find("nan"), std::string::npos);
+}
+
 TEST(Judge, AgesAndChangesOfTheReference) {
   Measured measured = good_bench();
   measured.reference["t_taken_ns"] = measured.t_ns - 20LL * 3600 * 1'000'000'000;
