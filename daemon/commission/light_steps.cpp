@@ -25,8 +25,9 @@ Outcome run_exposure(Bench& bench, Memory& memory) {
   if (!camera) return failed(camera.error());
   const json& settings = camera->at("settings");
   const char* const gain = settings.at("gain_raw").is_null() ? "gain_db" : "gain_raw";
+  const double before_us = settings.at("exposure_us").get<double>();
   if (memory.before.is_null()) {
-    memory.before = {{"exposure_us", settings.at("exposure_us")}, {gain, settings.at(gain)}};
+    memory.before = {{"exposure_us", before_us}, {gain, settings.at(gain)}};
   }
   const auto found = expose_spots(bench);
   if (!found) return failed(found.error());
@@ -35,8 +36,7 @@ Outcome run_exposure(Bench& bench, Memory& memory) {
       Wellness::good,
       fmt::format("Exposure {:.0f} us (it was {:.0f}){}: the brightest pixels are at {:.0f} % of "
                   "full scale.",
-                  found->at("exposure_us").get<double>(),
-                  memory.before.at("exposure_us").get<double>(),
+                  found->at("exposure_us").get<double>(), before_us,
                   gain_db.is_null() ? "" : fmt::format(", gain {:.1f} dB", gain_db.get<double>()),
                   100.0 * found->at("brightest").get<double>()));
 }

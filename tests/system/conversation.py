@@ -2,7 +2,7 @@
 import re
 import time
 
-QUESTION = re.compile(rb"^> (.*)\? help\r?$", re.M)  # on a terminal wide enough not to wrap it
+QUESTION = re.compile(rb"^(?:\r\x1b\[K)*> (.*)\? help\r?$", re.M)  # on a terminal wide enough not to wrap it
 PICTURE = re.compile(r"[ .:\-=+*#%@]{40,}")
 
 

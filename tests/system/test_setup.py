@@ -77,8 +77,10 @@ class FiveFaults(SetupCase):
     def check_that_it_resumes(self):
         """Another commissioning finds what is done, and an undone step is the only measured one that is open."""
         self.assertEqual(self.states()["reference"], "done")
-        answers = iter("u\nq")  # before the reference is run again: undo it; then run it; then quit
+        # before the reference is run again: undo it; then run it; then y, which has nothing to repair; then Ctrl-D, which quits
+        answers = iter("u\ny\x04")
         text = self.set_up("--from", "reference", answer=lambda question: next(answers))
+        self.assertEqual(text.count("Taken from 100 frames"), 1, text)
         self.assertIn("The reference is cleared.", text)
         states = self.states()
         for name in ("registration", "lut", "flatness", "clear", "reference", "calibration"):

@@ -176,7 +176,9 @@ char Conversation::ask(const std::string& question) {
   Keyboard keyboard;  // before the question: keys from then on count
   print("{}\n", wrapped("> " + question, terminal_columns(), kIndent));
   std::fflush(stdout);
-  return keyboard.next().value_or('q');
+  constexpr char kEndOfInput = 4;  // Ctrl-D
+  const char key = keyboard.next().value_or('q');
+  return key == kEndOfInput ? 'q' : key;
 }
 
 void Conversation::show_step(const StepReport& step) const {
@@ -301,13 +303,14 @@ Turn Conversation::after(const std::string& name, int proposals) {
   const char key = ask(question + "q quits, ? help");
   if (key == 'q') return Turn::quit;
   if (key == '?') print("{}", kHelp);
-  if (key == 'y') run_commands(step);
+  const bool is_repaired = key == 'y' && !step.commands.empty();
+  if (is_repaired) run_commands(step);
   if (key == 's') (void)commissioning_.skip(name);
   wait();
   if (key == 's' || (key == '\n' && !has_failed)) return Turn::next;
   if (key == 'u' && step.can_undo) return act("undo", name, "", proposals);
   if (key == '\n' && is_proposed) return act("offer", name, proposal->name, proposals);
-  if (key == 'r' || key == 'y' || key == '\n') return act("run", name, "", proposals);
+  if (key == 'r' || is_repaired || key == '\n') return act("run", name, "", proposals);
   const std::size_t number = std::size_t(key - '1');
   if (key >= '1' && number < step.offers.size()) {
     return act("offer", name, step.offers[number].name, proposals);
