@@ -204,10 +204,14 @@ class ExposureSearch {
                   "cover is off, and that a spot appears with slm.show grating",
                   1e-3 * most.us)};
     }
-    return {Errc::refused, most.field,
-            fmt::format("too dark: at the longest exposure of {:g} ms the brightest pixels reach "
-                        "{:.0f} % of full scale; {}raise the laser's power or camera.gain_db",
-                        1e-3 * most.us, 100.0 * look.fraction(), most.advice)};
+    const double times = (asked_.target * look.full - look.dark) / (look.brightest - look.dark);
+    return {
+        Errc::refused, most.field,
+        fmt::format("too dark: at the longest exposure of {:g} ms the brightest pixels reach "
+                    "{:.0f} % of full scale; {}raise the laser's power or camera.gain_db: {:.2g} "
+                    "times the light is needed, or {:.0f} dB",
+                    1e-3 * most.us, 100.0 * look.fraction(), most.advice, times,
+                    20.0 * std::log10(times))};
   }
 
   Error too_bright(const ExposureLook& look) const {

@@ -11,17 +11,17 @@
 namespace ovws {
 namespace {
 
-constexpr double kSignificance = 6.0;    // of light, in standard deviations of the background
-constexpr double kDarkShare = 0.05;      // fraction of the pixels that are darker than `dark`
-constexpr double kHotContrast = 10.0;    // a hot pixel exceeds all its neighbours by this factor
-constexpr double kResolvedPx = 1.5;      // narrower spots may look like hot pixels
-constexpr std::array kShares{0.6, 0.4};  // of the spots that must be about equally bright
-constexpr int kMinEven = 6;              // ... but more than the first side lobes
-constexpr double kBeyondFull = 2.0;      // height that a saturated peak may have, per full scale
-constexpr double kPercentile = 0.8;      // of these spots' brightest pixels
-constexpr int kMorePeaks = 2;            // peaks that are looked at, relative to the spots
-constexpr double kApart = 1.5;           // lambda/d between peaks of two spots, and ...
-constexpr double kOfSpacing = 0.7;       // ... this share of the distance between two spots
+constexpr double kSignificance = 6.0;  // of light, in standard deviations of the background
+constexpr double kDarkShare = 0.05;    // fraction of the pixels that are darker than `dark`
+constexpr double kHotContrast = 10.0;  // a hot pixel exceeds all its neighbours by this factor
+constexpr double kResolvedPx = 1.5;    // narrower spots may look like hot pixels
+constexpr std::array kShares{0.6, 0.4, 0.3};  // of the spots that must be about equally bright
+constexpr int kMinEven = 6;                   // ... but more than the first side lobes
+constexpr double kBeyondFull = 2.0;  // height that a saturated peak may have, per full scale
+constexpr double kPercentile = 0.8;  // of these spots' brightest pixels
+constexpr int kMorePeaks = 2;        // peaks that are looked at, relative to the spots
+constexpr double kApart = 1.5;       // lambda/d between peaks of two spots, and ...
+constexpr double kOfSpacing = 0.7;   // ... this share of the distance between two spots
 
 float or_full(float dn, double full) {
   return std::isnan(dn) ? float(full) : dn;

@@ -37,9 +37,9 @@ Result<ExpectedSpots> expected_spots(const SensorSnapshot& now, const SlmGeometr
 /// Evaluates a mean image in DN whose saturated pixels are NaN, taken with `settings`. `brightest`
 /// is the 80th percentile of the brightest pixels of the spots: those peaks, as far apart as spots
 /// are, that are many and about equally bright. A zeroth order in view with its side lobes does not
-/// count, nor do spots outside the image, as long as two fifths of the spots, and six, are inside.
-/// Pixels that are ten times as bright as all their neighbours are left out, unless spots are about
-/// as small as a pixel.
+/// count, nor do spots outside the image, as long as three tenths of the spots, and six, are
+/// inside. Pixels that are ten times as bright as all their neighbours are left out, unless spots
+/// are about as small as a pixel.
 ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expected,
                             const CameraSettings& settings);
 

@@ -48,7 +48,8 @@ TEST_P(AutoExposureFrom, EndsAtTheTarget) {
   ASSERT_TRUE(bench.is_running());
   const auto found = expose_on(bench, {begin.target, std::nullopt});
   ASSERT_TRUE(found) << found.error().reason;
-  EXPECT_NEAR(found->brightest, begin.target, 0.05 * begin.target);
+  EXPECT_NEAR(found->brightest, begin.target, 0.05 * begin.target)
+      << found->exposure_us << " us, look " << found->looks;
   EXPECT_LT(found->saturated_pixels, 60) << "of the zeroth order";
   EXPECT_LE(found->looks, 7);
   const CameraSnapshot camera = bench.camera();
@@ -196,6 +197,20 @@ TEST(ExposureLook, IsNotOfSideLobesThatAreBrighterThanSpots) {
 TEST(ExposureLook, IsOfTheSpotsThatAreInsideTheImage) {
   EXPECT_NEAR(judge_exposure(image_with(7, 60.0F), {12, 4.0, 6.0}, {}).brightest, 62.0, 1.0);
   EXPECT_NEAR(judge_exposure(image_with(4, 60.0F), {7, 4.0, 6.0}, {}).brightest, 62.0, 1.0);
+}
+
+TEST(ExposureLook, IsOfTheBrightSpotsOfANarrowBeam) {
+  Image<float> image = image_with(19, 1.0F);
+  for (int k = 0; k < 19; ++k) {  // a Gaussian beam whose 1/e^2 diameter is that of the pupil
+    const float level = k == 0 ? 200.0F : k < 7 ? 145.0F : k < 13 ? 76.0F : 55.0F;
+    for (int y = -2; y <= 2; ++y) {
+      for (int x = -2; x <= 2; ++x) {
+        float& dn = image.at(8 + 12 * (k % 4) + x, 8 + 12 * (k / 4) + y);
+        dn = 2.0F + level * (dn - 2.0F);
+      }
+    }
+  }
+  EXPECT_NEAR(judge_exposure(image, {19, 4.0, 6.0}, {}).brightest, 147.0, 1.0);
 }
 
 TEST(ExposureLook, OfDarknessIsNotLit) {
