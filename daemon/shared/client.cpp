@@ -190,7 +190,7 @@ std::string why_not_valid(const json& message, const json& status) {
                         : "hologram changing";
   }
   if (!status.at("sensor").at("referenced").get<bool>()) {
-    return "no reference: ovws call reference.take";
+    return "no reference: ovws reference 100";
   }
   if (message.value("fit_residual_px", json()).is_number())
     return "no wavefront explains the spot positions";

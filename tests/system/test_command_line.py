@@ -110,6 +110,7 @@ class CommandLine(BenchCase):
         self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 1500.0)
         self.assertIn("exposure 1.5 ms", self.ovws("exposure"))
         self.assertIn("gain 3 dB", self.ovws("gain", "3"))
+        self.assertRegex(self.ovws("rate", "50 Hz"), r"^frame rate 50 Hz \(.*\)\n$")
         self.assertEqual(json.loads(self.ovws("--json", "gain"))["settings"]["gain_db"], 3.0)
         self.assertIn("vertical coma +0.2000, defocus -0.1000", self.ovws("aberrate", "vertical-coma=0.2", "4=-0.1"))
         self.assertIn("0.2236 wave RMS", self.ovws("aberrate"))
@@ -124,11 +125,20 @@ class CommandLine(BenchCase):
         self.assertIn("loop open", self.ovws("loop"))
 
     def test_wrong_verbs_are_a_wrong_command_line(self):
-        for words, said in ((("exposure", "2"), "has no unit: give e.g. 2ms or 2s"), (("gain", "loud"), "is not a gain"),
+        for words, said in ((("exposure", "2"), "has no unit: give e.g. 2us, 2ms or 2s"), (("gain", "loud"), "is not a gain"),
                             (("aberrate", "coma=0.2"), "vertical-coma or horizontal-coma"), (("aberrate", "coma", "0.2"), "give MODE=WAVES"),
                             (("loop", "opne"), "opne"), (("loop", "close", "gian=1"), "did you mean gain?"),
                             (("reference", "0"), "range"), (("record", "a", "60"), "has no unit")):
             self.assertIn(said, self.ovws(*words, code=2))
+
+    def test_methods_of_another_program_are_called(self):
+        at = ("--endpoint", "tcp://127.0.0.1:7790", "call")
+        usual = json.loads(self.ovws(*at, "twin.get"))["peak_electrons"]
+        self.ovws(*at, "twin.set", "peak_electrons=5000")
+        self.assertEqual(json.loads(self.ovws(*at, "twin.get"))["peak_electrons"], 5000)
+        self.ovws(*at, "twin.set", json.dumps({"peak_electrons": usual}))
+        self.assertIn("did you mean camera.set?", self.ovws("call", "camera.st", code=2))
+        self.assertIn("method", self.ovws("call", "no.such", code=1))
 
     def test_record_ends_by_itself_and_by_ctrl_c(self):
         self.assertIn("recording off", self.ovws("record"))
@@ -271,7 +281,7 @@ class CommandLine(BenchCase):
                 self.assertEqual(watch.wait(5.0), 1)
 
     def test_watch(self):
-        wait_for(lambda: "NOT VALID: no reference: ovws call reference.take" in self.ovws("watch", "-n", 1), what="a frame that is not late")
+        wait_for(lambda: "NOT VALID: no reference: ovws reference 100" in self.ovws("watch", "-n", 1), what="a frame that is not late")
         self.take_reference(10)
         lines = self.ovws("--json", "watch", "wavefront", "-n", 5).splitlines()
         self.assertEqual(len(lines), 5)

@@ -33,23 +33,27 @@ std::string readable(const json& value, const std::string& margin = "") {
   return text + "\n" + margin + (value.is_array() ? "]" : "}");
 }
 
-Error unknown_method(const std::string& method) {
+/// The mistake of a name that is almost that of a method. None: it may be a method of another
+/// program, e.g. of the twin, or of another version.
+std::optional<Error> misspelt(const std::string& method) {
   std::vector<std::string> known;
   for (const Schema& one : schemas()) {
     if (one.json.contains("params")) known.push_back(one.name);
   }
   const auto near = nearest_name(method, known);
-  return {Errc::invalid, method,
-          near ? "unknown method; did you mean " + *near + "?"
-               : "unknown method; ovws describe lists all"};
+  if (!near) return std::nullopt;
+  return Error{Errc::invalid, method, "unknown method; did you mean " + *near + "?"};
 }
 
 }  // namespace
 
 int call_method(const Common& common, const CallOptions& options) {
   const json& of_method = schema(options.method);
-  if (!of_method.contains("params")) return report_mistake(common, unknown_method(options.method));
-  const auto params = params_of(of_method.at("params"), options.params);
+  const bool is_known = of_method.contains("params");
+  if (const auto mistake = misspelt(options.method); !is_known && mistake) {
+    return report_mistake(common, *mistake);
+  }
+  const auto params = params_of(is_known ? of_method.at("params") : any_params(), options.params);
   if (!params) return report_mistake(common, params.error());
   const auto answer = options.wait ? call_and_wait(common, options.method, *params)
                                    : call(common, options.method, *params);

@@ -35,6 +35,7 @@ int call_method(const Common& common, const CallOptions& options);
 
 int exposure_verb(const Common& common, const std::string& time);  ///< "2ms" (seconds_of), "auto"
 int gain_verb(const Common& common, const std::string& gain);      ///< "12"; see decibels_of
+int rate_verb(const Common& common, const std::string& rate);      ///< "100"; see hertz_of
 /// `words`: MODE=WAVES, or norm=unit.
 int aberrate_verb(const Common& common, const std::vector<std::string>& words);
 int clear_verb(const Common& common);

@@ -28,6 +28,13 @@ void add_gain(CLI::App& app, const Common& common, int& status) {
   command->callback([&common, &status, gain] { status = gain_verb(common, *gain); });
 }
 
+void add_rate(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand("rate", "set or show the camera's frame rate");
+  auto rate = std::make_shared<std::string>();
+  command->add_option("rate", *rate, "frames per second, Hz: 100");
+  command->callback([&common, &status, rate] { status = rate_verb(common, *rate); });
+}
+
 void add_aberrate(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "aberrate", "introduce an aberration instead of the present one, or show the present one");
@@ -93,6 +100,7 @@ void add_record(CLI::App& app, const Common& common, int& status) {
 void add_verbs(CLI::App& app, const Common& common, int& status) {
   add_exposure(app, common, status);
   add_gain(app, common, status);
+  add_rate(app, common, status);
   add_aberrate(app, common, status);
   add_clear(app, common, status);
   add_reference(app, common, status);

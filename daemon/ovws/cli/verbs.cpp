@@ -1,4 +1,5 @@
-/// Plain verbs for daily work: ovws exposure, gain, aberrate, clear, reference, loop and record.
+/// Plain verbs for daily work: ovws exposure, gain, rate, aberrate, clear, reference, loop and
+/// record.
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -92,6 +93,13 @@ int gain_verb(const Common& common, const std::string& gain) {
   const auto decibels = decibels_of(gain);
   if (!decibels) return report_mistake_in(common, "gain", decibels.error());
   return act_on_camera(common, {{"gain_db", *decibels}}, "gain", gain_text);
+}
+
+int rate_verb(const Common& common, const std::string& rate) {
+  if (rate.empty()) return act_on_camera(common, json::object(), "frame rate", rate_text);
+  const auto hertz = hertz_of(rate);
+  if (!hertz) return report_mistake_in(common, "rate", hertz.error());
+  return act_on_camera(common, {{"frame_rate_hz", *hertz}}, "frame rate", rate_text);
 }
 
 int aberrate_verb(const Common& common, const Words& words) {

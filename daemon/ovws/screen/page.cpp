@@ -1,4 +1,5 @@
 #include "daemon/ovws/screen/page.hpp"
+#include "proto/limits.hpp"
 
 #include <fmt/core.h>
 
@@ -84,11 +85,20 @@ std::string slm_text(const json& status) {
                      slm.at("settled").get<bool>() ? "" : ", settling");
 }
 
+/// "DARK, " with the brightness, if the image is dark.
+std::string darkness_text(const json& status) {
+  const json brightest = status.at("camera").value("brightest", json());
+  if (!brightest.is_number() || brightest.get<double>() >= limits::kDarkFraction) return "";
+  return fmt::format("DARK ({:.1f} % of full scale): ovws exposure auto  ",
+                     100.0 * brightest.get<double>());
+}
+
 std::string state_text(const json& status) {
   const json& sensor = status.at("sensor");
   const std::string reference = sensor.at("reference").get<std::string>();
   const bool aberrated = sensor.value("reference_introduced_rms_waves", 0.0) > 0.0;
-  return fmt::format("{}  {}  {}  loop {}  {}", status.at("state").get<std::string>(),
+  return fmt::format("{}  {}{}  {}  loop {}  {}", status.at("state").get<std::string>(),
+                     darkness_text(status),
                      aberrated                 ? "reference contains an aberration"
                      : reference == "in_force" ? "referenced"
                      : reference == "stale"    ? "reference stale"

@@ -27,6 +27,7 @@ std::string camera_settings_text(const nlohmann::json& settings);
 /// "2 ms" with the limits of the camera, if they are known.
 std::string exposure_text(const nlohmann::json& settings, const nlohmann::json& limits);
 std::string gain_text(const nlohmann::json& settings, const nlohmann::json& limits);
+std::string rate_text(const nlohmann::json& settings, const nlohmann::json& limits);
 /// "0.2062 wave RMS, vertical coma +0.2000, …" of a list of named modes; empty: all are 0.
 std::string modes_text(const nlohmann::json& modes);
 /// "measured 12 min ago from 100 frames", of a result of reference.get.

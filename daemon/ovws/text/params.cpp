@@ -114,7 +114,14 @@ Result<json> list_of(const std::string& key, const json& schema, const std::stri
   return list;
 }
 
+/// JSON, or else the text as it is.
+json free_value(const std::string& text) {
+  json value = json_of(text);
+  return value.is_discarded() ? json(text) : value;
+}
+
 Result<json> value_of(const std::string& key, const json& schema, const std::string& text) {
+  if (schema == any_params()) return free_value(text);
   if (has_type(schema, "null") && text == "null") return json();
   if (has_type(schema, "array")) return list_of(key, schema, text);
   if (has_type(schema, "string")) {
@@ -174,9 +181,11 @@ Result<void> put(json& params, const json& root, const std::string& key, const s
     if (is_mode_list(schema)) return set_mode(key, schema, key.substr(begin), text, *at);
     begin += part.size() + 1;
     const json properties = schema.value("properties", json::object());
-    if (!properties.contains(part)) return unknown_key(key, root);
+    const bool is_free = schema == any_params();
+    if (!is_free && !properties.contains(part)) return unknown_key(key, root);
     if (!at->is_object()) *at = json::object();
     at = &(*at)[part];
+    if (is_free) continue;
     schema = resolved(properties.at(part), root);
     if (schema.contains("items")) schema["items"] = resolved(schema.at("items"), root);
   }
@@ -223,6 +232,11 @@ Result<void> put_word(json& params, const json& root, const std::string& word) {
 }
 
 }  // namespace
+
+const json& any_params() {
+  static const json schema{{"type", "object"}, {"additionalProperties", true}};
+  return schema;
+}
 
 bool is_mode_list(const json& schema) {
   return has_type(schema, "array") && !mode_item(schema).is_null();

@@ -16,6 +16,9 @@ struct ParamsKey {
   bool required = false;
 };
 
+/// The schema of params of an unknown method: any keys, whose values are JSON or else text.
+const nlohmann::json& any_params();
+
 /// All keys of a params schema, sorted. A list of modes, which also accepts LIST.MODE, is one key.
 std::vector<ParamsKey> keys_of(const nlohmann::json& params_schema);
 /// Whether a key is a list of objects that each have a mode (j) and one number, e.g. `modes` of

@@ -53,7 +53,7 @@ Result<double> seconds_of(std::string_view text) {
     }
     if (number->second.empty()) {
       return fail(Errc::invalid, "",
-                  fmt::format("\"{0}\" has no unit: give e.g. {0}ms or {0}s", text));
+                  fmt::format("\"{0}\" has no unit: give e.g. {0}us, {0}ms or {0}s", text));
     }
   }
   return fail(Errc::invalid, "",
@@ -66,6 +66,15 @@ Result<double> decibels_of(std::string_view text) {
     return number->first;
   }
   return fail(Errc::invalid, "", fmt::format("\"{}\" is not a gain: give a number of dB", text));
+}
+
+Result<double> hertz_of(std::string_view text) {
+  const auto number = split_number(text);
+  if (number && (number->second.empty() || number->second == "Hz" || number->second == "hz")) {
+    return number->first;
+  }
+  return fail(Errc::invalid, "",
+              fmt::format("\"{}\" is not a frame rate: give a number of Hz", text));
 }
 
 std::string time_text(double seconds) {

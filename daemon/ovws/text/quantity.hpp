@@ -14,6 +14,8 @@ namespace ovws::cli {
 Result<double> seconds_of(std::string_view text);
 /// Decibels: "12", "12dB" or "12 dB".
 Result<double> decibels_of(std::string_view text);
+/// The number of "100" or "100 Hz".
+Result<double> hertz_of(std::string_view text);
 
 /// A time with the unit that suits it: "2 ms", "1.5 s", "3 min 12 s", "2 h 5 min", "3 d 4 h".
 std::string time_text(double seconds);

@@ -40,6 +40,9 @@ std::string range_text(const json& limits, const char* key, std::string (*show)(
 std::string decibels_text(double db) {
   return fmt::format("{:.4g} dB", db);
 }
+std::string hertz_text(double hertz) {
+  return fmt::format("{:.4g} Hz", hertz);
+}
 std::string steps_text(double steps) {
   return fmt::format("{:.0f}", steps);
 }
@@ -320,6 +323,11 @@ std::string gain_text(const json& settings, const json& limits) {
   if (!settings.at("gain_raw").is_number()) return "unknown";
   return steps_text(number(settings, "gain_raw")) + " steps" +
          range_text(limits, "gain_raw", steps_text);
+}
+
+std::string rate_text(const json& settings, const json& limits) {
+  return hertz_text(number(settings, "frame_rate_hz")) +
+         range_text(limits, "frame_rate_hz", hertz_text);
 }
 
 std::string modes_text(const json& modes) {

@@ -10,7 +10,10 @@ TEST(Quantity, TimesHaveUnits) {
   EXPECT_DOUBLE_EQ(seconds_of("2000 us").value(), 2e-3);
   EXPECT_DOUBLE_EQ(seconds_of("20µs").value(), 2e-5);
   EXPECT_DOUBLE_EQ(seconds_of("1.5h").value(), 5400.0);
-  EXPECT_EQ(seconds_of("2").error().reason, "\"2\" has no unit: give e.g. 2ms or 2s");
+  EXPECT_EQ(hertz_of("100 Hz"), 100.0);
+  EXPECT_EQ(hertz_of("0.5"), 0.5);
+  EXPECT_FALSE(hertz_of("10ms"));
+  EXPECT_EQ(seconds_of("2").error().reason, "\"2\" has no unit: give e.g. 2us, 2ms or 2s");
   for (const char* text : {"", "ms", "2 msec", "nan s", "2ms x", "auto"}) {
     EXPECT_FALSE(seconds_of(text)) << text;
   }
