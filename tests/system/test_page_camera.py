@@ -138,6 +138,16 @@ class Bar(PageCase):
         self.browser.wait_text("#saturation", lambda text: re.search(r" [5-9]\d % of full scale", text))
         self.check_console()
 
+    def check_remedy_clears_the_aberration(self):
+        """The banner's button takes a reference as that of the bar does."""
+        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.1}]})
+        self.call("camera.set", {"exposure_us": 1100.0})
+        self.browser.wait_text("#bar .fields", lambda text: "Clear aberration and take" in text)
+        self.browser.click("header button >> text=Clear aberration and take")
+        self.browser.wait_text("header", lambda text: "another gain" not in text)
+        self.assertEqual(self.call("aberration.get")["modes"], [])
+        self.assertEqual(self.browser.text("#verdict-error"), "")
+
     def test_findings_lead_to_their_remedy(self):
         self.call("camera.set", {"exposure_us": 9000.0})
         self.browser.wait_text("#verdict", lambda text: "spots saturated" in text)
@@ -148,6 +158,7 @@ class Bar(PageCase):
         self.call("camera.set", {"exposure_us": 1000.0})
         self.browser.click("header button >> text=Take a new one")
         self.browser.wait_text("header", lambda text: "another gain" not in text)
+        self.check_remedy_clears_the_aberration()
         self.call("slm.show", {"pattern": "grating"})
         self.browser.click("header button >> text=Show the sensor's hologram")
         wait_for(lambda: self.call("system.status")["slm"]["pattern"] == "sensor", what="the sensor's hologram")

@@ -78,6 +78,9 @@ export function build(mayControl) {
   toolbar.append(label);
 }
 
+/** Whether an aberration is introduced. */
+export const isIntroduced = () => inForce.some((mode) => mode.waves !== 0);
+
 /** Removes the introduced aberration; resolves to the daemon's reply. */
 export async function clear() {
   const reply = await call("aberration.clear");

@@ -6,11 +6,13 @@ import { JobButton } from "./jobs.js";
 import { call } from "./link.js";
 import { loopSettings } from "./loop.js";
 import * as record from "./record.js";
+import { clearFirst, takeText } from "./reference.js";
 import { whyNot } from "./rights.js";
 import { allow, button, field, NumberControl, reasonOf, Sender } from "./widgets.js";
 
 const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 ** slider };
 const REFERENCE_FRAMES = 100;
+const TAKE = `Take ${REFERENCE_FRAMES} frames`;
 const AUTO_TARGET = 0.7;
 
 let parts = null;
@@ -40,15 +42,9 @@ function buildCamera(parent) {
 
 function buildReference(parent) {
   const frame = field(parent, "Reference");
-  const take = new JobButton({ body: frame.body, error: frame.error }, `Take ${REFERENCE_FRAMES} frames`, "reference.take", { params: () => ({ frames: REFERENCE_FRAMES }) });
+  const take = new JobButton({ body: frame.body, error: frame.error }, TAKE, "reference.take", { params: () => ({ frames: REFERENCE_FRAMES }), before: clearFirst });
   take.button.id = frame.id;
-  const retake = button(frame.body, "Clear aberration and take", async () => {
-    const reply = await aberration.clear();
-    frame.error(reasonOf(reply));
-    if (reply.result) take.run("reference.take", { frames: REFERENCE_FRAMES });
-  });
-  retake.hidden = true;
-  return { reference: frame, take, retake };
+  return { reference: frame, take };
 }
 
 /** A field whose one button does one of two things, by the state. */
@@ -134,7 +130,7 @@ function update() {
     [parts.exposure.inputs, parts.exposure.frame, lack.camera],
     [[parts.auto.button], parts.exposure.frame, lack.camera],
     [parts.gain.inputs, parts.gain.frame, lack.camera],
-    [[parts.take.button, parts.retake], parts.reference, lack.camera],
+    [[parts.take.button], parts.reference, lack.camera],
     [[parts.loop.toggle], parts.loop, lack.loop],
     [[parts.record.toggle], parts.record, lack.none],
     [[parts.clear.toggle], parts.clear, lack.job],
@@ -153,8 +149,7 @@ export function takeBench(message) {
   showCamera(camera);
   parts.reference.help(referenceText(reference));
   const shown = introduced.modes.filter((mode) => mode.waves !== 0);
-  parts.retake.hidden = parts.take.isRunning || shown.length === 0;
-  parts.take.button.hidden = parts.take.isRunning || shown.length > 0;
+  setText(parts.take.button, takeText(TAKE));
   parts.clear.help(shown.length === 0 ? "none" : `${brief(Math.hypot(...shown.map((mode) => mode.waves)))} wave RMS`);
   parts.loop.help(loopText(loop));
   parts.loop.box.classList.toggle("closed", loop.closed);

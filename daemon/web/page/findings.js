@@ -3,36 +3,48 @@ import { byId, element, setText } from "./format.js";
 import { followJob } from "./jobs.js";
 import { call } from "./link.js";
 import * as panels from "./panels.js";
+import { clearFirst, takeText } from "./reference.js";
 import { whyNot } from "./rights.js";
 import { allow, reasonOf, showError } from "./widgets.js";
 
+let shown = []; // the findings
+
+/** Whether the action takes a reference and does nothing else. */
+const takesReference = ({ calls }) => calls?.length === 1 && calls[0].method === "reference.take";
+
+/** Makes one call, and waits if it is a job; resolves to the reason for an error, empty on success. */
+async function make({ method, params }) {
+  const reply = await call(method, params);
+  return reply.result?.job === undefined ? reasonOf(reply) : (await followJob(reply.result.job)).error;
+}
+
 /** Makes the calls in order, waiting for those that are jobs; stops at the first error and shows it. */
-async function remedy(calls, control) {
+async function remedy(action, control) {
   control.dataset.busy = "yes";
   control.disabled = true;
   showError(byId("verdict-error"), "");
-  for (const { method, params } of calls) {
-    const reply = await call(method, params);
-    const error = reply.result?.job === undefined ? reasonOf(reply) : (await followJob(reply.result.job)).error;
-    if (error) {
-      showError(byId("verdict-error"), `${method}: ${error}`);
-      break;
-    }
-  }
+  let error = takesReference(action) ? await clearFirst() : "";
+  for (const each of action.calls) error ||= await make(each);
+  showError(byId("verdict-error"), error ? `${action.label}: ${error}` : "");
   delete control.dataset.busy;
   allowRemedies();
+}
+
+function label(control, action) {
+  if (action) setText(control, takesReference(action) ? takeText(action.label) : action.label);
 }
 
 /** Gives `parent` the button of the action, unless it has it already. */
 function showAction(parent, action) {
   const key = JSON.stringify(action ?? null);
-  if (parent.dataset.action === key) return;
+  if (parent.dataset.action === key) return label(parent.querySelector("button"), action);
   parent.dataset.action = key;
   parent.querySelector("button")?.remove();
   if (!action) return;
-  const made = element("button", action.calls ? "call" : "", action.label);
+  const made = element("button", action.calls ? "call" : "");
+  label(made, action);
   made.type = "button";
-  made.addEventListener("click", () => (action.calls ? remedy(action.calls, made) : panels.show(action.section)));
+  made.addEventListener("click", () => (action.calls ? remedy(action, made) : panels.show(action.section)));
   parent.append(made);
 }
 
@@ -42,7 +54,9 @@ export function allowRemedies() {
 }
 
 /** `findings`: the worst first. */
-export function showFindings([worst, ...others]) {
+export function showFindings(findings) {
+  shown = findings;
+  const [worst, ...others] = findings;
   const verdict = byId("verdict");
   verdict.dataset.wellness = worst.wellness;
   setText(verdict.querySelector("p"), worst.text);
@@ -65,3 +79,6 @@ export function showFindings([worst, ...others]) {
   });
   allowRemedies();
 }
+
+/** Shows the same findings, with what their buttons do now. */
+export const showAgain = () => shown.length && showFindings(shown);

@@ -54,13 +54,16 @@ export class JobButton {
   #since = 0;
   #first = null; // the progress that was seen first: a job may be followed from its middle
 
-  /** `params()`: params at the moment of the click. `onDone(result)`: returns the text to show, or nothing. */
-  constructor({ body, error, help = () => {}, why = null }, text, method, { params = () => ({}), onDone = () => {} } = {}) {
+  /**
+   * `params()`: params at the moment of the click. `before()`: what a click does first; resolves to a reason not to start the
+   * job, or "". `onDone(result)`: returns the text to show, or nothing.
+   */
+  constructor({ body, error, help = () => {}, why = null }, text, method, { params = () => ({}), before = async () => "", onDone = () => {} } = {}) {
     this.error = error;
     this.help = help;
     this.why = why;
     this.#onDone = onDone;
-    this.button = button(body, text, () => this.run(method, params()));
+    this.button = button(body, text, () => this.run(method, params(), before));
     this.#bar.max = 1;
     this.#bar.setAttribute("aria-label", `Progress: ${text}`);
     body.append(this.#bar, this.#left);
@@ -99,8 +102,11 @@ export class JobButton {
   }
 
   /** Runs the job; resolves to what runJob resolves to. */
-  run(method, params, onDone = this.#onDone) {
-    return this.#watch((watching) => runJob(method, params, watching), onDone);
+  run(method, params, before) {
+    return this.#watch(async (watching) => {
+      const error = await before();
+      return error ? { state: "failed", result: null, error } : runJob(method, params, watching);
+    });
   }
 
   /** Follows a job that another page or client has started. */
@@ -108,10 +114,10 @@ export class JobButton {
     return this.#watch(({ onStart, onProgress }) => {
       onStart(job);
       return followJob(job, onProgress);
-    }, this.#onDone);
+    });
   }
 
-  async #watch(start, onDone) {
+  async #watch(start) {
     const hadFocus = document.activeElement === this.button;
     this.error("");
     this.#show(true);
@@ -125,7 +131,7 @@ export class JobButton {
     this.#show(false);
     if (heldFocus) this.button.focus();
     this.error(ended.error);
-    this.help(ended.state === "done" ? (onDone(ended.result) ?? "") : ended.state === "cancelled" ? "Cancelled." : "");
+    this.help(ended.state === "done" ? (this.#onDone(ended.result) ?? "") : ended.state === "cancelled" ? "Cancelled." : "");
     return ended;
   }
 }
