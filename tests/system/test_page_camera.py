@@ -167,6 +167,21 @@ class Bar(PageCase):
         wait_for(lambda: self.call("reference.get")["taken"], what="a reference")
         self.check_console()
 
+    def test_what_a_closed_loop_excludes_is_disabled_and_says_why(self):
+        self.call("camera.set", {"exposure_us": 1100.0})
+        self.browser.wait_text("header", lambda text: "Take a new one" in text)
+        self.call("loop.close")
+        self.browser.wait_text("#bar .fields", lambda text: "The loop is closed: open it first." in text)
+        disabled = "return [...document.querySelectorAll('button:disabled, select:disabled')].filter((e) => e.offsetParent).map((e) => e.textContent)"
+        names = self.browser.run(disabled)
+        for name in ("Auto", "Take 100 frames", "Take a new one", "Clear reference", "Clear correction"):
+            self.assertIn(name, names)
+        self.assertEqual(self.browser.run(WHY), [])
+        self.assertFalse(self.browser.run("return document.querySelector('#bar .wide input').disabled"))
+        self.press("Open")
+        wait_for(lambda: self.browser.run(disabled) == [], what="all controls with the loop open")
+        self.check_console()
+
     def test_without_control_everything_that_is_disabled_says_why(self):
         self.assertEqual(self.browser.run(WHY), [])
         self.call("reference.clear")

@@ -7,7 +7,7 @@ import { call } from "./link.js";
 import { loopSettings } from "./loop.js";
 import * as record from "./record.js";
 import { clearFirst, takeText } from "./reference.js";
-import { whyNot } from "./rights.js";
+import { whyLoop, whyNot } from "./rights.js";
 import { allow, button, field, NumberControl, reasonOf, Sender } from "./widgets.js";
 
 const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 ** slider };
@@ -116,8 +116,9 @@ function lacks() {
   const camera = !status || status.camera.connected ? "" : "The camera is not connected.";
   const job = status?.state === "job_running" ? "A job is running." : "";
   const reference = !status || status.sensor.referenced ? "" : "Needs a reference.";
-  const closed = bench?.loop.closed;
-  return { camera: camera || job, job, loop: closed ? "" : camera || job || reference, none: "" };
+  const closed = whyLoop();
+  const auto = closed && "For Auto, open the loop first: it is closed."; // the field's other controls work
+  return { camera: camera || job, auto: camera || job || auto, open: camera || job || closed, job, loop: closed ? "" : camera || job || reference, none: "" };
 }
 
 /** Enables every control, or disables it and says why. */
@@ -128,9 +129,9 @@ function update() {
   const lack = lacks();
   const rows = [
     [parts.exposure.inputs, parts.exposure.frame, lack.camera],
-    [[parts.auto.button], parts.exposure.frame, lack.camera],
+    [[parts.auto.button], parts.exposure.frame, lack.auto],
     [parts.gain.inputs, parts.gain.frame, lack.camera],
-    [[parts.take.button], parts.reference, lack.camera],
+    [[parts.take.button], parts.reference, lack.open],
     [[parts.loop.toggle], parts.loop, lack.loop],
     [[parts.record.toggle], parts.record, lack.none],
     [[parts.clear.toggle], parts.clear, lack.job],

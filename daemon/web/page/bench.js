@@ -1,7 +1,8 @@
 // Sensor and loop: charge, tracker, frame rate, reference and correction, for users with control rights; else their values.
 import { brief, byId, element, grouped, NONE, setText, timeOfDay } from "./format.js";
 import { call } from "./link.js";
-import { button, ChoiceControl, field, NumberControl, reasonOf, Sender } from "./widgets.js";
+import { whyLoop } from "./rights.js";
+import { allowIn, button, ChoiceControl, field, NumberControl, reasonOf, Sender } from "./widgets.js";
 
 let controls = null;
 const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 ** slider };
@@ -33,14 +34,16 @@ function buildSensor(parent) {
 
 function buildReference(parent) {
   const frame = field(parent, "Reference");
-  button(frame.body, "Clear reference", async () => frame.error(reasonOf(await call("reference.clear")))).id = frame.id;
-  return { reference: frame };
+  const clear = button(frame.body, "Clear reference", async () => frame.error(reasonOf(await call("reference.clear"))));
+  clear.id = frame.id;
+  return { reference: frame, clearReference: clear };
 }
 
 function buildLoop(parent) {
   const frame = field(parent, "Correction");
-  button(frame.body, "Clear correction", async () => frame.error(reasonOf(await call("correction.clear")))).id = frame.id;
-  return { loop: frame };
+  const clear = button(frame.body, "Clear correction", async () => frame.error(reasonOf(await call("correction.clear"))));
+  clear.id = frame.id;
+  return { loop: frame, clearCorrection: clear };
 }
 
 export function build(mayControl) {
@@ -80,6 +83,9 @@ function showControls({ camera, sensor, limits, reference, loop }) {
   controls.tracker.show(sensor.tracker, limits.trackers);
   controls.reference.help(`Active: ${referenceText(reference)}`);
   controls.loop.help(`Loop ${loopText(loop)}`);
+  for (const choice of [controls.charge, controls.tracker]) choice.allow(whyLoop());
+  allowIn(controls.reference, [controls.clearReference], whyLoop());
+  allowIn(controls.loop, [controls.clearCorrection], whyLoop());
 }
 
 /** Shows pairs of title and text; rebuilds the list only if its length changes. */

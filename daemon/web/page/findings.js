@@ -4,7 +4,7 @@ import { followJob } from "./jobs.js";
 import { call } from "./link.js";
 import * as panels from "./panels.js";
 import { clearFirst, takeText } from "./reference.js";
-import { whyNot } from "./rights.js";
+import { whyLoop, whyNot } from "./rights.js";
 import { allow, reasonOf, showError } from "./widgets.js";
 
 let shown = []; // the findings
@@ -48,9 +48,13 @@ function showAction(parent, action) {
   parent.append(made);
 }
 
-/** Disables the remedies that change something, with the reason, while this page may not. */
+/** Disables the remedies that change something, with the reason, while this page may not or the closed loop excludes them. */
 export function allowRemedies() {
-  allow(document.querySelectorAll("header button.call:not([data-busy])"), whyNot(), byId("bar-why"));
+  const common = whyNot();
+  const loop = common ? "" : whyLoop();
+  const remedies = document.querySelectorAll("header button.call:not([data-busy])");
+  for (const control of remedies) allow([control], common || loop, byId(common ? "bar-why" : "verdict-why"));
+  setText(byId("verdict-why"), remedies.length ? loop : "");
 }
 
 /** `findings`: the worst first. */

@@ -21,7 +21,7 @@ import * as panels from "./panels.js";
 import * as procedures from "./procedures.js";
 import * as record from "./record.js";
 import * as recordings from "./recordings.js";
-import { setLack, setRight } from "./rights.js";
+import * as rights from "./rights.js";
 import * as saved from "./saved.js";
 import * as slm from "./slm.js";
 import { chooseTheme } from "./theme.js";
@@ -91,6 +91,7 @@ function whatRefusalsRestOn() {
 
 function takeBench(message) {
   newestBench = message;
+  rights.takeBench(message);
   const names = message.sensor.mode_names.map((mode) => mode.j).join();
   if (names !== modeNames) modes.takeNames(message.sensor.mode_names);
   modeNames = names;
@@ -115,7 +116,7 @@ function takeHealth({ findings, t_ns: sent, browsers, refused }) {
 
 function takeState(reason) {
   if (reason) showFindings([{ wellness: "bad", text: reason }]);
-  setLack(reason ? "Not connected to ovws-web." : "");
+  rights.setLack(reason ? "Not connected to ovws-web." : "");
   takeRight();
   document.body.classList.toggle("cut", reason !== "");
 }
@@ -177,7 +178,7 @@ function takeHello({ right: given }) {
   right = given;
   connectedAt = performance.now();
   clockOffset = null; // a clock may have been set
-  setRight(given);
+  rights.setRight(given);
   takeRight();
 }
 

@@ -5,7 +5,7 @@ import { JobButton } from "./jobs.js";
 import { call } from "./link.js";
 import { paramFields, paramsOf } from "./params.js";
 import { PROCEDURES } from "./procedure_table.js";
-import { whyNot } from "./rights.js";
+import { whyLoop, whyNot } from "./rights.js";
 import { button, field, reasonOf } from "./widgets.js";
 
 let made = null; // the procedures of the page
@@ -109,7 +109,7 @@ class Procedure {
     if (!this.#job) return;
     const running = this.#job.isRunning;
     const device = status && !status.camera.connected ? "The camera is not connected." : status && !status.slm.connected ? "The SLM is not connected." : "";
-    const why = whyNot() || device || (status?.state === "job_running" && !running ? "A job is running." : "");
+    const why = whyNot() || device || (status?.state === "job_running" && !running ? "A job is running." : "") || whyLoop();
     this.#job.disable(why);
     for (const input of this.#inputs) input.disabled = running;
     if (!this.#clear) return;
@@ -131,6 +131,7 @@ export function takeBench({ measured, settle_ms: settle }) {
   for (const [name, report] of Object.entries(measured)) if (report) made.get(name).show(report);
   made.get("settle").showNothing(`slm.settle_ms is ${brief(settle)} ms; not measured since this page was opened.`);
   const active = PROCEDURES.filter(({ name, isKnown }) => measured[name] && isKnown(measured[name])).map(({ title }) => title.toLowerCase());
+  takeRight();
   setText(byId("procedures-sub"), active.length ? `measured: ${active.join(", ")}` : "nothing measured");
 }
 

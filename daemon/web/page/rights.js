@@ -2,6 +2,7 @@
 const VIEW_ONLY = "View only: to change something, open the link \u201ccontrol\u201d that ovws-web --control prints.";
 let right = "look";
 let lack = "Not connected to ovws-web.";
+let closed = false;
 
 export const setRight = (given) => (right = given);
 
@@ -10,3 +11,8 @@ export const setLack = (reason) => (lack = reason);
 
 /** Why nothing can be changed; empty if it can. */
 export const whyNot = () => lack || (right === "control" ? "" : VIEW_ONLY);
+
+export const takeBench = ({ loop }) => (closed = loop.closed);
+
+/** Why nothing can start that the closed loop excludes; empty if it can. */
+export const whyLoop = () => (closed ? "The loop is closed: open it first." : "");

@@ -1,6 +1,7 @@
 // The SLM: the hologram on it, and a comparison of its output with that hologram.
 import { byId, element, NONE, setText } from "./format.js";
 import { call, picture } from "./link.js";
+import { whyLoop } from "./rights.js";
 import { button, ChoiceControl, field, reasonOf } from "./widgets.js";
 import { showFacts } from "./bench.js";
 
@@ -61,6 +62,7 @@ export function takeBench({ hologram, limits }, shownPattern) {
     showComparison();
   }
   pattern?.show(shownPattern, limits.patterns);
+  pattern?.allow(whyLoop());
 }
 
 export function takeStatus({ slm }) {

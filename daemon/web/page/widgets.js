@@ -59,6 +59,12 @@ export function field(parent, title, unit = "") {
   return { id, box, body, unit, why, help: showHelp, error: (text) => showError(error, text), describedBy: `${help.id} ${error.id}` };
 }
 
+/** Enables the controls of a field (reason ""), or disables them and shows the reason there. */
+export function allowIn(frame, controls, reason) {
+  allow(controls, reason, frame.why);
+  setText(frame.why, reason);
+}
+
 /** The daemon's reason for an error; empty on success. */
 export const reasonOf = (reply) => (reply.error ? reply.error.data.reason || reply.error.message : "");
 
@@ -209,6 +215,11 @@ export class ChoiceControl {
       this.#select.replaceChildren(...choices.map((choice) => new Option(String(choice), String(choice))));
     }
     if (document.activeElement !== this.#select) this.#select.value = String(value);
+  }
+
+  /** Enables the selection (reason ""), or disables it and says why. */
+  allow(reason) {
+    allowIn(this.#frame, [this.#select], reason);
   }
 
   error(text) {
