@@ -167,6 +167,29 @@ class Bar(PageCase):
         wait_for(lambda: self.call("reference.get")["taken"], what="a reference")
         self.check_console()
 
+    def test_a_correction_of_the_open_loop_is_shown_and_cleared(self):
+        self.call("aberration.set", {"modes": [{"j": 8, "waves": 0.1}]})
+        self.call("loop.close")
+        wait_for(lambda: self.call("loop.get")["correction_rms_waves"] > 0.08, what="a correction")
+        title = "return [...document.querySelectorAll('#bar button')].find((b) => b.textContent === 'Clear').title"
+        wait_for(lambda: self.browser.run(title) == "Clears the aberration", what="the title with the loop closed")
+        self.press("Open")
+        rms = r"correction 0\.\d+ wave"
+        self.browser.wait_text("#bench .controls", lambda text: re.search(f"Loop open since .*; {rms} RMS", text))
+        self.browser.wait_text("#bar .fields", lambda text: re.search(f"Aberration.*{rms}.*0\\.100 wave RMS", text))
+        self.assertEqual(self.browser.run(title), "Clears the aberration and the correction")
+        self.call("aberration.clear")
+        wait_for(lambda: self.browser.run(title) == "Clears the correction", what="the title without an aberration")
+        self.press("Clear$")
+        wait_for(lambda: self.call("loop.get")["correction_rms_waves"] == 0.0, what="no correction")
+        self.browser.wait_text("#bar .fields", lambda text: "correction" not in text)
+        self.call("correction.set", {"modes": [{"j": 8, "waves": 0.05}]})
+        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.1}]})
+        wait_for(lambda: self.browser.run(title) == "Clears the aberration and the correction", what="the title with both")
+        self.press("Clear$")
+        wait_for(lambda: self.call("aberration.get")["modes"] == self.call("correction.get")["modes"] == [], what="neither")
+        self.check_console()
+
     def test_what_a_closed_loop_excludes_is_disabled_and_says_why(self):
         self.call("camera.set", {"exposure_us": 1100.0})
         self.browser.wait_text("header", lambda text: "Take a new one" in text)

@@ -1,7 +1,7 @@
 // The bar that stays in view: exposure, gain, reference, loop, recording and aberration, each with its state.
 import * as aberration from "./aberration.js";
 import { gainOf } from "./bench.js";
-import { brief, byId, grouped, setText, timeOfDay } from "./format.js";
+import { brief, byId, element, grouped, setText, timeOfDay } from "./format.js";
 import { JobButton } from "./jobs.js";
 import { call } from "./link.js";
 import { loopSettings } from "./loop.js";
@@ -14,6 +14,7 @@ const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 **
 const REFERENCE_FRAMES = 100;
 const TAKE = `Take ${REFERENCE_FRAMES} frames`;
 const AUTO_TARGET = 0.7;
+const LEAST_WAVES = 0.0005; // of a correction that is shown
 
 let parts = null;
 let bench = null; // the newest bench message
@@ -61,6 +62,26 @@ function buildToggle(parent, title, onClick) {
   return { ...frame, toggle };
 }
 
+/** The RMS of the correction that an open loop leaves, waves; 0 if none is worth showing. */
+const leftCorrection = ({ closed, correction_rms_waves: rms }) => (!closed && rms >= LEAST_WAVES ? rms : 0);
+
+/** Clears what the field shows; resolves to the reason for an error, empty on success. */
+async function clearShown() {
+  const corrected = leftCorrection(bench.loop) > 0;
+  const error = aberration.isIntroduced() || !corrected ? reasonOf(await aberration.clear()) : "";
+  return error || (corrected ? reasonOf(await call("correction.clear")) : "");
+}
+
+/** Shows the aberration, and the correction of the open loop, which looks like one. */
+function showAberration({ aberration: { modes }, loop }) {
+  const introduced = Math.hypot(...modes.map((mode) => mode.waves));
+  const correction = leftCorrection(loop);
+  parts.clear.help(introduced ? `${brief(introduced)} wave RMS` : "none");
+  setText(parts.correction, correction ? `correction ${brief(correction)} wave` : "");
+  const both = introduced ? "the aberration and the correction" : "the correction";
+  parts.clear.toggle.dataset.hint = `Clears ${correction ? both : "the aberration"}`;
+}
+
 export function build() {
   const parent = document.querySelector("#bar .fields");
   const loop = async () => reasonOf(await (bench.loop.closed ? call("loop.open") : call("loop.close", loopSettings())));
@@ -69,9 +90,11 @@ export function build() {
     ...buildReference(parent),
     loop: buildToggle(parent, "Loop", loop),
     record: buildToggle(parent, "Recording", record.toggle),
-    clear: buildToggle(parent, "Aberration", async () => reasonOf(await aberration.clear())),
+    clear: buildToggle(parent, "Aberration", clearShown),
   };
   setText(parts.clear.toggle, "Clear");
+  parts.correction = element("span", "sub");
+  parts.clear.body.append(parts.correction);
   byId("more").addEventListener("click", () => {
     const open = byId("bar").classList.toggle("open");
     byId("more").setAttribute("aria-expanded", String(open));
@@ -146,12 +169,11 @@ export const takeRight = update;
 
 export function takeBench(message) {
   bench = message;
-  const { camera, reference, aberration: introduced, loop } = message;
+  const { camera, reference, loop } = message;
   showCamera(camera);
   parts.reference.help(referenceText(reference));
-  const shown = introduced.modes.filter((mode) => mode.waves !== 0);
   setText(parts.take.button, takeText(TAKE));
-  parts.clear.help(shown.length === 0 ? "none" : `${brief(Math.hypot(...shown.map((mode) => mode.waves)))} wave RMS`);
+  showAberration(message);
   parts.loop.help(loopText(loop));
   parts.loop.box.classList.toggle("closed", loop.closed);
   setText(parts.loop.toggle, loop.closed ? "Open" : "Close");

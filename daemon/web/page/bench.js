@@ -67,7 +67,8 @@ function referenceText(reference) {
 function loopText(loop) {
   const residual = loop.residual_rms_waves === null ? "" : `, residual ${brief(loop.residual_rms_waves)} wave RMS`;
   if (loop.closed) return `${loop.paused ? "paused" : "closed"}, ${grouped(loop.steps)} steps${residual}`;
-  return loop.opened_because ? `open since ${timeOfDay(loop.t_opened_ns)}: ${loop.opened_because}` : `open, correction ${brief(loop.correction_rms_waves)} wave RMS`;
+  const correction = `correction ${brief(loop.correction_rms_waves)} wave RMS`;
+  return loop.opened_because ? `open since ${timeOfDay(loop.t_opened_ns)}: ${loop.opened_because}; ${correction}` : `open, ${correction}`;
 }
 
 function showControls({ camera, sensor, limits, reference, loop }) {
