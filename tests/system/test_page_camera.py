@@ -167,6 +167,16 @@ class Bar(PageCase):
         wait_for(lambda: self.call("reference.get")["taken"], what="a reference")
         self.check_console()
 
+    def test_the_button_of_the_colours_says_so(self):
+        self.assertEqual(self.browser.text("#theme"), "Colours: system")
+        for width in (390, 1440):
+            self.browser.resize(width, 900)
+            self.check_box("#theme")
+            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
+        for colours in ("light", "dark", "system"):
+            self.browser.click("#theme")
+            self.assertEqual(self.browser.text("#theme"), f"Colours: {colours}")
+
     def test_a_correction_of_the_open_loop_is_shown_and_cleared(self):
         self.call("aberration.set", {"modes": [{"j": 8, "waves": 0.1}]})
         self.call("loop.close")

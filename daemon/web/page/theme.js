@@ -1,7 +1,7 @@
 // Colour theme: light, dark or the system's.
 import { byId, setText } from "./format.js";
 
-const NAMES = { auto: ["System", "system setting"], light: ["Light", "light"], dark: ["Dark", "dark"] };
+const NAMES = { auto: "system", light: "light", dark: "dark" };
 const ORDER = Object.keys(NAMES);
 
 /** Sets up the button that cycles through the themes; `onChange` redraws the canvases. */
@@ -10,8 +10,7 @@ export function chooseTheme(onChange) {
   const set = (theme) => {
     document.documentElement.dataset.theme = theme;
     localStorage.setItem("theme", theme);
-    setText(button, NAMES[theme][0]);
-    button.setAttribute("aria-label", `Colours: ${NAMES[theme][1]}`);
+    setText(button, `Colours: ${NAMES[theme]}`);
     onChange();
   };
   const stored = localStorage.getItem("theme");
