@@ -1,4 +1,4 @@
-"""The page Commission in a real browser: clicking through it repairs a bench with faults; what is left is judged by the twin's truth."""
+"""The page Commission in a real browser: Enter alone repairs a bench with faults; what is left is judged by the twin's truth."""
 import json
 import time
 
@@ -35,8 +35,12 @@ class CommissionCase(WebCase, SetupCase):
 
     def click_primary(self):
         """Clicks the large button, and waits for what follows."""
+        return self.act(lambda: self.browser.click("#primary"))
+
+    def act(self, action):
+        """Does what starts something, and waits for what follows; returns what the page shows then."""
         before = self.browser.run(WHERE)
-        self.browser.click("#primary")
+        action()
         wait_for(lambda: self.browser.run(BUSY) or self.browser.run(WHERE) != before, 5.0, f"a change after {before}")
         return self.idle()
 
@@ -56,14 +60,14 @@ class Faults(CommissionCase):
     twin_config = FAULTS
     daemon_config = TOO_LONG
 
-    def test_clicking_through_repairs_the_bench(self):
+    def test_enter_alone_repairs_the_bench(self):
         reports, begun, shown = [], time.monotonic(), self.idle()
         while shown["primary"]:
             self.assertLess(time.monotonic() - begun, 300.0, reports)
             self.assertTrue(shown["can"], shown)
             reports.append((shown["title"], shown["primary"], shown["verdict"]))
             print(f"{time.monotonic() - begun:6.1f} s", *reports[-1], sep="  ", flush=True)
-            shown = self.click_primary()
+            shown = self.act(lambda: self.browser.press("Enter"))
         self.assertEqual(set(shown["states"]), {"done"}, reports)
         self.assertIn("commissioned", self.browser.text("#end-title"))
         self.assertFalse(self.browser.run("return document.getElementById('end').hidden"))

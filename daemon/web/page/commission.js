@@ -13,6 +13,7 @@ let chosen = ""; // the step that is shown
 let following = true; // shows the step that runs, or the first that is not done
 let shownPicture = "";
 let timer = 0;
+let opened = false; // whether the large button was shown
 
 const isPast = (step) => step.state === "done" || step.state === "skipped";
 const stepOf = (name) => report.steps.find((step) => step.name === name);
@@ -98,6 +99,13 @@ function showVerdict(step) {
   setText(byId("advice"), step.verdict?.advice ?? "");
 }
 
+/** Gives the large button the focus when it first appears, so that Enter is enough, unless the user has put it elsewhere. */
+function focusPrimary() {
+  const button = byId("primary");
+  opened = !button.hidden;
+  if (opened && document.activeElement === document.body) button.focus({ preventScroll: true });
+}
+
 /** Disables a button without taking the focus from it. */
 function enable(button, can) {
   button.setAttribute("aria-disabled", String(!can));
@@ -158,6 +166,7 @@ function show() {
   showVerdict(step);
   showPicture(step);
   showActions(step, report.running !== null);
+  if (!opened) focusPrimary();
   byId("end").hidden = !report.steps.every(isPast);
   setText(byId("role"), report.right === "control" ? "control enabled" : "view only");
 }
