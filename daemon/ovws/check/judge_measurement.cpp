@@ -242,7 +242,10 @@ Finding judge_settle(const Facts& facts) {
   if (measured.settle.result.is_object()) {
     proposed = measured.settle.result.at("proposed_settle_ms").get<double>();
     short_by_job = !measured.settle.result.at("long_enough").get<bool>();
-    found.text += fmt::format("; measured: {:g} ms are needed", proposed);
+    found.text +=
+        short_by_job
+            ? fmt::format("; measured: {:g} ms are needed", proposed)
+            : fmt::format("; long enough by the measurement (it proposes {:g} ms)", proposed);
   } else {
     found.text += "; not measured: " + measured.settle.reason;
     if (std::isnan(first)) found.verdict = Verdict::note;

@@ -237,6 +237,16 @@ TEST(Judge, WhatWasNotMeasuredIsNotGood) {
   EXPECT_EQ(of(findings, "loop").text.find("nan"), std::string::npos);
 }
 
+TEST(Judge, ASettleTimeThatIsLongEnoughIsGoodAlthoughMoreIsProposed) {
+  Measured measured = good_bench();
+  measured.settle.result = {{"proposed_settle_ms", 22.0}, {"long_enough", true}};
+  const Finding settle = of(judge(measured), "settle");
+  EXPECT_EQ(settle.verdict, Verdict::good);
+  EXPECT_NE(settle.text.find("long enough by the measurement (it proposes 22 ms)"),
+            std::string::npos)
+      << settle.text;
+}
+
 TEST(Judge, AgesAndChangesOfTheReference) {
   Measured measured = good_bench();
   measured.reference["t_taken_ns"] = measured.t_ns - 20LL * 3600 * 1'000'000'000;
