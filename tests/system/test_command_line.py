@@ -54,7 +54,7 @@ class CommandLine(BenchCase):
         order = ["state", "camera", "settings", "slm", "sensor", "reference", "wavefront", "aberration", "loop", "recording", "latency", "losses"]
         self.assertEqual([subject for subject in order if subject in subjects], [s for s in dict.fromkeys(subjects) if s in order])
         self.assertEqual(set(order) - set(subjects), set())
-        self.assertRegex(text, r"(?m)^state +running for \d+")
+        self.assertRegex(text, r"(?m)^state +running; the daemon started \d+")
         self.assertIn("exposure 1.5 ms, gain 0 dB", text)
         self.assertRegex(text, r"(?m)^reference +measured .* from 10 frames, STALE: exposure_us was 2000\.0, is 1500\.0$")
         self.assertRegex(text, r"(?m)^wavefront +RMS 0\.\d+ wave without tilts, 19 of 19 spots, 0 % saturated$")

@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/losses.hpp"
@@ -23,8 +25,8 @@ std::string line(const char* subject, const std::string& text) {
 }
 
 std::string state_text(const json& status) {
-  std::string text = text_of(status, "state") + " for " +
-                     time_text(std::round(status.at("uptime_s").get<double>()));
+  std::string text = fmt::format("{}; the daemon started {} ago", text_of(status, "state"),
+                                 time_text(std::round(status.at("uptime_s").get<double>())));
   const std::string fault = text_of(status, "fault");
   return fault.empty() ? text : text + "; " + fault;
 }
@@ -104,6 +106,28 @@ std::string wavefront_text(const BenchState& bench) {
                      spots);
 }
 
+/// The largest modes of the correction, and how to remove it.
+std::string correction_text(const json& modes, const json& loop) {
+  constexpr double kLeastWaves = 0.0005;
+  constexpr std::size_t kMostModes = 6;
+  const auto size = [](const json& mode) { return std::abs(mode.at("waves").get<double>()); };
+  double square = 0.0;
+  std::vector<json> shown;
+  for (const json& mode : modes) {
+    square += size(mode) * size(mode);
+    if (size(mode) >= kLeastWaves) shown.push_back(mode);
+  }
+  if (square == 0.0) return "";
+  std::ranges::stable_sort(shown, std::ranges::greater(), size);
+  shown.resize(std::min(shown.size(), kMostModes));
+  std::string text = fmt::format("{:.4f} wave RMS", std::sqrt(square));
+  for (const json& mode : shown) {
+    text += fmt::format(", {} {:+.4f}", text_of(mode, "name"), mode.at("waves").get<double>());
+  }
+  if (shown.size() < modes.size()) text += ", …";
+  return loop.at("closed") == true ? text : text + "; remove it with: ovws call correction.clear";
+}
+
 std::string failed_text(const json& failed) {
   if (!failed.is_object()) return "";
   const std::string field = text_of(failed, "field");
@@ -146,7 +170,7 @@ std::string status_text(const BenchState& bench) {
          slm_lines(status.at("slm")) + sensor_lines(sensor) +
          reference_lines(sensor, bench.reference) + line("wavefront", wavefront_text(bench)) +
          line("aberration", introduced.empty() ? "none" : introduced + " introduced") +
-         line("correction", modes_text(bench.correction.at("modes"))) +
+         line("correction", correction_text(bench.correction.at("modes"), bench.loop)) +
          line("loop", loop_text(bench.loop)) + line("recording", record_text(status.at("record"))) +
          line("failed", failed_text(status.at("failed_job"))) +
          line("store", text_of(status.at("store"), "reason")) +

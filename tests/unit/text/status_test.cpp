@@ -59,6 +59,39 @@ TEST(Status, ADarkImageIsSaid) {
             std::string::npos);
 }
 
+TEST(Status, TheLargestModesOfACorrectionAndHowToRemoveIt) {
+  BenchState state = bench();
+  const auto correct = [&](const std::vector<double>& waves) {
+    state.correction["modes"] = json::array();
+    for (std::size_t k = 0; k < waves.size(); ++k) {
+      state.correction["modes"].push_back(
+          {{"j", k + 4}, {"name", "m" + std::to_string(k)}, {"waves", waves[k]}});
+    }
+    const std::string text = status_text(state);
+    const auto at = text.find("\ncorrection ");
+    return at == std::string::npos ? "" : text.substr(at + 12, text.find('\n', at + 1) - at - 12);
+  };
+  state.loop["closed"] = false;
+  EXPECT_EQ(correct({}), "");
+  EXPECT_EQ(correct({0.03, 0.0004, -0.04}),
+            "0.0500 wave RMS, m2 -0.0400, m0 +0.0300, …; remove it with: ovws call "
+            "correction.clear");
+  const std::string many = correct({0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.2});
+  EXPECT_NE(many.find("m7 +0.2000, m0"), std::string::npos) << many;
+  EXPECT_EQ(many.find("m5"), std::string::npos) << many;
+  state.loop["closed"] = true;
+  EXPECT_EQ(correct({0.05}), "0.0500 wave RMS, m0 +0.0500");
+}
+
+TEST(Status, TheAgeIsThatOfTheDaemon) {
+  BenchState state = bench();
+  state.status["state"] = "waiting_for_camera";
+  state.status["uptime_s"] = 578.0;
+  EXPECT_TRUE(status_text(state).starts_with(
+      "state      waiting_for_camera; the daemon started 9 min 38 s ago"))
+      << status_text(state);
+}
+
 TEST(Status, OnlyLossesAreCounted) {
   BenchState state = bench();
   state.status["counters"] = {{"frames_grabbed", 1000}, {"requests", 7}, {"frames_lost", 0}};
