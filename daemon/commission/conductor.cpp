@@ -240,6 +240,8 @@ bool Conductor::can_undo(const Step& step) const {
 StepReport Conductor::report_of(const Step& step) const {
   const Record& kept = record(step);
   StepReport report{step.name, step.title, step.purpose, step.is_needed, state_of(step)};
+  report.is_recorded = report.state != State::open || seen_.empty() || kept.verdict.has_value() ||
+                       is_done(step, seen_).has_value();
   report.verdict = kept.verdict;
   report.commands = kept.commands;
   report.can_undo = can_undo(step);

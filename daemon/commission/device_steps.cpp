@@ -39,7 +39,7 @@ bool is_command(const std::string& fix) {
 
 /// Whether a later step finds the same, and offers what repairs it.
 bool is_for_later(const Finding& finding) {
-  constexpr std::array kNames{"camera.found", "slm.output", "daemon.state"};
+  constexpr std::array kNames{"camera.found", "camera.light", "slm.output", "daemon.state"};
   return std::ranges::find(kNames, finding.name) != kNames.end();
 }
 
@@ -298,19 +298,22 @@ Outcome undo_output(Bench& bench, const Memory& memory) {
                 "Output " + text_at(memory.before, "display") + " is configured again.");
 }
 
-bool has_measured(const Look& look) {
-  return look.at("lut.get").at("measured") == true ||
-         look.at("registration.get").at("registered") == true;
+/// Whether a result of later steps is in use, which machine, camera and output have to work for.
+/// None otherwise: the daemon does not tell.
+std::optional<bool> has_measured(const Look& look) {
+  const bool has = look.at("lut.get").at("measured") == true ||
+                   look.at("registration.get").at("registered") == true;
+  return has ? std::optional(true) : std::nullopt;
 }
 
 const std::array kSteps{
     Step{"doctor", "This machine",
          "Checks configuration, devices, limits and clock, and proposes a repair for each fault.",
-         [](const Look&) { return std::optional<bool>(); }, run_doctor, nullptr},
+         has_measured, run_doctor, nullptr},
     Step{"camera", "Camera", "Chooses the camera among those that are found, and shows its image.",
          [](const Look& look) -> std::optional<bool> {
            const bool is_connected = look.at("system.status").at("camera").at("connected");
-           return is_connected ? std::optional<bool>() : false;
+           return is_connected ? has_measured(look) : false;
          },
          run_camera, undo_camera, false, true},
     Step{"output", "SLM output",
@@ -318,8 +321,7 @@ const std::array kSteps{
          "what it shows.",
          [](const Look& look) -> std::optional<bool> {
            const bool is_connected = look.at("system.status").at("slm").at("connected");
-           if (!is_connected) return false;
-           return has_measured(look) ? std::optional(true) : std::nullopt;
+           return is_connected ? has_measured(look) : false;
          },
          run_output, undo_output, false, true}};
 

@@ -9,7 +9,7 @@
 namespace ovws::commission {
 
 enum class State {
-  open,     ///< not done
+  open,     ///< not done, or the daemon does not tell
   done,     ///< its result is in use on the daemon, or it passed in this commissioning
   skipped,  ///< by the user; stays so until the step is run
   failed    ///< the last run did not pass
@@ -37,6 +37,7 @@ struct StepReport {
   std::string purpose;     ///< one sentence; constant
   bool is_needed = false;  ///< later steps cannot pass without it; constant
   State state = State::open;
+  bool is_recorded = true;  ///< false: open, because the daemon does not tell whether it was done
   std::optional<Verdict> verdict{};     ///< of the last action in this commissioning
   std::vector<Offer> offers{};          ///< after the last run
   bool can_undo = false;                ///< whether `undo` has something to restore or to clear

@@ -254,7 +254,12 @@ const std::array kSteps{
     Step{"settle", "Settle time",
          "Measures how long the SLM needs to settle after a change, and waits that long from then "
          "on.",
-         [](const Look&) { return std::optional<bool>(); }, run_settle, undo_settle},
+         [](const Look& look) -> std::optional<bool> {
+           // A calibration is measured after it, and waits that long after each poke.
+           const bool is_calibrated = is_true(look, "calibration.get", "in_force");
+           return is_calibrated ? std::optional(true) : std::nullopt;
+         },
+         run_settle, undo_settle},
     Step{"clear", "Aberration and correction",
          "Removes what was introduced on purpose, so that the bench itself is measured.",
          [](const Look& look) -> std::optional<bool> { return nothing_is_introduced(look); },

@@ -68,6 +68,7 @@ class FiveFaults(SetupCase):
         self.assertIn("The phase falls with the grey level", text)
         self.assertIn("mirrored;", text)
         self.assertNotIn("not mirrored", text)
+        self.assertIn("Next: ovws check", text)
         left = self.twin.call("twin.get", {"judge": "sensor"})["wavefront"]
         self.assertTrue(left["unwrapped"], text)
         self.assertLess(left["rms_waves"], MOST_WAVES)
@@ -76,7 +77,12 @@ class FiveFaults(SetupCase):
 
     def check_that_it_resumes(self):
         """Another commissioning finds what is done, and an undone step is the only measured one that is open."""
-        self.assertEqual(self.states()["reference"], "done")
+        states = self.states()
+        self.assertEqual({name for name in states if states[name] != "done"}, {"loop", "save"})
+        listed = subprocess.run([self.bench.programs / "ovws", "setup", "--list"], capture_output=True, text=True, check=True).stdout
+        self.assertRegex(listed, r"(?m)^done +doctor ")
+        self.assertRegex(listed, r"(?m)^not recorded +save ")
+        self.assertIn("the daemon keeps nothing that tells", listed)
         # before the reference is run again: undo it; then run it; then y, which has nothing to repair; then Ctrl-D, which quits
         answers = iter("u\ny\x04")
         text = self.set_up("--from", "reference", answer=lambda question: next(answers))

@@ -45,7 +45,7 @@ constexpr const char* kHelp =
     "  r      repeat the step\n"
     "  s      skip the step\n"
     "  u      undo the step\n"
-    "  q      quit; ovws setup goes on at the first step that is not done\n";
+    "  q      quit; ovws setup goes on at the first step that is not known as done\n";
 
 const char* word_of(Wellness wellness) {
   switch (wellness) {
@@ -61,10 +61,10 @@ const char* word_of(Wellness wellness) {
   return "";
 }
 
-const char* word_of(State state) {
-  switch (state) {
+const char* state_of(const StepReport& step) {
+  switch (step.state) {
     case State::open:
-      return "open";
+      return step.is_recorded ? "open" : "not recorded";
     case State::done:
       return "done";
     case State::skipped:
@@ -336,8 +336,13 @@ int Conversation::list() const {
     return kOk;
   }
   for (const StepReport& step : report.steps) {
-    print("{:<8} {:<13} {}\n", word_of(step.state), step.name,
+    print("{:<12} {:<13} {}\n", state_of(step), step.name,
           wrapped(step.purpose, terminal_columns(), 0));
+  }
+  if (std::ranges::count(report.steps, false, &StepReport::is_recorded) > 0) {
+    print_wrapped(
+        "not recorded: the daemon keeps nothing that tells whether the step was done; ovws setup "
+        "asks again.");
   }
   return kOk;
 }
@@ -358,6 +363,11 @@ int Conversation::end(Turn turn) {
   print_wrapped(fmt::format("\n{} after {}{}", turn == Turn::next ? "The end, reached" : "Ended",
                             time_text(std::round(seconds)),
                             failed.empty() ? "." : "; failed: " + failed + "."));
+  const bool is_complete = turn == Turn::next && !has_failed && options_.steps.empty();
+  if (is_complete)
+    print_wrapped(
+        "Next: ovws check -o report.html measures how good the bench is, and what to improve "
+        "first.");
   return has_failed ? kError : kOk;
 }
 

@@ -6,7 +6,7 @@ import { chooseTheme } from "./theme.js";
 
 const BUSY_MS = 300; // between looks at what runs
 const IDLE_MS = 1500;
-const STATES = { open: "not done", done: "done", skipped: "skipped", failed: "failed" };
+const STATES = { open: "open", done: "done", skipped: "skipped", failed: "failed" };
 
 let report = null;
 let chosen = ""; // the step that is shown

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <set>
 #include <thread>
@@ -95,6 +96,26 @@ TEST(Commissioning, AReferenceFromTheModelIsNotDone) {
   EXPECT_TRUE(has(true, "measured"));
   EXPECT_FALSE(has(true, "model"));
   EXPECT_FALSE(has(false, nullptr));
+}
+
+TEST(Commissioning, WhatLaterStepsNeedIsDone) {
+  const auto done = [](const char* name, const Look& look) {
+    return std::ranges::find(steps(), std::string_view(name), &Step::name)->is_done(look);
+  };
+  Look look{{"system.status", {{"camera", {{"connected", true}}}, {"slm", {{"connected", true}}}}},
+            {"lut.get", {{"measured", false}}},
+            {"registration.get", {{"registered", false}}},
+            {"calibration.get", {{"in_force", false}}},
+            {"loop.get", {{"closed", false}}}};
+  const auto names = {"doctor", "camera", "output", "settle", "loop", "save"};
+  for (const char* name : names) EXPECT_EQ(done(name, look), std::nullopt) << name;
+  look["registration.get"]["registered"] = true;
+  for (const char* name : {"doctor", "camera", "output"}) EXPECT_EQ(done(name, look), true) << name;
+  for (const char* name : {"settle", "loop", "save"}) EXPECT_EQ(done(name, look), std::nullopt);
+  look["calibration.get"]["in_force"] = true;
+  EXPECT_EQ(done("settle", look), true);
+  look["system.status"]["camera"]["connected"] = false;
+  EXPECT_EQ(done("camera", look), false);
 }
 
 TEST(Commissioning, OneActionAtATime) {
