@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "daemon/shared/client.hpp"
-#include "proto/limits.hpp"
+#include "proto/dark_image.hpp"
 
 namespace ovws::web {
 namespace {
@@ -138,10 +138,10 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
 /// A dark image explains much of what the other checks find.
 void check_light(const json& status, Findings& findings) {
   const json brightest = status.at("camera").value("brightest", json());
-  if (!brightest.is_number() || brightest.get<double>() >= limits::kDarkFraction) return;
+  if (!brightest.is_number() || !is_dark(brightest.get<double>())) return;
   findings.warning(fmt::format("The image is dark: its brightest pixels reach {:.1f} % of full "
-                               "scale; check the laser, its shutter and the camera's cover",
-                               100.0 * brightest.get<double>()),
+                               "scale; {}",
+                               100.0 * brightest.get<double>(), dark_advice("set the exposure")),
                    act("Set the exposure", {call_of("camera.auto_exposure")}));
 }
 

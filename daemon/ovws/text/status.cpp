@@ -9,7 +9,7 @@
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/losses.hpp"
 #include "daemon/ovws/text/quantity.hpp"
-#include "proto/limits.hpp"
+#include "proto/dark_image.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -37,9 +37,7 @@ std::string brightness_text(const json& brightest) {
   const double fraction = brightest.get<double>();
   const std::string text =
       fmt::format("brightest pixels at {:.1f} % of full scale", 100.0 * fraction);
-  if (fraction >= limits::kDarkFraction) return text;
-  return text +
-         ": DARK; ovws exposure auto, and check the laser, its shutter and the camera's cover";
+  return is_dark(fraction) ? text + ": DARK; " + dark_advice("ovws exposure auto") : text;
 }
 
 std::string camera_lines(const json& camera, const json& rates) {

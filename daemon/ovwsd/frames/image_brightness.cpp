@@ -6,6 +6,7 @@
 #include <array>
 
 #include "core/base/pixels.hpp"
+#include "proto/dark_image.hpp"
 
 namespace ovws {
 namespace {
@@ -31,10 +32,8 @@ double brightest_fraction(const ImageView& image) {
 }
 
 std::string dark_text(double fraction) {
-  return fmt::format(
-      "the image is dark, its brightest pixels reach {:.1f} % of full scale: run "
-      "camera.auto_exposure, and check the laser, its shutter and the camera's cover",
-      100.0 * fraction);
+  return fmt::format("the image is dark, its brightest pixels reach {:.1f} % of full scale: {}",
+                     100.0 * fraction, dark_advice("run camera.auto_exposure"));
 }
 
 void ImageBrightness::look(const ImageView& image, std::int64_t now_ns) {

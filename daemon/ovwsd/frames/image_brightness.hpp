@@ -15,7 +15,7 @@ namespace ovws {
 /// hot pixels do not count. Reads every pixel.
 double brightest_fraction(const ImageView& image);
 
-/// What to do about an image that is darker than limits::kDarkFraction.
+/// What to do about an image that is dark; see is_dark.
 std::string dark_text(double fraction);
 
 /// The brightness of the newest image that was looked at. Thread-safe.

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "proto/limits.hpp"
+#include "proto/dark_image.hpp"
 
 namespace ovws {
 namespace {
@@ -52,8 +52,7 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                lack.waits       ? ", but templates have not confirmed them yet"
                                : lack.explained ? ""
                                                 : ", but no wavefront explains their positions");
-  invalid.action = lack.brightest && *lack.brightest < limits::kDarkFraction
-                       ? dark_text(*lack.brightest)
+  invalid.action = lack.brightest && is_dark(*lack.brightest) ? dark_text(*lack.brightest)
                    : !lack.searched ? "use the tracker fit: it also finds strong aberrations"
                    : lack.waits     ? "wait: templates of this wavefront are being rendered"
                                     : action_of(search, now_ns);
