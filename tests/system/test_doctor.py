@@ -26,10 +26,11 @@ class DoctorCase(BenchCase):
         own_mounts()
         super().setUp()
 
-    def run_doctor(self, *arguments, config=None, before=(), program=None, env=None):
+    def run_doctor(self, *arguments, config=None, before=(), program=None, env=None, named=True):
         path = self.bench.directory / "doctor.json"
         path.write_text(config if isinstance(config, str) else json.dumps(config or self.config()))
-        command = [*before, program or self.bench.programs / "ovws", "--timeout", str(self.timeout_s), "doctor", "--config", path, *arguments]
+        file = ["--config", path] if named else []
+        command = [*before, program or self.bench.programs / "ovws", "--timeout", str(self.timeout_s), "doctor", *file, *arguments]
         return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=60, env=env or self.environment(),
                               cwd="/")
 
@@ -96,7 +97,7 @@ class Well(DoctorCase):
             self.assertEqual(self.faults(findings), set())
             for name in ("configuration", "camera.found", "camera.interface", "camera.packets", "slm.server", "slm.output", "slm.mode",
                          "optics.zeroth_order", "slm.gamma", "slm.power", "slm.screen_saver", "slm.compositor", "state.directory", "daemon.answer",
-                         "daemon.version", "daemon.state", "daemon.store", "daemon.job"):
+                         "daemon.version", "daemon.state", "daemon.store", "daemon.job", "camera.light"):
                 self.check(findings, name, "ok")
             self.check(findings, "camera.control", "ok", "the daemon controls the camera")
             self.check(findings, "camera.usb_memory", "not_here", "network")
@@ -107,6 +108,20 @@ class Well(DoctorCase):
         for name in ("camera_reconnects", "display_faults"):
             self.assertEqual(after["counters"][name], before["counters"][name], name)
         self.assertTrue((screen.grab(self.bench.display, *SLM) == seen).all())
+
+    def test_without_a_file_the_settings_in_use_are_judged(self):
+        state = self.bench.directory / "state"
+        findings = self.examine(named=False)
+        self.check(findings, "configuration", "ok", "the settings that the daemon at tcp://127.0.0.1:7702 uses")
+        self.check(findings, "state.directory", "ok", state, "in use by the daemon")
+        self.call("camera.set", {"roi": {"x": 0, "y": 0, "width": 64, "height": 64}})
+        self.check(self.examine(named=False), "configuration", "fault", "the settings that the daemon uses", "outside")
+        self.check(self.examine(), "configuration", "ok")  # the file
+
+    def test_a_dark_image(self):
+        self.call("camera.set", {"exposure_us": 20})
+        wait_for(lambda: (self.call("system.status")["camera"]["brightest"] or 1.0) < 0.05, what="a dark image")
+        self.check(self.examine(), "camera.light", "warning", "% of full scale", "ovws exposure auto")
 
     def test_real_time_is_what_the_daemon_met(self):
         """The doctor predicts which privileges the same user's daemon lacks."""

@@ -73,6 +73,9 @@ doctor::DaemonFacts ask(Common common, const std::string& endpoint) {
   facts.own_version = OVWS_VERSION;
   if (auto status = call(common, "system.status", nlohmann::json::object())) {
     facts.status = std::move(*status);
+    if (const auto in_use = call(common, "config.get", nlohmann::json::object())) {
+      if (const auto config = parse_config(json_text(*in_use))) facts.config = *config;
+    }
   } else {
     facts.refused = status.error().answered;
     facts.why = status.error().error.value("message", "no reason given");

@@ -110,6 +110,7 @@ void add_doctor(CLI::App& app, const Common& common, int& status) {
   command->footer(
       "Checks the configuration, the camera and its link, the SLM's output, the state folder,\n"
       "the real-time limits and the clock of this machine, and the daemon if one is running.\n"
+      "It judges the settings that the daemon uses, or a file; \"configuration\" says which.\n"
       "Run it as the daemon's user, on its display:\n"
       "  sudo -u ovws DISPLAY=:0 XAUTHORITY=/var/lib/ovws/xauthority ovws doctor\n\n"
       "Each finding is FAULT (does not work, or measures wrongly), warning (works or may work, "
@@ -125,7 +126,8 @@ void add_doctor(CLI::App& app, const Common& common, int& status) {
   auto path = std::make_shared<std::string>();
   command->add_option(
       "--config,-c", *path,
-      "configuration file (default: /etc/ovws/ovwsd.json; if there is none, every key's default)");
+      "configuration file to judge (default: the settings that the daemon on this machine uses; if "
+      "none answers, /etc/ovws/ovwsd.json; if there is none, every key's default)");
   const CLI::Option* const given = app.get_option("--endpoint");
   command->callback([&common, &status, path, given] {
     status = check_bench(common, *path, given->count() > 0 ? common.endpoint : "");

@@ -10,7 +10,7 @@ void add_setup(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "setup",
       "commission the bench step by step, from the first check to a closed loop, by questions on "
-      "the terminal; begins at the first step that is not done");
+      "the terminal; begins at the first step that is not known as done");
   command->footer(
       "Each step says what it found and what to do. Keys: Enter runs the step, goes on, or takes\n"
       "the proposal of a step that has failed; s skips, u undoes, r repeats, a number takes an\n"
@@ -28,8 +28,8 @@ void add_setup(CLI::App& app, const Common& common, int& status) {
   command->add_option("--output,-o", options->folder,
                       "folder for the steps' pictures as PNG files");
   command->add_option("--config,-c", options->config_path,
-                      "configuration file for the checks of this machine (default: "
-                      "/etc/ovws/ovwsd.json)");
+                      "configuration file for the checks of this machine (default: the settings "
+                      "that the daemon uses)");
   const CLI::Option* const given = app.get_option("--endpoint");
   command->callback([&common, &status, options, given] {
     if (given->count() > 0) options->endpoint = common.endpoint;

@@ -29,17 +29,25 @@ Finding judge_configuration(const ConfigurationFacts& facts) {
     return fault("a daemon does not start with this configuration: " + text_of(*keys.error),
                  keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix);
   }
+  if (facts.unseen && !facts.daemon.empty()) {
+    return fault("the sensor cannot measure with the settings that the daemon uses: " +
+                     text_of(*facts.unseen),
+                 "ovws setup spot");
+  }
   if (facts.unseen) {
     return fault("the sensor cannot measure with this configuration: " + text_of(*facts.unseen),
                  fix_of(facts, *facts.unseen));
   }
+  const std::string in_use = "the settings that the daemon at " + facts.daemon + " uses";
+  if (facts.path.empty() && !facts.daemon.empty()) return ok("the checks judge " + in_use);
   if (facts.path.empty()) {
     return warning(fmt::format("no file is named and {} does not exist: the checks use the "
                                "defaults, which are the demonstration's",
                                kServicePath),
                    "ovws doctor --config FILE");
   }
-  const std::string good = facts.path + " is valid";
+  const std::string good =
+      facts.path + " is valid" + (facts.daemon.empty() ? "" : ", and the checks judge " + in_use);
   if (facts.saved_is_unused) {
     return warning(good + "; " + facts.saved, "ovws call config.save");
   }
@@ -59,11 +67,14 @@ Finding judge_configuration(const ConfigurationFacts& facts) {
 }
 
 Finding judge_zeroth_order(const ConfigurationFacts& facts) {
-  if (!facts.config || facts.error || facts.unseen) {
+  const bool is_unusable = facts.daemon.empty() && facts.error;
+  if (!facts.config || is_unusable || facts.unseen) {
     return not_here("the configuration describes no usable sensor");
   }
   if (!facts.zeroth_order) return ok("the SLM's zeroth order is outside camera.roi");
-  return warning(text_of(*facts.zeroth_order), fix_of(facts, *facts.zeroth_order));
+  return warning(text_of(*facts.zeroth_order), facts.daemon.empty()
+                                                   ? fix_of(facts, *facts.zeroth_order)
+                                                   : "ovws describe camera.set");
 }
 
 }  // namespace
@@ -87,6 +98,16 @@ ConfigurationFacts read_configuration(const std::string& path) {
   if (const auto dark = check_zeroth_order(config); !dark) facts.zeroth_order = dark.error();
   facts.keys = check_key_files(facts.path, config);
   return facts;
+}
+
+void judge_instead(ConfigurationFacts& facts, const Config& in_use, const std::string& endpoint,
+                   const std::string& layout_fault) {
+  facts.config = in_use;
+  facts.daemon = endpoint;
+  facts.unseen.reset();
+  facts.zeroth_order.reset();
+  if (!layout_fault.empty()) facts.unseen = Error{Errc::invalid, "", layout_fault};
+  if (const auto dark = check_zeroth_order(in_use); !dark) facts.zeroth_order = dark.error();
 }
 
 Findings judge(const ConfigurationFacts& facts) {

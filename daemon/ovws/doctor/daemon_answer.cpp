@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include "proto/dark_image.hpp"
+
 namespace ovws::doctor {
 namespace {
 
@@ -76,6 +78,20 @@ Finding judge_job(const DaemonFacts& facts) {
                  "ovws call --wait " + kind);
 }
 
+Finding judge_light(const DaemonFacts& facts) {
+  if (!facts.status) return not_here(kNoAnswer);
+  const json::json_pointer pointer("/camera/brightest");
+  if (!facts.status->contains(pointer) || !facts.status->at(pointer).is_number()) {
+    return not_here("the daemon has seen no image in the last seconds");
+  }
+  const double brightest = facts.status->at(pointer).get<double>();
+  const std::string says = fmt::format(
+      "the brightest pixels of the image reach {:.1f} % of full scale", 100.0 * brightest);
+  if (!is_dark(brightest)) return ok(says);
+  return warning("the image is dark: " + says + "; " + dark_advice("set the exposure"),
+                 "ovws exposure auto");
+}
+
 }  // namespace
 
 DaemonsCamera camera_of(const DaemonFacts& facts) {
@@ -90,12 +106,26 @@ bool shows_holograms(const DaemonFacts& facts) {
   return facts.status && facts.status->contains(connected) && facts.status->at(connected) == true;
 }
 
+std::optional<std::string> state_folder_of(const DaemonFacts& facts) {
+  const std::string folder = facts.status ? text_at(*facts.status, "/store/directory") : "";
+  return folder.empty() ? std::nullopt : std::optional(folder);
+}
+
+std::string store_fault_of(const DaemonFacts& facts) {
+  return facts.status ? text_at(*facts.status, "/store/reason") : "";
+}
+
+std::string layout_fault_of(const DaemonFacts& facts) {
+  return facts.status ? text_at(*facts.status, "/sensor/layout_fault") : "";
+}
+
 Findings judge(const DaemonFacts& facts) {
   return run_checks<DaemonFacts>({{"daemon.answer", judge_answer},
                                   {"daemon.version", judge_version},
                                   {"daemon.state", judge_state},
                                   {"daemon.store", judge_store},
-                                  {"daemon.job", judge_job}},
+                                  {"daemon.job", judge_job},
+                                  {"camera.light", judge_light}},
                                  facts);
 }
 

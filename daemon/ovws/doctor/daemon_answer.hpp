@@ -1,5 +1,5 @@
 /// Daemon checks of `ovws doctor`: a daemon answers, has this version, and its status shows no
-/// fault.
+/// fault and no dark image.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,6 +14,7 @@ namespace ovws::doctor {
 struct DaemonFacts {
   std::string endpoint;
   std::optional<nlohmann::json> status;  ///< the reply to system.status
+  std::optional<Config> config;          ///< the settings in use, by config.get; none: not known
   bool refused = false;                  ///< no status, because the daemon answered with an error
   std::string why;                       ///< why there is no status
   bool asks_for_keys = false;            ///< clients need keys: the configuration sets a secret key
@@ -23,6 +24,12 @@ struct DaemonFacts {
 DaemonsCamera camera_of(const DaemonFacts& facts);
 /// Whether the daemon answered and has the SLM's output open.
 bool shows_holograms(const DaemonFacts& facts);
+/// The folder in which the daemon stores its state, and why it stores nothing or not all, as its
+/// status says.
+std::optional<std::string> state_folder_of(const DaemonFacts& facts);
+std::string store_fault_of(const DaemonFacts& facts);
+/// Why the daemon finds no spots, as its status says; empty: it does not say so.
+std::string layout_fault_of(const DaemonFacts& facts);
 Findings judge(const DaemonFacts& facts);
 
 }  // namespace ovws::doctor

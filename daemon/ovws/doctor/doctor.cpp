@@ -19,15 +19,23 @@ void add(Findings& all, Findings more) {
 }  // namespace
 
 Findings examine(const std::string& path, const std::string& endpoint, const AskDaemon& ask) {
-  const ConfigurationFacts configuration = read_configuration(path);
+  ConfigurationFacts configuration = read_configuration(path);
+  const Config file = configuration.config.value_or(Config{});
+  DaemonFacts daemon = ask(endpoint.empty() ? local_endpoint(file.control.endpoint) : endpoint);
+  daemon.asks_for_keys = file.security.secret_key.has_value();
+  const bool is_of_daemon =
+      path.empty() && daemon.config && is_reached_from_here_only(daemon.endpoint);
+  if (is_of_daemon) {
+    judge_instead(configuration, *daemon.config, daemon.endpoint, layout_fault_of(daemon));
+  }
   const Config config = configuration.config.value_or(Config{});
-  DaemonFacts daemon = ask(endpoint.empty() ? local_endpoint(config.control.endpoint) : endpoint);
-  daemon.asks_for_keys = config.security.secret_key.has_value();
   Findings found = judge(configuration);
   if (configuration.config) {
     add(found, judge(read_camera(config.camera, camera_of(daemon))));
     add(found, judge(read_display(config.slm, shows_holograms(daemon))));
-    add(found, judge(read_state(config.state)));
+    add(found,
+        judge(is_of_daemon ? read_state_of_daemon(state_folder_of(daemon), store_fault_of(daemon))
+                           : read_state(config.state)));
   } else {
     for (const char* name : {"camera", "slm", "state"}) {
       found.push_back(not_here("the configuration could not be loaded"));

@@ -10,11 +10,12 @@
 
 namespace ovws::doctor {
 
-/// Requests system.status from the daemon at this endpoint.
+/// Requests system.status and config.get from the daemon at this endpoint.
 using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 
-/// Runs all checks; main thread, takes some seconds. Empty `path`: the service's configuration, or
-/// the defaults. Empty `endpoint`: the endpoint in the configuration. If the configuration cannot
+/// Runs all checks; main thread, takes some seconds. Empty `path`: the settings that the
+/// daemon uses if it answers on this machine; else the service's configuration, or the defaults.
+/// Empty `endpoint`: the endpoint in the configuration. If the configuration cannot
 /// be loaded, checks that need it are `not_here`.
 Findings examine(const std::string& path, const std::string& endpoint, const AskDaemon& ask);
 

@@ -38,13 +38,24 @@ std::string other_owner(const struct stat& status) {
   return user != nullptr ? user->pw_name : std::to_string(status.st_uid);
 }
 
+/// The daemon may see another folder under this name.
+bool is_hidden(const StateFacts& facts) {
+  return facts.of_daemon && (!facts.there || !facts.directory->starts_with('/'));
+}
+
 Finding judge_folder(const StateFacts& facts) {
+  if (!facts.directory && facts.of_daemon && !facts.why_none.empty()) {
+    return warning("the daemon saves nothing across restarts: " + facts.why_none,
+                   "\"state\": {\"directory\": \"/var/lib/ovws\"}");
+  }
   if (!facts.directory) {
     return warning(
         "no state folder is configured: references and calibrations are lost at a restart",
         "\"state\": {\"directory\": \"/var/lib/ovws\"}");
   }
   const std::string& folder = *facts.directory;
+  if (is_hidden(facts))
+    return not_here("the daemon uses " + folder + ", which is not visible here");
   if (facts.there && !facts.is_folder) {
     return fault(folder + " is not a folder: no measurement survives a restart",
                  "\"state\": {\"directory\": \"/var/lib/ovws\"}");
@@ -54,8 +65,11 @@ Finding judge_folder(const StateFacts& facts) {
                  fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"", folder));
   }
   if (facts.writable) {
-    return ok(folder + (facts.there ? " is writable" : " will be created when the daemon starts"));
+    return ok(folder + (facts.of_daemon ? " is in use by the daemon, and writable"
+                        : facts.there   ? " is writable"
+                                        : " will be created when the daemon starts"));
   }
+  if (facts.of_daemon && !facts.owner.empty()) return ok(folder + " is in use by the daemon");
   if (!facts.there) {
     return fault(folder + " does not exist and this user cannot create it",
                  fmt::format("sudo install -d -o ovws -g ovws {}", folder));
@@ -71,6 +85,7 @@ Finding judge_folder(const StateFacts& facts) {
 
 Finding judge_space(const StateFacts& facts) {
   if (!facts.directory) return not_here("no state folder is configured");
+  if (is_hidden(facts)) return not_here(*facts.directory + " is not visible here");
   constexpr std::uint64_t kMiB = 1 << 20;
   constexpr std::uint64_t kMinBytes = 16 * kMiB;           // room for some references with images
   constexpr std::uint64_t kRecommendedBytes = 256 * kMiB;  // room for gain sweeps
@@ -83,11 +98,8 @@ Finding judge_space(const StateFacts& facts) {
   return ok(says);
 }
 
-}  // namespace
-
-StateFacts read_state(const StateConfig& config) {
-  StateFacts facts;
-  facts.directory = folder_of(config);
+/// Reads the other facts about `facts.directory`.
+StateFacts looked_at(StateFacts facts) {
   if (!facts.directory) return facts;
   const fs::path part = existing_part(*facts.directory);
   struct stat status {};
@@ -105,6 +117,23 @@ StateFacts read_state(const StateConfig& config) {
     facts.free_bytes = std::uint64_t(disk.f_bavail) * disk.f_frsize;
   }
   return facts;
+}
+
+}  // namespace
+
+StateFacts read_state(const StateConfig& config) {
+  StateFacts facts;
+  facts.directory = folder_of(config);
+  return looked_at(std::move(facts));
+}
+
+StateFacts read_state_of_daemon(const std::optional<std::string>& folder,
+                                const std::string& why_none) {
+  StateFacts facts;
+  facts.directory = folder;
+  facts.of_daemon = true;
+  facts.why_none = why_none;
+  return looked_at(std::move(facts));
 }
 
 Findings judge(const StateFacts& facts) {

@@ -12,6 +12,8 @@ namespace ovws::doctor {
 
 struct StateFacts {
   std::optional<std::string> directory;  ///< none: not configured, and the service's does not exist
+  bool of_daemon = false;                ///< `directory` is what the running daemon reports
+  std::string why_none;                  ///< why a daemon uses no folder; empty: not known
   bool there = false;
   bool is_folder = false;
   bool writable = false;  ///< by this user; before creation: the nearest existing parent
@@ -22,6 +24,9 @@ struct StateFacts {
 
 /// Reads the facts about the state directory. Writes nothing, not even a test file.
 StateFacts read_state(const StateConfig& config);
+/// The same about the folder that a running daemon uses; none: it uses none, because of `why_none`.
+StateFacts read_state_of_daemon(const std::optional<std::string>& folder,
+                                const std::string& why_none);
 Findings judge(const StateFacts& facts);
 
 }  // namespace ovws::doctor

@@ -44,6 +44,28 @@ TEST(DoctorConfiguration, NoFileIsAWarning) {
   expect(facts, "configuration", Verdict::warning, "ovws doctor --config FILE");
 }
 
+TEST(DoctorConfiguration, ThatOfARunningDaemonIsJudgedAndNamed) {
+  ConfigurationFacts facts;
+  facts.zeroth_order = Error{Errc::invalid, "camera.roi", "of the file"};
+  judge_instead(facts, Config{}, "tcp://127.0.0.1:7702", "");
+  expect(facts, "configuration", Verdict::ok);
+  expect(facts, "optics.zeroth_order", Verdict::ok);
+  facts.path = "a.json";
+  const std::string meaning = named(judge(facts), "configuration").meaning;
+  EXPECT_NE(meaning.find("a.json is valid, and the checks judge the settings that the daemon at "
+                         "tcp://127.0.0.1:7702 uses"),
+            std::string::npos)
+      << meaning;
+  facts.error = Error{Errc::invalid, "camera.exposure_su", "unknown key"};
+  expect(facts, "configuration", Verdict::fault, "sudoedit a.json");
+  expect(facts, "optics.zeroth_order", Verdict::ok);
+  judge_instead(facts, Config{}, "tcp://127.0.0.1:7702", "camera.roi: 3 spots fall outside");
+  facts.error.reset();
+  expect(facts, "configuration", Verdict::fault, "ovws setup spot");
+  EXPECT_NE(named(judge(facts), "configuration").meaning.find("settings that the daemon uses"),
+            std::string::npos);
+}
+
 TEST(DoctorConfiguration, SavedValuesAreNamedAndUnusedOnesAreAWarning) {
   ConfigurationFacts facts;
   facts.path = "a.json";

@@ -12,7 +12,7 @@ DaemonFacts running() {
   facts.status = nlohmann::json{
       {"state", "running"},
       {"versions", {{"ovws", "1.2.3"}}},
-      {"camera", {{"info", {{"model", "M1"}}}, {"fault", nullptr}}},
+      {"camera", {{"info", {{"model", "M1"}}}, {"fault", nullptr}, {"brightest", 0.7}}},
       {"slm", {{"fault", nullptr}}},
       {"store", {{"directory", "/var/lib/ovws"}, {"reason", nullptr}}},
       {"failed_job", nullptr},
@@ -58,6 +58,26 @@ TEST(DoctorDaemon, FaultsOfTheStatusAreReported) {
   expect(facts, "daemon.job", Verdict::warning, "ovws call --wait lut.run");
   EXPECT_NE(named(judge(facts), "daemon.job").meaning.find("2026-01-01T00:00:00.000Z"),
             std::string::npos);
+}
+
+TEST(DoctorDaemon, ADarkImageIsAWarning) {
+  auto facts = running();
+  (*facts.status)["camera"]["brightest"] = 0.012;
+  expect(facts, "camera.light", Verdict::warning, "ovws exposure auto");
+  EXPECT_NE(named(judge(facts), "camera.light").meaning.find("1.2 % of full scale"),
+            std::string::npos);
+  (*facts.status)["camera"]["brightest"] = nullptr;
+  expect(facts, "camera.light", Verdict::not_here);
+}
+
+TEST(DoctorDaemon, TheStatusTellsTheFolderOrWhyThereIsNone) {
+  auto facts = running();
+  EXPECT_EQ(state_folder_of(facts), "/var/lib/ovws");
+  EXPECT_EQ(store_fault_of(facts), "");
+  (*facts.status)["store"] = {{"directory", nullptr}, {"reason", "none is configured"}};
+  EXPECT_EQ(state_folder_of(facts), std::nullopt);
+  EXPECT_EQ(store_fault_of(facts), "none is configured");
+  EXPECT_EQ(state_folder_of(DaemonFacts{}), std::nullopt);
 }
 
 TEST(DoctorDaemon, AStatusOfAnotherStructureIsJudgedWithoutItsKeys) {

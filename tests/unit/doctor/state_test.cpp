@@ -42,6 +42,26 @@ TEST(DoctorState, AnUnwritableFolderIsAFaultWithTheRepairForItsOwner) {
   expect(facts, "state.directory", Verdict::fault);
 }
 
+TEST(DoctorState, TheFolderOfARunningDaemonIsWhatItReports) {
+  auto facts = good();
+  facts.of_daemon = true;
+  expect(facts, "state.directory", Verdict::ok);
+  facts.writable = false;
+  facts.owner = "ovws";
+  expect(facts, "state.directory", Verdict::ok);
+  facts.there = facts.is_folder = false;
+  expect(facts, "state.directory", Verdict::not_here);
+  expect(facts, "state.room", Verdict::not_here);
+  facts = good();
+  facts.of_daemon = true;
+  facts.directory = "state";  // relative to the daemon's folder
+  expect(facts, "state.directory", Verdict::not_here);
+  const auto none = read_state_of_daemon(std::nullopt, "/s cannot be created");
+  expect(none, "state.directory", Verdict::warning, "\"state\": {\"directory\"");
+  EXPECT_NE(named(judge(none), "state.directory").meaning.find("/s cannot be created"),
+            std::string::npos);
+}
+
 TEST(DoctorState, ADiskThatFillsUpIsReported) {
   auto facts = good();
   facts.free_bytes = 100 << 20;
