@@ -154,7 +154,8 @@ inline constexpr auto kFlatnessRun = method<FlatnessRun, JobNumber>(
     "Measures the flatness error of the SLM and of the optics between SLM and camera as modes, "
     "from a single spot whose aperture is moved over the whole pupil; shows their opposite, and "
     "scans again until the modes converge. Requires a registration. Returns at once; the job's "
-    "result is that of flatness.get, and is active from then on.");
+    "result is that of flatness.get, and is active from then on. Uses a shorter exposure for the "
+    "time of the job if the spot is saturated.");
 inline constexpr auto kJobCancel = method<JobNumber, JobReport>(
     "job.cancel", "Cancels a running job; a job that has ended stays unchanged.");
 inline constexpr auto kJobGet =
@@ -259,7 +260,8 @@ inline constexpr auto kRegistrationRun = method<RegistrationRun, JobNumber>(
     "registration.run",
     "Measures the registration, the map from slopes to camera pixels: the base subaperture alone "
     "is shown with known gratings, and its spot is found. Returns at once; the job's result is "
-    "that of registration.get, and is active from then on.");
+    "that of registration.get, and is active from then on. Uses a shorter exposure for the "
+    "time of the job if the spot is saturated.");
 inline constexpr auto kSensorGet = method<Nothing, SensorReport>(
     "sensor.get", "Returns the sensor shown on the SLM and its tracking settings.");
 inline constexpr auto kSensorSet = method<SensorSet, SensorSetReport>(

@@ -40,7 +40,8 @@ bool is_command(const std::string& fix) {
 /// Whether a later step finds the same, and offers what repairs it.
 bool is_for_later(const Finding& finding) {
   constexpr std::array kNames{"camera.found", "camera.light", "slm.output", "daemon.state"};
-  return std::ranges::find(kNames, finding.name) != kNames.end();
+  return finding.fix.starts_with("ovws setup ") ||
+         std::ranges::find(kNames, finding.name) != kNames.end();
 }
 
 Outcome run_doctor(Bench& bench, Memory&) {

@@ -107,8 +107,8 @@ Outcome run_lut(Bench& bench, Memory& memory) {
   if (!lut) {
     auto outcome =
         failed(lut.error(),
-               "A rotated camera must be registered before; a wavelength, pitch or focal "
-               "length that is wrong in the configuration has the same effect.");
+               "A wavelength, pitch or focal length that is wrong in the configuration has this "
+               "effect, and so has a base spot outside the camera's region.");
     outcome.ways = other_first(memory, "registration", "run the registration first");
     return outcome;
   }

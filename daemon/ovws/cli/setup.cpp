@@ -363,7 +363,8 @@ int Conversation::end(Turn turn) {
   print_wrapped(fmt::format("\n{} after {}{}", turn == Turn::next ? "The end, reached" : "Ended",
                             time_text(std::round(seconds)),
                             failed.empty() ? "." : "; failed: " + failed + "."));
-  const bool is_complete = turn == Turn::next && !has_failed && options_.steps.empty();
+  const bool is_complete = std::ranges::all_of(
+      report.steps, [](const StepReport& step) { return step.state == State::done; });
   if (is_complete)
     print_wrapped(
         "Next: ovws check -o report.html measures how good the bench is, and what to improve "

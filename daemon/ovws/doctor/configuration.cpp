@@ -72,9 +72,8 @@ Finding judge_zeroth_order(const ConfigurationFacts& facts) {
     return not_here("the configuration describes no usable sensor");
   }
   if (!facts.zeroth_order) return ok("the SLM's zeroth order is outside camera.roi");
-  return warning(text_of(*facts.zeroth_order), facts.daemon.empty()
-                                                   ? fix_of(facts, *facts.zeroth_order)
-                                                   : "ovws describe camera.set");
+  return warning(text_of(*facts.zeroth_order),
+                 facts.daemon.empty() ? fix_of(facts, *facts.zeroth_order) : "ovws setup spot");
 }
 
 }  // namespace

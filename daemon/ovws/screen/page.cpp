@@ -1,11 +1,12 @@
 #include "daemon/ovws/screen/page.hpp"
-#include "proto/limits.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "proto/dark_image.hpp"
 
 namespace ovws::screen {
 namespace {
@@ -85,10 +86,10 @@ std::string slm_text(const json& status) {
                      slm.at("settled").get<bool>() ? "" : ", settling");
 }
 
-/// "DARK, " with the brightness, if the image is dark.
+/// That the image is dark, with its brightness; else empty.
 std::string darkness_text(const json& status) {
   const json brightest = status.at("camera").value("brightest", json());
-  if (!brightest.is_number() || brightest.get<double>() >= limits::kDarkFraction) return "";
+  if (!brightest.is_number() || !is_dark(brightest.get<double>())) return "";
   return fmt::format("DARK ({:.1f} % of full scale): ovws exposure auto  ",
                      100.0 * brightest.get<double>());
 }

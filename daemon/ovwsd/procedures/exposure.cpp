@@ -205,13 +205,14 @@ class ExposureSearch {
                   1e-3 * most.us)};
     }
     const double times = (asked_.target * look.full - look.dark) / (look.brightest - look.dark);
-    return {
-        Errc::refused, most.field,
-        fmt::format("too dark: at the longest exposure of {:g} ms the brightest pixels reach "
-                    "{:.0f} % of full scale; {}raise the laser's power or camera.gain_db: {:.2g} "
-                    "times the light is needed, or {:.0f} dB",
-                    1e-3 * most.us, 100.0 * look.fraction(), most.advice, times,
-                    20.0 * std::log10(times))};
+    const std::string needed = look.certain && times > 1.0
+                                   ? fmt::format("{:.2g} times the light is needed, or {:.0f} dB",
+                                                 times, 20.0 * std::log10(times))
+                                   : "fewer peaks stand out than the pattern has spots";
+    return {Errc::refused, most.field,
+            fmt::format("too dark: at the longest exposure of {:g} ms the brightest pixels reach "
+                        "{:.0f} % of full scale; {}raise the laser's power or camera.gain_db: {}",
+                        1e-3 * most.us, 100.0 * look.fraction(), most.advice, needed)};
   }
 
   Error too_bright(const ExposureLook& look) const {

@@ -114,6 +114,7 @@ double smallest_spacing_cpp(const Lattice& lattice) {
 /// about equally bright, side lobes of a zeroth order are not: of all runs of successive peaks,
 /// that which is the most even, the brightest and the longest. None: too few peaks.
 std::optional<double> height_of_spots(const std::vector<double>& heights, int count, double full) {
+  if (count == 1) return heights.front();
   double best = 0.0;
   std::optional<double> height;
   for (const double share : kShares) {

@@ -14,7 +14,7 @@ struct ExposureLook {
   double full = 0.0;       ///< full scale of the pixel format
   double brightest = 0.0;  ///< of the spots' brightest pixels; NaN: at full scale
   double dark = 0.0;       ///< black level and stray light
-  bool lit = false;        ///< the brightest pixels exceed the noise
+  bool lit = false;        ///< at least one peak exceeds the noise
   bool certain = false;    ///< enough of them to be the spots, and not a zeroth order alone
   int saturated_pixels = 0;
   CameraSettings settings;
@@ -30,7 +30,8 @@ struct ExpectedSpots {
   double apart_px = 1.0;  ///< between two spots, at least
 };
 
-/// The spots of the pattern that the SLM shows, on the pixels `lit` that the laser reaches.
+/// The spots of the pattern that the SLM shows, on the pixels `lit` that the laser reaches. Errors:
+/// those of make_lattice.
 Result<ExpectedSpots> expected_spots(const SensorSnapshot& now, const SlmGeometry& slm,
                                      const LitPixels& lit);
 

@@ -18,8 +18,8 @@ constexpr double kMinContrast = 3.0;  // brightest pixel relative to the brighte
 
 Error no_spot() {
   return {Errc::refused, "camera.exposure_us",
-          "there is no spot where the base spot is expected: run registration.run, increase "
-          "the exposure, or check that slm.settle_ms is long enough (slm.settle measures it)"};
+          "there is no spot where the base spot is expected: run registration.run, raise the "
+          "laser's power, or check that slm.settle_ms is long enough (slm.settle measures it)"};
 }
 
 /// Shows the patches and reads their interference fringes.
@@ -142,6 +142,7 @@ Result<void> LutBench::choose() {
     if (*fit == Fit::good) return {};
     if (*fit == Fit::invisible && was_saturated) return fail(no_spot());
     was_saturated = *fit == Fit::saturated;
+    if (steps == kMaxExposureSteps) break;
     const auto changed =
         change_exposure(bench_, was_saturated ? 1.0 / kExposureStep : kExposureStep);
     if (!changed) return fail(changed.error());

@@ -6,8 +6,7 @@ namespace ovws {
 
 Error saturated_spot() {
   return {Errc::refused, "camera.exposure_us",
-          "the spot is saturated at the shortest exposure that was tried: lower the exposure, the "
-          "gain or the laser's power"};
+          "the spot is saturated: lower the exposure, the gain or the laser's power"};
 }
 
 bool is_saturated_spot(const Error& error) {

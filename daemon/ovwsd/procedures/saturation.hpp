@@ -6,6 +6,7 @@
 namespace ovws {
 
 /// The error of a measurement whose spot is saturated: Errc::refused, field "camera.exposure_us".
+/// It is recognised by its reason, which must not be changed on the way.
 Error saturated_spot();
 bool is_saturated_spot(const Error& error);
 

@@ -115,6 +115,7 @@ class Procedure {
     if (!this.#clear) return;
     const known = this.#report !== null && this.#row.isKnown(this.#report);
     this.#clear.classList.toggle("absent", running || !known);
+    this.#clear.disabled = why !== "";
     if (!this.#row.lost) {
       this.#clear.hidden = !known;
       if (known) setText(this.#clear, `Use ${grouped(Math.ceil(this.#report.proposed_settle_ms))} ms`);

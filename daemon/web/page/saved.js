@@ -2,7 +2,7 @@
 import { byId, dayAndTime, element, setText } from "./format.js";
 import { confirmButton } from "./confirm.js";
 import { call } from "./link.js";
-import { whyNot } from "./rights.js";
+import { whyLoop, whyNot } from "./rights.js";
 import { allow, button, field, reasonOf } from "./widgets.js";
 
 let parts = null; // for users with control rights
@@ -107,7 +107,7 @@ function update() {
   const lack = common || (status && !status.sensor.referenced ? "Take a reference first." : "");
   allow([parts.saveReference], lack, parts.reference.why);
   setText(parts.reference.why, lack);
-  for (const load of document.querySelectorAll("#references .load")) load.disabled = common !== "" || load.dataset.reason !== "";
+  for (const load of document.querySelectorAll("#references .load")) load.disabled = common !== "" || whyLoop() !== "" || load.dataset.reason !== "";
 }
 
 export const takeRight = update;
