@@ -1,5 +1,7 @@
 #include "drivers/twin/bench.hpp"
 
+#include <zlib.h>
+
 namespace ovws::twin {
 namespace {
 
@@ -132,12 +134,11 @@ std::shared_ptr<const Scene> Bench::scene(std::uint64_t begun,
   return ready_in_time ? scene_ : nullptr;
 }
 
-void Bench::note_sent(std::uint64_t frame_id, const Scene& scene) {
-  if (!scene.truth.turbulence) return;
+void Bench::note_sent(std::uint64_t frame_id, std::int64_t t_device_ns, const Scene& scene) {
   const std::lock_guard lock(mutex_);
-  frame_truths_.push_back({frame_id, scene.t_ns, scene.turbulence});
+  frame_truths_.push_back({frame_id, t_device_ns, scene.crc32, scene.turbulence});
   if (frame_truths_.size() > kFrameTruths) frame_truths_.pop_front();
-  expect_next();
+  if (scene.truth.turbulence) expect_next();
 }
 
 std::vector<FrameTruth> Bench::frame_truths() const {
@@ -178,8 +179,12 @@ std::shared_ptr<const Scene> Bench::compute(const State& now) {
   if (light_changed || window_changed || turbulence_changed || now.grey != last_.grey) {
     last_intensity_ = std::make_shared<Image<float>>(model_.intensity(*now.grey));
   }
+  if (now.grey != last_.grey || last_crc32_ == 0) {
+    const auto& pixels = now.grey->pixels;
+    last_crc32_ = std::uint32_t(::crc32(0, pixels.data(), uInt(pixels.size())));
+  }
   last_ = now;
-  Scene scene{last_intensity_, now.truth, now.t_ns, {}};
+  Scene scene{last_intensity_, now.truth, now.t_ns, last_crc32_, {}};
   if (turbulence_) scene.turbulence = turbulence_->modes(now.t_ns);
   return std::make_shared<Scene>(std::move(scene));
 }

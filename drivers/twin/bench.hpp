@@ -24,13 +24,15 @@ struct Scene {
   std::shared_ptr<const Image<float>> intensity;  ///< result of BenchModel::intensity
   Truth truth;
   std::int64_t t_ns = 0;           ///< time at which the turbulence is evaluated, UTC
+  std::uint32_t crc32 = 0;         ///< of the SLM's grey levels, row by row
   Turbulence::Modes turbulence{};  ///< Zernike modes of the turbulence at t_ns; zeros without it
 };
 
-/// Ground truth of a sent frame: the turbulence in it.
+/// Ground truth of a sent frame: the SLM's image and the turbulence in it.
 struct FrameTruth {
   std::uint64_t frame_id = 0;
-  std::int64_t t_ns = 0;
+  std::int64_t t_ns = 0;    ///< device timestamp, UTC
+  std::uint32_t crc32 = 0;  ///< of the grey levels that the SLM had turned to, row by row
   Turbulence::Modes turbulence{};
 };
 
@@ -77,9 +79,8 @@ class Bench {
   /// next call. Returns `ready` itself once its frame may be sent. Null at the deadline or on stop.
   std::shared_ptr<const Scene> scene(std::uint64_t begun, const std::shared_ptr<const Scene>& ready,
                                      Deadline deadline, const std::stop_token& stop);
-  /// Records a sent frame, the one begun last: with turbulence, adds its ground truth to
-  /// `frame_truths`.
-  void note_sent(std::uint64_t frame_id, const Scene& scene);
+  /// Records a sent frame, the one begun last: adds its ground truth to `frame_truths`.
+  void note_sent(std::uint64_t frame_id, std::int64_t t_device_ns, const Scene& scene);
   std::vector<FrameTruth> frame_truths() const;  ///< of the last 32 frames, oldest first
   BenchStatus status() const;
 
@@ -133,6 +134,7 @@ class Bench {
   BenchModel model_;
   State last_;
   std::optional<Turbulence> turbulence_;
+  std::uint32_t last_crc32_ = 0;
   std::shared_ptr<const Image<float>> last_intensity_;
 };
 

@@ -216,7 +216,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
       if (!answers || now <= verified + kMaxDisplayAge) {
         // Clients look up the ground truth of the turbulence by this time.
         if (scene->truth.turbulence) arv_buffer_set_timestamp(buffer, std::uint64_t(scene->t_ns));
-        deps_.bench.note_sent(arv_buffer_get_frame_id(buffer), *scene);
+        deps_.bench.note_sent(arv_buffer_get_frame_id(buffer),
+                              std::int64_t(arv_buffer_get_timestamp(buffer)), *scene);
         return FrameFate::send;
       }
       // Making the frame took long (busy machine): query the display again, because the SLM image

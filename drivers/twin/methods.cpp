@@ -75,8 +75,8 @@ RpcAnswer Methods::get(const Json& params) {
   if (truth.turbulence) {
     result["turbulence"]["t_ns"] = t_ns;
     result["turbulence"]["modes"] = turbulence(*truth.turbulence).modes(t_ns);
-    result["turbulence"]["frames"] = json_of(deps_.bench.frame_truths());
   }
+  result["sent"] = json_of(deps_.bench.frame_truths());
   Json spots = Json::array();
   for (const Vec2& spot : true_spots_px(config_, truth)) {
     spots.push_back({{"i", spots.size()},

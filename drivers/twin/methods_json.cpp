@@ -77,8 +77,10 @@ Json json_of(const Fault& fault) {
 Json json_of(const std::vector<FrameTruth>& frames) {
   Json json = Json::array();
   for (const FrameTruth& frame : frames) {
-    json.push_back(
-        {{"frame_id", frame.frame_id}, {"t_ns", frame.t_ns}, {"modes", frame.turbulence}});
+    json.push_back({{"frame_id", frame.frame_id},
+                    {"t_ns", frame.t_ns},
+                    {"crc32", frame.crc32},
+                    {"modes", frame.turbulence}});
   }
   return json;
 }

@@ -194,7 +194,7 @@ TEST(Bench, EachFramesLightIsOfTheMomentWhenItWasBegun) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     std::shared_ptr<const Scene> ready, light;
     while ((light = bench.scene(begun, ready, deadline, stop.get_token())) != ready) ready = light;
-    bench.note_sent(std::uint64_t(t_ns - kNow), *light);
+    bench.note_sent(std::uint64_t(t_ns - kNow), t_ns, *light);
     return light;
   };
   const Turbulence air(*bench.truth().turbulence);
@@ -206,7 +206,7 @@ TEST(Bench, EachFramesLightIsOfTheMomentWhenItWasBegun) {
   ASSERT_EQ(bench.frame_truths().size(), 3U);
   EXPECT_EQ(bench.frame_truths()[1].frame_id, std::uint64_t(kSecond / 10));
   EXPECT_EQ(bench.frame_truths()[1].turbulence, second->turbulence);
-  for (int n = 0; n < 40; ++n) bench.note_sent(7, *second);
+  for (int n = 0; n < 40; ++n) bench.note_sent(7, kNow, *second);
   EXPECT_EQ(bench.frame_truths().size(), 32U);
 }
 
@@ -235,7 +235,7 @@ TEST(Bench, TheNextMomentIsComputedAheadAndIsTheOneThatTheSceneStates) {
     ASSERT_TRUE(scene);
     EXPECT_EQ(scene->t_ns, moment_ns);
     EXPECT_EQ(scene->turbulence, air.modes(scene->t_ns));
-    bench.note_sent(1, *scene);
+    bench.note_sent(1, t_ns, *scene);
     BenchModel model(config);
     model.set_aberration(config.truth.aberration, config.truth.shades);
     model.set_window(kWindow, config.truth.geometry);
