@@ -242,7 +242,11 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
   } else if constexpr (std::is_same_v<T, bool>) {
     reader.boolean(key, out);
   } else if constexpr (std::is_integral_v<T>) {
-    reader.integer(key, out, int(bounds.min), int(bounds.max));
+    if constexpr (sizeof(T) > sizeof(int)) {
+      reader.integer(key, out, bounds.min, bounds.max);
+    } else {
+      reader.integer(key, out, int(bounds.min), int(bounds.max));
+    }
   } else if constexpr (std::is_floating_point_v<T>) {
     reader.number(key, out, bounds.min, bounds.max);
   } else if constexpr (std::is_same_v<T, std::string>) {

@@ -53,9 +53,13 @@ constexpr Numbers kIdentifyS{1.0, 600.0};
 constexpr Integers kImageFrames{1, 100};
 constexpr Integers kGreyLevels{9, 256};  ///< grey levels that lut.run measures
 constexpr Integers kSettleRepetitions{3, 200};
-constexpr Numbers kWatchMs{20.0, 10'000.0};  ///< time that slm.settle watches each change
-constexpr Numbers kPokeWaves{0.005, 0.2};    ///< poke amplitude of a calibration
-constexpr Integers kPokeFrames{2, 10000};    ///< frames averaged for each poke
+constexpr Numbers kLeaseS{0.0, 3600.0};  ///< of a presentation, slm.present
+constexpr Integers kGrabFrames{1, 1000};
+constexpr Numbers kGrabTimeoutS{0.1, 600.0};
+constexpr std::size_t kGrabBytes = 64 << 20;  ///< of the frames of one camera.grab
+constexpr Numbers kWatchMs{20.0, 10'000.0};   ///< time that slm.settle watches each change
+constexpr Numbers kPokeWaves{0.005, 0.2};     ///< poke amplitude of a calibration
+constexpr Integers kPokeFrames{2, 10000};     ///< frames averaged for each poke
 constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< frames of a sweep's cell, or of its reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most

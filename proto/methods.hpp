@@ -14,6 +14,7 @@ namespace ovws {
 // Structs of results and of some params are in proto/tables, StatusMessage in
 // proto/status_message.hpp, Config in config/config.hpp. Include only the tables that you use: each
 // takes up to a second to compile.
+struct CameraGrab;
 struct CameraReport;
 struct CameraSetReport;
 struct CellReport;
@@ -22,11 +23,13 @@ struct ConfigSave;
 struct Description;
 struct FlatnessReport;
 struct GainSweepRun;
+struct GrabReport;
 struct KnownCalibration;
 struct KnownExperiment;
 struct KnownReference;
 struct KnownRegistration;
 struct LutReport;
+struct PresentReport;
 struct RecordingList;
 struct ReferenceList;
 struct ReferenceName;
@@ -36,6 +39,7 @@ struct SavedReport;
 struct SensorReport;
 struct SensorSetReport;
 struct ShowReport;
+struct SlmPresent;
 struct StatusMessage;
 struct StreamedStatus;
 struct VerifyReport;
@@ -47,6 +51,15 @@ struct Method {
   using Result = R;
   const char* name;
   const char* description;
+  const char* binary_params = nullptr;  ///< meaning of the request's binary frame; null: none
+  const char* binary_result = nullptr;  ///< meaning of the reply's binary frame; null: none
+
+  constexpr Method taking(const char* binary) const {
+    return {name, description, binary, binary_result};
+  }
+  constexpr Method giving(const char* binary) const {
+    return {name, description, binary_params, binary};
+  }
 };
 template <class P, class R>
 constexpr Method<P, R> method(const char* name, const char* description) {
@@ -96,6 +109,13 @@ inline constexpr auto kCameraAutoExposure = method<AutoExposure, JobNumber>(
     "is cancelled, the previous exposure and gain are restored.");
 inline constexpr auto kCameraGet = method<Nothing, CameraReport>(
     "camera.get", "Returns the camera's settings and its current limits.");
+inline constexpr auto kCameraGrab =
+    method<CameraGrab, GrabReport>(
+        "camera.grab",
+        "Returns camera frames, each with its stamp: those exposed under a hologram, or the next "
+        "ones. They are the newest at each time, not every frame of a fast camera. Fails if the "
+        "hologram is replaced before there are enough.")
+        .giving("pixels of the images without padding, as dtype and shape say");
 inline constexpr auto kCameraList = method<Nothing, CameraList>(
     "camera.list",
     "Discovers the cameras on all networks and USB buses, which takes about a second. Empty if "
@@ -273,6 +293,14 @@ inline constexpr auto kSlmOutputs = method<Nothing, OutputList>(
     "slm.outputs",
     "Lists the outputs of the X server and whether each could drive the SLM. Refused on other "
     "display systems.");
+inline constexpr auto kSlmPresent =
+    method<SlmPresent, PresentReport>(
+        "slm.present",
+        "Shows a picture of the client in place of the sensor, and answers when the SLM has "
+        "settled. The first one begins a presentation, a job that holds the sensor; later requests "
+        "name it, and each begins the lease again. When the lease ends, or with job.cancel, the "
+        "previous hologram returns. The camera's settings may be changed meanwhile.")
+        .taking("pixels of the picture without padding, as dtype and shape say");
 inline constexpr auto kSlmSet = method<SlmChange, SlmSettings>(
     "slm.set",
     "Changes the SLM's output or settle time, all or nothing; omitted keys stay unchanged. Another "
@@ -305,6 +333,7 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kCalibrationRun,
                                      kCameraAutoExposure,
                                      kCameraGet,
+                                     kCameraGrab,
                                      kCameraList,
                                      kCameraSelect,
                                      kCameraSet,
@@ -351,6 +380,7 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kSensorGet,
                                      kSensorSet,
                                      kSlmOutputs,
+                                     kSlmPresent,
                                      kSlmSet,
                                      kSlmSettle,
                                      kSlmShow,

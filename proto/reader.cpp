@@ -118,6 +118,12 @@ void ObjectReader::integer(const char* key, int& out, int min, int max) {
   if (const auto got = number_in(path_of(key), *value, min, max, true)) out = int(*got);
 }
 
+void ObjectReader::integer(const char* key, std::int64_t& out, double min, double max) {
+  const json* value = take(key);
+  if (value == nullptr) return;
+  if (const auto got = number_in(path_of(key), *value, min, max, true)) out = std::int64_t(*got);
+}
+
 void ObjectReader::boolean(const char* key, bool& out) {
   const json* value = take(key);
   if (value == nullptr) return;

@@ -2,6 +2,7 @@
 /// key.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -39,6 +40,8 @@ class ObjectReader {
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max
   void integer(const char* key, int& out, int min, int max);  ///< whole number, min <= value <= max
+  /// The same beyond 32 bits; the limits are at most 2^53.
+  void integer(const char* key, std::int64_t& out, double min, double max);
   void boolean(const char* key, bool& out);
   void string(const char* key, std::string& out);
   /// Reads one of `names` and sets `out` to its index. The error suggests the nearest name.

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxIdBytes = 256;  // bounds the memory of queued replies
 /// long as its serialisation.
 std::string response(const Json& id, const RpcAnswer& answer) {
   std::string text = R"({"jsonrpc":"2.0","id":)" + json_text(id);
-  if (answer) return text + R"(,"result":)" + json_text(*answer) + "}";
+  if (answer) return text + R"(,"result":)" + json_text(answer->json) + "}";
   const RpcFailure& failure = answer.error();
   const Json error{
       {"code", int(failure.code)}, {"message", failure.message}, {"data", failure.data}};
@@ -30,6 +30,12 @@ RpcFailure failure(RpcCode code, std::string field, std::string reason) {
   RpcFailure out{code, field.empty() ? reason : field + ": " + reason, Json::object()};
   out.data = {{"field", std::move(field)}, {"reason", std::move(reason)}};
   return out;
+}
+
+RpcAnswer no_binary_in_batch() {
+  return tl::make_unexpected(failure(RpcCode::refused, "",
+                                     "a request or a result with a binary frame cannot be part of "
+                                     "a batch: send the request alone"));
 }
 
 /// Collects the responses to one request frame from any thread and sends them after the last one.
@@ -44,15 +50,18 @@ class ReplyCollector {
     return batch_ && bytes_ >= kMaxBatchReplyBytes;
   }
 
-  /// Stores the response to member `k`; an empty text for a notification.
-  void put(std::size_t k, std::string text) {
+  bool is_batch() const { return batch_; }
+
+  /// Stores the response to member `k`; an empty text for a notification. Only the response to a
+  /// single request may have a binary frame.
+  void put(std::size_t k, std::string text, std::shared_ptr<const std::string> binary) {
     {
       const std::lock_guard lock(mutex_);
       bytes_ += text.size();
       responses_[k] = std::move(text);
       if (--missing_ > 0) return;
     }
-    send_(joined());
+    send_(joined(), std::move(binary));
   }
 
  private:
@@ -98,7 +107,11 @@ class PendingCall {
 
   void answer(const RpcAnswer& answer) {
     if (answered_.exchange(true)) return;
-    collector_->put(k_, silent_ ? std::string() : response(id_, answer));
+    if (silent_) return collector_->put(k_, "", nullptr);
+    if (answer && answer->binary && collector_->is_batch()) {
+      return collector_->put(k_, response(id_, no_binary_in_batch()), nullptr);
+    }
+    collector_->put(k_, response(id_, answer), answer ? answer->binary : nullptr);
   }
 
   /// Whether the batch's reply has no room for this call's response. A notification has no
@@ -144,7 +157,7 @@ Result<std::string> read_envelope(const Json& member, PendingCall& call) {
   return method;
 }
 
-void run_call(const Json& member, const std::shared_ptr<PendingCall>& call,
+void run_call(const Json& member, std::string binary, const std::shared_ptr<PendingCall>& call,
               const RpcDispatch& dispatch) {
   const auto method = read_envelope(member, *call);
   if (!method) {
@@ -168,7 +181,7 @@ void run_call(const Json& member, const std::shared_ptr<PendingCall>& call,
                     : "must be an object, or left out")));
   }
   try {
-    dispatch(*method, params == member.end() ? kNoParams : *params,
+    dispatch({*method, params == member.end() ? kNoParams : *params, std::move(binary)},
              [call](const RpcAnswer& answer) { call->answer(answer); });
   } catch (const std::exception& error) {
     call->answer(tl::make_unexpected(
@@ -204,31 +217,40 @@ std::string overload_reply() {
                      "out; read replies before sending more");
 }
 
-std::string oversize_reply() {
-  return error_frame(RpcCode::request, "a request must be one frame of at most " +
-                                           std::to_string(kMaxRequestBytes) + " bytes");
+std::string oversize_reply(std::size_t max_binary_bytes) {
+  std::string reason =
+      "a request must be one frame of at most " + std::to_string(kMaxRequestBytes) + " bytes";
+  if (max_binary_bytes > 0) {
+    reason += ", followed, for a method that takes one, by a binary frame of at most " +
+              std::to_string(max_binary_bytes) + " bytes";
+  }
+  return error_frame(RpcCode::request, std::move(reason));
 }
 
-void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSend send) {
-  if (bytes.size() > kMaxRequestBytes) return send(oversize_reply());
+void handle_rpc(std::string_view bytes, std::string binary, const RpcDispatch& dispatch,
+                RpcSend send) {
+  const auto refuse = [&send](RpcCode code, std::string reason) {
+    send(error_frame(code, std::move(reason)), nullptr);
+  };
+  if (bytes.size() > kMaxRequestBytes) return send(oversize_reply(), nullptr);
   const auto json = parse_strict_json(bytes, kMaxRequestDepth, JsonComments::refused);
   if (!json) {
-    const auto code = json.error().malformed ? RpcCode::parse : RpcCode::request;
-    return send(error_frame(code, json.error().reason));
+    return refuse(json.error().malformed ? RpcCode::parse : RpcCode::request, json.error().reason);
   }
   if (!json->is_array()) {
     auto collector = std::make_shared<ReplyCollector>(1, false, std::move(send));
-    return run_call(*json, std::make_shared<PendingCall>(std::move(collector), 0), dispatch);
+    return run_call(*json, std::move(binary),
+                    std::make_shared<PendingCall>(std::move(collector), 0), dispatch);
   }
-  if (json->empty())
-    return send(error_frame(RpcCode::request, "a batch must hold at least one request"));
+  if (!binary.empty()) return refuse(RpcCode::request, no_binary_in_batch().error().message);
+  if (json->empty()) return refuse(RpcCode::request, "a batch must hold at least one request");
   if (json->size() > kMaxBatchMembers) {
-    return send(error_frame(RpcCode::request, "a batch may hold at most " +
-                                                  std::to_string(kMaxBatchMembers) + " requests"));
+    return refuse(RpcCode::request,
+                  "a batch may hold at most " + std::to_string(kMaxBatchMembers) + " requests");
   }
   auto collector = std::make_shared<ReplyCollector>(json->size(), true, std::move(send));
   for (std::size_t k = 0; k < json->size(); ++k) {
-    run_call((*json)[k], std::make_shared<PendingCall>(collector, k), dispatch);
+    run_call((*json)[k], {}, std::make_shared<PendingCall>(collector, k), dispatch);
   }
 }
 

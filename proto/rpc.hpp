@@ -40,33 +40,48 @@ struct RpcFailure {
   Json data = Json::object();
 };
 RpcFailure rpc_failure(const Error& error);
-using RpcAnswer = tl::expected<Json, RpcFailure>;
+/// Result of a call: JSON, and the bytes of the binary frame that follows it; null: none.
+struct RpcResult {
+  Json json;
+  std::shared_ptr<const std::string> binary;
+  RpcResult(Json value) : json(std::move(value)) {}  // NOLINT: a result is usually JSON alone
+  RpcResult(Json value, std::shared_ptr<const std::string> bytes)
+      : json(std::move(value)), binary(std::move(bytes)) {}
+};
+using RpcAnswer = tl::expected<RpcResult, RpcFailure>;
 
 /// Callback for the answer to one call. Call it exactly once, from any thread.
 using RpcReply = std::function<void(RpcAnswer)>;
-/// Handles one well-formed call. `params` is an object (empty if none was sent).
-using RpcDispatch =
-    std::function<void(const std::string& method, const Json& params, RpcReply reply)>;
-/// Callback that sends the reply frame of a request frame. It may be called from any thread. The
-/// reply is empty if the request frame held notifications only.
-using RpcSend = std::function<void(std::string)>;
+/// One well-formed call. `params` is an object (empty if none was sent); `binary` is the binary
+/// frame of the request, empty if there was none.
+struct RpcCall {
+  const std::string& method;
+  const Json& params;
+  std::string binary;
+};
+using RpcDispatch = std::function<void(RpcCall call, RpcReply reply)>;
+/// Callback that sends the reply to a request: its JSON, and its binary frame (null: none). It may
+/// be called from any thread. The JSON is empty if the request held notifications only.
+using RpcSend = std::function<void(std::string json, std::shared_ptr<const std::string> binary)>;
 
 constexpr int kMaxRequestDepth = 32;   ///< nesting depth of objects and arrays
 constexpr int kMaxBatchMembers = 100;  ///< a larger batch is refused with one error
 /// Once a batch's reply has this size, further members are refused and not carried out.
 constexpr std::size_t kMaxBatchReplyBytes = 1 << 20;
 
-/// Reply to a request that is larger than kMaxRequestBytes or came in several frames. It does not
+/// Reply to a request that is larger than kMaxRequestBytes, or whose binary frame is larger than
+/// `max_binary_bytes` (0: there is no method with one), or that came in more frames. It does not
 /// depend on the request's content.
-std::string oversize_reply();
+std::string oversize_reply(std::size_t max_binary_bytes = 0);
 /// Reply to a request that is refused unread because too many requests of its client are waiting.
 std::string overload_reply();
 
-/// Handles one request frame, single or batch: checks size, strict UTF-8 and JSON, and the JSON-RPC
-/// envelope. Every member with an id gets exactly one response. Never throws, whatever the bytes
-/// are. A dispatcher that throws, or drops its reply without calling it, causes an internal error;
-/// a second call of a reply does nothing. `method` and `params` are valid only during the
-/// dispatcher's call.
-void handle_rpc_frame(std::string_view bytes, const RpcDispatch& dispatch, RpcSend send);
+/// Handles one request, single or batch: checks size, strict UTF-8 and JSON, and the JSON-RPC
+/// envelope. A batch has no binary frames, neither in the request nor in results. Every member with
+/// an id gets exactly one response. Never throws, whatever the bytes are. A dispatcher that throws,
+/// or drops its reply without calling it, causes an internal error; a second call of a reply does
+/// nothing. The call's `method` and `params` are valid only during the dispatcher's call.
+void handle_rpc(std::string_view json, std::string binary, const RpcDispatch& dispatch,
+                RpcSend send);
 
 }  // namespace ovws

@@ -39,7 +39,9 @@ enum class Action : std::uint8_t {
   set_correction,
   reload_config,
   record,
-  watch,  ///< a job that only watches frames
+  watch,    ///< a job that only watches frames
+  present,  ///< a client's picture; the procedure thread checks for other jobs
+  grab,
   count,
 };
 
@@ -48,8 +50,9 @@ struct Conditions {
   bool started = false;
   bool camera = false;
   bool display = false;
-  bool job = false;
-  bool loop = false;  ///< the control loop is closed
+  bool job = false;        ///< a job holds the sensor
+  bool measuring = false;  ///< that job also depends on the camera's settings
+  bool loop = false;       ///< the control loop is closed
   bool fault = false;
   bool stopping = false;
   friend constexpr bool operator==(const Conditions&, const Conditions&) = default;
@@ -83,7 +86,9 @@ struct Obstacle {
   Errc code;
   std::string_view reason;
 };
-constexpr std::array<Obstacle, 6> kObstacles{{
+inline constexpr std::string_view kJobRuns =
+    "a job is running; wait until it ends or cancel it with job.cancel";
+constexpr std::array<Obstacle, 7> kObstacles{{
     {&Conditions::stopping, true, Errc::refused,
      "the daemon is stopping; start it again and repeat the request"},
     {&Conditions::started, false, Errc::refused,
@@ -93,8 +98,8 @@ constexpr std::array<Obstacle, 6> kObstacles{{
     {&Conditions::display, false, Errc::unavailable,
      "the SLM's display is not in use; system.status gives the reason, and the daemon reconnects "
      "by itself"},
-    {&Conditions::job, true, Errc::refused,
-     "a job is running; wait until it ends or cancel it with job.cancel"},
+    {&Conditions::job, true, Errc::refused, kJobRuns},
+    {&Conditions::measuring, true, Errc::refused, kJobRuns},
     {&Conditions::loop, true, Errc::refused, "the loop is closed; open it with loop.open first"},
 }};
 
@@ -102,24 +107,28 @@ constexpr std::array<Obstacle, 6> kObstacles{{
 struct ActionRow {
   std::array<bool, kObstacles.size()> blocked_by;
 };
-//                               stopping starting camera display job loop
+//                               stopping starting camera display job measuring loop
 constexpr Table<Action, ActionRow> kActions{{
-    {{false, false, false, false, false, false}},  // read
-    {{true, true, false, false, true, false}},     // set_camera: the camera actor checks further
-    {{true, true, false, true, true, true}},       // set_sensor
-    {{true, true, false, true, true, false}},      // set_aberration
-    {{true, true, false, true, true, true}},       // show_pattern
-    {{true, true, true, true, true, true}},        // start_job
-    {{true, true, false, false, true, true}},      // clear_reference
-    {{true, true, false, false, false, false}},    // cancel_job
-    {{true, true, false, false, true, false}},     // save_config: a job may have changed settings
-    {{true, true, false, false, false, false}},    // set_refine
-    {{true, true, true, true, true, true}},        // close_loop
-    {{true, true, false, false, false, false}},    // open_loop
-    {{true, true, false, true, true, true}},       // set_correction
-    {{true, true, false, false, true, true}},      // reload_config
-    {{true, true, false, false, false, false}},    // record
-    {{true, true, true, true, true, false}},       // watch
+    {{false, false, false, false, false, false, false}},  // read
+    {{true, true, false, false, false, true,
+      false}},                                        // set_camera: the camera actor checks further
+    {{true, true, false, true, true, false, true}},   // set_sensor
+    {{true, true, false, true, true, false, false}},  // set_aberration
+    {{true, true, false, true, true, false, true}},   // show_pattern
+    {{true, true, true, true, true, false, true}},    // start_job
+    {{true, true, false, false, true, false, true}},  // clear_reference
+    {{true, true, false, false, false, false, false}},  // cancel_job
+    {{true, true, false, false, true, false,
+      false}},  // save_config: a job may have changed settings
+    {{true, true, false, false, false, false, false}},  // set_refine
+    {{true, true, true, true, true, false, true}},      // close_loop
+    {{true, true, false, false, false, false, false}},  // open_loop
+    {{true, true, false, true, true, false, true}},     // set_correction
+    {{true, true, false, false, true, false, true}},    // reload_config
+    {{true, true, false, false, false, false, false}},  // record
+    {{true, true, true, true, true, false, false}},     // watch
+    {{true, true, false, true, false, false, true}},    // present
+    {{true, true, true, false, false, false, false}},   // grab
 }};
 
 }  // namespace control

@@ -299,6 +299,33 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
   }
 }
 
+void HologramRenderer::render_picture(const Picture& picture, Image<std::uint8_t>& grey) const {
+  const int width = sized(grey).width;
+  HologramConfig config = config_;
+  if (!picture.flatness) config.flatness_waves.reset();
+  const PhaseLut lut = picture.lut ? config_.lut : linear_lut();
+  const Vec2 centre = pupil_centre(config_.slm);
+  const double diameter_px = config_.sensor.pupil_diameter_px;
+  const WavefrontRows added(picture.modes, centre, diameter_px);
+  std::vector<double> waves(width), added_waves(width);
+  std::vector<std::uint16_t> phase(width);
+  const std::vector<std::uint16_t> none(width, 0);
+  for (int y = 0; y < grey.height; ++y) {
+    const Columns pupil = columns_in_circle(centre, diameter_px, y, width);
+    const float* from = picture.waves.row(y);
+    for (int x = 0; x < width; ++x) {
+      const bool shown = !picture.inside_pupil || (x >= pupil.begin && x < pupil.end);
+      waves[x] = shown ? double(from[x]) : 0.0;
+    }
+    const auto part =
+        std::span(added_waves).first(std::size_t(std::max(0, pupil.end - pupil.begin)));
+    added.waves(y, pupil.begin, part);
+    for (std::size_t k = 0; k < part.size(); ++k) waves[std::size_t(pupil.begin) + k] += part[k];
+    add_flatness_and_wrap(config, y, waves, phase.data());
+    look_up_greys(phase.data(), none.data(), lut.data(), width, grey.row(y));
+  }
+}
+
 Result<void> HologramRenderer::check_sampling(std::span<const Mode> modes) const {
   if (auto ok = check_modes(modes); !ok) return ok;
   const double pupil_radius_px = 0.5 * config_.sensor.pupil_diameter_px;

@@ -44,6 +44,15 @@ struct Probe {
   std::vector<Mode> modes = {};  ///< wavefront to add, over the sensor's pupil
 };
 
+/// A picture from outside, shown in place of the sensor.
+struct Picture {
+  Image<float> waves;            ///< phase, waves, finite; of the SLM's size
+  std::vector<Mode> modes = {};  ///< wavefront to add inside the pupil
+  bool flatness = true;          ///< whether to add the flatness map
+  bool lut = true;               ///< false: the top 8 bits of the phase are the grey levels
+  bool inside_pupil = false;     ///< whether the phase is 0 outside the sensor's pupil
+};
+
 /// Inputs of the hologram renderer. All phases in waves.
 struct HologramConfig {
   SlmGeometry slm;
@@ -77,6 +86,8 @@ class HologramRenderer {
   /// Renders a single subaperture. Requires valid modes and a grating frequency of at most 0.5
   /// cycles per SLM pixel in x and y.
   void render_probe(const Probe& probe, Image<std::uint8_t>& grey) const;
+  /// Renders a picture, whose size must be the SLM's, with valid modes.
+  void render_picture(const Picture& picture, Image<std::uint8_t>& grey) const;
 
   /// Nyquist check. Errors (Errc::invalid, field "modes") if the total slope (grating and `modes`)
   /// exceeds half a cycle per SLM pixel in x or y anywhere inside a subaperture, or if a mode's

@@ -18,6 +18,7 @@
 #include "daemon/ovwsd/control/status_reporter.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/procedures/experiment_archive.hpp"
+#include "daemon/ovwsd/procedures/presentation.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
@@ -94,10 +95,12 @@ struct App::Parts {
   ImageBrightness brightness;
   Jobs jobs{events};
   SlmLoop slm;
+  FrameGrabs grabs{frames, [this] { return slm.snapshot().hologram_id; }};
   CameraActor camera;
   CameraFinder finder;
   std::unique_ptr<SensorKeeper> keeper;
   std::unique_ptr<Procedures> procedures;
+  std::unique_ptr<Presentations> presentations;
   std::unique_ptr<ClosedLoop> loop;
   std::unique_ptr<WavefrontSearch> search;
   std::unique_ptr<LiveRefiner> refiner;
@@ -172,8 +175,11 @@ Result<void> App::Parts::make_sensor() {
   if (!made) return fail(made.error());
   keeper = std::move(*made);
   procedures = std::make_unique<Procedures>(
-      ProceduresDeps{{*keeper, camera, frames, slm, jobs, events},
-                     [this](bool runs) { state.set(&Conditions::job, runs); }});
+      ProceduresDeps{{*keeper, camera, frames, slm, jobs, events}, [this](Holds holds, bool runs) {
+                       state.set(&Conditions::job, runs);
+                       if (holds == Holds::sensor) state.set(&Conditions::measuring, runs);
+                     }});
+  presentations = std::make_unique<Presentations>(*procedures, config.slm.geometry);
   loop = std::make_unique<ClosedLoop>(ClosedLoopDeps{
       *keeper, slm, events, [this](bool closed) { state.set(&Conditions::loop, closed); },
       [this] { return search->found_ns(); }, [this] { return state.has_bench(); },
@@ -200,7 +206,7 @@ Result<void> App::Parts::bind_streams() {
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
   images = std::make_unique<ImagePublisher>(std::move(*image_socket), image_config, pipeline,
-                                            counters, frames, brightness);
+                                            counters, frames, grabs, brightness);
   reloader = std::make_unique<Reloader>(
       ReloadDeps{config, loaded, state, camera, slm, *keeper, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(StatusDeps{state,
@@ -229,19 +235,20 @@ Result<void> App::Parts::bind_streams() {
 
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(
-      Services{config, loaded, state, camera, finder, *keeper, jobs, *procedures, experiments,
-               named, *loop, *refiner, recorder, *status, slm, counters, *clients, disk});
-  const ControlHandler handle = [this](std::string_view request, const std::string& key,
-                                       std::function<void(std::string)> reply) {
-    const RpcDispatch call = [&](const std::string& method, const nlohmann::json& params,
-                                 RpcReply give) {
-      dispatch(*services, key, method, params, std::move(give));
+      Services{config,      loaded,         state, camera,      finder,   *keeper, jobs,
+               *procedures, *presentations, grabs, experiments, named,    *loop,   *refiner,
+               recorder,    *status,        slm,   counters,    *clients, disk});
+  const ControlHandler handle = [this](ControlRequest request, SendReply reply) {
+    const RpcDispatch call = [&](RpcCall asked, RpcReply give) {
+      dispatch(*services, request.client_key, std::move(asked), std::move(give));
     };
-    handle_rpc_frame(request, call, std::move(reply));
+    handle_rpc(request.bytes, std::move(request.binary), call, std::move(reply));
   };
-  auto bound = ControlServer::bind(config.control.endpoint,
-                                   {kMaxRequestBytes, oversize_reply(), overload_reply()}, handle,
-                                   clients->gate());
+  const std::size_t picture_bytes = max_picture_bytes(config.slm.geometry);
+  auto bound = ControlServer::bind(
+      config.control.endpoint,
+      {kMaxRequestBytes, picture_bytes, oversize_reply(picture_bytes), overload_reply()}, handle,
+      clients->gate());
   if (!bound) return fail(bound.error());
   control = std::move(*bound);
   return {};

@@ -15,15 +15,14 @@ Twin::Twin(const Config& config, const std::string& x_display)
 Result<std::unique_ptr<Twin>> Twin::start(const Config& config, const std::string& x_display) {
   std::unique_ptr<Twin> twin(new Twin(config, x_display));
   Twin* const t = twin.get();
-  const auto answer = [t](std::string_view request, const std::string&,
-                          std::function<void(std::string)> reply) {
-    const auto call = [t](const std::string& method, const Json& params, const RpcReply& answered) {
-      answered(t->methods_->call(method, params));
+  const auto answer = [t](const ControlRequest& request, SendReply reply) {
+    const auto call = [t](const RpcCall& asked, const RpcReply& answered) {
+      answered(t->methods_->call(asked.method, asked.params));
     };
-    handle_rpc_frame(request, call, std::move(reply));
+    handle_rpc(request.bytes, {}, call, std::move(reply));
   };
   auto control = ControlServer::bind(
-      config.control_endpoint, {kMaxRequestBytes, oversize_reply(), overload_reply()}, answer);
+      config.control_endpoint, {kMaxRequestBytes, 0, oversize_reply(), overload_reply()}, answer);
   if (!control) {
     control.error().field = "control.endpoint";
     return fail(control.error());

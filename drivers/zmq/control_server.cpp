@@ -1,5 +1,6 @@
 #include "drivers/zmq/control_server.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <vector>
@@ -19,11 +20,11 @@ constexpr int kMaxPerTurn = 64;  // requests received before serving begins
 constexpr auto kServeFor = std::chrono::milliseconds(10);  // time limit of one `serve`
 // Send queue without a limit, because ROUTER drops replies beyond a client's high-water mark, and
 // libzmq counts replies for a while after it has written them. ReplyBox limits the replies instead.
-constexpr int kReplyQueue = 0;                    // 0: unlimited
-constexpr int kReceiveQueue = 32;                 // requests that libzmq holds per client
-constexpr std::int64_t kMaxFrameBytes = 2 << 20;  // larger frames make libzmq close the connection
-constexpr std::size_t kMaxParts = 16;             // frames of one request, with its envelope
-constexpr std::size_t kMaxRoutingId = 255;        // bytes, defined by ZeroMQ
+constexpr int kReplyQueue = 0;                   // 0: unlimited
+constexpr std::size_t kReceiveBytes = 64 << 20;  // of the requests that libzmq holds per client
+constexpr std::size_t kMaxFrameBytes = 2 << 20;  // larger frames make libzmq close the connection
+constexpr std::size_t kMaxParts = 16;            // frames of one request, with its envelope
+constexpr std::size_t kMaxRoutingId = 255;       // bytes, defined by ZeroMQ
 
 /// One multipart request. Parts beyond kMaxParts are counted but not kept.
 struct Incoming {
@@ -31,9 +32,9 @@ struct Incoming {
   std::size_t count = 0;
 };
 
-/// Number of frames before the request, which is the last frame: routing ids, then an empty
-/// delimiter. A DEALER may omit the delimiter. If there is none before a frame that is too long for
-/// a routing id, only the first frame counts.
+/// Number of frames before the request: routing ids, then an empty delimiter. A DEALER may omit the
+/// delimiter. If there is none before a frame that is too long for a routing id, only the first
+/// frame counts. The last frame belongs to the request.
 std::size_t envelope_size(const Incoming& in) {
   for (std::size_t k = 1; k + 1 < in.parts.size(); ++k) {
     if (in.parts[k].size() == 0) return k + 1;
@@ -97,16 +98,18 @@ void ControlServer::Impl::send(ReplyBox::Reply reply) {
     ReplyBox::Reply reply;
   };
   // ROUTER drops messages for a client that has disconnected.
-  for (const auto& frame : reply.envelope) {
-    (void)socket.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
-  }
+  const auto more = zmq::send_flags::sndmore | zmq::send_flags::dontwait;
+  for (const auto& frame : reply.envelope) (void)socket.send(zmq::buffer(frame), more);
   auto kept = std::unique_ptr<Sent>(new Sent{box, std::move(reply)});
-  std::string& bytes = kept->reply.bytes;
+  const ReplyBox::Reply& sending = kept->reply;
+  const bool alone = sending.binary == nullptr;
+  if (!alone) (void)socket.send(zmq::buffer(sending.bytes), more);
+  const std::string& last = alone ? sending.bytes : *sending.binary;
   zmq::message_t message(
-      bytes.data(), bytes.size(),
+      const_cast<char*>(last.data()), last.size(),  // NOLINT: libzmq only reads it
       [](void*, void* hint) {
         const std::unique_ptr<Sent> done(static_cast<Sent*>(hint));
-        done->box->sent(*done->reply.client, done->reply.bytes.size());
+        done->box->sent(*done->reply.client, done->reply.size());
       },
       kept.get());
   (void)kept.release();
@@ -134,15 +137,18 @@ void ControlServer::Impl::take(const Incoming& in) {
   const std::size_t size = envelope_size(in);
   Request request;
   for (std::size_t k = 0; k < size; ++k) request.envelope.push_back(in.parts[k].to_string());
-  const bool one_frame = in.count == size + 1;
-  request.well_sized = one_frame && in.parts[size].size() <= limits.max_request_bytes;
-  if (request.well_sized) request.bytes = in.parts[size].to_string();
-  if (gate != nullptr) request.client_key = client_key_of(in.parts[size]);
+  const std::size_t frames = in.count - size;
+  request.well_sized = frames <= 2 && in.parts[size].size() <= limits.max_request_bytes &&
+                       (frames == 1 || in.parts[size + 1].size() <= limits.max_binary_bytes);
+  if (frames == 2 && limits.max_binary_bytes == 0) request.well_sized = false;
+  if (request.well_sized) request.body.bytes = in.parts[size].to_string();
+  if (request.well_sized && frames == 2) request.body.binary = in.parts[size + 1].to_string();
+  if (gate != nullptr) request.body.client_key = client_key_of(in.parts[size]);
   Envelope envelope = request.envelope;
   if (turns.push(std::move(request))) return;
   auto client = turns.load_of(envelope.front());
   if (!box->can_refuse(*client)) return;  // the client reads no replies: dropped
-  box->reply_to(std::move(envelope), std::move(client), 0)(limits.overload_reply);
+  box->reply_to(std::move(envelope), std::move(client), 0)(limits.overload_reply, nullptr);
 }
 
 /// Serves requests round-robin over the clients, until none can be served or kServeFor has passed.
@@ -152,12 +158,12 @@ bool ControlServer::Impl::serve() {
   more_to_serve = true;
   while (auto turn = turns.next()) {
     Request& request = turn->request;
-    const auto reply =
-        box->reply_to(std::move(request.envelope), turn->client, request.bytes.size());
+    const auto reply = box->reply_to(std::move(request.envelope), turn->client,
+                                     request.body.bytes.size() + request.body.binary.size());
     if (request.well_sized) {
-      handler(request.bytes, request.client_key, reply);
+      handler(std::move(request.body), reply);
     } else {
-      reply(limits.oversize_reply);
+      reply(limits.oversize_reply, nullptr);
     }
     served = true;
     if (std::chrono::steady_clock::now() >= until) return served;
@@ -173,8 +179,10 @@ Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& en
   impl->limits = std::move(limits);
   impl->handler = std::move(handler);
   impl->socket.set(zmq::sockopt::linger, kLingerMs);
-  impl->socket.set(zmq::sockopt::maxmsgsize, kMaxFrameBytes);
-  impl->socket.set(zmq::sockopt::rcvhwm, kReceiveQueue);
+  const std::size_t frame_bytes = std::max(kMaxFrameBytes, impl->limits.max_binary_bytes);
+  impl->socket.set(zmq::sockopt::maxmsgsize, std::int64_t(frame_bytes));
+  impl->socket.set(zmq::sockopt::rcvhwm,
+                   int(std::max<std::size_t>(2, kReceiveBytes / frame_bytes)));
   impl->socket.set(zmq::sockopt::sndhwm, kReplyQueue);
   if (auto bound = bind_endpoint(impl->socket.handle(), endpoint); !bound) {
     return fail(bound.error());

@@ -35,11 +35,12 @@ class ReplyBox::Ticket {
         request_bytes_(request_bytes) {}
   Ticket(const Ticket&) = delete;
   Ticket& operator=(const Ticket&) = delete;
-  ~Ticket() { reply({}); }
+  ~Ticket() { reply({}, nullptr); }
 
-  void reply(std::string bytes) {
+  void reply(std::string bytes, std::shared_ptr<const std::string> binary) {
     if (used_.exchange(true)) return;
-    box_->put({std::move(envelope_), std::move(bytes), std::move(client_)}, request_bytes_);
+    box_->put({std::move(envelope_), std::move(bytes), std::move(binary), std::move(client_)},
+              request_bytes_);
   }
 
  private:
@@ -58,9 +59,8 @@ ReplyBox::~ReplyBox() {
   ::close(wake_fd_);
 }
 
-std::function<void(std::string)> ReplyBox::reply_to(Envelope envelope,
-                                                    std::shared_ptr<ClientLoad> client,
-                                                    std::size_t request_bytes) {
+SendReply ReplyBox::reply_to(Envelope envelope, std::shared_ptr<ClientLoad> client,
+                             std::size_t request_bytes) {
   ClientLoad& own = *client;
   auto ticket = std::make_shared<Ticket>(shared_from_this(), std::move(envelope), std::move(client),
                                          request_bytes);
@@ -68,7 +68,9 @@ std::function<void(std::string)> ReplyBox::reply_to(Envelope envelope,
     const std::lock_guard lock(mutex_);
     change(own, {1, request_bytes}, {});
   }
-  return [ticket](std::string bytes) { ticket->reply(std::move(bytes)); };
+  return [ticket](std::string bytes, std::shared_ptr<const std::string> binary) {
+    ticket->reply(std::move(bytes), std::move(binary));
+  };
 }
 
 bool ReplyBox::has_room(const ClientLoad& client) {
@@ -110,7 +112,7 @@ void ReplyBox::put(Reply reply, std::size_t request_bytes) {
   {
     const std::lock_guard lock(mutex_);
     const std::size_t replies = reply.bytes.empty() ? 0 : 1;
-    change(*reply.client, {0, 0, replies, reply.bytes.size()}, {1, request_bytes});
+    change(*reply.client, {0, 0, replies, reply.size()}, {1, request_bytes});
     if (replies > 0) replies_.push_back(std::move(reply));
   }
   wake();

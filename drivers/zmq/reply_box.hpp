@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "drivers/zmq/send_reply.hpp"
+
 namespace ovws {
 
 /// Routing frames of a request, which lead the reply to the client. The client's routing id is
@@ -38,7 +40,9 @@ class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
   struct Reply {
     Envelope envelope;
     std::string bytes;
+    std::shared_ptr<const std::string> binary;  ///< null: none
     std::shared_ptr<ClientLoad> client;
+    std::size_t size() const { return bytes.size() + (binary ? binary->size() : 0); }
   };
 
   ReplyBox();
@@ -51,8 +55,8 @@ class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
   int wake_fd() const { return wake_fd_; }
   /// Makes the reply function of one request of `request_bytes` bytes. The first call of the
   /// function queues the reply in this box; later calls do nothing. Thread-safe.
-  std::function<void(std::string)> reply_to(Envelope envelope, std::shared_ptr<ClientLoad> client,
-                                            std::size_t request_bytes);
+  SendReply reply_to(Envelope envelope, std::shared_ptr<ClientLoad> client,
+                     std::size_t request_bytes);
   /// Whether the limits allow a further request of the client. Thread-safe.
   bool has_room(const ClientLoad& client);
   /// Whether a request of the client that cannot be queued may still be answered with an error.

@@ -11,7 +11,8 @@ constexpr std::size_t kOverheadBytes = 256;  // memory of one request besides it
 }  // namespace
 
 std::size_t Request::size() const {
-  std::size_t size = kOverheadBytes + bytes.size() + client_key.size();
+  std::size_t size =
+      kOverheadBytes + body.bytes.size() + body.binary.size() + body.client_key.size();
   for (const std::string& frame : envelope) size += frame.size();
   return size;
 }
@@ -27,7 +28,8 @@ bool RequestTurns::push(Request request) {
   Client& client = clients_[request.envelope.front()];
   const bool fits =
       client.waiting_bytes + size <= kMaxClientBytes && waiting_bytes_ + size <= kMaxTotalBytes;
-  if (!fits && !client.waiting.empty()) return false;
+  const bool first = client.waiting.empty() && (request.body.binary.empty() || waiting_bytes_ == 0);
+  if (!fits && !first) return false;
   if (client.waiting.empty()) turns_.push_back(&client);
   client.waiting.push_back(std::move(request));
   client.waiting_bytes += size;

@@ -9,6 +9,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "drivers/zmq/control_server.hpp"
 #include "drivers/zmq/reply_box.hpp"
 
 namespace ovws {
@@ -16,9 +17,8 @@ namespace ovws {
 /// One received request.
 struct Request {
   Envelope envelope;
-  std::string bytes;
-  std::string client_key;    ///< the client's public key; empty without a gate
-  bool well_sized = true;    ///< false: too large or several frames; `bytes` is empty
+  ControlRequest body;
+  bool well_sized = true;    ///< false: too large or too many frames; the body has no bytes
   std::size_t size() const;  ///< memory use, bytes
 };
 
@@ -28,7 +28,7 @@ class RequestTurns {
   explicit RequestTurns(std::shared_ptr<ReplyBox> box) : box_(std::move(box)) {}
 
   /// Limits of the queued requests in bytes, per client and in total. A client without a queued
-  /// request may always queue one.
+  /// request may always queue one; one with a binary frame only if nothing else is queued.
   static constexpr std::size_t kMaxClientBytes = 8 << 20;
   static constexpr std::size_t kMaxTotalBytes = 32 << 20;
 

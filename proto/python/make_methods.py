@@ -26,6 +26,9 @@ from .job import Job
 from .modes import ModeKey, Modes, mode_indices, mode_list
 
 
+Binary = bytes | bytearray | memoryview | None  # the binary frame of a request
+
+
 class LeftOut(Enum):
     """Type of LEFT_OUT, which marks omitted params; None is a value, the wire's null."""
 
@@ -162,7 +165,7 @@ def given(key, schema, whole):
 def signature_lines(structures, name, schema, prefix):
     required = schema["params"].get("required", [])
     kinds = {key: type_of_param(structures, key, schema["params"]["properties"][key], schema["params"]) for key in given_keys(schema)}
-    arguments = ["self"] + [f"{key}: {kinds[key]}" for key in kinds if key in required]
+    arguments = ["self"] + ["binary: Binary = None"] * ("binary_params" in schema) + [f"{key}: {kinds[key]}" for key in kinds if key in required]
     arguments += ["*"] * (len(kinds) > len(required))
     arguments += [f"{key}: {kinds[key]} | LeftOut = LEFT_OUT" for key in kinds if key not in required]
     begin, end = f"    {prefix}def {name.replace('.', '_')}(", f") -> {result_type(structures, schema, prefix)}:"
@@ -177,7 +180,10 @@ def starts_job(structures, schema, prefix):
 
 
 def result_type(structures, schema, prefix):
-    return "Job" if starts_job(structures, schema, prefix) else structures.type_of(schema["result"], "list")
+    if starts_job(structures, schema, prefix):
+        return "Job"
+    result = structures.type_of(schema["result"], "list")
+    return f"tuple[{result}, bytes]" if "binary_result" in schema else result
 
 
 def docstring(name, schema, whole):
@@ -186,18 +192,25 @@ def docstring(name, schema, whole):
     if whole:
         for key in given_keys(schema):
             yield from wrapped(described(schema["params"]["properties"][key]), f"        {key}: ")
+        if "binary_params" in schema:
+            yield from wrapped(schema["binary_params"], "        binary: ")
         results = schema["result"].get("properties", {}).items()
-        yield from wrapped("; ".join(f"{key}: {value['description']}" for key, value in results), "        Result: ")
+        given = [f"{key}: {value['description']}" for key, value in results]
+        if "binary_result" in schema:
+            given.append(f"and {schema['binary_result']}")
+        yield from wrapped("; ".join(given), "        Result: ")
     else:
         yield f"        Params and result: `Methods.{name.replace('.', '_')}`."
     yield '        """'
 
 
 def body_lines(structures, name, schema, wait):
-    begin = f"        result: {structures.type_of(schema['result'], 'list')} = {wait}self.call(\"{name}\""
+    call = "call_binary" if "binary_result" in schema else "call"
+    begin = f"        result: {result_type(structures, schema, 'async')} = {wait}self.{call}(\"{name}\""
     params = ", ".join(given(key, schema["params"]["properties"][key], schema["params"]) for key in given_keys(schema))
-    line = begin + (f", _given({params}))" if params else ")")
-    yield from [line] if len(line) <= WIDTH else [begin + ", _given(", *wrapped(params, "            "), "        ))"]
+    end = ", binary)" if "binary_params" in schema else ")"
+    line = begin + (f", _given({params}){end}" if params else end)
+    yield from [line] if len(line) <= WIDTH else [begin + ", _given(", *wrapped(params, "            "), f"        ){end}"]
     yield "        return self._job(result)" if starts_job(structures, schema, wait) else "        return result"
 
 
@@ -211,7 +224,9 @@ def module(folder):
     for title, prefix, wait in (("Methods", "", ""), ("AsyncMethods", "async ", "await ")):
         lines += ["", "", f"class {title}:",
                   '    """Base class of clients: one Python method for each method of the daemon, which calls `call`."""', "",
-                  f"    {prefix}def call(self, method: str, params: Mapping[str, object] | None = None) -> Any:",
+                  f"    {prefix}def call(self, method: str, params: Mapping[str, object] | None = None, binary: Binary = None) -> Any:",
+                  "        raise NotImplementedError", "",
+                  f"    {prefix}def call_binary(self, method: str, params: Mapping[str, object] | None = None, binary: Binary = None) -> Any:",
                   "        raise NotImplementedError"]
         if not prefix:
             lines += ["", "    def _job(self, result: JobNumber) -> Job:", "        return Job(self, {\"job\": result[\"job\"]})"]

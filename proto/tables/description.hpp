@@ -33,13 +33,21 @@ inline constexpr NamesOf kNames<Role> = texts<"read", "control">;
 struct MethodDescription {
   std::string title, description;
   Json params, result;
+  std::string binary_params, binary_result;
 };
 template <>
 inline constexpr auto kTable<MethodDescription> =
-    Fields{"MethodDescription", field<&MethodDescription::title>("short title"),
+    Fields{"MethodDescription",
+           field<&MethodDescription::title>("short title"),
            field<&MethodDescription::description>("what the method does"),
            field<&MethodDescription::params>("JSON Schema of the params"),
-           field<&MethodDescription::result>("JSON Schema of the result")};
+           field<&MethodDescription::result>("JSON Schema of the result"),
+           field<&MethodDescription::binary_params>(
+               "meaning of the binary frame after the request's JSON; left out: it has none")
+               .or_left_out(),
+           field<&MethodDescription::binary_result>(
+               "meaning of the binary frame after the result's JSON; left out: it has none")
+               .or_left_out()};
 
 /// Result of `system.describe`.
 struct Description {

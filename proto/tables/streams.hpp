@@ -4,6 +4,7 @@
 #include "core/base/pixels.hpp"
 #include "proto/messages.hpp"
 #include "proto/tables/camera.hpp"
+#include "proto/tables/frame_terms.hpp"
 #include "proto/tables/modes.hpp"
 #include "proto/tables/status.hpp"
 #include "proto/tables/time.hpp"
@@ -12,13 +13,6 @@ namespace ovws {
 
 inline constexpr const char* kSeqMeaning =
     "sequence number of this topic's messages, from 0; a gap means lost messages";
-inline constexpr const char* kFrameIdMeaning = "camera's frame number";
-inline constexpr const char* kArrivalMeaning =
-    "frame complete in the daemon, UNIX epoch UTC, nanoseconds";
-inline constexpr const char* kPublishMeaning = "message built, UNIX epoch UTC, nanoseconds";
-inline constexpr const char* kFrameHologramMeaning =
-    "number of the hologram on the SLM during the exposure, or of the newest if it changed or had "
-    "not settled; 0: unknown";
 inline constexpr auto kUnit = constant("unit", "wave", "unit of coefficients and wavefronts");
 inline constexpr auto kBasis = constant(
     "basis", "zernike-osa-rms", "OSA/ANSI Zernike modes, RMS-normalised, over the pupil circle");
@@ -124,9 +118,6 @@ struct Rules<WavefrontMessage> {
   static Json schema();
 };
 
-/// Shape of a binary part: rows, columns.
-using Shape = std::array<int, 2>;
-inline constexpr const char* kDtypeMeaning = "NumPy dtype of the binary part, little-endian";
 inline constexpr auto kFloats = constant("dtype", "<f4", kDtypeMeaning);
 
 inline constexpr std::array<std::string_view, 6> kSpotColumns{"x",     "y",    "ref_x",

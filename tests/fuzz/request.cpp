@@ -6,13 +6,13 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   int answers = 0;
-  ovws::handle_rpc_frame(
-      {reinterpret_cast<const char*>(data), size},
-      [](const std::string&, const ovws::Json& params, const ovws::RpcReply& reply) {
-        ovws::test::decode_all(params);
-        reply(params);
+  ovws::handle_rpc(
+      {reinterpret_cast<const char*>(data), size}, {},
+      [](const ovws::RpcCall& call, const ovws::RpcReply& reply) {
+        ovws::test::decode_all(call.params);
+        reply(ovws::RpcResult{call.params});
       },
-      [&answers](const std::string& reply) {
+      [&answers](const std::string& reply, const auto&) {
         ++answers;
         if (!reply.empty() && !ovws::Json::accept(reply)) std::abort();
       });

@@ -5,6 +5,7 @@
 #include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
+#include "proto/tables/picture.hpp"
 #include "proto/tables/slm_change.hpp"
 
 namespace ovws::test {
@@ -33,6 +34,8 @@ inline void decode_all(const Json& params) {
   (void)decode<GainSweepRun>(params);
   (void)decode<ExperimentCell>(params);
   (void)decode<SlmShow>(params);
+  (void)decode<SlmPresent>(params);
+  (void)decode<CameraGrab>(params);
   (void)decode<RecordStart>(params);
   (void)decode<JobNumber>(params);
   (void)decode<Nothing>(params);

@@ -3,11 +3,13 @@
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/camera/camera_finder.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
+#include "daemon/ovwsd/frames/frame_grabs.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/camera.hpp"
 #include "proto/tables/devices.hpp"
+#include "proto/tables/picture.hpp"
 #include "proto/tables/set.hpp"
 
 namespace ovws {
@@ -43,6 +45,13 @@ void start_exposure(Services& services, const AutoExposure& params, Reply<JobNum
       with_job_number(std::move(reply)));
 }
 
+void grab(Services& services, const CameraGrab& params, Reply<GrabReport> reply) {
+  services.grabs.grab(params, [reply](const Result<GrabReport>& grabbed, auto pixels) {
+    if (!grabbed) return reply(grabbed.error());
+    reply(*grabbed, std::move(pixels));
+  });
+}
+
 void list_cameras(Services& services, Reply<CameraList> reply) {
   services.finder.list(
       [reply](const std::vector<CameraListing>& listed) { reply(CameraList{listed}); });
@@ -68,6 +77,7 @@ void select_camera(Services& services, const CameraSelect& params, Reply<CameraR
 constexpr std::array kRows{
     row<kCameraAutoExposure, start_exposure>(Role::control, Action::start_job),
     row<kCameraGet, get_camera>(Role::read, Action::read),
+    row<kCameraGrab, grab>(Role::read, Action::grab),
     row<kCameraList, list_cameras>(Role::read, Action::read),
     // Another camera or output is like a reload: no job and no closed loop may depend on it.
     row<kCameraSelect, select_camera>(Role::control, Action::reload_config),

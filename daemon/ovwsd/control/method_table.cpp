@@ -47,8 +47,7 @@ std::vector<std::pair<std::string, Role>> method_roles() {
   return roles;
 }
 
-void dispatch(Services& services, const std::string& key, const std::string& method,
-              const nlohmann::json& params, RpcReply reply) {
+void dispatch(Services& services, const std::string& key, RpcCall call, RpcReply reply) {
   services.counters.add(Counter::requests);
   auto counted = [&counters = services.counters, reply = std::move(reply)](RpcAnswer answer) {
     if (!answer) counters.add(Counter::requests_refused);
@@ -58,14 +57,15 @@ void dispatch(Services& services, const std::string& key, const std::string& met
   if (!role) return counted(forbidden("", role.error().reason));
   static const std::vector<const MethodRow*> kAll = all_methods();
   const auto at = std::find_if(kAll.begin(), kAll.end(),
-                               [&](const MethodRow* one) { return method == one->name; });
-  if (at == kAll.end()) return counted(tl::make_unexpected(unknown_method(method)));
+                               [&](const MethodRow* one) { return call.method == one->name; });
+  if (at == kAll.end()) return counted(tl::make_unexpected(unknown_method(call.method)));
   const MethodRow& found = **at;
   if (found.role == Role::control && *role == Role::read) {
-    return counted(forbidden("method", method + " needs the role \"control\"; the role of this "
-                                                "client in security.clients is \"read\""));
+    return counted(forbidden("method", call.method +
+                                           " needs the role \"control\"; the role of this "
+                                           "client in security.clients is \"read\""));
   }
-  found.call(found, services, params, std::move(counted));
+  found.call(found, services, std::move(call), std::move(counted));
 }
 
 }  // namespace ovws

@@ -29,8 +29,10 @@ class Disk;
 class ExperimentArchive;
 class Jobs;
 class LiveRefiner;
+class FrameGrabs;
 class NamedReferences;
 struct LoadedConfig;
+class Presentations;
 class Procedures;
 class Recorder;
 class SensorKeeper;
@@ -48,6 +50,8 @@ struct Services {
   SensorKeeper& keeper;
   Jobs& jobs;
   Procedures& procedures;
+  Presentations& presentations;
+  FrameGrabs& grabs;
   ExperimentArchive& experiments;
   NamedReferences& named;
   ClosedLoop& loop;
@@ -71,9 +75,13 @@ template <class R>
 class Reply {
  public:
   explicit Reply(RpcReply reply) : reply_(std::move(reply)) {}
-  void operator()(const R& result) const { reply_(to_json(result)); }
+  void operator()(const R& result) const { reply_(RpcResult{to_json(result)}); }
+  /// Replies with a binary frame after the JSON.
+  void operator()(const R& result, std::shared_ptr<const std::string> binary) const {
+    reply_(RpcResult{to_json(result), std::move(binary)});
+  }
   /// Replies with JSON that already has the fields of R.
-  void operator()(JsonOf<R> result) const { reply_(std::move(result.json)); }
+  void operator()(JsonOf<R> result) const { reply_(RpcResult{std::move(result.json)}); }
   void operator()(const Error& error) const { reply_(failed(error)); }
   template <class Value>
   void operator()(const Result<Value>& result) const {
@@ -98,32 +106,36 @@ struct MethodRow {
   Role role;  ///< minimum role of the client
   Action action;
   /// Decodes the params, checks that the daemon's state allows the action, and calls the handler.
-  void (*call)(const MethodRow& row, Services& services, const nlohmann::json& params,
-               RpcReply reply);
+  void (*call)(const MethodRow& row, Services& services, RpcCall call, RpcReply reply);
 };
 
 /// Makes the row of a method in proto/methods.hpp. The handler is `answer(services, params,
-/// Reply<R>)`, or `answer(services, Reply<R>)` for a method without params. It runs in the control
-/// thread and must not block; it may reply later.
+/// Reply<R>)`, or `answer(services, Reply<R>)` for a method without params, or `answer(services,
+/// params, binary, Reply<R>)` for a method with a binary frame. It runs in the control thread and
+/// must not block; it may reply later.
 template <const auto& method, auto answer>
 constexpr MethodRow row(Role role, Action action) {
   using M = std::remove_cvref_t<decltype(method)>;
   using P = typename M::Params;
-  return {
-      method.name, role, action,
-      [](const MethodRow& row, Services& services, const nlohmann::json& params, RpcReply reply) {
-        const auto decoded = decode_params<P>(params);
-        if (!decoded) return reply(failed(decoded.error()));
-        if (const auto allowed = services.state.check(row.action); !allowed) {
-          return reply(failed(allowed.error()));
-        }
-        Reply<typename M::Result> typed(std::move(reply));
-        if constexpr (std::is_same_v<P, Nothing>) {
-          answer(services, std::move(typed));
-        } else {
-          answer(services, *decoded, std::move(typed));
-        }
-      }};
+  return {method.name, role, action,
+          [](const MethodRow& row, Services& services, RpcCall call, RpcReply reply) {
+            const auto decoded = decode_params<P>(call.params);
+            if (!decoded) return reply(failed(decoded.error()));
+            if (method.binary_params == nullptr && !call.binary.empty()) {
+              return reply(failed({Errc::invalid, "", "this method takes no binary frame"}));
+            }
+            if (const auto allowed = services.state.check(row.action); !allowed) {
+              return reply(failed(allowed.error()));
+            }
+            Reply<typename M::Result> typed(std::move(reply));
+            if constexpr (method.binary_params != nullptr) {
+              answer(services, *decoded, std::move(call.binary), std::move(typed));
+            } else if constexpr (std::is_same_v<P, Nothing>) {
+              answer(services, std::move(typed));
+            } else {
+              answer(services, *decoded, std::move(typed));
+            }
+          }};
 }
 
 // Method rows: of the camera, of the sensor, of experiments, of references, and all others. Add a
@@ -137,8 +149,7 @@ std::span<const MethodRow> system_methods();
 /// Calls a method for a client. Checks the client's key (empty without `security`) and role, then
 /// the params, then the daemon's state, so that a typo is reported even if the state forbids the
 /// call. The error for an unknown method names the nearest known method.
-void dispatch(Services& services, const std::string& key, const std::string& method,
-              const nlohmann::json& params, RpcReply reply);
+void dispatch(Services& services, const std::string& key, RpcCall call, RpcReply reply);
 /// Names of all methods with the minimum role of each.
 std::vector<std::pair<std::string, Role>> method_roles();
 

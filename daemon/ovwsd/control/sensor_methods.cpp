@@ -7,6 +7,7 @@
 #include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/control/sensor_handlers.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/procedures/presentation.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
@@ -167,6 +168,11 @@ void show(Services& services, const SlmShow& what, Reply<ShowReport> reply) {
   edit<shown_pattern>(services, Hold::unheld(), show_pattern(what.pattern), std::move(reply));
 }
 
+void present(Services& services, const SlmPresent& params, std::string picture,
+             Reply<PresentReport> reply) {
+  services.presentations.present(params, std::move(picture), reply);
+}
+
 Result<Json> settle(const Services& services, Bench& bench, const SettleRun& run) {
   const auto time = measure_settle(bench, services.config.slm.geometry, run);
   if (!time) return fail(time.error());
@@ -220,6 +226,7 @@ constexpr std::array kRows{
     row<kSensorGet, get<sensor_of>>(Role::read, Action::read),
     row<kSensorSet, change_sensor>(Role::control, Action::set_sensor),
     row<kSlmOutputs, list_outputs>(Role::read, Action::read),
+    row<kSlmPresent, present>(Role::control, Action::present),
     row<kSlmSet, set_slm>(Role::control, Action::reload_config),
     row<kSlmShow, show>(Role::control, Action::show_pattern),
     row<kSlmSettle, run<kSlmSettle, settle>>(Role::control, Action::start_job),

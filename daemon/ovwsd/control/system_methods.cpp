@@ -112,8 +112,11 @@ Json make_description() {
       all.streams.emplace_back(one.name.substr(kStream.size()), one.json);
       continue;
     }
-    all.methods.emplace_back(one.name, MethodDescription{one.json["title"], one.json["description"],
-                                                         one.json["params"], one.json["result"]});
+    const auto text = [&one](const char* key) { return one.json.value(key, std::string()); };
+    all.methods.emplace_back(
+        one.name,
+        MethodDescription{text("title"), text("description"), one.json["params"],
+                          one.json["result"], text("binary_params"), text("binary_result")});
   }
   return to_json(all);
 }

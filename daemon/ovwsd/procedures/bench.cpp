@@ -112,6 +112,18 @@ Result<void> Bench::show(const Painter& paint) {
   return edit(show_request({{}, paint}));
 }
 
+Result<std::int64_t> Bench::wait_settled() const {
+  while (!stopped()) {
+    if (auto there = check_display(); !there) return fail(there.error());
+    const SlmSnapshot slm = deps_.slm.snapshot();
+    const std::chrono::nanoseconds left(slm.t_settled_mono_ns - monotonic_ns());
+    if (slm.hologram_id == sensor()->hologram_id && left.count() <= 0) return slm.t_settled_mono_ns;
+    std::this_thread::sleep_for(
+        std::clamp<std::chrono::nanoseconds>(left, std::chrono::microseconds(100), kPollInterval));
+  }
+  return fail(stopped_error());
+}
+
 Result<void> Bench::use(SensorChange change) {
   const auto used = edit([&jobs = deps_.jobs, job = job_,
                           change = std::move(change)](SensorEdit& edit) -> Result<void> {

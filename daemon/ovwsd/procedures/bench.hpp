@@ -56,6 +56,9 @@ class Bench {
   /// Shows the image that `paint` draws. `paint` is called once, in the prepare thread. If the job
   /// is cancelled, `paint` may be called after `show` has returned, so it must capture by value.
   Result<void> show(const Painter& paint);
+  /// Waits until the SLM has settled to the hologram shown last; returns that time, CLOCK_MONOTONIC
+  /// in ns.
+  Result<std::int64_t> wait_settled() const;
   /// Activates the procedure's result and stores it. Returns when the result is active and its file
   /// is written. Waits two seconds at most for the disk.
   Result<void> use(SensorChange change);

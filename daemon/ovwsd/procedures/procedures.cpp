@@ -37,7 +37,7 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
     run_ = run;
     begun_ = true;  // do_work must not start the run before it is complete
   }
-  auto free = holds == Holds::sensor ? deps_.bench.keeper.may_hold() : Result<void>{};
+  auto free = holds != Holds::nothing ? deps_.bench.keeper.may_hold() : Result<void>{};
   if (!free) {
     release();
     return done(fail(free.error()));
@@ -54,9 +54,9 @@ void Procedures::begin(const std::string& kind, Procedure procedure,
   run->procedure = std::move(procedure);
   run->bench = std::make_unique<Bench>(run->job, deps_.bench, run->stop, run->progress);
   run->holds = holds;
-  if (holds == Holds::sensor) {
+  if (holds != Holds::nothing) {
     deps_.bench.keeper.hold(Hold::of_job(run->job));
-    deps_.on_job(true);
+    deps_.on_job(holds, true);
   }
   done(run->job);
   {
@@ -133,7 +133,7 @@ void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::
     const std::lock_guard lock(mutex_);
     begun_ = false;
   }
-  if (run->holds == Holds::sensor) deps_.on_job(false);
+  if (run->holds != Holds::nothing) deps_.on_job(run->holds, false);
   release();
   // The callback keeps `run` alive, because `run` provides the progress until the job has ended.
   run->bench->pending_files()->when_none([run, &jobs = deps_.bench.jobs, job, result] {

@@ -21,14 +21,15 @@ namespace ovws {
 /// A procedure: measures with the bench and returns the job's result as JSON.
 using Procedure = std::function<Result<nlohmann::json>(Bench&)>;
 
+/// What a job holds. `hologram`: the sensor, but clients may change the camera's settings.
+/// `nothing`: it only watches frames, and blocks nothing but other jobs.
+enum class Holds { sensor, hologram, nothing };
+
 struct ProceduresDeps {
   BenchDeps bench;
   /// Called in any thread when a job that holds the sensor has begun (true) or ended (false).
-  std::function<void(bool)> on_job;
+  std::function<void(Holds, bool)> on_job;
 };
-
-/// What a job holds. `nothing`: it only watches frames, and blocks nothing but other jobs.
-enum class Holds { sensor, nothing };
 
 /// Agent of the procedure thread: runs one procedure at a time.
 class Procedures : public Agent {

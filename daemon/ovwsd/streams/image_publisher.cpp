@@ -19,12 +19,13 @@ constexpr std::int64_t kPauseNs = 10'000'000;  // between two checks for open re
 
 ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& config,
                                Pipeline& pipeline, Counters& counters, FrameBroker& frames,
-                               ImageBrightness& brightness)
+                               FrameGrabs& grabs, ImageBrightness& brightness)
     : socket_(std::move(socket)),
       config_(config),
       pipeline_(pipeline),
       counters_(counters),
       frames_(frames),
+      grabs_(grabs),
       brightness_(brightness),
       rate_hz_(config_.rate_hz) {}
 
@@ -33,6 +34,7 @@ bool ImagePublisher::image_is_due() const {
 }
 
 bool ImagePublisher::do_work() {
+  grabs_.end_due();
   if (!requested_ && !frames_.wants_pixels() && !image_is_due()) {
     const std::int64_t wait_ns = rate_hz_.load() > 0.0 ? next_ns_ - monotonic_ns() : kPauseNs;
     std::this_thread::sleep_for(
@@ -47,6 +49,7 @@ bool ImagePublisher::do_work() {
   const auto release = [this](FrameRecord* one) { pipeline_.release_image(one); };
   const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
   serve(*record);
+  grabs_.end_due();
   if (const double rate_hz = rate_hz_.load(); rate_hz > 0.0 && monotonic_ns() >= next_ns_) {
     next_ns_ = monotonic_ns() + std::int64_t(1e9 / rate_hz);
     send(*record);

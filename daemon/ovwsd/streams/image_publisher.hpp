@@ -14,6 +14,7 @@
 #include "core/rt/counters.hpp"
 #include "core/wavefront/phase_map.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
+#include "daemon/ovwsd/frames/frame_grabs.hpp"
 #include "daemon/ovwsd/frames/image_brightness.hpp"
 #include "drivers/zmq/publisher.hpp"
 
@@ -28,10 +29,11 @@ struct ImagePublisherConfig {
 /// Agent of the images thread.
 class ImagePublisher : public Agent {
  public:
-  /// `frames` and `brightness` must outlive this object. Requests for pixels are served between two
-  /// images; `brightness` looks at each image that is sent.
+  /// `frames`, `grabs` and `brightness` must outlive this object. Requests for pixels are served
+  /// between two images, and `grabs` are ended; `brightness` looks at each image that is sent.
   ImagePublisher(Publisher socket, const ImagePublisherConfig& config, Pipeline& pipeline,
-                 Counters& counters, FrameBroker& frames, ImageBrightness& brightness);
+                 Counters& counters, FrameBroker& frames, FrameGrabs& grabs,
+                 ImageBrightness& brightness);
 
   bool do_work() override;
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
@@ -53,6 +55,7 @@ class ImagePublisher : public Agent {
   Pipeline& pipeline_;
   Counters& counters_;
   FrameBroker& frames_;
+  FrameGrabs& grabs_;
   ImageBrightness& brightness_;
   std::atomic<double> rate_hz_;
   std::atomic<std::int64_t> next_ns_{0};

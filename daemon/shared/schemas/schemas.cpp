@@ -12,6 +12,7 @@
 #include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
+#include "proto/tables/picture.hpp"
 #include "proto/tables/set.hpp"
 #include "proto/tables/status.hpp"
 #include "proto/tables/streams.hpp"
@@ -40,11 +41,13 @@ Schema schema_of_method(const Method<P, R>& method, const Json& examples) {
       found != examples["results"].end()) {
     result["examples"] = Json::array({*found});
   }
-  return {method.name,
-          {{"title", title_of(method.name)},
-           {"description", method.description},
-           {"params", std::move(params)},
-           {"result", std::move(result)}}};
+  Json json{{"title", title_of(method.name)},
+            {"description", method.description},
+            {"params", std::move(params)},
+            {"result", std::move(result)}};
+  if (method.binary_params != nullptr) json["binary_params"] = method.binary_params;
+  if (method.binary_result != nullptr) json["binary_result"] = method.binary_result;
+  return {method.name, std::move(json)};
 }
 
 template <class M>

@@ -11,7 +11,8 @@ namespace ovws {
 struct Schema {
   std::string name;  ///< "camera.set", "stream.wavefront"
   /// For a method: {title, description, params, result}, where `params` and `result` are JSON
-  /// Schemas. For a stream: the JSON Schema of its messages' JSON part. All schemas have examples.
+  /// Schemas, and the meanings of its binary frames, binary_params and binary_result. For a stream:
+  /// the JSON Schema of its messages' JSON part. All schemas have examples.
   nlohmann::json json;
 };
 

@@ -10,14 +10,15 @@ from .messages import Event, Image, Message, Phase, Refined, Spots, Status, Wave
 from .methods import LEFT_OUT, LeftOut
 from .mode_names import MODE_NAMES
 from .modes import mode_index, mode_name
+from .pictures import Grabbed, Presentation, grab
 from .stream import Stream
 from .subscription import Subscription
 from .wire import use_keys
 from .zernike import orders, osa_index, phase_map_waves, pupil_grid, zernike
 
 __all__ = [
-    "LEFT_OUT", "MODE_NAMES", "AsyncClient", "AsyncSubscription", "Client", "ClientError", "Event", "Image", "Job", "JobFailed", "LeftOut",
-    "Lost", "MeanWavefront", "Message", "NoAnswer", "NotUnderstood", "Phase", "Refined", "Refused", "Spots", "Status", "Stream",
-    "Subscription", "Wavefront", "mode_index", "mode_name", "orders", "osa_index", "phase_map_waves", "pupil_grid", "px_per_slope",
+    "LEFT_OUT", "MODE_NAMES", "AsyncClient", "AsyncSubscription", "Client", "ClientError", "Event", "Grabbed", "Image", "Job", "JobFailed", "LeftOut",
+    "Lost", "MeanWavefront", "Message", "NoAnswer", "NotUnderstood", "Phase", "Presentation", "Refined", "Refused", "Spots", "Status", "Stream",
+    "Subscription", "Wavefront", "grab", "mode_index", "mode_name", "orders", "osa_index", "phase_map_waves", "pupil_grid", "px_per_slope",
     "subaperture_centres", "use_keys", "zernike",
 ]

@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import asyncio
 import itertools
-import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,8 +11,8 @@ import zmq.asyncio
 
 from .async_bench import AsyncBench
 from .errors import JobFailed, NoAnswer
-from .methods import JobNumber, JobReport
-from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
+from .methods import Binary, JobNumber, JobReport
+from .wire import CONTROL, KeyFile, key_hint, reply_parts, request_text, result_of, use_keys
 
 
 class AsyncClient(AsyncBench):
@@ -31,8 +30,12 @@ class AsyncClient(AsyncBench):
         self._hint = key_hint(use_keys(self._socket, key, server_key))
         self._socket.connect(endpoint)
 
-    async def call(self, method: str, params: Mapping[str, object] | None = None) -> Any:
+    async def call(self, method: str, params: Mapping[str, object] | None = None, binary: Binary = None) -> Any:
         """Calls a method and returns its result; raises Refused with the daemon's message."""
+        return (await self.call_binary(method, params, binary))[0]
+
+    async def call_binary(self, method: str, params: Mapping[str, object] | None = None, binary: Binary = None) -> Any:
+        """The same with the binary frame of the reply: (result, bytes)."""
         request_id = next(self._ids)
         request = request_text(request_id, method, params)
         if self._reader is None:
@@ -40,20 +43,20 @@ class AsyncClient(AsyncBench):
         self._waiting[request_id] = asyncio.get_running_loop().create_future()
         try:
             async with asyncio.timeout(self.timeout_s):
-                await self._socket.send(request)
-                reply = await self._waiting[request_id]
+                await self._socket.send_multipart([request] if binary is None else [request, binary])
+                reply, pixels = await self._waiting[request_id]
         except TimeoutError:
             raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}") from None
         finally:
             del self._waiting[request_id]
-        return result_of(method, reply)
+        return result_of(method, reply), pixels
 
     async def _read(self) -> None:
         while True:
-            reply = json.loads((await self._socket.recv_multipart())[-1])
+            reply, pixels = reply_parts(await self._socket.recv_multipart())
             waiting = self._waiting.get(reply.get("id"))
             if waiting is not None and not waiting.done():
-                waiting.set_result(reply)
+                waiting.set_result((reply, pixels))
 
     async def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0) -> Any:
         """Waits for the end of a job, as Client.wait_for_job."""

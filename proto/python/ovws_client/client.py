@@ -2,9 +2,8 @@
 from __future__ import annotations
 
 import itertools
-import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import zmq
@@ -12,8 +11,8 @@ import zmq
 from .bench import Bench
 from .errors import NoAnswer
 from .job import Job
-from .methods import JobNumber
-from .wire import CONTROL, KeyFile, key_hint, request_text, result_of, use_keys
+from .methods import Binary, JobNumber
+from .wire import CONTROL, KeyFile, key_hint, reply_parts, request_text, result_of, use_keys
 
 
 class Client(Bench):
@@ -33,23 +32,32 @@ class Client(Bench):
         self._hint = key_hint(use_keys(self._socket, key, server_key))
         self._socket.connect(endpoint)
 
-    def call(self, method: str, params: Mapping[str, object] | None = None) -> Any:
+    def call(self, method: str, params: Mapping[str, object] | None = None, binary: Binary = None) -> Any:
         """Calls a method and returns its result; raises Refused with the daemon's message."""
+        return self.call_binary(method, params, binary)[0]
+
+    def call_binary(self, method: str, params: Mapping[str, object] | None = None, binary: Binary = None) -> Any:
+        """The same with the binary frame of the reply: (result, bytes)."""
         request_id = next(self._ids)
         request = request_text(request_id, method, params)
-        return result_of(method, self.exchange(request, lambda r: isinstance(r, dict) and r.get("id") == request_id))
+        reply, pixels = self._exchange([request] if binary is None else [request, binary],
+                                       lambda r: isinstance(r, dict) and r.get("id") == request_id)
+        return result_of(method, reply), pixels
 
     def exchange(self, request: bytes, is_reply: Callable[[Any], bool] = lambda reply: True) -> Any:
         """Sends raw bytes and returns the first reply that `is_reply` accepts."""
+        return self._exchange([request], is_reply)[0]
+
+    def _exchange(self, request: Sequence[bytes | bytearray | memoryview], is_reply: Callable[[Any], bool]) -> tuple[Any, bytes]:
         end = time.monotonic() + self.timeout_s
         try:
-            self._socket.send(request)
+            self._socket.send_multipart(request)
         except zmq.Again:
             end = 0.0  # the queue is full: earlier requests were not taken, either
         while self._socket.poll(max(0, int(1e3 * (end - time.monotonic())))):
-            reply = json.loads(self._socket.recv_multipart()[-1])
+            reply, pixels = reply_parts(self._socket.recv_multipart())
             if is_reply(reply):
-                return reply
+                return reply, pixels
         raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}")
 
     def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0, progress: bool = False) -> Any:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +49,11 @@ def request_text(request_id: int, method: str, params: Mapping[str, object] | No
     """Encodes a request, which may contain numpy numbers and arrays. Raises ValueError for NaN and infinity, which JSON cannot represent."""
     request = {"jsonrpc": "2.0", "id": request_id, "method": method, "params": params or {}}
     return json.dumps(request, default=_plain, allow_nan=False).encode()
+
+
+def reply_parts(frames: Sequence[bytes]) -> tuple[Any, bytes]:
+    """The JSON of a reply, decoded, and its binary frame, which may be empty."""
+    return json.loads(frames[0]), frames[1] if len(frames) > 1 else b""
 
 
 def result_of(method: str, reply: Mapping[str, Any]) -> Any:

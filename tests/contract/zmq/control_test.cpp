@@ -18,7 +18,17 @@ namespace {
 using namespace std::chrono_literals;
 using test::RawClient;
 
-const ControlLimits kLimits{kMaxRequestBytes, "too large", "too many"};
+const ControlLimits kLimits{kMaxRequestBytes, 3 << 20, "too large", "too many"};
+
+/// Handler of requests and replies without binary frames.
+using TextHandler = std::function<void(std::string_view request, const std::string& client_key,
+                                       std::function<void(std::string)> reply)>;
+ControlHandler without_binary(TextHandler handle) {
+  return [handle = std::move(handle)](const ControlRequest& request, SendReply reply) {
+    handle(request.bytes, request.client_key,
+           [reply = std::move(reply)](std::string bytes) { reply(std::move(bytes), nullptr); });
+  };
+}
 
 /// A server with its thread. The default handler answers "re:" + request.
 class Served {
@@ -31,6 +41,8 @@ class Served {
       while (!stop_) server_->do_work();
     });
   }
+  Served(const std::string& endpoint, TextHandler handler)
+      : Served(endpoint, without_binary(std::move(handler))) {}
   ~Served() { stop(); }
   void stop() {
     if (!thread_.joinable()) return;
@@ -40,9 +52,11 @@ class Served {
   }
 
   static ControlHandler echo() {
-    return
-        [](std::string_view request, const std::string&,
-           const std::function<void(std::string)>& reply) { reply("re:" + std::string(request)); };
+    return [](const ControlRequest& request, const SendReply& reply) {
+      reply("re:" + request.bytes,
+            request.binary.empty() ? nullptr
+                                   : std::make_shared<const std::string>("re:" + request.binary));
+    };
   }
 
  private:
@@ -73,6 +87,23 @@ TEST(ControlServer, EchoesTheEnvelopeOfAProxy) {
   EXPECT_EQ(dealer.receive(), (Frames{"hop", "", "re:x"}));
 }
 
+TEST(ControlServer, PassesOneBinaryFrameEachWay) {
+  const auto endpoint = test::ipc_endpoint("binary");
+  const Served served(endpoint);
+  const std::string picture(kLimits.max_binary_bytes, '\xff');
+  RawClient req(ZMQ_REQ, endpoint), bare(ZMQ_DEALER, endpoint), delimited(ZMQ_DEALER, endpoint);
+  req.send({"a", picture});
+  bare.send({"b", picture});
+  delimited.send({"", "c", ""});
+  EXPECT_EQ(req.receive(), (Frames{"re:a", "re:" + picture}));
+  EXPECT_EQ(bare.receive(), (Frames{"re:b", "re:" + picture}));
+  EXPECT_EQ(delimited.receive(), (Frames{"", "re:c"}));  // an empty frame is none
+  bare.send({"d", picture + "x"});
+  EXPECT_TRUE(bare.receive(300).empty());  // libzmq closes the connection, and opens it again
+  req.send({"e"});
+  EXPECT_EQ(req.receive(), Frames{"re:e"});
+}
+
 TEST(ControlServer, WorksOverTcp) {
   const std::string endpoint = test::tcp_endpoint();
   const Served served(endpoint);
@@ -101,9 +132,9 @@ TEST(ControlServer, AnswersSeveralFramesWithOneError) {
   const auto endpoint = test::ipc_endpoint("frames");
   const Served served(endpoint);
   RawClient dealer(ZMQ_DEALER, endpoint);
-  dealer.send({"a", "b"});
+  dealer.send({"a", "b", "c"});
   EXPECT_EQ(dealer.receive(), Frames{"too large"});
-  dealer.send({"", "a", "b"});
+  dealer.send({"", "a", "b", "c"});
   EXPECT_EQ(dealer.receive(), (Frames{"", "too large"}));
   dealer.send(Frames(1000, "a"));
   EXPECT_EQ(dealer.receive(), Frames{"too large"});
@@ -188,9 +219,8 @@ TEST(ControlServer, TakesRepliesFromAnyThreadInAnyOrderOnce) {
 class Held {
  public:
   ControlHandler handler() {
-    return [this](std::string_view request, const std::string&,
-                  std::function<void(std::string)> reply) {
-      if (open_ || request.starts_with("now")) return reply("ok");
+    return [this](const ControlRequest& request, SendReply reply) {
+      if (open_ || request.bytes.starts_with("now")) return reply("ok", nullptr);
       const std::lock_guard lock(mutex_);
       replies_.push_back(std::move(reply));
     };
@@ -205,12 +235,12 @@ class Held {
   void let_go() {
     open_ = true;
     const std::lock_guard lock(mutex_);
-    for (auto& reply : replies_) reply("ok");
+    for (auto& reply : replies_) reply("ok", nullptr);
   }
 
  private:
   std::mutex mutex_;
-  std::vector<std::function<void(std::string)>> replies_;
+  std::vector<SendReply> replies_;
   std::atomic<bool> open_{false};
 };
 
@@ -387,13 +417,11 @@ TEST(ControlClient, NeverTakesALateReplyForThatOfAnotherRequest) {
 
 TEST(ControlServer, CarriesJsonRpcToAndFro) {
   const auto endpoint = test::ipc_endpoint("rpc");
-  const RpcDispatch dispatch = [](const std::string& method, const Json& params,
-                                  const RpcReply& reply) {
-    reply(Json{{"method", method}, {"params", params}});
+  const RpcDispatch dispatch = [](const RpcCall& call, const RpcReply& reply) {
+    reply(RpcResult{{{"method", call.method}, {"params", call.params}}});
   };
-  const Served served(endpoint, [&](std::string_view request, const std::string&,
-                                    std::function<void(std::string)> reply) {
-    handle_rpc_frame(request, dispatch, std::move(reply));
+  const Served served(endpoint, [&](const ControlRequest& request, SendReply reply) {
+    handle_rpc(request.bytes, request.binary, dispatch, std::move(reply));
   });
   auto client = ControlClient::connect(endpoint);
   ASSERT_TRUE(client);

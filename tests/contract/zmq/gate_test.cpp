@@ -43,9 +43,10 @@ class Guarded {
     gate_ = Gate::make(daemon.secret_key, std::move(calls)).value();
     publisher_ = std::make_unique<Publisher>(Publisher::bind(stream, 10, gate_.get()).value());
     server_ = ControlServer::bind(
-                  control, {1000, "too large", "too many"},
-                  [](std::string_view, const std::string& key,
-                     const std::function<void(std::string)>& reply) { reply(key); },
+                  control, {1000, 0, "too large", "too many"},
+                  [](const ControlRequest& request, const SendReply& reply) {
+                    reply(request.client_key, nullptr);
+                  },
                   gate_.get())
                   .value();
     thread_ = std::thread([this] {

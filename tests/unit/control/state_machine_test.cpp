@@ -34,9 +34,9 @@ constexpr std::size_t kStateCount = std::size_t(DaemonState::count);
 
 std::vector<Conditions> all_conditions() {
   std::vector<Conditions> all;
-  for (unsigned bits = 0; bits < 128; ++bits) {
+  for (unsigned bits = 0; bits < 256; ++bits) {
     const auto bit = [bits](unsigned n) { return ((bits >> n) & 1U) != 0; };
-    all.push_back({bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6)});
+    all.push_back({bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7)});
   }
   return all;
 }
@@ -70,7 +70,7 @@ Conditions example(DaemonState state) {
     case DaemonState::waiting_for_display:
       return after(up(), kDisplayLost);
     case DaemonState::job_running:
-      return after(up(), kJobBegun);
+      return after(after(up(), kJobBegun), {&Conditions::measuring, true});
     case DaemonState::running:
     case DaemonState::count:
       break;
@@ -126,11 +126,11 @@ TEST(StateMachine, AnEventChangesOneConditionAndRepeatingItChangesNothing) {
   for (const Conditions& conditions : all_conditions()) {
     for (std::size_t e = 0; e < kEventCount; ++e) {
       const Conditions once = after(conditions, kEvents[e]);
-      const int changed = (once.started != conditions.started) +
-                          (once.camera != conditions.camera) +
-                          (once.display != conditions.display) + (once.job != conditions.job) +
-                          (once.loop != conditions.loop) + (once.fault != conditions.fault) +
-                          (once.stopping != conditions.stopping);
+      const int changed =
+          (once.started != conditions.started) + (once.camera != conditions.camera) +
+          (once.display != conditions.display) + (once.job != conditions.job) +
+          (once.measuring != conditions.measuring) + (once.loop != conditions.loop) +
+          (once.fault != conditions.fault) + (once.stopping != conditions.stopping);
       EXPECT_LE(changed, 1);
       EXPECT_EQ(after(once, kEvents[e]), once);
     }
@@ -157,22 +157,23 @@ TEST(StateMachine, StoppingIsFinal) {
 TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
   // Rows as DaemonState, columns as Action: read, set_camera, set_sensor, set_aberration,
   // show_pattern, start_job, clear_reference, cancel_job, save_config, set_refine, close_loop,
-  // open_loop, set_correction, reload_config, record, watch.
+  // open_loop, set_correction, reload_config, record, watch,
+  // present, grab.
   constexpr bool kAllowed[kStateCount][kActionCount] = {
       {true, false, false, false, false, false, false, false, false, false, false, false, false,
-       false, false, false},  // stopping
+       false, false, false, false, false},  // stopping
       {true, false, false, false, false, false, false, false, false, false, false, false, false,
-       false, false, false},  // starting
+       false, false, false, false, false},  // starting
       {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false},  // fault
+       true, false, false, true},  // fault
       {true, true, true, true, true, false, true, true, true, true, false, true, true, true, true,
-       false},  // waiting_for_camera
+       false, true, false},  // waiting_for_camera
       {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false},  // waiting_for_display
+       true, false, false, true},  // waiting_for_display
       {true, false, false, false, false, false, false, true, false, true, false, true, false, false,
-       true, false},  // job_running
+       true, false, true, true},  // job_running
       {true, true, true, true, true, true, true, true, true, true, true, true, true, true, true,
-       true},  // running
+       true, true, true},  // running
   };
   for (std::size_t s = 0; s < kStateCount; ++s) {
     for (std::size_t a = 0; a < kActionCount; ++a) {
@@ -217,6 +218,14 @@ TEST(StateMachine, ASensorIsNotChangedUnderARunningJob) {
   ASSERT_FALSE(answer);
   EXPECT_EQ(answer.error().code, Errc::refused);
   EXPECT_NE(answer.error().reason.find("job.cancel"), std::string::npos);
+}
+
+TEST(StateMachine, AJobThatShowsPicturesLeavesTheCameraToClients) {
+  const Conditions showing = after(up(), kJobBegun);
+  EXPECT_EQ(state_of(showing), DaemonState::job_running);
+  EXPECT_TRUE(permit(showing, Action::set_camera));
+  EXPECT_FALSE(permit(showing, Action::set_sensor));
+  EXPECT_FALSE(permit(showing, Action::save_config));
 }
 
 TEST(StateMachine, WhatAClosedLoopSteersByIsNotChanged) {

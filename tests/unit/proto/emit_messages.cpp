@@ -15,6 +15,7 @@
 #include "proto/tables/files.hpp"
 #include "proto/tables/job.hpp"
 #include "proto/tables/loop.hpp"
+#include "proto/tables/picture.hpp"
 #include "proto/tables/set.hpp"
 #include "proto/tables/slm.hpp"
 #include "proto/tables/slm_change.hpp"
@@ -329,6 +330,13 @@ void print_results() {
   for (int k = 0; k <= int(HologramKind::identify); ++k) {
     print_result("slm.show", to_json(ShowReport{HologramKind(k), 1}));
   }
+  GrabReport grabbed;
+  print_result("camera.grab", to_json(grabbed));
+  grabbed.frames.push_back({1, 2, true, 3, 4, 5.0, 6.0, kUnknownGain});
+  grabbed.average = true;
+  print_result("camera.grab", to_json(grabbed));
+  print_result("slm.present", to_json(PresentReport{7, 12, 1, std::nullopt}));
+  print_result("slm.present", to_json(PresentReport{7, 12, 1, 2}));
   for (int k = 0; k <= int(JobState::cancelled); ++k) {
     JobReport job{1, "reference.take", JobState(k), 0.5, nullptr, std::nullopt};
     if (job.state == JobState::failed) job.error = Error{Errc::device, "camera", "went away"};
@@ -412,6 +420,10 @@ void print_all_params() {
       3000);
   print_params<ExperimentCell>("experiment.cell", {"cell", "cel"}, 2000);
   print_params<SlmShow>("slm.show", {"pattern"});
+  print_params<SlmPresent>("slm.present", {"job", "lease_s", "shape", "dtype", "correction",
+                                           "flatness", "lut", "inside_pupil", "lease"});
+  print_params<CameraGrab>("camera.grab",
+                           {"after_hologram", "frames", "average", "region", "timeout_s", "after"});
   print_params<JobNumber>("job.get", {"job", "id"});
   print_params<Nothing>("config.get", {"path"});
 }

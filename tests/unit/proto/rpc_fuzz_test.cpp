@@ -67,14 +67,14 @@ TEST(RpcFuzz, NeverThrowsAndAnswersEveryRequestOnce) {
   for (int k = 0; k < kInputs; ++k) {
     const std::string bytes = input(random);
     std::vector<std::string> sent;
-    ASSERT_NO_THROW(handle_rpc_frame(
-        bytes,
-        [&results](const std::string&, const Json& params, const RpcReply& reply) {
-          test::decode_all(params);
+    ASSERT_NO_THROW(handle_rpc(
+        bytes, {},
+        [&results](const RpcCall& call, const RpcReply& reply) {
+          test::decode_all(call.params);
           ++results;
-          reply(params);
+          reply(RpcResult{call.params});
         },
-        [&sent](std::string reply) { sent.push_back(std::move(reply)); }))
+        [&sent](std::string reply, const auto&) { sent.push_back(std::move(reply)); }))
         << bytes;
     ASSERT_EQ(sent.size(), 1u) << bytes;
     const Json parsed = Json::parse(bytes, nullptr, false);

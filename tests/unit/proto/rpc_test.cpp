@@ -14,9 +14,12 @@ struct Daemon {
   std::vector<RpcReply> later;
   std::vector<std::string> called;
   std::vector<std::string> sent;
-  Json large;  ///< the result of "large"
+  std::shared_ptr<const std::string> binary;  ///< of the last reply
+  Json large;                                 ///< the result of "large"
 
-  void call(const std::string& method, const Json& params, RpcReply reply) {
+  void call(const RpcCall& asked, RpcReply reply) {
+    const std::string& method = asked.method;
+    const Json& params = asked.params;
     called.push_back(method);
     if (method == "echo") return reply(params);
     if (method == "large") return reply(large);
@@ -30,19 +33,24 @@ struct Daemon {
       reply(Json(1));
       return reply(Json(2));
     }
+    if (method == "binary") {
+      return reply(
+          RpcResult{params, std::make_shared<const std::string>("<" + asked.binary + ">")});
+    }
     if (method == "later") return later.push_back(std::move(reply));
     if (method == "forget") return;
     reply(
         tl::make_unexpected(RpcFailure{RpcCode::method, "unknown method", {{"nearest", "echo"}}}));
   }
 
-  void handle(std::string_view bytes) {
-    handle_rpc_frame(
-        bytes,
-        [this](const std::string& method, const Json& params, RpcReply reply) {
-          call(method, params, std::move(reply));
-        },
-        [this](std::string reply) { sent.push_back(std::move(reply)); });
+  void handle(std::string_view bytes, std::string with_binary = {}) {
+    handle_rpc(
+        bytes, std::move(with_binary),
+        [this](const RpcCall& asked, RpcReply reply) { call(asked, std::move(reply)); },
+        [this](std::string reply, std::shared_ptr<const std::string> bytes_after) {
+          sent.push_back(std::move(reply));
+          binary = std::move(bytes_after);
+        });
   }
 
   /// The only reply, parsed.
@@ -314,14 +322,30 @@ TEST(Rpc, MakesAForgottenReplyAnInternalError) {
 
 TEST(Rpc, RepliesHoldNeitherNanNorInvalidUtf8) {
   std::string sent;
-  handle_rpc_frame(R"({"jsonrpc":"2.0","method":"m","id":1})",
-                   [](const std::string&, const Json&, const RpcReply& reply) {
-                     reply(Json{{"nan", std::nan("")}, {"text", "\xff"}});
-                   },
-                   [&sent](std::string bytes) { sent = std::move(bytes); });
+  handle_rpc(R"({"jsonrpc":"2.0","method":"m","id":1})", {},
+             [](const RpcCall&, const RpcReply& reply) {
+               reply(RpcResult{{{"nan", std::nan("")}, {"text", "\xff"}}});
+             },
+             [&sent](std::string bytes, const auto&) { sent = std::move(bytes); });
   const Json a = Json::parse(sent);
   EXPECT_TRUE(a.at("result").at("nan").is_null());
   EXPECT_EQ(a.at("result").at("text"), "\xef\xbf\xbd");
+}
+
+TEST(Rpc, PassesBinaryFramesOfSingleRequestsOnly) {
+  Daemon d;
+  d.handle(R"({"jsonrpc":"2.0","method":"binary","params":{"a":1},"id":1})", "x\0y");
+  ASSERT_TRUE(d.binary);
+  EXPECT_EQ(*d.binary, "<x>");
+  EXPECT_EQ(Json::parse(d.sent.back()).at("result").at("a"), 1);
+  d.handle(R"([{"jsonrpc":"2.0","method":"echo","id":1}])", "x");
+  EXPECT_FALSE(d.binary);
+  EXPECT_EQ(Json::parse(d.sent.back()).at("error").at("code"), -32600);
+  d.handle(
+      R"([{"jsonrpc":"2.0","method":"binary","id":1},{"jsonrpc":"2.0","method":"echo","id":2}])");
+  EXPECT_FALSE(d.binary);
+  EXPECT_EQ(Json::parse(d.sent.back())[0].at("error").at("code"), -32000);
+  EXPECT_TRUE(Json::parse(d.sent.back())[1].contains("result"));
 }
 
 }  // namespace

@@ -48,12 +48,10 @@ TEST(WireDocument, ShowsRepliesAsTheyAreGiven) {
   ASSERT_GE(lines.size(), 12u);
   for (std::size_t k = 0; k + 1 < lines.size(); k += 2) {
     Json reply;
-    handle_rpc_frame(
-        lines[k].dump(),
-        [](const std::string& method, const Json& params, const RpcReply& give) {
-          give(answer(method, params));
-        },
-        [&reply](const std::string& bytes) { reply = Json::parse(bytes); });
+    handle_rpc(
+        lines[k].dump(), {},
+        [](const RpcCall& call, const RpcReply& give) { give(answer(call.method, call.params)); },
+        [&reply](const std::string& bytes, const auto&) { reply = Json::parse(bytes); });
     EXPECT_EQ(reply.contains("error"), lines[k + 1].contains("error")) << lines[k];
     if (reply.contains("error") || !reply.at("result").is_null()) {
       EXPECT_EQ(reply, lines[k + 1]);
