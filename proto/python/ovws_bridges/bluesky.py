@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -19,19 +19,13 @@ from ovws_client.wire import KeyFile
 from .action import Action
 from .field import Field
 from .fields import FIELDS
+from .frame import frame_seconds, frame_value, frames_of, introduced, introduced_waves
 from .link import Link
 
 Readings = dict[str, dict[str, Any]]
 DTYPES = {"number": "<f8", "integer": "<i8", "boolean": "|b1"}
-CLIENT_NAMES = {"coefficients": "coefficients_waves", "sigma": "sigma_waves"}  # of ovws_client, where they differ from the wire's
 READ = ("coefficients", "sigma", "rms_waves", "valid", "frame_id", "seq", "gap", "hologram_id", "t_device_ns", "t_arrival_ns")
 CONFIGURATION = ("j", "charge", "subapertures", "wavelength_nm")
-
-
-def frame_value(frame: Wavefront, name: str) -> Any:
-    """The value of a field of a `wavefront` message by its name on the wire; NaN if it is null."""
-    value = getattr(frame, CLIENT_NAMES.get(name, name))
-    return float("nan") if value is None else value
 
 
 def data_key(field: Field, source: str, length: int | None = None) -> dict[str, Any]:
@@ -116,7 +110,7 @@ class WavefrontSensor:
     def read_configuration(self) -> Readings:
         """What the coefficients depend on."""
         frame = self._newest()
-        stamp = 1e-9 * frame.t_arrival_ns
+        stamp = frame_seconds(frame)
         return {self.key(name): {"value": frame_value(frame, name), "timestamp": stamp} for name in CONFIGURATION}
 
     def describe_configuration(self) -> dict[str, dict[str, Any]]:
@@ -171,13 +165,8 @@ class WavefrontSensor:
         if mean is not None and mean.frames > 1:
             values |= {"coefficients": mean.coefficients_waves, "sigma": mean.standard_error_waves, "rms_waves": mean.rms_waves,
                        "frames": mean.frames}
-        stamp = 1e-9 * frame.t_arrival_ns
+        stamp = frame_seconds(frame)
         return {self.key(name): {"value": value, "timestamp": stamp} for name, value in values.items()}
-
-
-def frames_of(messages: Iterator[Message]) -> Iterator[Wavefront]:
-    """The frames among messages."""
-    return (message for message in messages if isinstance(message, Wavefront))
 
 
 class Setting:
@@ -306,12 +295,7 @@ class Aberration(Setting):
         return f"ovws+{self._link.endpoint}/aberration.set/modes"
 
     def _get(self, client: Client) -> Any:
-        shown = introduced(client)
-        waves = np.zeros(max([*client.sensor_get()["modes_j"], *shown]))
-        for j, value in shown.items():
-            if j > 0:
-                waves[j - 1] = value
-        return waves
+        return introduced_waves(client)
 
     def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
         hologram_id = client.aberration_set(value)["hologram_id"]
@@ -337,8 +321,3 @@ class AberrationMode(Aberration):
 
     def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
         return super()._set(client, introduced(client) | {self._j: value})
-
-
-def introduced(client: Client) -> dict[int, float]:
-    """The introduced aberration by OSA/ANSI index."""
-    return {mode["j"]: mode["waves"] for mode in client.aberration_get()["modes"]}

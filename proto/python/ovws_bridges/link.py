@@ -103,7 +103,7 @@ class Link:
         """Ends the thread and the connections."""
         self._stopped.set()
         if threading.current_thread() is not self._thread:
-            self._thread.join()
+            self._thread.join(5.0)  # its listener may wait for a lock of the caller
         with self._calls:
             if self._client is not None:
                 self._client.close()
