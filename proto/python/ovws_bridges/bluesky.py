@@ -119,7 +119,7 @@ class WavefrontSensor:
         return {self.key(name): data_key(FIELDS["wavefront"][name], self._source(f"wavefront/{name}"), length) for name in CONFIGURATION}
 
     def subscribe(self, function: Callable[..., None]) -> None:
-        """Calls `function` with the reading of each frame, in the receiving thread."""
+        """Calls `function` with the reading of each frame, in the receiving thread; frames of other modes than described are left out."""
         def listen(message: Message | None) -> None:
             if isinstance(message, Wavefront) and self._modes in (None, message.j.tolist()):
                 function(self._readings(message, None))

@@ -8,9 +8,11 @@ from __future__ import annotations
 import argparse
 import signal
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
+from p4p import Value
 from p4p.nt import NTNDArray, NTScalar
 from p4p.server import Server
 from p4p.server.thread import SharedPV
@@ -105,13 +107,14 @@ class Bridge:
         elif message is None:
             self._hologram_id = None
             for pv in self.pvs.values():
-                pv.post({"alarm": {"severity": INVALID, "message": NO_DAEMON}})
+                kind = NTNDArray.buildType() if isinstance(pv.nt, NTNDArray) else pv.nt.type
+                pv.post(Value(kind, {"alarm": {"severity": INVALID, "message": NO_DAEMON}}))
 
     def _post_aberration(self, status: Status) -> None:
         if status.slm["hologram_id"] != self._hologram_id:
-            with self._link.client() as client:
+            with suppress(ClientError), self._link.client() as client:  # the next status tries again
                 self._post("aberration", introduced_waves(client), 1e-9 * status.t_ns)
-            self._hologram_id = status.slm["hologram_id"]
+                self._hologram_id = status.slm["hologram_id"]
 
 
 def main() -> None:

@@ -116,8 +116,8 @@ class Link:
                     self._receive(stream)
             except (ClientError, zmq.ZMQError) as error:
                 _log.info("%s: %s; trying again", self.endpoint, error)
-            self._publish(None)
-            self._stopped.wait(0.5)
+            if not self._stopped.wait(0.5):
+                self._publish(None)
 
     def _receive(self, stream: Subscription[Message]) -> None:
         """Receives until the daemon is silent."""
