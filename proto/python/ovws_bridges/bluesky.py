@@ -173,10 +173,11 @@ class Setting:
     """A settable value of the bench: Movable, Readable, Locatable, Checkable and Stageable. The status of `set` is done when a frame exposed
     wholly with the new value has arrived; a refused value fails with the daemon's reason."""
 
+    parent = None  # a child would not be read beside its parent
     field: Field
 
     def __init__(self, sensor: WavefrontSensor, name: str) -> None:
-        self.parent = sensor
+        self._sensor = sensor
         self.name = sensor.key(name)
         self._name = name
         self._link = sensor.link
@@ -223,7 +224,7 @@ class Setting:
 
     def stage(self) -> list[object]:
         """Waits until the daemon answers."""
-        self._link.wait_until_connected(self.parent.timeout_s)
+        self._link.wait_until_connected(self._sensor.timeout_s)
         return [self]
 
     def unstage(self) -> list[object]:
@@ -243,7 +244,7 @@ class Setting:
     def _set_and_wait(self, value: Any) -> None:
         with self._link.client() as client:
             shows, exposure_us = self._set(client, value)
-        timeout_s = self.parent.timeout_s + 3e-6 * exposure_us
+        timeout_s = self._sensor.timeout_s + 3e-6 * exposure_us
         with self._link.messages(timeout_s) as messages:
             if not any(shows(frame) for frame in frames_of(messages)):
                 raise NoAnswer(f"{self.name}: no frame exposed with {value} within {timeout_s:g} s; does another client change it?")
