@@ -45,6 +45,11 @@ class Gathering:
     def is_complete(self) -> bool:
         return len(self._good) == self._frames
 
+    @property
+    def newest(self) -> Wavefront:
+        """The frame that was taken last."""
+        return self._good[-1]
+
     def take(self, frame: Wavefront) -> None:
         if frame.exposure_us is None or frame.t_arrival_ns - 1e3 * frame.exposure_us < self._earliest_ns:
             return
