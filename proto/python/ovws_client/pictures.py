@@ -18,12 +18,13 @@ class Grabbed:
 
     images: npt.NDArray[Any]
     frames: list[GrabStamp]
+    significant_bits: int
 
 
 def grab(client: Methods, **params: Any) -> Grabbed:
     """Frames of the camera as an array. `params`: those of camera_grab."""
     report, pixels = client.camera_grab(**params)
-    return Grabbed(np.frombuffer(pixels, report["dtype"]).reshape(report["shape"]), report["frames"])
+    return Grabbed(np.frombuffer(pixels, report["dtype"]).reshape(report["shape"]), report["frames"], report["significant_bits"])
 
 
 def pixels_of(picture: npt.ArrayLike) -> tuple[bytes, list[int], Literal["<f4", "<u1"]]:
