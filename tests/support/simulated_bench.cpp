@@ -300,7 +300,7 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
   if (!made) throw std::runtime_error(made.error().field + " " + made.error().reason);
   keeper_ = std::move(*made);
   procedures_ = std::make_unique<Procedures>(
-      ProceduresDeps{{*keeper_, *camera_, frames_, slm_, jobs_, events_}, [](bool) {}});
+      ProceduresDeps{{*keeper_, *camera_, frames_, slm_, jobs_, events_}, [](Holds, bool) {}});
   start(*own_agents_[1]);
   start(pipeline_.acquisition());
   start(*keeper_);

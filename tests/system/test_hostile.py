@@ -127,7 +127,7 @@ class Hostile(BenchCase):
         ready = poller.poll(int(1e3 * wait_s))
         while ready:
             for dealer, _ in ready:
-                reply = json.loads(dealer.recv())
+                reply = json.loads(dealer.recv_multipart()[0])
                 if isinstance(reply, dict) and isinstance(reply["id"], int):
                     replies.append(reply["id"])
             ready = poller.poll(0)

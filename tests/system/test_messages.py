@@ -19,11 +19,13 @@ class Messages(BenchCase):
     def check(self, schema, value):
         jsonschema.Draft202012Validator(schema, format_checker=jsonschema.FormatChecker()).validate(value)
 
-    def checked_call(self, method, params=None):
+    def checked_call(self, method, params=None, binary=None):
         self.called.add(method)
         schema = self.description["methods"][method]
         self.check(schema["params"], params or {})
-        result = self.call(method, params)
+        self.assertEqual("binary_params" in schema, binary is not None)
+        result, pixels = self.client.call_binary(method, params, binary)
+        self.assertEqual("binary_result" in schema, pixels != b"")
         self.check(schema["result"], result)
         return result
 
@@ -134,6 +136,10 @@ class Messages(BenchCase):
         call("slm.outputs")
         call("slm.set", {"settle_ms": 21.0})
         call("slm.set", {"settle_ms": 20.0})
+        shown = call("slm.present", {"shape": [768, 1280], "dtype": "<u1"}, bytes(768 * 1280))
+        call("camera.grab", {"after_hologram": shown["hologram_id"], "frames": 2, "average": True})
+        call("job.cancel", {"job": shown["job"]})
+        self.wait_until("running")
         for pattern in ("flat", "grating", "identify", "sensor"):
             call("slm.show", {"pattern": pattern})
 

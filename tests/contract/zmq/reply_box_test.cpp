@@ -23,8 +23,8 @@ TEST(ReplyBox, GivesEachReplyWithItsEnvelopeOnce) {
   const auto first = box->reply_to({"a", ""}, someone(), 10);
   const auto second = box->reply_to({"b"}, someone(), 10);
   EXPECT_FALSE(readable(*box));
-  second("two");
-  second("again");
+  second("two", nullptr);
+  second("again", nullptr);
   EXPECT_TRUE(readable(*box));
   const auto replies = box->collect();
   ASSERT_EQ(replies.size(), 1u);
@@ -39,7 +39,7 @@ TEST(ReplyBox, CountsARequestUntilItIsAnsweredAndAReplyUntilItIsSent) {
   const auto reply = box->reply_to({"a"}, client, 10);
   EXPECT_EQ(client->requests, 1u);
   EXPECT_EQ(client->request_bytes, 10u);
-  reply("four");
+  reply("four", nullptr);
   EXPECT_EQ(client->requests, 0u);
   EXPECT_EQ(client->request_bytes, 0u);
   EXPECT_EQ(client->replies, 1u);
@@ -55,7 +55,7 @@ TEST(ReplyBox, CountsARequestUntilItIsAnsweredAndAReplyUntilItIsSent) {
 TEST(ReplyBox, IsFreeAgainAfterEmptyAndForgottenReplies) {
   const auto box = std::make_shared<ReplyBox>();
   const auto client = someone();
-  box->reply_to({"a"}, client, 10)("");
+  box->reply_to({"a"}, client, 10)("", nullptr);
   box->reply_to({"b"}, client, 10);
   EXPECT_TRUE(box->is_idle(*client));
   EXPECT_TRUE(box->collect().empty());
@@ -65,7 +65,7 @@ TEST(ReplyBox, WakesTheServerWhenAClientWithoutRoomHasSomeAgain) {
   const auto box = std::make_shared<ReplyBox>();
   const auto client = someone(), other = someone();
   const std::string large(kMaxPerClient.reply_bytes, 'x');
-  box->reply_to({"a"}, client, 10)(large);
+  box->reply_to({"a"}, client, 10)(large, nullptr);
   box->collect();
   EXPECT_FALSE(box->has_room(*client));
   EXPECT_TRUE(box->has_room(*other));
@@ -77,7 +77,7 @@ TEST(ReplyBox, WakesTheServerWhenAClientWithoutRoomHasSomeAgain) {
 
 TEST(ReplyBox, GivesAClientRoomForOneRequestWhateverOthersHaveOutstanding) {
   const auto box = std::make_shared<ReplyBox>();
-  std::vector<std::function<void(std::string)>> held;
+  std::vector<SendReply> held;
   for (std::size_t k = 0; k < kMaxAllClients.requests; ++k) {
     held.push_back(box->reply_to({"a"}, someone(), 10));
   }
@@ -94,7 +94,7 @@ TEST(ReplyBox, LivesAsLongAsAReplyMayComeAndThenEndsWithIt) {
   auto late = box->reply_to({"a"}, client, 10);
   box.reset();
   ASSERT_FALSE(observed.expired());
-  late("no server listens");
+  late("no server listens", nullptr);
   EXPECT_EQ(client->requests, 0u);
   EXPECT_EQ(client->request_bytes, 0u);
   EXPECT_FALSE(observed.expired());
@@ -112,7 +112,7 @@ TEST(ReplyBox, LosesNothingBetweenThreads) {
     threads.emplace_back([&box, client, t] {
       for (int k = 0; k < kEach; ++k) {
         const auto reply = box->reply_to({std::to_string(t)}, client, 10);
-        if (k % 4 != 0) reply(k % 4 == 1 ? "" : std::to_string(t));
+        if (k % 4 != 0) reply(k % 4 == 1 ? "" : std::to_string(t), nullptr);
       }
     });
   }

@@ -9,15 +9,15 @@ struct Rig {
   std::shared_ptr<ReplyBox> box = std::make_shared<ReplyBox>();
   RequestTurns turns{box};
 
-  bool push(const std::string& client, std::string bytes) {
-    return turns.push({{client}, std::move(bytes), "", true});
+  bool push(const std::string& client, std::string bytes, std::string binary = {}) {
+    return turns.push({{client}, {std::move(bytes), std::move(binary), ""}, true});
   }
   /// Bytes of the next requests, each of which is answered at once.
   std::string next(int count) {
     std::string order;
     for (int k = 0; k < count; ++k) {
       auto turn = turns.next();
-      order += turn ? turn->request.bytes + " " : "- ";
+      order += turn ? turn->request.body.bytes + " " : "- ";
     }
     return order;
   }
@@ -38,7 +38,7 @@ TEST(RequestTurns, PassesOverAClientWithoutRoomUntilItHasSome) {
   rig.push("b", "b1");
   auto first = rig.turns.next();
   ASSERT_TRUE(first);
-  rig.box->reply_to({"a"}, first->client, 2)(std::string(kMaxPerClient.reply_bytes, 'x'));
+  rig.box->reply_to({"a"}, first->client, 2)(std::string(kMaxPerClient.reply_bytes, 'x'), nullptr);
   rig.push("a", "a2");
   EXPECT_EQ(rig.next(2), "b1 - ");
   rig.box->sent(*first->client, kMaxPerClient.reply_bytes);
@@ -59,6 +59,14 @@ TEST(RequestTurns, BoundsTheBytesThatWaitForAClientAndLetsOthersIn) {
   }
   EXPECT_LE(taken * large.size(), RequestTurns::kMaxTotalBytes + 12 * large.size());
   EXPECT_TRUE(rig.push("d", large));
+}
+
+TEST(RequestTurns, QueuesAPictureOfAnySizeOnlyAlone) {
+  Rig rig;
+  const std::string picture(RequestTurns::kMaxTotalBytes + 1, 'x');
+  EXPECT_TRUE(rig.push("a", "a1", picture));
+  for (int k = 0; k < 100; ++k) EXPECT_FALSE(rig.push("b" + std::to_string(k), "b1", picture));
+  EXPECT_TRUE(rig.push("c", "c1"));
 }
 
 TEST(RequestTurns, RemembersWhatAClientHasOutstandingWhateverNumberComesAndGoes) {
