@@ -12,7 +12,6 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
-from p4p import Value
 from p4p.nt import NTNDArray, NTScalar
 from p4p.server import Server
 from p4p.server.thread import SharedPV
@@ -107,8 +106,10 @@ class Bridge:
         elif message is None:
             self._hologram_id = None
             for pv in self.pvs.values():
-                kind = NTNDArray.buildType() if isinstance(pv.nt, NTNDArray) else pv.nt.type
-                pv.post(Value(kind, {"alarm": {"severity": INVALID, "message": NO_DAEMON}}))
+                if isinstance(pv.nt, NTNDArray):
+                    pv.post(np.asarray(pv.current()), severity=INVALID, message=NO_DAEMON)
+                else:
+                    pv.post({"alarm": {"severity": INVALID, "message": NO_DAEMON}})
 
     def _post_aberration(self, status: Status) -> None:
         if status.slm["hologram_id"] != self._hologram_id:
