@@ -37,8 +37,10 @@ def stand_in_for_ipython():
     with contextlib.suppress(ImportError):
         import IPython.display  # noqa: F401
         return
-    sys.modules["IPython"] = sys.modules["IPython.display"] = types.ModuleType("IPython.display")
-    sys.modules["IPython.display"].display = lambda value, display_id=False: show(value) or Handle()
+    shell, module = types.ModuleType("IPython"), types.ModuleType("IPython.display")
+    shell.get_ipython = lambda: None  # as in a plain Python, for matplotlib
+    module.display = lambda value, display_id=False: show(value) or Handle()
+    sys.modules |= {"IPython": shell, "IPython.display": module}
 
 
 def run(source, names, where):

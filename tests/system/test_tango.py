@@ -1,11 +1,12 @@
 """The Tango device server with a real Tango client: reads, sets, commands, events, a restarted daemon, two servers."""
 import json
+import re
 import subprocess
 import sys
 import time
 
 from bridge_case import BridgeCase, Path, environment, reports
-from case import main, wait_for
+from case import ROOT, main, wait_for
 
 import numpy as np
 import tango
@@ -53,6 +54,15 @@ class Server(BridgeCase):
         self.assertEqual((image.shape, phase.shape), ((512, 512), (128, 128)))
         self.assertGreater(image.max(), 20)
         self.assertAlmostEqual(float(np.nanstd(phase)), 0.1, delta=0.01)
+
+    def test_the_guide_names_what_there_is(self):
+        guide = (ROOT / "daemon" / "guide" / "bridges.md").read_text()
+        self.assertIn(f"python3 -m ovws_bridges.tango bench -nodb -dlist {NAME} -ORBendPoint giop:tcp:127.0.0.1:45450", guide)
+        tango_part = guide.split("## Tango")[1].split("## EPICS")[0]
+        rows = re.findall(r"^\| (`.*?) \|", tango_part, re.MULTILINE)
+        self.assertEqual({name for row in rows for name in re.findall(r"`(\w+)`", row)}, set(self.device.get_attribute_list()) - {"State", "Status"})
+        commands = set(self.device.get_command_list()) - {"Init", "State", "Status"}
+        self.assertLessEqual(commands, set(re.findall(r"`(\w+)`", tango_part.split("- Commands:")[1])))
 
     def test_documentation_comes_from_the_field_tables(self):
         wire, camera = self.schema("wavefront")["properties"], self.schema("camera.set")["properties"]
