@@ -27,6 +27,21 @@ def said(name):
 cla, bar, xlabel, ylabel, pause = map(said, ("cla", "bar", "xlabel", "ylabel", "pause"))
 """
 
+NAPARI = """
+class Layer:
+    def reset_contrast_limits(self): print("redrawn")
+class Viewer:
+    def __init__(self, title): self.layers = {}
+    def add_image(self, data, name, **_):
+        print("layer", name, data.shape)
+        self.layers[name] = Layer()
+def run(): print("window")
+"""
+NAPARI_THREADING = """
+def thread_worker(function, connect):
+    return lambda *a: [connect["yielded"](value) for value in function(*a)]
+"""
+
 
 def blocks(language):
     return [textwrap.dedent(block) for block in re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)]
@@ -98,6 +113,20 @@ class Scripts(BenchCase):
         (package / "__init__.py").touch()
         (package / "pyplot.py").write_text(pyplot)
         return f"{package.parent}:{PYTHON}"
+
+    def test_napari_view(self):
+        """All but the window of napari, which Debian does not have."""
+        package = self.bench.directory / "played" / "napari"
+        (package / "qt").mkdir(parents=True)
+        (package / "__init__.py").write_text(NAPARI)
+        (package / "qt" / "__init__.py").touch()
+        (package / "qt" / "threading.py").write_text(NAPARI_THREADING)
+        shown = self.example("napari_view.py", "10", path=f"{package.parent}:{PYTHON}")
+        self.assertEqual(sorted(re.findall(r"layer (.*)", shown)), ["camera, DN (512, 512)", "wavefront, waves (128, 128)"])
+        self.assertEqual((shown.count("redrawn"), shown.splitlines()[-1]), (8, "window"))
+        (package / "__init__.py").write_text("raise ImportError")
+        self.assertEqual(sorted(self.example("napari_view.py", "10", path=f"{package.parent}:{PYTHON}").splitlines()),
+                         ["camera, DN: 512 x 512", "wavefront, waves: 128 x 128"])
 
     def test_gain_sweep(self):
         self.take_reference(100)

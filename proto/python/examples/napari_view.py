@@ -47,11 +47,12 @@ def messages(count):
 count = int(sys.argv[1]) if len(sys.argv) > 1 else 100
 try:
     import napari
+    from napari.qt.threading import thread_worker
 except ImportError:
     layers = Layers(Printed())
     for message in messages(count):
         layers.show(message)
 else:
     layers = Layers(napari.Viewer(title="wavefront sensor"))
-    napari.qt.thread_worker(messages, connect={"yielded": layers.show})(count)
+    thread_worker(messages, connect={"yielded": layers.show})(count)
     napari.run()

@@ -102,8 +102,8 @@ class WavefrontSensor:
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Data keys of `read`."""
-        self._modes = self._newest().j.tolist()
-        keys = {self.key(name): data_key(FIELDS["wavefront"][name], self._source(f"wavefront/{name}"), len(self._modes)) for name in READ}
+        self._modes = modes = self._newest().j.tolist()
+        keys = {self.key(name): data_key(FIELDS["wavefront"][name], self._source(f"wavefront/{name}"), len(modes)) for name in READ}
         keys[self.key("frames")] = {"source": self._source("wavefront"), "dtype": "integer", "shape": [], "dtype_numpy": "<i8"}
         return keys
 

@@ -53,7 +53,7 @@ class Setting:
 def described(field: Field, is_array: bool) -> tuple[NTScalar, dict[str, Any]]:
     """The type and the first value of a field's PV."""
     kind = TYPES[field.kind]
-    display = {"description": field.description, "units": field.unit}
+    display: dict[str, Any] = {"description": field.description, "units": field.unit}
     value: dict[str, Any] = {"value": [] if is_array else NOTHING[field.kind], "display": display,
                              "alarm": {"severity": INVALID, "message": NO_DAEMON}}
     has_range = field.kind in ("number", "integer") and field.minimum is not None and field.maximum is not None

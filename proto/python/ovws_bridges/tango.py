@@ -28,6 +28,7 @@ STATES = {"starting": DevState.INIT, "waiting_for_camera": DevState.STANDBY, "wa
           "running": DevState.ON, "job_running": DevState.RUNNING, "fault": DevState.FAULT, "stopping": DevState.OFF}
 EVERY_FRAME = ("coefficients", "sigma", "rms_waves", "valid", "settled", "frame_id", "seq", "hologram_id", "t_arrival_ns")  # pushed as events
 MAX_IMAGE_PX, PHASE_PX = 8192, 128
+BURST_S = 0.2  # frames that arrive late together have their events as long as the rate over this time allows it
 OPTIONS: dict[str, Any] = {"control": "", "key": "", "server_key": "", "max_event_rate_hz": 200.0}  # of this process, for devices without properties
 Value = tuple[Any, float, AttrQuality]
 
@@ -192,7 +193,7 @@ class WavefrontSensor(Device):
         if now_s < self._next_s:
             self._skipped += 1
             return
-        self._next_s = max(self._next_s + self._period_s, now_s - self._period_s)
+        self._next_s = max(self._next_s + self._period_s, now_s - BURST_S)
         for name in EVERY_FRAME:
             valid = frame.valid or name not in NULL_IF_INVALID
             self.push_change_event(name, frame_value(frame, name), now_s, AttrQuality.ATTR_VALID if valid else AttrQuality.ATTR_INVALID)
@@ -211,7 +212,7 @@ class WavefrontSensor(Device):
         else:
             invalid: Any = status.sensor.get("invalid") or {}
             parts = [status.state, status.fault, invalid.get("reason"), invalid.get("action")]
-            state = DevState.ALARM if invalid and status.state == "running" else STATES[status.state]
+            state = DevState.ALARM if invalid and status.state == "running" else STATES.get(status.state, DevState.UNKNOWN)
             text = "; ".join(filter(None, parts))
         if (state, text) != self._state:
             self._state = state, text
