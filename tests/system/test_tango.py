@@ -90,6 +90,9 @@ class Server(BridgeCase):
         self.assertEqual(self.call("system.status")["loop"], "closed")
         self.device.loop_open()
         self.assertEqual(self.call("system.status")["loop"], "open")
+        self.device.Init()
+        self.attribute("rms_waves")
+        self.assertEqual(self.device.aberration.max(), 0.0)
 
     def refused_with(self, work):
         with self.assertRaises(tango.DevFailed) as caught:
@@ -135,15 +138,18 @@ class Server(BridgeCase):
         self.assertEqual(self.device.state(), tango.DevState.UNKNOWN)
         self.assertIn("does not answer", self.device.status())
         self.assertEqual(self.refused_with(lambda: self.device.write_attribute("exposure_us", 700.0)).reason, "OVWS_NoAnswer")
+        told = reports(watching.communicate(timeout=30.0)[0])
+        returning = self.events(8.0, "exposure_us")
+        time.sleep(1.0)
         self.restart_daemon()
         self.attribute("rms_waves")
         wait_for(lambda: self.device.state() == tango.DevState.ON, what="the state ON")
         self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 2000.0, "what was given up is not carried out later")
-        told = reports(watching.communicate(timeout=30.0)[0])
         states = [event["value"] for event in told if event["name"] == "state"]
         self.assertEqual(states[0], "ON")
         self.assertIn("UNKNOWN", states)
         self.assertIn("INVALID", [event["quality"] for event in told if event["name"] == "rms_waves"])
+        self.assertEqual([event["quality"] for event in reports(returning.communicate(timeout=30.0)[0])][-2:], ["INVALID", "VALID"])
         self.bench.process("tango bench").popen.kill()
         wait_for(lambda: self.connections() < alone, what="the end of its connections")
         self.wait_until("running")

@@ -29,7 +29,7 @@ NOTHING: dict[str, Any] = {"number": float("nan"), "integer": 0, "boolean": Fals
 OF_FRAME = ("coefficients", "sigma", "j", "rms_waves", "valid", "settled", "frame_id", "seq", "gap", "hologram_id", "t_device_ns", "t_arrival_ns")
 CAMERA = ("exposure_us", "gain_db")
 NO_ALARM, INVALID = 0, 3  # alarm severities
-NOT_VALID, NO_DAEMON = "the frame is not valid", "the daemon does not answer"
+NOT_VALID, NO_DAEMON, NO_SETTING = "the frame is not valid", "the daemon does not answer", "the camera is not connected, or has no such setting"
 
 
 class Setting:
@@ -101,7 +101,8 @@ class Bridge:
             self._post("phase", message.waves, 1e-9 * message.t_arrival_ns, "" if message.valid else NOT_VALID)
         elif isinstance(message, Status):
             for name in CAMERA:
-                self._post(name, camera_setting(message, name), 1e-9 * message.t_ns)
+                value = camera_setting(message, name)
+                self._post(name, value, 1e-9 * message.t_ns, NO_SETTING if np.isnan(value) else "")
             self._post_aberration(message)
         elif message is None:
             self._hologram_id = None
