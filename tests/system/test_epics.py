@@ -1,4 +1,4 @@
-"""The EPICS PV Access server with a real PV Access client, where p4p can be imported (it is not in Debian)."""
+"""The EPICS PV Access server with a real PV Access client, where p4p can be imported (it is not in Debian); otherwise its PVs by a stand-in."""
 import time
 import unittest
 
@@ -7,7 +7,7 @@ from case import main, wait_for
 
 import numpy as np
 
-WITHOUT = "p4p cannot be imported: it is not in Debian 12, and this test needs its server and client"
+WITHOUT = "p4p cannot be imported: it is not in Debian 12, and this test needs its server and client; a stand-in shows what is posted"
 
 
 @unittest.skipUnless(has("p4p"), WITHOUT)
@@ -73,6 +73,51 @@ class Server(BridgeCase):
         wait_for(lambda: len(seen) > 150, what="150 frames")
         monitor.close()
         self.assertEqual(set(np.diff(seen)), {1})
+
+
+@unittest.skipIf(has("p4p"), "p4p can be imported: the real server is tested instead")
+class Posted(BridgeCase):
+    """What the bridge posts to its PVs. Not shown without p4p: types, display and transport on the wire."""
+
+    def start(self):
+        super().start()
+        import p4p_stand_in
+        p4p_stand_in.install()
+        from ovws_bridges.epics import Bridge
+        self.operation = p4p_stand_in.Operation
+        self.bridge = Bridge("TEST:")
+        self.addCleanup(self.bridge.close)
+        self.expect("rms_waves", 0)
+
+    def pv(self, name):
+        return self.bridge.pvs[f"TEST:{name}"]
+
+    def expect(self, name, severity):
+        return wait_for(lambda: self.pv(name).severity == severity and self.pv(name), what=f"{name} with severity {severity}")
+
+    def put(self, name, value):
+        operation = self.operation(value)
+        self.pv(name).handler.put(self.pv(name), operation)
+        self.assertTrue(operation.ended)
+        return operation.error
+
+    def test_values_alarms_and_a_lost_daemon(self):
+        self.assertIsNone(self.put("aberration", np.array([0.0, 0.0, 0.0, 0.1])))
+        wait_for(lambda: abs(self.pv("coefficients").value[3] - 0.1) < 0.005, what="the aberration")
+        wait_for(lambda: self.pv("aberration").value[3:4] == [0.1], what="the setting in use")
+        wait_for(lambda: self.pv("image").value.shape == (512, 512) and self.pv("phase").value.shape == (128, 128), what="an image and a wavefront map")
+        self.assertAlmostEqual(self.pv("frame_id").stamp, time.time(), delta=5.0)
+        self.assertIn("outside the camera's range", self.put("gain_db", 90.0))
+        self.assertIsNone(self.pv("rms_waves").handler)
+        self.call("reference.clear")
+        self.assertIn("not valid", self.expect("rms_waves", 3).message)
+        self.assertEqual((self.pv("valid").value, self.pv("frame_id").severity), (False, 0))
+        self.bench.stop("ovwsd")
+        for name in ("frame_id", "image", "exposure_us", "aberration"):
+            self.assertIn("does not answer", self.expect(name, 3).message)
+        self.assertIn("no answer", self.put("exposure_us", 700.0))
+        self.restart_daemon()
+        self.expect("frame_id", 0)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from case import ROOT, BenchCase, bench_module, main
 import numpy as np
 
 import ovws_client
+from ovws_bridges.bluesky import WavefrontSensor
 from ovws_client import AsyncClient, AsyncSubscription, Client, NoAnswer, Refused, Subscription
 
 PYTHON = bench_module.find_programs().parent / "python"
@@ -331,6 +332,10 @@ class Keys(BenchCase):
             with self.assertRaises(Refused) as caught:
                 client.camera_set(gain_db=1.0)
             self.assertEqual((caught.exception.code, caught.exception.field), (-32003, "method"))
+        sensor = WavefrontSensor(**self.keys)
+        self.addCleanup(sensor.close)
+        sensor.stage()
+        self.assertEqual(sensor.gain_db.set(1.0).exception(20.0).code, -32003)
         state, reported = asyncio.run(awaited(20.0, **self.keys))
         self.assertEqual(state, reported)
         with Client(timeout_s=1.0) as client, self.assertRaisesRegex(NoAnswer, "does it require a key"):
