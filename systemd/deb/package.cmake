@@ -8,7 +8,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "systemd, udev, procps")  # procps provides kill for ExecReload in the units
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-zmq, python3-numpy")
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot-nox, python3-h5py, python3-astropy, aravis-tools-cli")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot-nox, python3-h5py, python3-astropy, python3-tango, aravis-tools-cli")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/conffiles ${CMAKE_CURRENT_LIST_DIR}/postinst
     ${CMAKE_CURRENT_LIST_DIR}/prerm ${CMAKE_CURRENT_LIST_DIR}/postrm)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)

@@ -2,13 +2,14 @@
 """Executes the cells of a notebook in order, as Jupyter would, without a kernel: run_notebook.py NOTEBOOK
 
 What a cell shows goes to standard output: what it prints, and the HTML or the text of its last expression. At the end comes one line of JSON
-with the notebook's numbers and texts by name. Without matplotlib, its calls do nothing.
+with the notebook's numbers and texts by name. Without matplotlib, its calls do nothing; without IPython, `display` shows its values likewise.
 """
 import ast
 import contextlib
 import json
 import numbers
 import sys
+import types
 from pathlib import Path
 from unittest import mock
 
@@ -26,6 +27,22 @@ def show(value):
         print(value._repr_html_() if hasattr(value, "_repr_html_") else repr(value))
 
 
+class Handle:
+    """What IPython's display returns."""
+
+    update = staticmethod(show)
+
+
+def stand_in_for_ipython():
+    with contextlib.suppress(ImportError):
+        import IPython.display  # noqa: F401
+        return
+    shell, module = types.ModuleType("IPython"), types.ModuleType("IPython.display")
+    shell.get_ipython = lambda: None  # as in a plain Python, for matplotlib
+    module.display = lambda value, display_id=False: show(value) or Handle()
+    sys.modules |= {"IPython": shell, "IPython.display": module}
+
+
 def run(source, names, where):
     tree = ast.parse(source, where)
     last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
@@ -41,6 +58,7 @@ def plain(value):
 
 def main():
     stand_in_for_matplotlib()
+    stand_in_for_ipython()
     names = {"__name__": "__main__"}
     for number, cell in enumerate(json.loads(Path(sys.argv[1]).read_text())["cells"], 1):
         if cell["cell_type"] == "code":

@@ -7,7 +7,7 @@ import time
 import unittest
 
 from bridge_case import RUN, BridgeCase, environment, has, reports
-from case import main, wait_for
+from case import ROOT, main, wait_for
 
 import numpy as np
 
@@ -161,6 +161,13 @@ class Engine(BridgeCase):
         self.assertEqual(descriptor["data_keys"]["ovws-coefficients"]["units"], "wave")
         self.assertEqual(descriptor["configuration"]["ovws"]["data"]["ovws-charge"], 1)
         self.assertEqual(self.of("stop")[0]["exit_status"], "success")
+
+    def test_the_code_of_the_guide(self):
+        guide = (ROOT / "daemon" / "guide" / "bridges.md").read_text()
+        code = guide.split("```python")[1].split("```")[0]
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, env=environment())
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout.count("event {"), 11)
 
     def test_a_refused_value_fails_the_plan_with_its_reason(self):
         from bluesky import plan_stubs

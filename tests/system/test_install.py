@@ -14,7 +14,7 @@ FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "usr/bin/ovws-web
          "usr/share/bash-completion/completions/ovws", "usr/lib/sysusers.d/ovws.conf",
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
          "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client/__init__.py",
-         "usr/share/ovws/python/ovws_client/py.typed", "usr/share/ovws/python/ovws_client-0.1.0-py3-none-any.whl")
+         "usr/share/ovws/python/ovws_client/py.typed", "usr/share/ovws/python/ovws_bridges/fields.py", "usr/share/ovws/python/ovws_client-0.1.0-py3-none-any.whl")
 ROOT = pathlib.Path(__file__).parents[2]
 GUIDES = tuple(str(path.relative_to(ROOT)) for path in sorted((ROOT / "daemon/guide").glob("*.md")))
 DOCUMENTS = ("README.md", "proto/RECORDING.md", "proto/WIRE.md", "proto/python/README.md", "config/README.md", "drivers/twin/README.md", *GUIDES)

@@ -74,6 +74,12 @@ class Notebooks(BenchCase):
         self.assertAlmostEqual(values["step"], 0.1, delta=0.005)
         self.assertTrue(Path(values["file"]).exists())
 
+    def test_live(self):
+        shown, values = self.run_notebook("live.ipynb")
+        self.assertEqual(shown.count("<figure>"), 26, "an image and its 20 updates, a wavefront and its 4 updates")
+        self.assertEqual((values["valid"], values["lost"]), (100, 0))
+        self.assertAlmostEqual(values["duration_s"], 1.0, delta=0.5)
+
 
 if __name__ == "__main__":
     main()

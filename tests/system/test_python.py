@@ -15,6 +15,7 @@ from case import ROOT, BenchCase, bench_module, main
 import numpy as np
 
 import ovws_client
+from ovws_bridges.bluesky import WavefrontSensor
 from ovws_client import AsyncClient, AsyncSubscription, Client, NoAnswer, Refused, Subscription
 
 PYTHON = bench_module.find_programs().parent / "python"
@@ -25,6 +26,21 @@ PYPLOT = """
 def said(name):
     return lambda *a, **k: print("pyplot", name)
 cla, bar, xlabel, ylabel, pause = map(said, ("cla", "bar", "xlabel", "ylabel", "pause"))
+"""
+
+NAPARI = """
+class Layer:
+    def reset_contrast_limits(self): print("redrawn")
+class Viewer:
+    def __init__(self, title): self.layers = {}
+    def add_image(self, data, name, **_):
+        print("layer", name, data.shape)
+        self.layers[name] = Layer()
+def run(): print("window")
+"""
+NAPARI_THREADING = """
+def thread_worker(function, connect):
+    return lambda *a: [connect["yielded"](value) for value in function(*a)]
 """
 
 
@@ -98,6 +114,20 @@ class Scripts(BenchCase):
         (package / "__init__.py").touch()
         (package / "pyplot.py").write_text(pyplot)
         return f"{package.parent}:{PYTHON}"
+
+    def test_napari_view(self):
+        """All but the window of napari, which Debian does not have."""
+        package = self.bench.directory / "played" / "napari"
+        (package / "qt").mkdir(parents=True)
+        (package / "__init__.py").write_text(NAPARI)
+        (package / "qt" / "__init__.py").touch()
+        (package / "qt" / "threading.py").write_text(NAPARI_THREADING)
+        shown = self.example("napari_view.py", "10", path=f"{package.parent}:{PYTHON}")
+        self.assertEqual(sorted(re.findall(r"layer (.*)", shown)), ["camera, DN (512, 512)", "wavefront, waves (128, 128)"])
+        self.assertEqual((shown.count("redrawn"), shown.splitlines()[-1]), (8, "window"))
+        (package / "__init__.py").write_text("raise ImportError")
+        self.assertEqual(sorted(self.example("napari_view.py", "10", path=f"{package.parent}:{PYTHON}").splitlines()),
+                         ["camera, DN: 512 x 512", "wavefront, waves: 128 x 128"])
 
     def test_gain_sweep(self):
         self.take_reference(100)
@@ -302,6 +332,10 @@ class Keys(BenchCase):
             with self.assertRaises(Refused) as caught:
                 client.camera_set(gain_db=1.0)
             self.assertEqual((caught.exception.code, caught.exception.field), (-32003, "method"))
+        sensor = WavefrontSensor(**self.keys)
+        self.addCleanup(sensor.close)
+        sensor.stage()
+        self.assertEqual(sensor.gain_db.set(1.0).exception(20.0).code, -32003)
         state, reported = asyncio.run(awaited(20.0, **self.keys))
         self.assertEqual(state, reported)
         with Client(timeout_s=1.0) as client, self.assertRaisesRegex(NoAnswer, "does it require a key"):

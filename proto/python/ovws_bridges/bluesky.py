@@ -9,34 +9,19 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from ovws_client import Client, ClientError, MeanWavefront, Message, NoAnswer, Wavefront, mode_index, mode_name
+from ovws_client import ClientError, MeanWavefront, Message, NoAnswer, Wavefront
 from ovws_client.bench import Gathering, earliest_ns
 from ovws_client.modes import ModeKey
 from ovws_client.wire import KeyFile
 
 from .action import Action
-from .field import Field
+from .bluesky_settings import Aberration, AberrationMode, CameraSetting, Readings, data_key
 from .fields import FIELDS
-from .frame import frame_seconds, frame_value, frames_of, introduced, introduced_waves
+from .frame import frame_seconds, frame_value, frames_of
 from .link import Link
 
-Readings = dict[str, dict[str, Any]]
-DTYPES = {"number": "<f8", "integer": "<i8", "boolean": "|b1"}
 READ = ("coefficients", "sigma", "rms_waves", "valid", "frame_id", "seq", "gap", "hologram_id", "t_device_ns", "t_arrival_ns")
 CONFIGURATION = ("j", "charge", "subapertures", "wavelength_nm")
-
-
-def data_key(field: Field, source: str, length: int | None = None) -> dict[str, Any]:
-    """A data key of the event model, with the unit and the range of a field; `length`: number of items of an array."""
-    key: dict[str, Any] = {"source": source, "dtype": "array" if field.is_array else field.kind,
-                           "shape": [length] if field.is_array else [], "dtype_numpy": DTYPES[field.kind]}
-    if field.unit:
-        key["units"] = field.unit
-    if field.minimum is not None and field.maximum is not None:
-        key["limits"] = {"control": {"low": field.minimum, "high": field.maximum}}
-    return key
 
 
 class WavefrontSensor:
@@ -102,8 +87,8 @@ class WavefrontSensor:
 
     def describe(self) -> dict[str, dict[str, Any]]:
         """Data keys of `read`."""
-        self._modes = self._newest().j.tolist()
-        keys = {self.key(name): data_key(FIELDS["wavefront"][name], self._source(f"wavefront/{name}"), len(self._modes)) for name in READ}
+        self._modes = modes = self._newest().j.tolist()
+        keys = {self.key(name): data_key(FIELDS["wavefront"][name], self._source(f"wavefront/{name}"), len(modes)) for name in READ}
         keys[self.key("frames")] = {"source": self._source("wavefront"), "dtype": "integer", "shape": [], "dtype_numpy": "<i8"}
         return keys
 
@@ -167,158 +152,3 @@ class WavefrontSensor:
                        "frames": mean.frames}
         stamp = frame_seconds(frame)
         return {self.key(name): {"value": value, "timestamp": stamp} for name, value in values.items()}
-
-
-class Setting:
-    """A settable value of the bench: Movable, Readable, Locatable, Checkable and Stageable. The status of `set` is done when a frame exposed
-    wholly with the new value has arrived; a refused value fails with the daemon's reason."""
-
-    parent = None  # a child would not be read beside its parent
-    field: Field
-
-    def __init__(self, sensor: WavefrontSensor, name: str) -> None:
-        self._sensor = sensor
-        self.name = sensor.key(name)
-        self._name = name
-        self._link = sensor.link
-
-    @property
-    def hints(self) -> dict[str, Any]:
-        """The value itself."""
-        return {"fields": [self.name]}
-
-    @property
-    def position(self) -> Any:
-        """The value in use."""
-        with self._link.client() as client:
-            return self._get(client)
-
-    def set(self, value: Any) -> Action:
-        """Sets the value."""
-        return Action(lambda: self._set_and_wait(value), f"{self.name} set")
-
-    def read(self) -> Readings:
-        """The value in use."""
-        return {self.name: {"value": self.position, "timestamp": time.time()}}
-
-    def describe(self) -> dict[str, dict[str, Any]]:
-        """Its data key."""
-        return {self.name: data_key(self.field, self._source())}
-
-    def read_configuration(self) -> Readings:
-        """Nothing."""
-        return {}
-
-    describe_configuration = read_configuration
-
-    def locate(self) -> dict[str, Any]:
-        """The value in use; the daemon keeps no other."""
-        value = self.position
-        return {"setpoint": value, "readback": value}
-
-    def check_value(self, value: Any) -> None:
-        """Raises ValueError if no bench accepts the value. The camera may allow less."""
-        low, high = self.field.minimum, self.field.maximum
-        if low is not None and high is not None and not np.all((low <= np.asarray(value)) & (np.asarray(value) <= high)):
-            raise ValueError(f"{self._name}: must be from {low:g} to {high:g} {self.field.unit}, not {value}")
-
-    def stage(self) -> list[object]:
-        """Waits until the daemon answers."""
-        self._link.wait_until_connected(self._sensor.timeout_s)
-        return [self]
-
-    def unstage(self) -> list[object]:
-        """Leaves the value as it is."""
-        return [self]
-
-    def _source(self) -> str:
-        raise NotImplementedError
-
-    def _get(self, client: Client) -> Any:
-        raise NotImplementedError
-
-    def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
-        """Sets the value; returns what tells a frame exposed wholly with it, and the exposure time, microseconds."""
-        raise NotImplementedError
-
-    def _set_and_wait(self, value: Any) -> None:
-        with self._link.client() as client:
-            shows, exposure_us = self._set(client, value)
-        timeout_s = self._sensor.timeout_s + 3e-6 * exposure_us
-        with self._link.messages(timeout_s) as messages:
-            if not any(shows(frame) for frame in frames_of(messages)):
-                raise NoAnswer(f"{self.name}: no frame exposed with {value} within {timeout_s:g} s; does another client change it?")
-
-
-class CameraSetting(Setting):
-    """A number among the settings of the camera."""
-
-    def __init__(self, sensor: WavefrontSensor, name: str) -> None:
-        super().__init__(sensor, name)
-        self.field = FIELDS["camera.set"][name]
-
-    def _source(self) -> str:
-        return f"ovws+{self._link.endpoint}/camera.set/{self._name}"
-
-    def _get(self, client: Client) -> float:
-        value = client.camera_get()["settings"][self._name]  # type: ignore[literal-required]
-        return float("nan") if value is None else float(value)
-
-    def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
-        settings = client.call("camera.set", {self._name: value})["applied"]
-        earliest = earliest_ns(client.system_status(), client.config_get())
-        wanted, exposure_us = settings[self._name], settings["exposure_us"]
-
-        def shows(frame: Wavefront) -> bool:
-            known = frame_value(frame, self._name)
-            return bool(np.isclose(known, wanted, rtol=1e-6)) and frame.t_arrival_ns - 1e3 * exposure_us >= earliest
-
-        return shows, exposure_us
-
-
-class Aberration(Setting):
-    """The introduced aberration: coefficients of j = 1, 2, …, or {mode: waves}, as in ovws_client."""
-
-    field = FIELDS["aberration.set"]["modes.waves"]
-
-    def __init__(self, sensor: WavefrontSensor, name: str = "aberration") -> None:
-        super().__init__(sensor, name)
-
-    def describe(self) -> dict[str, dict[str, Any]]:
-        """Its data key: an array of the coefficients of j = 1, 2, …"""
-        return {self.name: data_key(self.field, self._source()) | {"dtype": "array", "shape": [len(self.position)]}}
-
-    def check_value(self, value: Any) -> None:
-        """Raises ValueError if no bench accepts the value."""
-        super().check_value(list(value.values()) if isinstance(value, dict) else value)
-
-    def _source(self) -> str:
-        return f"ovws+{self._link.endpoint}/aberration.set/modes"
-
-    def _get(self, client: Client) -> Any:
-        return introduced_waves(client)
-
-    def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
-        hologram_id = client.aberration_set(value)["hologram_id"]
-        return (lambda frame: frame.settled and frame.hologram_id >= hologram_id), client.camera_get()["settings"]["exposure_us"]
-
-
-class AberrationMode(Aberration):
-    """One mode of the introduced aberration, waves RMS; the others stay as they are."""
-
-    def __init__(self, sensor: WavefrontSensor, mode: ModeKey) -> None:
-        self._j = mode_index(mode)
-        super().__init__(sensor, f"aberration-{mode_name(self._j).replace(' ', '_')}")
-
-    def describe(self) -> dict[str, dict[str, Any]]:
-        """Its data key."""
-        return Setting.describe(self)
-
-    def _source(self) -> str:
-        return f"{super()._source()}/{self._j}"
-
-    def _get(self, client: Client) -> float:
-        return introduced(client).get(self._j, 0.0)
-
-    def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
-        return super()._set(client, introduced(client) | {self._j: value})

@@ -12,7 +12,6 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
-from p4p import Value
 from p4p.nt import NTNDArray, NTScalar
 from p4p.server import Server
 from p4p.server.thread import SharedPV
@@ -30,7 +29,7 @@ NOTHING: dict[str, Any] = {"number": float("nan"), "integer": 0, "boolean": Fals
 OF_FRAME = ("coefficients", "sigma", "j", "rms_waves", "valid", "settled", "frame_id", "seq", "gap", "hologram_id", "t_device_ns", "t_arrival_ns")
 CAMERA = ("exposure_us", "gain_db")
 NO_ALARM, INVALID = 0, 3  # alarm severities
-NOT_VALID, NO_DAEMON = "the frame is not valid", "the daemon does not answer"
+NOT_VALID, NO_DAEMON, NO_SETTING = "the frame is not valid", "the daemon does not answer", "the camera is not connected, or has no such setting"
 
 
 class Setting:
@@ -54,7 +53,7 @@ class Setting:
 def described(field: Field, is_array: bool) -> tuple[NTScalar, dict[str, Any]]:
     """The type and the first value of a field's PV."""
     kind = TYPES[field.kind]
-    display = {"description": field.description, "units": field.unit}
+    display: dict[str, Any] = {"description": field.description, "units": field.unit}
     value: dict[str, Any] = {"value": [] if is_array else NOTHING[field.kind], "display": display,
                              "alarm": {"severity": INVALID, "message": NO_DAEMON}}
     has_range = field.kind in ("number", "integer") and field.minimum is not None and field.maximum is not None
@@ -102,13 +101,16 @@ class Bridge:
             self._post("phase", message.waves, 1e-9 * message.t_arrival_ns, "" if message.valid else NOT_VALID)
         elif isinstance(message, Status):
             for name in CAMERA:
-                self._post(name, camera_setting(message, name), 1e-9 * message.t_ns)
+                value = camera_setting(message, name)
+                self._post(name, value, 1e-9 * message.t_ns, NO_SETTING if np.isnan(value) else "")
             self._post_aberration(message)
         elif message is None:
             self._hologram_id = None
             for pv in self.pvs.values():
-                kind = NTNDArray.buildType() if isinstance(pv.nt, NTNDArray) else pv.nt.type
-                pv.post(Value(kind, {"alarm": {"severity": INVALID, "message": NO_DAEMON}}))
+                if isinstance(pv.nt, NTNDArray):
+                    pv.post(np.asarray(pv.current()), severity=INVALID, message=NO_DAEMON)
+                else:
+                    pv.post({"alarm": {"severity": INVALID, "message": NO_DAEMON}})
 
     def _post_aberration(self, status: Status) -> None:
         if status.slm["hologram_id"] != self._hologram_id:

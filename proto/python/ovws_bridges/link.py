@@ -112,7 +112,7 @@ class Link:
     def _run(self) -> None:
         while not self._stopped.is_set():
             try:
-                with Client(**self._arguments) as client, client.subscribe(*self._kinds) as stream:  # type: ignore[arg-type]
+                with Client(**self._arguments) as client, client.subscribe(*self._kinds) as stream:  # type: ignore
                     self._receive(stream)
             except (ClientError, zmq.ZMQError) as error:
                 _log.info("%s: %s; trying again", self.endpoint, error)

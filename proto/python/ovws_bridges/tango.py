@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+import time
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ STATES = {"starting": DevState.INIT, "waiting_for_camera": DevState.STANDBY, "wa
           "running": DevState.ON, "job_running": DevState.RUNNING, "fault": DevState.FAULT, "stopping": DevState.OFF}
 EVERY_FRAME = ("coefficients", "sigma", "rms_waves", "valid", "settled", "frame_id", "seq", "hologram_id", "t_arrival_ns")  # pushed as events
 MAX_IMAGE_PX, PHASE_PX = 8192, 128
+BURST_S = 0.2  # frames that arrive late together have their events as long as the rate over this time allows it
 OPTIONS: dict[str, Any] = {"control": "", "key": "", "server_key": "", "max_event_rate_hz": 200.0}  # of this process, for devices without properties
 Value = tuple[Any, float, AttrQuality]
 
@@ -90,7 +92,7 @@ class WavefrontSensor(Device):
         super().init_device()
         given = {name: getattr(self, name) or value for name, value in OPTIONS.items()}
         self._period_s = 1.0 / given["max_event_rate_hz"]
-        self._next_s = 0.0  # earliest time of the next frame's events
+        self._next_s = 0.0  # earliest monotonic time of the next events
         self._skipped = 0
         self._pushed: dict[str, float] = {}
         self._state: tuple[DevState, str] = (DevState.UNKNOWN, "")
@@ -181,6 +183,7 @@ class WavefrontSensor(Device):
                 self._push_frame(message)
             elif message is None:
                 self._show(None)
+                self._pushed.clear()
                 for name in (*EVERY_FRAME, *CAMERA):
                     self.push_change_event(name, *self.value_of(name))
             elif isinstance(message, Status):
@@ -188,14 +191,14 @@ class WavefrontSensor(Device):
                 self._push_settings(message)
 
     def _push_frame(self, frame: Wavefront) -> None:
-        now_s = frame_seconds(frame)
+        now_s = time.monotonic()
         if now_s < self._next_s:
             self._skipped += 1
             return
-        self._next_s = max(self._next_s + self._period_s, now_s - self._period_s)
+        self._next_s = max(self._next_s + self._period_s, now_s - BURST_S)
         for name in EVERY_FRAME:
             valid = frame.valid or name not in NULL_IF_INVALID
-            self.push_change_event(name, frame_value(frame, name), now_s, AttrQuality.ATTR_VALID if valid else AttrQuality.ATTR_INVALID)
+            self.push_change_event(name, frame_value(frame, name), frame_seconds(frame), AttrQuality.ATTR_VALID if valid else AttrQuality.ATTR_INVALID)
 
     def _push_settings(self, status: Status) -> None:
         for name in CAMERA:
@@ -211,7 +214,7 @@ class WavefrontSensor(Device):
         else:
             invalid: Any = status.sensor.get("invalid") or {}
             parts = [status.state, status.fault, invalid.get("reason"), invalid.get("action")]
-            state = DevState.ALARM if invalid and status.state == "running" else STATES[status.state]
+            state = DevState.ALARM if invalid and status.state == "running" else STATES.get(status.state, DevState.UNKNOWN)
             text = "; ".join(filter(None, parts))
         if (state, text) != self._state:
             self._state = state, text

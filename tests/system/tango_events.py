@@ -1,0 +1,33 @@
+"""Subscribes to change events of a Tango device and prints each as JSON: tango_events.py DEVICE SECONDS ATTRIBUTE...
+
+A process of its own: a client of PyTango 9.3 can crash after ten seconds if the device is in no database.
+"""
+import json
+import os
+import sys
+import threading
+import time
+
+import tango
+
+
+def main():
+    device, seconds, *names = sys.argv[1:]
+    proxy, lock = tango.DeviceProxy(device), threading.Lock()
+
+    def pushed(event):
+        with lock:
+            value = None if event.err else event.attr_value.value
+            name = event.attr_name.split("/")[-1].split("#")[0]
+            value = str(tango.DevState.values[value]) if name == "state" and value is not None else value.tolist() if hasattr(value, "tolist") else value
+            quality = "ERROR" if event.err else str(event.attr_value.quality).removeprefix("ATTR_")
+            print(json.dumps({"name": name, "value": value, "quality": quality}), flush=True)
+
+    for name in names:
+        proxy.subscribe_event(name, tango.EventType.CHANGE_EVENT, pushed)
+    time.sleep(float(seconds))
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    main()

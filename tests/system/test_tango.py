@@ -1,0 +1,159 @@
+"""The Tango device server with a real Tango client: reads, sets, commands, events, a restarted daemon, two servers."""
+import json
+import re
+import subprocess
+import sys
+import time
+
+from bridge_case import BridgeCase, Path, environment, reports
+from case import ROOT, main, wait_for
+
+import numpy as np
+import tango
+
+NAME = "ovws/bench/1"
+EVENTS = Path(__file__).with_name("tango_events.py")
+
+
+class Server(BridgeCase):
+    def start(self):
+        super().start()
+        self.device = self.serve("bench", 45450)
+        self.attribute("rms_waves")  # the first frame
+        wait_for(lambda: self.device.state() == tango.DevState.ON, what="the first status")
+
+    def serve(self, instance, port, *options):
+        """Starts a server; returns its device as a client sees it."""
+        self.start_bridge("tango", instance, *options, "-nodb", "-dlist", NAME, "-ORBendPoint", f"giop:tcp:127.0.0.1:{port}", ready="Ready", name=f"tango {instance}")
+        return tango.DeviceProxy(f"tango://127.0.0.1:{port}/{NAME}#dbase=no")
+
+    def attribute(self, name, quality=tango.AttrQuality.ATTR_VALID, timeout_s=10.0):
+        """An attribute, when it has this quality."""
+        return wait_for(lambda: (read := self.device.read_attribute(name)).quality == quality and read, timeout_s, f"{name} {quality}")
+
+    def events(self, seconds, *names, port=45450):
+        done = subprocess.Popen([sys.executable, EVENTS, f"tango://127.0.0.1:{port}/{NAME}#dbase=no", str(seconds), *names],
+                                stdout=subprocess.PIPE, text=True, env=environment())
+        self.addCleanup(done.wait)
+        self.addCleanup(done.stdout.close)
+        self.addCleanup(done.terminate)
+        return done
+
+    def test_frames_as_attributes(self):
+        self.assertEqual(self.device.state(), tango.DevState.ON)
+        self.assertIn("running", self.device.status())
+        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.1}]})
+        wait_for(lambda: abs(self.attribute("coefficients").value[3] - 0.1) < 0.005, what="the aberration")
+        read = self.device.read_attributes(["coefficients", "rms_waves", "valid", "j", "frame_id", "t_arrival_ns"])
+        self.assertEqual(len(read[0].value), len(read[3].value))
+        self.assertAlmostEqual(read[1].value, 0.1, delta=0.005)
+        self.assertTrue(read[2].value)
+        self.assertAlmostEqual(read[0].time.totime(), time.time(), delta=5.0)
+        self.assertAlmostEqual(1e-9 * read[5].value, read[5].time.totime(), delta=1e-4)
+        image, phase = self.device.image, self.device.phase
+        self.assertEqual((image.shape, phase.shape), ((512, 512), (128, 128)))
+        self.assertGreater(image.max(), 20)
+        self.assertAlmostEqual(float(np.nanstd(phase)), 0.1, delta=0.01)
+
+    def test_the_guide_names_what_there_is(self):
+        guide = (ROOT / "daemon" / "guide" / "bridges.md").read_text()
+        self.assertIn(f"python3 -m ovws_bridges.tango bench -nodb -dlist {NAME} -ORBendPoint giop:tcp:127.0.0.1:45450", guide)
+        tango_part = guide.split("## Tango")[1].split("## EPICS")[0]
+        rows = re.findall(r"^\| (`.*?) \|", tango_part, re.MULTILINE)
+        self.assertEqual({name for row in rows for name in re.findall(r"`(\w+)`", row)}, set(self.device.get_attribute_list()) - {"State", "Status"})
+        commands = set(self.device.get_command_list()) - {"Init", "State", "Status"}
+        self.assertLessEqual(commands, set(re.findall(r"`(\w+)`", tango_part.split("- Commands:")[1])))
+
+    def test_documentation_comes_from_the_field_tables(self):
+        wire, camera = self.schema("wavefront")["properties"], self.schema("camera.set")["properties"]
+        for name, unit in (("coefficients", "wave"), ("rms_waves", "wave"), ("valid", ""), ("frame_id", ""), ("t_arrival_ns", "ns")):
+            config = self.device.get_attribute_config(name)
+            self.assertEqual((config.description, config.unit), (wire[name]["description"], unit))
+        for name in ("exposure_us", "gain_db"):
+            config = self.device.get_attribute_config(name)
+            limits = float(config.min_value), float(config.max_value)
+            self.assertEqual((config.description, *limits), (camera[name]["description"], camera[name]["minimum"], camera[name]["maximum"]))
+
+    def test_settings_and_commands(self):
+        self.device.exposure_us = 1500.0
+        self.device.aberration = [0.0, 0.0, 0.0, 0.1]
+        self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 1500.0)
+        self.assertEqual([(mode["j"], mode["waves"]) for mode in self.call("aberration.get")["modes"] if mode["waves"]], [(4, 0.1)])
+        self.assertEqual(self.device.aberration[3], 0.1)
+        wait_for(lambda: self.device.exposure_us == 1500.0, what="the exposure in use")
+        self.device.aberration_clear()
+        self.assertEqual(self.call("aberration.get")["modes"], [])
+        job = self.device.reference_take(20)
+        wait_for(lambda: json.loads(self.device.call(["job.get", json.dumps({"job": job})]))["state"] == "done", what="the reference")
+        self.attribute("rms_waves")
+        self.device.loop_close()
+        self.assertEqual(self.call("system.status")["loop"], "closed")
+        self.device.loop_open()
+        self.assertEqual(self.call("system.status")["loop"], "open")
+        self.device.Init()
+        self.attribute("rms_waves")
+        self.assertEqual(self.device.aberration.max(), 0.0)
+
+    def refused_with(self, work):
+        with self.assertRaises(tango.DevFailed) as caught:
+            work()
+        return caught.exception.args[0]
+
+    def test_refusals_pass_on_the_daemons_reason(self):
+        for name, value, reason in (("gain_db", 90.0, "gain_db: 90 is outside the camera's range of 0 to"), ("aberration", [1e6], "must be a number from -1000 to 1000")):
+            error = self.refused_with(lambda name=name, value=value: self.device.write_attribute(name, value))
+            self.assertEqual(error.reason, "OVWS_Refused")
+            self.assertIn(reason, error.desc)
+        error = self.refused_with(lambda: self.device.write_attribute("exposure_us", 1e9))
+        self.assertEqual(error.reason, "API_WAttrOutsideLimit", "Tango checks the range of the field table itself")
+        self.assertIn("did you mean", self.refused_with(lambda: self.device.call(["camera.set", '{"gain": 1}'])).desc)
+        self.assertIn("must be JSON", self.refused_with(lambda: self.device.call(["camera.set", "gain"])).desc)
+
+    def test_events_of_every_frame_up_to_the_rate(self):
+        slow = self.serve("slow", 45451, "--max-event-rate-hz", "10")
+        wait_for(lambda: slow.state() == tango.DevState.ON, what="the second server")
+        processes = [self.events(5.0, "seq", "coefficients"), self.events(5.0, "seq", port=45451)]
+        time.sleep(2.5)
+        self.call("reference.clear")
+        fast, limited = (reports(process.communicate(timeout=30.0)[0]) for process in processes)
+        frames = [event["value"] for event in fast if event["name"] == "seq"][1:]
+        self.assertGreater(len(frames), 0.8 * 5.0 * 50.0)
+        self.assertEqual(set(np.diff(frames)), {1}, "no frame is missing")
+        qualities = [event["quality"] for event in fast if event["name"] == "coefficients"]
+        self.assertEqual(sorted(set(qualities)), ["INVALID", "VALID"])
+        self.assertEqual(qualities, sorted(qualities, reverse=True), "valid, then invalid without the reference")
+        self.assertLess(len(limited), 5.0 * 10.0 * 1.2 + 2)
+        self.assertGreater(len(limited), 25)
+        self.assertGreater(slow.lost, 50)
+        self.assertEqual(self.device.lost, 0)
+        self.assertFalse(self.attribute("valid").value)
+
+    def test_it_outlives_the_daemon_and_leaves_nothing(self):
+        alone = self.connections()
+        watching = self.events(8.0, "State", "rms_waves")
+        time.sleep(1.5)
+        self.bench.stop("ovwsd")
+        self.attribute("rms_waves", tango.AttrQuality.ATTR_INVALID)
+        self.attribute("exposure_us", tango.AttrQuality.ATTR_INVALID)
+        self.assertEqual(self.device.state(), tango.DevState.UNKNOWN)
+        self.assertIn("does not answer", self.device.status())
+        self.assertEqual(self.refused_with(lambda: self.device.write_attribute("exposure_us", 700.0)).reason, "OVWS_NoAnswer")
+        told = reports(watching.communicate(timeout=30.0)[0])
+        returning = self.events(8.0, "exposure_us")
+        time.sleep(1.0)
+        self.restart_daemon()
+        self.attribute("rms_waves")
+        wait_for(lambda: self.device.state() == tango.DevState.ON, what="the state ON")
+        self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 2000.0, "what was given up is not carried out later")
+        states = [event["value"] for event in told if event["name"] == "state"]
+        self.assertEqual(states[0], "ON")
+        self.assertIn("UNKNOWN", states)
+        self.assertIn("INVALID", [event["quality"] for event in told if event["name"] == "rms_waves"])
+        self.assertEqual([event["quality"] for event in reports(returning.communicate(timeout=30.0)[0])][-2:], ["INVALID", "VALID"])
+        self.bench.process("tango bench").popen.kill()
+        wait_for(lambda: self.connections() < alone, what="the end of its connections")
+        self.wait_until("running")
+
+
+if __name__ == "__main__":
+    main()
