@@ -1,5 +1,4 @@
 /// ovws replay: measures a recording again and compares the results bit for bit.
-#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -134,9 +133,8 @@ Result<RefineSetup> refine_setup(const Config& config, const RefineOverrides& ca
   if (camera.black_level_dn) setup.black_level_dn = *camera.black_level_dn;
   if (camera.saturation_dn) setup.saturation_dn = camera.saturation_dn;
   if (auto usable = check_refine(setup); !usable) {
-    Error error = usable.error();
-    std::ranges::replace(error.field, '_', '-');
-    return fail(std::move(error));
+    return fail(Errc::invalid, "--refine",
+                usable.error().field + " " + usable.error().reason + ": see ovws replay --help");
   }
   return setup;
 }
