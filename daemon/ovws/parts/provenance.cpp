@@ -6,6 +6,7 @@
 
 #include <array>
 #include <chrono>
+#include <ctime>
 #include <fstream>
 #include <sstream>
 #include <vector>
@@ -55,7 +56,8 @@ nlohmann::json host_facts() {
           {"host", host_name()},
           {"processor", processor()},
           {"begun_utc", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(kBegunUtc))},
-          {"took_s", std::chrono::duration<double>(Clock::now() - kBegun).count()}};
+          {"took_s", std::chrono::duration<double>(Clock::now() - kBegun).count()},
+          {"cpu_s", double(std::clock()) / CLOCKS_PER_SEC}};
 }
 
 Result<void> write_provenance(const nlohmann::json& facts, const std::filesystem::path& path) {

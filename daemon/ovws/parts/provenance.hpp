@@ -11,7 +11,8 @@ namespace ovws {
 
 std::string host_name();
 
-/// This process: its command line, host, processor, begin (UTC) and duration so far.
+/// This process: its command line, host, processor, begin (UTC), duration so far, and
+/// the time of all cores in it.
 nlohmann::json host_facts();
 
 /// Writes a JSON file, atomically. Errc::unavailable, field "output": it cannot be written.

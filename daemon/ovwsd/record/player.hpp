@@ -43,8 +43,9 @@ class Player {
   Result<Config> configuration() const;
   /// Replays only the frames at the positions `begin` to `end` - 1 of the recording; at most all.
   void select(std::size_t begin, std::size_t end);
-  /// Also refines each frame that the daemon could have refined, each from its own start, so that
-  /// the result does not depend on the frames before. `setup` must have electrons_per_dn.
+  /// Also refines each frame that the daemon could have refined. Templates of an earlier frame are
+  /// used again within a block of 100 positions, whose first frames are refined even if they are
+  /// not selected. `setup` must have electrons_per_dn. Call it before the first step.
   void refine(const RefineSetup& setup, const SlmGeometry& slm);
   /// Replays the next frame; none after the last. A frame gives the same result whatever frames
   /// are selected. Errors: the file is damaged.
