@@ -158,9 +158,15 @@ class Cluster(BenchCase):
         cluster = slurm.Slurm(self.folder / "slurm")
         self.addCleanup(cluster.close)
         run, env = self.folder / "on-slurm", self.env | {"SLURM_CONF": cluster.env["SLURM_CONF"]}
-        self.complete(run, "slurm", 2, env=env)
+        cluster.run("scontrol", "update", "partitionname=all", "state=down")  # so that jobs wait
+        workflow = self.snakemake(run, "slurm", 2, env=env)
+        self.addCleanup(workflow.kill)
+        first = wait_for(lambda: len(jobs := cluster.run("squeue", "--noheader", "--format=%i").split()) == 4 and jobs, 30.0, "a job for each part")
+        cluster.run("scancel", first[0])
+        wait_for(lambda: set(cluster.run("squeue", "--noheader", "--format=%i").split()) - set(first), 30.0, "the lost job again")
+        cluster.run("scontrol", "update", "partitionname=all", "state=up")
+        self.assertEqual(workflow.wait(90.0), 0, (self.folder / "snakemake.log").read_text()[-3000:])
         self.assert_results(run, 2)
-        self.assertEqual(len(list(run.glob("ovws-part-*.log"))), 4, "one job for each part")
 
     def test_the_commands_of_the_guide(self):
         (text,) = re.findall(r"^```bash\n(.*?)^```$", GUIDE.read_text(), re.MULTILINE | re.DOTALL)
