@@ -21,10 +21,6 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-json text_or_null(const std::string& text) {
-  return text.empty() ? json(nullptr) : json(text);
-}
-
 /// The recording of a part: parts of different recordings are not joined.
 json identity_of(const std::string& path, const RecordingReader& reader) {
   return {{"file", fs::path(path).filename().string()},

@@ -4,15 +4,12 @@
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {
-namespace {
 
 using nlohmann::json;
 
 json text_or_null(const std::string& text) {
   return text.empty() ? json(nullptr) : json(text);
 }
-
-}  // namespace
 
 void ReplayTally::count(const json& line) {
   const bool was_replayed = line.at("replayed").get<bool>(), is_same = line.at("same").get<bool>();

@@ -102,7 +102,8 @@ int finish_study(const Common& common, const StudyOptions& options, const study:
   if (common.json) {
     print("{}\n", json_text(found.summary));
   } else {
-    print("{}: see {}\n", options.name, options.folder);
+    print("{}: {:.0f} s, see {}\n", options.name, provenance.at("took_s").get<double>(),
+          options.folder);
   }
   return written ? kOk : report(common, written.error());
 }
