@@ -107,6 +107,9 @@ class Cluster(BenchCase):
         self.ovws("replay", self.recording, "--frames", "0:10", "-o", "ranges")
         self.ovws("replay", self.recording, "--frames", f"12:{frames}", "-o", "ranges")
         self.assertIn("missing positions: 10:12", self.ovws("merge", *(self.folder / "ranges").glob("*.jsonl"), "-o", "x", status=1))
+        part = self.folder / "older.jsonl"
+        part.write_text(re.sub('"version":"[^"]*"', '"version":"0.0.1"', (self.folder / "replayed-parts" / "part-1-of-1.jsonl").read_text()))
+        self.assertIn("older.jsonl was made by version 0.0.1", self.ovws("merge", part, "-o", "x", status=1))
         self.assertIn("real time", self.ovws("study", "rejection", "--shard", "1/2", "-o", "x", status=1))
         self.assertIn("i/N", self.ovws("study", "range", "--shard", "3/2", "-o", "x", status=2))
         wrong = ("--refine", "--black-level", "210", "--saturation", "200")
