@@ -121,6 +121,7 @@ class Cluster(BenchCase):
         config = [f"recording={self.recording}", "replay_options=--refine", f"study={STUDY[0]}", f"study_options={STUDY[1]}", f"shards={shards}"]
         with open(self.folder / "snakemake.log", "ab") as log:
             return subprocess.Popen([SNAKEMAKE, "-s", CLUSTER / "Snakefile", "--profile", CLUSTER / "profiles" / profile, "-d", run, *more,
+                                     *(["--cores", "2"] if profile == "local" else []),
                                      "--config", *config], env=env or self.env, stdout=log, stderr=log, start_new_session=True)
 
     def complete(self, *arguments, **options):

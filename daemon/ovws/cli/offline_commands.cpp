@@ -197,9 +197,12 @@ void add_replay(CLI::App& app, const Common& common, int& status) {
       "exit code 1 if they differ or if there is nothing to measure");
   auto options = std::make_shared<ReplayOptions>();
   command->add_option("file", options->path, "recording made by record.start")->required();
-  command->add_option("--speed", options->speed, "1: as recorded; 0 (default): as fast as possible")
-      ->check(number_from(0.0, 1e6));
-  command->add_flag("--step", options->step, "measure one frame at a time; Enter continues");
+  auto* speed = command
+                    ->add_option("--speed", options->speed,
+                                 "1: as recorded; 0 (default): as fast as possible")
+                    ->check(number_from(0.0, 1e6));
+  auto* step =
+      command->add_flag("--step", options->step, "measure one frame at a time; Enter continues");
   auto* frames =
       command
           ->add_option_function<std::string>(
@@ -218,8 +221,12 @@ void add_replay(CLI::App& app, const Common& common, int& status) {
   add_shard(*command, options->shard,
             "replay only the i-th of N nearly equal ranges of frames, 1/N to N/N")
       ->excludes(frames);
-  command->add_option("--output,-o", options->folder,
-                      "write the frames to this folder, as a part for ovws merge");
+  command
+      ->add_option("--output,-o", options->folder,
+                   "write the frames to this folder, as a part for ovws merge, which then reports "
+                   "differences")
+      ->excludes(speed)
+      ->excludes(step);
   add_refine_options(*command, *options);
   command->callback([&common, &status, options] { status = replay_recording(common, *options); });
 }
