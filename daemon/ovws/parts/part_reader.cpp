@@ -1,6 +1,7 @@
 #include "daemon/ovws/parts/part_reader.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -93,9 +94,18 @@ Result<void> check_ranges(const std::vector<PartHead>& heads,
   return {};
 }
 
+/// All parts are open at once, and the usual limit is 1024 files.
+void allow_many_files() {
+  rlimit files{};
+  if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return;
+  files.rlim_cur = files.rlim_max;
+  (void)::setrlimit(RLIMIT_NOFILE, &files);
+}
+
 }  // namespace
 
 Result<PartReader> PartReader::open(const std::vector<std::string>& paths) {
+  allow_many_files();
   PartReader reader;
   for (const std::string& path : paths) {
     if (auto opened = reader.open_part(path); !opened) return fail(opened.error());
