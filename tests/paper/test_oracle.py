@@ -26,7 +26,7 @@ class Oracle(case.StudyCase):
             done = subprocess.run([case.OVWS, "study", "oracle", "--quick", "-o", folder], capture_output=True, text=True, timeout=280, env={"PATH": folder})
             self.assertEqual(done.returncode, 1, done.stdout)
             self.assertIn("gnuplot-nox", done.stderr)
-            self.assertEqual(sorted(path.name for path in Path(folder).iterdir()), ["oracle.csv", "oracle.gnuplot", "summary.json"])
+            self.assertEqual(sorted(path.name for path in Path(folder).iterdir()), ["oracle.csv", "oracle.gnuplot", "provenance.json", "summary.json"])
             self.assertEqual(json.loads((Path(folder) / "summary.json").read_text())["agree"], self.summary["agree"])
 
     def test_a_terminal_shows_the_progress_and_a_used_folder_is_cleared(self):
@@ -50,7 +50,7 @@ class Oracle(case.StudyCase):
             for path in others:
                 self.assertEqual(path.read_text(), "of before", path)
             self.assertEqual({path.name for path in Path(folder).iterdir()} - {path.name for path in others},
-                             {"oracle.csv", "oracle.gnuplot", "oracle.png", "summary.json"})
+                             {"oracle.csv", "oracle.gnuplot", "oracle.png", "provenance.json", "summary.json"})
             self.assertIn("agree", (Path(folder) / "summary.json").read_text())
 
     @staticmethod

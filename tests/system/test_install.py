@@ -10,6 +10,7 @@ import unittest
 UNIT = "usr/lib/systemd/system/{}.service"
 FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "usr/bin/ovws-web", "etc/ovws/ovwsd.json",
          UNIT.format("ovwsd"), UNIT.format("ovws-web"), UNIT.format("ovws-metrics"), "usr/share/doc/ovws/config/grafana/ovws.json",
+         "usr/share/doc/ovws/config/cluster/Snakefile",
          "usr/share/man/man1/ovws.1", "usr/share/man/man1/ovws-twin.1", "usr/share/man/man8/ovwsd.8", "usr/share/man/man5/ovwsd.json.5",
          "usr/share/bash-completion/completions/ovws", "usr/lib/sysusers.d/ovws.conf",
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
@@ -39,6 +40,7 @@ class Install(unittest.TestCase):
     def test_everything_is_there(self):
         for name in FILES:
             self.assertTrue((self.root / name).is_file(), name)
+        self.assertTrue(os.access(self.root / "usr/share/doc/ovws/config/cluster/profiles/slurm/status", os.X_OK))
 
     def test_the_installed_daemon_accepts_the_installed_configuration(self):
         done = run(self.root / "usr/bin/ovwsd", "--check-config", "--config", self.root / "etc/ovws/ovwsd.json")

@@ -10,6 +10,8 @@
 
 #include "config/config.hpp"
 #include "core/control/refine_settings.hpp"
+#include "daemon/ovws/parts/share.hpp"
+#include "daemon/ovws/study/work.hpp"
 #include "daemon/shared/client.hpp"
 
 namespace ovws::cli {
@@ -133,11 +135,21 @@ struct KeygenOptions {
 
 int make_keys(const Common& common, const KeygenOptions& options);
 
+/// Values that replace those of the recording's configuration; see RefineSetup.
+struct RefineOverrides {
+  std::optional<double> electrons_per_dn, read_noise_e, black_level_dn, saturation_dn;
+};
+
 struct ReplayOptions {
   std::string path;
   double speed = 0.0;  ///< factor to the recorded speed; 0: as fast as possible
   bool step = false;
-  bool frames = false;
+  bool print_frames = false;
+  std::optional<Positions> frames;  ///< positions in the recording; none: all
+  std::optional<Shard> shard;       ///< instead of `frames`
+  std::string folder;               ///< for a part; empty: prints the results
+  bool refine = false;
+  RefineOverrides camera;  ///< used with `refine` only
 };
 
 int replay_recording(const Common& common, const ReplayOptions& options);
@@ -163,9 +175,31 @@ struct StudyOptions {
   std::uint64_t seed = 1;
   std::string params;  ///< JSON; only for `experiment` and `rejection`
   double seconds = 60.0;
+  std::optional<Shard> shard;  ///< writes one part instead of the figures
 };
 
 int study_command(const Common& common, const StudyOptions& options);
+
+/// Makes and writes the findings from the results of all items.
+int finish_study(const Common& common, const StudyOptions& options, const study::Work& work,
+                 const std::vector<std::string>& results, const nlohmann::json& provenance);
+
+struct MergeOptions {
+  std::vector<std::string> parts;
+  std::string folder;
+};
+
+/// Joins the parts of a study into its figures, or those of a replay into one list of frames.
+int merge_parts(const Common& common, const MergeOptions& options);
+
+// The parts of `ovws study --shard` and `ovws replay -o`.
+
+inline constexpr const char *kPartOfStudy = "study ", *kPartOfReplay = "replay";
+/// Name of a part's file, without extension.
+std::string part_name(const Shard& shard);
+std::string part_name(const Positions& range);
+/// Prints the name of a file that was written.
+int report_file(const Common& common, const std::filesystem::path& file);
 
 /// The paper's gain sweep on a daemon's bench. Starts experiment.gain_sweep with `params`, or joins
 /// a running sweep. Writes each cell as soon as it is measured; table, figures and summary at the

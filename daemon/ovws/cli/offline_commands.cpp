@@ -151,6 +151,45 @@ void add_keygen(CLI::App& app, const Common& common, int& status) {
   command->callback([&common, &status, options] { status = make_keys(common, *options); });
 }
 
+/// Why a text was refused; empty: it was not.
+template <class T>
+std::string reason_of(const Result<T>& read) {
+  return read ? std::string() : read.error().reason;
+}
+
+CLI::Option* add_shard(CLI::App& command, std::optional<Shard>& shard, const std::string& help) {
+  return command
+      .add_option_function<std::string>(
+          "--shard", [&shard](const std::string& text) { shard = *parse_shard(text); }, help)
+      ->type_name("i/N")
+      ->check([](const std::string& text) { return reason_of(parse_shard(text)); });
+}
+
+void add_refine_options(CLI::App& command, ReplayOptions& options) {
+  auto* refine = command.add_flag(
+      "--refine", options.refine,
+      "also fit all pixels of the spots of each frame with the camera's noise; each value below "
+      "replaces that of refine in the recording's configuration");
+  RefineOverrides& camera = options.camera;
+  command
+      .add_option("--electrons-per-dn", camera.electrons_per_dn,
+                  "for --refine: electrons per DN of the configured pixel format at a gain of 0 dB")
+      ->check(number_from(limits::kElectronsPerDn.min, limits::kElectronsPerDn.max))
+      ->needs(refine);
+  command
+      .add_option("--read-noise", camera.read_noise_e, "for --refine: read noise, electrons RMS")
+      ->check(number_from(limits::kReadNoiseE.min, limits::kReadNoiseE.max))
+      ->needs(refine);
+  command.add_option("--black-level", camera.black_level_dn, "for --refine: black level, DN")
+      ->check(number_from(limits::kBlackLevelDn.min, limits::kBlackLevelDn.max))
+      ->needs(refine);
+  command
+      .add_option("--saturation", camera.saturation_dn,
+                  "for --refine: ignore pixels from this DN on")
+      ->check(number_from(limits::kSaturationDn.min, limits::kSaturationDn.max))
+      ->needs(refine);
+}
+
 void add_replay(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "replay",
@@ -158,11 +197,49 @@ void add_replay(CLI::App& app, const Common& common, int& status) {
       "exit code 1 if they differ or if there is nothing to measure");
   auto options = std::make_shared<ReplayOptions>();
   command->add_option("file", options->path, "recording made by record.start")->required();
-  command->add_option("--speed", options->speed, "1: as recorded; 0 (default): as fast as possible")
-      ->check(number_from(0.0, 1e6));
-  command->add_flag("--step", options->step, "measure one frame at a time; Enter continues");
-  command->add_flag("--frames", options->frames, "print each frame as one line of JSON");
+  auto* speed = command
+                    ->add_option("--speed", options->speed,
+                                 "1: as recorded; 0 (default): as fast as possible")
+                    ->check(number_from(0.0, 1e6));
+  auto* step =
+      command->add_flag("--step", options->step, "measure one frame at a time; Enter continues");
+  auto* frames =
+      command
+          ->add_option_function<std::string>(
+              "--frames",
+              [options](const std::string& text) {
+                options->print_frames = true;
+                if (!text.empty()) options->frames = *parse_range(text);
+              },
+              "print each frame as one line of JSON; with A:B only the frames at the positions A "
+              "to B-1 of the recording, counted from 0")
+          ->expected(0, 1)
+          ->type_name("[A:B]")
+          ->check([](const std::string& text) {
+            return text.empty() ? std::string() : reason_of(parse_range(text));
+          });
+  add_shard(*command, options->shard,
+            "replay only the i-th of N nearly equal ranges of frames, 1/N to N/N")
+      ->excludes(frames);
+  command
+      ->add_option("--output,-o", options->folder,
+                   "write the frames to this folder, as a part for ovws merge, which then reports "
+                   "differences")
+      ->excludes(speed)
+      ->excludes(step);
+  add_refine_options(*command, *options);
   command->callback([&common, &status, options] { status = replay_recording(common, *options); });
+}
+
+void add_merge(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "merge",
+      "join the parts of ovws study --shard into the study's figures, or those of ovws replay -o "
+      "into one list of frames; the result does not depend on the number of parts; works offline");
+  auto options = std::make_shared<MergeOptions>();
+  command->add_option("parts", options->parts, "all parts (JSON lines), in any order")->required();
+  command->add_option("--output,-o", options->folder, "folder for the files")->required();
+  command->callback([&common, &status, options] { status = merge_parts(common, *options); });
 }
 
 void add_study(CLI::App& app, const Common& common, int& status) {
@@ -198,6 +275,10 @@ void add_study(CLI::App& app, const Common& common, int& status) {
   command->add_option("--seed", options->seed, "random seed: the same seed gives the same numbers")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  add_shard(
+      *command, options->shard,
+      "measure only every N-th item of the study, 1/N to N/N, and write a part for ovws merge "
+      "instead of the figures");
   command
       ->add_option(
           "--seconds", options->seconds,
@@ -223,6 +304,7 @@ void add_offline_commands(CLI::App& app, const Common& common, int& status) {
   add_replay(app, common, status);
   add_export(app, common, status);
   add_study(app, common, status);
+  add_merge(app, common, status);
 }
 
 }  // namespace ovws::cli

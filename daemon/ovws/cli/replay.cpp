@@ -1,12 +1,16 @@
 /// ovws replay: measures a recording again and compares the results bit for bit.
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "core/port/clock.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/replay_tally.hpp"
+#include "daemon/ovws/parts/part_writer.hpp"
 #include "daemon/ovwsd/record/loop_player.hpp"
 #include "daemon/ovwsd/record/player.hpp"
 #include "proto/json_text.hpp"
@@ -15,39 +19,50 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
+namespace fs = std::filesystem;
 
-struct Tally {
-  std::uint64_t frames = 0, replayed = 0, same = 0, valid = 0;
-  std::string first_reason, first_difference;
-};
+/// The recording of a part: parts of different recordings are not joined.
+json identity_of(const std::string& path, const RecordingReader& reader) {
+  return {{"file", fs::path(path).filename().string()},
+          {"program", reader.header().program},
+          {"t_begin_ns", reader.header().t_begin_ns},
+          {"frames", reader.frames().size()}};
+}
 
-json line_of(const PlayedFrame& frame) {
-  json out{{"frame_id", frame.recorded.frame_id},
+json refined_content(const RefinedFrame& refined) {
+  json out{{"valid", refined.refusal.empty()},
+           {"reason", text_or_null(refined.refusal)},
+           {"against_reference", refined.against_reference},
+           {"coefficients", nullptr},
+           {"sigma", nullptr},
+           {"fit", nullptr}};
+  if (!refined.modes) return out;
+  const RefinedModes& modes = *refined.modes;
+  out["coefficients"] = modes.waves;
+  out["sigma"] = modes.sigma_waves;
+  out["fit"] = {{"chi2_per_pixel", modes.chi2_per_pixel},
+                {"peak_e", modes.peak_e},
+                {"background_e", modes.background_e},
+                {"iterations", modes.iterations}};
+  return out;
+}
+
+json line_of(const PlayedFrame& frame, std::size_t row, bool refine) {
+  json out{{"row", row},
+           {"frame_id", frame.recorded.frame_id},
            {"t_arrival_ns", frame.recorded.t_arrival_ns},
            {"replayed", frame.replayed},
+           {"reason", text_or_null(frame.reason)},
            {"same", frame.same},
            {"valid", frame.valid},
            {"j", frame.modes_j},
            {"coefficients", nullptr},
            {"sigma", nullptr}};
+  if (refine) out["refined"] = frame.refined ? refined_content(*frame.refined) : json();
   if (!frame.valid) return out;
   out["coefficients"] = frame.coefficients;
   out["sigma"] = frame.sigma_waves;
   return out;
-}
-
-void count(const PlayedFrame& frame, Tally& tally) {
-  ++tally.frames;
-  tally.replayed += frame.replayed;
-  tally.same += frame.same;
-  tally.valid += frame.valid;
-  const std::string id = std::to_string(frame.recorded.frame_id);
-  if (!frame.replayed && tally.first_reason.empty()) {
-    tally.first_reason = "frame " + id + ": " + frame.reason;
-  }
-  if (frame.replayed && !frame.same && tally.first_difference.empty()) {
-    tally.first_difference = "frame " + id;
-  }
 }
 
 /// Sleeps until the frame is due: its recorded time since the first frame, divided by `speed`.
@@ -66,10 +81,6 @@ void wait_for(const PlayedFrame& frame, std::int64_t first_ns, std::int64_t begu
 bool wait_for_enter() {
   std::string line;
   return bool(std::getline(std::cin, line));
-}
-
-json text_or_null(const std::string& text) {
-  return text.empty() ? json(nullptr) : json(text);
 }
 
 json loop_content(const PlayedLoop& loop) {
@@ -91,49 +102,123 @@ void print_loop(const PlayedLoop& loop) {
   if (!loop.reason.empty()) print("not all decisions were repeated: {}\n", loop.reason);
 }
 
-int print_summary(const Common& common, const ReplayOptions& options, const Tally& tally,
-                  const PlayedLoop& loop) {
+/// `loop`: none if the frames are only a part of the recording.
+int print_summary(const Common& common, const ReplayOptions& options, const ReplayTally& tally,
+                  const std::optional<PlayedLoop>& played) {
+  const PlayedLoop loop = played.value_or(PlayedLoop{});
   const bool all_same = tally.same == tally.replayed && loop.same == loop.decisions &&
                         tally.replayed + loop.decisions > 0;
   if (common.json) {
-    print("{}\n", json_text({{"frames", tally.frames},
-                             {"replayed", tally.replayed},
-                             {"same", tally.same},
-                             {"valid", tally.valid},
-                             {"first_not_replayed", text_or_null(tally.first_reason)},
-                             {"first_difference", text_or_null(tally.first_difference)},
-                             {"loop", loop_content(loop)}}));
-    return all_same ? kOk : kError;
+    json summary = tally.content();
+    summary["loop"] = loop_content(loop);
+    print("{}\n", json_text(summary));
+  } else {
+    tally.print_text(options.path);
+    print_loop(loop);
   }
-  print("{}: {} frames, {} replayed, {} of them bit for bit the same, {} valid\n", options.path,
-        tally.frames, tally.replayed, tally.same, tally.valid);
-  if (!tally.first_reason.empty()) print("first not replayed: {}\n", tally.first_reason);
-  if (!tally.first_difference.empty()) print("first difference: {}\n", tally.first_difference);
-  print_loop(loop);
   return all_same ? kOk : kError;
+}
+
+/// The settings with which frames are refined: those of the recording's configuration, with the
+/// values of the command line.
+Result<RefineSetup> refine_setup(const Config& config, const RefineOverrides& camera) {
+  RefineSetup setup = config.refine;
+  setup.enabled = true;
+  if (camera.electrons_per_dn) setup.electrons_per_dn = camera.electrons_per_dn;
+  if (camera.read_noise_e) setup.read_noise_e = *camera.read_noise_e;
+  if (camera.black_level_dn) setup.black_level_dn = *camera.black_level_dn;
+  if (camera.saturation_dn) setup.saturation_dn = camera.saturation_dn;
+  if (auto usable = check_refine(setup); !usable) {
+    return fail(Errc::invalid, "--refine",
+                usable.error().field + " " + usable.error().reason + ": see ovws replay --help");
+  }
+  return setup;
+}
+
+/// The frames of a recording that a command replays.
+struct Selected {
+  std::unique_ptr<Player> player;
+  std::size_t frames = 0;  ///< of the recording
+  Positions range;
+  json refine;  ///< settings; null: frames are not refined
+};
+
+Result<Selected> select(const ReplayOptions& options) {
+  auto player = Player::open(options.path);
+  if (!player) return fail(player.error());
+  const std::uint64_t frames = (*player)->reader().frames().size();
+  Selected out{std::move(*player), frames, options.frames.value_or(Positions{0, frames}), {}};
+  if (options.shard) out.range = consecutive(*options.shard, frames);
+  if (out.range.end > frames) {
+    return fail(Errc::invalid, "frames",
+                fmt::format("{} is not in the recording, which has the frames {}",
+                            text_of(out.range), text_of(Positions{0, frames})));
+  }
+  out.player->select(out.range.begin, out.range.end);
+  if (!options.refine) return out;
+  const auto config = out.player->configuration();
+  if (!config) return fail(config.error());
+  const auto setup = refine_setup(*config, options.camera);
+  if (!setup) return fail(setup.error());
+  out.player->refine(*setup, config->slm.geometry);
+  out.refine = {{"electrons_per_dn", *setup->electrons_per_dn},
+                {"read_noise_e", setup->read_noise_e},
+                {"black_level_dn", setup->black_level_dn},
+                {"saturation_dn", setup->saturation_dn ? json(*setup->saturation_dn) : json()},
+                {"pixel_format", pixel_format_name(setup->format)}};
+  return out;
+}
+
+Result<fs::path> write_part(const ReplayOptions& options, Selected& selected) {
+  PartHead head;
+  head.part_of = kPartOfReplay;
+  head.version = OVWS_VERSION;
+  head.options = {{"recording", identity_of(options.path, selected.player->reader())},
+                  {"refine", selected.refine}};
+  head.items = selected.frames;
+  head.share = text_of(selected.range);
+  const std::string name = options.shard ? part_name(*options.shard) : part_name(selected.range);
+  auto part = PartWriter::make(options.folder, name, head);
+  if (!part) return fail(part.error());
+  for (std::size_t row = selected.range.begin; row < selected.range.end; ++row) {
+    const auto played = selected.player->step();
+    if (!played) return fail(played.error());
+    part->add(row, json_text(line_of(**played, row, options.refine)));
+  }
+  if (auto done = part->finish(); !done) return fail(done.error());
+  return part->path();
 }
 
 }  // namespace
 
 int replay_recording(const Common& common, const ReplayOptions& options) {
-  auto player = Player::open(options.path);
-  if (!player) return report(common, player.error());
-  const auto& recorded = (*player)->reader().frames();
-  const std::int64_t first_ns = recorded.empty() ? 0 : recorded.front().t_arrival_mono_ns;
+  auto selected = select(options);
+  if (!selected) return report(common, selected.error());
+  Player& player = *selected->player;
+  if (!options.folder.empty()) {
+    const auto part = write_part(options, *selected);
+    return part ? report_file(common, *part) : report(common, part.error());
+  }
+  std::optional<std::int64_t> first_ns;
   const std::int64_t begun_ns = monotonic_ns();
-  Tally tally;
-  while (true) {
-    const auto played = (*player)->step();
+  ReplayTally tally;
+  for (std::size_t row = selected->range.begin;; ++row) {
+    const auto played = player.step();
     if (!played) return report(common, played.error());
     if (!*played) break;
-    count(**played, tally);
-    wait_for(**played, first_ns, begun_ns, options.speed);
-    if (options.frames || options.step) print("{}\n", json_text(line_of(**played)));
+    const json line = line_of(**played, row, options.refine);
+    tally.count(line);
+    if (!first_ns) first_ns = (*played)->recorded.t_arrival_mono_ns;
+    wait_for(**played, *first_ns, begun_ns, options.speed);
+    if (options.print_frames || options.step) print("{}\n", json_text(line));
     if (!options.step) continue;
     std::fflush(stdout);
     if (!wait_for_enter()) break;
   }
-  const auto loop = replay_loop((*player)->reader());
+  if (selected->range != Positions{0, selected->frames}) {
+    return print_summary(common, options, tally, std::nullopt);
+  }
+  const auto loop = replay_loop(player.reader());
   if (!loop) return report(common, loop.error());
   return print_summary(common, options, tally, *loop);
 }

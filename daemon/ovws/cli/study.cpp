@@ -1,14 +1,15 @@
 /// ovws study: runs accuracy studies, offline or on a daemon's bench, and writes their figures.
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
+#include "daemon/ovws/parts/part_writer.hpp"
+#include "daemon/ovws/parts/provenance.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/studies.hpp"
 #include "proto/json_text.hpp"
@@ -28,23 +29,42 @@ Result<void> check_folder(const std::filesystem::path& folder) {
               folder.string() + " is not writable: " + error.message());
 }
 
-study::Findings run_study(const StudyOptions& options) {
-  study::Settings settings;
-  settings.quick = options.quick;
-  settings.seed = options.seed;
-  settings.threads = options.threads > 0 ? options.threads : study::all_cores();
-  const auto chosen =
-      std::find_if(study::kStudies.begin(), study::kStudies.end(),
-                   [&](const study::Study& one) { return one.name == options.name; });
-  const auto started = std::chrono::steady_clock::now();
+int threads_of(const StudyOptions& options) {
+  return options.threads > 0 ? options.threads : study::all_cores();
+}
+
+study::Work work_of(const StudyOptions& options) {
   study::print_progress(options.name + ": preparing");
-  study::Findings found = chosen->run(settings);
-  found.summary["quick"] = options.quick;
-  found.summary["seed"] = options.seed;
-  found.summary["version"] = OVWS_VERSION;
-  found.summary["took_s"] =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
-  return found;
+  return study::study_named(options.name)->prepare({options.quick, options.seed});
+}
+
+/// Measures the items of one shard and writes them as a part.
+Result<std::filesystem::path> write_part(const StudyOptions& options, const Shard& shard) {
+  const study::Work work = work_of(options);
+  std::vector<std::size_t> items;
+  for (auto k = std::size_t(shard.number - 1); k < work.items; k += std::size_t(shard.of)) {
+    items.push_back(k);
+  }
+  PartHead head;
+  head.part_of = kPartOfStudy + options.name;
+  head.version = OVWS_VERSION;
+  head.options = {{"quick", options.quick}, {"seed", options.seed}};
+  head.items = work.items;
+  head.share = text_of(shard);
+  auto part = PartWriter::make(options.folder, part_name(shard), head);
+  if (!part) return fail(part.error());
+  const auto results = study::measure_items(work, options.name, items, threads_of(options));
+  study::print_progress("");
+  for (std::size_t k = 0; k < items.size(); ++k) part->add(items[k], results[k]);
+  if (auto done = part->finish(); !done) return fail(done.error());
+  return part->path();
+}
+
+/// Runs a whole study, and returns the text of each item's result.
+std::vector<std::string> measure_all(const StudyOptions& options, const study::Work& work) {
+  std::vector<std::size_t> items(work.items);
+  std::iota(items.begin(), items.end(), std::size_t{0});
+  return study::measure_items(work, options.name, items, threads_of(options));
 }
 
 int bench_command(const Common& common, const StudyOptions& options) {
@@ -65,25 +85,48 @@ int bench_command(const Common& common, const StudyOptions& options) {
 
 }  // namespace
 
-int study_command(const Common& common, const StudyOptions& options) {
-  if (const auto usable = check_folder(options.folder); !usable) {
-    return report(common, usable.error());
-  }
-  if (options.name == kExperiment || options.name == kRejection) {
-    return bench_command(common, options);
-  }
-  const study::Findings found = run_study(options);
+int finish_study(const Common& common, const StudyOptions& options, const study::Work& work,
+                 const std::vector<std::string>& results, const nlohmann::json& provenance) {
+  std::vector<nlohmann::json> read;
+  for (const std::string& text : results) read.push_back(study::result_of(text));
+  study::Findings found = work.find(read);
+  found.summary["quick"] = options.quick;
+  found.summary["seed"] = options.seed;
+  found.summary["version"] = OVWS_VERSION;
   study::print_progress(options.name + ": drawing the figures");
-  auto written = remove_findings(options.name, options.folder);
-  if (written) written = write_findings(found.summary, found.figures, options.folder);
+  const std::filesystem::path folder = options.folder;
+  auto written = remove_findings(options.name, folder);
+  if (written) written = write_provenance(provenance, folder / kProvenance);
+  if (written) written = write_findings(found.summary, found.figures, folder);
   study::print_progress("");
   if (common.json) {
     print("{}\n", json_text(found.summary));
   } else {
-    print("{}: {:.0f} s, see {}\n", options.name, found.summary["took_s"].get<double>(),
+    print("{}: {:.0f} s, see {}\n", options.name, provenance.at("took_s").get<double>(),
           options.folder);
   }
   return written ? kOk : report(common, written.error());
+}
+
+int study_command(const Common& common, const StudyOptions& options) {
+  const bool on_a_bench = options.name == kExperiment || options.name == kRejection;
+  if (on_a_bench && options.shard) {
+    return report(common,
+                  {Errc::refused, "shard",
+                   options.name + " measures one bench in real time, which cannot be shared "
+                                  "out: leave out --shard"});
+  }
+  if (const auto usable = check_folder(options.folder); !usable) {
+    return report(common, usable.error());
+  }
+  if (on_a_bench) return bench_command(common, options);
+  if (options.shard) {
+    const auto part = write_part(options, *options.shard);
+    return part ? report_file(common, *part) : report(common, part.error());
+  }
+  const study::Work work = work_of(options);
+  const auto results = measure_all(options, work);
+  return finish_study(common, options, work, results, host_facts());
 }
 
 }  // namespace ovws::cli

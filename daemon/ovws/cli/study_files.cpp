@@ -33,7 +33,7 @@ std::vector<fs::path> figure_files(const std::string& study, const fs::path& fol
 
 /// Names of the study's files that belong to no gnuplot script.
 std::vector<std::string> other_files(const std::string& study) {
-  std::vector<std::string> names{"summary.json"};
+  std::vector<std::string> names{"summary.json", kProvenance};
   if (study != "experiment") return names;
   names.insert(names.end(), {"cells.csv", "frames.csv", "table.txt", "experiment-residual.png"});
   for (int charge = limits::kCharge.min; charge <= limits::kCharge.max; ++charge) {

@@ -3,11 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <memory>
 #include <random>
 
 #include "core/optics/random_modes.hpp"
 #include "daemon/ovws/study/figure.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/searcher.hpp"
 #include "daemon/ovws/study/sensor.hpp"
 #include "daemon/ovws/study/studies.hpp"
@@ -29,6 +29,7 @@ struct Scene {
 struct Counts {
   int spots = 0, refused = 0, gross = 0;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Counts, spots, refused, gross)
 
 std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Measurer& measurer) {
   std::vector<std::pair<std::string, std::vector<Mode>>> all;
@@ -73,12 +74,27 @@ Counts acquire(const Measurer& measurer, const Scene& scene, double snr, std::ui
   return counts;
 }
 
-}  // namespace
+/// Every scene for one tracker.
+struct Search {
+  TrackerKind kind;
+  std::unique_ptr<const Measurer> measurer;
+  std::vector<Scene> scenes;
+};
 
-Findings acquisition(const Settings& settings) {
-  const std::vector<double> snrs = settings.quick
-                                       ? std::vector<double>{2.0, 5.0, 22.0}
-                                       : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0};
+std::vector<Search> searches_of(const Settings& settings) {
+  const auto model = model_of(default_bench(), 1);
+  std::vector<Search> all;
+  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::fit}) {
+    auto measurer = std::make_unique<const Measurer>(default_bench(), Method{"", 1, {kind}}, model);
+    std::vector<Scene> seen = scenes(settings, *model, *measurer);
+    all.push_back({kind, std::move(measurer), std::move(seen)});
+  }
+  return all;
+}
+
+/// `counts`: of each search, its scenes by SNR.
+Findings findings_of(const std::vector<Search>& searches, const std::vector<double>& snrs,
+                     const std::vector<Counts>& counts) {
   nlohmann::json summary{
       {"study", "acquisition"}, {"peak_e", kPeakE}, {"rows", nlohmann::json::array()}};
   Figure figure{"acquisition",
@@ -86,21 +102,14 @@ Findings acquisition(const Settings& settings) {
                 "RMS of random "
                 "modes",
                 "peak SNR", "fraction of spots"};
-  const auto model = model_of(default_bench(), 1);
-  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::fit}) {
-    const Measurer measurer(default_bench(), {"", 1, {kind}}, model);
-    const std::vector<Scene> all = scenes(settings, *model, measurer);
-    std::vector<Counts> counts(all.size() * snrs.size());
-    parallel_for("acquisition", counts.size(), settings.threads, [&](std::size_t k) {
-      counts[k] =
-          acquire(measurer, all[k / snrs.size()], snrs[k % snrs.size()], settings.seed + 1000 * k);
-    });
+  std::size_t before = 0;  // counts of the searches before
+  for (const auto& [kind, measurer, all] : searches) {
     Series refused{.name = fmt::format("{}, refused", tracker_name(kind))};
     Series gross{.name = fmt::format("{}, wrong", tracker_name(kind))};
     for (std::size_t s = 0; s < snrs.size(); ++s) {
       Counts sum;
       for (std::size_t c = 0; c < all.size(); ++c) {
-        const Counts& one = counts[c * snrs.size() + s];
+        const Counts& one = counts[before + c * snrs.size() + s];
         sum.spots += one.spots;
         sum.refused += one.refused;
         sum.gross += one.gross;
@@ -116,6 +125,7 @@ Findings acquisition(const Settings& settings) {
     }
     figure.series.push_back(std::move(refused));
     figure.series.push_back(std::move(gross));
+    before += all.size() * snrs.size();
   }
   figure.y_from = 0.0;
   figure.y_to = 0.01;  // minimum of the range: all values may be zero
@@ -123,6 +133,25 @@ Findings acquisition(const Settings& settings) {
     figure.y_to = std::max(figure.y_to, 1.1 * *std::max_element(series.y.begin(), series.y.end()));
   }
   return {std::move(summary), {std::move(figure)}};
+}
+
+}  // namespace
+
+Work acquisition(const Settings& settings) {
+  const std::vector<double> snrs = settings.quick
+                                       ? std::vector<double>{2.0, 5.0, 22.0}
+                                       : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0};
+  const auto searches = std::make_shared<const std::vector<Search>>(searches_of(settings));
+  const std::size_t each = searches->front().scenes.size() * snrs.size();
+  return work_of(
+      searches->size() * each,
+      [=, seed = settings.seed](std::size_t item) {
+        const Search& search = (*searches)[item / each];
+        const std::size_t k = item % each;  // both trackers see the same noise
+        return acquire(*search.measurer, search.scenes[k / snrs.size()], snrs[k % snrs.size()],
+                       seed + 1000 * k);
+      },
+      [=](const std::vector<Counts>& counts) { return findings_of(*searches, snrs, counts); });
 }
 
 }  // namespace ovws::study

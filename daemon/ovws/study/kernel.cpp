@@ -1,9 +1,10 @@
 /// Study `kernel`: the best radius of the LG kernel as a function of SNR.
 #include <spdlog/fmt/fmt.h>
 
+#include <memory>
+
 #include "daemon/ovws/study/cloud.hpp"
 #include "daemon/ovws/study/figure.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
 
@@ -16,6 +17,14 @@ struct Beam {
   int charge;
   std::vector<SpotBench> benches;
 };
+
+/// Result for one beam, SNR and radius.
+struct Point {
+  Mean rms_px;
+  int lost = 0;
+  double bound_px = kUnknown;  ///< known for the first radius only, because all have the same
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Point, rms_px, lost, bound_px)
 
 struct Levels {
   std::vector<double> snrs, radii;  ///< radii: units of lambda/d
@@ -63,26 +72,33 @@ std::vector<Beam> beams_of(const std::vector<double>& radii) {
   return beams;
 }
 
-/// Curves of all beams and SNRs. All radii see the same noise (common random numbers), so that
-/// curves differ only by the radius.
-std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& levels,
-                             const Settings& settings) {
+/// Measures item k: one radius of one beam at one SNR. All radii see the same noise (common random
+/// numbers), so that curves differ only by the radius.
+Point measure(std::size_t k, const std::vector<Beam>& beams, const Levels& levels,
+              std::uint64_t seed) {
   const std::size_t radii = levels.radii.size(), snrs = levels.snrs.size();
-  std::vector<Cloud> clouds(beams.size() * snrs * radii);
-  parallel_for("kernel", clouds.size(), settings.threads, [&](std::size_t k) {
-    const Beam& beam = beams[k / radii / snrs];
-    const std::size_t s = k / radii % snrs;
-    clouds[k] = cloud_of(beam.benches[k % radii], read_noise_of_snr(levels.snrs[s]),
-                         levels.realisations, settings.seed + 1000 * s + unsigned(beam.charge));
-  });
+  const Beam& beam = beams[k / radii / snrs];
+  const std::size_t s = k / radii % snrs;
+  const SpotBench& bench = beam.benches[k % radii];
+  const double read_noise_e = read_noise_of_snr(levels.snrs[s]);
+  const Cloud cloud =
+      cloud_of(bench, read_noise_e, levels.realisations, seed + 1000 * s + unsigned(beam.charge));
+  return {root_of(cloud.squares_px2), cloud.lost,
+          k % radii == 0 ? bound_px(bench, read_noise_e) : kUnknown};
+}
+
+/// Curves of all beams and SNRs.
+std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& levels,
+                             const std::vector<Point>& points) {
+  const std::size_t radii = levels.radii.size(), snrs = levels.snrs.size();
   std::vector<Curve> curves;
   for (std::size_t c = 0; c < beams.size() * snrs; ++c) {
     const double snr = levels.snrs[c % snrs];
     const Beam& beam = beams[c / snrs];
-    Curve curve{&beam, snr, {}, {}, bound_px(beam.benches.front(), read_noise_of_snr(snr))};
+    Curve curve{&beam, snr, {}, {}, points[c * radii].bound_px};
     for (std::size_t r = 0; r < radii; ++r) {
-      curve.rms_px.push_back(root_of(clouds[c * radii + r].squares_px2));
-      curve.lost.push_back(clouds[c * radii + r].lost);
+      curve.rms_px.push_back(points[c * radii + r].rms_px);
+      curve.lost.push_back(points[c * radii + r].lost);
     }
     curves.push_back(std::move(curve));
   }
@@ -126,16 +142,7 @@ nlohmann::json row_of(const Curve& curve, std::size_t r, const std::vector<doubl
           {"lost", curve.lost[r]}};
 }
 
-}  // namespace
-
-Findings kernel(const Settings& settings) {
-  const Levels levels =
-      settings.quick
-          ? Levels{{2.0, 5.0, 22.0}, {0.2, 0.3, 0.4, 0.6}, 100}
-          : Levels{
-                {2.0, 5.0, 22.0}, {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.8, 1.0}, 400};
-  const std::vector<Beam> beams = beams_of(levels.radii);
-  const std::vector<Curve> curves = curves_of(beams, levels, settings);
+Findings findings_of(const std::vector<Curve>& curves, const Levels& levels) {
   nlohmann::json summary{{"study", "kernel"},
                          {"unit", "px RMS per axis"},
                          {"peak_e", kPeakE},
@@ -151,6 +158,23 @@ Findings kernel(const Settings& settings) {
   return {std::move(summary),
           {figure_of(Light::equal_peak, curves, levels.radii),
            figure_of(Light::equal_photons, curves, levels.radii)}};
+}
+
+}  // namespace
+
+Work kernel(const Settings& settings) {
+  const Levels levels =
+      settings.quick
+          ? Levels{{2.0, 5.0, 22.0}, {0.2, 0.3, 0.4, 0.6}, 100}
+          : Levels{
+                {2.0, 5.0, 22.0}, {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.8, 1.0}, 400};
+  const auto beams = std::make_shared<const std::vector<Beam>>(beams_of(levels.radii));
+  return work_of(
+      beams->size() * levels.snrs.size() * levels.radii.size(),
+      [=, seed = settings.seed](std::size_t k) { return measure(k, *beams, levels, seed); },
+      [=](const std::vector<Point>& points) {
+        return findings_of(curves_of(*beams, levels, points), levels);
+      });
 }
 
 }  // namespace ovws::study

@@ -3,10 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <memory>
+#include <span>
 
 #include "daemon/ovws/study/cloud.hpp"
 #include "daemon/ovws/study/figure.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
 
@@ -17,43 +18,44 @@ constexpr double kCloudNoiseE = 55.0;  ///< read noise of the point clouds
 
 /// The errors of one method at one read noise.
 struct Point {
-  const SpotBench* bench;
-  double x;  ///< x value in the figure: read noise or SNR
-  double read_noise_e;
   Mean rms_px;
-  double bound_px;
-  int lost;
+  double bound_px = kUnknown;
+  int lost = 0;
+  std::vector<double> x_px{}, y_px{};  ///< errors of each realisation, for the figure of clouds
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Point, rms_px, bound_px, lost, x_px, y_px)
 
 /// Errors of every method at every x, which is a read noise or an SNR.
-std::vector<Point> sweep(const char* study, const std::vector<SpotBench>& benches,
-                         const std::vector<double>& all_x, double (*read_noise_e_of)(double x),
-                         int realisations, const Settings& settings) {
-  std::vector<Point> points(benches.size() * all_x.size());
-  parallel_for(study, points.size(), settings.threads, [&](std::size_t k) {
-    const SpotBench& bench = benches[k / all_x.size()];
-    const double x = all_x[k % all_x.size()], read_noise_e = read_noise_e_of(x);
-    const Cloud cloud = cloud_of(bench, read_noise_e, realisations, settings.seed + 1000 * k);
-    points[k] = {
-        &bench,    x, read_noise_e, root_of(cloud.squares_px2), bound_px(bench, read_noise_e),
-        cloud.lost};
-  });
-  return points;
-}
+struct Sweep {
+  std::vector<SpotBench> benches = all_spot_benches();
+  std::vector<double> all_x;
+  double (*read_noise_e_of)(double x);
+  int realisations;
+  std::uint64_t seed;
+
+  std::size_t size() const { return benches.size() * all_x.size(); }
+  const SpotBench& bench_of(std::size_t k) const { return benches[k / all_x.size()]; }
+  double x_of(std::size_t k) const { return all_x[k % all_x.size()]; }
+  double read_noise_e(std::size_t k) const { return read_noise_e_of(x_of(k)); }
+  Point measure(std::size_t k) const {
+    const Cloud cloud = cloud_of(bench_of(k), read_noise_e(k), realisations, seed + 1000 * k);
+    return {root_of(cloud.squares_px2), bound_px(bench_of(k), read_noise_e(k)), cloud.lost};
+  }
+};
 
 /// Adds one series per method at this light level. After the last method of each charge, adds the
 /// charge's Cramer-Rao bound.
-Figure figure_of(Figure figure, Light light, const std::vector<SpotBench>& benches,
-                 const std::vector<Point>& points) {
+Figure figure_of(Figure figure, Light light, const Sweep& sweep, const std::vector<Point>& points) {
+  const std::vector<SpotBench>& benches = sweep.benches;
   for (std::size_t b = 0; b < benches.size(); ++b) {
     if (benches[b].light != light) continue;
     const int charge = benches[b].method.charge;
     Series series{.name = benches[b].method.name};
     Series bound{.name = fmt::format("bound, charge {}", charge), .style = Series::Style::line};
-    for (const Point& point : points) {
-      if (point.bench != &benches[b]) continue;
-      series.add(point.x, point.rms_px);
-      bound.add(point.x, point.bound_px);
+    for (std::size_t k = 0; k < sweep.size(); ++k) {
+      if (&sweep.bench_of(k) != &benches[b]) continue;
+      series.add(sweep.x_of(k), points[k].rms_px);
+      bound.add(sweep.x_of(k), points[k].bound_px);
     }
     figure.series.push_back(std::move(series));
     const bool more = b + 1 < benches.size() && benches[b + 1].light == light &&
@@ -71,37 +73,29 @@ nlohmann::json summary_of(const char* study, int realisations) {
           {"rows", nlohmann::json::array()}};
 }
 
-Figure cloud_figure(const std::vector<SpotBench>& all, const Settings& settings) {
+/// `clouds`: one for each bench at equal peak.
+Figure cloud_figure(const std::vector<SpotBench>& all, std::span<const Point> clouds) {
   Figure figure{
       "localisation-clouds",
       fmt::format("Position errors of one spot, read noise {} e, peak {} e", kCloudNoiseE, kPeakE),
       "x error (px)", "y error (px)"};
   figure.same_scale = true;
-  for (const SpotBench& bench : all) {
-    if (bench.light != Light::equal_peak) continue;
-    const Cloud cloud = cloud_of(bench, kCloudNoiseE, settings.quick ? 30 : 100, settings.seed);
-    figure.series.push_back({bench.method.name, cloud.x_px, cloud.y_px, {}, Series::Style::points});
+  for (std::size_t c = 0; c < clouds.size(); ++c) {
+    const std::string& name = all[c].method.name;
+    figure.series.push_back({name, clouds[c].x_px, clouds[c].y_px, {}, Series::Style::points});
   }
   return figure;
 }
 
-}  // namespace
-
-Findings localisation(const Settings& settings) {
-  const int realisations = settings.quick ? 30 : 100;
-  const double step_e = settings.quick ? 40.0 : 10.0;
-  std::vector<double> noises_e;
-  for (double noise_e = 5.0; noise_e <= 85.0; noise_e += step_e) noises_e.push_back(noise_e);
-  const std::vector<SpotBench> benches = all_spot_benches();
-  const std::vector<Point> points = sweep(
-      "localisation", benches, noises_e, [](double noise_e) { return noise_e; }, realisations,
-      settings);
-  Findings found{summary_of("localisation", realisations), {}};
-  for (const Point& point : points) {
-    found.summary["rows"].push_back({{"light", name_of(point.bench->light)},
-                                     {"method", point.bench->method.name},
-                                     {"read_noise_e", point.read_noise_e},
-                                     {"snr", snr_of_read_noise(point.read_noise_e)},
+/// `points`: those of the sweep, then the clouds.
+Findings localised(const Sweep& sweep, const std::vector<Point>& points) {
+  Findings found{summary_of("localisation", sweep.realisations), {}};
+  for (std::size_t k = 0; k < sweep.size(); ++k) {
+    const Point& point = points[k];
+    found.summary["rows"].push_back({{"light", name_of(sweep.bench_of(k).light)},
+                                     {"method", sweep.bench_of(k).method.name},
+                                     {"read_noise_e", sweep.read_noise_e(k)},
+                                     {"snr", snr_of_read_noise(sweep.read_noise_e(k))},
                                      {"rms_px", point.rms_px.value},
                                      {"standard_error_px", point.rms_px.standard_error},
                                      {"lost", point.lost}});
@@ -111,25 +105,19 @@ Findings localisation(const Settings& settings) {
                   fmt::format("Localisation of one spot at {}", name_of(light)),
                   "read noise (electrons RMS)", "position error (px RMS per axis)"};
     figure.log_y = true;
-    found.figures.push_back(figure_of(std::move(figure), light, benches, points));
+    found.figures.push_back(figure_of(std::move(figure), light, sweep, points));
   }
-  found.figures.push_back(cloud_figure(benches, settings));
+  found.figures.push_back(cloud_figure(sweep.benches, std::span(points).subspan(sweep.size())));
   return found;
 }
 
-Findings trackers(const Settings& settings) {
-  const std::vector<double> snrs = settings.quick
-                                       ? std::vector<double>{3.0, 8.0, 22.0}
-                                       : std::vector<double>{2.0, 3.0, 4.0, 5.0, 8.0, 12.0, 22.0};
-  const int realisations = settings.quick ? 100 : 1000;
-  const std::vector<SpotBench> benches = all_spot_benches();
-  const std::vector<Point> points =
-      sweep("trackers", benches, snrs, read_noise_of_snr, realisations, settings);
-  Findings found{summary_of("trackers", realisations), {}};
-  for (const Point& point : points) {
-    found.summary["rows"].push_back({{"light", name_of(point.bench->light)},
-                                     {"method", point.bench->method.name},
-                                     {"snr", point.x},
+Findings tracked(const Sweep& sweep, const std::vector<Point>& points) {
+  Findings found{summary_of("trackers", sweep.realisations), {}};
+  for (std::size_t k = 0; k < sweep.size(); ++k) {
+    const Point& point = points[k];
+    found.summary["rows"].push_back({{"light", name_of(sweep.bench_of(k).light)},
+                                     {"method", sweep.bench_of(k).method.name},
+                                     {"snr", sweep.x_of(k)},
                                      {"rms_px", point.rms_px.value},
                                      {"standard_error_px", point.rms_px.standard_error},
                                      {"bound_px", point.bound_px},
@@ -142,9 +130,50 @@ Findings trackers(const Settings& settings) {
                   fmt::format("Every tracker and its bound at {}", name_of(light)),
                   peak ? "peak SNR" : "peak SNR of the vortex", "position error (px RMS per axis)"};
     figure.log_x = figure.log_y = true;
-    found.figures.push_back(figure_of(std::move(figure), light, benches, points));
+    found.figures.push_back(figure_of(std::move(figure), light, sweep, points));
   }
   return found;
+}
+
+}  // namespace
+
+/// Its items: the points of the sweep, then a cloud for each bench at equal peak, which are the
+/// first benches.
+Work localisation(const Settings& settings) {
+  const int realisations = settings.quick ? 30 : 100;
+  const double step_e = settings.quick ? 40.0 : 10.0;
+  std::vector<double> noises_e;
+  for (double noise_e = 5.0; noise_e <= 85.0; noise_e += step_e) noises_e.push_back(noise_e);
+  const auto sweep =
+      std::make_shared<const Sweep>(Sweep{.all_x = noises_e,
+                                          .read_noise_e_of = [](double noise_e) { return noise_e; },
+                                          .realisations = realisations,
+                                          .seed = settings.seed});
+  const auto clouds =
+      std::count_if(sweep->benches.begin(), sweep->benches.end(),
+                    [](const SpotBench& bench) { return bench.light == Light::equal_peak; });
+  const auto measure = [sweep](std::size_t k) {
+    if (k < sweep->size()) return sweep->measure(k);
+    const SpotBench& bench = sweep->benches[k - sweep->size()];
+    Cloud cloud = cloud_of(bench, kCloudNoiseE, sweep->realisations, sweep->seed);
+    return Point{{}, kUnknown, cloud.lost, std::move(cloud.x_px), std::move(cloud.y_px)};
+  };
+  return work_of(sweep->size() + std::size_t(clouds), measure,
+                 [sweep](const std::vector<Point>& points) { return localised(*sweep, points); });
+}
+
+Work trackers(const Settings& settings) {
+  const std::vector<double> snrs = settings.quick
+                                       ? std::vector<double>{3.0, 8.0, 22.0}
+                                       : std::vector<double>{2.0, 3.0, 4.0, 5.0, 8.0, 12.0, 22.0};
+  const auto sweep =
+      std::make_shared<const Sweep>(Sweep{.all_x = snrs,
+                                          .read_noise_e_of = read_noise_of_snr,
+                                          .realisations = settings.quick ? 100 : 1000,
+                                          .seed = settings.seed});
+  return work_of(
+      sweep->size(), [sweep](std::size_t k) { return sweep->measure(k); },
+      [sweep](const std::vector<Point>& points) { return tracked(*sweep, points); });
 }
 
 }  // namespace ovws::study

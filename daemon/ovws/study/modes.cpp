@@ -15,7 +15,6 @@
 #include "core/spots/wavefront_fit.hpp"
 #include "daemon/ovws/study/figure.hpp"
 #include "daemon/ovws/study/fitting.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/sensor.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
@@ -47,6 +46,8 @@ struct ModeErrors {
   Mean positions;                        ///< measured with the positions of the same spots only
   double positions_expected = kUnknown;  ///< expected; NaN: positions do not determine the modes
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModeErrors, bound, shapes, shapes_expected, positions,
+                                   positions_expected)
 
 constexpr int kTilts = 2;               // tip and tilt, the first modes: left out of the errors
 constexpr double kConditioning = 1e-9;  // least reciprocal condition number of normal equations
@@ -236,15 +237,8 @@ Figure figure_of(int subapertures, Budget budget, const std::vector<ModeCase>& c
   return figure;
 }
 
-}  // namespace
-
-Findings modes(const Settings& settings) {
-  const int images = settings.quick ? 20 : 100;
-  const std::vector<ModeCase> cases = cases_of(settings);
-  std::vector<ModeErrors> errors(cases.size());
-  parallel_for("modes", cases.size(), settings.threads, [&](std::size_t k) {
-    errors[k] = measure_modes(cases[k], images, settings.seed + 1000 * k);
-  });
+Findings findings_of(const std::vector<ModeCase>& cases, const std::vector<ModeErrors>& errors,
+                     bool quick) {
   Findings findings;
   findings.summary = {{"study", "modes"},
                       {"unit", "waves"},
@@ -256,12 +250,27 @@ Findings modes(const Settings& settings) {
     findings.summary["rows"].push_back(row_of(cases[k], errors[k]));
   }
   for (const int subapertures : {19, 37, 61}) {
-    if (settings.quick && subapertures != 19) continue;
+    if (quick && subapertures != 19) continue;
     for (const Budget budget : kBudgets) {
       findings.figures.push_back(figure_of(subapertures, budget, cases, errors));
     }
   }
   return findings;
+}
+
+}  // namespace
+
+Work modes(const Settings& settings) {
+  const int images = settings.quick ? 20 : 100;
+  const std::vector<ModeCase> cases = cases_of(settings);
+  return work_of(
+      cases.size(),
+      [cases, images, seed = settings.seed](std::size_t k) {
+        return measure_modes(cases[k], images, seed + 1000 * k);
+      },
+      [cases, quick = settings.quick](const std::vector<ModeErrors>& errors) {
+        return findings_of(cases, errors, quick);
+      });
 }
 
 }  // namespace ovws::study

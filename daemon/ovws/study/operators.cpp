@@ -4,10 +4,10 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "daemon/ovws/study/figure.hpp"
 #include "daemon/ovws/study/operator_bench.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
 
@@ -44,6 +44,7 @@ struct Outcome {
   std::array<int, kOperatorCount> undetermined{};
   double bound_waves = 0.0;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Outcome, errors_waves, undetermined, bound_waves)
 
 /// Sum of squares over all modes of measured minus true, waves^2.
 double square_error(const std::vector<double>& found, const std::vector<int>& modes_j, Mode truth) {
@@ -72,20 +73,6 @@ Outcome measure(OperatorBench& bench, const std::vector<int>& modes_j, const Cas
   }
   for (std::size_t o = 0; o < kOperatorCount; ++o) outcome.errors_waves[o] = root_of(squares[o]);
   return outcome;
-}
-
-/// Results of every mode for each case, in the order of kCases.
-std::vector<Outcome> outcomes_of(const Levels& levels, const Settings& settings) {
-  const std::array<OperatorTools, 2> tools{OperatorTools(0), OperatorTools(1)};
-  std::vector<Outcome> outcomes(kCases.size() * levels.modes());
-  parallel_for("operators", outcomes.size(), settings.threads, [&](std::size_t k) {
-    const Case& one = kCases[k / levels.modes()];
-    const OperatorTools& with = tools[std::size_t(one.charge)];
-    OperatorBench bench(with);
-    outcomes[k] = measure(bench, with.modes_j(), one, levels.mode(k % levels.modes()),
-                          levels.realisations, settings.seed + 1000 * k);
-  });
-  return outcomes;
 }
 
 Figure frame_of(const Case& one, double waves) {
@@ -154,14 +141,7 @@ nlohmann::json rows_of(const Levels& levels, const std::vector<Outcome>& outcome
   return rows;
 }
 
-}  // namespace
-
-Findings operators(const Settings& settings) {
-  const Levels levels =
-      settings.quick
-          ? Levels{{0.3}, {3, 13}, 2}
-          : Levels{{0.1, 0.3}, {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18}, 4};
-  const std::vector<Outcome> outcomes = outcomes_of(levels, settings);
+Findings findings_of(const Levels& levels, const std::vector<Outcome>& outcomes) {
   nlohmann::json summary{{"study", "operators"},
                          {"unit", "waves, root sum square over all modes"},
                          {"snr", kSnr},
@@ -173,6 +153,28 @@ Findings operators(const Settings& settings) {
     figures.push_back(figure_of(c, levels, outcomes));
   }
   return {std::move(summary), std::move(figures)};
+}
+
+}  // namespace
+
+/// Its items: every mode for each case, in the order of kCases.
+Work operators(const Settings& settings) {
+  const Levels levels =
+      settings.quick
+          ? Levels{{0.3}, {3, 13}, 2}
+          : Levels{{0.1, 0.3}, {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18}, 4};
+  const auto vortex = std::make_shared<const OperatorTools>(1);
+  const auto bright = std::make_shared<const OperatorTools>(0);
+  return work_of(
+      kCases.size() * levels.modes(),
+      [levels, vortex, bright, seed = settings.seed](std::size_t k) {
+        const Case& one = kCases[k / levels.modes()];
+        const OperatorTools& with = one.charge == 0 ? *bright : *vortex;
+        OperatorBench bench(with);
+        return measure(bench, with.modes_j(), one, levels.mode(k % levels.modes()),
+                       levels.realisations, seed + 1000 * k);
+      },
+      [levels](const std::vector<Outcome>& outcomes) { return findings_of(levels, outcomes); });
 }
 
 }  // namespace ovws::study

@@ -7,7 +7,6 @@
 
 #include "daemon/ovws/study/cloud.hpp"
 #include "daemon/ovws/study/figure.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/studies.hpp"
 
 namespace ovws::study {
@@ -17,14 +16,17 @@ constexpr double kLowestSnr = 5.0, kHighestSnr = 22.0;
 constexpr double kStartWithin = 0.3;  ///< lambda/d
 constexpr double kAgreePx = 0.01;
 
+/// Positions of one spot by both methods, px; NaN: not found.
 struct Pair {
   double snr = 0.0;
-  SpotFix fast, contour;
-  bool both() const { return fast.found() && contour.found(); }
-  double apart_px() const {
-    return std::hypot(double(fast.x - contour.x), double(fast.y - contour.y));
-  }
+  float x = 0.0F, y = 0.0F;                  ///< by lg
+  float contour_x = 0.0F, contour_y = 0.0F;  ///< by the contour method
+  bool fast_found() const { return !std::isnan(x); }
+  bool contour_found() const { return !std::isnan(contour_x); }
+  bool both() const { return fast_found() && contour_found(); }
+  double apart_px() const { return std::hypot(double(x - contour_x), double(y - contour_y)); }
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Pair, snr, x, y, contour_x, contour_y)
 
 Pair compare(const SpotBench& fast, const SpotBench& contour, std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -34,32 +36,21 @@ Pair compare(const SpotBench& fast, const SpotBench& contour, std::uint64_t seed
   pair.snr = std::uniform_real_distribution<double>(kLowestSnr, kHighestSnr)(random);
   const std::vector<Vec2> start{fast.at_px + Vec2{within(random), within(random)}};
   const Exposure exposure = expose(fast.light_e, read_noise_of_snr(pair.snr), random());
-  pair.fast = fast.measurer->track(exposure, start).front();
-  pair.contour = contour.measurer->track(exposure, start).front();
-  return pair;
+  const SpotFix by_lg = fast.measurer->track(exposure, start).front();
+  const SpotFix by_contour = contour.measurer->track(exposure, start).front();
+  return {pair.snr, by_lg.x, by_lg.y, by_contour.x, by_contour.y};
 }
 
 nlohmann::json json_of(const Pair& pair) {
   return {{"snr", pair.snr},
-          {"lg", {pair.fast.x, pair.fast.y}},
-          {"lg_contour", {pair.contour.x, pair.contour.y}},
+          {"lg", {pair.x, pair.y}},
+          {"lg_contour", {pair.contour_x, pair.contour_y}},
           {"apart_px", pair.apart_px()}};
 }
 
-}  // namespace
-
-Findings oracle(const Settings& settings) {
-  const std::size_t spots = settings.quick ? 200 : 10'000;
-  const auto vortex = model_of(default_bench(), 1);
-  const SpotBench fast =
-      spot_bench({"lg", 1, {TrackerKind::lg}}, Light::equal_peak, vortex, vortex);
-  const SpotBench contour =
-      spot_bench({"lg_contour", 1, {TrackerKind::lg_contour}}, Light::equal_peak, vortex, vortex);
-  std::vector<Pair> pairs(spots);
-  parallel_for("oracle", spots, settings.threads,
-               [&](std::size_t k) { pairs[k] = compare(fast, contour, settings.seed + 1000 * k); });
+Findings findings_of(const std::vector<Pair>& pairs) {
   nlohmann::json summary{{"study", "oracle"},
-                         {"spots", spots},
+                         {"spots", pairs.size()},
                          {"agree_px", kAgreePx},
                          {"rows", nlohmann::json::array()}};
   Series apart{"both found", {}, {}, {}, Series::Style::points};
@@ -73,16 +64,32 @@ Findings oracle(const Settings& settings) {
   summary["both_found"] = both;
   summary["agree"] = agree;
   summary["only_lg"] = std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) {
-    return p.fast.found() && !p.contour.found();
+    return p.fast_found() && !p.contour_found();
   });
   summary["only_lg_contour"] = std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) {
-    return !p.fast.found() && p.contour.found();
+    return !p.fast_found() && p.contour_found();
   });
   Figure figure{"oracle",   "lg and the paper's contour method on the same noisy vortex",
                 "peak SNR", "distance between the two (px)",
                 false,      true,
                 false,      {apart}};
   return {std::move(summary), {std::move(figure)}};
+}
+
+}  // namespace
+
+Work oracle(const Settings& settings) {
+  const auto vortex = model_of(default_bench(), 1);
+  const SpotBench fast =
+      spot_bench({"lg", 1, {TrackerKind::lg}}, Light::equal_peak, vortex, vortex);
+  const SpotBench contour =
+      spot_bench({"lg_contour", 1, {TrackerKind::lg_contour}}, Light::equal_peak, vortex, vortex);
+  return work_of(
+      settings.quick ? 200 : 10'000,
+      [fast, contour, seed = settings.seed](std::size_t k) {
+        return compare(fast, contour, seed + 1000 * k);
+      },
+      findings_of);
 }
 
 }  // namespace ovws::study

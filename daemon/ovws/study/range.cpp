@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "daemon/ovws/study/figure.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/searcher.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
@@ -35,6 +34,7 @@ struct Climb {
   double waves = 0.0;  ///< RMS, unsigned: up to this amplitude every spot was found at its place
   Limit limited_by = Limit::nothing;  ///< `nothing`: the ramp has not ended
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Climb, waves, limited_by)
 
 struct ClimbSteps {
   double step_waves = 0.05;
@@ -60,6 +60,14 @@ struct Climber {
 struct GeometricLimit {
   double leaving_waves, crossing_waves;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GeometricLimit, leaving_waves, crossing_waves)
+
+/// Result for one mode and sign.
+struct Reached {
+  std::vector<std::vector<Climb>> climbs;  ///< of each climber
+  GeometricLimit geometry{};
+};
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Reached, climbs, geometry)
 
 constexpr double kGross = 0.5;   ///< lambda/d: a larger error counts as a wrong spot
 constexpr double kMargin = 1.0;  ///< lambda/d: the size of a vortex ring
@@ -123,9 +131,10 @@ std::vector<Climber> all_climbers() {
   return all;
 }
 
-/// Ramps the amplitude of mode j with this sign for all climbers. The same seed gives the same
-/// numbers.
-std::vector<Climber> climb(int j, double sign, const ClimbSteps& steps, std::uint64_t seed) {
+/// Ramps the amplitude of mode j with this sign for all climbers, and returns the climbs of each.
+/// The same seed gives the same numbers.
+std::vector<std::vector<Climb>> climb(int j, double sign, const ClimbSteps& steps,
+                                      std::uint64_t seed) {
   const Geometry geometry = default_bench();
   const auto vortex = model_of(geometry, 1), bright = model_of(geometry, 0);
   const double read_noise_e = read_noise_of_snr(steps.snr);
@@ -159,7 +168,9 @@ std::vector<Climber> climb(int j, double sign, const ClimbSteps& steps, std::uin
       }
     }
   }
-  return climbers;
+  std::vector<std::vector<Climb>> climbs;
+  for (Climber& climber : climbers) climbs.push_back(std::move(climber.climbs));
+  return climbs;
 }
 
 GeometricLimit geometric_limit(const Measurer& measurer, int j, double sign,
@@ -273,25 +284,15 @@ Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& st
   return figure;
 }
 
-}  // namespace
-
-Findings range(const Settings& settings) {
-  const ClimbSteps steps =
-      settings.quick ? ClimbSteps{0.15, 1.5, 10.0, 1} : ClimbSteps{0.1, 2.0, 10.0, 4};
-  const std::vector<int> modes_j =
-      settings.quick ? std::vector<int>{3, 4}
-                     : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
-  std::vector<Way> ways;
-  for (const double sign : {1.0, -1.0}) {
-    for (const int j : modes_j) ways.push_back({j, sign});
+Findings findings_of(std::vector<Way> ways, const ClimbSteps& steps,
+                     const std::vector<Reached>& results) {
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    ways[k].climbers = all_climbers();
+    for (std::size_t c = 0; c < ways[k].climbers.size(); ++c) {
+      ways[k].climbers[c].climbs = results[k].climbs.at(c);
+    }
+    ways[k].geometry = results[k].geometry;
   }
-  const Measurer geometric(default_bench(), {"", 1, {TrackerKind::lg}},
-                           model_of(default_bench(), 1));
-  parallel_for("range", ways.size(), settings.threads, [&](std::size_t k) {
-    Way& way = ways[k];
-    way.climbers = climb(way.j, way.sign, steps, settings.seed + 1'000'000 * k);
-    way.geometry = geometric_limit(geometric, way.j, way.sign, steps);
-  });
   nlohmann::json summary{{"study", "range"},
                          {"unit", "waves, RMS-normalised"},
                          {"snr", steps.snr},
@@ -302,6 +303,30 @@ Findings range(const Settings& settings) {
   return {
       std::move(summary),
       {figure_of(Light::equal_peak, ways, steps), figure_of(Light::equal_photons, ways, steps)}};
+}
+
+}  // namespace
+
+Work range(const Settings& settings) {
+  const ClimbSteps steps =
+      settings.quick ? ClimbSteps{0.15, 1.5, 10.0, 1} : ClimbSteps{0.1, 2.0, 10.0, 4};
+  const std::vector<int> modes_j =
+      settings.quick ? std::vector<int>{3, 4}
+                     : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14};
+  std::vector<Way> ways;
+  for (const double sign : {1.0, -1.0}) {
+    for (const int j : modes_j) ways.push_back({j, sign});
+  }
+  const auto geometric = std::make_shared<const Measurer>(
+      default_bench(), Method{"", 1, {TrackerKind::lg}}, model_of(default_bench(), 1));
+  return work_of(
+      ways.size(),
+      [=, seed = settings.seed](std::size_t k) {
+        const Way& way = ways[k];
+        return Reached{climb(way.j, way.sign, steps, seed + 1'000'000 * k),
+                       geometric_limit(*geometric, way.j, way.sign, steps)};
+      },
+      [=](const std::vector<Reached>& results) { return findings_of(ways, steps, results); });
 }
 
 }  // namespace ovws::study

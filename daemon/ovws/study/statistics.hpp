@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 namespace ovws::study {
@@ -15,6 +16,7 @@ struct Mean {
   double standard_error = 0.0;
   std::size_t count = 0;
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Mean, value, standard_error, count)
 
 inline Mean mean_of(const std::vector<double>& values) {
   Mean mean;

@@ -1,41 +1,34 @@
-/// The accuracy studies: each returns its figures and a summary, and writes nothing.
+/// The accuracy studies: each returns its items, and makes its figures and a summary from their
+/// results. It writes nothing.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <nlohmann/json.hpp>
-#include <vector>
+#include <string_view>
 
-#include "daemon/ovws/study/figure.hpp"
+#include "daemon/ovws/study/work.hpp"
 
 namespace ovws::study {
 
 struct Settings {
-  bool quick = false;  ///< fewer levels and realisations: seconds instead of minutes
-  int threads = 1;
-  std::uint64_t seed = 1;  ///< the same seed gives the same numbers, whatever the threads
+  bool quick = false;      ///< fewer levels and realisations: seconds instead of minutes
+  std::uint64_t seed = 1;  ///< the same seed gives the same numbers
 };
 
-/// The results of a study. A study that cannot run is a bug and throws.
-struct Findings {
-  nlohmann::json summary;  ///< machine-readable
-  std::vector<Figure> figures;
-};
-
-Findings localisation(const Settings& settings);
-Findings wavefront(const Settings& settings);
-Findings trackers(const Settings& settings);
-Findings kernel(const Settings& settings);
-Findings range(const Settings& settings);
-Findings acquisition(const Settings& settings);
-Findings oracle(const Settings& settings);
-Findings operators(const Settings& settings);
-Findings modes(const Settings& settings);
+Work localisation(const Settings& settings);
+Work wavefront(const Settings& settings);
+Work trackers(const Settings& settings);
+Work kernel(const Settings& settings);
+Work range(const Settings& settings);
+Work acquisition(const Settings& settings);
+Work oracle(const Settings& settings);
+Work operators(const Settings& settings);
+Work modes(const Settings& settings);
 
 struct Study {
   const char* name;
   const char* what;
-  Findings (*run)(const Settings&);
+  Work (*prepare)(const Settings&);
 };
 constexpr std::array<Study, 9> kStudies{{
     {"localisation", "position error of one spot against read noise", localisation},
@@ -50,5 +43,8 @@ constexpr std::array<Study, 9> kStudies{{
      operators},
     {"modes", "error against the number of modes, by shapes and by positions of the spots", modes},
 }};
+
+/// The study with this name; null: there is none.
+const Study* study_named(std::string_view name);
 
 }  // namespace ovws::study

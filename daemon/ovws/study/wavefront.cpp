@@ -1,13 +1,14 @@
 /// Study `wavefront`: residual phase variance against SNR, as in the paper's figure.
 #include <spdlog/fmt/fmt.h>
 
+#include <memory>
 #include <optional>
 #include <random>
+#include <span>
 
 #include "core/wavefront/residual_variance.hpp"
 #include "daemon/ovws/study/figure.hpp"
 #include "daemon/ovws/study/fitting.hpp"
-#include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/sensor.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
@@ -41,15 +42,17 @@ struct Bench {
   std::shared_ptr<Measurer> measurer;
   Image<float> light_e;
   std::vector<Vec2> at_px;
-  double noise_free_rad2 = 0.0;  ///< residual variance without noise: the model's error
 };
 
 struct Outcome {
   std::vector<double> variances;  ///< rad^2, one per reconstructed instance
   int undetermined = 0;
-  int lost = 0;             ///< number of lost spots
-  double bound_rad2 = 0.0;  ///< independent of the method; reported with `fit`
+  int lost = 0;                  ///< number of lost spots
+  double bound_rad2 = 0.0;       ///< independent of the method; reported with `fit`
+  double noise_free_rad2 = 0.0;  ///< residual variance without noise: the model's error
 };
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Outcome, variances, undetermined, lost, bound_rad2,
+                                   noise_free_rad2)
 
 double residual_variance(const Measurer& measurer, const std::vector<double>& found,
                          const std::vector<Mode>& truth) {
@@ -67,6 +70,10 @@ std::vector<SpotFix> fixes_at(const std::vector<Vec2>& positions) {
 
 Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t seed) {
   Outcome outcome;
+  if (bench.then == Then::nothing) {
+    outcome.noise_free_rad2 = residual_variance(
+        *bench.measurer, bench.measurer->modes(fixes_at(bench.at_px)), bench.aberration->modes());
+  }
   std::mt19937_64 random(seed);
   const double reach = kStartWithin * bench.measurer->lambda_d_px();
   std::uniform_real_distribution<double> within(-reach, reach);
@@ -115,8 +122,6 @@ std::vector<Bench> benches() {
         bench.light_e = electrons(*model, *vortex, aberration.modes(), light);
         bench.at_px = bench.measurer->noise_free_px(
             bench.light_e, bench.measurer->predicted_px(aberration.modes()));
-        bench.noise_free_rad2 = residual_variance(
-            *bench.measurer, bench.measurer->modes(fixes_at(bench.at_px)), aberration.modes());
         all.push_back(std::move(bench));
       }
     }
@@ -142,31 +147,33 @@ nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
           {"variance_rad2", variance.value},
           {"standard_error_rad2", variance.standard_error},
           {"instances", variance.count},
-          {"noise_free_rad2", value_if(bench.then == Then::nothing, bench.noise_free_rad2)},
+          {"noise_free_rad2", value_if(bench.then == Then::nothing, outcome.noise_free_rad2)},
           {"bound_rad2", value_if(bounded(bench), outcome.bound_rad2)},
           {"undetermined", outcome.undetermined},
           {"lost_spots", outcome.lost}};
 }
 
-}  // namespace
+/// Adds the series of one bench to its figure, and its rows to `summary`.
+void add_bench(const Bench& bench, const std::vector<double>& snrs,
+               std::span<const Outcome> outcomes, Figure& figure, nlohmann::json& summary) {
+  Series series{bench.method.name, {}, {}, {}};
+  for (std::size_t s = 0; s < snrs.size(); ++s) {
+    const Outcome& outcome = outcomes[s];
+    if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // SNR not measured
+    const Mean variance = mean_of(outcome.variances);
+    series.add(snrs[s], variance);
+    summary["rows"].push_back(row_of(bench, snrs[s], variance, outcome));
+  }
+  figure.series.push_back(std::move(series));
+  if (!bounded(bench)) return;
+  Series bound{
+      fmt::format("bound, charge {}", bench.method.charge), snrs, {}, {}, Series::Style::line};
+  for (const Outcome& outcome : outcomes) bound.y.push_back(outcome.bound_rad2);
+  figure.series.push_back(std::move(bound));
+}
 
-Findings wavefront(const Settings& settings) {
-  const std::vector<double> snrs =
-      settings.quick ? std::vector<double>{2.0, 5.0, 22.0}
-                     : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 18.0, 22.0};
-  const int instances = settings.quick ? 30 : 100;
-  const std::vector<Bench> all = benches();
-  std::vector<Outcome> outcomes(all.size() * snrs.size());
-  parallel_for("wavefront", outcomes.size(), settings.threads, [&](std::size_t k) {
-    const Bench& bench = all[k / snrs.size()];
-    const double snr = snrs[k % snrs.size()];
-    if (bench.then != Then::nothing && settings.quick && snr != kQuickSnr) return;
-    outcomes[k] = measure(bench, snr, instances, settings.seed + 1000 * k);
-    if (!bounded(bench)) return;
-    outcomes[k].bound_rad2 =
-        wavefront_bound_rad2(thousand_px_bench(), bench.method.charge, bench.aberration->modes(),
-                             bench.light_e, read_noise_of_snr(snr));
-  });
+Findings findings_of(const std::vector<Bench>& all, const std::vector<double>& snrs, int instances,
+                     const std::vector<Outcome>& outcomes) {
   nlohmann::json summary{{"study", "wavefront"},
                          {"unit", "rad^2"},
                          {"peak_e", kPeakE},
@@ -182,30 +189,37 @@ Findings wavefront(const Settings& settings) {
       figure.log_y = true;
       for (std::size_t b = 0; b < all.size(); ++b) {
         if (all[b].aberration != &aberration || all[b].light != light) continue;
-        Series series{all[b].method.name, {}, {}, {}};
-        for (std::size_t s = 0; s < snrs.size(); ++s) {
-          const Outcome& outcome = outcomes[b * snrs.size() + s];
-          if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // SNR not measured
-          const Mean variance = mean_of(outcome.variances);
-          series.add(snrs[s], variance);
-          summary["rows"].push_back(row_of(all[b], snrs[s], variance, outcome));
-        }
-        figure.series.push_back(std::move(series));
-        if (!bounded(all[b])) continue;
-        Series bound{fmt::format("bound, charge {}", all[b].method.charge),
-                     snrs,
-                     {},
-                     {},
-                     Series::Style::line};
-        for (std::size_t s = 0; s < snrs.size(); ++s) {
-          bound.y.push_back(outcomes[b * snrs.size() + s].bound_rad2);
-        }
-        figure.series.push_back(std::move(bound));
+        add_bench(all[b], snrs, std::span(outcomes).subspan(b * snrs.size(), snrs.size()), figure,
+                  summary);
       }
       figures.push_back(std::move(figure));
     }
   }
   return {std::move(summary), std::move(figures)};
+}
+
+}  // namespace
+
+Work wavefront(const Settings& settings) {
+  const std::vector<double> snrs =
+      settings.quick ? std::vector<double>{2.0, 5.0, 22.0}
+                     : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 18.0, 22.0};
+  const int instances = settings.quick ? 30 : 100;
+  const auto all = std::make_shared<const std::vector<Bench>>(benches());
+  const auto measure_one = [=](std::size_t k) {
+    const Bench& bench = (*all)[k / snrs.size()];
+    const double snr = snrs[k % snrs.size()];
+    if (bench.then != Then::nothing && settings.quick && snr != kQuickSnr) return Outcome{};
+    Outcome outcome = measure(bench, snr, instances, settings.seed + 1000 * k);
+    if (!bounded(bench)) return outcome;
+    outcome.bound_rad2 =
+        wavefront_bound_rad2(thousand_px_bench(), bench.method.charge, bench.aberration->modes(),
+                             bench.light_e, read_noise_of_snr(snr));
+    return outcome;
+  };
+  return work_of(all->size() * snrs.size(), measure_one, [=](const std::vector<Outcome>& outcomes) {
+    return findings_of(*all, snrs, instances, outcomes);
+  });
 }
 
 }  // namespace ovws::study

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::int64_t kLongAgo = std::numeric_limits<std::int64_t>::min() / 4;
 constexpr int kPatienceUs = 5'000'000;
+constexpr std::size_t kRefineBlock = 100;  // positions
 
 /// A camera that delivers one recorded frame per call of `give`.
 class SteppedCamera final : public Camera {
@@ -134,14 +135,22 @@ struct Player::Impl {
   std::uint64_t plan_id = 0;              ///< number of `plan` in the recording
   std::uint64_t next_plan_id = 1;
   std::string why_no_plan;
-  std::size_t next = 0;
+  std::size_t next = 0, end;
+  std::size_t first = 0;  ///< frames before it are not selected
+  RefineSetup refine_setup;
+  std::optional<RefineModel> refine_model;  ///< none: frames are not refined
 
   Impl(std::unique_ptr<RecordingReader> opened, RecordedPlans found)
-      : reader(std::move(opened)), plans(std::move(found)), camera(*reader) {}
+      : reader(std::move(opened)),
+        plans(std::move(found)),
+        camera(*reader),
+        end(reader->frames().size()) {}
 
   void use_plan(std::uint64_t id);
   void set_conditions(const RecordedFrame& frame);
   Result<void> measure(PlayedFrame& frame);
+  RefinedFrame refine(const FrameRecord& record);
+  Result<PlayedFrame> step();
 };
 
 /// Gives a recorded plan to the pipeline under a new number. The pipeline requires rising plan
@@ -225,8 +234,42 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
                             record->coefficients.begin() + record->mode_count);
   frame.sigma_waves.assign(record->sigma_waves.begin(),
                            record->sigma_waves.begin() + record->mode_count);
+  if (refine_model && can_be_refined(*record)) frame.refined = refine(*record);
   pipeline.release(record);
   return {};
+}
+
+RefinedFrame Player::Impl::refine(const FrameRecord& record) {
+  const auto sensor = plans.sensor(plan_id, *plan);
+  if (!sensor) {
+    RefinedFrame refused;
+    refused.refusal = sensor.error().reason;
+    return refused;
+  }
+  FrameCopy frame;
+  frame.gain_db = record.gain_db;
+  frame.coefficients.assign(record.coefficients.begin(),
+                            record.coefficients.begin() + record.mode_count);
+  frame.spots.assign(record.spots.begin(), record.spots.begin() + record.spot_count);
+  frame.image = record.frame.image;
+  return refine_model->refine(frame, **sensor, in_format(refine_setup, frame.image.format));
+}
+
+/// Replays the frame at `next`.
+Result<PlayedFrame> Player::Impl::step() {
+  if (refine_model && next % kRefineBlock == 0) refine_model->forget_frames();
+  PlayedFrame frame;
+  frame.recorded = reader->frames()[next++];
+  if (frame.recorded.picture < 0) {
+    frame.reason = "it was recorded without its image";
+  } else {
+    use_plan(frame.recorded.plan_id);
+    if (plan == nullptr) frame.reason = why_no_plan;
+  }
+  if (frame.reason.empty()) {
+    if (auto measured = measure(frame); !measured) return fail(measured.error());
+  }
+  return frame;
 }
 
 Player::Player(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -254,21 +297,29 @@ RecordingReader& Player::reader() {
   return *impl_->reader;
 }
 
+Result<Config> Player::configuration() const {
+  return impl_->plans.configuration();
+}
+
+void Player::select(std::size_t begin, std::size_t end) {
+  impl_->end = std::min(end, impl_->reader->frames().size());
+  impl_->first = impl_->next = std::min(begin, impl_->end);
+  if (impl_->refine_model) impl_->next -= impl_->next % kRefineBlock;
+}
+
+void Player::refine(const RefineSetup& setup, const SlmGeometry& slm) {
+  impl_->refine_setup = setup;
+  impl_->refine_model.emplace(slm);
+  impl_->next -= impl_->next % kRefineBlock;
+}
+
 Result<std::optional<PlayedFrame>> Player::step() {
-  Impl& m = *impl_;
-  if (m.next == m.reader->frames().size()) return std::nullopt;
-  PlayedFrame frame;
-  frame.recorded = m.reader->frames()[m.next++];
-  if (frame.recorded.picture < 0) {
-    frame.reason = "it was recorded without its image";
-  } else {
-    m.use_plan(frame.recorded.plan_id);
-    if (m.plan == nullptr) frame.reason = m.why_no_plan;
+  if (impl_->first == impl_->end) return std::nullopt;
+  while (impl_->next < impl_->first) {
+    if (auto before = impl_->step(); !before) return fail(before.error());
   }
-  if (frame.reason.empty()) {
-    if (auto measured = m.measure(frame); !measured) return fail(measured.error());
-  }
-  return frame;
+  if (impl_->next == impl_->end) return std::nullopt;
+  return impl_->step();
 }
 
 }  // namespace ovws

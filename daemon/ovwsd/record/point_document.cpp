@@ -60,14 +60,6 @@ Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t s
               "belong together; use an intact copy");
 }
 
-std::vector<Mode> modes_from(const json& all) {
-  std::vector<Mode> modes;
-  for (const json& mode : all) {
-    modes.push_back({mode.at("j").get<int>(), mode.at("waves").get<double>()});
-  }
-  return modes;
-}
-
 OperatingPoint point_from(const json& content) {
   OperatingPoint point;
   point.waves = content.at("waves").get<std::vector<double>>();
@@ -107,6 +99,14 @@ Result<void> check(const MeasuredShapes& shapes, const MeasurementPlan& plan) {
 }
 
 }  // namespace
+
+std::vector<Mode> modes_from(const json& all) {
+  std::vector<Mode> modes;
+  for (const json& mode : all) {
+    modes.push_back({mode.at("j").get<int>(), mode.at("waves").get<double>()});
+  }
+  return modes;
+}
 
 json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
                    const SensorSnapshot& sensor, const Roi& roi) {

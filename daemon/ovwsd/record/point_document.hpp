@@ -20,6 +20,9 @@ namespace ovws {
 nlohmann::json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
                              const SensorSnapshot& sensor, const Roi& roi);
 
+/// Modes from a document. Throws exceptions of the JSON library.
+std::vector<Mode> modes_from(const nlohmann::json& all);
+
 /// The document of a calibration in a recording.
 struct CalibrationText {
   std::string sha256;  ///< its checksum; empty: there is none

@@ -106,6 +106,10 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
   return out;
 }
 
+void RefineModel::forget_frames() {
+  if (bench_) bench_->templates.reset();
+}
+
 Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor,
                                      const RefineSetup& settings) {
   Key key = key_of(frame, sensor, settings);

@@ -34,6 +34,8 @@ class RefineModel {
   /// every frame without a reference, take some tenths of a second.
   RefinedFrame refine(const FrameCopy& frame, const SensorSnapshot& sensor,
                       const RefineSetup& settings);
+  /// The next frame is refined without the templates of an earlier one.
+  void forget_frames();
 
  private:
   struct Bench;

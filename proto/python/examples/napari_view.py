@@ -35,10 +35,10 @@ class Printed(dict):
 
 
 def messages(count):
-    """The newest images and wavefronts, without those that the viewer was too slow for."""
-    with Client() as client, client.subscribe(Image, Phase) as stream:
-        for _ in range(count):
-            if (message := stream.newest(timeout_s=5.0)) is None:
+    """The newest images and wavefronts in turn, without those that the viewer was too slow for."""
+    with Client() as client, client.subscribe(Image) as images, client.subscribe(Phase) as phases:
+        for k in range(count):
+            if (message := (images, phases)[k % 2].newest(timeout_s=5.0)) is None:
                 return
             yield message
             time.sleep(0.02)
