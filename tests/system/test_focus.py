@@ -1,0 +1,69 @@
+"""The daemon measures the aberrations of the whole pupil by one vortex, compared with what the twin hides."""
+import math
+
+import numpy
+from case import main, merged
+from slm_case import SlmCase
+
+DEFOCUS, OBLIQUE, VERTICAL_COMA = 4, 3, 7
+
+
+def shift_by_rays(defocus_waves, optics, slm, diameter_px):
+    """How far the camera, in the focal plane, is behind the focus of a light with defocus: rays from an SLM in the front focal
+    plane of a lens, mm."""
+    wavelength, focal = optics["wavelength_nm"] * 1e-6, optics["focal_length_mm"]
+    radius = 0.5 * diameter_px * slm["pitch_um"] * 1e-3
+    heights = numpy.linspace(-radius, radius, 9)[1:]
+    heights = heights[heights != 0.0]
+    # Zernike defocus: sqrt(3) (2 (r / radius)^2 - 1) waves; rays are perpendicular to the surface of equal phase.
+    angles = wavelength * defocus_waves * math.sqrt(3.0) * 4.0 * heights / radius ** 2
+    at_lens = heights + focal * angles
+    behind = angles - at_lens / focal
+    crossings = -at_lens / behind  # distance from the lens to the axis
+    assert numpy.ptp(crossings) < 1e-9 * focal
+    return focal - crossings.mean()
+
+
+class Focus(SlmCase):
+    small = True
+    twin_config = {"camera": {"rotation_deg": 90.0, "mirror": "x"}}
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 200}}
+
+    def hide(self, **modes):
+        self.twin.call("twin.set", {"aberration": [{"j": int(j[1:]), "waves": waves} for j, waves in modes.items()]})
+
+    def measure(self, **hidden):
+        self.hide(**hidden)
+        found = self.run_job("focus.run", {"frames": 2}, 60.0)["result"]
+        modes = {mode["j"]: mode for mode in found["modes"]}
+        errors = {j: modes[j]["waves"] - hidden.get(f"j{j}", 0.0) for j in range(3, 9)}
+        print(f"\n  hidden {hidden}: defocus {found['defocus_waves']:+.4f} +- {found['defocus_standard_error_waves']:.4f}, largest error "
+              f"{max(map(abs, errors.values())):.4f}, camera {found['camera_shift_mm']:+.3f} mm, {found['rounds']} rounds, last change "
+              f"{found['change_rms_waves']:.4f}, cores within {found['core_residual_px']:.3f} px, exposure {found['exposure_us']:.0f} us")
+        self.assertLess(abs(errors[DEFOCUS]), 0.02)
+        self.assertLess(max(map(abs, errors.values())), 0.02)
+        self.assertEqual(found["defocus_waves"], modes[DEFOCUS]["waves"])
+        config = self.call("config.get")
+        expected = shift_by_rays(hidden.get("j4", 0.0), config["optics"], config["slm"], found["pupil_diameter_px"])
+        self.assertAlmostEqual(found["camera_shift_mm"], expected, delta=0.07)  # 0.02 wave
+        return found
+
+    def test_finds_defocus_beside_astigmatism_and_coma(self):
+        self.assertIn("registration.run first", self.failure("focus.run"))
+        self.run_job("registration.run", {"frames": 3}, 60.0)
+        before = self.call("camera.get")["settings"], self.call("system.status")["slm"]["pattern"]
+        self.measure(j4=-1.0, j3=0.1, j7=0.1)
+        found = self.measure(j4=0.05)
+        self.measure(j4=0.3, j5=-0.1, j8=-0.1)
+        self.assertEqual((self.call("camera.get")["settings"], self.call("system.status")["slm"]["pattern"]), before)
+        self.check_path(found)
+
+    def check_path(self, found):
+        """In focus the cores off the middle lie perpendicular to the axis' place; camera and SLM are a rotation and a mirror apart."""
+        self.assertEqual(found["path"][0]["axis"], [0.0, 0.0])
+        for step in found["path"]:
+            self.assertLess(math.dist(step["core_px"], found["middle_px"]), 3.0)
+
+
+if __name__ == "__main__":
+    main()
