@@ -1,8 +1,9 @@
 """The daemon measures the aberrations of the whole pupil by one vortex, compared with what the twin hides."""
 import math
+import subprocess
 
 import numpy
-from case import main, merged
+from case import main, wait_for
 from slm_case import SlmCase
 
 DEFOCUS, OBLIQUE, VERTICAL_COMA = 4, 3, 7
@@ -58,11 +59,60 @@ class Focus(SlmCase):
         self.assertEqual((self.call("camera.get")["settings"], self.call("system.status")["slm"]["pattern"]), before)
         self.check_path(found)
 
+        self.check_verb()
+        self.check_flatness()
+        self.check_cancelled()
+        self.check_refused()
+
     def check_path(self, found):
-        """In focus the cores off the middle lie perpendicular to the axis' place; camera and SLM are a rotation and a mirror apart."""
+        """With the defocus compensated the dark cores lie perpendicular to the shift of the axis, about 0.93 lambda/D per pupil radius
+        away; the registration relates the camera's directions to the SLM's."""
         self.assertEqual(found["path"][0]["axis"], [0.0, 0.0])
+        xx, xy, yx, yy = self.call("registration.get")["px_per_cycle"]
         for step in found["path"]:
-            self.assertLess(math.dist(step["core_px"], found["middle_px"]), 3.0)
+            x, y = step["axis"]
+            across, down = -0.93 * y / found["pupil_diameter_px"], 0.93 * x / found["pupil_diameter_px"]
+            expected = (found["middle_px"][0] + xx * across + xy * down, found["middle_px"][1] + yx * across + yy * down)
+            self.assertLess(math.dist(step["core_px"], expected), 0.15)
+
+    def check_verb(self):
+        self.hide(j4=-0.5)
+        said = subprocess.run([self.bench.programs / "ovws", "focus", "frames=2"], capture_output=True, text=True, timeout=60)
+        print("\n ", said.stdout)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertRegex(said.stdout, r"^the camera is 1\.6\d\d mm behind the focus: move it towards the lens by 1\.6\d\d mm\ndefocus -0\.\d+ wave RMS ")
+        self.assertNotIn("flatness", said.stdout)
+
+    def check_flatness(self):
+        """What the flatness compensates is not in the result, and is named beside it."""
+        self.run_job("flatness.run", {"frames": 2}, 120.0)
+        found = self.run_job("focus.run", {"frames": 2}, 60.0)["result"]
+        print("\n  after flatness.run: defocus", found["defocus_waves"], "beside", found["flatness_defocus_waves"])
+        self.assertLess(abs(found["defocus_waves"]), 0.01)
+        self.assertAlmostEqual(found["defocus_waves"] + found["flatness_defocus_waves"], -0.5, delta=0.005)
+        self.call("flatness.clear")
+
+    def check_cancelled(self):
+        before = self.call("camera.get")["settings"]
+        job = self.call("focus.run", {"frames": 20})["job"]
+        wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.45, 60.0, "images of the vortex")
+        self.assertNotEqual(self.call("camera.get")["settings"], before)
+        self.call("job.cancel", {"job": job})
+        self.wait_until("running")
+        self.assertEqual(self.call("camera.get")["settings"], before)
+
+    def check_refused(self):
+        region = self.call("camera.get")["settings"]["roi"]
+        self.call("camera.set", {"roi": {**region, "width": 272}})
+        self.assertRegex(self.failure("focus.run", {"frames": 1}), r"camera\.roi.*must be \d+ pixels from its edge: move or enlarge")
+        self.call("camera.set", {"roi": region})
+        self.call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})
+        self.assertIn("correction.clear", self.failure("focus.run"))
+        self.call("correction.clear")
+        self.twin.call("twin.set", {"peak_electrons": 1.0})
+        self.assertIn("show no spot: check the exposure", self.failure("focus.run", {"frames": 1}))
+        self.twin.call("twin.set", {"peak_electrons": 6000.0})
+        self.measure(j4=0.1)
 
 
 if __name__ == "__main__":
