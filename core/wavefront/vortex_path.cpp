@@ -29,8 +29,9 @@ constexpr double kMaxStepWaves = 0.1;  // of one iteration
 constexpr int kMaxIterations = 40;
 constexpr double kSmallStep = 1e-3, kSmallGain = 1e-4;  // converged: waves, relative cost
 constexpr double kMaxDamping = 1e5;
-constexpr Index kMinPixels = 16;  // of an image
-constexpr Index kFree = 2;        // amplitude and background of each image
+constexpr Index kMinPixels = 16;   // of an image
+constexpr double kEnoughPx = 4.0;  // per lambda/D: of finer images only some pixels are used
+constexpr Index kFree = 2;         // amplitude and background of each image
 
 /// The pixels of one image that are fitted.
 struct Window {
@@ -63,14 +64,17 @@ Result<Window> window_of(const VortexImage& image, const VortexBeam& beam, Vec2 
   const int right = std::min(light.width - 1, int(std::floor(start_px.x + reach)));
   const int top = std::max(0, int(std::ceil(start_px.y - reach)));
   const int bottom = std::min(light.height - 1, int(std::floor(start_px.y + reach)));
-  const Index columns = std::max(0, right - left + 1), rows = std::max(0, bottom - top + 1);
+  const bool is_whole = beam.lit.plane.everything();  // else a step might miss the lit plane
+  const int step = is_whole ? std::max(1, int(beam.lambda_d_px() / kEnoughPx)) : 1;
+  const Index columns = right < left ? 0 : (right - left) / step + 1;
+  const Index rows = bottom < top ? 0 : (bottom - top) / step + 1;
   Window window{image.axis, VectorXd(columns), VectorXd(rows), {}, {}};
-  for (Index c = 0; c < columns; ++c) window.x[c] = double(left + c) - start_px.x;
-  for (Index r = 0; r < rows; ++r) window.y[r] = double(top + r) - start_px.y;
+  for (Index c = 0; c < columns; ++c) window.x[c] = double(left + c * step) - start_px.x;
+  for (Index r = 0; r < rows; ++r) window.y[r] = double(top + r * step) - start_px.y;
   std::vector<double> seen;
   for (Index c = 0; c < columns; ++c) {
     for (Index r = 0; r < rows; ++r) {
-      const int px = left + int(c), py = top + int(r);
+      const int px = left + int(c) * step, py = top + int(r) * step;
       const double dn = double(light.at(px, py));
       if (!beam.lit.has(px, py) || !std::isfinite(dn)) continue;
       if (std::hypot(window.x[c], window.y[r]) > reach) continue;
