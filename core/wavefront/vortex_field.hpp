@@ -28,9 +28,6 @@ class VortexField {
                        const Eigen::VectorXd& y) const;
   /// Derivative of the pupil's field for coefficient k.
   Eigen::MatrixXcd derivative(const Eigen::MatrixXcd& pupil, Eigen::Index k) const;
-  /// Gradients of far() along x and y.
-  std::array<Eigen::MatrixXcd, 2> gradient(const Eigen::MatrixXcd& pupil, const Eigen::VectorXd& x,
-                                           const Eigen::VectorXd& y) const;
   /// Zero of the field, camera pixels as in far(), by Newton's method from where a beam without an
   /// aberration has it about `middle`. None: it does not converge within 2 lambda/D of `middle`.
   std::optional<Vec2> core(const Eigen::MatrixXcd& pupil, Vec2 axis, Vec2 middle) const;
@@ -38,6 +35,9 @@ class VortexField {
   Vec2 tilt_px(int j) const;
 
  private:
+  /// Gradients of far() along x and y.
+  std::array<Eigen::MatrixXcd, 2> gradient(const Eigen::MatrixXcd& pupil, const Eigen::VectorXd& x,
+                                           const Eigen::VectorXd& y) const;
   VortexBeam beam_;
   Eigen::VectorXd qx_, qy_;    ///< cells, cycles per camera pixel
   Eigen::MatrixXd amplitude_;  ///< lit share of each cell, rows along y

@@ -23,9 +23,10 @@ constexpr Index kTilts = 2;                             // the first modes
 constexpr int kRing = 6;
 constexpr double kRingRadius = 0.4;  // pupil radii
 
-constexpr double kPriorWaves = 0.1, kPriorLnAmplitude = 0.3;  // standard deviations
-constexpr double kPixelError = 0.01;   // of the brightest pixel: noise and what is not modelled
-constexpr double kMaxStepWaves = 0.1;  // of one iteration
+constexpr double kPriorWaves = 0.1, kPriorMotion = 0.1,
+                 kPriorLnAmplitude = 0.3;  // standard deviations
+constexpr double kPixelError = 0.01;       // of the brightest pixel: noise and what is not modelled
+constexpr double kMaxStepWaves = 0.1;      // of one iteration
 constexpr int kMaxIterations = 40;
 constexpr double kSmallStep = 1e-3, kSmallGain = 1e-4;  // converged: waves, relative cost
 constexpr double kMaxDamping = 1e5;
@@ -45,7 +46,6 @@ struct Window {
 struct Compared {
   VectorXd residual;
   MatrixXd derivatives;  ///< by coefficient, without what amplitude and background can take
-  Vec2 core_shift;       ///< of the image from the model, camera pixels
 };
 
 VectorXd pick(const MatrixXd& all, const std::vector<Index>& cells) {
@@ -92,54 +92,57 @@ Result<Window> window_of(const VortexImage& image, const VortexBeam& beam, Vec2 
   return window;
 }
 
+/// Unknowns: the coefficients of the field, then two tilts of each image, because the beam moves
+/// between images.
 class Fit {
  public:
-  Fit(std::span<const VortexImage> images, const VortexBeam& beam)
-      : field_(beam, kWavesJ, kAmplitudeJ), weights_(field_.coefficients()) {
-    images_ = images.size();
-    const auto phases = Index(kWavesJ.size());
-    weights_.head(phases).setConstant(1.0 / (kPriorWaves * kPriorWaves));
-    weights_.head(kTilts).setZero();
-    weights_.tail(weights_.size() - phases)
-        .setConstant(1.0 / (kPriorLnAmplitude * kPriorLnAmplitude));
-  }
-
-  Result<void> look(std::span<const VortexImage> images, const VortexBeam& beam, Vec2 start_px);
+  Fit(const VortexBeam& beam, std::vector<Window> windows);
   /// Levenberg-Marquardt iterations. False: they do not converge.
   bool iterate();
   VortexPath result(Vec2 start_px) const;
 
  private:
-  /// Sum of squares and normal equations at some coefficients.
+  /// Sum of squares and normal equations at some unknowns.
   struct Normal {
     double cost = 0.0, squares = 0.0;
     Index pixels = 0;
     MatrixXd matrix;
     VectorXd gradient;
   };
-  Compared compare(const Window& window, const VectorXd& at, bool core) const;
-  Normal normal(const VectorXd& at) const;
+  Index own(std::size_t image) const { return field_.coefficients() + kTilts * Index(image); }
+  /// Coefficients of the field in one image.
+  VectorXd of_image(const VectorXd& unknowns, std::size_t image) const;
+  Vec2 moved_px(const VectorXd& tilts) const {
+    return tilts[0] * field_.tilt_px(1) + tilts[1] * field_.tilt_px(2);
+  }
+  Compared compare(const Window& window, const VectorXd& at) const;
+  Normal normal(const VectorXd& unknowns) const;
 
   VortexField field_;
-  VectorXd weights_;  ///< of the prior
-  std::size_t images_ = 0;
   std::vector<Window> windows_;
+  VectorXd weights_;  ///< of the prior
   VectorXd found_;
   Normal normal_;
 };
 
-Result<void> Fit::look(std::span<const VortexImage> images, const VortexBeam& beam, Vec2 start_px) {
-  for (const VortexImage& image : images) {
-    auto window = window_of(image, beam, start_px);
-    if (!window) return fail(window.error());
-    windows_.push_back(std::move(*window));
-  }
-  found_ = VectorXd::Zero(field_.coefficients());
+Fit::Fit(const VortexBeam& beam, std::vector<Window> windows)
+    : field_(beam, kWavesJ, kAmplitudeJ), windows_(std::move(windows)) {
+  const auto weight = [](double deviation) { return 1.0 / (deviation * deviation); };
+  weights_ = VectorXd::Constant(own(windows_.size()), weight(kPriorMotion));
+  weights_.head(field_.coefficients()).setConstant(weight(kPriorLnAmplitude));
+  weights_.head(Index(kWavesJ.size())).setConstant(weight(kPriorWaves));
+  weights_.head(kTilts).setZero();
+  found_ = VectorXd::Zero(weights_.size());
   normal_ = normal(found_);
-  return {};
 }
 
-Compared Fit::compare(const Window& window, const VectorXd& at, bool core) const {
+VectorXd Fit::of_image(const VectorXd& unknowns, std::size_t image) const {
+  VectorXd coefficients = unknowns.head(field_.coefficients());
+  coefficients.head(kTilts) += unknowns.segment(own(image), kTilts);
+  return coefficients;
+}
+
+Compared Fit::compare(const Window& window, const VectorXd& at) const {
   const Eigen::MatrixXcd pupil = field_.pupil(at, window.axis);
   const Eigen::MatrixXcd u = field_.far(pupil, window.x, window.y);
   const VectorXd shape = pick(u.cwiseAbs2(), window.cells);
@@ -148,41 +151,35 @@ Compared Fit::compare(const Window& window, const VectorXd& at, bool core) const
   const Eigen::HouseholderQR<MatrixXd> qr(free);
   const Eigen::Vector2d levels = qr.solve(window.light);
   const MatrixXd taken = qr.householderQ() * MatrixXd::Identity(shape.size(), kFree);
-  const auto without_taken = [&](MatrixXd columns) -> MatrixXd {
-    return columns - taken * (taken.transpose() * columns);
-  };
-  Compared out{window.light - free * levels, {}, {}};
-  MatrixXd by(shape.size(), core ? 2 : field_.coefficients());
-  if (core) {
-    const auto moved = field_.gradient(pupil, window.x, window.y);
-    for (Index k = 0; k < 2; ++k) {
-      by.col(k) = -levels[0] * pick(change_of_square(u, moved[std::size_t(k)]), window.cells);
-    }
-    const Eigen::Vector2d shift = without_taken(by).colPivHouseholderQr().solve(out.residual);
-    out.core_shift = {shift[0], shift[1]};
-    return out;
-  }
-  for (Index k = 0; k < by.cols(); ++k) {
+  Compared out{window.light - free * levels, MatrixXd(shape.size(), field_.coefficients())};
+  for (Index k = 0; k < out.derivatives.cols(); ++k) {
     const auto du = field_.far(field_.derivative(pupil, k), window.x, window.y);
-    by.col(k) = levels[0] * pick(change_of_square(u, du), window.cells);
+    out.derivatives.col(k) = levels[0] * pick(change_of_square(u, du), window.cells);
   }
-  out.derivatives = without_taken(std::move(by));
+  out.derivatives -= taken * (taken.transpose() * out.derivatives);
   return out;
 }
 
-Fit::Normal Fit::normal(const VectorXd& at) const {
+Fit::Normal Fit::normal(const VectorXd& unknowns) const {
   Normal sum;
   sum.matrix = weights_.asDiagonal();
-  sum.gradient = -weights_.cwiseProduct(at);
+  sum.gradient = -weights_.cwiseProduct(unknowns);
   constexpr double kWeight = 1.0 / (kPixelError * kPixelError);
-  for (const Window& window : windows_) {
-    const Compared one = compare(window, at, false);
-    sum.matrix += kWeight * one.derivatives.transpose() * one.derivatives;
-    sum.gradient += kWeight * one.derivatives.transpose() * one.residual;
+  const Index shared = field_.coefficients();
+  for (std::size_t k = 0; k < windows_.size(); ++k) {
+    const Compared one = compare(windows_[k], of_image(unknowns, k));
+    const MatrixXd square = kWeight * one.derivatives.transpose() * one.derivatives;
+    const VectorXd gradient = kWeight * one.derivatives.transpose() * one.residual;
+    sum.matrix.topLeftCorner(shared, shared) += square;
+    sum.matrix.block(0, own(k), shared, kTilts) += square.leftCols(kTilts);
+    sum.matrix.block(own(k), 0, kTilts, shared) += square.topRows(kTilts);
+    sum.matrix.block(own(k), own(k), kTilts, kTilts) += square.topLeftCorner(kTilts, kTilts);
+    sum.gradient.head(shared) += gradient;
+    sum.gradient.segment(own(k), kTilts) += gradient.head(kTilts);
     sum.squares += one.residual.squaredNorm();
     sum.pixels += one.residual.size();
   }
-  sum.cost = kWeight * sum.squares + weights_.dot(at.cwiseAbs2());
+  sum.cost = kWeight * sum.squares + weights_.dot(unknowns.cwiseAbs2());
   return sum;
 }
 
@@ -205,7 +202,7 @@ bool Fit::iterate() {
     } else if (largest < kSmallStep) {
       return true;
     } else if ((damping *= 5.0) > kMaxDamping) {
-      return false;
+      return true;  // no step in any direction is better
     }
   }
   return false;
@@ -213,23 +210,31 @@ bool Fit::iterate() {
 
 VortexPath Fit::result(Vec2 start_px) const {
   VortexPath path;
-  const auto unknowns = Index(found_.size()) + kFree * Index(images_);
+  const auto images = Index(windows_.size());
+  const Index unknowns = found_.size() + kFree * images;
   const double variance = normal_.squares / double(std::max<Index>(1, normal_.pixels - unknowns));
   const MatrixXd covariance = variance / (kPixelError * kPixelError) * normal_.matrix.inverse();
   for (Index k = kTilts; k < Index(kWavesJ.size()); ++k) {
     path.modes.push_back({kWavesJ[std::size_t(k)], found_[k]});
     path.standard_error.push_back(std::sqrt(covariance(k, k)));
   }
-  path.middle_px = start_px + found_[0] * field_.tilt_px(1) + found_[1] * field_.tilt_px(2);
-  double squares = 0.0;
-  for (const Window& window : windows_) {
-    const Vec2 shift = compare(window, found_, true).core_shift;
-    squares += shift.x * shift.x + shift.y * shift.y;
-    const auto core =
-        field_.core(field_.pupil(found_, window.axis), window.axis, path.middle_px - start_px);
-    path.cores_px.push_back(core ? std::optional(start_px + *core + shift) : std::nullopt);
+  // Only the prior tells the common tilt from the mean of the images' own ones.
+  VectorXd tilts = VectorXd::Zero(kTilts);
+  for (std::size_t k = 0; k < windows_.size(); ++k) {
+    tilts += of_image(found_, k).head(kTilts) / double(images);
   }
-  path.core_residual_px = std::sqrt(squares / double(images_));
+  const Vec2 middle = moved_px(tilts);
+  path.middle_px = start_px + middle;
+  double motions = 0.0;
+  for (std::size_t k = 0; k < windows_.size(); ++k) {
+    const VectorXd at = of_image(found_, k);
+    const Vec2 motion = moved_px(at.head(kTilts) - tilts);
+    motions += motion.x * motion.x + motion.y * motion.y;
+    const Vec2 axis = windows_[k].axis;
+    const auto core = field_.core(field_.pupil(at, axis), axis, middle + motion);
+    path.cores_px.push_back(core ? std::optional(start_px + *core - motion) : std::nullopt);
+  }
+  path.motion_px = std::sqrt(motions / double(images));
   path.residual = std::sqrt(variance);
   return path;
 }
@@ -247,8 +252,13 @@ std::vector<Vec2> vortex_axes() {
 
 Result<VortexPath> fit_vortex_path(std::span<const VortexImage> images, const VortexBeam& beam,
                                    Vec2 start_px) {
-  Fit fit(images, beam);
-  if (auto seen = fit.look(images, beam, start_px); !seen) return fail(seen.error());
+  std::vector<Window> windows;
+  for (const VortexImage& image : images) {
+    auto window = window_of(image, beam, start_px);
+    if (!window) return fail(window.error());
+    windows.push_back(std::move(*window));
+  }
+  Fit fit(beam, std::move(windows));
   if (!fit.iterate()) {
     return fail(Errc::refused, "",
                 "no wavefront explains the images of the vortex: check that nothing moves, and run "

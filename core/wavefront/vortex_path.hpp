@@ -35,10 +35,11 @@ struct VortexPath {
   std::vector<Mode> modes;             ///< RMS-normalised, without tilts: j = 3, 4, …
   std::vector<double> standard_error;  ///< of each mode, waves, from the residual of the fit
   Vec2 middle_px;                      ///< position of a beam without a vortex, camera pixels
-  /// Position of the dark core in each image, camera pixels. None: no zero near the beam.
+  /// Position of the dark core in each image, camera pixels, without the beam's motion from image
+  /// to image. None: no zero near the beam.
   std::vector<std::optional<Vec2>> cores_px;
-  double core_residual_px = 0.0;  ///< RMS distance of the cores from where the modes put them
-  double residual = 0.0;          ///< RMS of the pixels' residuals, relative to the brightest pixel
+  double motion_px = 0.0;  ///< RMS motion of the beam from image to image
+  double residual = 0.0;   ///< RMS of the pixels' residuals, relative to the brightest pixel
 };
 
 /// Places of the axis that determine the modes: the middle and a ring.
@@ -53,7 +54,8 @@ constexpr double kVortexWindow = 3.0;
 /// core. A core that is on the axis in the pupil stays in the middle; off the axis it moves
 /// perpendicular to the shift in focus, and defocus turns its path (Korzeniewska et al.,
 /// arXiv:2504.08643). The result is accurate while the wavefront is within 0.15 wave RMS: show the
-/// opposite of a stronger one. Amplitude and background of each image are free. Errors
+/// opposite of a stronger one. Amplitude, background and tilt of each image are free: a beam that
+/// moves between the images, by up to 0.5 lambda/D, does not mislead the modes. Errors
 /// (Errc::refused): an image has too few pixels in the window, or the fit does not converge.
 Result<VortexPath> fit_vortex_path(std::span<const VortexImage> images, const VortexBeam& beam,
                                    Vec2 start_px);

@@ -48,7 +48,7 @@ struct FocusReport {
   double change_rms_waves = 0.0;
   Vec2 middle_px;
   std::vector<FocusCore> path;
-  double core_residual_px = 0.0;
+  double motion_px = 0.0;
   double exposure_us = 0.0;
 };
 template <>
@@ -80,11 +80,13 @@ inline constexpr auto kTable<FocusReport> = Fields{
         "change of the modes in the last round, root sum square, waves", Bounds::at_least(0)),
     field<&FocusReport::middle_px>(
         "place of the beam without a vortex [x, y], camera pixels of the region"),
-    field<&FocusReport::path>(
-        "path of the vortex's dark core in the last round, with the modes compensated"),
-    field<&FocusReport::core_residual_px>(
-        "RMS distance of the cores from where the modes put them, camera pixels",
-        Bounds::at_least(0)),
+    field<&FocusReport::path>("path of the vortex's dark core in the last round, with the modes "
+                              "compensated and without the "
+                              "motion of the beam"),
+    field<&FocusReport::motion_px>("RMS motion of the beam from image to image, camera pixels: "
+                                   "vibration and drift, which do not "
+                                   "mislead the modes",
+                                   Bounds::at_least(0)),
     field<&FocusReport::exposure_us>("exposure of the images of the vortex, microseconds",
                                      Bounds::at_least(0))};
 

@@ -40,7 +40,7 @@ class Focus(SlmCase):
         errors = {j: modes[j]["waves"] - hidden.get(f"j{j}", 0.0) for j in range(3, 9)}
         print(f"\n  hidden {hidden}: defocus {found['defocus_waves']:+.4f} +- {found['defocus_standard_error_waves']:.4f}, largest error "
               f"{max(map(abs, errors.values())):.4f}, camera {found['camera_shift_mm']:+.3f} mm, {found['rounds']} rounds, last change "
-              f"{found['change_rms_waves']:.4f}, cores within {found['core_residual_px']:.3f} px, exposure {found['exposure_us']:.0f} us")
+              f"{found['change_rms_waves']:.4f}, the beam moved by {found['motion_px']:.3f} px, exposure {found['exposure_us']:.0f} us")
         self.assertLess(abs(errors[DEFOCUS]), 0.02)
         self.assertLess(max(map(abs, errors.values())), 0.02)
         self.assertEqual(found["defocus_waves"], modes[DEFOCUS]["waves"])

@@ -154,7 +154,7 @@ FocusReport report_of(const Rounds& rounds, const SensorSnapshot& now, const Slm
   for (std::size_t k = 0; k < rounds.last.cores_px.size(); ++k) {
     report.path.push_back({vortex_axes()[k], rounds.last.cores_px[k]});
   }
-  report.core_residual_px = rounds.last.core_residual_px;
+  report.motion_px = rounds.last.motion_px;
   return report;
 }
 
