@@ -33,6 +33,16 @@ double lambda_d_px(const OpticsConfig& optics, const SlmGeometry& slm, const Sen
   return camera_px_per_cycle(optics, slm) / diameter_px;
 }
 
+double camera_shift_mm_per_wave(const OpticsConfig& optics, const SlmGeometry& slm,
+                                double pupil_diameter_px) {
+  const double wavelength_mm = 1e-6 * optics.wavelength_nm;
+  const double diameter_mm = 1e-3 * pupil_diameter_px * slm.pitch_um;
+  const double focal_length_mm = camera_px_per_cycle(optics, slm) * 1e-3 * slm.pitch_um * 1e-3 *
+                                 optics.camera_pitch_um / wavelength_mm;
+  const double f_number = focal_length_mm / diameter_mm;
+  return -16.0 * std::sqrt(3.0) * wavelength_mm * f_number * f_number;
+}
+
 Vec2 base_spot_px(const OpticsConfig& optics, int image_cols, int image_rows) {
   return optics.centre_px.value_or(Vec2{0.5 * (image_cols - 1), 0.5 * (image_rows - 1)});
 }

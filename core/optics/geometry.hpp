@@ -100,6 +100,20 @@ double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 /// lambda/d on the camera, in camera pixels: the size of one subaperture's diffraction spot.
 double lambda_d_px(const OpticsConfig& optics, const SlmGeometry& slm, const SensorConfig& sensor);
 
+/// Distance of the camera from the focus, in mm per RMS-normalised wave of defocus (j = 4) over a
+/// pupil of this diameter (SLM pixels): -16 sqrt(3) lambda F^2 / D^2. Positive: the camera is
+/// behind the focus, farther from the lens. F = S p_slm p_cam / lambda is the focal length times
+/// the magnification that the scale S of the registration implies.
+///
+/// Derivation: a camera at F + z receives, by Fresnel diffraction in the convention exp(i(kz -
+/// wt)), the far field of the pupil times exp(i pi r^2 / lambda (1 / (F + z) - 1 / F)), that is of
+/// the wavefront W(r) = -z r^2 / (2 lambda F^2) in waves; this is exact for an SLM in the front
+/// focal plane. Defocus is sqrt(3) (2 (2r/D)^2 - 1), which grows by 8 sqrt(3) r^2 / D^2. In this
+/// convention larger phase is a longer optical path. If the SLM's phase is in fact an advance, the
+/// camera is on the other side of the focus, which no intensity in one plane can tell.
+double camera_shift_mm_per_wave(const OpticsConfig& optics, const SlmGeometry& slm,
+                                double pupil_diameter_px);
+
 /// Position of the base subaperture's spot in an image of this size: centre_px, or the image centre
 /// ((cols-1)/2, (rows-1)/2).
 Vec2 base_spot_px(const OpticsConfig& optics, int image_cols, int image_rows);

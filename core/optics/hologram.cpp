@@ -24,14 +24,15 @@ Vec2 pupil_centre(const SlmGeometry& slm) {
 }
 
 /// Phase of a subaperture along row y, waves (paper eq. 4). The grating's phase is 0 at the pupil's
-/// centre; the vortex angle is measured about the subaperture's centre.
+/// centre; the vortex angle is measured about `axis_px` from the subaperture's centre.
 void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diameter_px, int charge,
-                     int y, std::span<double> waves) {
+                     Vec2 axis_px, int y, std::span<double> waves) {
   const Vec2 pupil = pupil_centre(slm);
   const Vec2 centre = pupil + s.centre_px;
   const Columns columns = columns_in_circle(centre, diameter_px, y, slm.width_px);
   for (int x = columns.begin; x < columns.end; ++x) {
-    const double turns = std::atan2(y - centre.y, x - centre.x) / (2.0 * std::numbers::pi);
+    const double turns =
+        std::atan2(y - centre.y - axis_px.y, x - centre.x - axis_px.x) / (2.0 * std::numbers::pi);
     waves[x] =
         charge * turns + s.frequency_cpp.x * (x - pupil.x) + s.frequency_cpp.y * (y - pupil.y);
   }
@@ -40,7 +41,7 @@ void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diamet
 void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
                 std::span<double> waves) {
   for (const Subaperture& s : lattice.subapertures) {
-    subaperture_row(config.slm, s, lattice.diameter_px, config.sensor.charge, y, waves);
+    subaperture_row(config.slm, s, lattice.diameter_px, config.sensor.charge, {}, y, waves);
   }
 }
 
@@ -288,13 +289,16 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
   std::vector<double> added_waves(width);
   for (int y = 0; y < grey.height; ++y) {
     std::fill(waves.begin(), waves.end(), 0.0);
-    subaperture_row(config_.slm, lone, diameter_px, probe.charge, y, waves);
+    subaperture_row(config_.slm, lone, diameter_px, probe.charge, probe.axis_px, y, waves);
     const Columns lit =
         columns_in_circle(pupil_centre(config_.slm) + probe.centre_px, diameter_px, y, width);
     const auto part = std::span(added_waves).first(std::size_t(std::max(0, lit.end - lit.begin)));
     added.waves(y, lit.begin, part);
     for (std::size_t k = 0; k < part.size(); ++k) waves[std::size_t(lit.begin) + k] += part[k];
     add_flatness_and_wrap(config_, y, waves, phase.data());
+    if (probe.depth < 1.0) {
+      for (std::uint16_t& one : phase) one = std::uint16_t(probe.depth * one);
+    }
     look_up_greys(phase.data(), none.data(), config_.lut.data(), width, grey.row(y));
   }
 }

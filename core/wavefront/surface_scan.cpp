@@ -11,7 +11,6 @@
 namespace ovws {
 namespace {
 
-constexpr int kRings = 4;
 constexpr int kOrder = 10;  // maximum radial order
 constexpr int kModes = kOrder * (kOrder + 3) / 2;
 // The prior's weight of a mode of radial order kPriorOrder, relative to the weight of the mode's
@@ -41,15 +40,15 @@ Eigen::VectorXd prior(const std::vector<int>& modes_j, const Eigen::MatrixXd& sl
 
 }  // namespace
 
-ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px) {
+ScanGrid scan_grid(double pupil_diameter_px, double probe_diameter_px, int rings) {
   ScanGrid grid{pupil_diameter_px, probe_diameter_px, {}};
   const double reach = 0.5 * (pupil_diameter_px - probe_diameter_px);
   grid.centres_px.push_back({});
-  for (int ring = 1; ring <= kRings; ++ring) {
+  for (int ring = 1; ring <= rings; ++ring) {
     const int places = 6 * ring;
     for (int k = 0; k < places; ++k) {
       const double turn = 2.0 * std::numbers::pi * (k + 0.5 * (ring & 1)) / places;
-      grid.centres_px.push_back(reach * ring / kRings * Vec2{std::cos(turn), std::sin(turn)});
+      grid.centres_px.push_back(reach * ring / rings * Vec2{std::cos(turn), std::sin(turn)});
     }
   }
   return grid;

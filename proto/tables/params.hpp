@@ -87,6 +87,14 @@ inline constexpr auto kTable<FlatnessRun> = Fields{
                        "number of settled frames to average at each position of the aperture",
                        limits::kImageFrames)};
 
+struct FocusRun {
+  int frames = 5;
+};
+template <>
+inline constexpr auto kTable<FocusRun> = Fields{
+    "FocusRun", field<&FocusRun::frames>("number of settled frames to average for each image",
+                                         limits::kImageFrames)};
+
 struct LutRun {
   int levels = 33;
   int frames = 3;

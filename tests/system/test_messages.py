@@ -128,6 +128,7 @@ class Messages(BenchCase):
         call("lut.clear")
         self.run_job("registration.run", {"frames": 2}, 60.0)
         call("flatness.get")
+        self.checked_job("focus.run", {"frames": 2})
         self.checked_job("flatness.run", {"frames": 5}, "flatness.get")
         call("flatness.get")
         call("flatness.clear")

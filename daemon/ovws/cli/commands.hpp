@@ -41,6 +41,7 @@ int rate_verb(const Common& common, const std::string& rate);      ///< "100"; s
 /// `words`: MODE=WAVES, or norm=unit.
 int aberrate_verb(const Common& common, const std::vector<std::string>& words);
 int clear_verb(const Common& common);
+int focus_verb(const Common& common, const std::vector<std::string>& words);  ///< of focus.run
 /// `words`: further params of reference.take.
 int reference_verb(const Common& common, const std::string& action,
                    const std::vector<std::string>& words);

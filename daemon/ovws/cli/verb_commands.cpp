@@ -51,6 +51,14 @@ void add_clear(CLI::App& app, const Common& common, int& status) {
   command->callback([&common, &status] { status = clear_verb(common); });
 }
 
+void add_focus(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "focus", "measure how far the camera is from the focus, and the aberrations of the light");
+  auto words = std::make_shared<Words>();
+  command->add_option("params", *words, "params of focus.run: frames=20");
+  command->callback([&common, &status, words] { status = focus_verb(common, *words); });
+}
+
 void add_reference(CLI::App& app, const Common& common, int& status) {
   auto* command = app.add_subcommand(
       "reference", "take a reference, show the present one, or keep several by name");
@@ -103,6 +111,7 @@ void add_verbs(CLI::App& app, const Common& common, int& status) {
   add_rate(app, common, status);
   add_aberrate(app, common, status);
   add_clear(app, common, status);
+  add_focus(app, common, status);
   add_reference(app, common, status);
   add_loop(app, common, status);
   add_record(app, common, status);

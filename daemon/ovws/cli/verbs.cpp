@@ -1,4 +1,5 @@
-/// Plain verbs for daily work: ovws exposure, gain, rate, aberrate, clear, reference, loop and
+/// Plain verbs for daily work: ovws exposure, gain, rate, aberrate, clear, focus, reference, loop
+/// and
 /// record.
 #include <chrono>
 #include <cmath>
@@ -118,6 +119,10 @@ int aberrate_verb(const Common& common, const Words& words) {
 
 int clear_verb(const Common& common) {
   return act(common, "aberration.clear", json::object());
+}
+
+int focus_verb(const Common& common, const Words& words) {
+  return act_on_words(common, "focus.run", words);
 }
 
 int reference_verb(const Common& common, const std::string& action, const Words& words) {

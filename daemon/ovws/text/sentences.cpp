@@ -185,6 +185,40 @@ std::string flatness_answer(const json& result) {
                      number(result, "rms_waves"), number(result, "residual_rms_waves"));
 }
 
+/// Root sum square of the modes of one radial order n and azimuthal frequency +-m.
+double rms_of(const json& modes, int n, int m) {
+  double squares = 0.0;
+  for (const json& mode : modes) {
+    if (mode.at("n") != n || std::abs(mode.at("m").get<int>()) != m) continue;
+    squares += number(mode, "waves") * number(mode, "waves");
+  }
+  return std::sqrt(squares);
+}
+
+std::string focus_answer(const json& result) {
+  const double shift_mm = number(result, "camera_shift_mm");
+  const double error_mm = number(result, "camera_shift_standard_error_mm");
+  const bool is_focused = std::abs(shift_mm) <= 2.0 * error_mm;
+  const json& modes = result.at("modes");
+  std::string text = is_focused
+                         ? fmt::format("the camera is in focus, within {:.3f} mm", 2.0 * error_mm)
+                         : fmt::format(
+                               "the camera is {0:.3f} mm {1} the focus: move it {2} the lens by "
+                               "{0:.3f} mm",
+                               std::abs(shift_mm), shift_mm > 0.0 ? "behind" : "before",
+                               shift_mm > 0.0 ? "towards" : "away from");
+  text += fmt::format(
+      "\ndefocus {:+.4f} wave RMS (standard error {:.4f}), astigmatism {:.4f}, coma {:.4f}, "
+      "spherical aberration {:.4f}",
+      number(result, "defocus_waves"), number(result, "defocus_standard_error_waves"),
+      rms_of(modes, 2, 2), rms_of(modes, 3, 1), rms_of(modes, 4, 0));
+  if (!result.at("flatness_defocus_waves").is_number()) return text;
+  return text + fmt::format(
+                    "\nnot in it: {:+.4f} wave of defocus that the flatness compensates; to focus "
+                    "the camera itself, call flatness.clear first",
+                    number(result, "flatness_defocus_waves"));
+}
+
 std::string settle_answer(const json& result) {
   const std::string reason = text_or(result, "reason", "");
   if (!reason.empty()) return "settle time: " + reason;
@@ -269,6 +303,7 @@ const std::map<std::string, Sentence> kSentences{{"aberration.clear", aberration
                                                  {"flatness.clear", flatness_answer},
                                                  {"flatness.get", flatness_answer},
                                                  {"flatness.run", flatness_answer},
+                                                 {"focus.run", focus_answer},
                                                  {"job.cancel", job_answer},
                                                  {"job.get", job_answer},
                                                  {"loop.close", loop_answer},

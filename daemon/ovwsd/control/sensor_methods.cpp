@@ -1,5 +1,5 @@
 /// Methods that change or measure the sensor and its hologram: aberration, calibration, correction,
-/// flatness, lut, registration, sensor, slm.
+/// flatness, focus, lut, registration, sensor, slm.
 #include <spdlog/fmt/fmt.h>
 
 #include "config/config.hpp"
@@ -13,6 +13,7 @@
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/devices.hpp"
+#include "proto/tables/focus.hpp"
 #include "proto/tables/sensor.hpp"
 #include "proto/tables/set.hpp"
 #include "proto/tables/slm.hpp"
@@ -110,6 +111,12 @@ Result<Json> flatten(const Services& services, Bench& bench, const FlatnessRun& 
   auto flatness = measure_flatness(bench, services.config.slm.geometry, run.frames);
   if (!flatness) return fail(flatness.error());
   return use<flatness_of>(services, bench, use_flatness(epoch, std::move(*flatness)));
+}
+
+Result<Json> focus(const Services& services, Bench& bench, const FocusRun& run) {
+  const auto report = measure_focus(bench, services.config.slm.geometry, run.frames);
+  if (!report) return fail(report.error());
+  return to_json(*report);
 }
 
 LutReport lut_of(const Services& services, const SensorSnapshot& now) {
@@ -216,6 +223,7 @@ constexpr std::array kRows{
     row<kFlatnessGet, get<flatness_of>>(Role::read, Action::read),
     row<kFlatnessClear, clear<flatness_of, forget_flatness>>(Role::control,
                                                              Action::clear_reference),
+    row<kFocusRun, run<kFocusRun, focus>>(Role::control, Action::start_job),
     row<kLutRun, run<kLutRun, linearise>>(Role::control, Action::start_job),
     row<kLutGet, get<lut_of>>(Role::read, Action::read),
     row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Action::clear_reference),

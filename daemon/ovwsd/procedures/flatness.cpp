@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
-#include "core/wavefront/surface_scan.hpp"
-#include "daemon/ovwsd/procedures/probe_bench.hpp"
+#include "daemon/ovwsd/procedures/pupil_scan.hpp"
 #include "daemon/ovwsd/procedures/saturation.hpp"
 
 namespace ovws {
@@ -19,76 +17,15 @@ constexpr double kNoiseFactor = 2.0;  // converged below this many standard erro
 constexpr double kMinChange = 0.003;  // waves RMS: also converged below this change
 constexpr double kMaxChange = 0.01;   // waves RMS: a larger change is refused
 constexpr double kMaxResidual = 0.1;  // lambda/d RMS: limit of the fit residual
-constexpr int kFirstMode = 3;         // tilts (j = 1, 2) are not part of the flatness
-// Probe diameter relative to a subaperture. A bright spot's peak scales with the diameter's fourth
-// power. A vortex of charge 1 has 1/4 of a bright spot's peak, and a vortex of charge 2 has 1/10.
-constexpr double kProbeDiameter = 0.7, kProbeDiameterHighCharge = 0.5;
 
-/// Root sum square of the difference over the modes j >= kFirstMode.
+/// Root sum square of the difference over the modes j >= kFirstSurfaceMode.
 double rms(const std::vector<int>& modes_j, const std::vector<double>& a,
            const std::vector<double>& b) {
   double sum = 0.0;
   for (std::size_t k = 0; k < modes_j.size(); ++k) {
-    if (modes_j[k] >= kFirstMode) sum += (a[k] - b[k]) * (a[k] - b[k]);
+    if (modes_j[k] >= kFirstSurfaceMode) sum += (a[k] - b[k]) * (a[k] - b[k]);
   }
   return std::sqrt(sum);
-}
-
-class Scanner {
- public:
-  Scanner(Bench& bench, const SlmGeometry& slm, const SensorSnapshot& now, int frames)
-      : bench_(bench),
-        probes_(bench, frames),
-        base_cpp_(base_grating_cpp(now.sensor, slm)),
-        fit_(grid_of(now.sensor), px_per_cycle(now.optics, slm)) {
-    const double subaperture_px = now.sensor.pupil_diameter_px / now.sensor.subapertures_across;
-    spots_ = {
-        0,
-        lambda_d_px(now.optics, slm, now.sensor) * subaperture_px / fit_.grid().probe_diameter_px,
-        lit_pixels(bench.camera().settings.pixel_format, now.optics.wavelength_nm)};
-  }
-
-  const std::vector<int>& modes_j() const { return fit_.modes_j(); }
-  double spot_lambda_d_px() const { return spots_.lambda_d_px; }
-  /// Scans once with `error`, except its tilts, subtracted from the hologram. `error`:
-  /// RMS-normalised waves of modes_j(). The result is the whole error: the fit removes the modes
-  /// shown. `from` .. `to`: this scan's share of the job's progress, within 0 .. 1.
-  Result<ScanFit::Found> scan(const std::vector<double>& error, double from, double to);
-
- private:
-  static ScanGrid grid_of(const SensorConfig& sensor) {
-    const double part = std::abs(sensor.charge) <= 1 ? kProbeDiameter : kProbeDiameterHighCharge;
-    return scan_grid(sensor.pupil_diameter_px,
-                     part * sensor.pupil_diameter_px / sensor.subapertures_across);
-  }
-
-  Bench& bench_;
-  ProbeBench probes_;
-  Vec2 base_cpp_;
-  ScanFit fit_;
-  SpotModel spots_;
-};
-
-Result<ScanFit::Found> Scanner::scan(const std::vector<double>& error, double from, double to) {
-  std::vector<double> shown(error.size(), 0.0);
-  Probe probe{base_cpp_, 0, {}, fit_.grid().probe_diameter_px, {}};
-  for (std::size_t k = 0; k < error.size(); ++k) {
-    if (modes_j()[k] < kFirstMode || error[k] == 0.0) continue;
-    shown[k] = -error[k];
-    probe.modes.push_back({modes_j()[k], shown[k]});
-  }
-  std::vector<std::optional<Vec2>> at_px;
-  for (const Vec2 centre : fit_.grid().centres_px) {
-    probe.centre_px = centre;
-    const auto light = probes_.light(probe);
-    if (!light) return fail(light.error());
-    const auto spot = probe_spot(*light, spots_);
-    if (!spot) return fail(spot.error());
-    at_px.push_back(*spot ? (*spot)->fine : std::nullopt);
-    const double done = double(at_px.size()) / double(fit_.grid().centres_px.size());
-    bench_.report_progress(from + done * (to - from));
-  }
-  return fit_.fit(at_px, shown);
 }
 
 /// Adds the previously active flatness, which was part of the hologram during the scans.
@@ -106,12 +43,7 @@ void add_before(MeasuredFlatness& measured, const MeasuredFlatness& before) {
 }
 
 Result<void> check_bench(const SensorSnapshot& now) {
-  if (!now.registration) {
-    return fail(Errc::refused, "", "no registration is active: call registration.run first");
-  }
-  if (!now.correction.empty()) {
-    return fail(Errc::refused, "", "a correction is active: call correction.clear first");
-  }
+  if (auto able = can_scan(now); !able) return able;
   const auto& before = now.slm->flatness;
   if (before && before->pupil_diameter_px != now.sensor.pupil_diameter_px) {
     return fail(
@@ -151,16 +83,16 @@ Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, const SlmGeomet
   const SensorView view = bench.sensor();
   const SensorSnapshot& now = *view;
   if (auto able = check_bench(now); !able) return fail(able.error());
-  Scanner scanner(bench, slm, now, frames);
+  PupilScan scanner(bench, slm, now, frames);
   const std::vector<double> none(scanner.modes_j().size(), 0.0);
   MeasuredFlatness measured;
   ScanFit::Found last;
   std::vector<double> error = none;
   double noise = 0.0;
   for (int k = 1; k <= kMaxScans; ++k) {
-    auto found = scanner.scan(error, double(k - 1) / kMaxScans, double(k) / kMaxScans);
-    if (!found) return fail(found.error());
-    last = std::move(*found);
+    auto seen = scanner.scan(error, double(k - 1) / kMaxScans, double(k) / kMaxScans);
+    if (!seen) return fail(seen.error());
+    last = std::move(seen->found);
     measured.iterations = k;
     measured.residual_rms_waves = rms(scanner.modes_j(), last.waves, error);
     error = last.waves;
@@ -171,7 +103,7 @@ Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, const SlmGeomet
     return fail(good.error());
   }
   for (std::size_t k = 0; k < error.size(); ++k) {
-    if (scanner.modes_j()[k] < kFirstMode) continue;
+    if (scanner.modes_j()[k] < kFirstSurfaceMode) continue;
     measured.modes.push_back({scanner.modes_j()[k], error[k]});
     measured.standard_error_waves.push_back(last.standard_error[k]);
   }

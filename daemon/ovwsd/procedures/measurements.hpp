@@ -1,4 +1,4 @@
-/// Measurement procedures of the bench: calibration, exposure, flatness, LUT, reference,
+/// Measurement procedures of the bench: calibration, exposure, flatness, focus, LUT, reference,
 /// registration and settle time. Each procedure also fails with the errors of Bench.
 #pragma once
 
@@ -13,6 +13,7 @@
 #include "daemon/ovwsd/sensor/calibration.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
 #include "proto/tables/camera.hpp"
+#include "proto/tables/focus.hpp"
 #include "proto/tables/params.hpp"
 
 namespace ovws {
@@ -44,6 +45,17 @@ Result<AutoExposureReport> set_exposure(Bench& bench, const SlmGeometry& slm,
 /// or a flatness of another pupil is active; no wavefront explains the positions, or the iteration
 /// does not converge.
 Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames);
+
+/// `focus.run`: measures the modes j = 3 to 14 of the light over the whole pupil, and the camera's
+/// distance from the focus (camera_shift_mm_per_wave), by one vortex whose axis is moved
+/// (fit_vortex_path). A null method: a scan with a single aperture (PupilScan) finds strong modes,
+/// the hologram compensates them, and rounds of vortex images measure the rest and compensate it
+/// until it no longer changes. Active flatness is part of the hologram; the result is what is left.
+/// Introduced aberrations are not shown. Errors: those of PupilScan::scan, VortexBench::images and
+/// fit_vortex_path. Errc::refused: no registration, a correction is active, the base spot is too
+/// near the region's edge or lambda/D too small (fields "camera.roi" and "optics"), no wavefront
+/// explains the images, or the rounds do not converge.
+Result<FocusReport> measure_focus(Bench& bench, const SlmGeometry& slm, int frames);
 
 /// `loop.identify`: watches the disturbance, residuals plus shown corrections, for `seconds`. The
 /// loop may be open or closed. Frames of one hologram within `sample_s` are averaged.

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 
 namespace ovws {
 namespace {
@@ -43,6 +45,38 @@ TEST(Geometry, ARegistrationReplacesTheConfiguredScaleAndRotation) {
     EXPECT_NEAR(spots[i].x, 255.5 + 1900.0 * f.y, 1e-9);
     EXPECT_NEAR(spots[i].y, 255.5 + 2000.0 * f.x, 1e-9);
   }
+}
+
+/// Fresnel diffraction from a pupil in the plane of the lens: intensity on the axis at F + z.
+double on_axis(double defocus_waves, double z_mm, double focal_mm) {
+  constexpr double kRadiusMm = 384.0 * 0.019, kWavelengthMm = 632e-6;
+  constexpr int kSteps = 2000;
+  std::complex<double> sum;
+  for (int k = 0; k < kSteps; ++k) {
+    const double part = (k + 0.5) / kSteps, r = part * kRadiusMm;
+    const double waves = defocus_waves * std::sqrt(3.0) * (2.0 * part * part - 1.0) -
+                         r * r / (2.0 * kWavelengthMm * focal_mm) +
+                         r * r / (2.0 * kWavelengthMm * (focal_mm + z_mm));
+    sum += std::polar(r, 2.0 * std::numbers::pi * waves);
+  }
+  return std::norm(sum) / ((focal_mm + z_mm) * (focal_mm + z_mm));
+}
+
+TEST(Geometry, GivesTheDistanceFromTheFocusThatFresnelDiffractionHas) {
+  for (const double waves : {-0.2, 0.2}) {
+    double best_mm = 0.0, most = 0.0;  // where the focus is
+    for (double z_mm = -1.5; z_mm < 1.5; z_mm += 0.001) {
+      const double intensity = on_axis(waves, z_mm, 200.0);
+      if (intensity <= most) continue;
+      most = intensity;
+      best_mm = z_mm;
+    }
+    EXPECT_NEAR(waves * camera_shift_mm_per_wave({}, {}, 768.0), -best_mm, 0.005);
+  }
+  OpticsConfig relayed;
+  relayed.magnification = 3.0;  // a relay stretches distances along the axis by its square
+  EXPECT_NEAR(camera_shift_mm_per_wave(relayed, {}, 768.0),
+              9.0 * camera_shift_mm_per_wave({}, {}, 768.0), 1e-9);
 }
 
 TEST(Geometry, PutsTheBaseSpotOnTheMiddleOfTheImageUnlessSetOtherwise) {

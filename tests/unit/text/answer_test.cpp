@@ -34,6 +34,31 @@ TEST(Answer, TheLabReadsSentences) {
             "no aberration is introduced");
 }
 
+TEST(Answer, FocusSaysWhereToMoveTheCamera) {
+  const auto mode = [](int n, int m, double waves) {
+    return json{{"n", n}, {"m", m}, {"waves", waves}};
+  };
+  json focus{
+      {"camera_shift_mm", 1.8},
+      {"camera_shift_standard_error_mm", 0.002},
+      {"defocus_waves", -0.547},
+      {"defocus_standard_error_waves", 0.0006},
+      {"flatness_defocus_waves", nullptr},
+      {"modes", {mode(2, -2, 0.03), mode(2, 0, -0.547), mode(2, 2, 0.04), mode(3, 1, 0.01)}}};
+  EXPECT_EQ(answer_text("focus.run", focus),
+            "the camera is 1.800 mm behind the focus: move it towards the lens by 1.800 mm\n"
+            "defocus -0.5470 wave RMS (standard error 0.0006), astigmatism 0.0500, coma 0.0100, "
+            "spherical aberration 0.0000");
+  focus["camera_shift_mm"] = -0.2, focus["flatness_defocus_waves"] = 0.1;
+  const std::string before = answer_text("focus.run", focus);
+  EXPECT_TRUE(before.starts_with(
+      "the camera is 0.200 mm before the focus: move it away from the lens by 0.200 mm\n"));
+  EXPECT_NE(before.find("+0.1000 wave of defocus that the flatness compensates"), before.npos);
+  focus["camera_shift_mm"] = -0.003;
+  EXPECT_TRUE(
+      answer_text("focus.run", focus).starts_with("the camera is in focus, within 0.004 mm"));
+}
+
 TEST(Answer, OtherResultsHaveALineForEachKey) {
   EXPECT_EQ(summary_text({{"b_hz", 2.5},
                           {"a", {{"inner", true}, {"none", nullptr}}},

@@ -1,0 +1,119 @@
+"""The daemon measures the aberrations of the whole pupil by one vortex, compared with what the twin hides."""
+import math
+import subprocess
+
+import numpy
+from case import main, wait_for
+from slm_case import SlmCase
+
+DEFOCUS, OBLIQUE, VERTICAL_COMA = 4, 3, 7
+
+
+def shift_by_rays(defocus_waves, optics, slm, diameter_px):
+    """How far the camera, in the focal plane, is behind the focus of a light with defocus: rays from an SLM in the front focal
+    plane of a lens, mm."""
+    wavelength, focal = optics["wavelength_nm"] * 1e-6, optics["focal_length_mm"]
+    radius = 0.5 * diameter_px * slm["pitch_um"] * 1e-3
+    heights = numpy.linspace(-radius, radius, 9)[1:]
+    heights = heights[heights != 0.0]
+    # Zernike defocus: sqrt(3) (2 (r / radius)^2 - 1) waves; rays are perpendicular to the surface of equal phase.
+    angles = wavelength * defocus_waves * math.sqrt(3.0) * 4.0 * heights / radius ** 2
+    at_lens = heights + focal * angles
+    behind = angles - at_lens / focal
+    crossings = -at_lens / behind  # distance from the lens to the axis
+    assert numpy.ptp(crossings) < 1e-9 * focal
+    return focal - crossings.mean()
+
+
+class Focus(SlmCase):
+    small = True
+    twin_config = {"camera": {"rotation_deg": 90.0, "mirror": "x"}}
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 200}}
+
+    def hide(self, **modes):
+        self.twin.call("twin.set", {"aberration": [{"j": int(j[1:]), "waves": waves} for j, waves in modes.items()]})
+
+    def measure(self, **hidden):
+        self.hide(**hidden)
+        found = self.run_job("focus.run", {"frames": 2}, 60.0)["result"]
+        modes = {mode["j"]: mode for mode in found["modes"]}
+        errors = {j: modes[j]["waves"] - hidden.get(f"j{j}", 0.0) for j in range(3, 9)}
+        print(f"\n  hidden {hidden}: defocus {found['defocus_waves']:+.4f} +- {found['defocus_standard_error_waves']:.4f}, largest error "
+              f"{max(map(abs, errors.values())):.4f}, camera {found['camera_shift_mm']:+.3f} mm, {found['rounds']} rounds, last change "
+              f"{found['change_rms_waves']:.4f}, the beam moved by {found['motion_px']:.3f} px, exposure {found['exposure_us']:.0f} us")
+        self.assertLess(abs(errors[DEFOCUS]), 0.02)
+        self.assertLess(max(map(abs, errors.values())), 0.02)
+        self.assertEqual(found["defocus_waves"], modes[DEFOCUS]["waves"])
+        config = self.call("config.get")
+        expected = shift_by_rays(hidden.get("j4", 0.0), config["optics"], config["slm"], found["pupil_diameter_px"])
+        self.assertAlmostEqual(found["camera_shift_mm"], expected, delta=0.07)  # 0.02 wave
+        return found
+
+    def test_finds_defocus_beside_astigmatism_and_coma(self):
+        self.assertIn("registration.run first", self.failure("focus.run"))
+        self.run_job("registration.run", {"frames": 3}, 60.0)
+        before = self.call("camera.get")["settings"], self.call("system.status")["slm"]["pattern"]
+        self.measure(j4=-1.0, j3=0.1, j7=0.1)
+        found = self.measure(j4=0.05)
+        self.measure(j4=0.3, j5=-0.1, j8=-0.1)
+        self.assertEqual((self.call("camera.get")["settings"], self.call("system.status")["slm"]["pattern"]), before)
+        self.check_path(found)
+
+        self.check_verb()
+        self.check_flatness()
+        self.check_cancelled()
+        self.check_refused()
+
+    def check_path(self, found):
+        """With the defocus compensated the dark cores lie perpendicular to the shift of the axis, about 0.93 lambda/D per pupil radius
+        away; the registration relates the camera's directions to the SLM's."""
+        self.assertEqual(found["path"][0]["axis"], [0.0, 0.0])
+        xx, xy, yx, yy = self.call("registration.get")["px_per_cycle"]
+        for step in found["path"]:
+            x, y = step["axis"]
+            across, down = -0.93 * y / found["pupil_diameter_px"], 0.93 * x / found["pupil_diameter_px"]
+            expected = (found["middle_px"][0] + xx * across + xy * down, found["middle_px"][1] + yx * across + yy * down)
+            self.assertLess(math.dist(step["core_px"], expected), 0.15)
+
+    def check_verb(self):
+        self.hide(j4=-0.5)
+        said = subprocess.run([self.bench.programs / "ovws", "focus", "frames=2"], capture_output=True, text=True, timeout=60)
+        print("\n ", said.stdout)
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertRegex(said.stdout, r"^the camera is 1\.6\d\d mm behind the focus: move it towards the lens by 1\.6\d\d mm\ndefocus -0\.\d+ wave RMS ")
+        self.assertNotIn("flatness", said.stdout)
+
+    def check_flatness(self):
+        """What the flatness compensates is not in the result, and is named beside it."""
+        self.run_job("flatness.run", {"frames": 2}, 120.0)
+        found = self.run_job("focus.run", {"frames": 2}, 60.0)["result"]
+        print("\n  after flatness.run: defocus", found["defocus_waves"], "beside", found["flatness_defocus_waves"])
+        self.assertLess(abs(found["defocus_waves"]), 0.01)
+        self.assertAlmostEqual(found["defocus_waves"] + found["flatness_defocus_waves"], -0.5, delta=0.005)
+        self.call("flatness.clear")
+
+    def check_cancelled(self):
+        before = self.call("camera.get")["settings"]
+        job = self.call("focus.run", {"frames": 20})["job"]
+        wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.45, 60.0, "images of the vortex")
+        self.assertNotEqual(self.call("camera.get")["settings"], before)
+        self.call("job.cancel", {"job": job})
+        self.wait_until("running")
+        self.assertEqual(self.call("camera.get")["settings"], before)
+
+    def check_refused(self):
+        region = self.call("camera.get")["settings"]["roi"]
+        self.call("camera.set", {"roi": {**region, "width": 272}})
+        self.assertRegex(self.failure("focus.run", {"frames": 1}), r"camera\.roi.*must be \d+ pixels from its edge: move or enlarge")
+        self.call("camera.set", {"roi": region})
+        self.call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})
+        self.assertIn("correction.clear", self.failure("focus.run"))
+        self.call("correction.clear")
+        self.twin.call("twin.set", {"peak_electrons": 1.0})
+        self.assertIn("show no spot: check the exposure", self.failure("focus.run", {"frames": 1}))
+        self.twin.call("twin.set", {"peak_electrons": 6000.0})
+        self.measure(j4=0.1)
+
+
+if __name__ == "__main__":
+    main()
