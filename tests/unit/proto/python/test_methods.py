@@ -10,20 +10,26 @@ from ovws_client import LEFT_OUT, Job, methods
 
 
 class Recorder(methods.Methods):
-    def call(self, method, params=None):
-        return method, params
+    def call(self, method, params=None, binary=None):
+        return (method, params) if binary is None else (method, params, binary)
+
+    def call_binary(self, method, params=None, binary=None):
+        return self.call(method, params, binary)
 
     def _job(self, result):
         return result
 
 
 class AsyncRecorder(methods.AsyncMethods):
-    async def call(self, method, params=None):
-        return method, params
+    async def call(self, method, params=None, binary=None):
+        return (method, params) if binary is None else (method, params, binary)
+
+    async def call_binary(self, method, params=None, binary=None):
+        return await self.call(method, params, binary)
 
 
 def names(kind):
-    return {name for name in vars(kind) if not name.startswith("_")} - {"call"}
+    return {name for name in vars(kind) if not name.startswith("_")} - {"call", "call_binary"}
 
 
 def collapsed(text):
@@ -40,6 +46,8 @@ class Made(unittest.TestCase):
                     function = getattr(kind, name)
                     params = dict(inspect.signature(function).parameters)
                     del params["self"]
+                    self.assertEqual("binary" in params, "binary_params" in schema)
+                    params.pop("binary", None)
                     self.assertEqual(set(params), set(schema["params"]["properties"]))
                     must = {key for key, param in params.items() if param.default is not LEFT_OUT}
                     self.assertEqual(must, set(schema["params"].get("required", [])))
@@ -55,6 +63,9 @@ class Made(unittest.TestCase):
                 if result is Job:  # JobNumber, with the client
                     result = typing.get_type_hints(getattr(methods.AsyncMethods, name.replace(".", "_")))["return"]
                     self.assertIs(result, methods.JobNumber)
+                if "binary_result" in schema:
+                    result, pixels = typing.get_args(result)
+                    self.assertIs(pixels, bytes)
                 self.assertEqual(result.__required_keys__, set(schema["result"]["required"]))
                 self.assertEqual(result.__required_keys__ | result.__optional_keys__, set(schema["result"]["properties"]))
 
@@ -66,6 +77,7 @@ class Made(unittest.TestCase):
                     sent = getattr(recorder, name.replace(".", "_"))(**params)
                     self.assertEqual((sent[0], sent[1] or {}), (name, params))
                     self.assertEqual(asyncio.run(getattr(later, name.replace(".", "_"))(**params)), sent)
+        self.assertEqual(recorder.slm_present(b"x", job=7), ("slm.present", {"job": 7}, b"x"))
         self.assertEqual(recorder.refine_set(saturation_dn=None), ("refine.set", {"saturation_dn": None}), "null is a value")
 
 
