@@ -41,7 +41,8 @@ std::optional<RequestTurns::Turn> RequestTurns::next() {
   for (std::size_t tries = turns_.size(); tries > 0; --tries) {
     Client& client = *turns_.front();
     turns_.pop_front();
-    if (!box_->has_room(*client.load)) {
+    const bool with_binary = !client.waiting.front().body.binary.empty();
+    if (!box_->has_room(*client.load, with_binary)) {
       turns_.push_back(&client);
       continue;
     }
