@@ -34,7 +34,7 @@ class Presentations {
 
  private:
   struct Show;
-  Result<void> check(const SlmPresent& wish, std::size_t bytes) const;
+  Result<void> check(const SlmPresent& wish, const std::string& bytes) const;
   void begin(std::function<void(const std::shared_ptr<Show>&)> order, Done done);
   Result<nlohmann::json> run(Bench& bench, const std::shared_ptr<Show>& show);
 
