@@ -184,12 +184,15 @@ class Pictures(PictureCase):
         self.assertGreater(int(packed.images.max()), 255)
         self.twin.call("twin.fault", {"kind": "freeze", "seconds": 2})
         self.assertIn("0 of 5 frames", self.refused("camera.grab", {"frames": 5, "timeout_s": 0.5}).reason)
-        with Client() as other:  # a hologram that is replaced meanwhile
-            other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.grab", "params": {"frames": 1000, "average": True,
-                                                                                                    "after_hologram": self.shown()}})
-            self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.1}]})
-            reply = other._socket.recv_json()
-        self.assertIn("was replaced by hologram", reply["error"]["message"])
+        grab(self.client)  # the camera sends frames again
+        long = {"frames": 1000, "average": True, "after_hologram": self.shown()}
+        for change, reason in ((("camera.set", {"roi": {"x": 8, "y": 0, "width": 512, "height": 512}}), "the camera's image changed"),
+                               (("aberration.set", {"modes": [{"j": 5, "waves": 0.1}]}), "was replaced by hologram")):
+            with Client() as other:  # the region or the hologram is replaced meanwhile
+                other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.grab", "params": long})
+                time.sleep(0.5)
+                self.call(*change)
+                self.assertIn(reason, other._socket.recv_json()["error"]["message"])
 
 
 if __name__ == "__main__":

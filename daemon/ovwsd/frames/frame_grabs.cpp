@@ -62,7 +62,7 @@ class FrameGrabs::Grab {
 
  private:
   bool take(const FrameRecord& record);
-  bool begin(const ImageView& image);
+  bool begin(const FrameRecord& record);
   bool wanted(const FrameRecord& record);
   void copy(const ImageView& image);
   void look_for_errors(std::uint64_t newest);
@@ -76,6 +76,7 @@ class FrameGrabs::Grab {
   const Done done_;
   const InUse in_use_;
   const std::int64_t asked_ns_;
+  Roi roi_;
   ImagePart part_;
   GrabReport report_;
   std::shared_ptr<void> reserved_;   ///< memory; null before the first frame
@@ -95,7 +96,9 @@ bool FrameGrabs::Grab::wanted(const FrameRecord& record) {
   return record.still && record.hologram_id == id;
 }
 
-bool FrameGrabs::Grab::begin(const ImageView& image) {
+bool FrameGrabs::Grab::begin(const FrameRecord& record) {
+  const ImageView& image = record.frame.image;
+  roi_ = record.roi;
   part_ = wish_.region.value_or(ImagePart{0, 0, image.width, image.height});
   if (part_.x + part_.width > image.width || part_.y + part_.height > image.height) {
     return refuse({Errc::invalid, "region",
@@ -141,9 +144,9 @@ void FrameGrabs::Grab::copy(const ImageView& image) {
 bool FrameGrabs::Grab::take(const FrameRecord& record) {
   if (error_ || !wanted(record)) return false;
   const ImageView& image = record.frame.image;
-  if (!reserved_ && !begin(image)) return false;
+  if (!reserved_ && !begin(record)) return false;
   const bool fits = part_.x + part_.width <= image.width && part_.y + part_.height <= image.height;
-  if (!fits || image.format != report_.format) {
+  if (!fits || record.roi != roi_ || image.format != report_.format) {
     return refuse({Errc::refused, "", "the camera's image changed: repeat the request"});
   }
   copy(image);
