@@ -117,13 +117,15 @@ bool FrameGrabs::Grab::begin(const FrameRecord& record) {
                                "smaller region, or their average",
                                bytes, limits::kGrabBytes)});
   }
-  reserved_ = reserve(in_use_, bytes + (wish_.average ? pixels * sizeof(std::uint32_t) : 0));
-  if (!reserved_) {
+  auto reserved = reserve(in_use_, bytes + (wish_.average ? pixels * sizeof(std::uint32_t) : 0));
+  if (!reserved) {
     return refuse({Errc::refused, "",
                    "other grabs use the memory for this one: repeat it when they have ended"});
   }
+  report_.frames.reserve(std::size_t(wish_.frames));
+  bytes_.reserve(bytes);
   if (wish_.average) sums_.assign(pixels, 0);
-  if (!wish_.average) bytes_.reserve(bytes);
+  reserved_ = std::move(reserved);  // last: if an allocation throws, the next frame begins again
   return true;
 }
 
