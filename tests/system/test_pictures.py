@@ -126,7 +126,7 @@ class Pictures(PictureCase):
             self.wait_until("running")
             self.assertIn("leave out job", self.refused("slm.present", {"job": job}).reason)
             self.assertNotEqual(slm.show(self.grey())["job"], job)  # the client begins another
-        self.wait_until("running")
+        self.call("aberration.set", {"modes": []})  # at once: the presentation has ended with the block
         self.take_reference(10)
         self.call("loop.close", {})
         self.assertIn("loop", str(self.refused_by(self.client, Presentation(self.client).show, self.grey())))
@@ -153,7 +153,9 @@ class Pictures(PictureCase):
         self.assertEqual(field(None, shape=shape), "picture")
         self.assertEqual(field(good.tobytes(), shape=shape, dtype="<f8"), "dtype")
         self.assertEqual(field(good.tobytes(), shape=shape, lease_s=-1), "lease_s")
+        self.assertEqual(field(np.full(shape, np.nan, "<f4").tobytes(), shape=shape), "picture")
         self.assertEqual(self.shown(), before)
+        self.assertEqual(self.call("system.status")["state"], "running")  # none of them began a presentation
         self.assertEqual(self.refused_by(self.client, self.client.call, "slm.show", {"pattern": "flat"}, b"x").code, -32602)
         with Presentation(self.client, lease_s=60.0) as slm:
             job = slm.show(good)["job"]
