@@ -21,7 +21,7 @@ constexpr auto kServeFor = std::chrono::milliseconds(10);  // time limit of one 
 // Send queue without a limit, because ROUTER drops replies beyond a client's high-water mark, and
 // libzmq counts replies for a while after it has written them. ReplyBox limits the replies instead.
 constexpr int kReplyQueue = 0;                   // 0: unlimited
-constexpr std::size_t kReceiveBytes = 64 << 20;  // of the requests that libzmq holds per client
+constexpr std::size_t kReceiveBytes = 16 << 20;  // of the requests that libzmq holds per client
 constexpr std::size_t kMaxFrameBytes = 2 << 20;  // larger frames make libzmq close the connection
 constexpr std::size_t kMaxParts = 16;            // frames of one request, with its envelope
 constexpr std::size_t kMaxRoutingId = 255;       // bytes, defined by ZeroMQ
