@@ -196,6 +196,13 @@ class Pictures(PictureCase):
                 self.call(*change)
                 self.assertIn(reason, other._socket.recv_json()["error"]["message"])
 
+    def test_a_grab_is_answered_when_the_daemon_stops(self):
+        with Client() as other:
+            other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.grab", "params": {"frames": 1000, "average": True}})
+            self.call("system.status")
+            self.bench.stop("ovwsd")
+            self.assertIn("the daemon is stopping", other._socket.recv_json()["error"]["message"])
+
 
 if __name__ == "__main__":
     main()

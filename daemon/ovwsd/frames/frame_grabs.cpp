@@ -34,6 +34,10 @@ Error replaced(std::int64_t wanted, std::uint64_t by) {
                       wanted, by)};
 }
 
+Error stopping() {
+  return {Errc::refused, "", "the daemon is stopping; start it again and repeat the request"};
+}
+
 }  // namespace
 
 /// One open grab. Only the images thread calls its methods, after the constructor.
@@ -46,6 +50,11 @@ class FrameGrabs::Grab {
         asked_ns_(monotonic_ns()),
         request_(frames.request(FrameBroker::Needs::pixels, wish.frames,
                                 [this](const FrameRecord& record) { return take(record); })) {}
+
+  /// Ends it with an error, unless it is complete.
+  void refuse_rest(Error why) {
+    if (!error_ && !request_->done()) refuse(std::move(why));
+  }
 
   /// Whether it has ended; then it has been answered.
   bool end_if_due(std::uint64_t newest) {
@@ -209,6 +218,9 @@ void FrameGrabs::end_due() {
   const std::lock_guard lock(mutex_);
   if (open_.empty()) return;
   const std::uint64_t newest = newest_();
+  if (ending_) {
+    for (const auto& grab : open_) grab->refuse_rest(stopping());
+  }
   std::erase_if(open_, [&](const auto& grab) { return grab->end_if_due(newest); });
 }
 

@@ -38,6 +38,8 @@ class FrameGrabs {
   /// hologram was replaced or was never shown, or too many grabs are open; Errc::unavailable, the
   /// frames did not come in time.
   void grab(const CameraGrab& wish, Done done);
+  /// Lets `end_due` end the open grabs: the daemon stops. Thread-safe.
+  void end_soon() { ending_ = true; }
   /// Ends the grabs that are complete, have failed or are too late. Images thread.
   void end_due();
 
@@ -47,6 +49,7 @@ class FrameGrabs {
   const std::function<std::uint64_t()> newest_;
   std::shared_ptr<std::atomic<std::size_t>> bytes_in_use_ =
       std::make_shared<std::atomic<std::size_t>>(0);
+  std::atomic<bool> ending_{false};
   std::mutex mutex_;
   std::vector<std::unique_ptr<Grab>> open_;
 };
