@@ -22,9 +22,9 @@ class Grabbed:
     significant_bits: int
 
 
-def grab(client: Methods, **params: Any) -> Grabbed:
-    """Frames of the camera as an array. `params`: those of camera_grab."""
-    report, pixels = client.camera_grab(**params)
+def grab(client: Methods, timeout_s: float = 10.0, **params: Any) -> Grabbed:
+    """Frames of the camera as an array. Waits up to `timeout_s` for them. `params`: those of camera_grab."""
+    report, pixels = client.camera_grab(timeout_s=timeout_s, **params)
     return Grabbed(np.frombuffer(pixels, report["dtype"]).reshape(report["shape"]), report["frames"], report["significant_bits"])
 
 
