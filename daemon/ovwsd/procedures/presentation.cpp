@@ -17,7 +17,7 @@ namespace ovws {
 namespace {
 
 constexpr std::chrono::milliseconds kTurn(20);  // interval of checks for a stop of the job
-constexpr float kMaxPictureWaves = 16384.0F;    // beyond, float32 is coarser than 1/512 wave
+constexpr float kMaxPictureWaves = 16384.0F;  // beyond, the steps of float32 are 1/512 wave or more
 constexpr float kGreyLevels = 256.0F;
 
 std::size_t pixel_bytes(PictureType type) {
