@@ -197,6 +197,19 @@ class Pictures(PictureCase):
                 self.call(*change)
                 self.assertIn(reason, other._socket.recv_json()["error"]["message"])
 
+    def test_a_presentation_without_a_display(self):
+        with Presentation(self.client, lease_s=60.0) as slm:
+            slm.show(self.grey())
+            self.xrandr("--off")
+            self.wait_until("waiting_for_display")
+            self.assertIn("display", str(self.refused_by(self.client, slm.show, self.grey())))
+            self.assertIn("display is not in use", str(self.refused_by(self.client, slm.grab)))
+        self.xrandr("--mode", f"{COLUMNS}x{ROWS}", "--pos", "1920x0")
+        self.gives_back(1)
+
+    def xrandr(self, *arguments):
+        subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", *arguments], check=True, capture_output=True)
+
     def test_a_grab_is_answered_when_the_daemon_stops(self):
         with Client() as other:
             other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.grab", "params": {"frames": 1000, "average": True}})

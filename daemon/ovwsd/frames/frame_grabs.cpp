@@ -169,7 +169,7 @@ bool FrameGrabs::Grab::take(const FrameRecord& record) {
 
 void FrameGrabs::Grab::look_for_errors(std::uint64_t newest) {
   if (1e-9 * double(monotonic_ns() - asked_ns_) < wish_.timeout_s) return;
-  if (wish_.after_hologram && newest != std::uint64_t(*wish_.after_hologram)) {
+  if (wish_.after_hologram && newest != 0 && newest != std::uint64_t(*wish_.after_hologram)) {
     error_ = replaced(*wish_.after_hologram, newest);
     return;
   }
@@ -198,6 +198,11 @@ FrameGrabs::~FrameGrabs() = default;
 
 void FrameGrabs::grab(const CameraGrab& wish, Done done) {
   const std::uint64_t newest = newest_();
+  if (wish.after_hologram && newest == 0) {
+    return done(fail(Errc::unavailable, "after_hologram",
+                     "the SLM's display is not in use: check slm in system.status"),
+                nullptr);
+  }
   if (wish.after_hologram && std::uint64_t(*wish.after_hologram) != newest) {
     const bool future = std::uint64_t(*wish.after_hologram) > newest;
     return done(fail(Errc::refused, "after_hologram",
