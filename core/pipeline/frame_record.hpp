@@ -67,6 +67,7 @@ struct FrameRecord {
   bool settings_known = false;  ///< gain and exposure are certain for this frame
   double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;
+  Roi roi;  ///< region of interest of the stream that the frame is from
   /// Estimated end of the exposure, CLOCK_MONOTONIC: the undelayed arrival less half of the longest
   /// transfer time.
   std::int64_t t_exposed_mono_ns = 0;

@@ -162,6 +162,7 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   entry.gain_db = settings.gain_db;
   entry.gain_raw = settings.gain_raw;
   entry.exposure_us = settings.exposure_us;
+  entry.roi = applied.roi;
   entry.transfer_ns = applied.transfer_ns;
   entry.t_exposed_mono_ns = undelayed - applied.transfer_ns / 2;
   const HologramVerdict hologram = judge_hologram(deps_.shown.value(), entry.plan->sensor_epoch,

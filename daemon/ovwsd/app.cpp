@@ -383,6 +383,7 @@ Result<void> App::Parts::stop() {
   procedures->end_soon();
   store.end_soon();
   refiner->end_soon();
+  grabs.end_soon();
   slm.close();
   threads.end_soon({ThreadRole::procedure, ThreadRole::loop, ThreadRole::write});
   (void)threads.wait_for_end({ThreadRole::procedure, ThreadRole::loop}, kStopTimeoutS);

@@ -128,7 +128,10 @@ Result<std::string> ControlClient::request(std::string_view bytes,
   (void)impl_->socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
   const int event = impl_->wait(timeout);
   const auto parts = receive_parts(impl_->socket);
-  if (!parts.empty()) return parts.back().to_string();
+  if (!parts.empty()) {
+    const bool delimited = parts.size() > 1 && parts.front().size() == 0;  // by other programs
+    return parts[delimited ? 1 : 0].to_string();
+  }
   if (auto opened = impl_->open(); !opened) return fail(opened.error());
   if (event != 0) {
     return fail(Errc::refused, "",

@@ -21,7 +21,8 @@ constexpr auto kServeFor = std::chrono::milliseconds(10);  // time limit of one 
 // Send queue without a limit, because ROUTER drops replies beyond a client's high-water mark, and
 // libzmq counts replies for a while after it has written them. ReplyBox limits the replies instead.
 constexpr int kReplyQueue = 0;                   // 0: unlimited
-constexpr std::size_t kReceiveBytes = 64 << 20;  // of the requests that libzmq holds per client
+constexpr std::size_t kReceiveBytes = 16 << 20;  // of the requests that libzmq holds per client
+constexpr int kUnreadMs = 60'000;  // a client that takes nothing for so long is disconnected
 constexpr std::size_t kMaxFrameBytes = 2 << 20;  // larger frames make libzmq close the connection
 constexpr std::size_t kMaxParts = 16;            // frames of one request, with its envelope
 constexpr std::size_t kMaxRoutingId = 255;       // bytes, defined by ZeroMQ
@@ -179,6 +180,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::bind(const std::string& en
   impl->limits = std::move(limits);
   impl->handler = std::move(handler);
   impl->socket.set(zmq::sockopt::linger, kLingerMs);
+  impl->socket.set(zmq::sockopt::tcp_maxrt, kUnreadMs);
   const std::size_t frame_bytes = std::max(kMaxFrameBytes, impl->limits.max_binary_bytes);
   impl->socket.set(zmq::sockopt::maxmsgsize, std::int64_t(frame_bytes));
   impl->socket.set(zmq::sockopt::rcvhwm,

@@ -73,9 +73,11 @@ SendReply ReplyBox::reply_to(Envelope envelope, std::shared_ptr<ClientLoad> clie
   };
 }
 
-bool ReplyBox::has_room(const ClientLoad& client) {
+bool ReplyBox::has_room(const ClientLoad& client, bool with_binary) {
   const std::lock_guard lock(mutex_);
-  const bool room = idle(client) || (within(client, kMaxPerClient) && within(all_, kMaxAllClients));
+  const bool allowed =
+      idle(client) || (within(client, kMaxPerClient) && within(all_, kMaxAllClients));
+  const bool room = allowed && (!with_binary || all_.request_bytes < kMaxBinaryRequestBytes);
   if (!room) request_waits_ = true;
   return room;
 }

@@ -29,6 +29,10 @@ constexpr ClientLoad kMaxPerClient{64, 8 << 10, 128, 4 << 20};
 /// Limits of all clients together. At a limit only clients with nothing outstanding are served.
 constexpr ClientLoad kMaxAllClients{128, 1 << 20, 16384, 32 << 20};
 
+/// Limit of the bytes of all requests being carried out at which a request with a binary frame
+/// waits, also that of a client with nothing outstanding.
+constexpr std::size_t kMaxBinaryRequestBytes = 32 << 20;
+
 /// Limit of a client's unread replies. At this limit, or at the limit of all clients' replies, a
 /// request that cannot be queued gets no reply.
 constexpr std::size_t kMaxRefusals = 1024;
@@ -57,8 +61,9 @@ class ReplyBox : public std::enable_shared_from_this<ReplyBox> {
   /// function queues the reply in this box; later calls do nothing. Thread-safe.
   SendReply reply_to(Envelope envelope, std::shared_ptr<ClientLoad> client,
                      std::size_t request_bytes);
-  /// Whether the limits allow a further request of the client. Thread-safe.
-  bool has_room(const ClientLoad& client);
+  /// Whether the limits allow a further request of the client, with a binary frame or without.
+  /// Thread-safe.
+  bool has_room(const ClientLoad& client, bool with_binary = false);
   /// Whether a request of the client that cannot be queued may still be answered with an error.
   /// Thread-safe.
   bool can_refuse(const ClientLoad& client) const;

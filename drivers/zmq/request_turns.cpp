@@ -26,10 +26,12 @@ bool RequestTurns::push(Request request) {
   const std::size_t size = request.size();
   if (clients_.size() >= sweep_at_) remove_idle_clients();
   Client& client = clients_[request.envelope.front()];
-  const bool fits =
-      client.waiting_bytes + size <= kMaxClientBytes && waiting_bytes_ + size <= kMaxTotalBytes;
-  const bool first = client.waiting.empty() && (request.body.binary.empty() || waiting_bytes_ == 0);
-  if (!fits && !first) return false;
+  const bool fits = waiting_bytes_ + size <= kMaxTotalBytes;
+  const bool own_fits = client.waiting_bytes + size <= kMaxClientBytes;
+  const bool has_binary = !request.body.binary.empty();
+  const bool allowed =
+      client.waiting.empty() ? fits || !has_binary || waiting_bytes_ == 0 : fits && own_fits;
+  if (!allowed) return false;
   if (client.waiting.empty()) turns_.push_back(&client);
   client.waiting.push_back(std::move(request));
   client.waiting_bytes += size;
@@ -41,7 +43,8 @@ std::optional<RequestTurns::Turn> RequestTurns::next() {
   for (std::size_t tries = turns_.size(); tries > 0; --tries) {
     Client& client = *turns_.front();
     turns_.pop_front();
-    if (!box_->has_room(*client.load)) {
+    const bool with_binary = !client.waiting.front().body.binary.empty();
+    if (!box_->has_room(*client.load, with_binary)) {
       turns_.push_back(&client);
       continue;
     }

@@ -28,7 +28,8 @@ class RequestTurns {
   explicit RequestTurns(std::shared_ptr<ReplyBox> box) : box_(std::move(box)) {}
 
   /// Limits of the queued requests in bytes, per client and in total. A client without a queued
-  /// request may always queue one; one with a binary frame only if nothing else is queued.
+  /// request may always queue one; one with a binary frame only within the total, or if nothing
+  /// else is queued.
   static constexpr std::size_t kMaxClientBytes = 8 << 20;
   static constexpr std::size_t kMaxTotalBytes = 32 << 20;
 

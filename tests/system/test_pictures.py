@@ -126,7 +126,7 @@ class Pictures(PictureCase):
             self.wait_until("running")
             self.assertIn("leave out job", self.refused("slm.present", {"job": job}).reason)
             self.assertNotEqual(slm.show(self.grey())["job"], job)  # the client begins another
-        self.wait_until("running")
+        self.call("aberration.set", {"modes": []})  # at once: the presentation has ended with the block
         self.take_reference(10)
         self.call("loop.close", {})
         self.assertIn("loop", str(self.refused_by(self.client, Presentation(self.client).show, self.grey())))
@@ -153,7 +153,9 @@ class Pictures(PictureCase):
         self.assertEqual(field(None, shape=shape), "picture")
         self.assertEqual(field(good.tobytes(), shape=shape, dtype="<f8"), "dtype")
         self.assertEqual(field(good.tobytes(), shape=shape, lease_s=-1), "lease_s")
+        self.assertEqual(field(np.full(shape, np.nan, "<f4").tobytes(), shape=shape), "picture")
         self.assertEqual(self.shown(), before)
+        self.assertEqual(self.call("system.status")["state"], "running")  # none of them began a presentation
         self.assertEqual(self.refused_by(self.client, self.client.call, "slm.show", {"pattern": "flat"}, b"x").code, -32602)
         with Presentation(self.client, lease_s=60.0) as slm:
             job = slm.show(good)["job"]
@@ -171,8 +173,9 @@ class Pictures(PictureCase):
         self.assertEqual((report["shape"], report["dtype"], len(pixels)), ([3, 7, 33], "<u1", 3 * 7 * 33))
         whole = grab(self.client, after_hologram=self.shown(), frames=20)
         self.assertEqual(sorted({stamp["frame_id"] for stamp in whole.frames}), [stamp["frame_id"] for stamp in whole.frames])
-        mean = grab(self.client, frames=20, average=True)
-        self.assertEqual((mean.images.dtype, mean.images.shape, len(mean.frames)), (np.dtype("<f4"), (1, 512, 512), 20))
+        with Client(timeout_s=0.2) as hasty:  # its time-out begins after that of the grab
+            mean = grab(hasty, frames=50, average=True)
+        self.assertEqual((mean.images.dtype, mean.images.shape, len(mean.frames)), (np.dtype("<f4"), (1, 512, 512), 50))
         self.assertLess(np.abs(mean.images[0] - whole.images.mean(0)).max(), 8.0)
         for params, name in (({"region": {"x": 500, "y": 0, "width": 13, "height": 1}}, "region"), ({"frames": 1000}, "frames"),
                              ({"frames": 0}, "frames"), ({"after_hologram": self.shown() + 1}, "after_hologram"),
@@ -184,12 +187,35 @@ class Pictures(PictureCase):
         self.assertGreater(int(packed.images.max()), 255)
         self.twin.call("twin.fault", {"kind": "freeze", "seconds": 2})
         self.assertIn("0 of 5 frames", self.refused("camera.grab", {"frames": 5, "timeout_s": 0.5}).reason)
-        with Client() as other:  # a hologram that is replaced meanwhile
-            other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.grab", "params": {"frames": 1000, "average": True,
-                                                                                                    "after_hologram": self.shown()}})
-            self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.1}]})
-            reply = other._socket.recv_json()
-        self.assertIn("was replaced by hologram", reply["error"]["message"])
+        grab(self.client)  # the camera sends frames again
+        long = {"frames": 1000, "average": True, "after_hologram": self.shown()}
+        for change, reason in ((("camera.set", {"roi": {"x": 8, "y": 0, "width": 512, "height": 512}}), "the camera's image changed"),
+                               (("aberration.set", {"modes": [{"j": 5, "waves": 0.1}]}), "was replaced by hologram")):
+            with Client() as other:  # the region or the hologram is replaced meanwhile
+                other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.grab", "params": long})
+                time.sleep(0.5)
+                self.call(*change)
+                self.assertIn(reason, other._socket.recv_json()["error"]["message"])
+
+    def test_a_presentation_without_a_display(self):
+        with Presentation(self.client, lease_s=60.0) as slm:
+            slm.show(self.grey())
+            self.xrandr("--off")
+            self.wait_until("waiting_for_display")
+            self.assertIn("display", str(self.refused_by(self.client, slm.show, self.grey())))
+            self.assertIn("display is not in use", str(self.refused_by(self.client, slm.grab)))
+        self.xrandr("--mode", f"{COLUMNS}x{ROWS}", "--pos", "1920x0")
+        self.gives_back(1)
+
+    def xrandr(self, *arguments):
+        subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", *arguments], check=True, capture_output=True)
+
+    def test_a_grab_is_answered_when_the_daemon_stops(self):
+        with Client() as other:
+            other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.grab", "params": {"frames": 1000, "average": True}})
+            self.call("system.status")
+            self.bench.stop("ovwsd")
+            self.assertIn("the daemon is stopping", other._socket.recv_json()["error"]["message"])
 
 
 if __name__ == "__main__":

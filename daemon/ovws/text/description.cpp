@@ -57,8 +57,10 @@ void add_words(std::vector<std::string>& words, const std::string& prefix, const
         words.push_back(fmt::format("{}.{}={}", path, mode_word(mode), json_text(number)));
       }
     } else {
-      const bool is_quoted = value.is_array() && (value.empty() || !value.front().is_primitive());
       const std::string text = value.is_string() ? value.get<std::string>() : json_text(value);
+      const bool is_quoted =
+          (value.is_array() && (value.empty() || !value.front().is_primitive())) ||
+          text.find_first_of("<>") != std::string::npos;
       words.push_back(is_quoted          ? fmt::format("'{}={}'", path, text)
                       : value.is_array() ? path + "=" + text.substr(1, text.size() - 2)
                                          : path + "=" + text);
@@ -80,7 +82,16 @@ std::string method_text(const std::string& name, const json& method) {
   for (const json& key : method.at("result").value("required", json::array())) {
     result += (result.empty() ? "" : ", ") + key.get<std::string>();
   }
-  return text + "\n" + row("result", result);
+  text += "\n" + row("result", result);
+  if (method.contains("binary_params")) {
+    text += row("binary frame", "after the request's JSON, which ovws call cannot send: " +
+                                    method.at("binary_params").get<std::string>());
+  }
+  if (method.contains("binary_result")) {
+    text += row("binary frame", "after the result's JSON, which ovws call does not print: " +
+                                    method.at("binary_result").get<std::string>());
+  }
+  return text;
 }
 
 std::string stream_text(const std::string& name, const json& stream) {

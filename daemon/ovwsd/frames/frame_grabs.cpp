@@ -34,6 +34,10 @@ Error replaced(std::int64_t wanted, std::uint64_t by) {
                       wanted, by)};
 }
 
+Error stopping() {
+  return {Errc::refused, "", "the daemon is stopping; start it again and repeat the request"};
+}
+
 }  // namespace
 
 /// One open grab. Only the images thread calls its methods, after the constructor.
@@ -46,6 +50,11 @@ class FrameGrabs::Grab {
         asked_ns_(monotonic_ns()),
         request_(frames.request(FrameBroker::Needs::pixels, wish.frames,
                                 [this](const FrameRecord& record) { return take(record); })) {}
+
+  /// Ends it with an error, unless it is complete.
+  void refuse_rest(Error why) {
+    if (!error_ && !request_->done()) refuse(std::move(why));
+  }
 
   /// Whether it has ended; then it has been answered.
   bool end_if_due(std::uint64_t newest) {
@@ -62,7 +71,7 @@ class FrameGrabs::Grab {
 
  private:
   bool take(const FrameRecord& record);
-  bool begin(const ImageView& image);
+  bool begin(const FrameRecord& record);
   bool wanted(const FrameRecord& record);
   void copy(const ImageView& image);
   void look_for_errors(std::uint64_t newest);
@@ -76,6 +85,7 @@ class FrameGrabs::Grab {
   const Done done_;
   const InUse in_use_;
   const std::int64_t asked_ns_;
+  Roi roi_;
   ImagePart part_;
   GrabReport report_;
   std::shared_ptr<void> reserved_;   ///< memory; null before the first frame
@@ -95,7 +105,9 @@ bool FrameGrabs::Grab::wanted(const FrameRecord& record) {
   return record.still && record.hologram_id == id;
 }
 
-bool FrameGrabs::Grab::begin(const ImageView& image) {
+bool FrameGrabs::Grab::begin(const FrameRecord& record) {
+  const ImageView& image = record.frame.image;
+  roi_ = record.roi;
   part_ = wish_.region.value_or(ImagePart{0, 0, image.width, image.height});
   if (part_.x + part_.width > image.width || part_.y + part_.height > image.height) {
     return refuse({Errc::invalid, "region",
@@ -114,13 +126,15 @@ bool FrameGrabs::Grab::begin(const ImageView& image) {
                                "smaller region, or their average",
                                bytes, limits::kGrabBytes)});
   }
-  reserved_ = reserve(in_use_, bytes + (wish_.average ? pixels * sizeof(std::uint32_t) : 0));
-  if (!reserved_) {
+  auto reserved = reserve(in_use_, bytes + (wish_.average ? pixels * sizeof(std::uint32_t) : 0));
+  if (!reserved) {
     return refuse({Errc::refused, "",
                    "other grabs use the memory for this one: repeat it when they have ended"});
   }
+  report_.frames.reserve(std::size_t(wish_.frames));
+  bytes_.reserve(bytes);
   if (wish_.average) sums_.assign(pixels, 0);
-  if (!wish_.average) bytes_.reserve(bytes);
+  reserved_ = std::move(reserved);  // last: if an allocation throws, the next frame begins again
   return true;
 }
 
@@ -141,9 +155,9 @@ void FrameGrabs::Grab::copy(const ImageView& image) {
 bool FrameGrabs::Grab::take(const FrameRecord& record) {
   if (error_ || !wanted(record)) return false;
   const ImageView& image = record.frame.image;
-  if (!reserved_ && !begin(image)) return false;
+  if (!reserved_ && !begin(record)) return false;
   const bool fits = part_.x + part_.width <= image.width && part_.y + part_.height <= image.height;
-  if (!fits || image.format != report_.format) {
+  if (!fits || record.roi != roi_ || image.format != report_.format) {
     return refuse({Errc::refused, "", "the camera's image changed: repeat the request"});
   }
   copy(image);
@@ -155,7 +169,7 @@ bool FrameGrabs::Grab::take(const FrameRecord& record) {
 
 void FrameGrabs::Grab::look_for_errors(std::uint64_t newest) {
   if (1e-9 * double(monotonic_ns() - asked_ns_) < wish_.timeout_s) return;
-  if (wish_.after_hologram && newest != std::uint64_t(*wish_.after_hologram)) {
+  if (wish_.after_hologram && newest != 0 && newest != std::uint64_t(*wish_.after_hologram)) {
     error_ = replaced(*wish_.after_hologram, newest);
     return;
   }
@@ -184,6 +198,11 @@ FrameGrabs::~FrameGrabs() = default;
 
 void FrameGrabs::grab(const CameraGrab& wish, Done done) {
   const std::uint64_t newest = newest_();
+  if (wish.after_hologram && newest == 0) {
+    return done(fail(Errc::unavailable, "after_hologram",
+                     "the SLM's display is not in use: check slm in system.status"),
+                nullptr);
+  }
   if (wish.after_hologram && std::uint64_t(*wish.after_hologram) != newest) {
     const bool future = std::uint64_t(*wish.after_hologram) > newest;
     return done(fail(Errc::refused, "after_hologram",
@@ -204,6 +223,9 @@ void FrameGrabs::end_due() {
   const std::lock_guard lock(mutex_);
   if (open_.empty()) return;
   const std::uint64_t newest = newest_();
+  if (ending_) {
+    for (const auto& grab : open_) grab->refuse_rest(stopping());
+  }
   std::erase_if(open_, [&](const auto& grab) { return grab->end_if_due(newest); });
 }
 

@@ -27,7 +27,8 @@ class FrameGrabs {
   using Done = std::function<void(Result<GrabReport>, Pixels)>;
 
   /// `frames` must outlive this object. `newest` returns the number of the hologram that the SLM
-  /// shows, in any thread.
+  /// shows, 0 without a
+  /// display, in any thread.
   FrameGrabs(FrameBroker& frames, std::function<std::uint64_t()> newest);
   FrameGrabs(const FrameGrabs&) = delete;
   FrameGrabs& operator=(const FrameGrabs&) = delete;
@@ -36,8 +37,10 @@ class FrameGrabs {
   /// Opens a grab. Thread-safe. `done` is called in the images thread, or at once on an error.
   /// Errors: Errc::invalid, the region is not in the image, or too many bytes; Errc::refused, the
   /// hologram was replaced or was never shown, or too many grabs are open; Errc::unavailable, the
-  /// frames did not come in time.
+  /// frames did not come in time, or the SLM shows no hologram.
   void grab(const CameraGrab& wish, Done done);
+  /// Lets `end_due` end the open grabs: the daemon stops. Thread-safe.
+  void end_soon() { ending_ = true; }
   /// Ends the grabs that are complete, have failed or are too late. Images thread.
   void end_due();
 
@@ -47,6 +50,7 @@ class FrameGrabs {
   const std::function<std::uint64_t()> newest_;
   std::shared_ptr<std::atomic<std::size_t>> bytes_in_use_ =
       std::make_shared<std::atomic<std::size_t>>(0);
+  std::atomic<bool> ending_{false};
   std::mutex mutex_;
   std::vector<std::unique_ptr<Grab>> open_;
 };

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -16,7 +17,7 @@ namespace ovws {
 namespace {
 
 constexpr std::chrono::milliseconds kTurn(20);  // interval of checks for a stop of the job
-constexpr float kMaxPictureWaves = 16384.0F;    // beyond, float32 is coarser than 1/512 wave
+constexpr float kMaxPictureWaves = 16384.0F;  // beyond, the steps of float32 are 1/512 wave or more
 constexpr float kGreyLevels = 256.0F;
 
 std::size_t pixel_bytes(PictureType type) {
@@ -33,8 +34,7 @@ std::int64_t utc_of(std::int64_t mono_ns) {
   return utc_ns() + (mono_ns - monotonic_ns());
 }
 
-Result<Picture> picture_of(const SlmPresent& wish, const SlmGeometry& slm,
-                           const std::string& bytes) {
+Picture picture_of(const SlmPresent& wish, const SlmGeometry& slm, const std::string& bytes) {
   Picture picture;
   picture.flatness = wish.flatness;
   picture.lut = wish.lut;
@@ -47,15 +47,22 @@ Result<Picture> picture_of(const SlmPresent& wish, const SlmGeometry& slm,
     return picture;
   }
   std::memcpy(waves.data(), bytes.data(), bytes.size());
-  const auto bad = std::find_if(waves.begin(), waves.end(), [](float value) {
-    return !(std::abs(value) <= kMaxPictureWaves);  // also NaN
-  });
-  if (bad == waves.end()) return picture;
-  const auto at = int(bad - waves.begin());
-  return fail(
-      Errc::invalid, "picture",
-      fmt::format("the pixel in row {}, column {} is {}: give phases from -{} to {} waves",
-                  at / slm.width_px, at % slm.width_px, *bad, kMaxPictureWaves, kMaxPictureWaves));
+  return picture;
+}
+
+Result<void> check_phases(const std::string& bytes, int columns) {
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(float)) {
+    float waves = 0.0F;
+    std::memcpy(&waves, &bytes[at], sizeof waves);
+    if (std::abs(waves) <= kMaxPictureWaves) continue;  // false for NaN
+    const int pixel = int(at / sizeof waves);
+    return fail(
+        Errc::invalid, "picture",
+        fmt::format("the pixel in row {}, column {} is {}: give phases from -{} to {} "
+                    "waves",
+                    pixel / columns, pixel % columns, waves, kMaxPictureWaves, kMaxPictureWaves));
+  }
+  return {};
 }
 
 }  // namespace
@@ -70,18 +77,19 @@ struct Presentations::Show {
 
   Result<PresentReport> present(const SlmPresent& wish, const SlmGeometry& slm,
                                 const std::string& bytes);
+  Result<PresentReport> carry_out(const SlmPresent& wish, const SlmGeometry& slm,
+                                  const std::string& bytes);
 };
 
 Result<PresentReport> Presentations::Show::present(const SlmPresent& wish, const SlmGeometry& slm,
                                                    const std::string& bytes) {
   if (bench == nullptr) return fail(over());
   if (!bytes.empty()) {
-    auto picture = picture_of(wish, slm, bytes);
-    if (!picture) return fail(picture.error());
+    Picture picture = picture_of(wish, slm, bytes);
     if (wish.correction) {
-      picture->modes = shown_modes(HologramKind::grating, {}, bench->sensor()->correction);
+      picture.modes = shown_modes(HologramKind::grating, {}, bench->sensor()->correction);
     }
-    const auto shared = std::make_shared<const Picture>(std::move(*picture));
+    const auto shared = std::make_shared<const Picture>(std::move(picture));
     const Painter paint = [shared](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {
       renderer.render_picture(*shared, grey);
     };
@@ -96,12 +104,26 @@ Result<PresentReport> Presentations::Show::present(const SlmPresent& wish, const
   return report;
 }
 
+/// An order: `present`, whose failures do not keep the presentation from its next orders. It ends
+/// at once if its first picture failed, because no client knows its number then.
+Result<PresentReport> Presentations::Show::carry_out(const SlmPresent& wish, const SlmGeometry& slm,
+                                                     const std::string& bytes) {
+  Result<PresentReport> report = fail(
+      Errc::unavailable, "picture", "there is not enough memory for the picture: repeat it later");
+  try {
+    report = present(wish, slm, bytes);
+  } catch (const std::bad_alloc&) {
+  }
+  if (!report && pictures == 0) ends_ns = 0;
+  return report;
+}
+
 std::size_t max_picture_bytes(const SlmGeometry& slm) {
   return sizeof(float) * std::size_t(slm.width_px) * std::size_t(slm.height_px);
 }
 
-Result<void> Presentations::check(const SlmPresent& wish, std::size_t bytes) const {
-  if (bytes == 0 && wish.shape.empty() && wish.job) return {};
+Result<void> Presentations::check(const SlmPresent& wish, const std::string& bytes) const {
+  if (bytes.empty() && wish.shape.empty() && wish.job) return {};
   if (wish.shape.empty()) {
     return fail(Errc::invalid, "shape",
                 fmt::format("must be given with a picture: [{}, {}], rows and columns of the SLM",
@@ -115,19 +137,22 @@ Result<void> Presentations::check(const SlmPresent& wish, std::size_t bytes) con
   }
   const std::size_t due =
       pixel_bytes(wish.type) * std::size_t(slm_.width_px) * std::size_t(slm_.height_px);
-  if (bytes == due) return {};
+  if (bytes.size() == due) {
+    return wish.type == PictureType::phase ? check_phases(bytes, slm_.width_px) : Result<void>{};
+  }
   return fail(Errc::invalid, "picture",
               fmt::format("the binary frame after the JSON has {} bytes, but dtype and shape need "
                           "{}: send the picture's pixels as that frame",
-                          bytes, due));
+                          bytes.size(), due));
 }
 
 void Presentations::present(const SlmPresent& wish, std::string bytes, Done done) {
-  if (auto good = check(wish, bytes.size()); !good) return done(fail(good.error()));
+  if (auto good = check(wish, bytes); !good) return done(fail(good.error()));
   auto shared = std::make_shared<std::string>(std::move(bytes));
   const auto order = [wish, slm = slm_, shared, done](const std::shared_ptr<Show>& show) {
-    show->orders.post(
-        [wish, slm, shared, done, show = show.get()] { done(show->present(wish, slm, *shared)); });
+    show->orders.post([wish, slm, shared, done, show = show.get()] {
+      done(show->carry_out(wish, slm, *shared));
+    });
   };
   if (!wish.job) return begin(order, done);
   const std::lock_guard lock(mutex_);

@@ -29,12 +29,13 @@ class Presentations {
   /// Carries out slm.present; `bytes` is the picture, empty if there is none. `done` is called in
   /// any thread, when the SLM has settled. Errors: Errc::invalid, of shape, size or pixels;
   /// Errc::refused, the job is not a presentation that runs, or another job runs; those of
-  /// Bench::show, and the presentation goes on.
+  /// Bench::show, and Errc::unavailable, too little memory: the presentation goes on, or ends if
+  /// this was its first picture.
   void present(const SlmPresent& wish, std::string bytes, Done done);
 
  private:
   struct Show;
-  Result<void> check(const SlmPresent& wish, std::size_t bytes) const;
+  Result<void> check(const SlmPresent& wish, const std::string& bytes) const;
   void begin(std::function<void(const std::shared_ptr<Show>&)> order, Done done);
   Result<nlohmann::json> run(Bench& bench, const std::shared_ptr<Show>& show);
 

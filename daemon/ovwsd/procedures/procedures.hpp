@@ -27,7 +27,7 @@ enum class Holds { sensor, hologram, nothing };
 
 struct ProceduresDeps {
   BenchDeps bench;
-  /// Called in any thread when a job that holds the sensor has begun (true) or ended (false).
+  /// Called in any thread when a job that holds something has begun (true) or ended (false).
   std::function<void(Holds, bool)> on_job;
 };
 

@@ -120,7 +120,11 @@ class Bench:
     def __init__(self, endpoint: str = CONTROL, lease_s: float = 60.0, timeout_s: float = 20.0, **keys: Any) -> None:
         self.client = Client(endpoint, timeout_s=timeout_s, **keys)
         self.slm = OvwsSLM(self.client, lease_s)
-        self.cam = OvwsCamera(self.client, self.slm)
+        try:
+            self.cam = OvwsCamera(self.client, self.slm)
+        except BaseException:
+            self.close()
+            raise
 
     def close(self) -> None:
         """Gives the sensor back and ends the connection."""

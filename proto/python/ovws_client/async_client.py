@@ -12,7 +12,7 @@ import zmq.asyncio
 from .async_bench import AsyncBench
 from .errors import JobFailed, NoAnswer
 from .methods import Binary, JobNumber, JobReport
-from .wire import CONTROL, KeyFile, key_hint, reply_parts, request_text, result_of, use_keys
+from .wire import CONTROL, KeyFile, daemon_waits_s, key_hint, reply_parts, request_text, result_of, use_keys
 
 
 class AsyncClient(AsyncBench):
@@ -41,12 +41,13 @@ class AsyncClient(AsyncBench):
         if self._reader is None:
             self._reader = asyncio.create_task(self._read())
         self._waiting[request_id] = asyncio.get_running_loop().create_future()
+        timeout_s = self.timeout_s + daemon_waits_s(params)
         try:
-            async with asyncio.timeout(self.timeout_s):
+            async with asyncio.timeout(timeout_s):
                 await self._socket.send_multipart([request] if binary is None else [request, binary])
                 reply, pixels = await self._waiting[request_id]
         except TimeoutError:
-            raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}") from None
+            raise NoAnswer(f"no answer within {timeout_s} s; does the daemon run, and {self._hint}") from None
         finally:
             del self._waiting[request_id]
         return result_of(method, reply), pixels

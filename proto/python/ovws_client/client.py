@@ -12,13 +12,13 @@ from .bench import Bench
 from .errors import NoAnswer
 from .job import Job
 from .methods import Binary, JobNumber
-from .wire import CONTROL, KeyFile, key_hint, reply_parts, request_text, result_of, use_keys
+from .wire import CONTROL, KeyFile, daemon_waits_s, key_hint, reply_parts, request_text, result_of, use_keys
 
 
 class Client(Bench):
     """Blocking client of one daemon; keys as in use_keys. Not thread-safe.
 
-    `timeout_s`: maximum time to wait for an answer. Errors are ClientError: NoAnswer, or Refused with the daemon's message.
+    `timeout_s`: maximum time to wait for an answer, after a `timeout_s` of the request itself. Errors are ClientError: NoAnswer, or Refused with the daemon's message.
     """
 
     def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
@@ -41,15 +41,15 @@ class Client(Bench):
         request_id = next(self._ids)
         request = request_text(request_id, method, params)
         reply, pixels = self._exchange([request] if binary is None else [request, binary],
-                                       lambda r: isinstance(r, dict) and r.get("id") == request_id)
+                                       lambda r: isinstance(r, dict) and r.get("id") == request_id, self.timeout_s + daemon_waits_s(params))
         return result_of(method, reply), pixels
 
     def exchange(self, request: bytes, is_reply: Callable[[Any], bool] = lambda reply: True) -> Any:
         """Sends raw bytes and returns the first reply that `is_reply` accepts."""
-        return self._exchange([request], is_reply)[0]
+        return self._exchange([request], is_reply, self.timeout_s)[0]
 
-    def _exchange(self, request: Sequence[bytes | bytearray | memoryview], is_reply: Callable[[Any], bool]) -> tuple[Any, bytes]:
-        end = time.monotonic() + self.timeout_s
+    def _exchange(self, request: Sequence[bytes | bytearray | memoryview], is_reply: Callable[[Any], bool], timeout_s: float) -> tuple[Any, bytes]:
+        end = time.monotonic() + timeout_s
         try:
             self._socket.send_multipart(request)
         except zmq.Again:
@@ -58,7 +58,7 @@ class Client(Bench):
             reply, pixels = reply_parts(self._socket.recv_multipart())
             if is_reply(reply):
                 return reply, pixels
-        raise NoAnswer(f"no answer within {self.timeout_s} s; does the daemon run, and {self._hint}")
+        raise NoAnswer(f"no answer within {timeout_s} s; does the daemon run, and {self._hint}")
 
     def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0, progress: bool = False) -> Any:
         """Waits for the end of a job and returns its result, as Job.wait. `job`: its number, or the result of the method that started it."""

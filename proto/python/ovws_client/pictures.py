@@ -1,6 +1,7 @@
 """A client's own pictures on the SLM, in place of the sensor, and the camera's frames under them."""
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -21,9 +22,9 @@ class Grabbed:
     significant_bits: int
 
 
-def grab(client: Methods, **params: Any) -> Grabbed:
-    """Frames of the camera as an array. `params`: those of camera_grab."""
-    report, pixels = client.camera_grab(**params)
+def grab(client: Methods, timeout_s: float = 10.0, **params: Any) -> Grabbed:
+    """Frames of the camera as an array. Waits up to `timeout_s` for them. `params`: those of camera_grab."""
+    report, pixels = client.camera_grab(timeout_s=timeout_s, **params)
     return Grabbed(np.frombuffer(pixels, report["dtype"]).reshape(report["shape"]), report["frames"], report["significant_bits"])
 
 
@@ -71,16 +72,23 @@ class Presentation:
         return self._client.slm_present(job=self._job, lease_s=self._options["lease_s"])
 
     def close(self) -> None:
-        """Gives the sensor back."""
+        """Gives the sensor back, and returns when it is free for other requests."""
         job, self._job = self._job, None
         if job is None:
             return
         try:
             self._client.slm_present(job=job, lease_s=0)
-            self._client.call("job.get", {"job": job})
         except Refused as refused:
-            if refused.field != "job":
-                raise
+            if refused.field != "job":  # without a display
+                self._client.job_cancel(job)
+        while self._runs(job):
+            time.sleep(0.005)
+
+    def _runs(self, job: int) -> bool:
+        try:
+            return self._client.job_get(job)["state"] == "running"
+        except Refused:  # by a daemon that was started again
+            return False
 
     def __enter__(self) -> Presentation:
         return self

@@ -51,6 +51,12 @@ def request_text(request_id: int, method: str, params: Mapping[str, object] | No
     return json.dumps(request, default=_plain, allow_nan=False).encode()
 
 
+def daemon_waits_s(params: Mapping[str, object] | None) -> float:
+    """How long the daemon may take by the request's own `timeout_s`, before it answers."""
+    waits = (params or {}).get("timeout_s", 0.0)
+    return float(waits) if isinstance(waits, (int, float)) else 0.0
+
+
 def reply_parts(frames: Sequence[bytes]) -> tuple[Any, bytes]:
     """The JSON of a reply, decoded, and its binary frame, which may be empty."""
     return json.loads(frames[0]), frames[1] if len(frames) > 1 else b""

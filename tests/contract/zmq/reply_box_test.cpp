@@ -52,6 +52,15 @@ TEST(ReplyBox, CountsARequestUntilItIsAnsweredAndAReplyUntilItIsSent) {
   EXPECT_EQ(client->reply_bytes, 0u);
 }
 
+TEST(ReplyBox, LimitsTheBinaryFramesOfAllClients) {
+  const auto box = std::make_shared<ReplyBox>();
+  const auto first = box->reply_to({"a"}, someone(), kMaxBinaryRequestBytes);
+  EXPECT_FALSE(box->has_room(*someone(), true));
+  EXPECT_TRUE(box->has_room(*someone()));
+  first("done", nullptr);
+  EXPECT_TRUE(box->has_room(*someone(), true));
+}
+
 TEST(ReplyBox, IsFreeAgainAfterEmptyAndForgottenReplies) {
   const auto box = std::make_shared<ReplyBox>();
   const auto client = someone();

@@ -61,6 +61,13 @@ TEST(RequestTurns, BoundsTheBytesThatWaitForAClientAndLetsOthersIn) {
   EXPECT_TRUE(rig.push("d", large));
 }
 
+TEST(RequestTurns, QueuesAPictureBesideRequestsOfOthers) {
+  Rig rig;
+  rig.push("a", "a1");
+  EXPECT_TRUE(rig.push("b", "b1", std::string(RequestTurns::kMaxClientBytes + 1, 'x')));
+  EXPECT_EQ(rig.next(2), "a1 b1 ");
+}
+
 TEST(RequestTurns, QueuesAPictureOfAnySizeOnlyAlone) {
   Rig rig;
   const std::string picture(RequestTurns::kMaxTotalBytes + 1, 'x');
