@@ -127,7 +127,7 @@ constexpr Table<Action, ActionRow> kActions{{
     {{true, true, false, false, true, false, true}},    // reload_config
     {{true, true, false, false, false, false, false}},  // record
     {{true, true, true, true, true, false, false}},     // watch
-    {{true, true, false, true, false, false, true}},    // present
+    {{true, true, false, false, false, false, true}},   // present
     {{true, true, true, false, false, false, false}},   // grab
 }};
 

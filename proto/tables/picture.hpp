@@ -18,11 +18,13 @@ enum class PictureType { phase, grey };
 template <>
 inline constexpr NamesOf kNames<PictureType> = texts<"<f4", "<u1">;
 
+constexpr double kLeaseS = 10.0;  ///< of a presentation whose client gives none
+
 /// Params of `slm.present`; the picture itself is the request's binary frame.
 struct SlmPresent {
   std::optional<int> job;
-  double lease_s = 10.0;
-  std::vector<int> shape;  ///< rows, columns; empty: no picture
+  std::optional<double> lease_s;  ///< none: as before, or kLeaseS
+  std::vector<int> shape;         ///< rows, columns; empty: no picture
   PictureType type = PictureType::phase;
   bool correction = true, flatness = true, lut = true;
   bool inside_pupil = false;
@@ -34,9 +36,10 @@ inline constexpr auto kTable<SlmPresent> = Fields{
         "number of the presentation that this picture belongs to, from the first one's result; "
         "null: begins a presentation",
         limits::kJob),
-    field<&SlmPresent::lease_s>("time after which the sensor's hologram returns unless another "
-                                "request comes, seconds; 0: at once",
-                                limits::kLeaseS),
+    field<&SlmPresent::lease_s>(
+        "time after which the sensor's hologram returns unless another request comes, seconds; 0: "
+        "at once; null: that of the request before, at first 10",
+        limits::kLeaseS),
     field<&SlmPresent::shape>(
         "[rows, columns] of the picture, which must be those of the SLM; left out, without a "
         "binary frame: the picture stays, and the lease begins again",
@@ -55,14 +58,15 @@ inline constexpr auto kTable<SlmPresent> = Fields{
 struct PresentReport {
   int job = 0;
   std::uint64_t hologram_id = 0;
-  std::int64_t t_settled_ns = 0;
-  std::optional<std::int64_t> t_lease_ns;
+  std::optional<std::int64_t> t_settled_ns, t_lease_ns;
 };
 template <>
 inline constexpr auto kTable<PresentReport> = Fields{
     "PresentReport", field<&PresentReport::job>("number of the presentation, a job", limits::kJob),
     field<&PresentReport::hologram_id>("number of the hologram that shows the picture"),
-    field<&PresentReport::t_settled_ns>("when the SLM had settled, ns since the UNIX epoch, UTC"),
+    field<&PresentReport::t_settled_ns>(
+        "when the SLM had settled to the picture, ns since the UNIX epoch, UTC; null: the request "
+        "had no picture"),
     field<&PresentReport::t_lease_ns>(
         "when the sensor's hologram returns unless another request comes, ns since the UNIX epoch, "
         "UTC; null: it returns now")};

@@ -111,6 +111,23 @@ class Pictures(PictureCase):
         self.assertTrue(self.call("slm.verify")["equal"])
         return screen.grab(self.bench.display, 1920, 0, COLUMNS, ROWS)[:, :, 0]
 
+    def test_leases(self):
+        def seconds(report):
+            return 1e-9 * report["t_lease_ns"] - time.time()
+
+        picture, shape = bytes(ROWS * COLUMNS), [ROWS, COLUMNS]
+        first = self.client.slm_present(picture, shape=shape, dtype="<u1")
+        self.assertAlmostEqual(seconds(first), 10.0, delta=3.0)
+        job = first["job"]
+        self.assertAlmostEqual(seconds(self.client.slm_present(job=job, lease_s=60)), 60.0, delta=3.0)
+        again = self.client.slm_present(picture, job=job, shape=shape, dtype="<u1")
+        self.assertAlmostEqual(seconds(again), 60.0, delta=3.0)
+        renewed = self.client.slm_present(job=job)
+        self.assertEqual((renewed["hologram_id"], renewed["t_settled_ns"]), (again["hologram_id"], None))
+        self.assertAlmostEqual(seconds(renewed), 60.0, delta=3.0)
+        self.assertIsNone(self.client.slm_present(job=job, lease_s=0)["t_lease_ns"])
+        self.wait_until("running")
+
     def test_what_a_presentation_excludes(self):
         with Presentation(self.client, lease_s=60.0) as slm, Client() as other:
             slm.show(self.grey())

@@ -160,6 +160,13 @@ bool FrameGrabs::Grab::take(const FrameRecord& record) {
   if (!fits || record.roi != roi_ || image.format != report_.format) {
     return refuse({Errc::refused, "", "the camera's image changed: repeat the request"});
   }
+  const auto same_light = [&record](const GrabStamp& first) {
+    return first.exposure_us == record.exposure_us && same_number(first.gain_db, record.gain_db) &&
+           same_number(first.gain_raw, record.gain_raw);
+  };
+  if (wish_.average && !report_.frames.empty() && !same_light(report_.frames.front())) {
+    return refuse({Errc::refused, "", "exposure or gain changed: repeat the request"});
+  }
   copy(image);
   report_.frames.push_back({record.frame.frame_id, record.hologram_id, record.still,
                             record.frame.t_device_ns, record.frame.t_arrival_ns, record.exposure_us,

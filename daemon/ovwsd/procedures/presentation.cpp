@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -72,8 +73,11 @@ struct Presentations::Show {
   Mailbox orders;
   int job = 0;             ///< set before the first order is carried out
   Bench* bench = nullptr;  ///< null: it has ended, and orders are refused
+  double lease_s = kLeaseS;
   std::int64_t ends_ns = 0;
   int pictures = 0;
+
+  void begin_lease() { ends_ns = monotonic_ns() + std::int64_t(1e9 * lease_s); }
 
   Result<PresentReport> present(const SlmPresent& wish, const SlmGeometry& slm,
                                 const std::string& bytes);
@@ -84,6 +88,9 @@ struct Presentations::Show {
 Result<PresentReport> Presentations::Show::present(const SlmPresent& wish, const SlmGeometry& slm,
                                                    const std::string& bytes) {
   if (bench == nullptr) return fail(over());
+  lease_s = wish.lease_s.value_or(lease_s);
+  begin_lease();
+  std::optional<std::int64_t> t_settled_ns;
   if (!bytes.empty()) {
     Picture picture = picture_of(wish, slm, bytes);
     if (wish.correction) {
@@ -95,12 +102,13 @@ Result<PresentReport> Presentations::Show::present(const SlmPresent& wish, const
     };
     if (auto shown = bench->show(paint); !shown) return fail(shown.error());
     ++pictures;
+    const auto settled_ns = bench->wait_settled();
+    if (!settled_ns) return fail(settled_ns.error());
+    t_settled_ns = utc_of(*settled_ns);
+    begin_lease();
   }
-  const auto settled_ns = bench->wait_settled();
-  if (!settled_ns) return fail(settled_ns.error());
-  ends_ns = monotonic_ns() + std::int64_t(1e9 * wish.lease_s);
-  PresentReport report{job, bench->sensor()->hologram_id, utc_of(*settled_ns), std::nullopt};
-  if (wish.lease_s > 0.0) report.t_lease_ns = utc_of(ends_ns);
+  PresentReport report{job, bench->sensor()->hologram_id, t_settled_ns, std::nullopt};
+  if (lease_s > 0.0) report.t_lease_ns = utc_of(ends_ns);
   return report;
 }
 
@@ -177,7 +185,7 @@ void Presentations::begin(std::function<void(const std::shared_ptr<Show>&)> orde
 /// Carries out orders until the lease ends or the job is stopped; refuses the rest.
 Result<nlohmann::json> Presentations::run(Bench& bench, const std::shared_ptr<Show>& show) {
   show->bench = &bench;
-  show->ends_ns = monotonic_ns() + std::int64_t(1e9 * SlmPresent{}.lease_s);
+  show->begin_lease();
   while (!bench.stopped() && monotonic_ns() < show->ends_ns) (void)show->orders.run_one(kTurn);
   show->bench = nullptr;
   {

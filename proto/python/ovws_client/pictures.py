@@ -25,7 +25,7 @@ class Grabbed:
 def grab(client: Methods, timeout_s: float = 10.0, **params: Any) -> Grabbed:
     """Frames of the camera as an array. Waits up to `timeout_s` for them. `params`: those of camera_grab."""
     report, pixels = client.camera_grab(timeout_s=timeout_s, **params)
-    return Grabbed(np.frombuffer(pixels, report["dtype"]).reshape(report["shape"]), report["frames"], report["significant_bits"])
+    return Grabbed(np.frombuffer(bytearray(pixels), report["dtype"]).reshape(report["shape"]), report["frames"], report["significant_bits"])
 
 
 def pixels_of(picture: npt.ArrayLike) -> tuple[bytes, list[int], Literal["<f4", "<u1"]]:

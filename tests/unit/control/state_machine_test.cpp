@@ -165,11 +165,11 @@ TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
       {true, false, false, false, false, false, false, false, false, false, false, false, false,
        false, false, false, false, false},  // starting
       {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false, false, true},  // fault
+       true, false, true, true},  // fault
       {true, true, true, true, true, false, true, true, true, true, false, true, true, true, true,
        false, true, false},  // waiting_for_camera
       {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false, false, true},  // waiting_for_display
+       true, false, true, true},  // waiting_for_display
       {true, false, false, false, false, false, false, true, false, true, false, true, false, false,
        true, false, true, true},  // job_running
       {true, true, true, true, true, true, true, true, true, true, true, true, true, true, true,

@@ -336,7 +336,7 @@ void print_results() {
   grabbed.frames.push_back({1, 2, true, 3, 4, 5.0, 6.0, kUnknownGain});
   grabbed.average = true;
   print_result("camera.grab", to_json(grabbed));
-  print_result("slm.present", to_json(PresentReport{7, 12, 1, std::nullopt}));
+  print_result("slm.present", to_json(PresentReport{7, 12, std::nullopt, std::nullopt}));
   print_result("slm.present", to_json(PresentReport{7, 12, 1, 2}));
   for (int k = 0; k <= int(JobState::cancelled); ++k) {
     JobReport job{1, "reference.take", JobState(k), 0.5, nullptr, std::nullopt};
