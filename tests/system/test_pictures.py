@@ -171,6 +171,11 @@ class Pictures(PictureCase):
         self.assertEqual(field(good.tobytes(), shape=shape, dtype="<f8"), "dtype")
         self.assertEqual(field(good.tobytes(), shape=shape, lease_s=-1), "lease_s")
         self.assertEqual(field(np.full(shape, np.nan, "<f4").tobytes(), shape=shape), "picture")
+        for wrong in (np.zeros((ROWS, COLUMNS), int), np.zeros((ROWS, COLUMNS), complex), np.zeros(5)):
+            with self.assertRaises(ValueError):
+                Presentation(self.client).show(wrong)
+        with self.assertRaises(ValueError):
+            Presentation(self.client).grab()
         self.assertEqual(self.shown(), before)
         self.assertEqual(self.call("system.status")["state"], "running")  # none of them began a presentation
         self.assertEqual(self.refused_by(self.client, self.client.call, "slm.show", {"pattern": "flat"}, b"x").code, -32602)

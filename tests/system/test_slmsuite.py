@@ -59,7 +59,10 @@ class SlmSuite(BenchCase):
         self.assertEqual(self.call("camera.get")["settings"], before)
 
     def test_images_belong_to_the_phase_and_the_window_is_cut_out(self):
-        with Bench(lease_s=30.0) as bench:
+        with warnings.catch_warnings(record=True) as warned:
+            bench = Bench(lease_s=30.0)
+        self.assertFalse([w for w in warned if "zeroth order" in str(w.message)])
+        with bench:
             rows, columns = bench.slm.shape
             x = np.arange(columns) * np.ones((rows, 1))
             places = []
@@ -72,6 +75,9 @@ class SlmSuite(BenchCase):
             self.assertEqual(bench.cam.get_image().shape, (32, 64))
             self.assertEqual(bench.cam.get_image(averaging=3).shape, (32, 64))
         self.wait_until("running")
+        self.call("camera.set", {"roi": {"x": 512, "y": 256, "width": 512, "height": 512}})
+        with self.assertWarnsRegex(UserWarning, r"zeroth order is at \(0, 256\), outside|zeroth order is at \(-0, 256\), outside"), Bench():
+            pass
 
 
 def rms_apart(a_waves, b_waves):

@@ -3,7 +3,7 @@
     from ovws_bridges.slmsuite import Bench
     with Bench() as bench:
         system = FourierSLM(bench.cam, bench.slm)
-        system.fourier_calibrate(array_shape=10, array_pitch=40)
+        system.fourier_calibrate(array_shape=10, array_pitch=30, autoexposure=True)
 
 The sensor is at rest meanwhile, and returns when the block ends, or when nothing was shown or grabbed for `lease_s` seconds.
 """
@@ -11,12 +11,15 @@ from __future__ import annotations
 
 from typing import Any
 
+import warnings
+
 import numpy as np
 import numpy.typing as npt
 from slmsuite.hardware.cameras.camera import Camera
 from slmsuite.hardware.slms.slm import SLM
 
 from ovws_client import Client, Presentation, grab, zernike
+from ovws_client.lattice import zeroth_order_px
 from ovws_client.wire import CONTROL
 
 LEVELS = 256
@@ -37,6 +40,15 @@ def flatness_phase(client: Client) -> npt.NDArray[np.float64] | None:
     for mode in measured["modes"]:
         waves[inside] -= mode["waves"] * zernike(mode["j"], x[inside], y[inside])
     return 2.0 * np.pi * waves
+
+
+def check_zeroth_order(client: Client) -> None:
+    """Warns if the camera's region does not hold the zeroth order, without which slmsuite's Fourier calibration finds a wrong place."""
+    roi = client.camera_get()["settings"]["roi"]
+    x, y = zeroth_order_px(client.config_get(), client.registration_get(), roi)
+    if not (0 <= x < roi["width"] and 0 <= y < roi["height"]):
+        warnings.warn(f"the zeroth order is at ({x:.0f}, {y:.0f}), outside of the image of {roi['width']} x {roi['height']} pixels: a Fourier "
+                      "calibration will be wrong. Move the region or the camera, or give it by fourier_calibrate_analytic", stacklevel=3)
 
 
 class OvwsSLM(SLM):
@@ -119,6 +131,7 @@ class Bench:
 
     def __init__(self, endpoint: str = CONTROL, lease_s: float = 60.0, timeout_s: float = 20.0, **keys: Any) -> None:
         self.client = Client(endpoint, timeout_s=timeout_s, **keys)
+        check_zeroth_order(self.client)
         self.slm = OvwsSLM(self.client, lease_s)
         try:
             self.cam = OvwsCamera(self.client, self.slm)

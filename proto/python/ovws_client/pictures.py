@@ -29,10 +29,12 @@ def grab(client: Methods, timeout_s: float = 10.0, **params: Any) -> Grabbed:
 
 
 def pixels_of(picture: npt.ArrayLike) -> tuple[bytes, list[int], Literal["<f4", "<u1"]]:
-    """Bytes, shape and dtype of a picture: uint8 is grey levels, other numbers are phases in waves."""
+    """Bytes, shape and dtype of a picture: uint8 is grey levels, float is phases in waves."""
     array = np.asarray(picture)
     if array.ndim != 2:
         raise ValueError(f"a picture has rows and columns; this array has {array.ndim} dimensions")
+    if array.dtype != np.uint8 and array.dtype.kind != "f":
+        raise ValueError(f"a picture is phases in waves (float; radians / 2 pi) or grey levels (uint8), not {array.dtype}")
     dtype: Literal["<f4", "<u1"] = "<u1" if array.dtype == np.uint8 else "<f4"
     return np.ascontiguousarray(array, dtype).tobytes(), list(array.shape), dtype
 
@@ -65,6 +67,8 @@ class Presentation:
 
     def grab(self, frames: int = 1, **params: Any) -> Grabbed:
         """Frames that were exposed wholly under the picture shown last."""
+        if self._job is None:
+            raise ValueError("show a picture first")
         return grab(self._client, after_hologram=self.hologram_id, frames=frames, **params)
 
     def renew(self) -> PresentReport:

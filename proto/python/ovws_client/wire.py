@@ -53,7 +53,7 @@ def request_text(request_id: int, method: str, params: Mapping[str, object] | No
 
 def daemon_waits_s(params: Mapping[str, object] | None) -> float:
     """How long the daemon may take by the request's own `timeout_s`, before it answers."""
-    waits = (params or {}).get("timeout_s", 0.0)
+    waits = params.get("timeout_s", 0.0) if isinstance(params, Mapping) else 0.0  # the daemon refuses other params
     return float(waits) if isinstance(waits, (int, float)) else 0.0
 
 
