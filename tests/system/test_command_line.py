@@ -131,7 +131,7 @@ class CommandLine(BenchCase):
         for words, said in ((("exposure", "2"), "has no unit: give e.g. 2us, 2ms or 2s"), (("gain", "loud"), "is not a gain"),
                             (("aberrate", "coma=0.2"), "vertical-coma or horizontal-coma"), (("aberrate", "coma", "0.2"), "give MODE=WAVES"),
                             (("loop", "opne"), "opne"), (("loop", "close", "gian=1"), "did you mean gain?"),
-                            (("reference", "0"), "range"), (("record", "a", "60"), "has no unit")):
+                            (("reference", "0"), "range"), (("record", "a", "60"), "has no unit"), (("record", "200"), "has no unit")):
             self.assertIn(said, self.ovws(*words, code=2))
 
     def test_methods_of_another_program_are_called(self):

@@ -157,7 +157,13 @@ int record_verb(const Common& common, const std::vector<std::string>& words) {
   }
   auto params = params_of(schema("record.start").at("params"), named);
   if (!params) return report_mistake(common, params.error());
-  const bool is_named = plain.size() > 1 || (plain.size() == 1 && !seconds_of(plain.front()));
+  // A lone number is a duration without its unit, not a name: as a name it would record without
+  // end.
+  const auto is_number = [](const std::string& word) {
+    return word.find_first_not_of("0123456789.") == std::string::npos;
+  };
+  const bool is_named = plain.size() > 1 || (plain.size() == 1 && !is_number(plain.front()) &&
+                                             !seconds_of(plain.front()));
   if (is_named) (*params)["name"] = plain.front();
   std::optional<double> duration_s;
   if (plain.size() > (is_named ? 1 : 0)) {
