@@ -35,6 +35,11 @@ Result<void> make_folder(const fs::path& folder) {
 
 int merge_study(const Common& common, const MergeOptions& options, PartReader& parts) {
   const PartHead& head = parts.head();
+  if (!head.part_of.starts_with(kPartOfStudy)) {
+    return report(common, {Errc::invalid, "parts",
+                           options.parts.front() + " is a part of \"" + head.part_of +
+                               "\", which this version does not know"});
+  }
   StudyOptions of;
   of.name = head.part_of.substr(std::string(kPartOfStudy).size());
   of.folder = options.folder;

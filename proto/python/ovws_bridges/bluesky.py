@@ -134,7 +134,8 @@ class WavefrontSensor:
     def _take(self) -> None:
         with self.link.client() as client:
             gathering = Gathering(self.frames, earliest_ns(client.system_status(), client.config_get()))
-            timeout_s = self.timeout_s + 1e-6 * (self.frames + 2) * client.camera_get()["settings"]["exposure_us"]
+            camera = client.camera_get()["settings"]
+            timeout_s = self.timeout_s + (self.frames + 2) * max(1e-6 * camera["exposure_us"], 1.0 / camera["frame_rate_hz"])
         with self.link.messages(timeout_s) as messages:
             for frame in frames_of(messages):
                 gathering.take(frame)

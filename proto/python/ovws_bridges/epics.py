@@ -44,7 +44,7 @@ class Setting:
         try:
             with self._link.client() as client:
                 self._write(client, operation.value().raw.value)
-        except ClientError as error:
+        except (ClientError, ValueError) as error:  # ValueError: a number that JSON cannot hold
             operation.done(error=str(error))
         else:
             operation.done()

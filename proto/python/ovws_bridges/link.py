@@ -114,8 +114,9 @@ class Link:
             try:
                 with Client(**self._arguments) as client, client.subscribe(*self._kinds) as stream:  # type: ignore
                     self._receive(stream)
-            except (ClientError, zmq.ZMQError) as error:
-                _log.info("%s: %s; trying again", self.endpoint, error)
+            except Exception as error:  # whatever it is, the bridge goes on
+                expected = isinstance(error, (ClientError, zmq.ZMQError))
+                _log.log(logging.INFO if expected else logging.ERROR, "%s: %r; trying again", self.endpoint, error)
             if not self._stopped.wait(0.5):
                 self._publish(None)
 

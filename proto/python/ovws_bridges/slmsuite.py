@@ -75,6 +75,10 @@ class OvwsSLM(SLM):
         # slmsuite's levels fall with the phase, from 255 for phase 0; those of the daemon rise, from 0.
         self._presentation.show(LEVELS - 1 - np.asarray(display, np.uint8))
 
+    def renew(self) -> None:
+        """Begins the lease again."""
+        self._presentation.renew()
+
     def close(self) -> None:
         """Gives the sensor back."""
         self._presentation.close()
@@ -109,6 +113,8 @@ class OvwsCamera(Camera):
 
     def _get_images_hw(self, image_count: int, timeout_s: float, out: npt.NDArray[Any] | None = None) -> npt.NDArray[Any]:
         x, width, y, height = self.woi
+        if self._slm:
+            self._slm.renew()
         images = grab(self._client, after_hologram=self._slm.hologram_id if self._slm else None, frames=int(image_count),
                       region={"x": x, "y": y, "width": width, "height": height}, timeout_s=max(1.0, timeout_s * image_count)).images
         if out is None:
@@ -131,8 +137,12 @@ class Bench:
 
     def __init__(self, endpoint: str = CONTROL, lease_s: float = 60.0, timeout_s: float = 20.0, **keys: Any) -> None:
         self.client = Client(endpoint, timeout_s=timeout_s, **keys)
-        check_zeroth_order(self.client)
-        self.slm = OvwsSLM(self.client, lease_s)
+        try:
+            check_zeroth_order(self.client)
+            self.slm = OvwsSLM(self.client, lease_s)
+        except BaseException:
+            self.client.close()
+            raise
         try:
             self.cam = OvwsCamera(self.client, self.slm)
         except BaseException:

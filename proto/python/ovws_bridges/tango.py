@@ -121,11 +121,7 @@ class WavefrontSensor(Device):
 
     def ask(self, method: str, params: dict[str, Any]) -> Any:
         """Calls a method of the daemon; its refusal becomes a Tango error."""
-        try:
-            with self._link.client() as client:
-                return client.call(method, params)
-        except ClientError as error:
-            raise passed_on(error) from None
+        return self._with_client(lambda client: client.call(method, params))
 
     @attribute(dtype=(float,), max_dim_x=MAX_J, unit=FIELDS["aberration.set"]["modes.waves"].unit, access=tango.AttrWriteType.READ_WRITE,
                doc="introduced aberration: coefficients of j = 1, 2, … (OSA/ANSI), RMS-normalised")
@@ -176,6 +172,8 @@ class WavefrontSensor(Device):
                 return work(client)
         except ClientError as error:
             raise passed_on(error) from None
+        except ValueError as error:  # a number that JSON cannot hold
+            raise passed_on(ClientError(f"the values must be finite numbers: {error}")) from None
 
     def _listen(self, message: Message | None) -> None:
         with tango.EnsureOmniThread():  # a thread that Tango has not started
@@ -233,6 +231,8 @@ def main() -> None:
     parser.add_argument("--server-key", help="the daemon's public key")
     parser.add_argument("--max-event-rate-hz", type=float, help=f"events of an attribute per second, at most (default: {OPTIONS['max_event_rate_hz']:g})")
     own, others = parser.parse_known_args()
+    if own.max_event_rate_hz is not None and own.max_event_rate_hz <= 0.0:
+        parser.error("--max-event-rate-hz must be above 0")
     OPTIONS.update({name: value for name, value in vars(own).items() if name in OPTIONS and value is not None})
     run((WavefrontSensor,), args=[sys.argv[0], own.instance, *others])
 
