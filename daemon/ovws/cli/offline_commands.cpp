@@ -216,7 +216,8 @@ void add_replay(CLI::App& app, const Common& common, int& status) {
           ->expected(0, 1)
           ->type_name("[A:B]")
           ->check([](const std::string& text) {
-            return text.empty() ? std::string() : reason_of(parse_range(text));
+            const std::string wrong = text.empty() ? "" : reason_of(parse_range(text));
+            return wrong.empty() ? wrong : wrong + "; without a range, give it after the file";
           });
   add_shard(*command, options->shard,
             "replay only the i-th of N nearly equal ranges of frames, 1/N to N/N")
