@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <map>
@@ -198,14 +199,18 @@ double rms_of(const json& modes, int n, int m) {
 std::string focus_answer(const json& result) {
   const double shift_mm = number(result, "camera_shift_mm");
   const double error_mm = number(result, "camera_shift_standard_error_mm");
-  const bool is_focused = std::abs(shift_mm) <= 2.0 * error_mm;
+  // The rounds of focus.run end at a change of 0.003 wave: less is not worth a move of the camera.
+  constexpr double kAccuracyWaves = 0.003;
+  const double error_waves = number(result, "defocus_standard_error_waves");
+  const double within_mm = error_mm * std::max(2.0, kAccuracyWaves / error_waves);
+  const bool is_focused = std::abs(shift_mm) <= within_mm;
   const json& modes = result.at("modes");
   std::string text = is_focused
-                         ? fmt::format("the camera is in focus, within {:.3f} mm", 2.0 * error_mm)
+                         ? fmt::format("the camera is in focus, within {:.3f} mm", within_mm)
                          : fmt::format(
                                "the camera is {0:.3f} mm {1} the focus: move it {2} the lens by "
                                "{0:.3f} mm",
-                               std::abs(shift_mm), shift_mm > 0.0 ? "behind" : "before",
+                               std::abs(shift_mm), shift_mm > 0.0 ? "behind" : "in front of",
                                shift_mm > 0.0 ? "towards" : "away from");
   text += fmt::format(
       "\ndefocus {:+.4f} wave RMS (standard error {:.4f}), astigmatism {:.4f}, coma {:.4f}, "

@@ -52,11 +52,11 @@ TEST(Answer, FocusSaysWhereToMoveTheCamera) {
   focus["camera_shift_mm"] = -0.2, focus["flatness_defocus_waves"] = 0.1;
   const std::string before = answer_text("focus.run", focus);
   EXPECT_TRUE(before.starts_with(
-      "the camera is 0.200 mm before the focus: move it away from the lens by 0.200 mm\n"));
+      "the camera is 0.200 mm in front of the focus: move it away from the lens by 0.200 mm\n"));
   EXPECT_NE(before.find("+0.1000 wave of defocus that the flatness compensates"), before.npos);
   focus["camera_shift_mm"] = -0.003;
   EXPECT_TRUE(
-      answer_text("focus.run", focus).starts_with("the camera is in focus, within 0.004 mm"));
+      answer_text("focus.run", focus).starts_with("the camera is in focus, within 0.010 mm"));
 }
 
 TEST(Answer, OtherResultsHaveALineForEachKey) {
