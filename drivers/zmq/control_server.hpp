@@ -41,14 +41,12 @@ class ControlServer : public Agent {
   /// frames above 2 MiB (or the largest binary frame) make libzmq close the connection. Clients are
   /// served round-robin, one request per turn, each client's requests in order. A client's next
   /// request waits while 64 of its requests (or 8 KiB) are being carried out, or 128 of its replies
-  /// (or 4 MiB) are unread. A request with a binary frame also waits
-  /// while 32 MiB of requests of all clients are being carried out. Up to 8 MiB of requests are
-  /// queued per client, 32 MiB in total, or one request of any size; requests beyond these limits
-  /// get `overload_reply`, or no reply while 1024 replies of the client or 16384 in total are
-  /// unread. A TCP
-  /// client that has replies and reads nothing for 60 s is disconnected. With a gate, this server
-  /// checks the keys for all sockets bound with the gate; bind this server last. Errors as in
-  /// Publisher::bind.
+  /// (or 4 MiB) are unread. A request with a binary frame also waits while 32 MiB of requests of
+  /// all clients are being carried out. Up to 8 MiB of requests are queued per client, 32 MiB in
+  /// total, or one request of any size; requests beyond these limits get `overload_reply`, or no
+  /// reply while 1024 replies of the client or 16384 in total are unread. A TCP client that has
+  /// replies and reads nothing for 60 s is disconnected. With a gate, this server checks the keys
+  /// for all sockets bound with the gate; bind this server last. Errors as in Publisher::bind.
   static Result<std::unique_ptr<ControlServer>> bind(const std::string& endpoint,
                                                      ControlLimits limits, ControlHandler handler,
                                                      Gate* gate = nullptr);

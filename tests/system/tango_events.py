@@ -1,5 +1,7 @@
 """Subscribes to change events of a Tango device and prints each as JSON: tango_events.py DEVICE SECONDS ATTRIBUTE...
 
+Then it prints "subscribed" on standard error, and collects for that many seconds.
+
 A process of its own: a client of PyTango 9.3 can crash after ten seconds if the device is in no database.
 """
 import json
@@ -25,6 +27,7 @@ def main():
 
     for name in names:
         proxy.subscribe_event(name, tango.EventType.CHANGE_EVENT, pushed)
+    print("subscribed", file=sys.stderr, flush=True)
     time.sleep(float(seconds))
     os._exit(0)
 

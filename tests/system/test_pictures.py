@@ -33,6 +33,9 @@ class PictureCase(BenchCase):
         sent = {frame["t_ns"]: frame["crc32"] for frame in self.twin.call("twin.get")["sent"]}
         return sent[stamp["t_device_ns"]]
 
+    def published(self):
+        return self.call("system.status")["counters"]["frames_published"]
+
     def shown(self):
         return self.call("system.status")["slm"]["hologram_id"]
 
@@ -215,7 +218,8 @@ class Pictures(PictureCase):
                                (("aberration.set", {"modes": [{"j": 5, "waves": 0.1}]}), "was replaced by hologram")):
             with Client() as other:  # the region or the hologram is replaced meanwhile
                 other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.grab", "params": long})
-                time.sleep(0.5)
+                published = self.published()
+                wait_for(lambda before=published: self.published() > before + 30, what="frames for the grab")
                 self.call(*change)
                 self.assertIn(reason, other._socket.recv_json()["error"]["message"])
 

@@ -27,8 +27,7 @@ class FrameGrabs {
   using Done = std::function<void(Result<GrabReport>, Pixels)>;
 
   /// `frames` must outlive this object. `newest` returns the number of the hologram that the SLM
-  /// shows, 0 without a
-  /// display, in any thread.
+  /// shows, 0 without a display, in any thread.
   FrameGrabs(FrameBroker& frames, std::function<std::uint64_t()> newest);
   FrameGrabs(const FrameGrabs&) = delete;
   FrameGrabs& operator=(const FrameGrabs&) = delete;
