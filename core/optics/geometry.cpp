@@ -28,9 +28,27 @@ double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
   return px_per_cycle(optics, slm).scale();
 }
 
+/// A square of side a has the second moment a^2 / 12 along each axis, a hexagon of width a
+/// 5 a^2 / 72, and a circle of diameter a a^2 / 16.
+double Lenslets::diameter_px() const {
+  switch (shape) {
+    case LensletShape::square:
+      return width_px * std::sqrt(16.0 / 12.0);
+    case LensletShape::hexagon:
+      return width_px * std::sqrt(16.0 * 5.0 / 72.0);
+    case LensletShape::circle:
+      break;
+  }
+  return width_px;
+}
+
+double subaperture_diameter_px(const SensorConfig& sensor) {
+  if (!sensor.lenslets.empty()) return sensor.lenslets.diameter_px();
+  return sensor.pupil_diameter_px / sensor.subapertures_across;
+}
+
 double lambda_d_px(const OpticsConfig& optics, const SlmGeometry& slm, const SensorConfig& sensor) {
-  const double diameter_px = sensor.pupil_diameter_px / sensor.subapertures_across;
-  return camera_px_per_cycle(optics, slm) / diameter_px;
+  return camera_px_per_cycle(optics, slm) / subaperture_diameter_px(sensor);
 }
 
 double camera_shift_mm_per_wave(const OpticsConfig& optics, const SlmGeometry& slm,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include "core/base/result.hpp"
 #include "core/base/vec2.hpp"
@@ -70,6 +71,39 @@ struct OpticsConfig {
 
 enum class Grid { hexagonal, square };
 
+/// Shape of a lenslet.
+enum class LensletShape { square, hexagon, circle };
+
+/// Spiral phase plate in a lenslet, as it was made. Its phase is 2 pi charge depth floor(n t) / n
+/// for n steps, t: turns from the camera's +x towards +y; without steps 2 pi charge depth t.
+struct SpiralPlate {
+  int levels = 0;      ///< n, steps of a turn; 0: smooth
+  double depth = 1.0;  ///< relative to the design
+  Vec2 shift_px;       ///< of the axis from the lenslet's centre, camera pixels on the array
+
+  friend bool operator==(const SpiralPlate&, const SpiralPlate&) = default;
+};
+
+/// Lenslets of a fixed array that give the sensor's spots. By Fresnel's integral the camera in
+/// their focal plane sees the far field of the light on the array, where lenslet i has a grating of
+/// the frequency centre_i / px_per_cycle: its spot lies behind its centre. Lengths are camera
+/// pixels as they appear on the array (camera pitch / magnification), along the camera's axes.
+struct Lenslets {
+  LensletShape shape = LensletShape::square;
+  double width_px = 0.0;           ///< of a lenslet: the array's pitch
+  double rotation_deg = 0.0;       ///< of the lattice, from the camera's +x towards +y
+  SpiralPlate plate{};             ///< of the sensor's charge, if that is not 0
+  double px_per_cycle = 0.0;       ///< displacement of a spot per slope: lambda f M^2 / pitch^2
+  std::vector<Vec2> centres_px{};  ///< from the pupil's centre; empty: no array, but an SLM
+
+  bool empty() const { return centres_px.empty(); }
+  /// Diameter of the circle with the second moment of a lenslet. It has the same spot size, and the
+  /// same mean slope of a cubic phase, within a few percent.
+  double diameter_px() const;
+
+  friend bool operator==(const Lenslets&, const Lenslets&) = default;
+};
+
 /// Parameters of the sensor's hologram (paper eq. 1 to 4). Defaults are the paper's bench. Charge 0
 /// (bright spots instead of vortices) is the conventional Shack-Hartmann sensor.
 struct SensorConfig {
@@ -79,6 +113,7 @@ struct SensorConfig {
   double pupil_diameter_px = 768.0;
   std::array<double, 2> grooves{200.0, 20.0};
   double spacing = 0.25;
+  Lenslets lenslets{};  ///< of a fixed array, in place of the lattice by the values above
 
   friend bool operator==(const SensorConfig&, const SensorConfig&) = default;
 };
@@ -96,6 +131,9 @@ Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm);
 /// Mean scale of the registration: displacement of a spot in camera pixels for a phase slope of one
 /// cycle per SLM pixel.
 double camera_px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
+
+/// Diameter of a subaperture, SLM pixels: D / M, or that of the lenslets.
+double subaperture_diameter_px(const SensorConfig& sensor);
 
 /// lambda/d on the camera, in camera pixels: the size of one subaperture's diffraction spot.
 double lambda_d_px(const OpticsConfig& optics, const SlmGeometry& slm, const SensorConfig& sensor);

@@ -222,7 +222,8 @@ Result<HologramRenderer> HologramRenderer::make(const HologramConfig& config) {
 void HologramRenderer::pattern_row(HologramKind kind, int y, std::span<double> waves,
                                    std::uint16_t* phase) const {
   std::fill(waves.begin(), waves.end(), 0.0);
-  if (kind == HologramKind::sensor) sensor_row(config_, lattice_, y, waves);
+  const bool drawn = config_.sensor.lenslets.empty();
+  if (kind == HologramKind::sensor && drawn) sensor_row(config_, lattice_, y, waves);
   if (kind == HologramKind::grating) grating_row(config_, y, waves);
   add_flatness_and_wrap(config_, y, waves, phase);
 }
@@ -331,7 +332,7 @@ void HologramRenderer::render_picture(const Picture& picture, Image<std::uint8_t
 }
 
 Result<void> HologramRenderer::check_sampling(std::span<const Mode> modes) const {
-  if (auto ok = check_modes(modes); !ok) return ok;
+  if (auto ok = check_modes(modes); !ok || !config_.sensor.lenslets.empty()) return ok;
   const double pupil_radius_px = 0.5 * config_.sensor.pupil_diameter_px;
   const double bound = steepest(modes, pupil_radius_px);
   const WavefrontRows added(modes, pupil_centre(config_.slm), config_.sensor.pupil_diameter_px);

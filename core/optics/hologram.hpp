@@ -73,7 +73,8 @@ std::vector<Mode> shown_modes(HologramKind kind, std::vector<Mode> aberration,
                               std::span<const Mode> correction);
 
 /// Renders holograms. Construction takes milliseconds. Immutable afterwards, so all methods are
-/// thread-safe. Outside the subapertures the sensor hologram's phase is 0 plus flatness and modes.
+/// thread-safe. Of a sensor with lenslets nothing is drawn. Outside the subapertures the sensor
+/// hologram's phase is 0 plus flatness and modes.
 class HologramRenderer {
  public:
   /// Errors: as of make_lattice, or Errc::invalid if the flatness map has a wrong size or NaN.

@@ -6,6 +6,7 @@ namespace ovws {
 namespace {
 
 constexpr double kNyquistCpp = 0.5;
+constexpr std::size_t kMinSubapertures = 3;
 /// Relative tolerance, so that rounding does not drop a subaperture that touches the pupil's edge.
 constexpr double kTouch = 1e-9;
 
@@ -50,7 +51,7 @@ Result<void> check_pupil(const SensorConfig& sensor, const SlmGeometry& slm) {
 }
 
 Result<void> check_count(std::size_t count) {
-  if (count < 3) {
+  if (count < kMinSubapertures) {
     return fail(Errc::invalid, "sensor.subapertures_across",
                 "only " + std::to_string(count) +
                     " subapertures fit in the pupil, but at least 3 are required: increase the "
@@ -64,12 +65,36 @@ Result<void> check_count(std::size_t count) {
   return {};
 }
 
+/// The lattice of a fixed array.
+Result<Lattice> lattice_of(const Lenslets& lenslets) {
+  if (!(lenslets.width_px > 0.0 && lenslets.px_per_cycle > 0.0)) {
+    return fail(Errc::invalid, "sensor.lenslets", "width_px and px_per_cycle must be above 0");
+  }
+  if (lenslets.centres_px.size() < kMinSubapertures) {
+    return fail(Errc::invalid, "sensor.lenslets",
+                "only " + std::to_string(lenslets.centres_px.size()) +
+                    " lenslets are in use, but at least 3 are required: enlarge the light's "
+                    "diameter or the camera's region");
+  }
+  if (lenslets.centres_px.size() > kMaxSubapertures) {
+    return fail(Errc::invalid, "sensor.lenslets",
+                std::to_string(lenslets.centres_px.size()) + " lenslets exceed the maximum of " +
+                    std::to_string(kMaxSubapertures) + ": set a smaller array.pupil_mm");
+  }
+  Lattice lattice{lenslets.diameter_px(), {}};
+  for (const Vec2 centre : lenslets.centres_px) {
+    lattice.subapertures.push_back({centre, (1.0 / lenslets.px_per_cycle) * centre});
+  }
+  return lattice;
+}
+
 }  // namespace
 
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm) {
+  if (!sensor.lenslets.empty()) return lattice_of(sensor.lenslets);
   if (auto ok = check_pupil(sensor, slm); !ok) return fail(ok.error());
   Lattice lattice;
-  lattice.diameter_px = sensor.pupil_diameter_px / sensor.subapertures_across;
+  lattice.diameter_px = subaperture_diameter_px(sensor);
   const auto found = centres(sensor, lattice.diameter_px);
   if (auto ok = check_count(found.size()); !ok) return fail(ok.error());
   for (const Vec2 centre : found) {

@@ -15,19 +15,21 @@ struct Subaperture {
 };
 
 struct Lattice {
-  double diameter_px = 0.0;  ///< of one subaperture, SLM pixels: D / M
-  /// Sorted by y, then x, of the centres; each circle lies entirely inside the pupil.
+  double diameter_px = 0.0;  ///< of one subaperture, SLM pixels: D / M, or that of the lenslets
+  /// Sorted by y, then x, of the centres; each circle lies entirely inside the pupil. Lenslets are
+  /// in the order of SensorConfig.
   std::vector<Subaperture> subapertures;
 };
 
-/// Places all subapertures that lie entirely inside the pupil, or touch its edge from inside. The
-/// base subaperture is at the pupil's centre for every M (number across), so an even M leaves half
-/// a subaperture free at the edge. Errors (Errc::invalid, field "sensor.…" or "slm.width"): empty
-/// SLM; pupil larger than the SLM's height or width; fewer than 3 or more than kMaxSubapertures
-/// subapertures; a grating beyond the SLM's Nyquist limit of 0.5 cycles per pixel.
+/// The lattice of the sensor's lenslets, if it has any. Else places all subapertures that lie
+/// entirely inside the pupil, or touch its edge from inside. The base subaperture is at the pupil's
+/// centre for every M (number across), so an even M leaves half a subaperture free at the edge.
+/// Errors (Errc::invalid, field "sensor.…" or "slm.width"): empty SLM; pupil larger than the SLM's
+/// height or width; fewer than 3 or more than kMaxSubapertures subapertures; a grating beyond the
+/// SLM's Nyquist limit of 0.5 cycles per pixel.
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm);
 
-constexpr int kMaxSubapertures = 1024;
+constexpr int kMaxSubapertures = 2048;
 
 /// Frequency of the base subaperture's grating: grooves over the SLM's size, cycles per SLM pixel.
 Vec2 base_grating_cpp(const SensorConfig& sensor, const SlmGeometry& slm);

@@ -87,10 +87,13 @@ class PolynomialFit {
   };
   Over over(const PupilCells& cells, const PupilPiece& piece) const {
     Eigen::MatrixXd values(places_.size(), modes_.size());
+    int last_j = 0;
+    for (const Mode& mode : modes_) last_j = std::max(last_j, mode.j);
+    std::vector<double> all(std::size_t(last_j) + 1);
     for (std::size_t p = 0; p < places_.size(); ++p) {
-      const Vec2 at = cells.in_pupil(piece.centre_px + piece.radius_px * places_[p]);
+      zernike_values(cells.in_pupil(piece.centre_px + piece.radius_px * places_[p]), all);
       for (std::size_t k = 0; k < modes_.size(); ++k) {
-        values(p, k) = modes_[k].waves * zernike(modes_[k].j, at);
+        values(p, k) = modes_[k].waves * all[std::size_t(modes_[k].j)];
       }
     }
     const Eigen::MatrixXd solved = fit_.solve(values);

@@ -7,6 +7,7 @@
 
 #include "core/base/complex_product.hpp"
 #include "core/optics/hologram.hpp"
+#include "core/optics/lenslet_cells.hpp"
 #include "core/optics/phasors.hpp"
 #include "core/optics/wavefront_rows.hpp"
 
@@ -40,6 +41,12 @@ FarFieldWindow seen_window(const SensorConfig& sensor, const SlmGeometry& slm,
 
 Result<SensorField> SensorField::make(const SensorConfig& sensor, const SlmGeometry& slm,
                                       const OpticsConfig& optics, int cols, int rows) {
+  const FarFieldWindow window = seen_window(sensor, slm, optics, cols, rows);
+  if (!sensor.lenslets.empty()) {
+    auto lattice = make_lattice(sensor, slm);
+    if (!lattice) return fail(lattice.error());
+    return SensorField(window, cut_lenslets(sensor));
+  }
   HologramConfig hologram;
   hologram.slm = slm;
   hologram.sensor = sensor;
@@ -47,7 +54,6 @@ Result<SensorField> SensorField::make(const SensorConfig& sensor, const SlmGeome
   if (!renderer) return fail(renderer.error());
   Image<std::uint8_t> grey;
   renderer->render(HologramKind::sensor, {}, grey);
-  const FarFieldWindow window = seen_window(sensor, slm, optics, cols, rows);
   return SensorField(window, cut_pupil(renderer->lattice(), sensor.pupil_diameter_px,
                                        px_per_cycle(optics, slm), window, grey));
 }
@@ -55,11 +61,14 @@ Result<SensorField> SensorField::make(const SensorConfig& sensor, const SlmGeome
 SensorField::SensorField(FarFieldWindow window, PupilCells cells)
     : window_(window),
       cells_(std::move(cells)),
-      far_field_({cells_.grid.width, cells_.grid.height},
-                 window_in_cells(window, cells_.grid.bin_px)),
+      outside_lit_(!cells_.outside.pixels.empty()),
       phasors_(cells_.grid.width, cells_.grid.height),
       pupil_(cells_.light.size()),
-      sums_(cells_.grid.width, cells_.grid.height) {}
+      sums_(cells_.grid.width, cells_.grid.height) {
+  if (!outside_lit_) return;
+  far_field_.emplace(SlmGeometry{cells_.grid.width, cells_.grid.height},
+                     window_in_cells(window, cells_.grid.bin_px));
+}
 
 void SensorField::propagate(std::span<const Mode> modes, const Light& light) {
   set_phasors(modes);
@@ -67,11 +76,26 @@ void SensorField::propagate(std::span<const Mode> modes, const Light& light) {
   for (const CellRun& run : cells_.runs) {
     if (outside_lit_ || run.piece < cells_.subapertures) add_run(run, light);
   }
-  far_field_.propagate(sums_, far_);
+  if (!far_field_) return propagate_lenslets();
+  far_field_->propagate(sums_, far_);
   if (!outside_lit_) return;
   const Image<std::complex<float>>& fixed = far_outside_pupil(light.ln_amplitude);
   std::transform(far_.pixels.begin(), far_.pixels.end(), fixed.pixels.begin(), far_.pixels.begin(),
                  std::plus<>());
+}
+
+/// Sums the far fields of the lenslets, each in a box of pixels around its centre.
+void SensorField::propagate_lenslets() {
+  if (far_.width != window_.cols || far_.height != window_.rows) {
+    far_ = Image<std::complex<float>>(window_.cols, window_.rows);
+  }
+  std::fill(far_.pixels.begin(), far_.pixels.end(), 0.0F);
+  for (auto run = cells_.runs.begin(); run != cells_.runs.end();) {
+    const auto end = std::find_if(run, cells_.runs.end(),
+                                  [&](const CellRun& r) { return r.piece != run->piece; });
+    add_lenslet(cells_, {run, end}, pupil_, window_, far_);
+    run = end;
+  }
 }
 
 void SensorField::set_phasors(std::span<const Mode> modes) {

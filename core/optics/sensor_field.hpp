@@ -38,7 +38,8 @@ class SensorField {
   int subapertures() const { return cells_.subapertures; }
 
   /// Selects whether propagate() includes light from outside the subapertures; default: true.
-  void set_outside(bool lit) { outside_lit_ = lit; }
+  /// A lenslet array has no such light.
+  void set_outside(bool lit) { outside_lit_ = lit && !cells_.outside.pixels.empty(); }
   bool outside() const { return outside_lit_; }
   /// Illumination: changes of phase and amplitude in addition to the modes. Empty: no change.
   struct Light {
@@ -46,8 +47,9 @@ class SensorField {
     std::span<const LocalField> fields{};  ///< multiplies each subaperture by 1 + polynomial
     std::span<const Mode> ln_amplitude{};  ///< ln(amplitude) outside the subapertures
   };
-  /// Computes pupil() and far() for a wavefront. Takes about 7 ms for the default bench. Requires
-  /// finite coefficients and valid mode indices.
+  /// Computes pupil() and far() for a wavefront. Of a lenslet, far() has the pixels within one
+  /// pitch and a half of its centre. Takes about 7 ms for the default bench. Requires finite
+  /// coefficients and valid mode indices.
   void propagate(std::span<const Mode> modes, const Light& light);
 
   /// Pupil field of the last propagate(), one value per cell of cells().runs. If outside() is
@@ -58,6 +60,7 @@ class SensorField {
 
  private:
   SensorField(FarFieldWindow window, PupilCells cells);
+  void propagate_lenslets();
   void set_phasors(std::span<const Mode> modes);
   void multiply(const CellRun& run, const LocalField& field);
   void add_run(const CellRun& run, const Light& light);
@@ -66,7 +69,8 @@ class SensorField {
   FarFieldWindow window_;
   PupilCells cells_;
   bool outside_lit_ = true;
-  FarField far_field_;                  ///< transforms sums_ to far_
+  /// Transforms sums_ to far_; none: of lenslets, whose gratings one transform cannot represent.
+  std::optional<FarField> far_field_;
   Image<std::complex<float>> phasors_;  ///< exp(i phase) of the modes at each cell
   std::vector<std::complex<float>> pupil_;
   Image<std::complex<float>> sums_;                      ///< pupil_ summed over the pieces

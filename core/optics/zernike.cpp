@@ -84,6 +84,22 @@ double zernike(int j, Vec2 at) {
   return radial(terms, at.x * at.x + at.y * at.y).value * (terms.m < 0 ? power.y : power.x);
 }
 
+void zernike_values(Vec2 at, std::span<double> values) {
+  std::array<Vec2, kMaxZernikeIndex + 1> powers;  // of x + i y
+  const int orders = values.empty() ? 0 : zernike_index(int(values.size()) - 1).n + 1;
+  powers[0] = {1.0, 0.0};
+  for (int k = 1; k < orders; ++k) {
+    const Vec2 w = powers[std::size_t(k) - 1];
+    powers[std::size_t(k)] = {w.x * at.x - w.y * at.y, w.x * at.y + w.y * at.x};
+  }
+  const double square = at.x * at.x + at.y * at.y;
+  for (std::size_t j = 0; j < values.size(); ++j) {
+    const ZernikeTerms& terms = zernike_terms(int(j));
+    const Vec2 power = powers[std::size_t(std::abs(terms.m))];
+    values[j] = radial(terms, square).value * (terms.m < 0 ? power.y : power.x);
+  }
+}
+
 Vec2 zernike_gradient(int j, Vec2 at) {
   const ZernikeTerms& terms = zernike_terms(j);
   const int m = std::abs(terms.m);

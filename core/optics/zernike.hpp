@@ -41,6 +41,9 @@ struct Mode {
 /// RMS-normalised Zernike mode Z_j at position `at` in pupil radii: x right, y down, theta from +x
 /// towards +y.
 double zernike(int j, Vec2 at);
+/// Z_0, Z_1, … at one position, as many as `values` has; faster than one by one, with equal
+/// results.
+void zernike_values(Vec2 at, std::span<double> values);
 /// Gradient of the RMS-normalised mode Z_j per pupil radius. Finite everywhere, also at the centre.
 Vec2 zernike_gradient(int j, Vec2 at);
 

@@ -13,7 +13,7 @@ namespace ovws {
 namespace {
 
 constexpr double kMinKernel = 0.1, kMaxKernel = 2.0;
-constexpr double kMinSpotPx = 4.0, kMaxSpotPx = 200.0;
+constexpr double kMinSpotPx = 3.0, kMaxSpotPx = 200.0;
 constexpr int kMaxCharge = 8;
 
 bool follows_bright_spot(TrackerKind kind) {

@@ -67,6 +67,13 @@ Vec2 errors_of(double variance, const Eigen::Matrix3d& covariance, int row) {
 
 }  // namespace
 
+void FoundArray::use_in(SensorConfig& sensor) const {
+  if (empty()) return;
+  sensor.lenslets = lenslets;
+  sensor.pupil_diameter_px = pupil_diameter_px;
+  sensor.subapertures_across = subapertures_across;
+}
+
 Registration rebased(const Registration& registration, Vec2 base_cpp) {
   Registration out = registration;
   out.base_px = out.base_px + out.px_per_cycle * (base_cpp - registration.base_cpp);
@@ -128,8 +135,7 @@ std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots) {
   return middle_of_peak(smoothed, at % light.width, at / light.width, 2 * half, middle);
 }
 
-std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px) {
-  // Trackers read integer pixels: scale to 16 bit.
+Image<std::uint16_t> in_16_bits(const Image<float>& light) {
   float darkest = 0.0F, brightest = 0.0F;
   for (const float value : light.pixels) {
     if (!std::isfinite(value)) continue;
@@ -142,6 +148,11 @@ std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots
     const float value = std::isfinite(light.pixels[k]) ? light.pixels[k] : brightest;
     whole.pixels[k] = std::uint16_t(std::lround((value - darkest) * per_dn));
   }
+  return whole;
+}
+
+std::optional<Vec2> find_probe(const Image<float>& light, const SpotModel& spots, Vec2 start_px) {
+  const Image<std::uint16_t> whole = in_16_bits(light);
   const auto tracker = make_position_fit(spots);
   if (!tracker) return std::nullopt;
   TrackScratch scratch = (*tracker)->make_scratch();

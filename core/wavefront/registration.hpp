@@ -19,6 +19,19 @@ struct ProbeSight {
   Vec2 at_px;       ///< position at which the spot was found
 };
 
+/// A fixed array as registration.run has found it.
+struct FoundArray {
+  Lenslets lenslets{};         ///< in use: lit, and inside the pupil; empty: the sensor has an SLM
+  int lit = 0;                 ///< lit lenslets in the image
+  double magnification = 1.0;  ///< from the array's focal plane to the camera
+  double pupil_diameter_px = 0.0;
+  int subapertures_across = 0;
+
+  bool empty() const { return lenslets.empty(); }
+  /// Puts the lenslets into a sensor.
+  void use_in(SensorConfig& sensor) const;
+};
+
 /// The affine map at = base_px + px_per_cycle * offset.
 struct Registration {
   Vec2 base_cpp;  ///< grating of the base subaperture, whose spot is at base_px
@@ -29,6 +42,7 @@ struct Registration {
   Vec2 base_standard_error_px;
   double residual_px = 0.0;  ///< RMS residual over x and y
   int sights = 0;
+  FoundArray array{};
   std::int64_t t_taken_ns = 0;  ///< UNIX epoch UTC; 0: unknown
 };
 
@@ -43,6 +57,10 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights);
 /// unknown). None if no spot stands out of the noise. The spot size in `spots` may be wrong by a
 /// third. The position is accurate to a fraction of lambda/d: a start for find_probe.
 std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots);
+
+/// A mean image with integer pixels, which trackers read: from its darkest to its brightest pixel,
+/// over the full scale of 16 bits. Pixels that are not finite are the brightest.
+Image<std::uint16_t> in_16_bits(const Image<float>& light);
 
 /// Probe spot position with the precision of PositionFit, which starts at `start_px` (camera
 /// pixels). None if PositionFit does not find the spot.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <vector>
 
 #include "core/optics/zernike.hpp"
 #include "core/tracking/centroid.hpp"
@@ -68,16 +69,23 @@ Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
   constexpr int kAngles = 48;  // exact for modes up to n = 20
   const double pupil_radius = 0.5 * sensor.pupil_diameter_px;
   const double radius = tilt_radius * 0.5 * lattice.diameter_px;
-  Eigen::MatrixXd slopes(2 * Eigen::Index(lattice.subapertures.size()), modes_j.size());
+  Eigen::MatrixXd slopes =
+      Eigen::MatrixXd::Zero(2 * Eigen::Index(lattice.subapertures.size()), modes_j.size());
+  const int last_j = modes_j.empty() ? 0 : *std::max_element(modes_j.begin(), modes_j.end());
+  std::vector<double> values(std::size_t(last_j) + 1);
   for (std::size_t i = 0; i < lattice.subapertures.size(); ++i) {
-    for (std::size_t k = 0; k < modes_j.size(); ++k) {
-      Vec2 sum;
-      for (int n = 0; n < kAngles; ++n) {
-        const double t = 2.0 * kPi * n / kAngles;
-        const Vec2 direction{std::cos(t), std::sin(t)};
-        const Vec2 at = lattice.subapertures[i].centre_px + radius * direction;
-        sum = sum + zernike(modes_j[k], (1.0 / pupil_radius) * at) * direction;
+    for (int n = 0; n < kAngles; ++n) {
+      const double t = 2.0 * kPi * n / kAngles;
+      const Vec2 direction{std::cos(t), std::sin(t)};
+      const Vec2 at = lattice.subapertures[i].centre_px + radius * direction;
+      zernike_values((1.0 / pupil_radius) * at, values);
+      for (std::size_t k = 0; k < modes_j.size(); ++k) {
+        slopes(2 * i, k) += values[std::size_t(modes_j[k])] * direction.x;
+        slopes(2 * i + 1, k) += values[std::size_t(modes_j[k])] * direction.y;
       }
+    }
+    for (std::size_t k = 0; k < modes_j.size(); ++k) {
+      const Vec2 sum{slopes(2 * i, k), slopes(2 * i + 1, k)};
       const Vec2 moved = px_per_cycle * ((2.0 / (kAngles * radius)) * sum);
       slopes(2 * i, k) = moved.x;
       slopes(2 * i + 1, k) = moved.y;

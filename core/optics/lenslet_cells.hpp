@@ -1,0 +1,25 @@
+/// Complex field on a lenslet array for a flat wavefront, and the far field of one lenslet.
+#pragma once
+
+#include <complex>
+#include <span>
+
+#include "core/base/image.hpp"
+#include "core/optics/pupil_cells.hpp"
+
+namespace ovws {
+
+/// Cuts the lenslets of `sensor` into cells, at least kLensletCells across a lenslet if the
+/// camera's pixels are fine enough. The value of a cell is the share of it that the lenslet covers,
+/// with the phase of the spiral plate and of the lenslet's grating at the cell's centre. There is
+/// no light outside of the lenslets in use.
+PupilCells cut_lenslets(const SensorConfig& sensor);
+constexpr int kLensletCells = 32;
+
+/// Adds the far field of one lenslet to the pixels of `far` within one pitch and a half of its
+/// centre. `runs`: its cells; `pupil`: the field, as SensorField::pupil().
+void add_lenslet(const PupilCells& cells, std::span<const CellRun> runs,
+                 std::span<const std::complex<float>> pupil, const FarFieldWindow& window,
+                 Image<std::complex<float>>& far);
+
+}  // namespace ovws

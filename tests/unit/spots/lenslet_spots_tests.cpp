@@ -1,0 +1,136 @@
+/// Rendered spots of a lenslet array against Fresnel's integral.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "core/optics/zernike.hpp"
+#include "core/spots/spot_renderer.hpp"
+
+namespace ovws {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double kPi = std::numbers::pi;
+
+/// 5 x 5 lenslets of 30 pixels, lambda/pitch 4 pixels, in an image of 192 x 180 pixels.
+struct ArrayCase {
+  SensorConfig sensor;
+  SlmGeometry slm{16, 16, 5.3};
+  OpticsConfig optics;
+  std::vector<int> modes_j{1, 2, 3, 4, 5, 8, 12};
+  std::vector<double> waves{0.3, -0.2, 0.2, 0.25, -0.15, 0.1, 0.05};
+
+  explicit ArrayCase(int charge, SpiralPlate plate, LensletShape shape) {
+    sensor.charge = charge;
+    sensor.grooves = {0.0, 0.0};
+    sensor.pupil_diameter_px = 150.0;
+    sensor.subapertures_across = 5;
+    sensor.lenslets = {shape, 30.0, 0.0, plate, 120.0, {}};
+    for (int k = 0; k < 25; ++k) {
+      sensor.lenslets.centres_px.push_back({30.0 * (k % 5 - 2) + 0.2, 30.0 * (k / 5 - 2) - 0.4});
+    }
+    optics.registered = PxPerCycle(120.0);
+    optics.centre_px = Vec2{95.3, 90.1};
+  }
+
+  double phase_waves(Vec2 at, const std::vector<double>& with) const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < modes_j.size(); ++k) {
+      sum += with[k] * zernike(modes_j[k], (2.0 / sensor.pupil_diameter_px) * at);
+    }
+    return sum;
+  }
+  double plate_waves(Vec2 from_centre) const {
+    const SpiralPlate& plate = sensor.lenslets.plate;
+    const Vec2 off = from_centre - plate.shift_px;
+    double turns = std::atan2(off.y, off.x) / (2.0 * kPi);
+    if (turns < 0.0) turns += 1.0;
+    if (plate.levels > 0) turns = std::floor(turns * plate.levels) / plate.levels;
+    return sensor.charge * plate.depth * turns;
+  }
+  bool covers(Vec2 from_centre) const {
+    return sensor.lenslets.shape == LensletShape::square || norm(from_centre) <= 15.0;
+  }
+  /// Field at a place on the camera from the pupil's centre: each lenslet is a lens of its own, and
+  /// Fresnel's integral takes its light to the camera. lambda f = px_per_cycle in square pixels.
+  Complex field(Vec2 x, const std::vector<double>& with) const {
+    constexpr int kSamples = 60;
+    const double lambda_f = sensor.lenslets.px_per_cycle;
+    Complex sum = 0.0;
+    for (const Vec2 centre : sensor.lenslets.centres_px) {
+      for (int k = 0; k < kSamples * kSamples; ++k) {
+        const Vec2 off{30.0 * ((k % kSamples + 0.5) / kSamples - 0.5),
+                       30.0 * ((k / kSamples + 0.5) / kSamples - 0.5)};
+        if (!covers(off)) continue;
+        const Vec2 r = centre + off;
+        const double lens = -(off.x * off.x + off.y * off.y) / (2.0 * lambda_f);
+        const double away = norm(x - r);
+        sum += std::polar(1.0, 2.0 * kPi *
+                                   (phase_waves(r, with) + plate_waves(off) + lens +
+                                    away * away / (2.0 * lambda_f)));
+      }
+    }
+    return sum;
+  }
+  SpotRenderer renderer() const {
+    return SpotRenderer::make(sensor, slm, optics, 192, 180, modes_j, {}).value();
+  }
+};
+
+void compare(const ArrayCase& array, double tolerance) {
+  SpotRenderer renderer = array.renderer();
+  const std::vector<RenderedSpot> spots = renderer.render(array.waves);
+  ASSERT_EQ(spots.size(), 25U);
+  double most = 0.0, expected_sum = 0.0, rendered_sum = 0.0;
+  std::vector<std::pair<double, double>> pairs;
+  for (const std::size_t i : {0U, 7U, 12U}) {
+    ASSERT_TRUE(is_inside(spots[i]));
+    each_pixel(spots[i].window, [&](Eigen::Index cell, int x, int y) {
+      if (spots[i].window.bin > 1) return;
+      const Vec2 at = Vec2{double(x), double(y)} - *array.optics.centre_px;
+      const double expected = std::norm(array.field(at, array.waves));
+      pairs.emplace_back(expected, double(spots[i].light(cell)));
+      most = std::max(most, expected);
+      expected_sum += expected;
+      rendered_sum += double(spots[i].light(cell));
+    });
+  }
+  ASSERT_FALSE(pairs.empty());
+  for (const auto& [expected, rendered] : pairs) {
+    EXPECT_NEAR(rendered / rendered_sum * expected_sum / most, expected / most, tolerance);
+  }
+}
+
+TEST(LensletSpots, BrightOnesAreThoseOfFresnelsIntegral) {
+  compare(ArrayCase(0, {}, LensletShape::square), 0.01);
+  compare(ArrayCase(0, {}, LensletShape::circle), 0.015);
+}
+
+TEST(LensletSpots, StepsDepthAndShiftOfThePlatesShow) {
+  compare(ArrayCase(1, {}, LensletShape::square), 0.015);
+  compare(ArrayCase(1, {16, 1.05, {0.6, 0.0}}, LensletShape::square), 0.02);
+}
+
+TEST(LensletSpots, DerivativesAreThoseOfTheRendering) {
+  const ArrayCase array(1, {16, 1.05, {0.6, 0.0}}, LensletShape::square);
+  SpotRenderer renderer = array.renderer();
+  const std::vector<RenderedSpot> spots = renderer.render(array.waves);
+  for (const std::size_t mode : {0U, 3U, 4U}) {
+    constexpr double kStep = 1e-3;
+    std::vector<double> more = array.waves, less = array.waves;
+    more[mode] += kStep;
+    less[mode] -= kStep;
+    const auto plus = renderer.light_in(spots, more, {}),
+               minus = renderer.light_in(spots, less, {});
+    for (const std::size_t i : {6U, 12U, 18U}) {
+      const Eigen::VectorXf numeric = (plus[i] - minus[i]) / float(2.0 * kStep);
+      const Eigen::VectorXf analytic = spots[i].per_wave.col(Eigen::Index(mode));
+      EXPECT_LT((numeric - analytic).norm(), 0.06F * numeric.norm()) << "mode " << mode;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ovws

@@ -1,0 +1,118 @@
+/// A lenslet array is found in one image of its spots.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "core/tracking/spot_geometry.hpp"
+#include "core/wavefront/lenslet_search.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr double kSpotPx = 3.6;  // lambda/d of 150 um lenslets, f = 5.2 mm, on pixels of 5.3 um
+
+/// Spots of an array on a camera of 640 x 512 pixels, DN.
+struct ArrayImage {
+  Grid grid = Grid::square;
+  int charge = 0;
+  double pitch_px = 28.3, rotation_deg = 1.3;
+  Vec2 middle_px{320.4, 255.8};
+  double defocus_px = 0.0;  ///< displacement at 200 pixels from the middle
+  double noise_dn = 1.0;
+  std::function<double(Vec2)> light = [](Vec2) { return 1.0; };  ///< at the place from the middle
+
+  std::vector<Vec2> places() const {
+    std::vector<Vec2> all;
+    const double turn = rotation_deg * std::numbers::pi / 180.0;
+    for (int b = -20; b <= 20; ++b) {
+      for (int a = -30; a <= 30; ++a) {
+        const bool hexagonal = grid == Grid::hexagonal;
+        const double x = pitch_px * (a + (hexagonal ? 0.5 * b : 0.0));
+        const double y = pitch_px * b * (hexagonal ? std::sqrt(0.75) : 1.0);
+        all.push_back(
+            {x * std::cos(turn) - y * std::sin(turn), x * std::sin(turn) + y * std::cos(turn)});
+      }
+    }
+    return all;
+  }
+  Image<float> render() const {
+    Image<float> image(640, 512, 3.0F);
+    for (const Vec2 place : places()) {
+      const double peak = 150.0 * light(place);
+      const Vec2 at = middle_px + (1.0 + defocus_px / 200.0) * place;
+      const int reach = 13;
+      for (int y = int(at.y) - reach; y <= int(at.y) + reach; ++y) {
+        for (int x = int(at.x) - reach; x <= int(at.x) + reach; ++x) {
+          if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
+          const double r = norm(Vec2{double(x), double(y)} - at) / kSpotPx;
+          const double scale = charge == 0 ? 4.0 : 18.0;
+          image.at(x, y) += float(peak * scale * spot_intensity(charge, r));
+        }
+      }
+    }
+    std::mt19937 random(7);
+    std::normal_distribution<float> noise(0.0F, float(noise_dn));
+    for (float& pixel : image.pixels) pixel += noise(random);
+    return image;
+  }
+  LensletSearch search() const { return {grid, 28.3, {charge, kSpotPx}}; }
+};
+
+TEST(LensletSearch, FindsPitchRotationAndPlaces) {
+  for (const Grid grid : {Grid::square, Grid::hexagonal}) {
+    for (const int charge : {0, 1}) {
+      const ArrayImage array{.grid = grid, .charge = charge};
+      const auto map = find_lenslets(array.render(), array.search());
+      ASSERT_TRUE(map) << map.error().reason;
+      EXPECT_NEAR(map->pitch_px, 28.3, 0.005);
+      EXPECT_NEAR(map->rotation_deg, 1.3, 0.01);
+      EXPECT_LT(map->residual_px, 0.1);
+      EXPECT_GT(map->lit(), grid == Grid::square ? 350 : 400);
+      for (const LensletNode& node : map->nodes) {
+        if (!node.lit) continue;
+        double nearest = 1e9;
+        for (const Vec2 place : array.places()) {
+          nearest = std::min(nearest, norm(array.middle_px + place - node.at_px));
+        }
+        EXPECT_LT(nearest, 0.05);
+      }
+    }
+  }
+}
+
+TEST(LensletSearch, RoundBeamGivesItsPupil) {
+  ArrayImage array;
+  array.light = [](Vec2 at) { return norm(at) < 170.0 && norm(at) > 40.0 ? 1.0 : 0.02; };
+  array.defocus_px = 8.0;
+  const auto map = find_lenslets(array.render(), array.search());
+  ASSERT_TRUE(map) << map.error().reason;
+  const LensletPupil pupil = lenslet_pupil(*map, std::nullopt);
+  EXPECT_LT(norm(pupil.centre_px - array.middle_px), 3.0);
+  EXPECT_NEAR(pupil.diameter_px, 340.0, 28.3);
+  EXPECT_GT(pupil.centres_px.size(), 70U);  // of 101, without the dark ones in the middle
+  EXPECT_LT(pupil.centres_px.size(), 110U);
+  const LensletPupil smaller = lenslet_pupil(*map, 200.0);
+  EXPECT_EQ(smaller.diameter_px, 200.0);
+  EXPECT_LT(smaller.centres_px.size(), pupil.centres_px.size());
+}
+
+TEST(LensletSearch, RefusesWhatItDoesNotKnow) {
+  const ArrayImage array;
+  const Image<float> image = array.render();
+  LensletSearch search = array.search();
+  search.pitch_px = 35.0;
+  EXPECT_EQ(find_lenslets(image, search).error().field, "array.pitch_um");
+  search = array.search();
+  search.grid = Grid::hexagonal;
+  EXPECT_EQ(find_lenslets(image, search).error().field, "sensor.grid");
+  EXPECT_EQ(find_lenslets(Image<float>(640, 512, 3.0F), array.search()).error().field, "camera");
+  ArrayImage dark;
+  dark.light = [](Vec2 at) { return norm(at) < 20.0 ? 1.0 : 0.0; };
+  EXPECT_EQ(find_lenslets(dark.render(), dark.search()).error().field, "camera");
+}
+
+}  // namespace
+}  // namespace ovws
