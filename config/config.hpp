@@ -33,6 +33,26 @@ struct SlmConfig {
   bool allow_primary = false;
 };
 
+enum class Modulator {
+  slm,    ///< the SLM's hologram makes the subapertures
+  fixed,  ///< an array of lenslets does, which nothing can change
+};
+
+/// The spiral phase plate in each lenslet, if sensor.charge is not 0; see SpiralPlate.
+struct PlateConfig {
+  int levels = 0;
+  double depth = 1.0;
+  Vec2 shift_um;  ///< of the axis from the lenslet's centre
+};
+
+/// A fixed array of lenslets.
+struct ArrayConfig {
+  double pitch_um = 150.0;  ///< distance of neighbouring lenslets
+  LensletShape shape = LensletShape::square;
+  std::optional<double> pupil_mm;  ///< diameter on the array; none: see lenslet_pupil
+  PlateConfig plate;
+};
+
 struct StreamConfig {
   std::string endpoint = "tcp://127.0.0.1:7701";
   std::string image_endpoint = "tcp://127.0.0.1:7703";
@@ -82,10 +102,12 @@ struct ConfiguredPipeline : PipelineConfig {
 };
 
 struct Config {
+  Modulator modulator = Modulator::slm;
   CameraConfig camera;
   SlmConfig slm;
   OpticsConfig optics;
   SensorConfig sensor;
+  ArrayConfig array;
   ConfiguredTracking tracking;
   RefineSetup refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;
@@ -97,6 +119,22 @@ struct Config {
   ConfiguredPipeline pipeline;
   LogConfig log;
 };
+
+/// Completes a configuration with a fixed array: no display (driver `none`), the array in place of
+/// the SLM's pixels, and the lenslets that a centred array without rotation has in the camera's
+/// region. registration.run replaces them. No effect with an SLM.
+void use_modulator(Config& config);
+/// Lenslets in use of an array: their places on the camera and how the array lies there.
+struct ArrayOnCamera {
+  double magnification = 1.0;  ///< from the array's focal plane to the camera
+  double rotation_deg = 0.0;   ///< as in Lenslets
+  double pupil_diameter_px = 0.0;
+  std::vector<Vec2> centres_px{};
+};
+/// The sensor with these lenslets.
+SensorConfig sensor_with(const Config& config, ArrayOnCamera lenslets);
+/// Expected distance of neighbouring lenslets on the camera, camera pixels.
+double lenslet_pitch_px(const ArrayConfig& array, const OpticsConfig& optics);
 
 /// Parses strictly: unknown keys, wrong types and values out of range are errors that name the
 /// dotted path and, for an unknown key, the closest valid one. Allows comments (// and /* */).

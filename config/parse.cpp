@@ -23,6 +23,7 @@ Result<Config> read_config(const nlohmann::json& json) {
     }
   }
   if (auto done = reader.finish(); !done) return fail(done.error());
+  use_modulator(config);
   return config;
 }
 

@@ -58,6 +58,28 @@ inline constexpr auto kTable<SlmConfig> = Fields{
     field<&SlmConfig::allow_primary>("whether the only or primary display may be the SLM")};
 
 template <>
+inline constexpr NamesOf kNames<Modulator> = texts<"slm", "fixed">;
+
+template <>
+inline constexpr auto kTable<PlateConfig> = Fields{
+    "PlateConfig", field<&PlateConfig::levels>("steps of a turn; 0: smooth", limits::kPlateLevels),
+    field<&PlateConfig::depth>("depth relative to the design", limits::kPlateDepth),
+    field<&PlateConfig::shift_um>(
+        "[x, y] of the spiral's axis from the lenslet's centre, micrometres",
+        limits::kPlateShiftUm)};
+
+template <>
+inline constexpr auto kTable<ArrayConfig> =
+    Fields{"ArrayConfig",
+           field<&ArrayConfig::pitch_um>("distance of neighbouring lenslets, micrometres",
+                                         limits::kLensletPitchUm),
+           field<&ArrayConfig::shape>("shape of a lenslet"),
+           field<&ArrayConfig::pupil_mm>("diameter of the pupil on the array, millimetres; null: "
+                                         "the largest circle of lit lenslets",
+                                         limits::kPupilMm),
+           field<&ArrayConfig::plate>("the spiral phase plates, if sensor.charge is not 0")};
+
+template <>
 inline constexpr auto kTable<ConfiguredTracking> = Fields{
     "TrackingConfig", based<TrackingSettings>(),
     field<&ConfiguredTracking::kernel_radius>(
@@ -123,10 +145,13 @@ inline constexpr auto kTable<LogConfig> =
 template <>
 inline constexpr auto kTable<Config> = Fields{
     "Config",
+    field<&Config::modulator>("what makes the subapertures: slm, its hologram; fixed, an array of "
+                              "lenslets, described by array, without a display"),
     field<&Config::camera>("the camera"),
     field<&Config::slm>("the spatial light modulator"),
     field<&Config::optics>("lens and camera"),
     field<&Config::sensor>("the sensor's hologram"),
+    field<&Config::array>("the fixed array of lenslets, with modulator fixed"),
     field<&Config::tracking>("how spots are found"),
     field<&Config::refine>("live refinement: fits the diffraction model to every pixel"),
     field<&Config::stream>("data streams"),

@@ -57,6 +57,8 @@ bool is_nothing(const T& value) {
     return std::string_view(value).empty();
   } else if constexpr (ListLike<T> && !std::is_same_v<T, Json>) {
     return value.size() == 0;
+  } else if constexpr (HasTable<T> && requires { value.empty(); }) {
+    return value.empty();
   } else {
     return false;
   }
@@ -179,6 +181,27 @@ void decode_tuple(ObjectReader& reader, const FieldInfo& field, std::size_t size
   if (given.size() == size) put(given);
 }
 
+/// Decodes an array of pairs [x, y].
+inline void decode_points(ObjectReader& reader, const FieldInfo& field, std::vector<Vec2>& out) {
+  const Json* const given = reader.raw(field.key);
+  if (given == nullptr || reader.failed()) return;
+  const auto fits = [&field](const Json& number) {
+    return number.is_number() && number >= field.bounds.min && number <= field.bounds.max;
+  };
+  const auto is_point = [&fits](const Json& point) {
+    return point.is_array() && point.size() == 2 && fits(point[0]) && fits(point[1]);
+  };
+  const std::size_t most = std::min(field.max_size, kMaxElements);
+  if (!given->is_array() || given->size() < field.min_size || given->size() > most ||
+      !std::all_of(given->begin(), given->end(), is_point)) {
+    return reader.fault(field.key, "must be an array of " + std::to_string(field.min_size) +
+                                       " to " + std::to_string(most) +
+                                       " pairs [x, y] of numbers within their limits");
+  }
+  out.clear();
+  for (const Json& point : *given) out.push_back({point[0].get<double>(), point[1].get<double>()});
+}
+
 template <HasTable S>
 void decode_fields(ObjectReader& reader, S& out);
 
@@ -264,6 +287,8 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
     decode_tuple(reader, field, 2, [&out](const auto& given) { out = {given[0], given[1]}; });
   } else if constexpr (HasTable<T>) {
     reader.object(key, [&out](ObjectReader& inner) { decode_fields(inner, out); });
+  } else if constexpr (std::is_same_v<T, std::vector<Vec2>>) {
+    decode_points(reader, field, out);
   } else if constexpr (requires { T::value_type::decode(Json()); }) {
     decode_each(reader, field, out);
   } else if constexpr (HasTable<typename T::value_type>) {

@@ -36,7 +36,14 @@ constexpr Numbers kPxPerCycle{-1e7, 1e7};
 constexpr double kMinPxPerCycle = 1.0;
 
 constexpr Integers kCharge{-8, 8};
-constexpr Integers kSubaperturesAcross{1, 31};
+constexpr Integers kSubaperturesAcross{1, 64};
+constexpr Numbers kLensletPitchUm{10.0, 10e3};
+constexpr Numbers kPupilMm{0.05, 1000.0};
+constexpr Numbers kLensletWidthPx{1.0, 16384.0}, kLensletPlacePx{-65535.0, 65535.0};
+constexpr Numbers kLensletPxPerCycle{1.0, 1e7};
+constexpr Integers kPlateLevels{0, 256};  ///< steps of a spiral phase plate; 0: smooth
+constexpr Numbers kPlateDepth{0.5, 1.5};  ///< relative to the design
+constexpr Numbers kPlateShiftUm{-1e3, 1e3}, kPlateShiftPx{-1e4, 1e4};
 constexpr Numbers kPupilDiameterPx{8.0, 16384.0};
 constexpr Numbers kGrooves{-8192.0, 8192.0};
 constexpr Numbers kSpacing{0.001, 16.0};

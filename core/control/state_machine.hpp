@@ -42,6 +42,7 @@ enum class Action : std::uint8_t {
   watch,    ///< a job that only watches frames
   present,  ///< a client's picture; the procedure thread checks for other jobs
   grab,
+  start_hologram_job,  ///< a job that shows holograms
   count,
 };
 
@@ -53,6 +54,7 @@ struct Conditions {
   bool job = false;        ///< a job holds the sensor
   bool measuring = false;  ///< that job also depends on the camera's settings
   bool loop = false;       ///< the control loop is closed
+  bool fixed = false;      ///< the subapertures are fixed: nothing shows holograms
   bool fault = false;
   bool stopping = false;
   friend constexpr bool operator==(const Conditions&, const Conditions&) = default;
@@ -88,7 +90,7 @@ struct Obstacle {
 };
 inline constexpr std::string_view kJobRuns =
     "a job is running; wait until it ends or cancel it with job.cancel";
-constexpr std::array<Obstacle, 7> kObstacles{{
+constexpr std::array<Obstacle, 8> kObstacles{{
     {&Conditions::stopping, true, Errc::refused,
      "the daemon is stopping; start it again and repeat the request"},
     {&Conditions::started, false, Errc::refused,
@@ -101,34 +103,37 @@ constexpr std::array<Obstacle, 7> kObstacles{{
     {&Conditions::job, true, Errc::refused, kJobRuns},
     {&Conditions::measuring, true, Errc::refused, kJobRuns},
     {&Conditions::loop, true, Errc::refused, "the loop is closed; open it with loop.open first"},
+    {&Conditions::fixed, true, Errc::refused,
+     "the sensor is a fixed array of lenslets, which shows no hologram; use a corrector of your "
+     "own instead"},
 }};
 
 /// Which obstacles block an action, in the order of kObstacles.
 struct ActionRow {
   std::array<bool, kObstacles.size()> blocked_by;
 };
-//                               stopping starting camera display job measuring loop
+// Columns: stopping starting camera display job measuring loop fixed; `x` blocks the action.
+constexpr bool x = true, o = false;
 constexpr Table<Action, ActionRow> kActions{{
-    {{false, false, false, false, false, false, false}},  // read
-    {{true, true, false, false, false, true,
-      false}},                                        // set_camera: the camera actor checks further
-    {{true, true, false, true, true, false, true}},   // set_sensor
-    {{true, true, false, true, true, false, false}},  // set_aberration
-    {{true, true, false, true, true, false, true}},   // show_pattern
-    {{true, true, true, true, true, false, true}},    // start_job
-    {{true, true, false, false, true, false, true}},  // clear_reference
-    {{true, true, false, false, false, false, false}},  // cancel_job
-    {{true, true, false, false, true, false,
-      false}},  // save_config: a job may have changed settings
-    {{true, true, false, false, false, false, false}},  // set_refine
-    {{true, true, true, true, true, false, true}},      // close_loop
-    {{true, true, false, false, false, false, false}},  // open_loop
-    {{true, true, false, true, true, false, true}},     // set_correction
-    {{true, true, false, false, true, false, true}},    // reload_config
-    {{true, true, false, false, false, false, false}},  // record
-    {{true, true, true, true, true, false, false}},     // watch
-    {{true, true, false, false, false, false, true}},   // present
-    {{true, true, true, false, false, false, false}},   // grab
+    {{o, o, o, o, o, o, o, o}},  // read
+    {{x, x, o, o, o, x, o, o}},  // set_camera: the camera actor checks further
+    {{x, x, o, x, x, o, x, o}},  // set_sensor
+    {{x, x, o, x, x, o, o, x}},  // set_aberration
+    {{x, x, o, x, x, o, x, x}},  // show_pattern
+    {{x, x, x, x, x, o, x, o}},  // start_job
+    {{x, x, o, o, x, o, x, o}},  // clear_reference
+    {{x, x, o, o, o, o, o, o}},  // cancel_job
+    {{x, x, o, o, x, o, o, o}},  // save_config: a job may have changed settings
+    {{x, x, o, o, o, o, o, o}},  // set_refine
+    {{x, x, x, x, x, o, x, x}},  // close_loop
+    {{x, x, o, o, o, o, o, o}},  // open_loop
+    {{x, x, o, x, x, o, x, x}},  // set_correction
+    {{x, x, o, o, x, o, x, o}},  // reload_config
+    {{x, x, o, o, o, o, o, o}},  // record
+    {{x, x, x, x, x, o, o, o}},  // watch
+    {{x, x, o, o, o, o, x, x}},  // present
+    {{x, x, x, o, o, o, o, o}},  // grab
+    {{x, x, x, x, x, o, x, x}},  // start_hologram_job
 }};
 
 }  // namespace control

@@ -133,6 +133,7 @@ struct App::Parts {
         }),
         threads(config.realtime, config.pipeline.cpus,
                 [this](const ThreadFailure& failure) { thread_failed(failure); }) {
+    state.set(&Conditions::fixed, config.modulator == Modulator::fixed);
     disk.each_turn([this] { return store.turn(); });
   }
 

@@ -11,6 +11,7 @@
 #include "proto/field_json.hpp"
 #include "proto/names.hpp"
 #include "proto/tables/origin.hpp"
+#include "proto/tables/sensor.hpp"
 #include "proto/tables/time.hpp"
 
 namespace ovws {
@@ -84,6 +85,16 @@ inline constexpr auto kTable<KnownReference> =
            inlined(&KnownReference::reference)};
 
 template <>
+inline constexpr auto kTable<FoundArray> = Fields{
+    "FoundArray",
+    field<&FoundArray::lit>("number of lit lenslets in the image", {0, 1e6}),
+    field<&FoundArray::subapertures_across>("lenslets across the pupil", {1, 1000}),
+    field<&FoundArray::magnification>("from the array's focal plane to the camera", {1e-6, 1e6}),
+    field<&FoundArray::pupil_diameter_px>("diameter of the pupil, camera pixels",
+                                          limits::kLensletWidthPx),
+    field<&FoundArray::lenslets>("lenslets in use, as in sensor.get")};
+
+template <>
 inline constexpr auto kTable<Registration> = Fields{
     "Registration",
     field<&Registration::t_taken_ns>(kTimeMeaning),
@@ -106,8 +117,14 @@ inline constexpr auto kTable<Registration> = Fields{
     field<&Registration::residual_px>(
         "RMS residual of the map at the positions where the spot was found, camera pixels",
         Bounds::at_least(0)),
-    field<&Registration::sights>("number of test gratings (slopes) at which the spot was found",
-                                 Bounds::at_least(0))};
+    field<&Registration::sights>("number of test gratings (slopes) at which the spot was found; of "
+                                 "a fixed array, lit lenslets",
+                                 Bounds::at_least(0)),
+    computed(
+        "array",
+        [](auto& r) { return r.array.empty() ? std::nullopt : std::optional<FoundArray>(r.array); },
+        "the array of lenslets that was found; left out: the sensor has an SLM")
+        .or_left_out()};
 
 /// Result of `registration.get`, `registration.clear` and the `registration.run` job.
 struct KnownRegistration {

@@ -5,10 +5,37 @@
 #include <string>
 #include <vector>
 
+#include "core/optics/lattice.hpp"
 #include "proto/field_json.hpp"
 #include "proto/names.hpp"
 
 namespace ovws {
+
+template <>
+inline constexpr NamesOf kNames<LensletShape> = texts<"square", "hexagon", "circle">;
+
+template <>
+inline constexpr auto kTable<SpiralPlate> = Fields{
+    "SpiralPlate", field<&SpiralPlate::levels>("steps of a turn; 0: smooth", limits::kPlateLevels),
+    field<&SpiralPlate::depth>("depth relative to the design", limits::kPlateDepth),
+    field<&SpiralPlate::shift_px>("[x, y] of the axis from the lenslet's centre, camera pixels",
+                                  limits::kPlateShiftPx)};
+
+template <>
+inline constexpr auto kTable<Lenslets> =
+    Fields{"Lenslets",
+           field<&Lenslets::shape>("shape of a lenslet"),
+           field<&Lenslets::width_px>("width of a lenslet, camera pixels", limits::kLensletWidthPx),
+           field<&Lenslets::rotation_deg>(
+               "rotation of the lattice from the camera's +x towards its +y, degrees"),
+           field<&Lenslets::plate>("the spiral phase plate in each lenslet"),
+           field<&Lenslets::px_per_cycle>(
+               "displacement of a spot for a slope of one cycle per camera pixel, camera pixels",
+               limits::kLensletPxPerCycle),
+           field<&Lenslets::centres_px>(
+               "[x, y] of each lenslet in use from the pupil's centre, camera pixels",
+               limits::kLensletPlacePx)
+               .sized(1, kMaxSubapertures)};
 
 template <>
 inline constexpr auto kTable<SensorConfig> = Fields{
@@ -25,7 +52,11 @@ inline constexpr auto kTable<SensorConfig> = Fields{
         "n_x, n_y: grooves of the base grating over the SLM's width and height", limits::kGrooves),
     field<&SensorConfig::spacing>(
         "s: spread of the spots on the camera, grooves per SLM pixel of a subaperture's position",
-        limits::kSpacing)};
+        limits::kSpacing),
+    field<&SensorConfig::lenslets>(
+        "the lenslets in use of a fixed array, as registration.run found them; left out: the SLM "
+        "makes the subapertures")
+        .or_left_out()};
 
 /// Sensor and tracking settings: what `sensor.set` changes.
 struct SensorSettings {

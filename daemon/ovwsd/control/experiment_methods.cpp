@@ -79,7 +79,7 @@ void gain_sweep(Services& services, GainSweepRun asked, Reply<JobNumber> reply) 
   const ExperimentRun run = asked_now(services, asked);
   const auto job = services.experiments.job_of(run.name);
   if (job && services.jobs.runs(*job) && !asked.anew) return reply(JobNumber{*job});
-  if (auto allowed = services.state.check(Action::start_job); !allowed) {
+  if (auto allowed = services.state.check(Action::start_hologram_job); !allowed) {
     return reply(allowed.error());
   }
   start(services, run, reply);

@@ -139,7 +139,9 @@ KnownRegistration known_registration(const Services& /*services*/, const SensorS
 }
 
 Result<Json> register_camera(const Services& services, Bench& bench, const RegistrationRun& run) {
-  const auto found = measure_registration(bench, services.config.slm.geometry, run.frames);
+  const auto found = services.config.modulator == Modulator::fixed
+                         ? measure_array(bench, services.config, run.frames)
+                         : measure_registration(bench, services.config.slm.geometry, run.frames);
   if (!found) return fail(found.error());
   return use<known_registration>(services, bench, use_registration(*found));
 }
@@ -212,19 +214,19 @@ constexpr std::array kRows{
     row<kAberrationGet, get<aberration_of>>(Role::read, Action::read),
     row<kAberrationSet, introduce>(Role::control, Action::set_aberration),
     row<kAberrationClear, introduce_none>(Role::control, Action::set_aberration),
-    row<kCalibrationRun, run_calibration>(Role::control, Action::start_job),
+    row<kCalibrationRun, run_calibration>(Role::control, Action::start_hologram_job),
     row<kCalibrationGet, get<calibration_of>>(Role::read, Action::read),
     row<kCalibrationClear, clear<calibration_of, forget_calibration>>(Role::control,
                                                                       Action::clear_reference),
     row<kCorrectionGet, get<correction_of>>(Role::read, Action::read),
     row<kCorrectionSet, correct>(Role::control, Action::set_correction),
     row<kCorrectionClear, correct_nothing>(Role::control, Action::set_correction),
-    row<kFlatnessRun, run<kFlatnessRun, flatten>>(Role::control, Action::start_job),
+    row<kFlatnessRun, run<kFlatnessRun, flatten>>(Role::control, Action::start_hologram_job),
     row<kFlatnessGet, get<flatness_of>>(Role::read, Action::read),
     row<kFlatnessClear, clear<flatness_of, forget_flatness>>(Role::control,
                                                              Action::clear_reference),
-    row<kFocusRun, run<kFocusRun, focus>>(Role::control, Action::start_job),
-    row<kLutRun, run<kLutRun, linearise>>(Role::control, Action::start_job),
+    row<kFocusRun, run<kFocusRun, focus>>(Role::control, Action::start_hologram_job),
+    row<kLutRun, run<kLutRun, linearise>>(Role::control, Action::start_hologram_job),
     row<kLutGet, get<lut_of>>(Role::read, Action::read),
     row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Action::clear_reference),
     row<kRegistrationRun, run<kRegistrationRun, register_camera>>(Role::control, Action::start_job),
@@ -237,7 +239,7 @@ constexpr std::array kRows{
     row<kSlmPresent, present>(Role::control, Action::present),
     row<kSlmSet, set_slm>(Role::control, Action::reload_config),
     row<kSlmShow, show>(Role::control, Action::show_pattern),
-    row<kSlmSettle, run<kSlmSettle, settle>>(Role::control, Action::start_job),
+    row<kSlmSettle, run<kSlmSettle, settle>>(Role::control, Action::start_hologram_job),
     row<kSlmVerify, verify>(Role::read, Action::read),
 };
 

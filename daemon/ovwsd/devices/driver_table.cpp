@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "daemon/ovwsd/devices/no_display.hpp"
 #include "daemon/ovwsd/devices/sdl_config.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
 #include "drivers/aravis/aravis_camera.hpp"
@@ -39,9 +40,14 @@ Result<std::unique_ptr<Display>> open_sdl(const SlmConfig& config) {
   return open_sdl_display(sdl_config(config));
 }
 
+Result<std::unique_ptr<Display>> open_none(const SlmConfig& config) {
+  return std::make_unique<NoDisplay>(config.geometry.width_px, config.geometry.height_px);
+}
+
 constexpr std::array kCameras{Row<CameraConfig, Camera>{"aravis", open_aravis},
                               Row<CameraConfig, Camera>{"replay", open_replay}};
-constexpr std::array kDisplays{Row<SlmConfig, Display>{"sdl", open_sdl}};
+constexpr std::array kDisplays{Row<SlmConfig, Display>{"sdl", open_sdl},
+                               Row<SlmConfig, Display>{"none", open_none}};
 
 template <class Table>
 std::vector<std::string> names_of(const Table& table) {

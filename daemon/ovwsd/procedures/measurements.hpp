@@ -91,6 +91,9 @@ Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take);
 /// of the camera's whole sensor. Errc::refused: the spot is not found, or no affine map fits its
 /// positions.
 Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames);
+/// `registration.run` of a fixed array: finds its lenslets in the mean of `frames` images. Errors:
+/// those of find_lenslets; Errc::refused, field "camera": no lenslet in the pupil is lit.
+Result<Registration> measure_array(Bench& bench, const Config& config, int frames);
 
 /// `slm.settle`: measures the SLM's settle time. Moves one spot between two places, and records the
 /// intensity at each place in every frame, settled or not. Times count from the moment the display

@@ -205,6 +205,8 @@ SensorChange use_registration(Registration registration) {
   return [registration](SensorEdit& edit) -> Result<void> {
     const MeasuredRegistration measured{registration, camera_json(edit.knowledge.camera), ""};
     edit.state.registration = measured;
+    registration.array.use_in(edit.state.sensor);
+    if (edit.lease) registration.array.use_in(edit.lease->sensor);
     ++edit.state.sensor_epoch;  // previous spot positions are useless as start points
     edit.keep = [&kept = edit.bench.registrations, measured](Written done) {
       kept.keep(measured, {}, std::move(done));
@@ -221,11 +223,11 @@ SensorChange forget_registration() {
     edit.undo = [before = edit.state.registration](SensorEdit& now) -> Result<void> {
       if (now.state.registration || !before) return {};
       now.state.registration = before;
+      before->array.use_in(now.state.sensor);
       ++now.state.sensor_epoch;
       return {};
     };
-    edit.state.registration.reset();
-    ++edit.state.sensor_epoch;
+    drop_registration(edit.state, edit.bench.config.sensor);
     return {};
   };
 }

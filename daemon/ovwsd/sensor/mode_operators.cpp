@@ -17,7 +17,8 @@
 namespace ovws {
 
 std::vector<int> reconstructed_modes(const SensorConfig& sensor) {
-  std::vector<int> modes_j(std::size_t(optimal_mode_count(sensor.subapertures_across)));
+  const int modes = std::min(optimal_mode_count(sensor.subapertures_across), kMaxZernikeIndex);
+  std::vector<int> modes_j(static_cast<std::size_t>(modes));
   std::iota(modes_j.begin(), modes_j.end(), 1);
   return modes_j;
 }

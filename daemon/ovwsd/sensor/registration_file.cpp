@@ -38,6 +38,9 @@ Result<Registration> registration_from(const json& content) {
   for (const char* key : {"registered", "scale_px_per_cycle", "rotation_deg", "mirrored"}) {
     r.raw(key);
   }
+  if (r.has("array")) {
+    r.object("array", [&out](ObjectReader& inner) { detail::decode_fields(inner, out.array); });
+  }
   const json* const taken = r.raw("t_taken_ns");
   if (taken != nullptr && taken->is_number_integer()) out.t_taken_ns = taken->get<std::int64_t>();
   if (auto done = r.finish(); !done) return fail(done.error());

@@ -22,11 +22,22 @@ void apply(const SensorSet& change, SensorState& state) {
   state.tracking = changed.tracking;
 }
 
+/// Lenslets are hardware: neither can a request change an array, nor make one of an SLM.
+Result<void> check_lenslets(const SensorConfig& before, const SensorConfig& now) {
+  const bool stays = before.lenslets.empty() ? now.lenslets.empty() : now == before;
+  if (stays) return {};
+  return fail(Errc::refused, "",
+              "lenslets are fixed: change `modulator`, `array` and `sensor` in the configuration "
+              "file and restart the daemon; registration.run finds the array in the image");
+}
+
 }  // namespace
 
 SensorChange set_sensor(SensorSet change) {
   return [change = std::move(change)](SensorEdit& edit) -> Result<void> {
+    const SensorConfig before = edit.state.sensor;
     apply(change, edit.state);
+    if (auto fixed = check_lenslets(before, edit.state.sensor); !fixed) return fixed;
     if (auto there = check_operator(change, edit); !there) return there;
     if (auto fast = check_daemon_tracker(edit.state.tracking); !fast) return fast;
     return check_spots(edit.state, edit.bench.optics);

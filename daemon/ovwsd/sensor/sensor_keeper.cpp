@@ -57,9 +57,12 @@ Result<void> SensorKeeper::begin() {
   const auto flatness = newest(bench_.flatnesses.load());
   state.slm = active_slm(bench_.config, bench_.hologram, lut, flatness);
   bench_.origins.use_slm(*state.slm);
+  if (const auto kept = newest(bench_.registrations.load())) {
+    state.registration = *kept;
+    kept->array.use_in(state.sensor);
+  }
   if (auto made = renew_renderer(state); !made) return made;
   add_references(edit.knowledge, bench_.references.load());
-  if (const auto kept = newest(bench_.registrations.load())) state.registration = *kept;
   add_calibrations(edit.knowledge, bench_.calibrations.load());
   bench_.hologram_id = next_hologram_id_++;
   const auto planned = [&] {
@@ -71,7 +74,8 @@ Result<void> SensorKeeper::begin() {
                       "the stored registration is not used: " + plan.error().reason +
                           "; restore the settings, or run registration.run again",
                       {{"used", false}});
-    state.registration.reset();
+    drop_registration(state, bench_.config.sensor);
+    if (auto made = renew_renderer(state); !made) return made;
     plan = planned();
   }
   if (!plan) return fail(plan.error());
@@ -200,8 +204,7 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
         "registration", Severity::warning,
         "the registration is not used: it was measured with another camera; run registration.run",
         {{"t_taken_ns", state.registration->t_taken_ns}, {"used", false}});
-    state.registration.reset();
-    ++state.sensor_epoch;
+    drop_registration(state, bench_.config.sensor);
   }
   const auto& flatness = state.slm->flatness;
   if (flatness && is_other(flatness->origin.value("camera", nlohmann::json()))) {

@@ -32,6 +32,12 @@ std::shared_ptr<const Image<std::uint8_t>> hologram_of(const SensorState& state)
   return grey;
 }
 
+void drop_registration(SensorState& state, const SensorConfig& configured) {
+  if (state.registration && !state.registration->array.empty()) state.sensor = configured;
+  state.registration.reset();
+  ++state.sensor_epoch;
+}
+
 std::optional<Registration> registration_of(const SensorState& state, const BenchOptics& bench) {
   if (!state.registration) return std::nullopt;
   return rebased(*state.registration, base_grating_cpp(state.sensor, bench.slm));

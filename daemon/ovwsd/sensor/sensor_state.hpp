@@ -51,6 +51,9 @@ bool same_hologram(const SensorState& a, const SensorState& b);
 /// Grey levels of the state's hologram: the job's image, or rendered now.
 std::shared_ptr<const Image<std::uint8_t>> hologram_of(const SensorState& state);
 
+/// Stops using the registration. The lenslets that it found are replaced by the `configured` ones.
+void drop_registration(SensorState& state, const SensorConfig& configured);
+
 /// The registration, converted from the base grating of its measurement to the current base
 /// grating.
 std::optional<Registration> registration_of(const SensorState& state, const BenchOptics& bench);

@@ -137,6 +137,7 @@ bool contains_zeroth_order(Vec2 region, const SpotBench& bench) {
 }
 
 Result<void> check_zeroth_order(const SpotBench& bench) {
+  if (!bench.sensor.lenslets.empty()) return {};  // lenslets fill the pupil
   const double margin_px = lambda_d_px(bench.optics, bench.slm, bench.sensor);
   const Vec2 base = base_spot_px(bench.optics, bench.roi.width, bench.roi.height);
   const Vec2 at = base - zeroth_order_px(bench);
@@ -199,6 +200,7 @@ Result<void> check_mode_count(const SpotBench& bench) {
     return fail(Errc::invalid, "tracking.mode_count", reason);
   };
   const bool by_shapes = tracking.tracker == TrackerKind::fit;
+  if (requested < by_positions && (!by_shapes || !bench.sensor.lenslets.empty())) return {};
   if (requested < by_positions || !by_shapes) {
     return refuse(fmt::format("positions of these spots determine {} modes: set null{}",
                               by_positions, by_shapes ? ", or more" : ", or use the tracker fit"));

@@ -55,7 +55,7 @@ Config config_in_use(const Config& started, const LoadedConfig& loaded, const Ca
   now.camera.id = of_camera.id;
   now.camera.settings = of_camera.settings;
   use_settings(now.slm, slm.snapshot().settings);
-  now.sensor = sensor->sensor;
+  if (started.sensor.lenslets.empty()) now.sensor = sensor->sensor;
   now.tracking = sensor->tracking;
   now.refine = in_format(refiner.settings(), now.camera.settings.pixel_format);
   return now;

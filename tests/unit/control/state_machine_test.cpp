@@ -126,11 +126,12 @@ TEST(StateMachine, AnEventChangesOneConditionAndRepeatingItChangesNothing) {
   for (const Conditions& conditions : all_conditions()) {
     for (std::size_t e = 0; e < kEventCount; ++e) {
       const Conditions once = after(conditions, kEvents[e]);
-      const int changed =
-          (once.started != conditions.started) + (once.camera != conditions.camera) +
-          (once.display != conditions.display) + (once.job != conditions.job) +
-          (once.measuring != conditions.measuring) + (once.loop != conditions.loop) +
-          (once.fault != conditions.fault) + (once.stopping != conditions.stopping);
+      const int changed = (once.started != conditions.started) +
+                          (once.camera != conditions.camera) +
+                          (once.display != conditions.display) + (once.job != conditions.job) +
+                          (once.measuring != conditions.measuring) +
+                          (once.loop != conditions.loop) + (once.fixed != conditions.fixed) +
+                          (once.fault != conditions.fault) + (once.stopping != conditions.stopping);
       EXPECT_LE(changed, 1);
       EXPECT_EQ(after(once, kEvents[e]), once);
     }
@@ -158,22 +159,22 @@ TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
   // Rows as DaemonState, columns as Action: read, set_camera, set_sensor, set_aberration,
   // show_pattern, start_job, clear_reference, cancel_job, save_config, set_refine, close_loop,
   // open_loop, set_correction, reload_config, record, watch,
-  // present, grab.
+  // present, grab, start_hologram_job.
   constexpr bool kAllowed[kStateCount][kActionCount] = {
       {true, false, false, false, false, false, false, false, false, false, false, false, false,
-       false, false, false, false, false},  // stopping
+       false, false, false, false, false, false},  // stopping
       {true, false, false, false, false, false, false, false, false, false, false, false, false,
-       false, false, false, false, false},  // starting
+       false, false, false, false, false, false},  // starting
       {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false, true, true},  // fault
+       true, false, true, true, false},  // fault
       {true, true, true, true, true, false, true, true, true, true, false, true, true, true, true,
-       false, true, false},  // waiting_for_camera
+       false, true, false, false},  // waiting_for_camera
       {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false, true, true},  // waiting_for_display
+       true, false, true, true, false},  // waiting_for_display
       {true, false, false, false, false, false, false, true, false, true, false, true, false, false,
-       true, false, true, true},  // job_running
+       true, false, true, true, false},  // job_running
       {true, true, true, true, true, true, true, true, true, true, true, true, true, true, true,
-       true, true, true},  // running
+       true, true, true, true},  // running
   };
   for (std::size_t s = 0; s < kStateCount; ++s) {
     for (std::size_t a = 0; a < kActionCount; ++a) {
@@ -193,6 +194,21 @@ TEST(StateMachine, ARefusalNamesTheObstacleAndTheWayOut) {
       EXPECT_NE(answer.error().reason.find("; "), std::string::npos) << answer.error().reason;
       EXPECT_TRUE(answer.error().code == Errc::refused || answer.error().code == Errc::unavailable);
     }
+  }
+}
+
+TEST(StateMachine, AFixedArrayShowsNoHologramAndMeasures) {
+  Conditions conditions = up();
+  conditions.fixed = true;
+  EXPECT_EQ(state_of(conditions), DaemonState::running);
+  for (const Action action :
+       {Action::set_aberration, Action::show_pattern, Action::close_loop, Action::set_correction,
+        Action::present, Action::start_hologram_job}) {
+    EXPECT_FALSE(permit(conditions, action));
+  }
+  for (const Action action : {Action::start_job, Action::set_sensor, Action::clear_reference,
+                              Action::record, Action::grab, Action::set_camera}) {
+    EXPECT_TRUE(permit(conditions, action));
   }
 }
 

@@ -1,0 +1,133 @@
+"""A fixed array of lenslets: found in one image, referenced, known modes read back, without a display."""
+import math
+import unittest
+
+from case import BenchCase, Stream, main, merged, wait_for
+
+# A small part of a usual array: 13 x 11 lenslets of 150 um and 5.2 mm focal length on pixels of 5.3 um.
+OPTICS = {"wavelength_nm": 632.0, "focal_length_mm": 5.2, "camera_pitch_um": 5.3}
+TWIN = {"modulator": "fixed", "noise": "pool", "camera": {"sensor_width": 480, "sensor_height": 400, "rotation_deg": 0.8},
+        "optics": OPTICS | {"centre_px": [241.3, 203.8]}, "sensor": {"charge": 0},
+        "array": {"pitch_um": 150.0, "columns": 13, "rows": 11, "pupil_mm": 1.65}, "light": {"peak_electrons": 6000}}  # saturates bright spots at 2000 us, which registration.run must bear
+DAEMON = {"modulator": "fixed", "camera": {"exposure_us": 2000.0, "roi": {"width": 480, "height": 400}}, "optics": OPTICS,
+          "sensor": {"charge": 0, "grid": "square"}, "array": {"pitch_um": 150.0, "pupil_mm": 1.65}, "tracking": {"tracker": "lg"}, "state": {"directory": "state"}}
+
+
+def turned(modes, degrees):
+    """The twin's modes turn with its array, the daemon's are along the camera's axes: pairs (n, -m), (n, m) turn by m times the angle."""
+    seen = dict(modes)
+    for minus, plus, m in ((3, 5, 2), (7, 8, 1)):
+        angle = math.radians(m * degrees)
+        sine, cosine = modes.get(minus, 0.0), modes.get(plus, 0.0)
+        seen[minus] = sine * math.cos(angle) + cosine * math.sin(angle)
+        seen[plus] = cosine * math.cos(angle) - sine * math.sin(angle)
+    return seen
+
+
+class Array(BenchCase):
+    twin_config = TWIN
+    daemon_config = DAEMON
+    exposure_us = 500.0
+
+    def start(self):
+        self.start_twin()
+        self.start_daemon()
+        self.wait_until("running")
+
+    def hide(self, *modes):
+        self.twin.call("twin.set", {"aberration": list(modes), "norm": "rms"})
+
+    def mean_modes(self, stream, frames=20):
+        """Mean coefficient of each mode over the next frames that begin after a short while."""
+        self.settled_frames(stream, 5)
+        taken = self.settled_frames(stream, frames)
+        return {j: sum(frame["coefficients"][k] for frame in taken) / frames for k, j in enumerate(taken[0]["j"])}
+
+    def start_twin(self, **more):
+        from ovws_client import Client
+        twin = super().start_twin(**more)
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+        return twin
+
+    def read_back(self):
+        """Finds the array, takes a reference, and compares known modes with what is measured, within 2 %."""
+        found = self.run_job("registration.run", {"frames": 10})["result"]
+        array = found["array"]
+        self.assertAlmostEqual(array["magnification"], 1.0, delta=0.002)
+        self.assertAlmostEqual(array["lenslets"]["rotation_deg"], 0.8, delta=0.05)
+        self.assertAlmostEqual(found["base_px"][0], 241.3, delta=1.0)
+        self.assertAlmostEqual(found["base_px"][1], 203.8, delta=1.0)
+        self.assertEqual(array["lit"], 13 * 11)
+        self.call("camera.set", {"exposure_us": self.exposure_us})
+        self.take_reference(30)
+        stream = self.stream("wavefront")
+        known = {4: 0.25, 5: -0.15, 3: 0.1, 8: 0.05}
+        self.hide(*({"j": j, "waves": waves} for j, waves in known.items()))
+        modes = self.mean_modes(stream)
+        seen = turned(known, 0.8)
+        for j, waves in seen.items():
+            self.assertAlmostEqual(modes[j], waves, delta=0.02 * abs(waves) + 0.001, msg=f"j = {j}: {modes}")
+        for j, waves in modes.items():
+            if j not in seen:
+                self.assertLess(abs(waves), 0.01 if j <= 2 else 0.003, f"j = {j}")  # coma inside a lenslet moves its spot, too
+        self.hide()
+        modes = self.mean_modes(stream)
+        self.assertLess(math.sqrt(sum(waves * waves for waves in modes.values())), 0.004)
+
+    def test_bright_spots_read_known_modes_back(self):
+        self.read_back()
+        sensor = self.call("sensor.get")
+        self.assertEqual(sensor["subapertures"], 81)
+        self.refused("sensor.set", {"charge": 1})
+        for method, params in (("aberration.set", {"modes": [{"j": 4, "waves": 0.1}]}), ("loop.close", {}), ("lut.run", {}),
+                               ("slm.show", {"pattern": "flat"}), ("calibration.run", {})):
+            self.assertIn("lenslets", str(self.refused(method, params)), method)
+
+    def test_stays_over_a_restart(self):
+        self.read_back()
+        before = self.call("registration.get")
+        reference = self.call("reference.get")
+        self.bench.stop("ovwsd")
+        self.start_daemon()
+        self.wait_until("running")
+        self.assertEqual(self.call("registration.get"), before)
+        self.assertEqual(self.call("reference.get")["positions_px"], reference["positions_px"])
+        self.settled_frames(self.stream("wavefront"), 5)
+        self.call("registration.clear")
+        self.assertFalse(self.call("reference.get")["taken"])
+
+    def test_wrong_arrays_are_refused(self):
+        self.twin.call("twin.set", {"peak_electrons": 1.0})
+        self.fails("registration.run", "camera")
+        self.twin.call("twin.set", {"peak_electrons": 6000.0})
+        self.bench.stop("ovwsd")
+        self.start_daemon(array={"pitch_um": 130.0})
+        self.wait_until("running")
+        self.fails("registration.run", "array.pitch_um")
+        self.bench.stop("ovwsd")
+        self.start_daemon(sensor={"grid": "hexagonal"})
+        self.wait_until("running")
+        self.fails("registration.run", "sensor.grid")
+
+    def fails(self, method, field):
+        job = self.call(method, {})["job"]
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 30.0, method)
+        self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", field), ended)
+
+
+class Vortices(Array):
+    """The same with spiral plates of 16 steps, 5 % too deep and 3 um beside the lenslets' centres."""
+    twin_config = merged(TWIN, {"sensor": {"charge": 1}, "array": {"plate": {"levels": 16, "depth": 1.05, "shift_um": [3.0, 0.0]}}})
+    daemon_config = merged(DAEMON, {"sensor": {"charge": 1}})
+    exposure_us = 1400.0
+    test_bright_spots_read_known_modes_back = None
+    test_stays_over_a_restart = None
+    test_wrong_arrays_are_refused = None
+
+    def test_vortices_read_known_modes_back(self):
+        self.read_back()
+
+
+if __name__ == "__main__":
+    main()
