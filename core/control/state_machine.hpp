@@ -42,6 +42,7 @@ enum class Action : std::uint8_t {
   watch,    ///< a job that only watches frames
   present,  ///< a client's picture; the procedure thread checks for other jobs
   grab,
+  set_corrector,
   count,
 };
 
@@ -129,6 +130,7 @@ constexpr Table<Action, ActionRow> kActions{{
     {{true, true, true, true, true, false, false}},     // watch
     {{true, true, false, false, false, false, true}},   // present
     {{true, true, true, false, false, false, false}},   // grab
+    {{true, true, false, false, false, false, false}},  // set_corrector
 }};
 
 }  // namespace control

@@ -158,22 +158,22 @@ TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
   // Rows as DaemonState, columns as Action: read, set_camera, set_sensor, set_aberration,
   // show_pattern, start_job, clear_reference, cancel_job, save_config, set_refine, close_loop,
   // open_loop, set_correction, reload_config, record, watch,
-  // present, grab.
+  // present, grab, set_corrector.
   constexpr bool kAllowed[kStateCount][kActionCount] = {
       {true, false, false, false, false, false, false, false, false, false, false, false, false,
-       false, false, false, false, false},  // stopping
+       false, false, false, false, false, false},  // stopping
       {true, false, false, false, false, false, false, false, false, false, false, false, false,
-       false, false, false, false, false},  // starting
+       false, false, false, false, false, false},  // starting
       {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false, true, true},  // fault
+       true, false, true, true, true},  // fault
       {true, true, true, true, true, false, true, true, true, true, false, true, true, true, true,
-       false, true, false},  // waiting_for_camera
+       false, true, false, true},  // waiting_for_camera
       {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false, true, true},  // waiting_for_display
+       true, false, true, true, true},  // waiting_for_display
       {true, false, false, false, false, false, false, true, false, true, false, true, false, false,
-       true, false, true, true},  // job_running
+       true, false, true, true, true},  // job_running
       {true, true, true, true, true, true, true, true, true, true, true, true, true, true, true,
-       true, true, true},  // running
+       true, true, true, true},  // running
   };
   for (std::size_t s = 0; s < kStateCount; ++s) {
     for (std::size_t a = 0; a < kActionCount; ++a) {
