@@ -388,11 +388,13 @@ json any_value(std::mt19937& random) {
   return values[random() % values.size()];
 }
 
+/// Params with random values for up to two of `keys`, and for the others those of `given`.
 template <class P>
-void print_params(const char* method, const std::vector<std::string>& keys, int trials = 1000) {
+void print_params(const char* method, const std::vector<std::string>& keys, int trials = 1000,
+                  const json& given = json::object()) {
   std::mt19937 random(7);
   for (int k = 0; k < trials; ++k) {
-    json params = json::object();
+    json params = given;
     for (int n = int(random() % 3); n > 0; --n) {
       params[keys[random() % keys.size()]] = any_value(random);
     }
@@ -435,8 +437,9 @@ void print_all_params() {
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});
   print_params<ReferenceSet>("reference.set", {"source"}, 3000);
   print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});
-  print_params<CalibrationSet>("calibration.set",
-                               {"shape", "modes", "amplitude_waves", "frames", "mode"}, 3000);
+  print_params<CalibrationSet>(
+      "calibration.set", {"shape", "modes", "amplitude_waves", "frames", "mode"}, 1000,
+      {{"shape", {2, 38, 2}}, {"modes", {3, 4}}, {"amplitude_waves", 0.1}, {"frames", 20}});
   print_params<CorrectorSet>("corrector.set", {"shape", "shapes"}, 3000);
   print_params<GainSweepRun>(
       "experiment.gain_sweep",
