@@ -45,12 +45,10 @@ const Turbulence& Methods::turbulence(const TurbulenceConfig& config) {
 }
 
 void Methods::add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns, Json& result) {
-  if (!judge_) judge_ = std::make_unique<Judge>(config_);
   deps_.screen.catch_up(std::chrono::steady_clock::now() + kDisplayTime, {});
   const auto shown = deps_.bench.shown();
-  const auto verdict =
-      judge_->judge(pattern, *shown, truth.aberration,
-                    truth.turbulence ? &turbulence(*truth.turbulence) : nullptr, t_ns);
+  const auto verdict = judge_->judge(
+      pattern, *shown, truth, truth.turbulence ? &turbulence(*truth.turbulence) : nullptr, t_ns);
   result["wavefront"] = json_of(verdict);
   result["wavefront"]["pattern"] = kPatterns[std::size_t(pattern)];
   result["wavefront"]["t_ns"] = t_ns;
@@ -65,20 +63,24 @@ RpcAnswer Methods::get(const Json& params) {
   int pattern = 0;
   read_moment(reader, t_ns);
   reader.choice("judge", pattern, kPatterns);
+  if (reader.has("judge") && !judge_) judge_ = deps_.bench.optics().make_judge();
+  if (reader.has("judge") && !judge_) {
+    reader.fault("judge", "a fixed array has no SLM whose image could be judged; leave it out");
+  }
   if (auto done = reader.finish(); !done) return failed(done.error());
   const Truth truth = deps_.bench.truth();
   const CameraStatus camera = deps_.camera.status();
   const BenchStatus bench = deps_.bench.status();
   const ScreenStatus screen = deps_.screen.status();
 
-  Json result = json_of(config_, truth);
+  Json result = json_of(deps_.bench.optics(), truth);
   if (truth.turbulence) {
     result["turbulence"]["t_ns"] = t_ns;
     result["turbulence"]["modes"] = turbulence(*truth.turbulence).modes(t_ns);
   }
   result["sent"] = json_of(deps_.bench.frame_truths());
   Json spots = Json::array();
-  for (const Vec2& spot : true_spots_px(config_, truth)) {
+  for (const Vec2& spot : deps_.bench.optics().true_spots_px(truth)) {
     spots.push_back({{"i", spots.size()},
                      {"x", spot.x - camera.settings.roi.x},
                      {"y", spot.y - camera.settings.roi.y}});
@@ -116,9 +118,10 @@ RpcAnswer Methods::set(const Json& params) {
     reader.fault("photons", "give either photons or peak_electrons, not both");
   }
   if (auto done = reader.finish(); !done) return failed(done.error());
-  if (reader.has("photons")) truth.peak_electrons = peak_electrons_for(config_, truth, photons);
+  if (reader.has("photons"))
+    truth.peak_electrons = deps_.bench.optics().peak_electrons_for(truth, photons);
   deps_.bench.set_truth(truth);
-  const Json now = json_of(config_, truth);
+  const Json now = json_of(deps_.bench.optics(), truth);
   Json applied = Json::object();
   for (const auto& [key, value] : params.items()) applied[key] = now.at(key);
   return Json{{"requested", params}, {"applied", std::move(applied)}};

@@ -123,7 +123,7 @@ Json json_of(const FrameTally& tally, const FrameCounts& frames) {
           {"reused", frames.reused}};
 }
 
-Json json_of(const Config& config, const Truth& truth) {
+Json json_of(const OpticalModel& optics, const Truth& truth) {
   const DetectorConfig& d = truth.detector;
   return {{"aberration", json_of(truth.aberration)},
           {"norm", "rms"},
@@ -131,7 +131,7 @@ Json json_of(const Config& config, const Truth& truth) {
           {"peak_electrons", truth.peak_electrons},
           {"geometry", json_of(truth.geometry)},
           {"turbulence", json_of(truth.turbulence)},
-          {"photons", photons_per_spot(config, truth)},
+          {"photons", optics.photons_per_spot(truth)},
           {"quantum_efficiency", d.quantum_efficiency},
           {"prnu", d.prnu},
           {"shot_noise", d.shot_noise},

@@ -95,14 +95,14 @@ SlmModel::SlmModel(const Config& config)
   if (config.light.shape == LightShape::gaussian) {
     amplitude_ = make_gaussian_beam(config.slm.geometry, config.light.diameter_px);
   }
-  set_aberration(config.truth.aberration, config.truth.shades);
+  set_light(config.truth);
 }
 
-void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades) {
+void SlmModel::set_light(const Light& light) {
   const int width = incident_.width, height = incident_.height;
   const Vec2 centre{(width - 1) / 2.0, (height - 1) / 2.0};
   const double diameter = config_.sensor.pupil_diameter_px;
-  const WavefrontRows wavefront(modes, centre, diameter);
+  const WavefrontRows wavefront(light.aberration, centre, diameter);
   const std::vector<std::complex<float>>& phasors = unit_phasors();
   std::vector<double> waves(std::size_t(width), 0.0);
   for (int y = 0; y < height; ++y) {
@@ -116,7 +116,7 @@ void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade
       if (amplitude_.width > 0) row[x] *= amplitude_.at(x, y);
     }
   }
-  for (const Shade& shade : shades) dim(incident_, shade);
+  for (const Shade& shade : light.shades) dim(incident_, shade);
 }
 
 void SlmModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {

@@ -4,10 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <complex>
-#include <span>
 
 #include "core/base/image.hpp"
-#include "core/optics/zernike.hpp"
 #include "drivers/twin/turbulence.hpp"
 #include "drivers/twin/twin_config.hpp"
 
@@ -21,9 +19,8 @@ class SlmModel {
  public:
   explicit SlmModel(const Config& config);
 
-  /// Sets the aberration of the light on the SLM and the shades in front of it. The aberration acts
-  /// inside the sensor's pupil and is 0 outside.
-  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {});
+  /// Sets the light on the SLM. The aberration acts inside the sensor's pupil and is 0 outside.
+  void set_light(const Light& light);
 
   /// Sets the turbulence at time `t_ns` (UTC), which is added to the aberration; null: none.
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);

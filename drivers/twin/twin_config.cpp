@@ -1,11 +1,9 @@
 #include "drivers/twin/twin_config.hpp"
 
 #include <fstream>
-#include <numbers>
 #include <sstream>
 
 #include "core/optics/lattice.hpp"
-#include "drivers/twin/camera_map.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 #include "proto/requests.hpp"
@@ -74,6 +72,10 @@ void read(ObjectReader& r, LightConfig& light, Truth& truth) {
 }
 
 void read(ObjectReader& r, Config& c) {
+  int modulator = int(c.modulator);
+  r.choice("modulator", modulator, {"slm", "fixed"});
+  c.modulator = Modulator(modulator);
+  r.object("array", [&](ObjectReader& in) { read_array(in, c.array); });
   r.object("camera", [&](ObjectReader& in) { read(in, c.camera, c.truth.geometry); });
   r.object("slm", [&](ObjectReader& in) { read(in, c.slm); });
   r.object("optics", [&](ObjectReader& in) { read(in, c.optics, c.truth.geometry); });
@@ -85,16 +87,6 @@ void read(ObjectReader& r, Config& c) {
   read_shades(r, c.truth);
   read_noise(r, c.truth);
   read_turbulence(r, c.truth.turbulence);
-}
-
-/// Photons in a whole charge-1 spot per photon in its brightest pixel (ideal optics).
-double photons_per_peak_photon(const Config& config, const Truth& truth) {
-  // For an aperture of A pixels, |F|max = kVortexPeak A. The integral of |F|^2 over one period of
-  // the frequencies is A (Parseval). A camera pixel spans 1 / S cycles per SLM pixel.
-  const double radius = config.sensor.pupil_diameter_px / config.sensor.subapertures_across / 2;
-  const double area = std::numbers::pi * radius * radius;
-  const double scale = camera_map(config, truth.geometry).scale;
-  return scale * scale / (kVortexPeak * kVortexPeak * area);
 }
 
 }  // namespace
@@ -191,15 +183,6 @@ const std::vector<std::string>& mirror_names() {
   return names;
 }
 
-double photons_per_spot(const Config& config, const Truth& truth) {
-  return truth.peak_electrons / truth.detector.quantum_efficiency *
-         photons_per_peak_photon(config, truth);
-}
-
-double peak_electrons_for(const Config& config, const Truth& truth, double photons) {
-  return photons * truth.detector.quantum_efficiency / photons_per_peak_photon(config, truth);
-}
-
 Result<Config> parse_config(const std::string& json_text) {
   const auto json = parse_strict_json(json_text, kMaxConfigDepth, JsonComments::allowed);
   if (!json) return fail(Errc::invalid, "", json.error().reason);
@@ -207,7 +190,13 @@ Result<Config> parse_config(const std::string& json_text) {
   ObjectReader reader(*json, "");
   read(reader, config);
   if (auto done = reader.finish(); !done) return fail(done.error());
-  if (auto lattice = make_lattice(config.sensor, config.slm.geometry); !lattice) {
+  if (config.modulator == Modulator::fixed) {
+    config.slm.display.clear();
+    if (auto done = check_array(config.array, config.optics, config.truth.geometry.magnification);
+        !done) {
+      return fail(done.error());
+    }
+  } else if (auto lattice = make_lattice(config.sensor, config.slm.geometry); !lattice) {
     return fail(lattice.error());
   }
   return config;

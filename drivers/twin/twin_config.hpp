@@ -10,6 +10,7 @@
 #include "core/optics/detector.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/zernike.hpp"
+#include "drivers/twin/array_config.hpp"
 #include "drivers/twin/turbulence.hpp"
 #include "proto/reader.hpp"
 
@@ -26,7 +27,7 @@ struct CameraConfig {
 /// 2 pi depth_waves (g / 256)^gamma plus the flatness error of the surface. With a negative
 /// depth_waves the phase falls.
 struct SlmConfig {
-  std::string display = "DUMMY1";  ///< output name on the X server
+  std::string display = "DUMMY1";  ///< output name on the X server; empty: none, the SLM is off
   SlmGeometry geometry;            ///< keys width, height, pitch_um
   double gamma = 1.0;
   double depth_waves = 1.0;
@@ -70,11 +71,17 @@ enum class Noise {
   none,   ///< no noise: the mean image, quantised
 };
 
-/// Ground truth: bench parameters that can change while the twin runs and that only it knows.
-struct Truth {
-  /// Aberration of the light on the SLM, as Zernike modes over the sensor's pupil.
+/// The light in front of the sensor, except for turbulence.
+struct Light {
+  /// Aberration of the light on the sensor, as Zernike modes over its pupil.
   std::vector<Mode> aberration;
   std::vector<Shade> shades;
+
+  friend bool operator==(const Light&, const Light&) = default;
+};
+
+/// Ground truth: bench parameters that can change while the twin runs and that only it knows.
+struct Truth : Light {
   /// Laser power, as electrons in the brightest pixel of an ideal charge-1 spot after
   /// kReferenceExposureUs. At equal power the peak of a charge-0 spot is 3.9 times higher.
   /// Interference with neighbouring spots raises a charge-1 peak by a factor of 1.2 to 1.4.
@@ -87,8 +94,13 @@ struct Truth {
   Noise noise = Noise::fresh;
 };
 
+/// What makes the spots: the SLM behind a lens, or a fixed array of lenslets.
+enum class Modulator { slm, fixed };
+
 struct Config {
+  Modulator modulator = Modulator::slm;
   CameraConfig camera;
+  ArrayConfig array;  ///< Modulator::fixed only; slm and most of sensor are then not used
   SlmConfig slm;
   OpticsConfig optics;  ///< truth.geometry replaces its magnification and centre_px
   SensorConfig sensor;  ///< sensor of the expected hologram: pupil and spot positions
@@ -120,10 +132,5 @@ void read_noise(ObjectReader& reader, Truth& truth);
 void read_turbulence(ObjectReader& reader, std::optional<TurbulenceConfig>& turbulence);
 /// Reads the object `geometry` of twin.set; missing keys keep their values.
 void read_geometry(ObjectReader& reader, CameraGeometry& geometry);
-
-/// Mean photons that reach the camera from one subaperture in kReferenceExposureUs.
-/// peak_electrons_for is the inverse: the peak_electrons for this number of photons.
-double photons_per_spot(const Config& config, const Truth& truth);
-double peak_electrons_for(const Config& config, const Truth& truth, double photons);
 
 }  // namespace ovws::twin
