@@ -30,6 +30,13 @@ PhaseGrid grid_of(const ArrayConfig& array) {
 ArrayModel::ArrayModel(const Config& config) : config_(config), grid_(grid_of(config.array)) {
   light_ = config.truth;
   aberration_waves_ = sample(light_.aberration);
+  if (config.mirror) mirror_.emplace(*config.mirror, pupil_line(), pupil_line());
+  if (mirror_) mirror_waves_ = mirror_->waves(light_.mirror_waves);
+}
+
+PupilLine ArrayModel::pupil_line() const {
+  const double radius = pupil_um(config_.array) / 2;
+  return {grid_.first_um() / radius, grid_.step_um / radius, grid_.points};
 }
 
 CameraMap ArrayModel::map(const CameraGeometry& geometry) const {
@@ -50,16 +57,20 @@ Eigen::MatrixXf ArrayModel::sample(const std::vector<Mode>& modes) const {
 
 void ArrayModel::set_light(const Light& light) {
   if (light.aberration != light_.aberration) aberration_waves_ = sample(light.aberration);
-  if (light.shades != light_.shades) fields_.reset();
+  if (mirror_ && light.mirror_waves != light_.mirror_waves) {
+    mirror_waves_ = mirror_->waves(light.mirror_waves);
+  }
+  if (light.shades != light_.shades || light.scintillation != light_.scintillation) {
+    fields_.reset();
+  }
   light_ = light;
 }
 
 void ArrayModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {
   turbulence_waves_.resize(0, 0);
   if (turbulence == nullptr) return;
-  const double radius = pupil_um(config_.array) / 2, first = grid_.first_um() / radius;
-  turbulence_waves_ =
-      turbulence->sample({first, first}, grid_.step_um / radius, grid_.points, t_ns);
+  const PupilLine line = pupil_line();
+  turbulence_waves_ = turbulence->sample({line.first, line.first}, line.step, line.count, t_ns);
 }
 
 void ArrayModel::set_window(const Roi& window, const CameraGeometry& geometry) {
@@ -87,11 +98,19 @@ float ArrayModel::amplitude(Vec2 at_um) const {
 
 Image<float> ArrayModel::intensity(const Image<std::uint8_t>&) {
   if (!fields_) {
-    fields_.emplace(config_, map(geometry_), *window_, grid_,
-                    [this](Vec2 at_um) { return amplitude(at_um); });
+    Eigen::MatrixXf screen;
+    if (light_.scintillation) {
+      screen = amplitude_screen(*light_.scintillation, pupil_line(), pupil_line());
+    }
+    fields_.emplace(
+        config_, map(geometry_), *window_, grid_, [this](Vec2 at_um) { return amplitude(at_um); },
+        screen);
   }
-  if (turbulence_waves_.size() == 0) return fields_->intensity(aberration_waves_);
-  return fields_->intensity(aberration_waves_ + turbulence_waves_);
+  Eigen::MatrixXf waves = aberration_waves_;
+  for (const Eigen::MatrixXf* added : {&mirror_waves_, &turbulence_waves_}) {
+    if (added->size() > 0) waves += *added;
+  }
+  return fields_->intensity(waves);
 }
 
 std::vector<Vec2> ArrayModel::true_spots_px(const Truth& truth) const {

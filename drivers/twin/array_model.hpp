@@ -38,6 +38,7 @@ class ArrayModel : public OpticalModel {
  private:
   float beam_amplitude(Vec2 at_um) const;
   float amplitude(Vec2 at_um) const;
+  PupilLine pupil_line() const;  ///< of the grid, along x or y
   Eigen::MatrixXf sample(const std::vector<Mode>& modes) const;
 
   const Config config_;
@@ -45,7 +46,9 @@ class ArrayModel : public OpticalModel {
   Light light_;
   std::optional<Roi> window_;
   CameraGeometry geometry_;
+  std::optional<DeformableMirror> mirror_;
   Eigen::MatrixXf aberration_waves_;
+  Eigen::MatrixXf mirror_waves_;         ///< empty: no mirror
   Eigen::MatrixXf turbulence_waves_;     ///< empty: none
   std::optional<LensletFields> fields_;  ///< none: amplitude, window or geometry have changed
 };

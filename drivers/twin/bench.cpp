@@ -69,6 +69,13 @@ void Bench::set_truth(const Truth& truth) {
   ordered_ = state_.number;
 }
 
+void Bench::set_mirror(const std::vector<double>& waves) {
+  const std::lock_guard lock(mutex_);
+  state_.truth.mirror_waves = waves;
+  note_change();
+  ordered_ = state_.number;
+}
+
 std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns, std::int64_t period_ns) {
   const std::lock_guard lock(mutex_);
   show_due_images();
@@ -169,7 +176,8 @@ bool Bench::update_turbulence(const State& now) {
 }
 
 std::shared_ptr<const Scene> Bench::compute(const State& now) {
-  const bool light_changed = !(Light(now.truth) == Light(last_.truth));
+  const bool light_changed =
+      static_cast<const Light&>(now.truth) != static_cast<const Light&>(last_.truth);
   const bool window_changed =
       now.window != last_.window || now.truth.geometry != last_.truth.geometry;
   if (light_changed) model_->set_light(now.truth);

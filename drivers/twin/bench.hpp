@@ -68,6 +68,7 @@ class Bench {
   Truth truth() const;
   std::shared_ptr<const Image<std::uint8_t>> shown() const;  ///< newest SLM image, settled or not
   void set_truth(const Truth& truth);
+  void set_mirror(const std::vector<double>& waves);  ///< sets Light::mirror_waves only
 
   /// Begins a frame of this window of the sensor at `t_ns` UTC. Returns the number of the current
   /// state; with turbulence every moment is a new state. `period_ns`: time from frame to frame. If

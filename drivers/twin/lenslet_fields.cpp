@@ -37,7 +37,8 @@ double sinc(double x) {
 }  // namespace
 
 LensletFields::LensletFields(const Config& config, const CameraMap& map, const Roi& window,
-                             const PhaseGrid& grid, const Amplitude& amplitude)
+                             const PhaseGrid& grid, const Amplitude& amplitude,
+                             const Eigen::MatrixXf& screen)
     : width_(window.width),
       height_(window.height),
       reach_(reach_px(config.array, map.scale)),
@@ -63,6 +64,17 @@ LensletFields::LensletFields(const Config& config, const CameraMap& map, const R
   }
   interpolation_.emplace(grid, used, map.frequency(map.centre_px + Vec2{map.scale, 0.0}),
                          map.frequency(map.centre_px + Vec2{0.0, map.scale}), side_um_, samples_);
+  if (screen.size() > 0) dim(screen);
+}
+
+void LensletFields::dim(const Eigen::MatrixXf& screen) {
+  Eigen::MatrixXf at_samples;
+  for (std::size_t i = 0; i < lenslets_.size(); ++i) {
+    interpolation_->at_samples(screen, i, at_samples);
+    for (std::size_t s = 0; s < lenslets_[i].light.size(); ++s) {
+      lenslets_[i].light[s] *= at_samples(Eigen::Index(s));
+    }
+  }
 }
 
 /// The light of a lenslet behind its plate, in uniform light: the mean over each sample.

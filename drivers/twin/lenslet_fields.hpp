@@ -35,8 +35,9 @@ class LensletFields {
   using Amplitude = std::function<float(Vec2)>;
 
   /// `map`: from the array's plane, micrometres, to sensor pixels. `grid`: that of the wavefront.
+  /// `screen`: a smooth factor on the amplitude, on that grid; empty: none.
   LensletFields(const Config& config, const CameraMap& map, const Roi& window,
-                const PhaseGrid& grid, const Amplitude& amplitude);
+                const PhaseGrid& grid, const Amplitude& amplitude, const Eigen::MatrixXf& screen);
 
   /// Intensity in the window for a wavefront (waves) on the grid, in the unit of OpticalModel.
   Image<float> intensity(const Eigen::MatrixXf& waves);
@@ -64,6 +65,7 @@ class LensletFields {
   void fill_kernel();
   void add_lenslet(const CameraMap& map, Vec2 centre_um, Vec2 spot_px, const Phasors& cell,
                    const Amplitude& amplitude);
+  void dim(const Eigen::MatrixXf& screen);
   Phasors box_factors(double offset_px) const;
   void add_field(const Lenslet& lenslet, Phasors& light);
 

@@ -11,7 +11,7 @@ namespace ovws::twin {
 namespace {
 
 constexpr auto kDisplayTime = std::chrono::milliseconds(200);
-const std::vector<std::string> kMethods{"twin.get", "twin.set", "twin.fault"};
+const std::vector<std::string> kMethods{"twin.get", "twin.set", "twin.mirror", "twin.fault"};
 const std::vector<std::string> kPatterns{"sensor", "grating"};  // in the order of Pattern
 
 /// Reads `at_ns` as an integer, because a double has too few digits for nanoseconds.
@@ -30,9 +30,15 @@ RpcAnswer failed(const Error& error) {
 
 }  // namespace
 
+Methods::Methods(const Config& config, const Deps& deps)
+    : config_(config),
+      deps_(deps),
+      actuators_(config.mirror ? actuator_positions(*config.mirror) : std::vector<Vec2>()) {}
+
 RpcAnswer Methods::call(const std::string& method, const Json& params) {
   if (method == "twin.get") return get(params);
   if (method == "twin.set") return set(params);
+  if (method == "twin.mirror") return mirror(params);
   if (method == "twin.fault") return fault(params);
   Json data{{"reason", "there is no method " + method}};
   if (const auto near = nearest_name(method, kMethods)) data["nearest"] = *near;
@@ -86,6 +92,8 @@ RpcAnswer Methods::get(const Json& params) {
                      {"y", spot.y - camera.settings.roi.y}});
   }
   result["spots"] = std::move(spots);
+  result["mirror"] =
+      config_.mirror ? json_of(*config_.mirror, actuators_, truth.mirror_waves) : Json(nullptr);
   result["charge"] = config_.sensor.charge;
   result["camera"] = json_of(camera);
   result["frames"] = json_of(deps_.camera.tally(), deps_.frames.counts());
@@ -112,6 +120,7 @@ RpcAnswer Methods::set(const Json& params) {
   read_noise(reader, truth);
   read_geometry(reader, truth.geometry);
   read_turbulence(reader, truth.turbulence);
+  read_scintillation(reader, truth.scintillation);
   reader.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
   reader.number("photons", photons, 0.0, 1e15);
   if (reader.has("photons") && reader.has("peak_electrons")) {
@@ -125,6 +134,21 @@ RpcAnswer Methods::set(const Json& params) {
   Json applied = Json::object();
   for (const auto& [key, value] : params.items()) applied[key] = now.at(key);
   return Json{{"requested", params}, {"applied", std::move(applied)}};
+}
+
+RpcAnswer Methods::mirror(const Json& params) {
+  constexpr double kMaxWaves = 100.0;
+  ObjectReader reader(params, "");
+  std::vector<double> waves;
+  reader.require("waves");
+  reader.numbers("waves", waves, actuators_.size(), actuators_.size(), -kMaxWaves, kMaxWaves);
+  if (actuators_.empty()) {
+    return failed({Errc::refused, "mirror",
+                   "the bench has no deformable mirror; set mirror in the twin's configuration"});
+  }
+  if (auto done = reader.finish(); !done) return failed(done.error());
+  deps_.bench.set_mirror(waves);
+  return Json{{"actuators", waves.size()}, {"t_ns", utc_ns()}};
 }
 
 RpcAnswer Methods::fault(const Json& params) {

@@ -21,6 +21,9 @@ const std::vector<std::string>& fault_names();  ///< names of FaultKind, in its 
 /// Ground truth as JSON: the keys of twin.set with their current values.
 Json json_of(const OpticalModel& optics, const Truth& truth);
 Json json_of(const Fault& fault);
+/// The mirror with the positions (pupil radii) and commands of its actuators.
+Json json_of(const MirrorConfig& mirror, const std::vector<Vec2>& actuators,
+             const std::vector<double>& waves);
 Json json_of(const CameraStatus& camera);
 Json json_of(const FrameTally& tally, const FrameCounts& frames);
 Json json_of(const std::vector<FrameTruth>& frames);

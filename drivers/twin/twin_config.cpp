@@ -71,6 +71,17 @@ void read(ObjectReader& r, LightConfig& light, Truth& truth) {
   r.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
 }
 
+void read_mirror(ObjectReader& r, std::optional<MirrorConfig>& mirror) {
+  if (!r.has("mirror")) return;
+  mirror.reset();
+  if (r.is_null("mirror")) return;
+  MirrorConfig& m = mirror.emplace();
+  r.object("mirror", [&m](ObjectReader& in) {
+    in.integer("actuators_across", m.actuators_across, 2, 64);
+    in.number("coupling", m.coupling, 0.001, 0.9);
+  });
+}
+
 void read(ObjectReader& r, Config& c) {
   int modulator = int(c.modulator);
   r.choice("modulator", modulator, {"slm", "fixed"});
@@ -87,6 +98,8 @@ void read(ObjectReader& r, Config& c) {
   read_shades(r, c.truth);
   read_noise(r, c.truth);
   read_turbulence(r, c.truth.turbulence);
+  read_scintillation(r, c.truth.scintillation);
+  read_mirror(r, c.mirror);
 }
 
 }  // namespace
@@ -168,6 +181,18 @@ void read_turbulence(ObjectReader& r, std::optional<TurbulenceConfig>& turbulenc
       vibration_in.number("rms_waves", vibration.rms_waves, 0.0, 10.0);
       vibration_in.number("frequency_hz", vibration.frequency_hz, 0.0, 1000.0);
     });
+  });
+}
+
+void read_scintillation(ObjectReader& r, std::optional<ScintillationConfig>& scintillation) {
+  if (!r.has("scintillation")) return;
+  scintillation.reset();
+  if (r.is_null("scintillation")) return;
+  ScintillationConfig& s = scintillation.emplace();
+  r.object("scintillation", [&s](ObjectReader& in) {
+    in.number("variance", s.variance, 0.0, 10.0);
+    in.number("scale_pupils", s.scale_pupils, 0.02, 10.0);
+    in.integer("seed", s.seed, 0, 1'000'000);
   });
 }
 

@@ -11,6 +11,8 @@
 #include "core/optics/geometry.hpp"
 #include "core/optics/zernike.hpp"
 #include "drivers/twin/array_config.hpp"
+#include "drivers/twin/deformable_mirror.hpp"
+#include "drivers/twin/scintillation.hpp"
 #include "drivers/twin/turbulence.hpp"
 #include "proto/reader.hpp"
 
@@ -75,7 +77,10 @@ enum class Noise {
 struct Light {
   /// Aberration of the light on the sensor, as Zernike modes over its pupil.
   std::vector<Mode> aberration;
-  std::vector<Shade> shades;
+  std::vector<Shade> shades{};
+  /// Of each actuator of the deformable mirror, waves; empty: all 0.
+  std::vector<double> mirror_waves{};
+  std::optional<ScintillationConfig> scintillation{};
 
   friend bool operator==(const Light&, const Light&) = default;
 };
@@ -105,6 +110,7 @@ struct Config {
   OpticsConfig optics;  ///< truth.geometry replaces its magnification and centre_px
   SensorConfig sensor;  ///< sensor of the expected hologram: pupil and spot positions
   LightConfig light;
+  std::optional<MirrorConfig> mirror;  ///< deformable mirror over the pupil; none: there is none
   Truth truth;
   std::string control_endpoint = "tcp://127.0.0.1:7790";
 };
@@ -130,6 +136,8 @@ void read_noise(ObjectReader& reader, Truth& truth);
 /// Reads the key `turbulence`. null switches the turbulence off. An object replaces the whole
 /// configuration, with defaults for missing keys. Without the key, the turbulence is unchanged.
 void read_turbulence(ObjectReader& reader, std::optional<TurbulenceConfig>& turbulence);
+/// Reads the key `scintillation` in the same way.
+void read_scintillation(ObjectReader& reader, std::optional<ScintillationConfig>& scintillation);
 /// Reads the object `geometry` of twin.set; missing keys keep their values.
 void read_geometry(ObjectReader& reader, CameraGeometry& geometry);
 
