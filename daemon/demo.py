@@ -176,7 +176,7 @@ def main():
     try:
         with Bench(arguments.build) as bench:
             bench.start_display()
-            bench.start_twin()
+            bench.start_twin({"mirror": {"actuators_across": 9}})
             recordings = arguments.out.resolve() / "recordings"
             bench.start_daemon({"state": {"directory": str(bench.directory / "state")}, "record": {"directory": str(recordings)}})
             Demo(bench, arguments.out.resolve()).run()

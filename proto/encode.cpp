@@ -102,6 +102,11 @@ std::span<const std::byte> encode(const SpotsMessage& message, std::string& json
   return scratch;
 }
 
+std::span<const std::byte> encode(const CorrectorMessage& message, std::string& json) {
+  ObjectWriter(json).write(message);
+  return std::as_bytes(message.commands);
+}
+
 std::span<const std::byte> encode(const ImageMessage& message, std::string& json,
                                   std::vector<std::byte>& scratch) {
   const ImageView& image = message.image;

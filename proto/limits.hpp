@@ -63,10 +63,13 @@ constexpr Integers kSettleRepetitions{3, 200};
 constexpr Numbers kLeaseS{0.0, 3600.0};  ///< of a presentation, slm.present
 constexpr Integers kGrabFrames{1, 1000};
 constexpr Numbers kGrabTimeoutS{0.1, 600.0};
-constexpr std::size_t kGrabBytes = 64 << 20;  ///< of the frames of one camera.grab
-constexpr Numbers kWatchMs{20.0, 10'000.0};   ///< time that slm.settle watches each change
-constexpr Numbers kPokeWaves{0.005, 0.2};     ///< poke amplitude of a calibration
-constexpr Integers kPokeFrames{2, 10000};     ///< frames averaged for each poke
+constexpr std::size_t kGrabBytes = 64 << 20;      ///< of the frames of one camera.grab
+constexpr Numbers kWatchMs{20.0, 10'000.0};       ///< time that slm.settle watches each change
+constexpr Numbers kPokeWaves{0.005, 0.2};         ///< poke amplitude of a calibration
+constexpr Integers kPokeFrames{2, 10000};         ///< frames averaged for each poke
+constexpr Numbers kGivenPokeWaves{0.001, 100.0};  ///< poke amplitude by a client's own mirror
+constexpr Integers kActuators{1, 4096};           ///< of an external corrector
+constexpr Integers kMatrixRows{1, 2048};          ///< x and y of each spot
 constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< frames of a sweep's cell, or of its reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most

@@ -18,8 +18,8 @@
 
 namespace ovws {
 
-/// Fields common to `wavefront` and `spots`: the frame and how it was measured. Strings and spans
-/// in messages are borrowed until the message is encoded.
+/// Fields common to `wavefront`, `spots` and `corrector`: the frame and how it was measured.
+/// Strings and spans in messages are borrowed until the message is encoded.
 struct FrameMessage {
   std::uint64_t seq = 0, frame_id = 0, gap = 0;
   std::int64_t t_device_ns = 0, t_arrival_ns = 0, t_publish_ns = 0;
@@ -52,6 +52,12 @@ struct WavefrontMessage : FrameMessage {
 struct SpotsMessage : FrameMessage {
   std::span<const SpotFix> spots;
   std::span<const Vec2> reference_px;  ///< as many as `spots`; empty: NaN in the binary part
+};
+
+/// `ovws.corrector/1`: the binary part is one float32 per actuator, or absent if not valid.
+struct CorrectorMessage : FrameMessage {
+  int matrix = 0;                   ///< number of the matrix that made the commands
+  std::span<const float> commands;  ///< empty if not valid
 };
 
 /// `ovws.refined/1`. Owns its data, because the message waits in a queue.

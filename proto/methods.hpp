@@ -20,11 +20,13 @@ struct CameraSetReport;
 struct CellReport;
 struct Config;
 struct ConfigSave;
+struct CorrectorSet;
 struct Description;
 struct FlatnessReport;
 struct GainSweepRun;
 struct GrabReport;
 struct KnownCalibration;
+struct KnownCorrector;
 struct KnownExperiment;
 struct KnownReference;
 struct KnownRegistration;
@@ -101,6 +103,18 @@ inline constexpr auto kCalibrationRun = method<CalibrationRun, JobNumber>(
     "that of calibration.get, and the matrix is active from then on (operator measured), unless "
     "the "
     "tracker is fit.");
+inline constexpr auto kCalibrationSet =
+    method<CalibrationSet, KnownCalibration>(
+        "calibration.set",
+        "Takes an interaction (poke) matrix that a client has measured with a corrector of its "
+        "own, "
+        "in place of calibration.run: it is stored, used and deleted as the matrix of that method. "
+        "A spot whose rows are all 0 is lost. Refused with the tracker fit, and if a mode is not "
+        "determined or its standard error exceeds a tenth of its signal.")
+        .taking(
+            "float32, little-endian, twice 2N x Z by rows x, y of each subaperture: the "
+            "displacement by each mode, camera pixels per RMS-normalised wave, and its "
+            "standard error");
 inline constexpr auto kCameraAutoExposure = method<AutoExposure, JobNumber>(
     "camera.auto_exposure",
     "Changes the exposure until the brightest pixels of the image are at a fraction of full scale; "
@@ -147,6 +161,22 @@ inline constexpr auto kCorrectionSet =
     method<ModesSet, ModesReport>("correction.set",
                                   "Subtracts these modes from the hologram, in place of the "
                                   "previous correction. Refused while the loop is closed.");
+inline constexpr auto kCorrectorClear = method<Nothing, KnownCorrector>(
+    "corrector.clear", "Deletes the matrix of the external corrector: no commands are published.");
+inline constexpr auto kCorrectorGet = method<Nothing, KnownCorrector>(
+    "corrector.get",
+    "Returns the properties of the external corrector's matrix, and whether it is in use; or "
+    "nulls.");
+inline constexpr auto kCorrectorSet =
+    method<CorrectorSet, KnownCorrector>(
+        "corrector.set",
+        "Replaces the matrix of the external corrector, such as a deformable mirror that a client "
+        "drives: from now on, each valid frame is published as commands, the matrix times its "
+        "coefficients, in the stream corrector. The daemon integrates nothing. The matrix does not "
+        "survive a restart of the daemon.")
+        .taking(
+            "float32, little-endian, actuators x modes by rows: commands per RMS-normalised "
+            "wave, in any unit");
 inline constexpr auto kExperimentCell = method<ExperimentCell, CellReport>(
     "experiment.cell", "Returns one measured cell of the gain sweep, frame by frame.");
 inline constexpr auto kExperimentGainSweep = method<GainSweepRun, JobNumber>(
@@ -340,6 +370,7 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kCalibrationClear,
                                      kCalibrationGet,
                                      kCalibrationRun,
+                                     kCalibrationSet,
                                      kCameraAutoExposure,
                                      kCameraGet,
                                      kCameraGrab,
@@ -351,6 +382,9 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kCorrectionClear,
                                      kCorrectionGet,
                                      kCorrectionSet,
+                                     kCorrectorClear,
+                                     kCorrectorGet,
+                                     kCorrectorSet,
                                      kExperimentCell,
                                      kExperimentGainSweep,
                                      kExperimentGet,
@@ -403,6 +437,10 @@ inline constexpr std::tuple kStreams{
     stream<SpotsMessage>("spots",
                          "Spots of each processed frame: JSON as `wavefront` without the modes; "
                          "then N x 6 float32, rows by subaperture."),
+    stream<CorrectorMessage>("corrector",
+                             "Commands of each processed frame for an external corrector, once "
+                             "corrector.set was called: JSON as `wavefront` without the modes; "
+                             "then one float32 for each actuator, if the frame is valid."),
     stream<ImageMessage>("image",
                          "Camera images at the image rate, always the newest frame, on the image "
                          "endpoint: JSON; then rows x cols pixels without padding."),

@@ -42,6 +42,7 @@ enum class Action : std::uint8_t {
   watch,    ///< a job that only watches frames
   present,  ///< a client's picture; the procedure thread checks for other jobs
   grab,
+  set_corrector,
   start_hologram_job,  ///< a job that shows holograms
   count,
 };
@@ -133,6 +134,7 @@ constexpr Table<Action, ActionRow> kActions{{
     {{x, x, x, x, x, o, o, o}},  // watch
     {{x, x, o, o, o, o, x, x}},  // present
     {{x, x, x, o, o, o, o, o}},  // grab
+    {{x, x, o, o, o, o, o, o}},  // set_corrector
     {{x, x, x, x, x, o, x, x}},  // start_hologram_job
 }};
 

@@ -117,31 +117,38 @@ bool append(InteractionMatrix& matrix, const Column& column) {
   return true;
 }
 
+/// Appends the column of mode `j`. Returns why it cannot be appended; empty: it was.
+std::string take_column(InteractionMatrix& matrix, const Column& column, int j,
+                        double amplitude_waves) {
+  const double signal = double(column.slopes.norm());
+  const double noise = double(column.standard_error.norm());
+  if (signal == 0.0) return "it moves no spot";
+  if (!(noise <= kMaxNoise * signal)) {
+    return "its noise is " + percent(noise / signal) +
+           " of its signal: average more frames, raise the laser power or the exposure, or raise "
+           "amplitude_waves";
+  }
+  if (!append(matrix, column)) {
+    return "it is not determined: the spots cannot distinguish it from the modes before it";
+  }
+  matrix.modes_j.push_back(j);
+  matrix.amplitude_waves.push_back(amplitude_waves);
+  return {};
+}
+
+void begin_columns(InteractionMatrix& matrix, std::size_t spots) {
+  matrix.slopes.resize(2 * Eigen::Index(spots), 0);
+  matrix.standard_error.resize(2 * Eigen::Index(spots), 0);
+}
+
 void take_columns(const PushPullRun& run, const std::vector<const PushPull*>& pokes,
                   const std::vector<std::size_t>& spots, InteractionMatrix& matrix) {
   const std::size_t all = run.before.at_px.size();
-  matrix.slopes.resize(2 * Eigen::Index(all), 0);
-  matrix.standard_error.resize(2 * Eigen::Index(all), 0);
+  begin_columns(matrix, all);
   for (const PushPull* poke : pokes) {
-    const Column column = column_of(*poke, spots, all);
-    const double signal = double(column.slopes.norm());
-    const double noise = double(column.standard_error.norm());
-    if (!(noise <= kMaxNoise * signal)) {
-      matrix.dropped.push_back(
-          {poke->j,
-           signal > 0.0
-               ? "its noise is " + percent(noise / signal) +
-                     " of its signal: average more frames, raise the laser power or the exposure, "
-                     "or raise amplitude_waves"
-               : "it moves no spot"});
-    } else if (append(matrix, column)) {
-      matrix.modes_j.push_back(poke->j);
-      matrix.amplitude_waves.push_back(poke->amplitude_waves);
-    } else {
-      matrix.dropped.push_back({poke->j,
-                                "it is not determined: the spots cannot distinguish it from the "
-                                "modes before it"});
-    }
+    std::string reason =
+        take_column(matrix, column_of(*poke, spots, all), poke->j, poke->amplitude_waves);
+    if (!reason.empty()) matrix.dropped.push_back({poke->j, std::move(reason)});
   }
 }
 
@@ -245,6 +252,32 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_
                                                  ? std::string("none was requested")
                                                  : "j = " + std::to_string(matrix.dropped[0].j) +
                                                        ": " + matrix.dropped[0].reason));
+}
+
+Result<InteractionMatrix> interaction_matrix(const std::vector<int>& modes_j,
+                                             double amplitude_waves, const Eigen::MatrixXf& slopes,
+                                             const Eigen::MatrixXf& standard_error) {
+  InteractionMatrix matrix;
+  matrix.source = MatrixSource::set;
+  const Eigen::Index spots = slopes.rows() / 2;
+  begin_columns(matrix, std::size_t(spots));
+  for (Eigen::Index i = 0; i < spots; ++i) {
+    if (slopes.middleRows(2 * i, 2).isZero(0.0F)) matrix.lost_spots.push_back(int(i));
+  }
+  const std::size_t found = std::size_t(spots) - matrix.lost_spots.size();
+  if (found < kMinSpots) {
+    return fail(Errc::refused, "matrix",
+                "only " + std::to_string(found) + " spots move, and at least " +
+                    std::to_string(kMinSpots) +
+                    " are needed: check the light and the region of interest");
+  }
+  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    const Column column{slopes.col(Eigen::Index(k)), standard_error.col(Eigen::Index(k))};
+    const std::string reason = take_column(matrix, column, modes_j[k], amplitude_waves);
+    if (reason.empty()) continue;
+    return fail(Errc::refused, "matrix", "j = " + std::to_string(modes_j[k]) + ": " + reason);
+  }
+  return matrix;
 }
 
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& slopes) {

@@ -47,6 +47,9 @@ struct DroppedMode {
   std::string reason;  ///< human-readable
 };
 
+/// Who measured the matrix: the daemon, or a client with a corrector of its own.
+enum class MatrixSource { run, set };
+
 struct InteractionMatrix {
   std::vector<int> modes_j;             ///< OSA index of each column
   std::vector<double> amplitude_waves;  ///< poke amplitude of each column, RMS-normalised
@@ -57,6 +60,7 @@ struct InteractionMatrix {
   std::vector<DroppedMode> dropped;  ///< requested modes that have no column
   double drift_px = 0.0;             ///< RMS over x and y, between `before` and `after`
   double drift_noise_px = 0.0;       ///< expected from the standard errors alone
+  MatrixSource source = MatrixSource::run;
 
   int spots() const { return int(slopes.rows() / 2); }
 };
@@ -71,6 +75,16 @@ struct InteractionMatrix {
 /// Errors (Errc::refused): the resting spots drifted by more than `max_drift_px`; fewer than 3
 /// spots, or no mode, remain.
 Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_drift_px);
+
+/// Interaction matrix of a client that has measured its columns itself: camera pixels per
+/// RMS-normalised wave, and their standard errors, 2N x Z each. A spot whose rows are all 0 is
+/// lost.
+///
+/// Errors (Errc::refused, field "matrix"): fewer than 3 spots remain; the standard error of a mode
+/// exceeds a tenth of its signal, or the spots cannot distinguish it from the modes before it.
+Result<InteractionMatrix> interaction_matrix(const std::vector<int>& modes_j,
+                                             double amplitude_waves, const Eigen::MatrixXf& slopes,
+                                             const Eigen::MatrixXf& standard_error);
 
 /// Indices of spots that are found at rest but lost in an image of the poke. A smaller amplitude
 /// may keep them.

@@ -5,6 +5,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <utility>
@@ -28,6 +29,7 @@
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
+#include "daemon/ovwsd/streams/corrector.hpp"
 #include "daemon/ovwsd/streams/image_publisher.hpp"
 #include "daemon/ovwsd/streams/stream_publisher.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
@@ -93,6 +95,7 @@ struct App::Parts {
   Recorder recorder;
   FrameBroker frames;
   ImageBrightness brightness;
+  Corrector corrector{events};
   Jobs jobs{events};
   SlmLoop slm;
   FrameGrabs grabs{frames, [this] { return slm.snapshot().hologram_id; }};
@@ -171,6 +174,7 @@ struct App::Parts {
 Result<void> App::Parts::make_sensor() {
   auto made = SensorKeeper::make(
       config, {pipeline, slm, events, store, [this](const MeasurementPlan& plan, SensorView now) {
+                 corrector.sensor_changed(now->modes_j);
                  recorder.add_plan(plan, std::move(now));
                }});
   if (!made) return fail(made.error());
@@ -202,7 +206,8 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, frames, *search, *loop, counters, queue, published_latency});
+      StreamPublisherDeps{pipeline, frames, *search, *loop, corrector, counters, queue,
+                          published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;
@@ -236,19 +241,20 @@ Result<void> App::Parts::bind_streams() {
 
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(
-      Services{config,      loaded,         state, camera,      finder,   *keeper, jobs,
-               *procedures, *presentations, grabs, experiments, named,    *loop,   *refiner,
-               recorder,    *status,        slm,   counters,    *clients, disk});
+      Services{config,      loaded,         state,   camera,      finder,   *keeper,  jobs,
+               *procedures, *presentations, grabs,   experiments, named,    *loop,    *refiner,
+               recorder,    corrector,      *status, slm,         counters, *clients, disk});
   const ControlHandler handle = [this](ControlRequest request, SendReply reply) {
     const RpcDispatch call = [&](RpcCall asked, RpcReply give) {
       dispatch(*services, request.client_key, std::move(asked), std::move(give));
     };
     handle_rpc(request.bytes, std::move(request.binary), call, std::move(reply));
   };
-  const std::size_t picture_bytes = max_picture_bytes(config.slm.geometry);
+  const std::size_t binary_bytes =
+      std::max(max_picture_bytes(config.slm.geometry), kMaxMatrixBytes);
   auto bound = ControlServer::bind(
       config.control.endpoint,
-      {kMaxRequestBytes, picture_bytes, oversize_reply(picture_bytes), overload_reply()}, handle,
+      {kMaxRequestBytes, binary_bytes, oversize_reply(binary_bytes), overload_reply()}, handle,
       clients->gate());
   if (!bound) return fail(bound.error());
   control = std::move(*bound);

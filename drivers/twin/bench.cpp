@@ -9,7 +9,7 @@ constexpr std::size_t kFrameTruths = 32;
 
 }  // namespace
 
-Bench::Bench(const Config& config) : model_(config) {
+Bench::Bench(const Config& config) : model_(make_optical_model(config)) {
   const SlmGeometry& slm = config.slm.geometry;
   state_.grey = std::make_shared<Image<std::uint8_t>>(slm.width_px, slm.height_px);
   state_.truth = config.truth;
@@ -65,6 +65,13 @@ std::shared_ptr<const Image<std::uint8_t>> Bench::shown() const {
 void Bench::set_truth(const Truth& truth) {
   const std::lock_guard lock(mutex_);
   state_.truth = truth;
+  note_change();
+  ordered_ = state_.number;
+}
+
+void Bench::set_mirror(const std::vector<double>& waves) {
+  const std::lock_guard lock(mutex_);
+  state_.truth.mirror_waves = waves;
   note_change();
   ordered_ = state_.number;
 }
@@ -164,20 +171,20 @@ bool Bench::update_turbulence(const State& now) {
   } else if (!same) {
     turbulence_.emplace(*wanted);
   }
-  model_.set_turbulence(turbulence_ ? &*turbulence_ : nullptr, now.t_ns);
+  model_->set_turbulence(turbulence_ ? &*turbulence_ : nullptr, now.t_ns);
   return true;
 }
 
 std::shared_ptr<const Scene> Bench::compute(const State& now) {
   const bool light_changed =
-      now.truth.aberration != last_.truth.aberration || now.truth.shades != last_.truth.shades;
+      static_cast<const Light&>(now.truth) != static_cast<const Light&>(last_.truth);
   const bool window_changed =
       now.window != last_.window || now.truth.geometry != last_.truth.geometry;
-  if (light_changed) model_.set_aberration(now.truth.aberration, now.truth.shades);
-  if (window_changed) model_.set_window(*now.window, now.truth.geometry);
+  if (light_changed) model_->set_light(now.truth);
+  if (window_changed) model_->set_window(*now.window, now.truth.geometry);
   const bool turbulence_changed = update_turbulence(now);
   if (light_changed || window_changed || turbulence_changed || now.grey != last_.grey) {
-    last_intensity_ = std::make_shared<Image<float>>(model_.intensity(*now.grey));
+    last_intensity_ = std::make_shared<Image<float>>(model_->intensity(*now.grey));
   }
   if (now.grey != last_.grey || last_crc32_ == 0) {
     const auto& pixels = now.grey->pixels;
@@ -241,7 +248,7 @@ void Bench::prepare_next(std::unique_lock<std::mutex>& lock) {
   prepared_ = pending_.front().grey;
   const auto next = prepared_;
   lock.unlock();
-  if (last_.window) model_.prepare(*next);
+  if (last_.window) model_->prepare(*next);
   lock.lock();
 }
 

@@ -14,14 +14,14 @@
 
 #include "core/base/image.hpp"
 #include "core/port/camera.hpp"
-#include "drivers/twin/bench_model.hpp"
+#include "drivers/twin/optical_model.hpp"
 #include "drivers/twin/twin_config.hpp"
 
 namespace ovws::twin {
 
 /// Intensity on the camera for one state of the bench. Immutable.
 struct Scene {
-  std::shared_ptr<const Image<float>> intensity;  ///< result of BenchModel::intensity
+  std::shared_ptr<const Image<float>> intensity;  ///< result of OpticalModel::intensity
   Truth truth;
   std::int64_t t_ns = 0;           ///< time at which the turbulence is evaluated, UTC
   std::uint32_t crc32 = 0;         ///< of the SLM's grey levels, row by row
@@ -68,6 +68,7 @@ class Bench {
   Truth truth() const;
   std::shared_ptr<const Image<std::uint8_t>> shown() const;  ///< newest SLM image, settled or not
   void set_truth(const Truth& truth);
+  void set_mirror(const std::vector<double>& waves);  ///< sets Light::mirror_waves only
 
   /// Begins a frame of this window of the sensor at `t_ns` UTC. Returns the number of the current
   /// state; with turbulence every moment is a new state. `period_ns`: time from frame to frame. If
@@ -83,6 +84,8 @@ class Bench {
   void note_sent(std::uint64_t frame_id, std::int64_t t_device_ns, const Scene& scene);
   std::vector<FrameTruth> frame_truths() const;  ///< of the last 32 frames, oldest first
   BenchStatus status() const;
+  /// The optical model, for the functions that any thread may call.
+  const OpticalModel& optics() const { return *model_; }
 
  private:
   /// Inputs of a far field.
@@ -131,7 +134,7 @@ class Bench {
   std::deque<FrameTruth> frame_truths_;
 
   // Used by the bench's thread (`work`) only.
-  BenchModel model_;
+  const std::unique_ptr<OpticalModel> model_;
   State last_;
   std::optional<Turbulence> turbulence_;
   std::uint32_t last_crc32_ = 0;

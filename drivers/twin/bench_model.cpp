@@ -37,8 +37,8 @@ void beside_pupil(const Config& config, const Visit& visit) {
 BenchModel::BenchModel(const Config& config)
     : config_(config), slm_(config), unit_(vortex_peak_intensity(config.sensor)) {}
 
-void BenchModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades) {
-  slm_.set_aberration(modes, shades);
+void BenchModel::set_light(const Light& light) {
+  slm_.set_light(light);
   lit_ = false;
   shown_ = next_ = {};
 }
@@ -149,8 +149,8 @@ Image<float> BenchModel::intensity(const Image<std::uint8_t>& grey) {
   return intensity_of(shown_);
 }
 
-std::vector<Vec2> true_spots_px(const Config& config, const Truth& truth) {
-  const auto lattice = make_lattice(config.sensor, config.slm.geometry);
+std::vector<Vec2> BenchModel::true_spots_px(const Truth& truth) const {
+  const auto lattice = make_lattice(config_.sensor, config_.slm.geometry);
   if (!lattice) return {};
   std::vector<int> modes_j;
   Eigen::VectorXd waves(Eigen::Index(truth.aberration.size()));
@@ -160,16 +160,29 @@ std::vector<Vec2> true_spots_px(const Config& config, const Truth& truth) {
   }
   // Slope matrix at 1 camera pixel per cycle: its displacements are in cycles per SLM pixel.
   const Eigen::VectorXd moved_cpp =
-      slope_matrix(*lattice, config.sensor, modes_j,
-                   config.sensor.charge == 0 ? kGradientTilt : kVortexTilt, 1.0) *
+      slope_matrix(*lattice, config_.sensor, modes_j,
+                   config_.sensor.charge == 0 ? kGradientTilt : kVortexTilt, 1.0) *
       waves;
-  const CameraMap map = camera_map(config, truth.geometry);
+  const CameraMap map = camera_map(config_, truth.geometry);
   std::vector<Vec2> spots;
   for (const Subaperture& s : lattice->subapertures) {
     const auto i = Eigen::Index(2 * spots.size());
     spots.push_back(map.pixel(s.frequency_cpp + Vec2{moved_cpp[i], moved_cpp[i + 1]}));
   }
   return spots;
+}
+
+double BenchModel::photons_per_peak_photon(const CameraGeometry& geometry) const {
+  // For an aperture of A pixels, |F|max = kVortexPeak A. The integral of |F|^2 over one period of
+  // the frequencies is A (Parseval). A camera pixel spans 1 / S cycles per SLM pixel.
+  const double radius = config_.sensor.pupil_diameter_px / config_.sensor.subapertures_across / 2;
+  const double area = std::numbers::pi * radius * radius;
+  const double scale = camera_map(config_, geometry).scale;
+  return scale * scale / (kVortexPeak * kVortexPeak * area);
+}
+
+std::unique_ptr<Judge> BenchModel::make_judge() const {
+  return std::make_unique<Judge>(config_);
 }
 
 }  // namespace ovws::twin

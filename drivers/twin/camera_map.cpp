@@ -37,18 +37,20 @@ bool CameraMap::axis_aligned() const {
   return of_x.x == 0.0 || of_x.y == 0.0;
 }
 
+CameraMap camera_map(const CameraGeometry& geometry, Vec2 base, double scale) {
+  const Vec2 along = direction(geometry.rotation_deg);
+  const double x = geometry.mirror == Mirror::x ? -1.0 : 1.0;
+  const double y = geometry.mirror == Mirror::y ? -1.0 : 1.0;
+  return {geometry.centre_px, base, scale, x * along, y * Vec2{-along.y, along.x}};
+}
+
 CameraMap camera_map(const Config& config, const CameraGeometry& geometry) {
   const SlmGeometry& slm = config.slm.geometry;
   OpticsConfig optics = config.optics;
   optics.magnification = geometry.magnification;
-  const Vec2 along = direction(geometry.rotation_deg);
-  const double x = geometry.mirror == Mirror::x ? -1.0 : 1.0;
-  const double y = geometry.mirror == Mirror::y ? -1.0 : 1.0;
-  return {geometry.centre_px,
-          {config.sensor.grooves[0] / slm.width_px, config.sensor.grooves[1] / slm.height_px},
-          camera_px_per_cycle(optics, slm),
-          x * along,
-          y * Vec2{-along.y, along.x}};
+  return camera_map(
+      geometry, {config.sensor.grooves[0] / slm.width_px, config.sensor.grooves[1] / slm.height_px},
+      camera_px_per_cycle(optics, slm));
 }
 
 }  // namespace ovws::twin

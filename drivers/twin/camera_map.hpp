@@ -23,8 +23,11 @@ struct CameraMap {
   bool axis_aligned() const;  ///< whether the rotation is a multiple of 90 degrees
 };
 
-/// Camera map for this camera geometry. Wavelength, focal length, pixel pitches and base grating
-/// come from `config`.
+/// Camera map for this camera geometry, of a plane in which `base` falls on centre_px and a unit is
+/// `scale` camera pixels long.
+CameraMap camera_map(const CameraGeometry& geometry, Vec2 base, double scale);
+/// Camera map of the SLM bench for this camera geometry. Wavelength, focal length, pixel pitches
+/// and base grating come from `config`.
 CameraMap camera_map(const Config& config, const CameraGeometry& geometry);
 
 }  // namespace ovws::twin

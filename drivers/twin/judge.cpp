@@ -40,8 +40,7 @@ double strehl(const PupilBlocks& blocks, std::vector<Mode> modes, const Eigen::V
 
 }  // namespace
 
-Judge::Judge(const Config& config)
-    : config_(config), slm_(config), aberration_(config.truth.aberration) {}
+Judge::Judge(const Config& config) : config_(config), slm_(config), light_(config.truth) {}
 
 const Judge::Expected& Judge::expected(Pattern pattern) {
   std::unique_ptr<Expected>& cached = expected_[std::size_t(pattern)];
@@ -61,11 +60,11 @@ const Judge::Expected& Judge::expected(Pattern pattern) {
 }
 
 std::optional<Verdict> Judge::judge(Pattern pattern, const Image<std::uint8_t>& grey,
-                                    const std::vector<Mode>& aberration,
-                                    const Turbulence* turbulence, std::int64_t t_ns) {
+                                    const Light& light, const Turbulence* turbulence,
+                                    std::int64_t t_ns) {
   const auto& [ideal, blocks] = expected(pattern);
-  if (aberration != aberration_) slm_.set_aberration(aberration);
-  aberration_ = aberration;
+  if (!(light == light_)) slm_.set_light(light);
+  light_ = light;
   slm_.set_turbulence(turbulence, t_ns);
   Image<std::complex<float>> field(grey.width, grey.height);
   slm_.modulate(grey, 0, grey.height, field);

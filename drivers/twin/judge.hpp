@@ -40,9 +40,8 @@ class Judge {
 
   /// Measures the residual wavefront for the grey levels shown on the SLM. Nothing is returned if
   /// the phase could not be unwrapped. `turbulence`: null if there is none.
-  std::optional<Verdict> judge(Pattern pattern, const Image<std::uint8_t>& grey,
-                               const std::vector<Mode>& aberration, const Turbulence* turbulence,
-                               std::int64_t t_ns);
+  std::optional<Verdict> judge(Pattern pattern, const Image<std::uint8_t>& grey, const Light& light,
+                               const Turbulence* turbulence, std::int64_t t_ns);
   /// Flatness error of the SLM: modes j = 0 .. 20 by least squares over the light in the pupil.
   /// Nothing is returned if the phase could not be unwrapped.
   std::optional<std::vector<Mode>> flatness_modes();
@@ -58,7 +57,7 @@ class Judge {
 
   const Config config_;
   SlmModel slm_;
-  std::vector<Mode> aberration_;
+  Light light_;
   std::array<std::unique_ptr<Expected>, 2> expected_;  ///< one per Pattern, created on first use
 };
 

@@ -11,7 +11,7 @@ namespace ovws::twin {
 namespace {
 
 constexpr auto kDisplayTime = std::chrono::milliseconds(200);
-const std::vector<std::string> kMethods{"twin.get", "twin.set", "twin.fault"};
+const std::vector<std::string> kMethods{"twin.get", "twin.set", "twin.mirror", "twin.fault"};
 const std::vector<std::string> kPatterns{"sensor", "grating"};  // in the order of Pattern
 
 /// Reads `at_ns` as an integer, because a double has too few digits for nanoseconds.
@@ -30,9 +30,15 @@ RpcAnswer failed(const Error& error) {
 
 }  // namespace
 
+Methods::Methods(const Config& config, const Deps& deps)
+    : config_(config),
+      deps_(deps),
+      actuators_(config.mirror ? actuator_positions(*config.mirror) : std::vector<Vec2>()) {}
+
 RpcAnswer Methods::call(const std::string& method, const Json& params) {
   if (method == "twin.get") return get(params);
   if (method == "twin.set") return set(params);
+  if (method == "twin.mirror") return mirror(params);
   if (method == "twin.fault") return fault(params);
   Json data{{"reason", "there is no method " + method}};
   if (const auto near = nearest_name(method, kMethods)) data["nearest"] = *near;
@@ -45,12 +51,10 @@ const Turbulence& Methods::turbulence(const TurbulenceConfig& config) {
 }
 
 void Methods::add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns, Json& result) {
-  if (!judge_) judge_ = std::make_unique<Judge>(config_);
   deps_.screen.catch_up(std::chrono::steady_clock::now() + kDisplayTime, {});
   const auto shown = deps_.bench.shown();
-  const auto verdict =
-      judge_->judge(pattern, *shown, truth.aberration,
-                    truth.turbulence ? &turbulence(*truth.turbulence) : nullptr, t_ns);
+  const auto verdict = judge_->judge(
+      pattern, *shown, truth, truth.turbulence ? &turbulence(*truth.turbulence) : nullptr, t_ns);
   result["wavefront"] = json_of(verdict);
   result["wavefront"]["pattern"] = kPatterns[std::size_t(pattern)];
   result["wavefront"]["t_ns"] = t_ns;
@@ -65,25 +69,31 @@ RpcAnswer Methods::get(const Json& params) {
   int pattern = 0;
   read_moment(reader, t_ns);
   reader.choice("judge", pattern, kPatterns);
+  if (reader.has("judge") && !judge_) judge_ = deps_.bench.optics().make_judge();
+  if (reader.has("judge") && !judge_) {
+    reader.fault("judge", "a fixed array has no SLM whose image could be judged; leave it out");
+  }
   if (auto done = reader.finish(); !done) return failed(done.error());
   const Truth truth = deps_.bench.truth();
   const CameraStatus camera = deps_.camera.status();
   const BenchStatus bench = deps_.bench.status();
   const ScreenStatus screen = deps_.screen.status();
 
-  Json result = json_of(config_, truth);
+  Json result = json_of(deps_.bench.optics(), truth);
   if (truth.turbulence) {
     result["turbulence"]["t_ns"] = t_ns;
     result["turbulence"]["modes"] = turbulence(*truth.turbulence).modes(t_ns);
   }
   result["sent"] = json_of(deps_.bench.frame_truths());
   Json spots = Json::array();
-  for (const Vec2& spot : true_spots_px(config_, truth)) {
+  for (const Vec2& spot : deps_.bench.optics().true_spots_px(truth)) {
     spots.push_back({{"i", spots.size()},
                      {"x", spot.x - camera.settings.roi.x},
                      {"y", spot.y - camera.settings.roi.y}});
   }
   result["spots"] = std::move(spots);
+  result["mirror"] =
+      config_.mirror ? json_of(*config_.mirror, actuators_, truth.mirror_waves) : Json(nullptr);
   result["charge"] = config_.sensor.charge;
   result["camera"] = json_of(camera);
   result["frames"] = json_of(deps_.camera.tally(), deps_.frames.counts());
@@ -110,18 +120,35 @@ RpcAnswer Methods::set(const Json& params) {
   read_noise(reader, truth);
   read_geometry(reader, truth.geometry);
   read_turbulence(reader, truth.turbulence);
+  read_scintillation(reader, truth.scintillation);
   reader.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
   reader.number("photons", photons, 0.0, 1e15);
   if (reader.has("photons") && reader.has("peak_electrons")) {
     reader.fault("photons", "give either photons or peak_electrons, not both");
   }
   if (auto done = reader.finish(); !done) return failed(done.error());
-  if (reader.has("photons")) truth.peak_electrons = peak_electrons_for(config_, truth, photons);
+  if (reader.has("photons"))
+    truth.peak_electrons = deps_.bench.optics().peak_electrons_for(truth, photons);
   deps_.bench.set_truth(truth);
-  const Json now = json_of(config_, truth);
+  const Json now = json_of(deps_.bench.optics(), truth);
   Json applied = Json::object();
   for (const auto& [key, value] : params.items()) applied[key] = now.at(key);
   return Json{{"requested", params}, {"applied", std::move(applied)}};
+}
+
+RpcAnswer Methods::mirror(const Json& params) {
+  constexpr double kMaxWaves = 100.0;
+  ObjectReader reader(params, "");
+  std::vector<double> waves;
+  reader.require("waves");
+  reader.numbers("waves", waves, actuators_.size(), actuators_.size(), -kMaxWaves, kMaxWaves);
+  if (actuators_.empty()) {
+    return failed({Errc::refused, "mirror",
+                   "the bench has no deformable mirror; set mirror in the twin's configuration"});
+  }
+  if (auto done = reader.finish(); !done) return failed(done.error());
+  deps_.bench.set_mirror(waves);
+  return Json{{"actuators", waves.size()}, {"t_ns", utc_ns()}};
 }
 
 RpcAnswer Methods::fault(const Json& params) {

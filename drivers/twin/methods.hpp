@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "drivers/twin/bench.hpp"
 #include "drivers/twin/fake_camera.hpp"
@@ -17,7 +18,8 @@
 
 namespace ovws::twin {
 
-/// Control methods `twin.get`, `twin.set` and `twin.fault`; drivers/twin/README.md lists the keys.
+/// Control methods `twin.get`, `twin.set`, `twin.mirror` and `twin.fault`; drivers/twin/README.md
+/// lists the keys.
 class Methods {
  public:
   struct Deps {
@@ -27,7 +29,7 @@ class Methods {
     Screen& screen;
     const FakeCamera& camera;
   };
-  Methods(const Config& config, const Deps& deps) : config_(config), deps_(deps) {}
+  Methods(const Config& config, const Deps& deps);
 
   /// Executes a request. Control thread only. `params` must be a JSON object.
   RpcAnswer call(const std::string& method, const Json& params);
@@ -36,6 +38,7 @@ class Methods {
   RpcAnswer get(const Json& params);
   RpcAnswer set(const Json& params);
   RpcAnswer fault(const Json& params);
+  RpcAnswer mirror(const Json& params);
 
   const Turbulence& turbulence(const TurbulenceConfig& config);
   /// Adds to `result` the judge's verdict on the image that the X server shows now.
@@ -43,6 +46,7 @@ class Methods {
 
   const Config config_;
   const Deps deps_;
+  const std::vector<Vec2> actuators_;     ///< positions in pupil radii; empty: there is no mirror
   std::optional<Turbulence> turbulence_;  ///< cached for the newest configuration
   std::unique_ptr<Judge> judge_;          ///< created at the first verdict
 };

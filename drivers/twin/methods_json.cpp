@@ -37,6 +37,13 @@ Json json_of(const std::optional<TurbulenceConfig>& turbulence) {
           {"vibrations", vibrations}};
 }
 
+Json json_of(const std::optional<ScintillationConfig>& scintillation) {
+  if (!scintillation) return nullptr;
+  return {{"variance", scintillation->variance},
+          {"scale_pupils", scintillation->scale_pupils},
+          {"seed", scintillation->seed}};
+}
+
 Json json_of(const std::vector<Mode>& aberration) {
   Json modes = Json::array();
   for (const Mode& mode : aberration) {
@@ -72,6 +79,17 @@ Json json_of(const Fault& fault) {
   if (fault.kind != FaultKind::none && fault.frames == 0) json["seconds"] = fault.seconds;
   if (takes_delay(fault.kind)) json["delay_ms"] = fault.delay_ms;
   return json;
+}
+
+Json json_of(const MirrorConfig& mirror, const std::vector<Vec2>& actuators,
+             const std::vector<double>& waves) {
+  Json positions = Json::array();
+  for (const Vec2& at : actuators) positions.push_back({at.x, at.y});
+  return {{"actuators_across", mirror.actuators_across},
+          {"coupling", mirror.coupling},
+          {"actuators", actuators.size()},
+          {"positions", positions},
+          {"waves", waves.empty() ? std::vector<double>(actuators.size()) : waves}};
 }
 
 Json json_of(const std::vector<FrameTruth>& frames) {
@@ -123,7 +141,7 @@ Json json_of(const FrameTally& tally, const FrameCounts& frames) {
           {"reused", frames.reused}};
 }
 
-Json json_of(const Config& config, const Truth& truth) {
+Json json_of(const OpticalModel& optics, const Truth& truth) {
   const DetectorConfig& d = truth.detector;
   return {{"aberration", json_of(truth.aberration)},
           {"norm", "rms"},
@@ -131,7 +149,8 @@ Json json_of(const Config& config, const Truth& truth) {
           {"peak_electrons", truth.peak_electrons},
           {"geometry", json_of(truth.geometry)},
           {"turbulence", json_of(truth.turbulence)},
-          {"photons", photons_per_spot(config, truth)},
+          {"scintillation", json_of(truth.scintillation)},
+          {"photons", optics.photons_per_spot(truth)},
           {"quantum_efficiency", d.quantum_efficiency},
           {"prnu", d.prnu},
           {"shot_noise", d.shot_noise},

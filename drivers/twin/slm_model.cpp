@@ -95,28 +95,52 @@ SlmModel::SlmModel(const Config& config)
   if (config.light.shape == LightShape::gaussian) {
     amplitude_ = make_gaussian_beam(config.slm.geometry, config.light.diameter_px);
   }
-  set_aberration(config.truth.aberration, config.truth.shades);
+  const SlmGeometry& slm = config.slm.geometry;
+  if (config.mirror) {
+    mirror_.emplace(*config.mirror, pupil_line(slm.width_px), pupil_line(slm.height_px));
+  }
+  set_light(config.truth);
 }
 
-void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades) {
+PupilLine SlmModel::pupil_line(int pixels) const {
+  const double step = 2.0 / config_.sensor.pupil_diameter_px;
+  return {-(pixels - 1) / 2.0 * step, step, pixels};
+}
+
+void SlmModel::set_screen(const std::optional<ScintillationConfig>& scintillation) {
+  if (scintillation == scintillation_) return;
+  scintillation_ = scintillation;
+  screen_.resize(0, 0);
+  if (!scintillation) return;
+  screen_ =
+      amplitude_screen(*scintillation, pupil_line(incident_.width), pupil_line(incident_.height));
+}
+
+void SlmModel::set_light(const Light& light) {
+  set_screen(light.scintillation);
+  const Eigen::MatrixXf mirror = mirror_ ? mirror_->waves(light.mirror_waves) : Eigen::MatrixXf();
   const int width = incident_.width, height = incident_.height;
   const Vec2 centre{(width - 1) / 2.0, (height - 1) / 2.0};
   const double diameter = config_.sensor.pupil_diameter_px;
-  const WavefrontRows wavefront(modes, centre, diameter);
+  const WavefrontRows wavefront(light.aberration, centre, diameter);
   const std::vector<std::complex<float>>& phasors = unit_phasors();
   std::vector<double> waves(std::size_t(width), 0.0);
   for (int y = 0; y < height; ++y) {
     const Columns pupil = columns_in_circle(centre, diameter, y, width);
     std::fill(waves.begin(), waves.end(), 0.0);
     wavefront.waves(y, pupil.begin, std::span(waves).subspan(pupil.begin, pupil.end - pupil.begin));
+    for (int x = pupil.begin; x < pupil.end && mirror.size() > 0; ++x) {
+      waves[std::size_t(x)] += double(mirror(x, y));
+    }
     std::complex<float>* row = incident_.row(y);
     for (int x = 0; x < width; ++x) {
       const double surface = surface_waves_.width > 0 ? double(surface_waves_.at(x, y)) : 0.0;
       row[x] = phasors[phase16(waves[std::size_t(x)] + surface)];
       if (amplitude_.width > 0) row[x] *= amplitude_.at(x, y);
+      if (screen_.size() > 0) row[x] *= screen_(x, y);
     }
   }
-  for (const Shade& shade : shades) dim(incident_, shade);
+  for (const Shade& shade : light.shades) dim(incident_, shade);
 }
 
 void SlmModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {

@@ -4,10 +4,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <complex>
-#include <span>
+#include <optional>
 
 #include "core/base/image.hpp"
-#include "core/optics/zernike.hpp"
 #include "drivers/twin/turbulence.hpp"
 #include "drivers/twin/twin_config.hpp"
 
@@ -21,9 +20,8 @@ class SlmModel {
  public:
   explicit SlmModel(const Config& config);
 
-  /// Sets the aberration of the light on the SLM and the shades in front of it. The aberration acts
-  /// inside the sensor's pupil and is 0 outside.
-  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {});
+  /// Sets the light on the SLM. Aberration and mirror act inside the sensor's pupil only.
+  void set_light(const Light& light);
 
   /// Sets the turbulence at time `t_ns` (UTC), which is added to the aberration; null: none.
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);
@@ -45,10 +43,16 @@ class SlmModel {
   const Image<float>& surface_waves() const { return surface_waves_; }
 
  private:
+  PupilLine pupil_line(int pixels) const;
+  void set_screen(const std::optional<ScintillationConfig>& scintillation);
+
   Config config_;
   GreyPhasors phasor_of_grey_;
-  Image<float> surface_waves_;           ///< flatness error; empty: none
-  Image<float> amplitude_;               ///< beam amplitude; empty: 1 everywhere
+  Image<float> surface_waves_;              ///< flatness error; empty: none
+  Image<float> amplitude_;                  ///< beam amplitude; empty: 1 everywhere
+  std::optional<DeformableMirror> mirror_;  ///< on the SLM's pixels
+  std::optional<ScintillationConfig> scintillation_;
+  Eigen::MatrixXf screen_;               ///< amplitudes for scintillation_, indices (x, y)
   Image<std::complex<float>> incident_;  ///< field of beam, aberration, shades and flatness error
   Eigen::MatrixXf turbulence_waves_;     ///< in the pupil's square, indices (x, y); empty: none
   int turbulence_x_px_ = 0, turbulence_y_px_ = 0;  ///< pixel of its element (0, 0)

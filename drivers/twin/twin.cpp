@@ -57,7 +57,7 @@ Twin::~Twin() {
 
 std::string Twin::addresses() const {
   return "camera=" + config_.camera.address + ":3956/udp control=" + config_.control_endpoint +
-         " slm=" + config_.slm.display;
+         " slm=" + (config_.slm.display.empty() ? "none" : config_.slm.display);
 }
 
 }  // namespace ovws::twin

@@ -1,11 +1,9 @@
 #include "drivers/twin/twin_config.hpp"
 
 #include <fstream>
-#include <numbers>
 #include <sstream>
 
 #include "core/optics/lattice.hpp"
-#include "drivers/twin/camera_map.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
 #include "proto/requests.hpp"
@@ -73,7 +71,22 @@ void read(ObjectReader& r, LightConfig& light, Truth& truth) {
   r.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
 }
 
+void read_mirror(ObjectReader& r, std::optional<MirrorConfig>& mirror) {
+  if (!r.has("mirror")) return;
+  mirror.reset();
+  if (r.is_null("mirror")) return;
+  MirrorConfig& m = mirror.emplace();
+  r.object("mirror", [&m](ObjectReader& in) {
+    in.integer("actuators_across", m.actuators_across, 2, 64);
+    in.number("coupling", m.coupling, 0.001, 0.9);
+  });
+}
+
 void read(ObjectReader& r, Config& c) {
+  int modulator = int(c.modulator);
+  r.choice("modulator", modulator, {"slm", "fixed"});
+  c.modulator = Modulator(modulator);
+  r.object("array", [&](ObjectReader& in) { read_array(in, c.array); });
   r.object("camera", [&](ObjectReader& in) { read(in, c.camera, c.truth.geometry); });
   r.object("slm", [&](ObjectReader& in) { read(in, c.slm); });
   r.object("optics", [&](ObjectReader& in) { read(in, c.optics, c.truth.geometry); });
@@ -85,16 +98,8 @@ void read(ObjectReader& r, Config& c) {
   read_shades(r, c.truth);
   read_noise(r, c.truth);
   read_turbulence(r, c.truth.turbulence);
-}
-
-/// Photons in a whole charge-1 spot per photon in its brightest pixel (ideal optics).
-double photons_per_peak_photon(const Config& config, const Truth& truth) {
-  // For an aperture of A pixels, |F|max = kVortexPeak A. The integral of |F|^2 over one period of
-  // the frequencies is A (Parseval). A camera pixel spans 1 / S cycles per SLM pixel.
-  const double radius = config.sensor.pupil_diameter_px / config.sensor.subapertures_across / 2;
-  const double area = std::numbers::pi * radius * radius;
-  const double scale = camera_map(config, truth.geometry).scale;
-  return scale * scale / (kVortexPeak * kVortexPeak * area);
+  read_scintillation(r, c.truth.scintillation);
+  read_mirror(r, c.mirror);
 }
 
 }  // namespace
@@ -179,6 +184,18 @@ void read_turbulence(ObjectReader& r, std::optional<TurbulenceConfig>& turbulenc
   });
 }
 
+void read_scintillation(ObjectReader& r, std::optional<ScintillationConfig>& scintillation) {
+  if (!r.has("scintillation")) return;
+  scintillation.reset();
+  if (r.is_null("scintillation")) return;
+  ScintillationConfig& s = scintillation.emplace();
+  r.object("scintillation", [&s](ObjectReader& in) {
+    in.number("variance", s.variance, 0.0, 10.0);
+    in.number("scale_pupils", s.scale_pupils, 0.02, 10.0);
+    in.integer("seed", s.seed, 0, 1'000'000);
+  });
+}
+
 void read_geometry(ObjectReader& r, CameraGeometry& geometry) {
   r.object("geometry", [&](ObjectReader& in) {
     read_rotation(in, geometry);
@@ -191,15 +208,6 @@ const std::vector<std::string>& mirror_names() {
   return names;
 }
 
-double photons_per_spot(const Config& config, const Truth& truth) {
-  return truth.peak_electrons / truth.detector.quantum_efficiency *
-         photons_per_peak_photon(config, truth);
-}
-
-double peak_electrons_for(const Config& config, const Truth& truth, double photons) {
-  return photons * truth.detector.quantum_efficiency / photons_per_peak_photon(config, truth);
-}
-
 Result<Config> parse_config(const std::string& json_text) {
   const auto json = parse_strict_json(json_text, kMaxConfigDepth, JsonComments::allowed);
   if (!json) return fail(Errc::invalid, "", json.error().reason);
@@ -207,7 +215,13 @@ Result<Config> parse_config(const std::string& json_text) {
   ObjectReader reader(*json, "");
   read(reader, config);
   if (auto done = reader.finish(); !done) return fail(done.error());
-  if (auto lattice = make_lattice(config.sensor, config.slm.geometry); !lattice) {
+  if (config.modulator == Modulator::fixed) {
+    config.slm.display.clear();
+    if (auto done = check_array(config.array, config.optics, config.truth.geometry.magnification);
+        !done) {
+      return fail(done.error());
+    }
+  } else if (auto lattice = make_lattice(config.sensor, config.slm.geometry); !lattice) {
     return fail(lattice.error());
   }
   return config;

@@ -10,6 +10,9 @@
 #include "core/optics/detector.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/zernike.hpp"
+#include "drivers/twin/array_config.hpp"
+#include "drivers/twin/deformable_mirror.hpp"
+#include "drivers/twin/scintillation.hpp"
 #include "drivers/twin/turbulence.hpp"
 #include "proto/reader.hpp"
 
@@ -26,7 +29,7 @@ struct CameraConfig {
 /// 2 pi depth_waves (g / 256)^gamma plus the flatness error of the surface. With a negative
 /// depth_waves the phase falls.
 struct SlmConfig {
-  std::string display = "DUMMY1";  ///< output name on the X server
+  std::string display = "DUMMY1";  ///< output name on the X server; empty: none, the SLM is off
   SlmGeometry geometry;            ///< keys width, height, pitch_um
   double gamma = 1.0;
   double depth_waves = 1.0;
@@ -70,11 +73,20 @@ enum class Noise {
   none,   ///< no noise: the mean image, quantised
 };
 
-/// Ground truth: bench parameters that can change while the twin runs and that only it knows.
-struct Truth {
-  /// Aberration of the light on the SLM, as Zernike modes over the sensor's pupil.
+/// The light in front of the sensor, except for turbulence.
+struct Light {
+  /// Aberration of the light on the sensor, as Zernike modes over its pupil.
   std::vector<Mode> aberration;
-  std::vector<Shade> shades;
+  std::vector<Shade> shades{};
+  /// Of each actuator of the deformable mirror, waves; empty: all 0.
+  std::vector<double> mirror_waves{};
+  std::optional<ScintillationConfig> scintillation{};
+
+  friend bool operator==(const Light&, const Light&) = default;
+};
+
+/// Ground truth: bench parameters that can change while the twin runs and that only it knows.
+struct Truth : Light {
   /// Laser power, as electrons in the brightest pixel of an ideal charge-1 spot after
   /// kReferenceExposureUs. At equal power the peak of a charge-0 spot is 3.9 times higher.
   /// Interference with neighbouring spots raises a charge-1 peak by a factor of 1.2 to 1.4.
@@ -87,12 +99,18 @@ struct Truth {
   Noise noise = Noise::fresh;
 };
 
+/// What makes the spots: the SLM behind a lens, or a fixed array of lenslets.
+enum class Modulator { slm, fixed };
+
 struct Config {
+  Modulator modulator = Modulator::slm;
   CameraConfig camera;
+  ArrayConfig array;  ///< Modulator::fixed only; slm and most of sensor are then not used
   SlmConfig slm;
   OpticsConfig optics;  ///< truth.geometry replaces its magnification and centre_px
   SensorConfig sensor;  ///< sensor of the expected hologram: pupil and spot positions
   LightConfig light;
+  std::optional<MirrorConfig> mirror;  ///< deformable mirror over the pupil; none: there is none
   Truth truth;
   std::string control_endpoint = "tcp://127.0.0.1:7790";
 };
@@ -118,12 +136,9 @@ void read_noise(ObjectReader& reader, Truth& truth);
 /// Reads the key `turbulence`. null switches the turbulence off. An object replaces the whole
 /// configuration, with defaults for missing keys. Without the key, the turbulence is unchanged.
 void read_turbulence(ObjectReader& reader, std::optional<TurbulenceConfig>& turbulence);
+/// Reads the key `scintillation` in the same way.
+void read_scintillation(ObjectReader& reader, std::optional<ScintillationConfig>& scintillation);
 /// Reads the object `geometry` of twin.set; missing keys keep their values.
 void read_geometry(ObjectReader& reader, CameraGeometry& geometry);
-
-/// Mean photons that reach the camera from one subaperture in kReferenceExposureUs.
-/// peak_electrons_for is the inverse: the peak_electrons for this number of photons.
-double photons_per_spot(const Config& config, const Truth& truth);
-double peak_electrons_for(const Config& config, const Truth& truth, double photons);
 
 }  // namespace ovws::twin

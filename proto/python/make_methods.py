@@ -165,9 +165,10 @@ def given(key, schema, whole):
 def signature_lines(structures, name, schema, prefix):
     required = schema["params"].get("required", [])
     kinds = {key: type_of_param(structures, key, schema["params"]["properties"][key], schema["params"]) for key in given_keys(schema)}
-    arguments = ["self"] + ["binary: Binary = None"] * ("binary_params" in schema) + [f"{key}: {kinds[key]}" for key in kinds if key in required]
-    arguments += ["*"] * (len(kinds) > len(required))
-    arguments += [f"{key}: {kinds[key]} | LeftOut = LEFT_OUT" for key in kinds if key not in required]
+    given, left_out = ([key for key in kinds if (key in required) is due] for due in (True, False))
+    plain = [f"{key}: {kinds[key]}" for key in given]
+    arguments = ["self", *(["binary: Binary = None", *["*"] * bool(kinds), *plain] if "binary_params" in schema else [*plain, *["*"] * bool(left_out)])]
+    arguments += [f"{key}: {kinds[key]} | LeftOut = LEFT_OUT" for key in left_out]
     begin, end = f"    {prefix}def {name.replace('.', '_')}(", f") -> {result_type(structures, schema, prefix)}:"
     line = begin + ", ".join(arguments) + end
     yield ""

@@ -17,6 +17,9 @@ template <>
 inline constexpr NamesOf kNames<Disagreement> =
     texts<"none", "sign", "axes", "scale", "rotation", "parity", "order", "single_modes", "unlike">;
 
+template <>
+inline constexpr NamesOf kNames<MatrixSource> = texts<"run", "set">;
+
 struct CalibratedMode {
   int j = 0;
   double amplitude_waves = 0.0;
@@ -67,6 +70,9 @@ inline constexpr auto kTable<CalibrationReport> = Fields{
     "CalibrationReport",
     field<&CalibrationReport::t_taken_ns>(kTimeMeaning),
     time_text("t_taken", &CalibrationReport::t_taken_ns),
+    computed(
+        "source", [](auto& c) { return c.matrix.source; },
+        "run: measured by calibration.run; set: given by a client with calibration.set"),
     field<&CalibrationReport::sha256>(kSha256Meaning).or_null(),
     field<&CalibrationReport::amplitude_waves>("requested poke amplitude, RMS-normalised waves"),
     field<&CalibrationReport::frames>("number of frames averaged for each poke",
@@ -100,7 +106,7 @@ inline constexpr auto kTable<CalibrationReport> = Fields{
     computed(
         "drift_px", [](auto& c) { return c.matrix.drift_px; },
         "drift of the unpoked spots from the start to the end of the calibration, RMS over spots "
-        "and both axes, camera pixels",
+        "and both axes, camera pixels; 0 if a client gave the matrix",
         Bounds::at_least(0)),
     computed(
         "drift_noise_px", [](auto& c) { return c.matrix.drift_noise_px; },

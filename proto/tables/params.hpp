@@ -140,6 +140,31 @@ inline constexpr auto kTable<CalibrationRun> =
                .sized(1, kMaxZernikeIndex)
                .unlike()};
 
+/// Params of `calibration.set`; the matrix and its standard errors are the request's binary frame.
+struct CalibrationSet {
+  std::vector<int> shape;  ///< 2, 2 x subapertures, modes
+  std::vector<int> modes_j;
+  double amplitude_waves = 0.0;
+  int frames = 0;
+};
+template <>
+inline constexpr auto kTable<CalibrationSet> = Fields{
+    "CalibrationSet",
+    field<&CalibrationSet::shape>("shape of the binary frame: [2, 2 x subapertures, modes]",
+                                  limits::kMatrixRows)
+        .sized(3, 3)
+        .mandatory(),
+    field("modes", &CalibrationSet::modes_j, "OSA/ANSI indices of the columns",
+          {1, kMaxZernikeIndex})
+        .sized(1, kMaxZernikeIndex)
+        .unlike()
+        .mandatory(),
+    field<&CalibrationSet::amplitude_waves>("amplitude of the pokes, RMS-normalised waves",
+                                            limits::kGivenPokeWaves)
+        .mandatory(),
+    field<&CalibrationSet::frames>("number of frames averaged for each poke", limits::kPokeFrames)
+        .mandatory()};
+
 struct SlmShow {
   HologramKind pattern = HologramKind::sensor;
 };

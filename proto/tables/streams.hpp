@@ -4,6 +4,7 @@
 #include "core/base/pixels.hpp"
 #include "proto/messages.hpp"
 #include "proto/tables/camera.hpp"
+#include "proto/tables/corrector.hpp"
 #include "proto/tables/frame_terms.hpp"
 #include "proto/tables/modes.hpp"
 #include "proto/tables/status.hpp"
@@ -144,6 +145,17 @@ inline constexpr auto kTable<SpotsMessage> =
            computed(
                "column_units", [](const SpotsMessage&) { return kSpotColumnUnits; },
                "units of the columns: camera pixels; camera grey levels; 1 for quality, 0 to 1")};
+
+template <>
+inline constexpr auto kTable<CorrectorMessage> =
+    Fields{"Corrector",
+           constant("schema", "ovws.corrector/1", "schema and version of this message"),
+           based<FrameMessage>(),
+           field<&CorrectorMessage::matrix>(kCorrectorMatrixMeaning, Bounds::at_least(1)),
+           computed(
+               "shape", [](auto& m) { return std::array{int(m.commands.size())}; },
+               "shape of the binary part: [actuators]; [0], and no binary part, if not valid"),
+           kFloats};
 
 template <>
 inline constexpr auto kTable<ImageMessage> =

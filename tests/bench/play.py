@@ -40,7 +40,8 @@ class Play:
     """Starts the display, the twin and the daemon of `bench`; `sensor` are the params of sensor.set."""
 
     def __init__(self, bench, sensor, twin_config=None, daemon_config=None):
-        bench.start_display()
+        slm = (daemon_config or {}).get("slm", {})
+        bench.start_display(slm_size=(slm.get("width", 1280), slm.get("height", 768)))
         bench.start_twin(twin_config or {})
         bench.start_daemon({"stream": {"image_rate_hz": 0}, **(daemon_config or {})})
         self.client, self.twin = Client(), Client("tcp://127.0.0.1:7790")

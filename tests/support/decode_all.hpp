@@ -2,6 +2,7 @@
 
 #include "proto/requests.hpp"
 #include "proto/rpc.hpp"
+#include "proto/tables/corrector.hpp"
 #include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
@@ -32,6 +33,8 @@ inline void decode_all(const Json& params) {
   (void)decode<LoopOpen>(params);
   (void)decode<LoopPause>(params);
   (void)decode<CalibrationRun>(params);
+  (void)decode<CalibrationSet>(params);
+  (void)decode<CorrectorSet>(params);
   (void)decode<GainSweepRun>(params);
   (void)decode<ExperimentCell>(params);
   (void)decode<SlmShow>(params);

@@ -68,7 +68,7 @@ void SimulatedOptics::show(const Image<std::uint8_t>& grey) {
 void SimulatedOptics::set_truth(const twin::Truth& truth) {
   const std::lock_guard lock(mutex_);
   model_->truth = truth;
-  model_->bench.set_aberration(truth.aberration, truth.shades);
+  model_->bench.set_light(truth);
   model_->window.reset();
   model_->intensity.reset();
   model_->detector.reset();

@@ -109,7 +109,17 @@ class Messages(BenchCase):
         self.checked_job("calibration.run", {"frames": 2, "modes": [1, 2]}, "calibration.get")
         call("calibration.get")
         call("system.status")
+        call("sensor.set", {"tracker": "lg"})
+        tilts = [10.0, 0.0, 0.0, 10.0] * 19  # x and y of each spot, by the two tilts
+        matrix = struct.pack("<152f", *tilts, *[0.0] * 76)
+        call("calibration.set", {"shape": [2, 38, 2], "modes": [1, 2], "amplitude_waves": 0.1, "frames": 20}, matrix)
         call("calibration.clear")
+        call("sensor.set", {"tracker": "fit"})
+        call("corrector.get")
+        modes = len(call("sensor.get")["modes_j"])
+        call("corrector.set", {"shape": [2, modes]}, bytes(4 * 2 * modes))
+        call("corrector.get")
+        call("corrector.clear")
 
     def call_experiment(self):
         call = self.checked_call
@@ -180,6 +190,10 @@ class Messages(BenchCase):
         self.call("slm.show", {"pattern": "flat"})
         self.call("slm.show", {"pattern": "sensor"})
         self.checked_message(numbers["event"], "event")
+        modes = len(self.call("sensor.get")["modes_j"])
+        self.client.call("corrector.set", {"shape": [3, modes]}, bytes(4 * 3 * modes))
+        commands, binary = self.checked_message(self.stream("corrector"), "corrector")
+        self.assertEqual(len(binary or b""), 4 * commands["shape"][0])
         for topic, size in (("image", 1), ("phase", 4)):
             message, binary = self.checked_message(pictures[topic], topic)
             self.assertEqual(len(binary), size * message["shape"][0] * message["shape"][1])

@@ -52,6 +52,7 @@ class Scripts(BenchCase):
     """Examples as separate programs, as a user runs them."""
 
     daemon_config = {"record": {"directory": "recordings"}}
+    twin_config = {"mirror": {"actuators_across": 9}}
 
     def run_here(self, command, path=PYTHON, **more):
         print("\n  $", shlex.join(map(str, command))[:120])

@@ -64,7 +64,8 @@ void add_watch(CLI::App& app, const Common& common, int& status) {
                          "arrives for that long");
   auto options = std::make_shared<WatchOptions>();
   command->add_option("topic", options->topic, "stream")
-      ->check(CLI::IsMember({"wavefront", "refined", "spots", "image", "phase", "status", "event"}))
+      ->check(CLI::IsMember(
+          {"wavefront", "refined", "spots", "corrector", "image", "phase", "status", "event"}))
       ->capture_default_str();
   command->add_option("-n,--count", options->count, "end after this many messages; 0: never")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()));

@@ -254,6 +254,7 @@ std::string calibration_answer(const json& result) {
       fmt::format("calibration: {} modes, {} frames each, condition number {:.1f}, drift {:.4f} px",
                   result.at("modes").size(), result.at("frames").get<int>(),
                   number(result, "condition_number"), number(result, "drift_px"));
+  if (text_or(result, "source", "") == "set") text += "\ngiven by a client (calibration.set)";
   if (!is_true(result, "in_force")) text += "\nnot active: taken with other settings";
   for (const json& mode : result.at("dropped")) {
     text += fmt::format("\ndropped {}: {}", zernike_name(mode.at("j").get<int>()),

@@ -24,6 +24,7 @@ class CameraFinder;
 class ClientGuard;
 class ClosedLoop;
 struct Config;
+class Corrector;
 class Counters;
 class Disk;
 class ExperimentArchive;
@@ -57,6 +58,7 @@ struct Services {
   ClosedLoop& loop;
   LiveRefiner& refiner;
   Recorder& recorder;
+  Corrector& corrector;
   StatusReporter& status;
   SlmLoop& slm;
   Counters& counters;
@@ -138,9 +140,10 @@ constexpr MethodRow row(Role role, Action action) {
           }};
 }
 
-// Method rows: of the camera, of the sensor, of experiments, of references, and all others. Add a
-// method as a function and a row.
+// Method rows: of the camera, of an external corrector, of the sensor, of experiments, of
+// references, and all others. Add a method as a function and a row.
 std::span<const MethodRow> camera_methods();
+std::span<const MethodRow> corrector_methods();
 std::span<const MethodRow> sensor_methods();
 std::span<const MethodRow> experiment_methods();
 std::span<const MethodRow> reference_methods();

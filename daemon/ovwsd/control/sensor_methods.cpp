@@ -92,6 +92,12 @@ void run_calibration(Services& services, const CalibrationRun& params, Reply<Job
   run<kCalibrationRun, calibrate>(services, params, std::move(reply));
 }
 
+void give(Services& services, const CalibrationSet& given, std::string matrix,
+          Reply<KnownCalibration> reply) {
+  edit<calibration_of>(services, Hold::unheld(), give_calibration(given, std::move(matrix)),
+                       std::move(reply));
+}
+
 FlatnessReport flatness_of(const Services& services, const SensorSnapshot& now) {
   FlatnessReport report{services.config.slm.flatness, std::nullopt};
   const auto& f = now.slm->flatness;
@@ -215,6 +221,7 @@ constexpr std::array kRows{
     row<kAberrationSet, introduce>(Role::control, Action::set_aberration),
     row<kAberrationClear, introduce_none>(Role::control, Action::set_aberration),
     row<kCalibrationRun, run_calibration>(Role::control, Action::start_hologram_job),
+    row<kCalibrationSet, give>(Role::control, Action::clear_reference),
     row<kCalibrationGet, get<calibration_of>>(Role::read, Action::read),
     row<kCalibrationClear, clear<calibration_of, forget_calibration>>(Role::control,
                                                                       Action::clear_reference),

@@ -39,7 +39,7 @@ CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& c
 /// at the base spot. An unknown camera or SLM counts as equal.
 std::vector<std::string> differences(const CalibrationKey& a, const CalibrationKey& b);
 
-/// Result of calibration.run.
+/// Result of calibration.run, or a matrix of calibration.set.
 struct MeasuredCalibration {
   double amplitude_waves = 0.0;  ///< requested poke; some modes may have been poked by less
   int frames = 0;                ///< number of frames averaged for each hologram

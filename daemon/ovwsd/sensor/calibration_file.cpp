@@ -12,6 +12,7 @@
 #include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
+#include "proto/tables/calibration.hpp"
 #include "proto/tables/time.hpp"
 
 namespace ovws {
@@ -75,11 +76,14 @@ Result<EncodedMatrices> read_fields(const json& content, Calibration& calibratio
   }
   r.integer("frames", calibration.frames, limits::kPokeFrames.min, limits::kPokeFrames.max);
   r.string("t_taken", t_taken);
+  int source = 0;  // files of older versions have none: measured by calibration.run
+  r.choice("source", source, kNames<MatrixSource>());
+  matrix.source = MatrixSource(source);
   const json* const t_taken_ns = r.raw("t_taken_ns");
-  r.number("amplitude_waves", calibration.amplitude_waves, limits::kPokeWaves.min,
-           limits::kPokeWaves.max);
+  r.number("amplitude_waves", calibration.amplitude_waves, limits::kGivenPokeWaves.min,
+           limits::kGivenPokeWaves.max);
   r.numbers("amplitudes_waves", matrix.amplitude_waves, 0, kMaxZernikeIndex, 0.0,
-            limits::kPokeWaves.max);
+            limits::kGivenPokeWaves.max);
   r.integer("spots", encoded.spots, 1, kMaxSpots);
   auto modes = integers(r, "modes_j", matrix.modes_j, kMaxZernikeIndex, 1, kMaxZernikeIndex);
   auto lost = integers(r, "lost_spots", matrix.lost_spots, kMaxSpots, 0, kMaxSpots - 1);
@@ -155,7 +159,8 @@ json calibration_content(const Calibration& calibration) {
   for (const DroppedMode& one : matrix.dropped) {
     dropped.push_back({{"j", one.j}, {"reason", one.reason}});
   }
-  return {{"frames", calibration.frames},
+  return {{"source", kNames<MatrixSource>()[std::size_t(matrix.source)]},
+          {"frames", calibration.frames},
           {"t_taken_ns", calibration.t_taken_ns},
           {"t_taken", utc_text(calibration.t_taken_ns)},
           {"amplitude_waves", calibration.amplitude_waves},

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/optics/hologram.hpp"
@@ -54,6 +55,11 @@ SensorChange use_registration(Registration registration);
 /// Makes a calibration active and selects the operator `measured`. Show a hologram without a poke
 /// first, because its checksum is recorded in the calibration's origin.
 SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);
+/// `calibration.set`: makes a client's matrix the calibration, as `use_calibration`. `bytes` are
+/// the float32 of the binary frame. Errors: Errc::invalid, fields "shape", "modes" and "matrix":
+/// they contradict the sensor or each other, or a number is not finite; Errc::refused, field
+/// "tracker": the tracker is `fit`; those of interaction_matrix.
+SensorChange give_calibration(CalibrationSet given, std::string bytes);
 SensorChange use_lut(MeasuredLut lut);
 SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness);
 /// `reference.load`: makes a saved reference the active one; its origin and time stay.

@@ -66,9 +66,8 @@ void StreamPublisher::send_record(const FrameRecord& record) {
   WavefrontMessage wavefront;
   static_cast<FrameMessage&>(wavefront) = frame_message(record, wavelength_nm_);
   wavefront.loop_closed = deps_.loop.is_closed();
-  const std::int64_t latency_ns = monotonic_ns() - record.frame.t_arrival_mono_ns;
-  wavefront.t_publish_ns = utc_ns();
-  wavefront.latency_us = double(latency_ns) / 1000.0;
+  send_commands(record, wavefront);
+  stamp(record, wavefront);
   SpotsMessage spots;
   static_cast<FrameMessage&>(spots) = wavefront;
 
@@ -85,6 +84,25 @@ void StreamPublisher::send_record(const FrameRecord& record) {
   spots.spots = std::span(record.spots).first(std::size_t(record.spot_count));
   spots.reference_px = record.plan->reference_px;
   send(kTopicSpots, encode(spots, json_, binary_));
+}
+
+/// Commands come first, because a loop waits for them.
+void StreamPublisher::send_commands(const FrameRecord& record, const FrameMessage& frame) {
+  const CorrectorMatrix* const matrix = deps_.corrector.matrix();
+  if (matrix == nullptr) return;
+  CorrectorMessage message;
+  static_cast<FrameMessage&>(message) = frame;
+  message.matrix = matrix->number;
+  message.commands = deps_.corrector.commands(*matrix, record);
+  message.valid = !message.commands.empty();
+  message.seq = corrector_seq_++;
+  stamp(record, message);
+  send(kTopicCorrector, encode(message, json_));
+}
+
+void StreamPublisher::stamp(const FrameRecord& record, FrameMessage& message) const {
+  message.latency_us = double(monotonic_ns() - record.frame.t_arrival_mono_ns) / 1000.0;
+  message.t_publish_ns = utc_ns();
 }
 
 void StreamPublisher::send_queue() {

@@ -1,5 +1,5 @@
-/// The publisher of the measurement stream: sends wavefront and spots of each frame, and the queued
-/// event, status and refined messages.
+/// The publisher of the measurement stream: sends commands, wavefront and spots of each frame, and
+/// the queued event, status and refined messages.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,7 @@
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/sensor/wavefront_search.hpp"
+#include "daemon/ovwsd/streams/corrector.hpp"
 #include "drivers/zmq/publisher.hpp"
 #include "proto/messages.hpp"
 
@@ -24,13 +25,14 @@ struct StreamPublisherDeps {
   FrameBroker& frames;
   WavefrontSearch& search;
   ClosedLoop& loop;
+  Corrector& corrector;
   Counters& counters;
   StreamQueue& queue;
   LatencyHistogram& published_latency;
 };
 
-/// Frame fields that the `wavefront` and `spots` messages have in common, except `seq` and the
-/// publish times.
+/// Frame fields that the `wavefront`, `spots` and `corrector` messages have in common, except `seq`
+/// and the publish times.
 FrameMessage frame_message(const FrameRecord& record, double wavelength_nm);
 
 /// Agent of the publish thread. No other thread uses the socket.
@@ -44,13 +46,15 @@ class StreamPublisher : public Agent {
 
  private:
   void send_record(const FrameRecord& record);
+  void send_commands(const FrameRecord& record, const FrameMessage& frame);
+  void stamp(const FrameRecord& record, FrameMessage& message) const;
   void send_queue();
   void send(std::string_view topic, std::span<const std::byte> binary = {});
 
   Publisher socket_;
   double wavelength_nm_;
   StreamPublisherDeps deps_;
-  std::uint64_t wavefront_seq_ = 0, spots_seq_ = 0;
+  std::uint64_t wavefront_seq_ = 0, spots_seq_ = 0, corrector_seq_ = 0;
   std::string json_;
   std::vector<std::byte> binary_;
 };

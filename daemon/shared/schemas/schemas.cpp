@@ -56,7 +56,10 @@ Schema schema_of_stream(const Stream<M>& stream, const Json& examples) {
   message["title"] = title_of(stream.topic);
   message["description"] = stream.description;
   message["examples"] = Json::array({examples["messages"].at(stream.topic)});
-  return {std::string("stream.") + stream.topic, std::move(message)};
+  Schema schema;
+  schema.name.append("stream.").append(stream.topic);
+  schema.json = std::move(message);
+  return schema;
 }
 
 std::vector<Schema> make_schemas() {

@@ -2,11 +2,12 @@
 from .async_client import AsyncClient
 from .async_subscription import AsyncSubscription
 from .client import Client
+from .corrector import MirrorCalibration, MirrorLoop, calibrate_mirror, calibrate_sensor, set_matrix
 from .errors import ClientError, JobFailed, Lost, NoAnswer, NotUnderstood, Refused
 from .job import Job
 from .lattice import px_per_slope, subaperture_centres
 from .measured import MeanWavefront
-from .messages import Event, Image, Message, Phase, Refined, Spots, Status, Wavefront
+from .messages import Corrector, Event, Image, Message, Phase, Refined, Spots, Status, Wavefront
 from .methods import LEFT_OUT, LeftOut
 from .mode_names import MODE_NAMES
 from .modes import mode_index, mode_name
@@ -17,8 +18,9 @@ from .wire import use_keys
 from .zernike import orders, osa_index, phase_map_waves, pupil_grid, zernike
 
 __all__ = [
-    "LEFT_OUT", "MODE_NAMES", "AsyncClient", "AsyncSubscription", "Client", "ClientError", "Event", "Grabbed", "Image", "Job", "JobFailed", "LeftOut",
-    "Lost", "MeanWavefront", "Message", "NoAnswer", "NotUnderstood", "Phase", "Presentation", "Refined", "Refused", "Spots", "Status", "Stream",
-    "Subscription", "Wavefront", "grab", "mode_index", "mode_name", "orders", "osa_index", "phase_map_waves", "pupil_grid", "px_per_slope",
+    "LEFT_OUT", "MODE_NAMES", "AsyncClient", "AsyncSubscription", "Client", "ClientError", "Corrector", "Event", "Grabbed", "Image", "Job",
+    "JobFailed", "LeftOut", "Lost", "MeanWavefront", "Message", "MirrorCalibration", "MirrorLoop", "NoAnswer", "NotUnderstood", "Phase",
+    "Presentation", "Refined", "Refused", "Spots", "Status", "Stream", "Subscription", "Wavefront", "calibrate_mirror", "calibrate_sensor",
+    "grab", "mode_index", "mode_name", "orders", "osa_index", "phase_map_waves", "pupil_grid", "px_per_slope", "set_matrix",
     "subaperture_centres", "use_keys", "zernike",
 ]

@@ -152,6 +152,22 @@ class Spots(FrameMessage):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Corrector(FrameMessage):
+    """Commands of one frame for an external corrector: the matrix of corrector_set times its coefficients. Not valid: none."""
+
+    topic = "corrector"
+    matrix: int
+    """number of the matrix, from the result of corrector_set"""
+    commands: NDArray[np.float32]
+    """one for each actuator, in the unit of the matrix; empty if not valid"""
+
+    @classmethod
+    def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
+        commands = _array(body, binary) if body["valid"] else np.empty(0, np.float32)
+        return super()._values(body, binary) | {"commands": commands}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Refined(Message):
     """Maximum-likelihood fit of the diffraction model to all pixels of a frame, published seconds after it."""
 

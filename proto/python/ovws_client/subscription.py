@@ -38,7 +38,7 @@ class Decoder(Generic[M]):
 
     def __init__(self, kinds: Sequence[type[M]], on_loss: OnLoss) -> None:
         if not kinds:
-            raise ValueError("give the kinds to subscribe to: Wavefront, Spots, Refined, Status, Event, Image or Phase")
+            raise ValueError("give the kinds to subscribe to: Wavefront, Spots, Corrector, Refined, Status, Event, Image or Phase")
         self._kinds = {kind.topic.encode(): kind for kind in kinds}
         self._raises = on_loss == "raise"
         self.losses = Losses()

@@ -72,7 +72,7 @@ TEST(BenchModel, WhatWasSeenBeforeLeavesNoTrace) {
   const auto check = [&](const Image<std::uint8_t>& grey, const Roi& window, bool lit,
                          const Turbulence* turbulence, const char* step) {
     BenchModel fresh(bench());
-    if (lit) fresh.set_aberration(defocus, shade);
+    if (lit) fresh.set_light({defocus, shade});
     fresh.set_window(window, {});
     fresh.set_turbulence(turbulence, kNow);
     EXPECT_EQ(used.intensity(grey).pixels, fresh.intensity(grey).pixels) << step;
@@ -83,7 +83,7 @@ TEST(BenchModel, WhatWasSeenBeforeLeavesNoTrace) {
   check(rough_beside_pupil(bent), kWindow, false, nullptr, "other light beside the pupil");
   used.set_turbulence(&air, kNow);
   check(flat, kWindow, false, &air, "turbulence");
-  used.set_aberration(defocus, shade);
+  used.set_light({defocus, shade});
   check(flat, kWindow, true, &air, "other light");
   used.set_window(elsewhere, {});
   check(flat, elsewhere, true, &air, "other window");

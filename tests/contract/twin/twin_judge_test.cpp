@@ -52,7 +52,7 @@ TEST_P(BothPatterns, AnAberrationAndItsExactOppositeLeaveNothing) {
   const Config config = bench();
   const Modes hidden{{3, 0.2}, {7, -0.15}, {12, 0.1}, {1, 0.12}};  // 0.3 wave RMS
   const auto verdict = Judge(config).judge(GetParam(), shown(config, GetParam(), opposite(hidden)),
-                                           hidden, nullptr, 0);
+                                           {hidden, {}}, nullptr, 0);
   ASSERT_TRUE(verdict);
   EXPECT_LT(verdict->rms_with_tilt_waves, 0.003);
   EXPECT_GT(verdict->strehl_with_tilt, 0.999);
@@ -63,7 +63,7 @@ TEST_P(BothPatterns, FindsAWavefrontOfManyWaves) {
   const Modes hidden{{1, 1.5}, {2, -2.0}, {4, 1.2}, {5, -0.8}, {8, 0.5}, {17, 0.2}};
   const auto start = std::chrono::steady_clock::now();
   const auto verdict =
-      Judge(config).judge(GetParam(), shown(config, GetParam()), hidden, nullptr, 0);
+      Judge(config).judge(GetParam(), shown(config, GetParam()), {hidden, {}}, nullptr, 0);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   std::printf("  %.0f ms\n", took.count());
   ASSERT_TRUE(verdict);
@@ -117,7 +117,7 @@ TEST_P(BothPatterns, TurbulenceIsPartOfTheWavefront) {
 TEST(Judge, StrehlOfAstigmatismIsThatOfMarechal) {
   const Config config = bench();
   const auto verdict = Judge(config).judge(Pattern::grating, shown(config, Pattern::grating),
-                                           Modes{{3, 0.1}}, nullptr, 0);
+                                           {{{3, 0.1}}, {}}, nullptr, 0);
   ASSERT_TRUE(verdict);
   const double marechal = std::exp(-std::pow(2.0 * std::numbers::pi * 0.1, 2));
   EXPECT_NEAR(verdict->strehl, marechal, 0.02 * marechal);
@@ -129,7 +129,7 @@ TEST(Judge, StrehlOfAstigmatismIsThatOfMarechal) {
 TEST(Judge, DistinguishesTiltFromTheRest) {
   const Config config = bench();
   const auto verdict = Judge(config).judge(Pattern::grating, shown(config, Pattern::grating),
-                                           Modes{{2, 0.25}}, nullptr, 0);
+                                           {{{2, 0.25}}, {}}, nullptr, 0);
   ASSERT_TRUE(verdict);
   EXPECT_LT(verdict->rms_waves, 0.001);
   EXPECT_NEAR(verdict->rms_with_tilt_waves, 0.25, 0.001);
@@ -143,7 +143,7 @@ TEST_P(BothPatterns, FirstOrderIsTheEfficiencyOfTheSlm) {
   const Config config = bench(R"({"slm": {"depth_waves": 0.7}})");
   const Modes hidden{{4, 0.3}};
   const auto verdict =
-      Judge(config).judge(GetParam(), shown(config, GetParam()), hidden, nullptr, 0);
+      Judge(config).judge(GetParam(), shown(config, GetParam()), {hidden, {}}, nullptr, 0);
   ASSERT_TRUE(verdict);
   // A blazed grating of 0.7 waves has the efficiency sinc^2(0.3).
   const double x = 0.3 * std::numbers::pi;
@@ -176,7 +176,7 @@ TEST(Judge, JudgesASmallPupilAndABeamThatIsNotUniform) {
   const Turbulence air({.rms_waves = 0.05, .tilt = false});
   for (const Pattern pattern : {Pattern::sensor, Pattern::grating}) {
     const auto verdict =
-        Judge(config).judge(pattern, shown(config, pattern), Modes{{5, 0.2}}, &air, 123);
+        Judge(config).judge(pattern, shown(config, pattern), {{{5, 0.2}}, {}}, &air, 123);
     ASSERT_TRUE(verdict);
     EXPECT_NEAR(verdict->modes[5].waves, 0.2 + air.modes(123)[5], 0.02);
     EXPECT_LT(verdict->strehl, 0.5);

@@ -70,6 +70,8 @@ TEST(TwinConfig, TheFileInTheRepositoryIsWhatEmptyMeans) {
   EXPECT_EQ(file->truth.detector.black_level_dn, defaults.truth.detector.black_level_dn);
   EXPECT_EQ(file->truth.detector.prnu, defaults.truth.detector.prnu);
   EXPECT_EQ(file->sensor, defaults.sensor);
+  EXPECT_EQ(file->modulator, defaults.modulator);
+  EXPECT_EQ(file->array, defaults.array);
   EXPECT_EQ(file->truth.geometry, defaults.truth.geometry);
   EXPECT_EQ(file->truth.turbulence, defaults.truth.turbulence);
   EXPECT_EQ(file->camera.sensor_width, defaults.camera.sensor_width);
@@ -88,8 +90,9 @@ TEST(TwinConfig, AberrationsOfUnitAmplitudeBecomeRms) {
 
 TEST(TwinConfig, PhotonsAndPeakElectronsAreEachOthersInverse) {
   const Config config = config_of("{}");
-  const double photons = photons_per_spot(config, config.truth);
-  EXPECT_NEAR(peak_electrons_for(config, config.truth, photons), config.truth.peak_electrons, 1e-6);
+  const double photons = BenchModel(config).photons_per_spot(config.truth);
+  EXPECT_NEAR(BenchModel(config).peak_electrons_for(config.truth, photons),
+              config.truth.peak_electrons, 1e-6);
 }
 
 TEST(BenchModel, AllLightOfTheSlmIsThatOfItsAreaInSpots) {
@@ -102,8 +105,9 @@ TEST(BenchModel, AllLightOfTheSlmIsThatOfItsAreaInSpots) {
   const double photons =
       sum * config.truth.peak_electrons / config.truth.detector.quantum_efficiency;
   const double spot_area_px = std::numbers::pi * 76.8 * 76.8;
-  EXPECT_NEAR(photons / photons_per_spot(config, config.truth) / (1280.0 * 768.0 / spot_area_px),
-              1.0, 0.01);
+  EXPECT_NEAR(
+      photons / BenchModel(config).photons_per_spot(config.truth) / (1280.0 * 768.0 / spot_area_px),
+      1.0, 0.01);
 }
 
 TEST(BenchModel, OneVortexAloneIsAsBrightAsTheUnitSays) {
@@ -131,9 +135,9 @@ TEST(BenchModel, AHiddenTiltMovesTheBrightSpotRightAndDownAsTheTruthSays) {
   model.set_window({224, 224, 64, 64}, {});
   const Image<std::uint8_t> grey = hologram(config.sensor);
   const std::vector<Mode> tilts{{2, 0.8}, {1, 0.5}};  // dW/dx and dW/dy, both positive
-  model.set_aberration(tilts);
+  model.set_light({tilts, {}});
   config.truth.aberration = tilts;
-  const Vec2 truth = true_spots_px(config, config.truth)[9] - Vec2{224, 224};
+  const Vec2 truth = BenchModel(config).true_spots_px(config.truth)[9] - Vec2{224, 224};
   EXPECT_GT(truth.x, 31.5 + 3.0);
   EXPECT_GT(truth.y, 31.5 + 2.0);
   EXPECT_GT(truth.x - 31.5, truth.y - 31.5);
@@ -152,7 +156,7 @@ TEST(BenchModel, AShadeTakesItsShareOfTheLightOfTheSubapertureBehindIt) {
     return std::accumulate(image.pixels.begin(), image.pixels.end(), 0.0);
   };
   const double shaded = light();
-  model.set_aberration({}, {});
+  model.set_light({});
   EXPECT_NEAR(shaded / light(), 0.25, 0.05);  // the neighbours' light is in the window, too
 }
 

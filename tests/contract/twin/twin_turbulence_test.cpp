@@ -10,6 +10,7 @@
 
 #include "core/optics/zernike.hpp"
 #include "drivers/twin/bench.hpp"
+#include "drivers/twin/bench_model.hpp"
 #include "drivers/twin/slm_model.hpp"
 #include "drivers/twin/turbulence.hpp"
 #include "drivers/twin/twin_config.hpp"
@@ -237,7 +238,7 @@ TEST(Bench, TheNextMomentIsComputedAheadAndIsTheOneThatTheSceneStates) {
     EXPECT_EQ(scene->turbulence, air.modes(scene->t_ns));
     bench.note_sent(1, t_ns, *scene);
     BenchModel model(config);
-    model.set_aberration(config.truth.aberration, config.truth.shades);
+    model.set_light(config.truth);
     model.set_window(kWindow, config.truth.geometry);
     model.set_turbulence(&air, scene->t_ns);
     EXPECT_EQ(scene->intensity->pixels, model.intensity(grey).pixels);

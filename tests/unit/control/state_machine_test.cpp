@@ -159,22 +159,22 @@ TEST(StateMachine, EveryStatePermitsEveryActionAsOneTableSays) {
   // Rows as DaemonState, columns as Action: read, set_camera, set_sensor, set_aberration,
   // show_pattern, start_job, clear_reference, cancel_job, save_config, set_refine, close_loop,
   // open_loop, set_correction, reload_config, record, watch,
-  // present, grab, start_hologram_job.
+  // present, grab, set_corrector, start_hologram_job.
   constexpr bool kAllowed[kStateCount][kActionCount] = {
-      {true, false, false, false, false, false, false, false, false, false, false, false, false,
-       false, false, false, false, false, false},  // stopping
-      {true, false, false, false, false, false, false, false, false, false, false, false, false,
-       false, false, false, false, false, false},  // starting
-      {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false, true, true, false},  // fault
-      {true, true, true, true, true, false, true, true, true, true, false, true, true, true, true,
-       false, true, false, false},  // waiting_for_camera
-      {true, true, false, false, false, false, true, true, true, true, false, true, false, true,
-       true, false, true, true, false},  // waiting_for_display
-      {true, false, false, false, false, false, false, true, false, true, false, true, false, false,
-       true, false, true, true, false},  // job_running
-      {true, true, true, true, true, true, true, true, true, true, true, true, true, true, true,
-       true, true, true, true},  // running
+      {true,  false, false, false, false, false, false, false, false, false,
+       false, false, false, false, false, false, false, false, false, false},  // stopping
+      {true,  false, false, false, false, false, false, false, false, false,
+       false, false, false, false, false, false, false, false, false, false},  // starting
+      {true,  true, false, false, false, false, true, true, true, true,
+       false, true, false, true,  true,  false, true, true, true, false},  // fault
+      {true,  true, true, true, true, false, true, true,  true, true,
+       false, true, true, true, true, false, true, false, true, false},  // waiting_for_camera
+      {true,  true, false, false, false, false, true, true, true, true,
+       false, true, false, true,  true,  false, true, true, true, false},  // waiting_for_display
+      {true,  false, false, false, false, false, false, true, false, true,
+       false, true,  false, false, true,  false, true,  true, true,  false},  // job_running
+      {true, true, true, true, true, true, true, true, true, true,
+       true, true, true, true, true, true, true, true, true, true},  // running
   };
   for (std::size_t s = 0; s < kStateCount; ++s) {
     for (std::size_t a = 0; a < kActionCount; ++a) {

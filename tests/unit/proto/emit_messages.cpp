@@ -10,6 +10,7 @@
 #include "proto/encode.hpp"
 #include "proto/requests.hpp"
 #include "proto/tables/calibration.hpp"
+#include "proto/tables/corrector.hpp"
 #include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
@@ -81,6 +82,16 @@ void print_frames() {
   s.spots = spots;
   (void)encode(s, text, scratch);
   print_stream(kTopicSpots, text);
+  const std::array<float, 2> commands{0.5F, -0.25F};
+  for (const bool valid : {true, false}) {
+    CorrectorMessage c;
+    c.tracker = "lg";
+    c.valid = valid;
+    c.matrix = 3;
+    if (valid) c.commands = commands;
+    (void)encode(c, text);
+    print_stream(kTopicCorrector, text);
+  }
 }
 
 void print_images() {
@@ -213,6 +224,11 @@ void print_calibrations() {
   }
   print_result("calibration.clear", to_json(KnownCalibration{}));
   print_result("calibration.run", to_json(JobNumber{4}));
+  matrix.source = MatrixSource::set;
+  print_result("calibration.set",
+               to_json(KnownCalibration{
+                   true, CalibrationReport{
+                             0.1, 20, 1, matrix, comparison, {}, "", {example.at("origin")}}}));
 }
 
 /// Gain sweeps; `bench` comes from the schema's example.
@@ -336,6 +352,10 @@ void print_results() {
   grabbed.frames.push_back({1, 2, true, 3, 4, 5.0, 6.0, kUnknownGain});
   grabbed.average = true;
   print_result("camera.grab", to_json(grabbed));
+  for (const char* const method : {"corrector.set", "corrector.get", "corrector.clear"}) {
+    print_result(method, to_json(KnownCorrector{3, 69, {1, 2, 3}, 1, ""}));
+    print_result(method, to_json(KnownCorrector{{}, {}, {}, {}, "there is no matrix"}));
+  }
   print_result("slm.present", to_json(PresentReport{7, 12, std::nullopt, std::nullopt}));
   print_result("slm.present", to_json(PresentReport{7, 12, 1, 2}));
   for (int k = 0; k <= int(JobState::cancelled); ++k) {
@@ -368,11 +388,13 @@ json any_value(std::mt19937& random) {
   return values[random() % values.size()];
 }
 
+/// Params with random values for up to two of `keys`, and for the others those of `given`.
 template <class P>
-void print_params(const char* method, const std::vector<std::string>& keys, int trials = 1000) {
+void print_params(const char* method, const std::vector<std::string>& keys, int trials = 1000,
+                  const json& given = json::object()) {
   std::mt19937 random(7);
   for (int k = 0; k < trials; ++k) {
-    json params = json::object();
+    json params = given;
     for (int n = int(random() % 3); n > 0; --n) {
       params[keys[random() % keys.size()]] = any_value(random);
     }
@@ -415,6 +437,10 @@ void print_all_params() {
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});
   print_params<ReferenceSet>("reference.set", {"source"}, 3000);
   print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});
+  print_params<CalibrationSet>(
+      "calibration.set", {"shape", "modes", "amplitude_waves", "frames", "mode"}, 1000,
+      {{"shape", {2, 38, 2}}, {"modes", {3, 4}}, {"amplitude_waves", 0.1}, {"frames", 20}});
+  print_params<CorrectorSet>("corrector.set", {"shape", "shapes"}, 3000);
   print_params<GainSweepRun>(
       "experiment.gain_sweep",
       {"gains_db", "frames", "reference_gain_db", "reference_frames", "aberrations", "arms",

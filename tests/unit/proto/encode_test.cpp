@@ -96,6 +96,29 @@ TEST(EncodeWavefront, LetsNeitherNanNorInfinityOut) {
   EXPECT_EQ(out.at("fit_residual_px"), json());
 }
 
+TEST(EncodeCorrector, HasOneFloatForEachActuatorOrNone) {
+  const std::array<float, 3> commands{1.5F, -2.0F, 0.25F};
+  CorrectorMessage m;
+  m.valid = true;
+  m.matrix = 7;
+  m.commands = commands;
+  std::string text;
+  const auto binary = encode(m, text);
+  json out = json::parse(text);
+  EXPECT_EQ(out.at("schema"), "ovws.corrector/1");
+  EXPECT_EQ(out.at("matrix"), 7);
+  EXPECT_EQ(out.at("shape"), json({3}));
+  ASSERT_EQ(binary.size(), 3 * sizeof(float));
+  EXPECT_EQ(float_at(binary, 1), -2.0F);
+
+  m.valid = false;
+  m.commands = {};
+  EXPECT_TRUE(encode(m, text).empty());
+  out = json::parse(text);
+  EXPECT_EQ(out.at("valid"), false);
+  EXPECT_EQ(out.at("shape"), json({0}));
+}
+
 TEST(EncodeRefined, SaysAllThatItHolds) {
   RefinedMessage m;
   m.frame_id = 1041;

@@ -140,5 +140,40 @@ TEST(InteractionMatrix, IsRefusedWithoutSpotsOrModes) {
   EXPECT_NE(still.error().reason.find("no mode"), std::string::npos) << still.error().reason;
 }
 
+TEST(GivenMatrix, IsTakenAsItIs) {
+  const PushPullBench bench;
+  Eigen::MatrixXf slopes = bench.truth.cast<float>();
+  slopes.middleRows(2 * 3, 2).setZero();
+  const Eigen::MatrixXf error = Eigen::MatrixXf::Constant(slopes.rows(), slopes.cols(), 0.01F);
+  const auto matrix = interaction_matrix(bench.modes_j, 0.25, slopes, error).value();
+  EXPECT_EQ(matrix.source, MatrixSource::set);
+  EXPECT_EQ(matrix.modes_j, bench.modes_j);
+  EXPECT_EQ(matrix.amplitude_waves, std::vector<double>(bench.modes_j.size(), 0.25));
+  EXPECT_EQ(matrix.lost_spots, std::vector<int>{3});
+  EXPECT_EQ(matrix.slopes, slopes.cast<double>());
+  EXPECT_EQ(matrix.standard_error, error.cast<double>());
+}
+
+TEST(GivenMatrix, IsRefusedIfItDoesNotDetermineItsModes) {
+  const PushPullBench bench;
+  const Eigen::MatrixXf good = bench.truth.cast<float>();
+  const Eigen::MatrixXf exact = Eigen::MatrixXf::Zero(good.rows(), good.cols());
+  const auto reason = [&](const Eigen::MatrixXf& slopes, const Eigen::MatrixXf& error) {
+    const auto matrix = interaction_matrix(bench.modes_j, 0.25, slopes, error);
+    return matrix ? std::string() : matrix.error().field + ": " + matrix.error().reason;
+  };
+  EXPECT_EQ(reason(good, exact), "");
+  Eigen::MatrixXf changed = good;
+  changed.col(4).setZero();
+  EXPECT_EQ(reason(changed, exact), "matrix: j = 5: it moves no spot");
+  changed = good;
+  changed.col(4) = 2.0F * good.col(1);
+  EXPECT_NE(reason(changed, exact).find("matrix: j = 5: it is not determined"), std::string::npos);
+  Eigen::MatrixXf noisy = exact;
+  noisy.col(2) = 0.2F * good.col(2).cwiseAbs();
+  EXPECT_NE(reason(good, noisy).find("matrix: j = 3: its noise is 20 %"), std::string::npos);
+  EXPECT_NE(reason(exact, exact).find("only 0 spots move"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace ovws

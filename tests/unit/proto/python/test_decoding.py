@@ -12,12 +12,12 @@ import ovws_client
 from ovws_client import Lost, NotUnderstood
 from ovws_client.subscription import Decoder, Losses
 
-KINDS = {kind.topic: kind for kind in (ovws_client.Wavefront, ovws_client.Spots, ovws_client.Refined, ovws_client.Status, ovws_client.Event,
+KINDS = {kind.topic: kind for kind in (ovws_client.Wavefront, ovws_client.Spots, ovws_client.Corrector, ovws_client.Refined, ovws_client.Status, ovws_client.Event,
                                        ovws_client.Image, ovws_client.Phase)}
 # Constants of the schema, and fields with another name in the client.
 CONSTANT = {"schema", "unit", "basis", "orientation", "columns", "column_units", "shape", "dtype"}
 RENAMED = {"coefficients": "coefficients_waves", "sigma": "sigma_waves"}
-BINARY = {"spots": {"x_y_px", "ref_x_y_px", "peak_dn", "quality"}, "image": {"pixels"}, "phase": {"waves"}}
+BINARY = {"spots": {"x_y_px", "ref_x_y_px", "peak_dn", "quality"}, "corrector": {"commands"}, "image": {"pixels"}, "phase": {"waves"}}
 
 
 def example(topic):
@@ -79,6 +79,12 @@ class Messages(unittest.TestCase):
         np.testing.assert_array_equal(spots.displacements_px, [[1, 2], [np.nan] * 2])
         np.testing.assert_array_equal(spots.peak_dn, [200, np.nan])
         np.testing.assert_array_equal(spots.quality, np.array([0.5, np.nan], "f4"))
+
+    def test_commands_come_with_valid_frames_only(self):
+        body = example("corrector") | {"shape": [3]}
+        corrector = KINDS["corrector"].of(body, np.array([1, -2, 0.5], "<f4").tobytes())
+        np.testing.assert_array_equal(corrector.commands, np.array([1, -2, 0.5], "f4"))
+        self.assertEqual(len(KINDS["corrector"].of(body | {"shape": [0], "valid": False}).commands), 0)
 
     def test_another_form_is_not_taken_for_this_one(self):
         def refused(topic, words, binary=None, **changes):

@@ -1,0 +1,37 @@
+/// Methods of an external corrector, which a client drives.
+#include "daemon/ovwsd/control/method_table.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "daemon/ovwsd/streams/corrector.hpp"
+
+namespace ovws {
+namespace {
+
+void get_corrector(Services& services, Reply<KnownCorrector> reply) {
+  reply(services.corrector.report(services.keeper.snapshot()->modes_j));
+}
+
+void set_corrector(Services& services, const CorrectorSet& given, std::string matrix,
+                   Reply<KnownCorrector> reply) {
+  const auto set = services.corrector.set(given, matrix, services.keeper.snapshot()->modes_j);
+  if (!set) return reply(set.error());
+  get_corrector(services, std::move(reply));
+}
+
+void clear_corrector(Services& services, Reply<KnownCorrector> reply) {
+  services.corrector.clear();
+  get_corrector(services, std::move(reply));
+}
+
+constexpr std::array kRows{
+    row<kCorrectorGet, get_corrector>(Role::read, Action::read),
+    row<kCorrectorSet, set_corrector>(Role::control, Action::set_corrector),
+    row<kCorrectorClear, clear_corrector>(Role::control, Action::set_corrector),
+};
+
+}  // namespace
+
+std::span<const MethodRow> corrector_methods() {
+  return kRows;
+}
+
+}  // namespace ovws

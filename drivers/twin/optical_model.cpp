@@ -1,0 +1,13 @@
+#include "drivers/twin/optical_model.hpp"
+
+#include "drivers/twin/array_model.hpp"
+#include "drivers/twin/bench_model.hpp"
+
+namespace ovws::twin {
+
+std::unique_ptr<OpticalModel> make_optical_model(const Config& config) {
+  if (config.modulator == Modulator::fixed) return std::make_unique<ArrayModel>(config);
+  return std::make_unique<BenchModel>(config);
+}
+
+}  // namespace ovws::twin
