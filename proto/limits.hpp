@@ -36,6 +36,7 @@ constexpr Numbers kPxPerCycle{-1e7, 1e7};
 constexpr double kMinPxPerCycle = 1.0;
 
 constexpr Integers kCharge{-8, 8};
+constexpr Numbers kMaskWaves{-10.0, 10.0};
 constexpr Integers kSubaperturesAcross{1, 31};
 constexpr Numbers kPupilDiameterPx{8.0, 16384.0};
 constexpr Numbers kGrooves{-8192.0, 8192.0};

@@ -32,6 +32,16 @@ Vec2 frequency(Vec2 centre_px, const SensorConfig& sensor, const SlmGeometry& sl
           (sensor.grooves[1] + sensor.spacing * centre_px.y) / slm.height_px};
 }
 
+/// Charge of the subaperture at `centre_px`, see make_lattice.
+int charge_at(Vec2 centre_px, const SensorConfig& sensor, double diameter_px) {
+  if (!sensor.alternate_charge) return sensor.charge;
+  const bool hexagonal = sensor.grid == Grid::hexagonal;
+  const double row_pitch = diameter_px * (hexagonal ? std::sqrt(0.75) : 1.0);
+  const long row = std::lround(centre_px.y / row_pitch);
+  const long column = hexagonal ? 0 : std::lround(centre_px.x / diameter_px);
+  return (row + column) % 2 == 0 ? sensor.charge : *sensor.alternate_charge;
+}
+
 Result<void> check_pupil(const SensorConfig& sensor, const SlmGeometry& slm) {
   if (slm.width_px < 1 || slm.height_px < 1) {
     return fail(Errc::invalid, "slm.width", "the SLM must be at least 1 x 1 pixel");
@@ -68,6 +78,9 @@ Result<void> check_count(std::size_t count) {
 
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm) {
   if (auto ok = check_pupil(sensor, slm); !ok) return fail(ok.error());
+  if (sensor.mask) {
+    if (auto ok = check_mask(*sensor.mask); !ok) return fail(ok.error());
+  }
   Lattice lattice;
   lattice.diameter_px = sensor.pupil_diameter_px / sensor.subapertures_across;
   const auto found = centres(sensor, lattice.diameter_px);
@@ -80,7 +93,7 @@ Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm)
                       " has " + std::to_string(f.x) + " x " + std::to_string(f.y) +
                       " cycles per SLM pixel, but the limit is 0.5: reduce grooves or spacing");
     }
-    lattice.subapertures.push_back({centre, f});
+    lattice.subapertures.push_back({centre, f, charge_at(centre, sensor, lattice.diameter_px)});
   }
   return lattice;
 }
