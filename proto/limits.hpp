@@ -36,6 +36,7 @@ constexpr Numbers kPxPerCycle{-1e7, 1e7};
 constexpr double kMinPxPerCycle = 1.0;
 
 constexpr Integers kCharge{-8, 8};
+constexpr Numbers kMaskWaves{-10.0, 10.0};
 constexpr Integers kSubaperturesAcross{1, 64};
 constexpr Numbers kLensletPitchUm{10.0, 10e3};
 constexpr Numbers kPupilMm{0.05, 1000.0};

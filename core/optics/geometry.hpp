@@ -9,6 +9,7 @@
 
 #include "core/base/result.hpp"
 #include "core/base/vec2.hpp"
+#include "core/optics/mask.hpp"
 
 namespace ovws {
 
@@ -113,6 +114,9 @@ struct SensorConfig {
   double pupil_diameter_px = 768.0;
   std::array<double, 2> grooves{200.0, 20.0};
   double spacing = 0.25;
+  /// Charge of every second subaperture (see make_lattice); none: `charge`, as all others.
+  std::optional<int> alternate_charge = std::nullopt;
+  std::optional<MaskConfig> mask = std::nullopt;  ///< phase added in every subaperture
   Lenslets lenslets{};  ///< of a fixed array, in place of the lattice by the values above
 
   friend bool operator==(const SensorConfig&, const SensorConfig&) = default;

@@ -25,8 +25,8 @@ Vec2 pupil_centre(const SlmGeometry& slm) {
 
 /// Phase of a subaperture along row y, waves (paper eq. 4). The grating's phase is 0 at the pupil's
 /// centre; the vortex angle is measured about `axis_px` from the subaperture's centre.
-void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diameter_px, int charge,
-                     Vec2 axis_px, int y, std::span<double> waves) {
+void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diameter_px, Vec2 axis_px,
+                     int y, std::span<double> waves) {
   const Vec2 pupil = pupil_centre(slm);
   const Vec2 centre = pupil + s.centre_px;
   const Columns columns = columns_in_circle(centre, diameter_px, y, slm.width_px);
@@ -34,14 +34,27 @@ void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diamet
     const double turns =
         std::atan2(y - centre.y - axis_px.y, x - centre.x - axis_px.x) / (2.0 * std::numbers::pi);
     waves[x] =
-        charge * turns + s.frequency_cpp.x * (x - pupil.x) + s.frequency_cpp.y * (y - pupil.y);
+        s.charge * turns + s.frequency_cpp.x * (x - pupil.x) + s.frequency_cpp.y * (y - pupil.y);
+  }
+}
+
+/// Adds a mask to a subaperture's phase along row y.
+void add_mask_row(const MaskConfig& mask, const SlmGeometry& slm, const Subaperture& s,
+                  double diameter_px, int y, std::span<double> waves) {
+  const Vec2 centre = pupil_centre(slm) + s.centre_px;
+  const Columns columns = columns_in_circle(centre, diameter_px, y, slm.width_px);
+  for (int x = columns.begin; x < columns.end; ++x) {
+    waves[x] += mask_waves(mask, (2.0 / diameter_px) * Vec2{x - centre.x, y - centre.y});
   }
 }
 
 void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
                 std::span<double> waves) {
   for (const Subaperture& s : lattice.subapertures) {
-    subaperture_row(config.slm, s, lattice.diameter_px, config.sensor.charge, {}, y, waves);
+    subaperture_row(config.slm, s, lattice.diameter_px, {}, y, waves);
+    if (config.sensor.mask) {
+      add_mask_row(*config.sensor.mask, config.slm, s, lattice.diameter_px, y, waves);
+    }
   }
 }
 
@@ -283,14 +296,14 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
   std::vector<double> waves(width);
   std::vector<std::uint16_t> phase(width);
   const std::vector<std::uint16_t> none(width, 0);
-  const Subaperture lone{probe.centre_px, probe.frequency_cpp};
+  const Subaperture lone{probe.centre_px, probe.frequency_cpp, probe.charge};
   const double diameter_px = probe.diameter_px > 0.0 ? probe.diameter_px : lattice_.diameter_px;
   const WavefrontRows added(probe.modes, pupil_centre(config_.slm),
                             config_.sensor.pupil_diameter_px);
   std::vector<double> added_waves(width);
   for (int y = 0; y < grey.height; ++y) {
     std::fill(waves.begin(), waves.end(), 0.0);
-    subaperture_row(config_.slm, lone, diameter_px, probe.charge, probe.axis_px, y, waves);
+    subaperture_row(config_.slm, lone, diameter_px, probe.axis_px, y, waves);
     const Columns lit =
         columns_in_circle(pupil_centre(config_.slm) + probe.centre_px, diameter_px, y, width);
     const auto part = std::span(added_waves).first(std::size_t(std::max(0, lit.end - lit.begin)));

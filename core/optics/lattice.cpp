@@ -33,6 +33,16 @@ Vec2 frequency(Vec2 centre_px, const SensorConfig& sensor, const SlmGeometry& sl
           (sensor.grooves[1] + sensor.spacing * centre_px.y) / slm.height_px};
 }
 
+/// Charge of the subaperture at `centre_px`, see make_lattice.
+int charge_at(Vec2 centre_px, const SensorConfig& sensor, double diameter_px) {
+  if (!sensor.alternate_charge) return sensor.charge;
+  const bool hexagonal = sensor.grid == Grid::hexagonal;
+  const double row_pitch = diameter_px * (hexagonal ? std::sqrt(0.75) : 1.0);
+  const long row = std::lround(centre_px.y / row_pitch);
+  const long column = hexagonal ? 0 : std::lround(centre_px.x / diameter_px);
+  return (row + column) % 2 == 0 ? sensor.charge : *sensor.alternate_charge;
+}
+
 Result<void> check_pupil(const SensorConfig& sensor, const SlmGeometry& slm) {
   if (slm.width_px < 1 || slm.height_px < 1) {
     return fail(Errc::invalid, "slm.width", "the SLM must be at least 1 x 1 pixel");
@@ -66,7 +76,12 @@ Result<void> check_count(std::size_t count) {
 }
 
 /// The lattice of a fixed array.
-Result<Lattice> lattice_of(const Lenslets& lenslets) {
+Result<Lattice> lattice_of(const SensorConfig& sensor) {
+  const Lenslets& lenslets = sensor.lenslets;
+  if (sensor.alternate_charge || sensor.mask) {
+    return fail(Errc::invalid, sensor.mask ? "sensor.mask" : "sensor.alternate_charge",
+                "a fixed array has one kind of plate in all lenslets: set null");
+  }
   if (!(lenslets.width_px > 0.0 && lenslets.px_per_cycle > 0.0)) {
     return fail(Errc::invalid, "sensor.lenslets", "width_px and px_per_cycle must be above 0");
   }
@@ -83,7 +98,7 @@ Result<Lattice> lattice_of(const Lenslets& lenslets) {
   }
   Lattice lattice{lenslets.diameter_px(), {}};
   for (const Vec2 centre : lenslets.centres_px) {
-    lattice.subapertures.push_back({centre, (1.0 / lenslets.px_per_cycle) * centre});
+    lattice.subapertures.push_back({centre, (1.0 / lenslets.px_per_cycle) * centre, sensor.charge});
   }
   return lattice;
 }
@@ -91,8 +106,11 @@ Result<Lattice> lattice_of(const Lenslets& lenslets) {
 }  // namespace
 
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm) {
-  if (!sensor.lenslets.empty()) return lattice_of(sensor.lenslets);
+  if (!sensor.lenslets.empty()) return lattice_of(sensor);
   if (auto ok = check_pupil(sensor, slm); !ok) return fail(ok.error());
+  if (sensor.mask) {
+    if (auto ok = check_mask(*sensor.mask); !ok) return fail(ok.error());
+  }
   Lattice lattice;
   lattice.diameter_px = subaperture_diameter_px(sensor);
   const auto found = centres(sensor, lattice.diameter_px);
@@ -105,7 +123,7 @@ Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm)
                       " has " + std::to_string(f.x) + " x " + std::to_string(f.y) +
                       " cycles per SLM pixel, but the limit is 0.5: reduce grooves or spacing");
     }
-    lattice.subapertures.push_back({centre, f});
+    lattice.subapertures.push_back({centre, f, charge_at(centre, sensor, lattice.diameter_px)});
   }
   return lattice;
 }

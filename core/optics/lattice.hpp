@@ -12,6 +12,7 @@ struct Subaperture {
   Vec2 centre_px;      ///< V_i: SLM pixels from the pupil's centre
   Vec2 frequency_cpp;  ///< cycles per SLM pixel: ((n_x + s V_ix)/p_x, (n_y + s V_iy)/p_y), paper
                        ///< eq. 3
+  int charge = 1;      ///< of the vortex that it imprints; 0: a bright spot
 };
 
 struct Lattice {
@@ -26,7 +27,12 @@ struct Lattice {
 /// centre for every M (number across), so an even M leaves half a subaperture free at the edge.
 /// Errors (Errc::invalid, field "sensor.…" or "slm.width"): empty SLM; pupil larger than the SLM's
 /// height or width; fewer than 3 or more than kMaxSubapertures subapertures; a grating beyond the
-/// SLM's Nyquist limit of 0.5 cycles per pixel.
+/// SLM's Nyquist limit of 0.5 cycles per pixel; a mask that check_mask refuses.
+///
+/// Charges: `sensor.charge`, or `sensor.alternate_charge` in every second subaperture: a
+/// checkerboard in a square grid, every second row in a hexagonal one, where four of a
+/// subaperture's six neighbours differ from it. The base subaperture has `sensor.charge`. Lenslets
+/// have neither an alternate charge nor a mask.
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm);
 
 constexpr int kMaxSubapertures = 2048;

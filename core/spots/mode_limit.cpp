@@ -13,7 +13,6 @@
 namespace ovws {
 namespace {
 
-constexpr double kPeakE = 500.0, kReadNoiseE = 5.0;
 constexpr int kTilts = 2;                // tip and tilt are the first modes
 constexpr double kConditioning = 1e-12;  // least rcond at which the modes are determined
 
@@ -29,22 +28,24 @@ Result<ModeErrors> mode_errors(const ModeBench& bench, int modes) {
   const std::vector<RenderedSpot> spots =
       renderer->render(std::vector<double>(static_cast<std::size_t>(modes)));
   const int pixels = spots.front().window.bin * spots.front().window.bin;
-  const std::vector<CellLevel> levels(spots.size(), CellLevel{kPeakE * pixels});
+  const std::vector<CellLevel> levels(spots.size(), CellLevel{bench.peak_e * pixels});
+  double light = 0.0;
+  for (const RenderedSpot& spot : spots) light += pixels * double(spot.light.sum());
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(modes, modes);
-  for (const SpotTemplates& spot :
-       make_templates(spots, levels, {kReadNoiseE * kReadNoiseE, 1.0}, bench.estimates)) {
+  for (const SpotTemplates& spot : make_templates(
+           spots, levels, {bench.read_noise_e * bench.read_noise_e, 1.0}, bench.estimates)) {
     if (spot.estimates() == 0) continue;
-    const Eigen::MatrixXd rows = kPeakE * pixels * spot.per_wave;
+    const Eigen::MatrixXd rows = bench.peak_e * pixels * spot.per_wave;
     normal.noalias() += rows.transpose() * rows;
   }
   const Eigen::LLT<Eigen::MatrixXd> solver(normal);
   if (solver.info() != Eigen::Success || !(solver.rcond() > kConditioning)) {
-    return ModeErrors{modes, kNever, kNever, 0.0};
+    return ModeErrors{modes, kNever, kNever, 0.0, light};
   }
   const Eigen::VectorXd variances =
       solver.solve(Eigen::MatrixXd::Identity(modes, modes)).diagonal();
   return ModeErrors{modes, std::sqrt(variances.tail(std::max(modes - kTilts, 0)).sum()),
-                    std::sqrt(variances.maxCoeff()), 1.0 / std::sqrt(normal(0, 0))};
+                    std::sqrt(variances.maxCoeff()), 1.0 / std::sqrt(normal(0, 0)), light};
 }
 
 Result<ModeErrors> most_modes(const ModeBench& bench, int below) {

@@ -14,16 +14,18 @@ struct ModeBench {
   const OpticsConfig& optics;
   int cols = 0, rows = 0;  ///< size of the camera image
   int estimates = 0;
-  LitPixels lit{};  ///< camera pixels that the laser reaches
+  LitPixels lit{};        ///< camera pixels that the laser reaches
+  double peak_e = 500.0;  ///< electrons in the brightest pixel
+  double read_noise_e = 5.0;
 };
 
-/// Standard errors of the modes j = 1 to `modes` for a flat wavefront, 500 electrons in the
-/// brightest pixel, and a read noise of 5 electrons.
+/// Standard errors of the modes j = 1 to `modes` for a flat wavefront.
 struct ModeErrors {
   int modes = 0;
-  double rms_waves = 0.0;    ///< root sum square of the standard errors without tilts
-  double worst_waves = 0.0;  ///< largest standard error of a mode
-  double tilt_waves = 0.0;   ///< standard error of a tilt that is the only mode
+  double rms_waves = 0.0;       ///< root sum square of the standard errors without tilts
+  double worst_waves = 0.0;     ///< largest standard error of a mode
+  double tilt_waves = 0.0;      ///< standard error of a tilt that is the only mode
+  double light_per_peak = 0.0;  ///< electrons in the windows of all spots per one of the peak
 
   /// Modes are determined if no standard error exceeds twice `tilt_waves`. With more modes the
   /// error grows steeply: 19 vortices of charge 1 determine 47 modes, 19 bright spots 26.

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <vector>
 
+#include "daemon/shared/encoding.hpp"
 #include "drivers/png/grey_png.hpp"
 
 namespace ovws {
@@ -71,13 +73,35 @@ Result<void> check_monotonic(const std::string& path, const PhaseLut& lut) {
                   path, wrong[0] - 1, lut[wrong[0] - 1], wrong[0], lut[wrong[0]], wrong.size()));
 }
 
-Result<std::shared_ptr<const Image<float>>> flatness_from_png(const std::string& path, int width,
-                                                              int height) {
-  const auto grey = read_grey16_png(path, width, height);
-  if (!grey) return fail(Errc::invalid, "slm.flatness", grey.error().reason);
-  auto waves = std::make_shared<Image<float>>(width, height);
-  std::transform(grey->pixels.begin(), grey->pixels.end(), waves->pixels.begin(),
+bool is_png(const std::string& path) {
+  return path.ends_with(".png") || path.ends_with(".PNG");
+}
+
+/// Phase map of a 16-bit PNG, waves: 65536 is one wave.
+Result<Image<float>> waves_of(const Result<Image<std::uint16_t>>& grey, const char* field) {
+  if (!grey) return fail(Errc::invalid, field, grey.error().reason);
+  Image<float> waves(grey->width, grey->height);
+  std::transform(grey->pixels.begin(), grey->pixels.end(), waves.pixels.begin(),
                  [](std::uint16_t level) { return float(level) / 65536.0F; });
+  return waves;
+}
+
+/// Phase map of a text file with one row of numbers (waves) per line.
+Result<Image<float>> waves_of_text(const std::string& path, const char* field) {
+  const auto lines = checked_lines(path, field);
+  if (!lines) return fail(lines.error());
+  const std::size_t cols = lines->empty() ? 0 : lines->front().size();
+  const auto other = std::find_if(lines->begin(), lines->end(),
+                                  [cols](const auto& l) { return l.size() != cols; });
+  if (other != lines->end()) {
+    return fail(Errc::invalid, field,
+                fmt::format("{}: row {} has {} numbers, the first row {}", path,
+                            other - lines->begin() + 1, other->size(), cols));
+  }
+  Image<float> waves(int(cols), int(lines->size()));
+  for (int y = 0; y < waves.height; ++y) {
+    std::copy((*lines)[std::size_t(y)].begin(), (*lines)[std::size_t(y)].end(), waves.row(y));
+  }
   return waves;
 }
 
@@ -107,35 +131,52 @@ Result<PhaseLut> load_lut(const std::string& path) {
 
 Result<std::shared_ptr<const Image<float>>> load_flatness(const std::string& path, int width,
                                                           int height) {
-  if (path.ends_with(".png") || path.ends_with(".PNG")) {
-    return flatness_from_png(path, width, height);
+  constexpr const char* kField = "slm.flatness";
+  auto waves = is_png(path) ? waves_of(read_grey16_png(path, width, height), kField)
+                            : waves_of_text(path, kField);
+  if (!waves) return fail(waves.error());
+  if (waves->width != width || waves->height != height) {
+    return fail(Errc::invalid, kField,
+                fmt::format("{} is {} x {} pixels, the SLM {} x {}: they must be equal", path,
+                            waves->width, waves->height, width, height));
   }
-  const auto lines = checked_lines(path, "slm.flatness");
-  if (!lines) return fail(lines.error());
-  const std::size_t cols = lines->empty() ? 0 : lines->front().size();
-  const auto other = std::find_if(lines->begin(), lines->end(),
-                                  [cols](const auto& l) { return l.size() != cols; });
-  if (other != lines->end()) {
-    return fail(Errc::invalid, "slm.flatness",
-                fmt::format("{}: row {} has {} numbers, the first row {}", path,
-                            other - lines->begin() + 1, other->size(), cols));
+  return std::make_shared<const Image<float>>(std::move(*waves));
+}
+
+Result<void> load_mask(SensorConfig& sensor) {
+  if (!sensor.mask || !sensor.mask->file) return {};
+  constexpr const char* kField = "sensor.mask.file";
+  MaskConfig& mask = *sensor.mask;
+  const std::string& path = *mask.file;
+  auto waves = is_png(path) ? waves_of(read_grey16_png(path, kMaxMaskPx), kField)
+                            : waves_of_text(path, kField);
+  if (!waves) return fail(waves.error());
+  const std::string sha256 = sha256_of(std::span<const float>(waves->pixels));
+  if (!mask.sha256.empty() && mask.sha256 != sha256) {
+    return fail(Errc::invalid, kField,
+                fmt::format("{} has another content than sensor.mask.sha256 says ({}): restore the "
+                            "file, or remove the checksum",
+                            path, sha256));
   }
-  if (cols != std::size_t(width) || lines->size() != std::size_t(height)) {
-    return fail(Errc::invalid, "slm.flatness",
-                fmt::format("{} is {} x {} pixels, the SLM {} x {}: they must be equal", path, cols,
-                            lines->size(), width, height));
-  }
-  auto waves = std::make_shared<Image<float>>(width, height);
-  for (int y = 0; y < height; ++y) {
-    std::copy((*lines)[std::size_t(y)].begin(), (*lines)[std::size_t(y)].end(), waves->row(y));
-  }
-  return waves;
+  mask.sha256 = sha256;
+  mask.map = std::make_shared<const Image<float>>(std::move(*waves));
+  return check_mask(mask);
+}
+
+Result<Config> load_config_and_mask(const std::string& path) {
+  auto config = path.empty() ? Result<Config>{Config{}} : load_config(path);
+  if (!config) return config;
+  if (auto read = load_mask(config->sensor); !read) return fail(read.error());
+  return config;
 }
 
 Result<HologramConfig> load_hologram_config(const Config& config) {
   HologramConfig hologram;
   hologram.slm = config.slm.geometry;
   hologram.sensor = config.sensor;
+  if (!config.sensor.mask || !config.sensor.mask->map) {
+    if (auto read = load_mask(hologram.sensor); !read) return fail(read.error());
+  }
   if (config.slm.lut) {
     auto lut = load_lut(*config.slm.lut);
     if (!lut) return fail(lut.error());

@@ -27,6 +27,10 @@ std::vector<Mode> modes_of(const json& list) {
 
 Result<HologramConfig> ingredients(const HologramSources& sources, const Config& config) {
   HologramConfig configured{config.slm.geometry, config.sensor, linear_lut(), nullptr};
+  if (!load_mask(configured.sensor)) {
+    return fail(Errc::unavailable, "",
+                "ovws-web cannot read the mask (sensor.mask.file) on this machine");
+  }
   configured.lut = sources.lut["grey_levels"].get<PhaseLut>();
   if (config.slm.flatness) {
     auto map = load_flatness(*config.slm.flatness, config.slm.geometry.width_px,

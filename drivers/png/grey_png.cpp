@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <memory>
@@ -52,22 +53,17 @@ std::string size_text(png_uint_32 width, png_uint_32 height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-Result<void> check_header(const Reader& reader, const std::string& path, int width, int height) {
-  if (png_get_bit_depth(reader.png, reader.info) != 16 ||
-      png_get_color_type(reader.png, reader.info) != PNG_COLOR_TYPE_GRAY) {
-    return fail(Errc::invalid, "", path + " is not a 16-bit greyscale PNG: convert it");
+Result<void> check_format(const Reader& reader, const std::string& path) {
+  if (png_get_bit_depth(reader.png, reader.info) == 16 &&
+      png_get_color_type(reader.png, reader.info) == PNG_COLOR_TYPE_GRAY) {
+    return {};
   }
-  const png_uint_32 cols = png_get_image_width(reader.png, reader.info);
-  const png_uint_32 rows = png_get_image_height(reader.png, reader.info);
-  if (cols == png_uint_32(width) && rows == png_uint_32(height)) return {};
-  return fail(Errc::invalid, "",
-              path + " is " + size_text(cols, rows) + " pixels, not " +
-                  size_text(png_uint_32(width), png_uint_32(height)));
+  return fail(Errc::invalid, "", path + " is not a 16-bit greyscale PNG: convert it");
 }
 
-}  // namespace
-
-Result<Image<std::uint16_t>> read_grey16_png(const std::string& path, int width, int height) {
+/// Reads a file whose size `fits(cols, rows)` accepts: it returns what is wrong, or an empty text.
+template <class Fits>
+Result<Image<std::uint16_t>> read_if(const std::string& path, Fits fits) {
   const auto unreadable = [&] {
     return fail(Errc::invalid, "", "the PNG file " + path + " cannot be read");
   };
@@ -78,12 +74,35 @@ Result<Image<std::uint16_t>> read_grey16_png(const std::string& path, int width,
   if (reader.png != nullptr) reader.info = png_create_info_struct(reader.png);
   if (reader.info == nullptr) return fail(Errc::internal, "", "libpng cannot be initialised");
   if (!read_header(reader.png, reader.info, file.get())) return unreadable();
-  if (auto fits = check_header(reader, path, width, height); !fits) return fail(fits.error());
-  Image<std::uint16_t> image(width, height);
-  std::vector<png_bytep> rows;
-  for (int y = 0; y < height; ++y) rows.push_back(reinterpret_cast<png_bytep>(image.row(y)));
-  if (!read_pixels(reader.png, rows.data())) return unreadable();
+  if (auto grey = check_format(reader, path); !grey) return fail(grey.error());
+  const png_uint_32 cols = png_get_image_width(reader.png, reader.info);
+  const png_uint_32 rows = png_get_image_height(reader.png, reader.info);
+  if (const std::string wrong = fits(cols, rows); !wrong.empty()) {
+    return fail(Errc::invalid, "", path + " is " + size_text(cols, rows) + " pixels, " + wrong);
+  }
+  Image<std::uint16_t> image{int(cols), int(rows)};
+  std::vector<png_bytep> lines;
+  for (int y = 0; y < image.height; ++y) {
+    lines.push_back(reinterpret_cast<png_bytep>(image.row(y)));
+  }
+  if (!read_pixels(reader.png, lines.data())) return unreadable();
   return image;
+}
+
+}  // namespace
+
+Result<Image<std::uint16_t>> read_grey16_png(const std::string& path, int width, int height) {
+  return read_if(path, [=](png_uint_32 cols, png_uint_32 rows) {
+    const bool fits = cols == png_uint_32(width) && rows == png_uint_32(height);
+    return fits ? "" : "not " + size_text(png_uint_32(width), png_uint_32(height));
+  });
+}
+
+Result<Image<std::uint16_t>> read_grey16_png(const std::string& path, int max_side) {
+  return read_if(path, [=](png_uint_32 cols, png_uint_32 rows) {
+    const bool fits = std::max(cols, rows) <= png_uint_32(max_side);
+    return fits ? "" : "more than " + std::to_string(max_side) + " along a side";
+  });
 }
 
 Result<std::string> encode_grey8_png(const Image<std::uint8_t>& image) {

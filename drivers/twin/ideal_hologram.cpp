@@ -16,6 +16,7 @@ struct Piece {
   double diameter_px = 0.0;
   Vec2 frequency_cpp;
   int charge = 0;
+  const MaskConfig* mask = nullptr;
 };
 
 std::vector<Piece> pieces(const Config& config, Pattern pattern) {
@@ -24,13 +25,13 @@ std::vector<Piece> pieces(const Config& config, Pattern pattern) {
   if (pattern == Pattern::grating) {
     return {{{},
              sensor.pupil_diameter_px,
-             {sensor.grooves[0] / slm.width_px, sensor.grooves[1] / slm.height_px},
-             0}};
+             {sensor.grooves[0] / slm.width_px, sensor.grooves[1] / slm.height_px}}};
   }
   const auto lattice = make_lattice(sensor, slm);
   std::vector<Piece> found;
   for (const Subaperture& s : lattice->subapertures) {
-    found.push_back({s.centre_px, lattice->diameter_px, s.frequency_cpp, sensor.charge});
+    found.push_back({s.centre_px, lattice->diameter_px, s.frequency_cpp, s.charge,
+                     sensor.mask ? &*sensor.mask : nullptr});
   }
   return found;
 }
@@ -46,8 +47,10 @@ Image<std::complex<float>> ideal_hologram(const Config& config, Pattern pattern)
     for (int y = 0; y < slm.height_px; ++y) {
       const Columns inside = columns_in_circle(centre, piece.diameter_px, y, slm.width_px);
       for (int x = inside.begin; x < inside.end; ++x) {
-        const double waves =
-            piece.frequency_cpp.x * (x - middle.x) + piece.frequency_cpp.y * (y - middle.y);
+        const Vec2 at = (2.0 / piece.diameter_px) * Vec2{x - centre.x, y - centre.y};
+        const double waves = piece.frequency_cpp.x * (x - middle.x) +
+                             piece.frequency_cpp.y * (y - middle.y) +
+                             (piece.mask != nullptr ? mask_waves(*piece.mask, at) : 0.0);
         const double angle = 2.0 * std::numbers::pi * (waves - std::floor(waves)) +
                              piece.charge * std::atan2(y - centre.y, x - centre.x);
         ideal.at(x, y) = {float(std::cos(angle)), float(std::sin(angle))};

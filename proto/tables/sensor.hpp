@@ -8,6 +8,7 @@
 #include "core/optics/lattice.hpp"
 #include "proto/field_json.hpp"
 #include "proto/names.hpp"
+#include "proto/tables/modes.hpp"
 
 namespace ovws {
 
@@ -38,6 +39,18 @@ inline constexpr auto kTable<Lenslets> =
                .sized(1, kMaxSubapertures)};
 
 template <>
+inline constexpr auto kTable<MaskConfig> = Fields{
+    "MaskConfig",
+    field<&MaskConfig::modes>("Zernike modes over each subaperture, RMS-normalised").sized(0, 45),
+    field<&MaskConfig::axicon_waves>(
+        "RMS of a cone: phase proportional to the distance from the subaperture's centre, waves",
+        limits::kMaskWaves),
+    field<&MaskConfig::file>(
+        "file of a phase map over the square around a subaperture; null: none. Read with the "
+        "configuration file, which alone names new ones"),
+    field<&MaskConfig::sha256>("SHA-256 of the map as float32; null: not known").or_null()};
+
+template <>
 inline constexpr auto kTable<SensorConfig> = Fields{
     "SensorConfig",
     field<&SensorConfig::charge>(
@@ -53,6 +66,9 @@ inline constexpr auto kTable<SensorConfig> = Fields{
     field<&SensorConfig::spacing>(
         "s: spread of the spots on the camera, grooves per SLM pixel of a subaperture's position",
         limits::kSpacing),
+    field<&SensorConfig::alternate_charge>(
+        "charge of every second subaperture; null: that of all others", limits::kCharge),
+    field<&SensorConfig::mask>("phase that every subaperture adds to its vortex; null: none"),
     field<&SensorConfig::lenslets>(
         "the lenslets in use of a fixed array, as registration.run found them; left out: the SLM "
         "makes the subapertures")

@@ -31,6 +31,8 @@ Result<design::Bench> bench_of(const DesignOptions& options);
 /// bench that cannot work is an error with the changes that help.
 int design_bench(const Common& common, const DesignOptions& options);
 
+/// ovws advise: compares sensors for the light and the modes that are wanted.
+void add_advise(CLI::App& app, const Common& common, int& status);
 void add_design(CLI::App& app, const Common& common, int& status);
 
 }  // namespace ovws::cli

@@ -10,6 +10,7 @@
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/measurement.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
+#include "daemon/shared/slm_files.hpp"
 #include "proto/encode.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
@@ -20,8 +21,7 @@ namespace {
 using nlohmann::json;
 
 Result<Config> config_of(const MeasureOptions& options) {
-  auto config =
-      options.config_path.empty() ? Result<Config>{Config{}} : load_config(options.config_path);
+  auto config = load_config_and_mask(options.config_path);
   if (!config) return config;
   if (options.tracker == kFormerTracker) {
     config->tracking.tracker = TrackerKind::fit;

@@ -18,8 +18,7 @@ namespace ovws::cli {
 namespace {
 
 Result<Config> config_of(const ImageOptions& options) {
-  if (options.config_path.empty()) return Config{};
-  return load_config(options.config_path);
+  return load_config_and_mask(options.config_path);
 }
 
 template <class Pixel>

@@ -298,6 +298,7 @@ void add_study(CLI::App& app, const Common& common, int& status) {
 
 void add_offline_commands(CLI::App& app, const Common& common, int& status) {
   add_design(app, common, status);
+  add_advise(app, common, status);
   add_hologram(app, common, status);
   add_farfield(app, common, status);
   add_measure(app, common, status);

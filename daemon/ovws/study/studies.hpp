@@ -24,13 +24,14 @@ Work acquisition(const Settings& settings);
 Work oracle(const Settings& settings);
 Work operators(const Settings& settings);
 Work modes(const Settings& settings);
+Work masks(const Settings& settings);
 
 struct Study {
   const char* name;
   const char* what;
   Work (*prepare)(const Settings&);
 };
-constexpr std::array<Study, 9> kStudies{{
+constexpr std::array<Study, 10> kStudies{{
     {"localisation", "position error of one spot against read noise", localisation},
     {"wavefront", "residual phase variance against SNR for astigmatism and defocus", wavefront},
     {"trackers", "every tracker against the Cramer-Rao bound", trackers},
@@ -42,6 +43,7 @@ constexpr std::array<Study, 9> kStudies{{
     {"operators", "errors of every operator from displacements to modes, on the same images",
      operators},
     {"modes", "error against the number of modes, by shapes and by positions of the spots", modes},
+    {"masks", "which phase mask in every subaperture gives the smallest error", masks},
 }};
 
 /// The study with this name; null: there is none.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "daemon/ovwsd/sensor/shapes_file.hpp"
+#include "daemon/shared/slm_files.hpp"
 #include "proto/tables/modes.hpp"
 #include "proto/tables/optics.hpp"
 #include "proto/tables/sensor.hpp"
@@ -217,8 +218,9 @@ Result<void> PointReader::use_model(const json& content, const MeasurementPlan& 
   if (renderer_ && key == renderer_key_) return {};
   renderer_.reset();
   bench_key_.clear();
-  const auto sensor = decode<SensorConfig>(model.at("sensor"));
+  auto sensor = decode<SensorConfig>(model.at("sensor"));
   if (!sensor) return fail(sensor.error());
+  if (auto read = load_mask(*sensor); !read) return fail(read.error());
   const auto slm = decode<SlmGeometry>(model.at("slm"));
   if (!slm) return fail(slm.error());
   const auto optics = decode<OpticsConfig>(model.at("optics"));

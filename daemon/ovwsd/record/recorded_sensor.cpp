@@ -3,6 +3,7 @@
 
 #include "daemon/ovwsd/record/recorded_plan.hpp"
 #include "daemon/ovwsd/sensor/reference_file.hpp"
+#include "daemon/shared/slm_files.hpp"
 #include "proto/json_text.hpp"
 #include "proto/tables/optics.hpp"
 #include "proto/tables/sensor.hpp"
@@ -41,8 +42,9 @@ Result<SensorView> RecordedPlans::sensor(std::uint64_t plan_id, const Measuremen
 Result<SensorView> RecordedPlans::read_sensor(const json& from, const MeasurementPlan& plan) {
   const auto config = configuration();
   if (!config) return fail(config.error());
-  const auto sensor = decode<SensorConfig>(from.at("sensor"));
+  auto sensor = decode<SensorConfig>(from.at("sensor"));
   if (!sensor) return fail(sensor.error());
+  if (auto read = load_mask(*sensor); !read) return fail(read.error());
   const auto optics = decode<OpticsConfig>(from.at("optics"));
   if (!optics) return fail(optics.error());
   auto view = std::make_shared<SensorSnapshot>();

@@ -54,6 +54,8 @@ std::vector<std::string> differences(const CalibrationKey& a, const CalibrationK
   const bool other_slm = !a.slm.is_null() && !b.slm.is_null() && a.slm != b.slm;
   const std::initializer_list<std::pair<const char*, bool>> fields{
       {"charge", s.charge != t.charge},
+      {"alternate_charge", s.alternate_charge != t.alternate_charge},
+      {"mask", s.mask != t.mask},
       {"grid", s.grid != t.grid},
       {"subapertures_across", s.subapertures_across != t.subapertures_across},
       {"pupil_diameter_px", s.pupil_diameter_px != t.pupil_diameter_px},

@@ -41,7 +41,8 @@ Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sens
   const double diameter_px = sensor.pupil_diameter_px;
   Eigen::MatrixXd column(2 * Eigen::Index(spots.size()), 1);
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    const Vec2 at = (4.0 / (diameter_px * diameter_px)) * spots[i].centre_px;
+    const double sign = spots[i].charge < 0 ? -1.0 : 1.0;
+    const Vec2 at = (sign * 4.0 / (diameter_px * diameter_px)) * spots[i].centre_px;
     const Vec2 moved = map * Vec2{-at.y, at.x};  // tilt of one wave per radius at the rim
     column(2 * Eigen::Index(i), 0) = moved.x;
     column(2 * Eigen::Index(i) + 1, 0) = moved.y;

@@ -154,6 +154,7 @@ std::string ReferenceBench::obstacle(const json& origin, const ReferenceKey& key
   }
   HologramConfig hologram = hologram_;
   hologram.sensor = key.sensor;
+  adopt_map(hologram.sensor.mask, config_.sensor.mask);
   const auto renderer = HologramRenderer::make(hologram);
   if (!renderer) return renderer.error().reason;
   if (renderer->lattice().subapertures.size() != spots) {
@@ -172,6 +173,10 @@ std::string identity_of(const json& origin) {
   json identity;
   for (const char* part : {"camera", "roi", "sensor", "tracking", "optics", "slm"}) {
     identity[part] = origin.value(part, json());
+  }
+  // Keys of later versions count only where they are used, so that older files keep their names.
+  for (const char* key : {"alternate_charge", "mask"}) {
+    if (identity["sensor"].value(key, json()).is_null()) identity["sensor"].erase(key);
   }
   return sha256_hex(json_text(identity)).substr(0, 16);
 }

@@ -16,9 +16,14 @@ Result<void> check_operator(const SensorSet& change, const SensorEdit& edit) {
               missing_calibration_reason(edit.state, edit.knowledge, edit.bench.optics));
 }
 
-void apply(const SensorSet& change, SensorState& state) {
-  const SensorSettings changed = change.applied_to({state.sensor, state.tracking});
-  state.sensor = changed.sensor;
+/// A mask file in use, or named by the configuration, is not read again: this thread must not wait
+/// for a disk.
+void apply(const SensorSet& change, const std::optional<MaskConfig>& configured,
+           SensorState& state) {
+  SensorSettings changed = change.applied_to({state.sensor, state.tracking});
+  adopt_map(changed.sensor.mask, state.sensor.mask);
+  adopt_map(changed.sensor.mask, configured);
+  state.sensor = std::move(changed.sensor);
   state.tracking = changed.tracking;
 }
 
@@ -33,10 +38,11 @@ Result<void> check_lenslets(const SensorConfig& before, const SensorConfig& now)
 
 }  // namespace
 
-SensorChange set_sensor(SensorSet change) {
-  return [change = std::move(change)](SensorEdit& edit) -> Result<void> {
+SensorChange set_sensor(SensorSet change, std::optional<MaskConfig> read_mask) {
+  return [change = std::move(change),
+          read_mask = std::move(read_mask)](SensorEdit& edit) -> Result<void> {
     const SensorConfig before = edit.state.sensor;
-    apply(change, edit.state);
+    apply(change, read_mask ? read_mask : edit.bench.config.sensor.mask, edit.state);
     if (auto fixed = check_lenslets(before, edit.state.sensor); !fixed) return fixed;
     if (auto there = check_operator(change, edit); !there) return there;
     if (auto fast = check_daemon_tracker(edit.state.tracking); !fast) return fast;
@@ -74,7 +80,7 @@ SensorChange show_request(ShowRequest what) {
       painted = std::make_shared<Image<std::uint8_t>>();
       what.paint(*state.renderer, *painted);
     }
-    apply(what.sensor, state);
+    apply(what.sensor, edit.bench.config.sensor.mask, state);
     if (auto fast = check_daemon_tracker(state.tracking); !fast) return fast;
     state.aberration = what.aberration;
     state.pattern = painted ? HologramKind::test : HologramKind::sensor;

@@ -16,8 +16,9 @@ namespace ovws {
 
 /// Method `sensor.set`. Errc::invalid: the tracker cannot separate the spots or is too slow to run
 /// on every frame, or the spots do not determine `mode_count` modes. Errc::refused, field
-/// "operator": `measured` was requested, but no calibration applies.
-SensorChange set_sensor(SensorSet change);
+/// "operator": `measured` was requested, but no calibration applies. A change that names a mask's
+/// file takes its map from the mask in use, or from `read_mask` (none: that of the configuration).
+SensorChange set_sensor(SensorSet change, std::optional<MaskConfig> read_mask = std::nullopt);
 SensorChange set_aberration(std::vector<Mode> modes);
 SensorChange set_correction(std::vector<Mode> modes);
 SensorChange show_pattern(HologramKind pattern);

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
+#include "core/optics/sensor_field.hpp"
 #include "core/spots/mode_limit.hpp"
+#include "core/tracking/acquisition.hpp"
 #include "core/tracking/spot_geometry.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
@@ -55,6 +58,18 @@ Visibility visibility_of(const SpotBench& bench, const SpotLayout& layout) {
   std::vector<float> waves(modes.modes_j.size());
   visibility.determined = reconstructor.solve(found, scratch, waves).determined;
   return visibility;
+}
+
+/// Noise-free 16-bit image of a far field.
+Image<std::uint16_t> exposed(const Image<std::complex<float>>& far) {
+  constexpr float kPeakDn = 4000.0F;
+  float peak = 0.0F;
+  for (const std::complex<float> one : far.pixels) peak = std::max(peak, std::norm(one));
+  Image<std::uint16_t> image(far.width, far.height);
+  std::transform(
+      far.pixels.begin(), far.pixels.end(), image.pixels.begin(),
+      [&](std::complex<float> one) { return std::uint16_t(std::norm(one) / peak * kPeakDn); });
+  return image;
 }
 
 /// Proposes settings at which neighbouring spots have the recommended distance.
@@ -187,6 +202,48 @@ Result<void> check_spots_apart(const SpotBench& bench) {
           "from {:.2f} lambda/d on: set {}",
           layout.nearest, tracker_name(bench.tracking.tracker), spot_name(bench.sensor.charge),
           minimum, wider_spacing(bench, layout)));
+}
+
+Result<void> check_charges(const SensorConfig& sensor) {
+  const int other = sensor.alternate_charge.value_or(sensor.charge);
+  if (std::abs(other) == std::abs(sensor.charge)) return {};
+  return fail(Errc::invalid, "sensor.alternate_charge",
+              fmt::format("must be null or {}, because the trackers look for one kind of spot: set "
+                          "the opposite of sensor.charge",
+                          -sensor.charge));
+}
+
+Result<void> check_mask_spots(const SpotBench& bench) {
+  if (!bench.sensor.mask) return {};
+  OpticsConfig centred = bench.optics;  // the region may still be moved
+  centred.centre_px.reset();
+  const Vec2 region = region_for(spot_layout(bench), 1.0);
+  auto field = SensorField::make(bench.sensor, bench.slm, centred, int(region.x), int(region.y));
+  if (!field) return fail(field.error());
+  field->set_outside(false);
+  field->propagate({}, {});
+  const Image<std::uint16_t> image = exposed(field->far());
+  const SpotModel spots{bench.sensor.charge, lambda_d_px(centred, bench.slm, bench.sensor)};
+  const auto tracker = make_tracker(bench.tracking, spots);
+  if (!tracker) return fail(tracker.error());
+  const auto places_px =
+      model_spots_px(bench.lattice, bench.sensor, bench.slm, centred, image.width, image.height);
+  std::vector<SpotFix> found(places_px.size());
+  TrackScratch scratch = (*tracker)->make_scratch();
+  Acquisition(spots, places_px, image.width, image.height)
+      .acquire(view_of(image, PixelFormat::mono16), **tracker, scratch, found);
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Vec2 off = Vec2{found[i].x, found[i].y} - places_px[i];
+    if (found[i].found() && norm(off) < spots.lambda_d_px) ++near;
+  }
+  if (near == found.size()) return {};
+  return fail(
+      Errc::invalid, "sensor.mask",
+      fmt::format("behind this mask the tracker {} finds {} of {} {}: make the mask weaker, "
+                  "or set another sensor.charge",
+                  tracker_name(bench.tracking.tracker), near, found.size(),
+                  spot_name(bench.sensor.charge)));
 }
 
 Result<void> check_mode_count(const SpotBench& bench) {

@@ -75,6 +75,15 @@ double rounded_down(double value);
 /// than min_spot_distance. The message proposes values that work.
 Result<void> check_spots_apart(const SpotBench& bench);
 
+/// Checks the charges. Errc::invalid, field "sensor.alternate_charge": it is neither `charge` nor
+/// its opposite. The trackers look for one kind of spot, and both have the same intensity.
+Result<void> check_charges(const SensorConfig& sensor);
+
+/// Checks that the tracker finds all spots of a flat wavefront behind the mask, near their places.
+/// Errc::invalid, field "sensor.mask": it does not. Renders the spots, some 20 ms, if there is a
+/// mask.
+Result<void> check_mask_spots(const SpotBench& bench);
+
 /// Checks the requested number of modes. Errc::invalid, field "tracking.mode_count": it is more
 /// than the spots determine, or less than positions determine. The message says how many modes are
 /// possible, with which error. Renders the spots, which is slow, if more modes are requested than

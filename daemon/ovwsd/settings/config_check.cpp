@@ -49,7 +49,7 @@ Result<void> check_sensor(const Config& config) {
                                      config.camera.settings.pixel_format);
   const auto tracker = make_tracker(config.tracking, spots);
   if (!tracker) return fail(tracker.error());
-  return {};
+  return check_charges(config.sensor);
 }
 
 Result<void> check_sees_spots(const Config& config) {
@@ -57,6 +57,7 @@ Result<void> check_sees_spots(const Config& config) {
   if (!lattice) return fail(lattice.error());
   const SpotBench bench = spot_bench(config, *lattice);
   if (auto apart = check_spots_apart(bench); !apart) return apart;
+  if (auto found = check_mask_spots(bench); !found) return found;
   if (auto checked = check_mode_count(bench); !checked) return checked;
   return check_spots_in_region(bench);
 }

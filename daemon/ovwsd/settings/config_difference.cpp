@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <utility>
 
 #include "proto/json_text.hpp"
 
@@ -67,9 +68,17 @@ bool changes_live(std::string_view key) {
          std::none_of(kFixed.begin(), kFixed.end(), begins);
 }
 
+nlohmann::json flat(const Config& config) {
+  constexpr const char* kMask = "/sensor/mask";
+  nlohmann::json tree = json_of(dump_config(config));
+  nlohmann::json mask = std::exchange(tree[nlohmann::json::json_pointer(kMask)], nullptr);
+  nlohmann::json all = tree.flatten();
+  all[kMask] = std::move(mask);
+  return all;
+}
+
 ConfigDifference difference(const Config& before, const Config& after) {
-  const auto now = json_of(dump_config(before)).flatten();
-  const auto wanted = json_of(dump_config(after)).flatten();
+  const auto now = flat(before), wanted = flat(after);
   ConfigDifference keys;
   const auto look_at = [&](const nlohmann::json& these, const nlohmann::json& others, bool all) {
     for (const auto& [pointer, value] : these.items()) {

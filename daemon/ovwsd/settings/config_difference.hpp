@@ -1,6 +1,7 @@
 /// Configuration in use, and its differences from a configuration file.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,7 +28,11 @@ struct ConfigDifference {
 /// True if the setting with this dotted key can change at run time.
 bool changes_live(std::string_view key);
 
-/// Compares two configurations key by key. Each entry of a list has its own key.
+/// The configuration as one flat JSON object of JSON pointers and values. Each entry of a list has
+/// its own pointer; a mask is one value.
+nlohmann::json flat(const Config& config);
+
+/// Compares two configurations key by key, by the keys of `flat`.
 ConfigDifference difference(const Config& before, const Config& after);
 
 /// Undoes the camera's rounding. A value of `file` that equals the value in use is replaced by the

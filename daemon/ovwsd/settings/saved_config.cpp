@@ -17,6 +17,7 @@
 #include "daemon/ovwsd/settings/config_difference.hpp"
 #include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/shared/atomic_file.hpp"
+#include "daemon/shared/slm_files.hpp"
 #include "proto/json_text.hpp"
 #include "proto/strict_json.hpp"
 
@@ -147,7 +148,7 @@ Result<void> check_keys(const Overlay& overlay, const json& file) {
 
 Result<void> apply_overlay(LoadedConfig& loaded, const Overlay& overlay) {
   json tree = tree_of(loaded.file);
-  const json file = tree.flatten();
+  const json file = flat(loaded.file);
   if (auto known = check_keys(overlay, file); !known) return known;
   std::set<std::string> of_file;
   for (const auto& [key, entry] : overlay.saved) {
@@ -167,6 +168,7 @@ Result<void> apply_overlay(LoadedConfig& loaded, const Overlay& overlay) {
   }
   auto effective = parse_config(json_text(tree));
   if (!effective) return fail(effective.error());
+  if (auto read = load_mask(effective->sensor); !read) return fail(read.error());
   if (auto usable = check_usable(*effective); !usable) {
     if (check_usable(loaded.file)) return usable;
     return {};  // the file is not usable, so the overlay may still be valid
@@ -227,7 +229,7 @@ std::optional<std::string> service_state_folder(const std::string& path) {
 
 Result<LoadedConfig> load_with_saved(const std::string& path,
                                      const std::optional<std::string>& folder) {
-  auto file = path.empty() ? Result<Config>{Config{}} : load_config(path);
+  auto file = load_config_and_mask(path);
   if (!file) return fail(file.error());
   LoadedConfig loaded;
   loaded.path = path;
@@ -271,7 +273,7 @@ std::string describe_saved(const LoadedConfig& loaded) {
 }
 
 SavedValues values_to_save(const LoadedConfig& loaded, const Config& in_use) {
-  const json file = tree_of(loaded.file).flatten(), now = tree_of(in_use).flatten();
+  const json file = flat(loaded.file), now = flat(in_use);
   json saved = json::object();
   for (const std::string& changed : difference(loaded.file, in_use).live) {
     for (const std::string& key : group_of(changed)) {

@@ -148,7 +148,8 @@ TEST(Lattice, GivesEachSubapertureItsGratingAndItsSpot) {
   const auto spots = model_spots_px(lattice, sensor, slm, optics, 512, 512);
   ASSERT_EQ(spots.size(), lattice.subapertures.size());
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    const auto [centre, f] = lattice.subapertures[i];
+    const auto [centre, f, charge] = lattice.subapertures[i];
+    EXPECT_EQ(charge, sensor.charge);
     EXPECT_DOUBLE_EQ(f.x, (200.0 + 0.25 * centre.x) / 1280.0);
     EXPECT_DOUBLE_EQ(f.y, (20.0 + 0.25 * centre.y) / 768.0);
     EXPECT_NEAR(spots[i].x, 250.0 + 1928.299 * 0.25 * centre.x / 1280.0, 1e-3);

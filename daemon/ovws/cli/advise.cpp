@@ -1,0 +1,154 @@
+/// ovws advise: which sensor suits the light and the modes that are wanted.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "daemon/ovws/cli/command_line.hpp"
+#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/design.hpp"
+#include "daemon/ovws/design/advise.hpp"
+#include "daemon/shared/slm_files.hpp"
+#include "proto/field_json.hpp"
+#include "proto/json_text.hpp"
+#include "proto/limits.hpp"
+
+namespace ovws::cli {
+namespace {
+
+constexpr std::size_t kShown = 5;
+
+struct AdviseOptions {
+  std::string config_path, camera;
+  int modes = 0;
+  double frame_rate_hz = 100.0;
+  design::Light light;
+};
+
+/// The bench that a configuration describes. The camera's sensor is that of --camera, or else the
+/// configured region.
+Result<design::Bench> bench_of(const Config& config, const AdviseOptions& options) {
+  const Roi& roi = config.camera.settings.roi;
+  const SlmGeometry& slm = config.slm.geometry;
+  const auto panel = [](int width, int height, double pitch_um) {
+    return fmt::format("{}x{}@{:g}", width, height, pitch_um);
+  };
+  DesignOptions parts;
+  parts.slm = panel(slm.width_px, slm.height_px, slm.pitch_um);
+  parts.camera = options.camera.empty()
+                     ? panel(roi.width, roi.height, config.optics.camera_pitch_um)
+                     : options.camera;
+  parts.pixel_format = pixel_format_name(config.camera.settings.pixel_format);
+  parts.bench.wavelength_nm = config.optics.wavelength_nm;
+  parts.bench.focal_length_mm = config.optics.focal_length_mm;
+  parts.bench.magnification = config.optics.magnification;
+  parts.bench.settle_ms = config.slm.settle_ms;
+  parts.bench.beam_mm = 1e-3 * slm.pitch_um * config.sensor.pupil_diameter_px;
+  parts.bench.modes = options.modes;
+  return bench_of(parts);
+}
+
+const char* name_of(design::ExposureLimit limit) {
+  return limit == design::ExposureLimit::time ? "frame rate" : "full well";
+}
+
+Json json_of_advice(const design::Advice& advice) {
+  return {{"subapertures_across", advice.subapertures_across},
+          {"subapertures", advice.subapertures},
+          {"charge", advice.charge},
+          {"exposure_us", advice.exposure_us},
+          {"peak_e", advice.peak_e},
+          {"error_waves", advice.error_waves},
+          {"worst_mode_waves", advice.worst_waves},
+          {"limited_by", name_of(advice.limited_by)},
+          {"config", Json::parse(dump_config(advice.config))}};
+}
+
+void print_json(const design::AdviceList& list) {
+  Json best = Json::array(), unfit = Json::array();
+  for (const design::Advice& advice : list.best_first) best.push_back(json_of_advice(advice));
+  for (const design::Unfit& one : list.unfit) {
+    unfit.push_back({{"subapertures_across", one.subapertures_across},
+                     {"charge", one.charge},
+                     {"reason", one.reason}});
+  }
+  print("{}\n", json_text(Json{{"best_first", best}, {"unfit", unfit}}));
+}
+
+void print_text(const design::AdviceList& list, int modes) {
+  print("{:>6} {:>13} {:>7} {:>12} {:>9} {:>12} {:>12}  {}\n", "across", "subapertures", "charge",
+        "exposure us", "peak e", "error waves", "worst mode", "limited by");
+  for (std::size_t k = 0; k < std::min(kShown, list.best_first.size()); ++k) {
+    const design::Advice& one = list.best_first[k];
+    print("{:>6} {:>13} {:>7} {:>12.0f} {:>9.0f} {:>12.5f} {:>12.5f}  {}\n",
+          one.subapertures_across, one.subapertures, one.charge, one.exposure_us, one.peak_e,
+          one.error_waves, one.worst_waves, name_of(one.limited_by));
+  }
+  const design::Advice& best = list.best_first.front();
+  print("best for {} modes: {} subapertures of charge {}, exposure {:.0f} us\n", modes,
+        best.subapertures, best.charge, best.exposure_us);
+  print("{}\n",
+        best.limited_by == design::ExposureLimit::time
+            ? "the light limits it: a lower frame rate or more light reduces the error"
+            : "the camera's full well limits it: the mean of more frames reduces the error");
+}
+
+int advise_bench(const Common& common, const AdviseOptions& options) {
+  const auto config = load_config_and_mask(options.config_path);
+  if (!config) return report(common, config.error());
+  const auto bench = bench_of(*config, options);
+  if (!bench) return report(common, bench.error());
+  design::Light light = options.light;
+  light.longest_us = 1e6 / options.frame_rate_hz;
+  const design::AdviceList list = design::advise(*bench, light, *config);
+  if (common.json) {
+    print_json(list);
+  } else if (!list.best_first.empty()) {
+    print_text(list, options.modes);
+  }
+  if (!list.best_first.empty()) return kOk;
+  if (common.json) return kError;
+  fmt::print(stderr, "ovws: no sensor measures {} modes on this bench\n", options.modes);
+  for (const design::Unfit& one : list.unfit) {
+    fmt::print(stderr, "  {} across, charge {}: {}\n", one.subapertures_across, one.charge,
+               one.reason);
+  }
+  return kError;
+}
+
+}  // namespace
+
+void add_advise(CLI::App& app, const Common& common, int& status) {
+  auto* command = app.add_subcommand(
+      "advise",
+      "advise on the sensor of a configured bench: which number of subapertures, charge and "
+      "exposure give the smallest error for the light and the modes that are wanted; works "
+      "offline");
+  auto options = std::make_shared<AdviseOptions>();
+  command->add_option("--modes", options->modes, "number of Zernike modes that are wanted")
+      ->required()
+      ->check(CLI::Range(3, 200));
+  command
+      ->add_option("--photons", options->light.e_per_s,
+                   "photo-electrons per second that the light on the whole pupil gives on the "
+                   "camera")
+      ->required()
+      ->check(number_from(1.0, 1e15));
+  command
+      ->add_option("--frame-rate", options->frame_rate_hz,
+                   "frames per second; the exposure is at most their interval")
+      ->check(number_from(limits::kFrameRateHz.min, limits::kFrameRateHz.max))
+      ->capture_default_str();
+  command->add_option("--full-well", options->light.full_well_e, "full well of a pixel, electrons")
+      ->check(number_from(100.0, 1e6))
+      ->capture_default_str();
+  command->add_option("--read-noise", options->light.read_noise_e, "read noise, electrons")
+      ->check(number_from(0.1, 1000.0))
+      ->capture_default_str();
+  command->add_option("--config,-c", options->config_path,
+                      "configuration file of the bench (default: every key's default)");
+  command->add_option("--camera", options->camera,
+                      "camera sensor, as in ovws design (default: the configured region)");
+  command->callback([&common, &status, options] { status = advise_bench(common, *options); });
+}
+
+}  // namespace ovws::cli

@@ -1,0 +1,102 @@
+"""Phase masks and alternating charges: measured on the twin; what the tracker cannot find is refused, and nothing changes."""
+import json
+import statistics
+import subprocess
+
+from case import BenchCase, main
+
+MODES = {3: 0.08, 4: -0.06, 7: 0.05, 12: 0.04}  # waves
+BOUND_WAVES = 0.006
+PARAMS = -32602
+
+
+def write_map(path, width, height):
+    """Writes a map as text: 0.1 wave RMS of oblique astigmatism over the square around a subaperture."""
+    def waves(x, y):
+        return 0.1 * 6 ** 0.5 * 2 * ((x + 0.5) * 2 / width - 1) * ((y + 0.5) * 2 / height - 1)
+    path.write_text("\n".join(" ".join(f"{waves(x, y):.5f}" for x in range(width)) for y in range(height)) + "\n")
+
+
+class Mask(BenchCase):
+    small = True
+    daemon_config = {"tracking": {"tracker": "fit"}}
+
+    def check_measured(self, what):
+        self.take_reference(30)
+        stream = self.stream("wavefront")
+        shown = self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in MODES.items()]})
+        self.settled_frames(stream, 1, shown["hologram_id"], timeout_s=30.0)
+        frames = self.fitted_frames(stream, 30, timeout_s=60.0)[10:]
+        error = statistics.median(sum((value - MODES.get(j, 0.0)) ** 2 for j, value in zip(frame["j"], frame["coefficients"])) ** 0.5
+                                  for frame in frames)
+        print(f"\n  {what}: error {error:.5f} wave, tracked {frames[-1]['tracked']}")
+        self.assertLess(error, BOUND_WAVES)
+        self.assertEqual({frame["tracked"] for frame in frames}, {19})
+        self.call("aberration.clear")
+
+    def test_wavefronts_are_measured_behind_masks_and_alternating_charges(self):
+        for change in ({"charge": 1, "alternate_charge": -1}, {"charge": 1, "mask": {"modes": [{"j": 3, "waves": 0.1}]}, "alternate_charge": None},
+                       {"charge": 0, "mask": {"modes": [{"j": 3, "waves": 0.15}]}}):
+            with self.subTest(change=change):
+                applied = self.call("sensor.set", change)["applied"]
+                self.assertEqual(applied["alternate_charge"], change.get("alternate_charge"))
+                self.check_measured(json.dumps(change))
+
+    def test_what_the_tracker_cannot_find_is_refused_and_nothing_changes(self):
+        before = self.call("sensor.get")
+        for change, field, word in (({"alternate_charge": 0}, "alternate_charge", "-1"),
+                                    ({"mask": {"axicon_waves": 3.0}}, "mask", "19"),
+                                    ({"mask": {"modes": [{"j": 4, "waves": 11.0}]}}, "mask.modes", "10"),
+                                    ({"mask": {"file": "/nowhere/mask.txt"}}, "mask.file", "configuration"),
+                                    ({"mask": {"axicon": 0.1}}, "mask.axicon", "axicon_waves")):
+            with self.subTest(change=change):
+                refusal = self.refused("sensor.set", change)
+                print(f"\n  {refusal}")
+                self.assertEqual(refusal.code, PARAMS)
+                self.assertTrue(refusal.data["field"].endswith(field), refusal.data)
+                self.assertIn(word, str(refusal) + json.dumps(refusal.data))
+                self.assertEqual(self.call("sensor.get"), before)
+
+
+class MaskFile(Mask):
+    def start(self):
+        self.file = self.bench.directory / "mask.txt"
+        write_map(self.file, 64, 64)
+        self.daemon_config = {"sensor": {"mask": {"file": str(self.file)}}, "state": {"directory": "state"}}
+        super().start()
+
+    def check_config(self, width, height):
+        """The exit code and the output of --check-config with a map of this size."""
+        path, other = self.bench.directory / "checked.json", self.bench.directory / "other.txt"
+        write_map(other, width, height)
+        path.write_text(json.dumps({"sensor": {"mask": {"file": str(other)}}}))
+        done = subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", path], capture_output=True, text=True, timeout=60)
+        return done.returncode, done.stdout + done.stderr
+
+    def test_wavefronts_are_measured_behind_masks_and_alternating_charges(self):
+        mask = self.call("sensor.get")["mask"]
+        self.assertEqual((mask["file"], len(mask["sha256"])), (str(self.file), 64))
+        self.check_measured("map of 64 x 64")
+        reference = self.call("reference.get")["sha256"]
+        self.call("sensor.set", {"mask": None})
+        self.assertFalse(self.call("reference.get")["taken"])  # it belongs to the mask
+        self.call("sensor.set", {"mask": {"file": str(self.file)}})
+        self.assertEqual(self.call("sensor.get")["mask"], mask)
+        self.assertEqual(self.call("reference.get")["sha256"], reference)
+
+    def test_what_the_tracker_cannot_find_is_refused_and_nothing_changes(self):
+        for width, height in ((64, 63), (8, 8)):
+            code, output = self.check_config(width, height)
+            print("\n ", output.strip())
+            self.assertEqual(code, 1)
+            self.assertIn("sensor.mask.file", output)
+            self.assertIn(f"{width} x {height}", output)
+        self.assertEqual(self.check_config(16, 16)[0], 0)
+        other = {"modes": [{"j": 3, "waves": 0.1}], "axicon_waves": 0.0, "file": None, "sha256": None}
+        self.call("sensor.set", {"mask": other})
+        self.assertEqual(self.call("config.save")["saved"], ["sensor.mask"])
+        self.assertEqual(self.call("config.get")["sensor"]["mask"], other)
+
+
+if __name__ == "__main__":
+    main()

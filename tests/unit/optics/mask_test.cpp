@@ -1,0 +1,136 @@
+#include "core/optics/mask.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/optics/hologram.hpp"
+#include "core/optics/lattice.hpp"
+
+namespace ovws {
+namespace {
+
+std::shared_ptr<const Image<float>> ramp_map(int width, int height) {
+  auto map = std::make_shared<Image<float>>(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) map->at(x, y) = float(x) / float(width);
+  }
+  return map;
+}
+
+MaskConfig map_mask(std::shared_ptr<const Image<float>> map) {
+  MaskConfig mask;
+  mask.file = "ramp.txt";
+  mask.sha256 = "checksum";
+  mask.map = std::move(map);
+  return mask;
+}
+
+TEST(Mask, AddsModesAConeAndAMap) {
+  MaskConfig mask = map_mask(ramp_map(20, 20));
+  mask.modes = {{4, 0.5}};
+  mask.axicon_waves = 0.25;
+  const Vec2 at{0.31, -0.4};
+  const double cone = 0.25 * (std::hypot(at.x, at.y) - 2.0 / 3.0) / std::sqrt(1.0 / 18.0);
+  EXPECT_NEAR(mask_waves(mask, at), 0.5 * zernike(4, at) + cone + 13.0 / 20.0, 1e-6);
+}
+
+TEST(Mask, AMapCoversTheSquareAroundASubaperture) {
+  const MaskConfig mask = map_mask(ramp_map(16, 16));
+  EXPECT_FLOAT_EQ(float(mask_waves(mask, {-1.0, 0.0})), 0.0F);
+  EXPECT_FLOAT_EQ(float(mask_waves(mask, {1.0, 0.0})), 15.0F / 16.0F);
+  EXPECT_FLOAT_EQ(float(mask_waves(mask, {0.01, 0.9})), 8.0F / 16.0F);
+}
+
+TEST(Mask, AMapOfTheWrongSizeIsRefused) {
+  for (const auto& map : {ramp_map(16, 17), ramp_map(15, 15), ramp_map(2049, 2049)}) {
+    const auto checked = check_mask(map_mask(map));
+    ASSERT_FALSE(checked);
+    EXPECT_EQ(checked.error().field, "sensor.mask.file");
+    EXPECT_NE(checked.error().reason.find(std::to_string(map->width)), std::string::npos);
+  }
+  auto broken = std::make_shared<Image<float>>(16, 16);
+  broken->at(3, 4) = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(check_mask(map_mask(broken)));
+  EXPECT_FALSE(check_mask(map_mask(nullptr)));
+  EXPECT_TRUE(check_mask(map_mask(ramp_map(16, 16))));
+}
+
+TEST(Mask, AModeOutOfRangeIsRefused) {
+  MaskConfig mask;
+  mask.modes = {{kMaxZernikeIndex + 1, 0.1}};
+  EXPECT_EQ(check_mask(mask).error().field, "sensor.mask.modes");
+  mask.modes = {{3, 11.0}};
+  EXPECT_EQ(check_mask(mask).error().field, "sensor.mask.modes");
+}
+
+TEST(Mask, FilesAreComparedByContent) {
+  MaskConfig mask = map_mask(ramp_map(16, 16)), same = mask;
+  same.file = "copy.txt";
+  EXPECT_EQ(mask, same);
+  same.sha256 = "other";
+  EXPECT_NE(mask, same);
+}
+
+TEST(Mask, ANamedFileTakesTheMapInUse) {
+  const std::optional<MaskConfig> in_use = map_mask(ramp_map(16, 16));
+  std::optional<MaskConfig> named = MaskConfig{};
+  named->file = "ramp.txt";
+  adopt_map(named, in_use);
+  EXPECT_EQ(named->map, in_use->map);
+  EXPECT_EQ(*named, *in_use);
+  std::optional<MaskConfig> other = MaskConfig{};
+  other->file = "another.txt";
+  adopt_map(other, in_use);
+  EXPECT_EQ(other->map, nullptr);
+}
+
+TEST(Mask, EverySubapertureImprintsItAroundItsCentre) {
+  HologramConfig plain, masked;
+  masked.sensor.mask.emplace().modes = {{0, 0.25}};  // piston: a quarter of the grey levels
+  const auto without = HologramRenderer::make(plain), with = HologramRenderer::make(masked);
+  ASSERT_TRUE(without && with);
+  Image<std::uint8_t> a, b;
+  without->render(HologramKind::sensor, {}, a);
+  with->render(HologramKind::sensor, {}, b);
+  for (const Subaperture& s : with->lattice().subapertures) {
+    const int x = int(std::lround(639.5 + s.centre_px.x)) + 20;
+    const int y = int(std::lround(383.5 + s.centre_px.y)) - 10;
+    EXPECT_NEAR(std::uint8_t(b.at(x, y) - a.at(x, y)), 64, 1);
+  }
+  EXPECT_EQ(a.at(2, 2), b.at(2, 2));
+}
+
+TEST(Lattice, SecondSubaperturesHaveTheAlternateCharge) {
+  for (const Grid grid : {Grid::square, Grid::hexagonal}) {
+    SensorConfig sensor;
+    sensor.grid = grid;
+    sensor.charge = 2;
+    sensor.alternate_charge = -2;
+    const auto lattice = make_lattice(sensor, {});
+    ASSERT_TRUE(lattice);
+    for (const Subaperture& one : lattice->subapertures) {
+      if (norm(one.centre_px) < 1.0) {
+        EXPECT_EQ(one.charge, 2);
+      }
+      for (const Subaperture& other : lattice->subapertures) {
+        const Vec2 away = other.centre_px - one.centre_px;
+        if (norm(away) < 1.0 || norm(away) > 1.01 * lattice->diameter_px) continue;
+        const bool same_row = std::abs(away.y) < 1.0;
+        EXPECT_EQ(one.charge == other.charge, grid == Grid::hexagonal && same_row);
+      }
+    }
+  }
+}
+
+TEST(Lattice, AllSubaperturesHaveTheCharge) {
+  SensorConfig sensor;
+  sensor.charge = 3;
+  const auto lattice = make_lattice(sensor, {});
+  ASSERT_TRUE(lattice);
+  for (const Subaperture& one : lattice->subapertures) EXPECT_EQ(one.charge, 3);
+}
+
+}  // namespace
+}  // namespace ovws
