@@ -169,11 +169,14 @@ bool Bench::update_turbulence(const State& now) {
 }
 
 std::shared_ptr<const Scene> Bench::compute(const State& now) {
-  const bool light_changed =
-      now.truth.aberration != last_.truth.aberration || now.truth.shades != last_.truth.shades;
+  const bool light_changed = now.truth.aberration != last_.truth.aberration ||
+                             now.truth.shades != last_.truth.shades ||
+                             now.truth.branch_points != last_.truth.branch_points;
   const bool window_changed =
       now.window != last_.window || now.truth.geometry != last_.truth.geometry;
-  if (light_changed) model_.set_aberration(now.truth.aberration, now.truth.shades);
+  if (light_changed) {
+    model_.set_aberration(now.truth.aberration, now.truth.shades, now.truth.branch_points);
+  }
   if (window_changed) model_.set_window(*now.window, now.truth.geometry);
   const bool turbulence_changed = update_turbulence(now);
   if (light_changed || window_changed || turbulence_changed || now.grey != last_.grey) {

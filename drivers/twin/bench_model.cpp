@@ -37,8 +37,9 @@ void beside_pupil(const Config& config, const Visit& visit) {
 BenchModel::BenchModel(const Config& config)
     : config_(config), slm_(config), unit_(vortex_peak_intensity(config.sensor)) {}
 
-void BenchModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades) {
-  slm_.set_aberration(modes, shades);
+void BenchModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades,
+                                std::span<const LightVortex> branch_points) {
+  slm_.set_aberration(modes, shades, branch_points);
   lit_ = false;
   shown_ = next_ = {};
 }

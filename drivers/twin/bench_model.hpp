@@ -23,7 +23,8 @@ class BenchModel {
  public:
   explicit BenchModel(const Config& config);
 
-  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {});
+  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {},
+                      std::span<const LightVortex> branch_points = {});
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);
   /// Sets the camera's region, in sensor pixels. The region may extend beyond the sensor.
   void set_window(const Roi& window, const CameraGeometry& geometry);

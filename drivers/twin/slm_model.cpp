@@ -85,6 +85,20 @@ void dim(Image<std::complex<float>>& field, const Shade& shade) {
   }
 }
 
+/// Multiplies the field by a vortex, whose amplitude rises linearly from 0 within its core.
+void twist(Image<std::complex<float>>& field, const LightVortex& vortex, double radius_px) {
+  constexpr double kCoreRadii = 0.02;
+  const Vec2 centre = Vec2{(field.width - 1) / 2.0, (field.height - 1) / 2.0};
+  for (int y = 0; y < field.height; ++y) {
+    std::complex<float>* row = field.row(y);
+    for (int x = 0; x < field.width; ++x) {
+      const Vec2 r = (1.0 / radius_px) * (Vec2{double(x), double(y)} - centre) - vortex.at;
+      const double amplitude = std::min(1.0, norm(r) / kCoreRadii);
+      row[x] *= std::complex<float>(std::polar(amplitude, vortex.charge * std::atan2(r.y, r.x)));
+    }
+  }
+}
+
 }  // namespace
 
 SlmModel::SlmModel(const Config& config)
@@ -95,10 +109,11 @@ SlmModel::SlmModel(const Config& config)
   if (config.light.shape == LightShape::gaussian) {
     amplitude_ = make_gaussian_beam(config.slm.geometry, config.light.diameter_px);
   }
-  set_aberration(config.truth.aberration, config.truth.shades);
+  set_aberration(config.truth.aberration, config.truth.shades, config.truth.branch_points);
 }
 
-void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades) {
+void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade> shades,
+                              std::span<const LightVortex> branch_points) {
   const int width = incident_.width, height = incident_.height;
   const Vec2 centre{(width - 1) / 2.0, (height - 1) / 2.0};
   const double diameter = config_.sensor.pupil_diameter_px;
@@ -117,6 +132,7 @@ void SlmModel::set_aberration(std::span<const Mode> modes, std::span<const Shade
     }
   }
   for (const Shade& shade : shades) dim(incident_, shade);
+  for (const LightVortex& one : branch_points) twist(incident_, one, diameter / 2.0);
 }
 
 void SlmModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {

@@ -23,7 +23,8 @@ class SlmModel {
 
   /// Sets the aberration of the light on the SLM and the shades in front of it. The aberration acts
   /// inside the sensor's pupil and is 0 outside.
-  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {});
+  void set_aberration(std::span<const Mode> modes, std::span<const Shade> shades = {},
+                      std::span<const LightVortex> branch_points = {});
 
   /// Sets the turbulence at time `t_ns` (UTC), which is added to the aberration; null: none.
   void set_turbulence(const Turbulence* turbulence, std::int64_t t_ns);

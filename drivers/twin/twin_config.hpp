@@ -64,6 +64,14 @@ struct Shade {
   bool operator==(const Shade&) const = default;
 };
 
+/// Branch point: a phase singularity of the light on the SLM, dark in its core.
+struct LightVortex {
+  Vec2 at;  ///< pupil radii from the pupil's centre
+  int charge = 1;
+
+  bool operator==(const LightVortex&) const = default;
+};
+
 enum class Noise {
   fresh,  ///< new noise for each frame; if generation is too slow, an old frame repeats (counted)
   pool,   ///< 32 noise realisations in turn: little CPU load
@@ -75,6 +83,7 @@ struct Truth {
   /// Aberration of the light on the SLM, as Zernike modes over the sensor's pupil.
   std::vector<Mode> aberration;
   std::vector<Shade> shades;
+  std::vector<LightVortex> branch_points;
   /// Laser power, as electrons in the brightest pixel of an ideal charge-1 spot after
   /// kReferenceExposureUs. At equal power the peak of a charge-0 spot is 3.9 times higher.
   /// Interference with neighbouring spots raises a charge-1 peak by a factor of 1.2 to 1.4.
@@ -113,6 +122,7 @@ Result<Config> load_config(const std::string& path);
 /// Readers of ground-truth keys from an object: `aberration`, `norm`, `shades`, `noise` ...
 void read_aberration(ObjectReader& reader, Truth& truth);
 void read_shades(ObjectReader& reader, Truth& truth);
+void read_branch_points(ObjectReader& reader, Truth& truth);
 void read_detector(ObjectReader& reader, Truth& truth);
 void read_noise(ObjectReader& reader, Truth& truth);
 /// Reads the key `turbulence`. null switches the turbulence off. An object replaces the whole
