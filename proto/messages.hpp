@@ -1,6 +1,7 @@
 /// Stream messages as plain structs; encode.hpp turns them into bytes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -39,13 +40,17 @@ struct FrameMessage {
   double reference_introduced_rms_waves = 0.0;  ///< introduced aberration within the reference
 };
 
+/// A phase singularity of the incoming light: [x, y, charge] in the wavefront message.
+using BranchPointEntry = std::array<double, 3>;
+
 /// `ovws.wavefront/1`.
 struct WavefrontMessage : FrameMessage {
   std::span<const int> j;
   /// Waves, RMS-normalised, as many as `j`; all encoded as null if not valid.
   std::span<const float> coefficients;
   std::span<const float> sigma;  ///< standard errors, as many as `j`; all null if not `fitted`
-  bool fitted = false;           ///< true: measured from all pixels of the spots
+  std::span<const BranchPointEntry> branch_points;  ///< empty: none recognised
+  bool fitted = false;                              ///< true: measured from all pixels of the spots
 };
 
 /// `ovws.spots/1`: the binary part is N x 6 float32.

@@ -64,8 +64,12 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
   return {shown.current.hologram_id, false, false};
 }
 
+bool too_many_lost(const Reconstruction& found) {
+  return kMinSpotsPerLost * found.lost > found.used + found.lost;
+}
+
 bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots, double lambda_d_px) {
-  if (kMinSpotsPerLost * found.lost > found.used + found.lost) return false;
+  if (too_many_lost(found)) return false;
   bool all_whole = found.lost == 0;
   double squares = 0.0;
   int count = 0;

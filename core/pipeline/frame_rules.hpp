@@ -47,6 +47,9 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
 /// (Reconstructor::solve_without_outliers).
 constexpr double kCredibleResidual = 0.03;
 
+/// Whether more than a sixth of the spots with a reference are lost. RT-safe.
+bool too_many_lost(const Reconstruction& found) OVWS_NONBLOCKING;
+
 /// Goodness-of-fit test: whether the reconstructed modes explain the spot positions. At most a
 /// sixth of the spots with a reference may be lost. The RMS fit residual must be at most 0.25
 /// lambda/d. The limit is 0.045 lambda/d if a spot is lost or has a quality below 0.65, because

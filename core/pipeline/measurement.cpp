@@ -36,7 +36,8 @@ Measurement::Measurement(const MeasurementPlan& measured_plan, int workers,
       acquisition(plan.spots, plan.predicted_px, plan.roi.width, plan.roi.height,
                   before != nullptr ? &before->acquisition : nullptr),
       neighbourhood(plan.predicted_px),
-      reconstruct_scratch(plan.reconstructor->make_scratch()) {
+      reconstruct_scratch(plan.reconstructor->make_scratch()),
+      left_px(std::size_t(plan.subapertures())) {
   for (int k = 0; k < std::max(workers, 1); ++k) {
     track_scratch.push_back(plan.tracker->make_scratch());
     if (plan.fit) fit_scratch.push_back(plan.fit->spots().make_scratch());

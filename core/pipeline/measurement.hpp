@@ -26,6 +26,7 @@ struct Measurement {
   Acquisition acquisition;
   Neighbourhood neighbourhood;
   Reconstructor::Scratch reconstruct_scratch;
+  std::vector<Vec2> left_px;  ///< per spot: displacement that the modes do not explain
   std::vector<SpotFit::Scratch> fit_scratch;  ///< one per worker; empty without plan.fit
   FrameFit::Scratch solve_scratch;
 };

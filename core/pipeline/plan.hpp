@@ -12,6 +12,7 @@
 #include "core/port/camera.hpp"
 #include "core/spots/frame_fit.hpp"
 #include "core/tracking/tracker.hpp"
+#include "core/wavefront/branch_points.hpp"
 #include "core/wavefront/reconstructor.hpp"
 
 namespace ovws {
@@ -45,6 +46,8 @@ struct MeasurementPlan {
   /// Reconstructs the leading modes of `modes_j` from spot positions. These are all modes, unless
   /// templates determine more.
   std::shared_ptr<const Reconstructor> reconstructor;
+  /// Recognises branch points of the light by spot positions; null: not looked for.
+  std::shared_ptr<const BranchPoints> branch_points;
   /// Templates for `modes_j` about an operating point. They measure a frame near that wavefront
   /// from all its pixels, without the tracker. Null: not ready yet.
   std::shared_ptr<const FrameFit> fit;

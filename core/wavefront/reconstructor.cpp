@@ -231,6 +231,13 @@ Vec2 Reconstructor::residual_of(std::size_t i, const Scratch& scratch) const {
       scratch.measured(row + 1) - reference_px_[i].y - columns_.row(row + 1).dot(scratch.modes)};
 }
 
+void Reconstructor::residuals(std::span<const SpotFix> spots, const Scratch& scratch,
+                              std::span<Vec2> left_px) const OVWS_NONBLOCKING {
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    left_px[i] = usable(spots[i], i) ? residual_of(i, scratch) : Vec2{NAN, NAN};
+  }
+}
+
 double Reconstructor::residual_px(std::span<const SpotFix> spots, const Scratch& scratch) const {
   double sum = 0.0;
   int count = 0;

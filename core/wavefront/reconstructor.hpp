@@ -73,6 +73,10 @@ class Reconstructor {
   Reconstruction solve_without_outliers(std::span<SpotFix> spots, Scratch& scratch,
                                         std::span<float> coefficients,
                                         double acceptable_px) const OVWS_NONBLOCKING;
+  /// Displacement of each spot that the modes of the last `solve` do not explain, camera pixels;
+  /// NaN for spots not used. Requires a determined result. RT-safe.
+  void residuals(std::span<const SpotFix> spots, const Scratch& scratch,
+                 std::span<Vec2> left_px) const OVWS_NONBLOCKING;
   static constexpr double kOutlierRatio = 3.5;
   static constexpr int kMinFreedom = 8;
 

@@ -60,7 +60,8 @@ void ArrayModel::set_light(const Light& light) {
   if (mirror_ && light.mirror_waves != light_.mirror_waves) {
     mirror_waves_ = mirror_->waves(light.mirror_waves);
   }
-  if (light.shades != light_.shades || light.scintillation != light_.scintillation) {
+  if (light.shades != light_.shades || light.scintillation != light_.scintillation ||
+      light.branch_points != light_.branch_points) {
     fields_.reset();
   }
   light_ = light;
@@ -86,14 +87,17 @@ float ArrayModel::beam_amplitude(Vec2 at_um) const {
   return float(std::exp(-ratio * ratio));
 }
 
-float ArrayModel::amplitude(Vec2 at_um) const {
+std::complex<float> ArrayModel::incident(Vec2 at_um) const {
   float amplitude = beam_amplitude(at_um);
   const Vec2 px = map(geometry_).pixel(at_um);
   for (const Shade& shade : light_.shades) {
     if (norm(px - shade.centre_px) > shade.radius_px) continue;
     amplitude *= float(std::sqrt(shade.transmission));
   }
-  return amplitude;
+  std::complex<float> light = amplitude;
+  const Vec2 at = (2.0 / pupil_um(config_.array)) * at_um;
+  for (const LightVortex& vortex : light_.branch_points) light *= field_about(vortex, at);
+  return light;
 }
 
 Image<float> ArrayModel::intensity(const Image<std::uint8_t>&) {
@@ -103,7 +107,7 @@ Image<float> ArrayModel::intensity(const Image<std::uint8_t>&) {
       screen = amplitude_screen(*light_.scintillation, pupil_line(), pupil_line());
     }
     fields_.emplace(
-        config_, map(geometry_), *window_, grid_, [this](Vec2 at_um) { return amplitude(at_um); },
+        config_, map(geometry_), *window_, grid_, [this](Vec2 at_um) { return incident(at_um); },
         screen);
   }
   Eigen::MatrixXf waves = aberration_waves_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -37,7 +38,8 @@ class ArrayModel : public OpticalModel {
 
  private:
   float beam_amplitude(Vec2 at_um) const;
-  float amplitude(Vec2 at_um) const;
+  /// Light on the array without what is smooth: aberration, mirror, turbulence and scintillation.
+  std::complex<float> incident(Vec2 at_um) const;
   PupilLine pupil_line() const;  ///< of the grid, along x or y
   Eigen::MatrixXf sample(const std::vector<Mode>& modes) const;
 

@@ -37,7 +37,7 @@ double sinc(double x) {
 }  // namespace
 
 LensletFields::LensletFields(const Config& config, const CameraMap& map, const Roi& window,
-                             const PhaseGrid& grid, const Amplitude& amplitude,
+                             const PhaseGrid& grid, const Incident& incident,
                              const Eigen::MatrixXf& screen)
     : width_(window.width),
       height_(window.height),
@@ -59,7 +59,7 @@ LensletFields::LensletFields(const Config& config, const CameraMap& map, const R
     const bool reaches = spot.x > -reach_ - 1 && spot.x < width_ + reach_ && spot.y > -reach_ - 1 &&
                          spot.y < height_ + reach_;
     const std::size_t before = lenslets_.size();
-    if (reaches) add_lenslet(map, centre, spot, cell, amplitude);
+    if (reaches) add_lenslet(map, centre, spot, cell, incident);
     if (lenslets_.size() > before) used.push_back(centre);
   }
   interpolation_.emplace(grid, used, map.frequency(map.centre_px + Vec2{map.scale, 0.0}),
@@ -127,7 +127,7 @@ LensletFields::Phasors LensletFields::box_factors(double offset_px) const {
 
 /// Adds a lenslet, unless it is dark.
 void LensletFields::add_lenslet(const CameraMap& map, Vec2 centre_um, Vec2 spot_px,
-                                const Phasors& cell, const Amplitude& amplitude) {
+                                const Phasors& cell, const Incident& incident) {
   const Vec2 middle{std::round(spot_px.x), std::round(spot_px.y)};
   const Vec2 offset = spot_px - middle;
   Lenslet lenslet{int(middle.x) - reach_, int(middle.y) - reach_, cell, box_factors(offset.x),
@@ -136,11 +136,12 @@ void LensletFields::add_lenslet(const CameraMap& map, Vec2 centre_um, Vec2 spot_
   for (int s = 0; s < samples_ * samples_; ++s) {
     const Vec2 at = side_um_ * Vec2{((s % samples_) + 0.5) / samples_ - 0.5,
                                     ((s / samples_) + 0.5) / samples_ - 0.5};
-    const float light = amplitude(centre_um + map.frequency(map.centre_px + map.scale * at));
+    const std::complex<float> light =
+        incident(centre_um + map.frequency(map.centre_px + map.scale * at));
     const double tilt = 2.0 * kPi * px_um_ * (offset.x * at.x + offset.y * at.y) / lambda_f_;
     auto& value = lenslet.light[std::size_t(s)];
-    lit = lit || (light > 0.0F && value != std::complex<float>{});
-    value = product(value, std::complex<float>(std::polar(double(light), tilt)));
+    lit = lit || (light != 0.0F && value != std::complex<float>{});
+    value = product(product(value, light), std::complex<float>(std::polar(1.0, tilt)));
   }
   if (lit) lenslets_.push_back(std::move(lenslet));
 }

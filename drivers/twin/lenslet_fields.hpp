@@ -31,13 +31,13 @@ namespace ovws::twin {
 /// product of two small matrices and the samples. Use it in one thread at a time.
 class LensletFields {
  public:
-  /// Amplitude of the light at a position in the array's plane, micrometres; at most 1.
-  using Amplitude = std::function<float(Vec2)>;
+  /// Light at a position in the array's plane, micrometres; its amplitude is at most 1.
+  using Incident = std::function<std::complex<float>(Vec2)>;
 
   /// `map`: from the array's plane, micrometres, to sensor pixels. `grid`: that of the wavefront.
   /// `screen`: a smooth factor on the amplitude, on that grid; empty: none.
   LensletFields(const Config& config, const CameraMap& map, const Roi& window,
-                const PhaseGrid& grid, const Amplitude& amplitude, const Eigen::MatrixXf& screen);
+                const PhaseGrid& grid, const Incident& incident, const Eigen::MatrixXf& screen);
 
   /// Intensity in the window for a wavefront (waves) on the grid, in the unit of OpticalModel.
   Image<float> intensity(const Eigen::MatrixXf& waves);
@@ -64,7 +64,7 @@ class LensletFields {
   Phasors cell_light(const Config& config, const CameraMap& map) const;
   void fill_kernel();
   void add_lenslet(const CameraMap& map, Vec2 centre_um, Vec2 spot_px, const Phasors& cell,
-                   const Amplitude& amplitude);
+                   const Incident& incident);
   void dim(const Eigen::MatrixXf& screen);
   Phasors box_factors(double offset_px) const;
   void add_field(const Lenslet& lenslet, Phasors& light);

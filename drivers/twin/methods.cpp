@@ -116,6 +116,7 @@ RpcAnswer Methods::set(const Json& params) {
   double photons = -1.0;
   read_aberration(reader, truth);
   read_shades(reader, truth);
+  read_branch_points(reader, truth);
   read_detector(reader, truth);
   read_noise(reader, truth);
   read_geometry(reader, truth.geometry);

@@ -53,6 +53,14 @@ Json json_of(const std::vector<Mode>& aberration) {
   return modes;
 }
 
+Json json_of(const std::vector<LightVortex>& branch_points) {
+  Json json = Json::array();
+  for (const LightVortex& one : branch_points) {
+    json.push_back({{"x", one.at.x}, {"y", one.at.y}, {"charge", one.charge}});
+  }
+  return json;
+}
+
 Json json_of(const std::vector<Shade>& shades) {
   Json json = Json::array();
   for (const Shade& shade : shades) {
@@ -146,6 +154,7 @@ Json json_of(const OpticalModel& optics, const Truth& truth) {
   return {{"aberration", json_of(truth.aberration)},
           {"norm", "rms"},
           {"shades", json_of(truth.shades)},
+          {"branch_points", json_of(truth.branch_points)},
           {"peak_electrons", truth.peak_electrons},
           {"geometry", json_of(truth.geometry)},
           {"turbulence", json_of(truth.turbulence)},

@@ -85,6 +85,17 @@ void dim(Image<std::complex<float>>& field, const Shade& shade) {
   }
 }
 
+/// Multiplies the field by a vortex, whose amplitude rises linearly from 0 within its core.
+void twist(Image<std::complex<float>>& field, const LightVortex& vortex, double radius_px) {
+  const Vec2 centre = Vec2{(field.width - 1) / 2.0, (field.height - 1) / 2.0};
+  for (int y = 0; y < field.height; ++y) {
+    std::complex<float>* row = field.row(y);
+    for (int x = 0; x < field.width; ++x) {
+      row[x] *= field_about(vortex, (1.0 / radius_px) * (Vec2{double(x), double(y)} - centre));
+    }
+  }
+}
+
 }  // namespace
 
 SlmModel::SlmModel(const Config& config)
@@ -141,6 +152,7 @@ void SlmModel::set_light(const Light& light) {
     }
   }
   for (const Shade& shade : light.shades) dim(incident_, shade);
+  for (const LightVortex& one : light.branch_points) twist(incident_, one, diameter / 2.0);
 }
 
 void SlmModel::set_turbulence(const Turbulence* turbulence, std::int64_t t_ns) {

@@ -1,5 +1,7 @@
 #include "drivers/twin/twin_config.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
@@ -96,6 +98,7 @@ void read(ObjectReader& r, Config& c) {
   r.object("control", [&](ObjectReader& in) { in.string("endpoint", c.control_endpoint); });
   read_aberration(r, c.truth);
   read_shades(r, c.truth);
+  read_branch_points(r, c.truth);
   read_noise(r, c.truth);
   read_turbulence(r, c.truth.turbulence);
   read_scintillation(r, c.truth.scintillation);
@@ -133,6 +136,28 @@ void read_shades(ObjectReader& r, Truth& truth) {
     in.number("radius_px", shade.radius_px, 0.0, 1e5);
     in.number("transmission", shade.transmission, 0.0, 1.0);
     truth.shades.push_back(shade);
+  });
+}
+
+std::complex<float> field_about(const LightVortex& vortex, Vec2 at) {
+  constexpr double kCoreRadii = 0.02;
+  const Vec2 r = at - vortex.at;
+  const double amplitude = std::min(1.0, norm(r) / kCoreRadii);
+  return std::complex<float>(std::polar(amplitude, vortex.charge * std::atan2(r.y, r.x)));
+}
+
+void read_branch_points(ObjectReader& r, Truth& truth) {
+  constexpr std::size_t kMaxBranchPoints = 64;
+  if (!r.has("branch_points")) return;
+  truth.branch_points.clear();
+  r.objects("branch_points", kMaxBranchPoints, [&truth](ObjectReader& in, std::size_t) {
+    LightVortex vortex;
+    in.require("x");
+    in.require("y");
+    in.number("x", vortex.at.x, -2.0, 2.0);
+    in.number("y", vortex.at.y, -2.0, 2.0);
+    in.integer("charge", vortex.charge, -8, 8);
+    truth.branch_points.push_back(vortex);
   });
 }
 

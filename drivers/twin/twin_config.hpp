@@ -1,6 +1,7 @@
 /// Configuration of the twin: the simulated bench. Every key has a default; `{}` is valid.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -67,6 +68,16 @@ struct Shade {
   bool operator==(const Shade&) const = default;
 };
 
+/// Branch point: a phase singularity of the light on the SLM, dark in its core.
+struct LightVortex {
+  Vec2 at;  ///< pupil radii from the pupil's centre
+  int charge = 1;
+
+  bool operator==(const LightVortex&) const = default;
+};
+/// Factor on the light at a place in pupil radii: the vortex's phase, and its dark core.
+std::complex<float> field_about(const LightVortex& vortex, Vec2 at);
+
 enum class Noise {
   fresh,  ///< new noise for each frame; if generation is too slow, an old frame repeats (counted)
   pool,   ///< 32 noise realisations in turn: little CPU load
@@ -78,6 +89,7 @@ struct Light {
   /// Aberration of the light on the sensor, as Zernike modes over its pupil.
   std::vector<Mode> aberration;
   std::vector<Shade> shades{};
+  std::vector<LightVortex> branch_points{};
   /// Of each actuator of the deformable mirror, waves; empty: all 0.
   std::vector<double> mirror_waves{};
   std::optional<ScintillationConfig> scintillation{};
@@ -131,6 +143,7 @@ Result<Config> load_config(const std::string& path);
 /// Readers of ground-truth keys from an object: `aberration`, `norm`, `shades`, `noise` ...
 void read_aberration(ObjectReader& reader, Truth& truth);
 void read_shades(ObjectReader& reader, Truth& truth);
+void read_branch_points(ObjectReader& reader, Truth& truth);
 void read_detector(ObjectReader& reader, Truth& truth);
 void read_noise(ObjectReader& reader, Truth& truth);
 /// Reads the key `turbulence`. null switches the turbulence off. An object replaces the whole

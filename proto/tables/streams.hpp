@@ -113,7 +113,11 @@ inline constexpr auto kTable<WavefrontMessage> =
                  return NumbersOrNull<float>{m.sigma, m.valid && m.fitted};
                },
                "standard errors of the coefficients, RMS-normalised waves; all null if the frame "
-               "was measured by the positions of its spots only")};
+               "was measured by the positions of its spots only"),
+           field<&WavefrontMessage::branch_points>(
+               "phase singularities of the incoming light, each [x, y, charge]: x and y in pupil "
+               "radii from the pupil's centre along the SLM's axes, charge 1 or -1; empty: none "
+               "recognised. A frame with a branch point is not valid")};
 template <>
 struct Rules<WavefrontMessage> {
   static Json schema();

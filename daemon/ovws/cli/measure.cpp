@@ -78,6 +78,11 @@ json line_of(const std::string& file, const Config& config, const Measurement& m
   message.coefficients = measured.coefficients;
   message.sigma = measured.sigma_waves;
   message.fitted = measured.fitted;
+  std::vector<BranchPointEntry> branch_points;
+  for (const BranchPoint& one : measured.branch_points) {
+    branch_points.push_back({one.at.x, one.at.y, double(one.charge)});
+  }
+  message.branch_points = branch_points;
   std::string text;
   encode(message, text);
   json line = json_of(text);
@@ -126,6 +131,11 @@ void print_table(const json& line) {
   }
   if (line.contains("refined") && line["refined"]["reason"].is_string()) {
     print("refined: {}\n", line["refined"]["reason"].get<std::string>());
+  }
+  for (const json& point : line["branch_points"]) {
+    print(
+        "branch point (phase singularity) near x {:+.2f}, y {:+.2f} pupil radii, charge {:+.0f}\n",
+        point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
   }
   if (!line["valid"].get<bool>()) {
     if (line["fit_residual_px"].is_number() && !line.contains("refined")) {

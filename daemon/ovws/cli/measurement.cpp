@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
@@ -203,6 +204,7 @@ void Measurement::fit(const ImageView& image, Measured& measured) {
   if (!found) return;
   FrameFit::Measured all = (*found)->measure(image);
   measured.fitted = measured.valid = measured.explained = true;
+  measured.branch_points.clear();
   measured.coefficients = std::move(all.coefficients);
   measured.sigma_waves = std::move(all.sigma_waves);
   measured.spots = std::move(all.spots);
@@ -226,15 +228,30 @@ void Measurement::refine(const ImageView& image, Measured& measured) {
   measured.valid = measured.refused.empty();
 }
 
+/// Looks for branch points as the daemon does in a frame that templates do not describe.
+void Measurement::find_branch_points(Measured& measured) {
+  const Reconstructor& positions = *plan_->reconstructor;
+  std::vector<float> waves(positions.modes_j().size());
+  const Reconstruction all = positions.solve(measured.spots, solve_scratch_, waves);
+  if (!all.determined || too_many_lost(all) || plan_->branch_points == nullptr) return;
+  std::vector<Vec2> left_px(measured.spots.size());
+  positions.residuals(measured.spots, solve_scratch_, left_px);
+  std::array<BranchPoint, kMaxBranchPoints> found;
+  const int count = plan_->branch_points->find(left_px, found);
+  measured.branch_points.assign(found.begin(), found.begin() + count);
+}
+
 /// Measures the image by spot positions. Returns whether positions alone give a valid measurement.
 bool Measurement::by_positions(Measured& measured) {
+  find_branch_points(measured);
   measured.reconstruction = plan_->reconstructor->solve_without_outliers(
       measured.spots, solve_scratch_,
       std::span(measured.coefficients).first(plan_->reconstructor->modes_j().size()),
       kCredibleResidual * plan_->spots.lambda_d_px);
   measured.explained =
       !measured.reconstruction.determined ||
-      is_explained(measured.reconstruction, measured.spots, plan_->spots.lambda_d_px);
+      (measured.branch_points.empty() &&
+       is_explained(measured.reconstruction, measured.spots, plan_->spots.lambda_d_px));
   return measured.reconstruction.determined && measured.explained && plan_->positions_suffice();
 }
 

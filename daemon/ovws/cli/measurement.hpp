@@ -37,6 +37,7 @@ struct Measured {
   std::vector<float> sigma_waves;   ///< standard errors; NaN unless `fitted`
   Reconstruction reconstruction;
   bool explained = true;  ///< false: determined, but no wavefront explains the spots
+  std::vector<BranchPoint> branch_points;  ///< of the light; then the image is not valid
   bool valid = false;
   bool fitted = false;  ///< by all pixels of the spots (tracker `fit`), else by positions
   std::optional<RefinedModes> refined{};  ///< only with a known camera
@@ -71,6 +72,7 @@ class Measurement {
   void fit(const ImageView& image, Measured& measured);
   void refine(const ImageView& image, Measured& measured);
   bool by_positions(Measured& measured);
+  void find_branch_points(Measured& measured);
   std::unique_ptr<MeasurementPlan> plan_;
   std::optional<PointModel> model_;  ///< used by the tracker `fit` only
   std::optional<RefineCamera> camera_;

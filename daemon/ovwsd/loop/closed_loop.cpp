@@ -95,12 +95,13 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
   return {};
 }
 
-/// Whether an invalid frame may still steer the loop: it is settled and has a reference, at most
-/// one spot in every kMinSpotsPerLost is lost, and the fit residual is at most kMaxResidual.
+/// Whether an invalid frame may still steer the loop: it is settled, has a reference and no branch
+/// point, at most one spot in every kMinSpotsPerLost is lost, and the fit residual is at most
+/// kMaxResidual.
 bool is_rough_guide(const FrameRecord& record) {
   const Reconstruction& found = record.reconstruction;
-  return record.settled && record.plan->referenced() && found.determined &&
-         kMinSpotsPerLost * found.lost <= found.used + found.lost &&
+  return record.settled && record.plan->referenced() && record.branch_count == 0 &&
+         found.determined && kMinSpotsPerLost * found.lost <= found.used + found.lost &&
          found.fit_residual_px <= kMaxResidual * record.plan->spots.lambda_d_px;
 }
 

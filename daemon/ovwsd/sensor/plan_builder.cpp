@@ -123,6 +123,8 @@ Result<PlanBuilder> PlanBuilder::make(const PlanInputs& inputs) {
       modes.shapes ? builder.slopes_of(modes.modes_j) : modes.slopes, modes.modes_j,
       plan.reference_px,
       rotation_column(inputs.lattice, inputs.sensor, builder.px_per_cycle_, inputs.reference));
+  plan.branch_points = std::make_shared<const BranchPoints>(
+      builder.lattice_, 0.5 * builder.sensor_.pupil_diameter_px, builder.px_per_cycle_);
   return builder;
 }
 

@@ -20,6 +20,18 @@ std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
       search.searches == 1 ? "once" : fmt::format("{} times", search.searches), wait_s);
 }
 
+/// What the branch points of the newest frame mean; empty if there are none.
+std::string branch_text(const ValidityWatch::Lack& lack) {
+  if (lack.branch_points == 0) return "";
+  const BranchPoint& first = lack.branch_point;
+  return fmt::format(
+      "; the light has {} (phase singularity) near x {:+.2f}, y {:+.2f} pupil radii, "
+      "charge {:+}",
+      lack.branch_points == 1 ? std::string("a branch point")
+                              : fmt::format("{} branch points, the first", lack.branch_points),
+      first.at.x, first.at.y, first.charge);
+}
+
 }  // namespace
 
 void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) {
@@ -28,6 +40,10 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
   explained_ = lack.explained;
   waits_ = lack.waits;
   searched_ = lack.searched;
+  branch_points_ = lack.branch_points;
+  branch_x_ = float(lack.branch_point.at.x);
+  branch_y_ = float(lack.branch_point.at.y);
+  branch_charge_ = lack.branch_point.charge;
   newest_ns_ = now_ns;
   if (valid) {
     since_ns_ = 0;
@@ -39,8 +55,15 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
 std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) const {
   const std::int64_t since_ns = since_ns_;
   if (since_ns == 0 || now_ns - newest_ns_ > kMaxFrameAgeNs) return std::nullopt;
-  return Lack{
-      since_ns, tracked_, spots_, explained_, waits_, searched_, brightness_.newest(now_ns)};
+  return Lack{since_ns,
+              tracked_,
+              spots_,
+              explained_,
+              waits_,
+              searched_,
+              brightness_.newest(now_ns),
+              branch_points_,
+              {{double(branch_x_), double(branch_y_)}, branch_charge_}};
 }
 
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
@@ -48,11 +71,15 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                                     std::int64_t now_ns, std::int64_t utc_ns) {
   StatusMessage::SensorPart::Invalid invalid;
   invalid.t_since_ns = utc_ns - (now_ns - lack.since_ns);
+  const bool has_branch_points = lack.branch_points > 0;
   invalid.reason = fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots,
-                               lack.waits       ? ", but templates have not confirmed them yet"
-                               : lack.explained ? ""
-                                                : ", but no wavefront explains their positions");
+                               has_branch_points ? branch_text(lack)
+                               : lack.waits      ? ", but templates have not confirmed them yet"
+                               : lack.explained  ? ""
+                                                 : ", but no wavefront explains their positions");
   invalid.action = lack.brightest && is_dark(*lack.brightest) ? dark_text(*lack.brightest)
+                   : has_branch_points
+                       ? "no smooth wavefront exists: remove what splits the light, or wait"
                    : !lack.searched ? "use the tracker fit: it also finds strong aberrations"
                    : lack.waits     ? "wait: templates of this wavefront are being rendered"
                                     : action_of(search, now_ns);
@@ -83,10 +110,16 @@ void ValidityWatch::announce(Events& events, std::int64_t now_ns) {
   if (now && announced_ns_ == 0 && now_ns - now->since_ns >= kAnnounceNs) {
     announced_ns_ = now->since_ns;
     const auto why = invalid_in_words(*now, progress_.get(), now_ns, 0);
+    nlohmann::json data{{"valid", false}, {"tracked", now->tracked}, {"searches", why.searches}};
+    if (now->branch_points > 0) {
+      data["branch_point"] = {{"x", now->branch_point.at.x},
+                              {"y", now->branch_point.at.y},
+                              {"charge", now->branch_point.charge}};
+    }
     events.emit("spots", Severity::warning,
                 fmt::format("no frame has been valid for {:.1f} s: {}; {}",
                             1e-9 * double(now_ns - now->since_ns), why.reason, why.action),
-                {{"valid", false}, {"tracked", now->tracked}, {"searches", why.searches}});
+                data);
   }
   if (announced_ns_ == 0 || !is_valid()) return;
   events.emit(

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/wavefront/branch_points.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/frames/image_brightness.hpp"
 #include "daemon/shared/guarded.hpp"
@@ -32,6 +33,8 @@ class ValidityWatch {
     bool searched = true;   ///< templates can measure frames, so the wavefront is searched
     /// See brightest_fraction; none: unknown.
     std::optional<double> brightest = std::nullopt;
+    int branch_points = 0;          ///< recognised in the newest frame
+    BranchPoint branch_point = {};  ///< the strongest of them
   };
 
   /// `brightness`: of the camera's images; must outlive this object.
@@ -61,6 +64,9 @@ class ValidityWatch {
   std::atomic<std::int64_t> since_ns_{0};  ///< 0: the newest frame was valid
   std::atomic<std::int64_t> newest_ns_{0};
   std::atomic<int> tracked_{0}, spots_{0};
+  std::atomic<int> branch_points_{0};
+  std::atomic<float> branch_x_{0.0F}, branch_y_{0.0F};
+  std::atomic<int> branch_charge_{0};
   std::atomic<bool> explained_{true}, waits_{false}, searched_{true};
   Guarded<SearchProgress> progress_;
   std::int64_t announced_ns_ = 0;  ///< start of the invalid period announced; 0: none is

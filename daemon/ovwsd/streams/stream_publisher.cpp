@@ -1,5 +1,6 @@
 #include "daemon/ovwsd/streams/stream_publisher.hpp"
 
+#include <array>
 #include <memory>
 
 #include "core/port/clock.hpp"
@@ -76,6 +77,12 @@ void StreamPublisher::send_record(const FrameRecord& record) {
   wavefront.coefficients = std::span(record.coefficients).first(std::size_t(record.mode_count));
   wavefront.sigma = std::span(record.sigma_waves).first(std::size_t(record.mode_count));
   wavefront.fitted = record.templates.credible;
+  std::array<BranchPointEntry, kMaxBranchPoints> branch_points;
+  for (int k = 0; k < record.branch_count; ++k) {
+    const BranchPoint& one = record.branch_points[std::size_t(k)];
+    branch_points[std::size_t(k)] = {one.at.x, one.at.y, double(one.charge)};
+  }
+  wavefront.branch_points = std::span(branch_points).first(std::size_t(record.branch_count));
   encode(wavefront, json_);
   send(kTopicWavefront);
   deps_.published_latency.record(monotonic_ns() - record.frame.t_arrival_mono_ns);

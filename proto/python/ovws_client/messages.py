@@ -101,6 +101,8 @@ class Wavefront(FrameMessage):
     """present aberration minus the reference, RMS-normalised waves, as many as `j`; all NaN if not valid"""
     sigma_waves: Floats
     """standard errors of the coefficients, waves; all NaN if the frame was measured by positions only"""
+    branch_points: Floats
+    """phase singularities of the incoming light, rows x, y (pupil radii), charge; empty: none recognised"""
 
     def phase_waves(self, size_px: int = 128) -> Floats:
         """Wavefront over the pupil, waves, shape (size_px, size_px); NaN outside the pupil, and everywhere if not valid."""
@@ -118,7 +120,8 @@ class Wavefront(FrameMessage):
     @classmethod
     def _values(cls, body: Mapping[str, Any], binary: Binary) -> dict[str, Any]:
         return super()._values(body, binary) | {"j": np.array(body["j"], np.int64), "coefficients_waves": _floats(body["coefficients"]),
-                                                "sigma_waves": _floats(body["sigma"])}
+                                                "sigma_waves": _floats(body["sigma"]),
+                                                "branch_points": _floats(body.get("branch_points", [])).reshape(-1, 3)}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

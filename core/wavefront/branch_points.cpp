@@ -1,0 +1,171 @@
+#include "core/wavefront/branch_points.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace ovws {
+namespace {
+
+constexpr double kTouching = 1.2;   // subaperture diameters: nearest neighbours
+constexpr double kDiagonal = 1.6;   // and those across a square
+constexpr double kMaxSpots = 37.0;  // beyond, more spots are no more evidence
+/// A slope is measured by a spot inside the subaperture only if the singularity is outside.
+constexpr double kMinDistancePx = 1.0;
+
+std::vector<int> within(const Lattice& lattice, int i, double diameters) {
+  std::vector<int> found;
+  const auto& all = lattice.subapertures;
+  for (int k = 0; k < int(all.size()); ++k) {
+    const double distance_px = norm(all[k].centre_px - all[i].centre_px);
+    if (k != i && distance_px < diameters * lattice.diameter_px) found.push_back(k);
+  }
+  return found;
+}
+
+/// The other corners of the smallest cells that have `i` as their first corner.
+std::vector<std::vector<int>> cells_at(const Lattice& lattice, int i, bool square) {
+  const auto& all = lattice.subapertures;
+  const double d = lattice.diameter_px;
+  std::vector<std::vector<int>> cells;
+  if (square) {
+    std::vector<int> cell{i};
+    for (const int k : within(lattice, i, kDiagonal)) {
+      const Vec2 r = all[k].centre_px - all[i].centre_px;
+      if (r.x > -0.2 * d && r.y > -0.2 * d) cell.push_back(k);
+    }
+    if (cell.size() == 4) cells.push_back(std::move(cell));
+    return cells;
+  }
+  const std::vector<int> near = within(lattice, i, kTouching);
+  for (const int j : near) {
+    for (const int k : near) {
+      const bool touch = norm(all[j].centre_px - all[k].centre_px) < kTouching * d;
+      if (i < j && j < k && touch) cells.push_back({i, j, k});
+    }
+  }
+  return cells;
+}
+
+/// Whether the lattice is square: then some subaperture has a neighbour on the diagonal.
+bool is_square(const Lattice& lattice) {
+  for (int i = 0; i < int(lattice.subapertures.size()); ++i) {
+    if (within(lattice, i, kDiagonal).size() > within(lattice, i, kTouching).size()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+BranchPoints::BranchPoints(const Lattice& lattice, double pupil_radius_px, const PxPerCycle& map)
+    : pupil_radius_px_(pupil_radius_px), lambda_d_px_(map.scale() / lattice.diameter_px) {
+  const bool square = is_square(lattice);
+  const std::size_t whole = square ? 8 : 6;  // neighbours of an inner subaperture
+  std::vector<std::vector<int>> rings;
+  const int count = int(lattice.subapertures.size());
+  for (int i = 0; i < count; ++i)
+    rings.push_back(within(lattice, i, square ? kDiagonal : kTouching));
+  for (int i = 0; i < count; ++i) {
+    for (std::vector<int>& cell : cells_at(lattice, i, square)) {
+      add_loop(lattice, std::move(cell), map);
+    }
+    if (rings[i].size() != whole) continue;
+    add_loop(lattice, rings[i], map);
+    for (const int j : within(lattice, i, kTouching)) {
+      if (j < i || rings[j].size() != whole) continue;
+      std::vector<int> both;
+      std::set_union(rings[i].begin(), rings[i].end(), rings[j].begin(), rings[j].end(),
+                     std::back_inserter(both));
+      both.erase(std::remove_if(both.begin(), both.end(), [&](int k) { return k == i || k == j; }),
+                 both.end());
+      add_loop(lattice, std::move(both), map);
+    }
+  }
+}
+
+void BranchPoints::add_loop(const Lattice& lattice, std::vector<int> spots, const PxPerCycle& map) {
+  const auto at = [&](int i) { return lattice.subapertures[std::size_t(i)].centre_px; };
+  Loop loop;
+  loop.corners = int(spots.size());
+  for (const int i : spots) loop.at = loop.at + (1.0 / loop.corners) * at(i);
+  const auto angle = [&](int i) {
+    const Vec2 r = at(i) - loop.at;
+    return std::atan2(r.y, r.x);
+  };
+  std::sort(spots.begin(), spots.end(), [&](int a, int b) { return angle(a) < angle(b); });
+  double ideal = 0.0;
+  std::array<Vec2, kMaxCorners> per_slope{};
+  for (int k = 0; k < loop.corners; ++k) {
+    const Vec2 before = at(spots[std::size_t((k + loop.corners - 1) % loop.corners)]);
+    const Vec2 after = at(spots[std::size_t((k + 1) % loop.corners)]);
+    per_slope[std::size_t(k)] = 0.5 * (after - before);  // both edges at this corner
+    const Vec2 r = at(spots[std::size_t(k)]) - loop.at;
+    const double square = std::max(r.x * r.x + r.y * r.y, kMinDistancePx);
+    ideal += (r.x * per_slope[std::size_t(k)].y - r.y * per_slope[std::size_t(k)].x) /
+             (2.0 * std::numbers::pi * square);
+    loop.spots[std::size_t(k)] = std::int16_t(spots[std::size_t(k)]);
+  }
+  const double d = map.determinant();
+  for (int k = 0; k < loop.corners; ++k) {
+    const Vec2 w = (1.0 / (ideal * d)) * per_slope[std::size_t(k)];
+    // The transposed inverse of the registration matrix.
+    loop.per_px[std::size_t(k)] = {map.yy * w.x - map.yx * w.y, map.xx * w.y - map.xy * w.x};
+  }
+  loops_.push_back(loop);
+}
+
+bool BranchPoints::share_spot(const Loop& a, const Loop& b) {
+  for (int k = 0; k < a.corners; ++k) {
+    const auto end = b.spots.begin() + b.corners;
+    if (std::find(b.spots.begin(), end, a.spots[std::size_t(k)]) != end) return true;
+  }
+  return false;
+}
+
+/// Adds a suspect to those kept so far, unless a stronger one shares a spot with it. Replaces
+/// weaker ones that do.
+void BranchPoints::keep(Suspect one, std::span<Suspect> suspects, int& count) {
+  const auto begin = suspects.begin();
+  const auto rivals = [&](const Suspect& other) { return share_spot(*one.loop, *other.loop); };
+  const auto stronger = [&](const Suspect& other) {
+    return rivals(other) && std::abs(other.waves) >= std::abs(one.waves);
+  };
+  if (std::any_of(begin, begin + count, stronger)) return;
+  count = int(std::remove_if(begin, begin + count, rivals) - begin);
+  if (count < int(suspects.size())) suspects[std::size_t(count++)] = one;
+}
+
+int BranchPoints::find(std::span<const Vec2> left_px,
+                       std::span<BranchPoint, kMaxBranchPoints> found) const OVWS_NONBLOCKING {
+  double squares = 0.0, known = 0.0;
+  for (const Vec2& left : left_px) {
+    if (std::isnan(left.x)) continue;
+    squares += left.x * left.x + left.y * left.y;
+    known += 1.0;
+  }
+  const double share = std::sqrt(squares * std::min(1.0, kMaxSpots / std::max(known, 1.0)));
+  const double limit = std::max(kMinCirculation, kMinShare * share / lambda_d_px_);
+  std::array<Suspect, 2 * kMaxBranchPoints> suspects;
+  int count = 0;
+  for (const Loop& loop : loops_) {
+    double waves = 0.0;
+    for (int k = 0; k < loop.corners; ++k) {
+      const Vec2 left = left_px[std::size_t(loop.spots[std::size_t(k)])];
+      waves += left.x * loop.per_px[std::size_t(k)].x + left.y * loop.per_px[std::size_t(k)].y;
+    }
+    if (std::abs(waves) > limit) keep({&loop, waves}, suspects, count);  // never if NaN
+  }
+  const auto stronger = [](const Suspect& a, const Suspect& b) {
+    return std::abs(a.waves) > std::abs(b.waves);
+  };
+  std::sort(suspects.begin(), suspects.begin() + count, stronger);
+  count = std::min(count, kMaxBranchPoints);
+  for (int k = 0; k < count; ++k) {
+    const Suspect& one = suspects[std::size_t(k)];
+    found[std::size_t(k)] = {(1.0 / pupil_radius_px_) * one.loop->at, one.waves > 0.0 ? 1 : -1};
+  }
+  return count;
+}
+
+}  // namespace ovws

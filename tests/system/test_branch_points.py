@@ -1,0 +1,66 @@
+"""Branch points of the light: frames are refused with the place, and a closed loop holds its correction."""
+import time
+
+from case import BenchCase, Client, main, wait_for
+
+
+class BranchPoints(BenchCase):
+    daemon_config = {"stream": {"image_rate_hz": 0}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+
+    def light(self, *points):
+        self.twin.call("twin.set", {"branch_points": [{"x": x, "y": y, "charge": charge} for x, y, charge in points]})
+        time.sleep(0.3)
+
+    def frame(self, stream):
+        stream.drain()
+        return wait_for(lambda: stream.next(1.0), 10.0)
+
+    def test_a_frame_is_refused_with_the_place(self):
+        stream, events = self.stream("wavefront"), self.stream("event")
+        self.take_reference()
+        self.settled_frames(stream, 5)
+        self.assertEqual(self.frame(stream)["branch_points"], [])
+        for x, y, charge in ((0.3, 0.1, 1), (-0.1, -0.25, -1)):
+            self.light((x, y, charge))
+            frame = wait_for(lambda: (now := self.frame(stream))["branch_points"] and now, 10.0, "a branch point")
+            self.assertFalse(frame["valid"])
+            at_x, at_y, sign = frame["branch_points"][0]
+            self.assertEqual(sign, charge)
+            self.assertLess(((at_x - x) ** 2 + (at_y - y) ** 2) ** 0.5, 0.4)
+            end = time.monotonic() + 3.0
+            while time.monotonic() < end:  # no rendering of a smooth wavefront may make it valid
+                self.assertFalse(self.frame(stream)["valid"])
+            invalid = self.call("system.status")["sensor"]["invalid"]
+            self.assertIn("branch point", invalid["reason"])
+        told = wait_for(lambda: (event := events.next(1.0)) and "branch_point" in event["data"] and event, 10.0, "the event")
+        self.assertIn("phase singularity", told["text"])
+        self.light()
+        wait_for(lambda: (now := self.frame(stream))["valid"] and not now["branch_points"], 10.0, "a valid frame")
+
+    def test_a_closed_loop_holds_its_correction(self):
+        stream = self.stream("wavefront")
+        self.take_reference()
+        self.settled_frames(stream, 5)
+        self.call("loop.close")
+        time.sleep(1.0)
+        before = self.call("correction.get")
+        self.light((0.3, 0.1, 1))
+        time.sleep(2.0)
+        print("\n ", self.frame(stream)["branch_points"], self.call("system.status")["sensor"]["invalid"])
+        held = self.call("correction.get")
+        moved = {m["j"]: m["waves"] for m in held["modes"]}
+        for mode in before["modes"]:
+            moved[mode["j"]] = moved.get(mode["j"], 0.0) - mode["waves"]
+        print("  largest change of the correction", max(map(abs, moved.values()), default=0.0))
+        self.light()
+        wait_for(lambda: self.frame(stream)["valid"], 10.0, "a valid frame")
+        self.assertLess(max(map(abs, moved.values()), default=0.0), 0.05)
+
+
+if __name__ == "__main__":
+    main()
