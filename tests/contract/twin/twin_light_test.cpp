@@ -96,6 +96,18 @@ TEST(DeformableMirror, MovesTheSpotsOfAnArrayBesideTheActuatorApart) {
   EXPECT_NEAR(centre_x(right), before, 1e-6);
 }
 
+TEST(DeformableMirror, ItsConfigurationIsStrict) {
+  const auto fault = [](const std::string& json) {
+    const auto config = parse_config(json);
+    return config ? std::string("none") : config.error().field;
+  };
+  EXPECT_EQ(fault(R"({"mirror": {"actuators": 9}})"), "mirror.actuators");
+  EXPECT_EQ(fault(R"({"mirror": {"actuators_across": 1}})"), "mirror.actuators_across");
+  EXPECT_EQ(fault(R"({"mirror": {"coupling": 1.0}})"), "mirror.coupling");
+  EXPECT_EQ(fault(R"({"scintillation": {"variance": -1}})"), "scintillation.variance");
+  EXPECT_FALSE(config_of(R"({"mirror": null})").mirror);
+}
+
 TEST(DeformableMirror, ACommandDoesNotWithdrawAFrameThatHasBegun) {
   Bench bench(config_of(
       R"({"modulator": "fixed", "optics": {"focal_length_mm": 5.2, "camera_pitch_um": 5.3,
