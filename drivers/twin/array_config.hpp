@@ -18,7 +18,7 @@ enum class LensletShape { square, circle };
 struct PlateConfig {
   int levels = 0;      ///< steps per turn; 0: smooth
   double depth = 1.0;  ///< 1.05: 5 % too deep
-  Vec2 shift_um;       ///< of the spiral's axis from the lenslet's centre
+  Vec2 shift_um{};     ///< of the spiral's axis from the lenslet's centre
 
   friend bool operator==(const PlateConfig&, const PlateConfig&) = default;
 };
@@ -31,10 +31,10 @@ struct ArrayConfig {
   LensletShape shape = LensletShape::square;
   int columns = 47, rows = 35;
   /// Diameter of the circle over which the aberration is defined; none: pupil_um's default.
-  std::optional<double> pupil_mm;
-  PlateConfig plate;
+  std::optional<double> pupil_mm{};
+  PlateConfig plate{};
   /// Diameter of the beam (1/e^2 for LightShape::gaussian), centred on the array; none: uniform.
-  std::optional<double> beam_diameter_mm;
+  std::optional<double> beam_diameter_mm{};
   /// How far from its centre the field of a lenslet is computed, along x and y of the camera.
   double reach_pitches = 1.5;
 

@@ -20,7 +20,7 @@ Bench::Bench(const Config& config) : model_(make_optical_model(config)) {
 }
 
 void Bench::note_change() {
-  ++state_.number;
+  before_mirror_ = ++state_.number;
   changed_.notify_all();
 }
 
@@ -72,8 +72,8 @@ void Bench::set_truth(const Truth& truth) {
 void Bench::set_mirror(const std::vector<double>& waves) {
   const std::lock_guard lock(mutex_);
   state_.truth.mirror_waves = waves;
-  note_change();
-  ordered_ = state_.number;
+  ++state_.number;
+  changed_.notify_all();
 }
 
 std::uint64_t Bench::begin(const Roi& window, std::int64_t t_ns, std::int64_t period_ns) {
@@ -131,14 +131,21 @@ bool Bench::may_be_sent() const {
   return computed_ >= ordered_ && std::chrono::steady_clock::now() < appeared_ + kStaleFrameTime;
 }
 
+/// Whether nothing but the mirror has changed since this scene, of a frame that began at `begun`.
+bool Bench::unchanged_but_mirror(const Scene* scene, std::uint64_t begun) const {
+  return scene != nullptr && scene->number >= begun && scene->number >= before_mirror_;
+}
+
 std::shared_ptr<const Scene> Bench::scene(std::uint64_t begun,
                                           const std::shared_ptr<const Scene>& ready,
                                           Deadline deadline, const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   const bool ready_in_time = changed_.wait_until(lock, stop, deadline, [&] {
-    return computed_ >= begun && (scene_ != ready || may_be_sent());
+    return unchanged_but_mirror(ready.get(), begun) ||
+           (computed_ >= begun && (scene_ != ready || may_be_sent()));
   });
-  return ready_in_time ? scene_ : nullptr;
+  if (!ready_in_time) return nullptr;
+  return unchanged_but_mirror(ready.get(), begun) ? ready : scene_;
 }
 
 void Bench::note_sent(std::uint64_t frame_id, std::int64_t t_device_ns, const Scene& scene) {
@@ -191,7 +198,7 @@ std::shared_ptr<const Scene> Bench::compute(const State& now) {
     last_crc32_ = std::uint32_t(::crc32(0, pixels.data(), uInt(pixels.size())));
   }
   last_ = now;
-  Scene scene{last_intensity_, now.truth, now.t_ns, last_crc32_, {}};
+  Scene scene{last_intensity_, now.truth, now.t_ns, last_crc32_, {}, now.number};
   if (turbulence_) scene.turbulence = turbulence_->modes(now.t_ns);
   return std::make_shared<Scene>(std::move(scene));
 }

@@ -26,6 +26,7 @@ struct Scene {
   std::int64_t t_ns = 0;           ///< time at which the turbulence is evaluated, UTC
   std::uint32_t crc32 = 0;         ///< of the SLM's grey levels, row by row
   Turbulence::Modes turbulence{};  ///< Zernike modes of the turbulence at t_ns; zeros without it
+  std::uint64_t number = 0;        ///< of the state
 };
 
 /// Ground truth of a sent frame: the SLM's image and the turbulence in it.
@@ -68,7 +69,8 @@ class Bench {
   Truth truth() const;
   std::shared_ptr<const Image<std::uint8_t>> shown() const;  ///< newest SLM image, settled or not
   void set_truth(const Truth& truth);
-  void set_mirror(const std::vector<double>& waves);  ///< sets Light::mirror_waves only
+  /// Sets Light::mirror_waves. Unlike other changes, this does not withdraw a frame that has begun.
+  void set_mirror(const std::vector<double>& waves);
 
   /// Begins a frame of this window of the sensor at `t_ns` UTC. Returns the number of the current
   /// state; with turbulence every moment is a new state. `period_ns`: time from frame to frame. If
@@ -110,6 +112,7 @@ class Bench {
   void note_change();         // call with mutex_ locked
   void show_due_images();     // call with mutex_ locked: shows pending images that have settled
   bool may_be_sent() const;   // call with mutex_ locked
+  bool unchanged_but_mirror(const Scene* scene, std::uint64_t begun) const;  // with mutex_ locked
 
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
@@ -118,6 +121,7 @@ class Bench {
   std::uint64_t computed_ = 0;  ///< State::number from which scene_ was computed
   /// State::number of the newest change of truth, window or turbulence time.
   std::uint64_t ordered_ = 0;
+  std::uint64_t before_mirror_ = 0;  ///< State::number of the newest change but the mirror's
   struct PendingImage {
     std::shared_ptr<const Image<std::uint8_t>> grey;
     Deadline due;

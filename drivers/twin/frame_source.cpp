@@ -51,8 +51,8 @@ bool FrameSource::may_repeat() const {
 
 bool FrameSource::wants_more() const {
   if (!request_ || ready_.size() >= kAhead) return false;
-  // With turbulence each frame shows another moment, so one frame per request is enough.
-  if (request_->scene->truth.turbulence) return ready_.empty() && past_.empty();
+  // With turbulence or a moving mirror each frame shows another scene, so one frame is enough.
+  if (takes_ < 2) return ready_.empty() && past_.empty();
   return request_->scene->truth.noise == Noise::fresh ||
          ready_.size() + past_.size() < history_of(request_->scene->truth.noise);
 }
@@ -97,9 +97,11 @@ bool FrameSource::take(const FrameRequest& request, Bench::Deadline deadline,
   std::unique_lock lock(mutex_);
   if (request_ != request) {
     request_ = request;
+    takes_ = 0;
     ready_.clear();
     past_.clear();
   }
+  ++takes_;
   changed_.notify_all();
   if (!changed_.wait_until(lock, stop, deadline,
                            [this] { return !ready_.empty() || may_repeat(); })) {

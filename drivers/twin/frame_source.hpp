@@ -59,6 +59,7 @@ class FrameSource {
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   std::optional<FrameRequest> request_;
+  std::uint64_t takes_ = 0;  ///< how often request_ was taken
   std::deque<Frame> ready_;  ///< generated for request_, not delivered yet
   std::deque<Frame> past_;   ///< delivered for request_, oldest first
   FrameCounts counts_;

@@ -87,7 +87,8 @@ def calibrate_mirror(client: Bench, drive: Drive, actuators: int, amplitude: flo
 def mean_spots(client: Bench, frames: int, timeout_s: float = 30.0) -> tuple[Floats, Floats]:
     """Mean positions x, y, x, y, … of the spots in the next settled frames, camera pixels, and their standard errors. Only frames whose exposure
     began after this call count. NaN: lost in a frame. Raises NoAnswer if there were not as many within `timeout_s` seconds."""
-    earliest, end, rows = earliest_ns(client.system_status(), client.config_get()), time.monotonic() + timeout_s, []
+    earliest, end = earliest_ns(client.system_status(), client.config_get()), time.monotonic() + timeout_s
+    rows: list[Floats] = []
     with client.subscribe(Spots) as stream:
         while len(rows) < frames:
             spots = stream.next(max(0.0, end - time.monotonic()))

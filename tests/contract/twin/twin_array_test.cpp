@@ -223,6 +223,29 @@ TEST(ArrayConfig, RefusesWhatCannotBeSimulated) {
   EXPECT_EQ(fault(R"({"pitch_um": 400})"), "optics.focal_length_mm");
 }
 
+TEST(ArrayLayout, AHexagonalLatticeHasItsMiddleLensletAtTheCentre) {
+  const ArrayConfig array{.lattice = Grid::hexagonal, .columns = 3, .rows = 3};
+  const std::vector<Vec2> centres = lenslet_centres(array);
+  ASSERT_EQ(centres.size(), 9U);
+  EXPECT_EQ(centres[4], (Vec2{0.0, 0.0}));
+  for (const std::size_t neighbour : {0U, 1U, 3U, 5U, 6U, 7U}) {
+    EXPECT_NEAR(norm(centres[neighbour]), 150.0, 1e-9) << neighbour;
+  }
+  EXPECT_NEAR(pupil_um(array), 3 * 150.0 * std::sqrt(0.75), 1e-9);
+}
+
+TEST(Plate, HasStepsADepthAndAnAxis) {
+  const Vec2 below{0.0, 10.0};  // a quarter of a turn, as y points down
+  EXPECT_NEAR(plate_radians({}, 1, below), kPi / 2, 1e-12);
+  EXPECT_NEAR(plate_radians({}, -2, below), -kPi, 1e-12);
+  EXPECT_NEAR(plate_radians({.depth = 1.05}, 1, {1.0, -1e-9}), 1.05 * 2.0 * kPi, 1e-6);
+  EXPECT_NEAR(plate_radians({.shift_um = {3.0, 10.0}}, 1, {0.0, 10.0}), kPi, 1e-12);
+  const PlateConfig steps{.levels = 8};
+  EXPECT_NEAR(plate_radians(steps, 1, {1.0, 0.1}), kPi / 8, 1e-12);
+  EXPECT_NEAR(plate_radians(steps, 1, {1.0, 0.9}), kPi / 8, 1e-12);
+  EXPECT_NEAR(plate_radians(steps, 1, {1.0, 1.1}), 3.0 * kPi / 8, 1e-12);
+}
+
 TEST(ArrayModel, TimesOfANewWavefront) {
   for (const int across : {9, 47}) {
     const Config config = array_of("{\"columns\": " + std::to_string(across) +

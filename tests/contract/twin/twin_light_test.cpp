@@ -1,14 +1,19 @@
 /// The light in front of the sensor: deformable mirror and scintillation, for both kinds of bench.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <complex>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "drivers/twin/array_model.hpp"
+#include "drivers/twin/bench.hpp"
 #include "drivers/twin/deformable_mirror.hpp"
 #include "drivers/twin/scintillation.hpp"
 #include "drivers/twin/slm_model.hpp"
@@ -89,6 +94,44 @@ TEST(DeformableMirror, MovesTheSpotsOfAnArrayBesideTheActuatorApart) {
   EXPECT_NEAR(centre_x(right) - before, slope * 632e-3 * 5.2e3 / 5.3, 0.1);
   model.set_light({});
   EXPECT_NEAR(centre_x(right), before, 1e-6);
+}
+
+TEST(DeformableMirror, ItsConfigurationIsStrict) {
+  const auto fault = [](const std::string& json) {
+    const auto config = parse_config(json);
+    return config ? std::string("none") : config.error().field;
+  };
+  EXPECT_EQ(fault(R"({"mirror": {"actuators": 9}})"), "mirror.actuators");
+  EXPECT_EQ(fault(R"({"mirror": {"actuators_across": 1}})"), "mirror.actuators_across");
+  EXPECT_EQ(fault(R"({"mirror": {"coupling": 1.0}})"), "mirror.coupling");
+  EXPECT_EQ(fault(R"({"scintillation": {"variance": -1}})"), "scintillation.variance");
+  EXPECT_FALSE(config_of(R"({"mirror": null})").mirror);
+}
+
+TEST(DeformableMirror, ACommandDoesNotWithdrawAFrameThatHasBegun) {
+  Bench bench(config_of(
+      R"({"modulator": "fixed", "optics": {"focal_length_mm": 5.2, "camera_pitch_um": 5.3,
+          "centre_px": [31, 31]}, "mirror": {}, "array": {"columns": 1, "rows": 1}})"));
+  const std::jthread work([&](const std::stop_token& stop) { bench.work(stop); });
+  const std::stop_source stop;
+  const auto scene = [&](std::uint64_t begun, const std::shared_ptr<const Scene>& ready) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    return bench.scene(begun, ready, deadline, stop.get_token());
+  };
+  const Roi window{0, 0, 64, 64};
+  const std::uint64_t begun = bench.begin(window);
+  const auto first = scene(begun, nullptr);
+  ASSERT_TRUE(first);
+  bench.set_mirror(poke(69, 34, 0.1));
+  EXPECT_EQ(scene(begun, first), first);
+  const auto next = scene(bench.begin(window), nullptr);
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->truth.mirror_waves, poke(69, 34, 0.1));
+  EXPECT_NE(scene(bench.begin(window), first), first) << "begun after the command";
+  Truth truth = bench.truth();
+  truth.aberration = {{4, 0.1}};
+  bench.set_truth(truth);
+  EXPECT_NE(scene(begun, first), first) << "another change withdraws it";
 }
 
 TEST(Scintillation, HasTheVarianceAndTheCorrelationLength) {
