@@ -16,7 +16,7 @@ inline constexpr const char* kHologramIdMeaning =
 
 template <>
 inline constexpr auto kTable<Mode> =
-    Fields{"Mode", field<&Mode::j>(kModeIndexMeaning),
+    Fields{"Mode", field<&Mode::j>(kModeIndexMeaning, Bounds(0, kMaxZernikeIndex)),
            field<&Mode::waves>("coefficient, RMS-normalised waves")};
 
 /// A Zernike mode with its orders n and m and its common name.

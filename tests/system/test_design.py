@@ -63,6 +63,28 @@ class Impossible(unittest.TestCase):
         self.assertIn("WIDTHxHEIGHT@PITCH", json.dumps(error))
 
 
+class Advice(unittest.TestCase):
+    def advise(self, *arguments):
+        ovws = bench_module.find_programs() / "ovws"
+        done = subprocess.run([ovws, "--json", "advise", *arguments], capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return json.loads(done.stdout)
+
+    def test_the_best_sensor_comes_first_with_its_exposure(self):
+        advice = self.advise("--modes", "44", "--photons", "1e8")
+        best = advice["best_first"][0]
+        self.assertEqual((best["subapertures"], best["charge"], best["limited_by"]), (19, 1, "frame rate"))
+        errors = [one["error_waves"] for one in advice["best_first"]]
+        self.assertEqual(errors, sorted(errors))
+        self.assertEqual(best["config"]["camera"]["exposure_us"], best["exposure_us"])
+        self.assertTrue(all(one["reason"] for one in advice["unfit"]))
+
+    def test_bright_light_is_limited_by_the_full_well(self):
+        advice = self.advise("--modes", "18", "--photons", "1e12")
+        self.assertEqual({one["limited_by"] for one in advice["best_first"]}, {"full well"})
+        self.assertTrue(all(abs(one["peak_e"] - 7000.0) < 1.0 for one in advice["best_first"]))
+
+
 class Real(BenchCase):
     def start(self):
         """Each test designs its bench and starts it."""

@@ -11,15 +11,15 @@ PARAMS = -32602
 
 
 def write_map(path, width, height):
-    """Writes a map as text: 0.1 wave RMS of oblique astigmatism over the square around a subaperture."""
+    """Writes a map as text: 0.05 wave RMS of oblique astigmatism over the square around a subaperture."""
     def waves(x, y):
-        return 0.1 * 6 ** 0.5 * 2 * ((x + 0.5) * 2 / width - 1) * ((y + 0.5) * 2 / height - 1)
+        return 0.05 * 6 ** 0.5 * 2 * ((x + 0.5) * 2 / width - 1) * ((y + 0.5) * 2 / height - 1)
     path.write_text("\n".join(" ".join(f"{waves(x, y):.5f}" for x in range(width)) for y in range(height)) + "\n")
 
 
 class Mask(BenchCase):
     small = True
-    daemon_config = {"tracking": {"tracker": "fit"}}
+    daemon_config = {"camera": {"exposure_us": 700.0}}
 
     def check_measured(self, what):
         self.take_reference(30)
@@ -35,7 +35,7 @@ class Mask(BenchCase):
         self.call("aberration.clear")
 
     def test_wavefronts_are_measured_behind_masks_and_alternating_charges(self):
-        for change in ({"charge": 1, "alternate_charge": -1}, {"charge": 1, "mask": {"modes": [{"j": 3, "waves": 0.1}]}, "alternate_charge": None},
+        for change in ({"charge": 1, "alternate_charge": -1}, {"charge": 1, "mask": {"modes": [{"j": 4, "waves": 0.15}]}, "alternate_charge": None},
                        {"charge": 0, "mask": {"modes": [{"j": 3, "waves": 0.15}]}}):
             with self.subTest(change=change):
                 applied = self.call("sensor.set", change)["applied"]
@@ -45,7 +45,7 @@ class Mask(BenchCase):
     def test_what_the_tracker_cannot_find_is_refused_and_nothing_changes(self):
         before = self.call("sensor.get")
         for change, field, word in (({"alternate_charge": 0}, "alternate_charge", "-1"),
-                                    ({"mask": {"axicon_waves": 3.0}}, "mask", "19"),
+                                    ({"mask": {"modes": [{"j": 3, "waves": 0.3}]}}, "mask", "19"),
                                     ({"mask": {"modes": [{"j": 4, "waves": 11.0}]}}, "mask.modes", "10"),
                                     ({"mask": {"file": "/nowhere/mask.txt"}}, "mask.file", "configuration"),
                                     ({"mask": {"axicon": 0.1}}, "mask.axicon", "axicon_waves")):
@@ -62,7 +62,7 @@ class MaskFile(Mask):
     def start(self):
         self.file = self.bench.directory / "mask.txt"
         write_map(self.file, 64, 64)
-        self.daemon_config = {"sensor": {"mask": {"file": str(self.file)}}, "state": {"directory": "state"}}
+        self.daemon_config = {"sensor": {"mask": {"file": str(self.file)}}, "state": {"directory": "state"}, "camera": {"exposure_us": 700.0}}
         super().start()
 
     def check_config(self, width, height):
@@ -92,7 +92,7 @@ class MaskFile(Mask):
             self.assertIn("sensor.mask.file", output)
             self.assertIn(f"{width} x {height}", output)
         self.assertEqual(self.check_config(16, 16)[0], 0)
-        other = {"modes": [{"j": 3, "waves": 0.1}], "axicon_waves": 0.0, "file": None, "sha256": None}
+        other = {"modes": [{"j": 3, "waves": 0.05}], "axicon_waves": 0.0, "file": None, "sha256": None}
         self.call("sensor.set", {"mask": other})
         self.assertEqual(self.call("config.save")["saved"], ["sensor.mask"])
         self.assertEqual(self.call("config.get")["sensor"]["mask"], other)

@@ -22,7 +22,8 @@ using nlohmann::json;
 json resolved(const json& schema, const json& root) {
   if (schema.contains("$ref")) {
     const std::string name = schema.at("$ref").get<std::string>();
-    json target = root.at("$defs").at(name.substr(name.rfind('/') + 1));
+    const json defs = root.value("$defs", json::object());
+    json target = defs.value(name.substr(name.rfind('/') + 1), json::object());
     if (schema.contains("description")) target["description"] = schema.at("description");
     return target;
   }
