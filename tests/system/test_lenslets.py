@@ -91,6 +91,7 @@ class Array(BenchCase):
         self.bench.stop("ovwsd")
         self.start_daemon()
         self.wait_until("running")
+        self.call("camera.set", {"exposure_us": self.exposure_us})
         self.assertEqual(self.call("registration.get"), before)
         self.assertEqual(self.call("reference.get")["positions_px"], reference["positions_px"])
         self.settled_frames(self.stream("wavefront"), 5)
