@@ -1,13 +1,13 @@
 /// The record of one frame in the pipeline: timestamps, settings, spots and modes.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "core/optics/zernike.hpp"
 #include "core/pipeline/plan.hpp"
+#include "core/pipeline/position_modes.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/spot.hpp"
 #include "core/wavefront/reconstructor.hpp"
@@ -100,10 +100,8 @@ struct FrameRecord {
   /// A wavefront explains the spots, but nothing confirms it. Either the plan has or awaits
   /// templates and the frame does not follow, or spot positions do not determine all modes.
   bool unconfirmed = false;
-  /// Branch points of the light; the first `branch_count` are in use. Only looked for in frames
-  /// that templates do not describe.
-  std::array<BranchPoint, kMaxBranchPoints> branch_points{};
-  int branch_count = 0;
+  /// Branch points of the light. Only looked for in frames that templates do not describe.
+  FoundBranchPoints branch_points;
   bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or the
                           ///< frame is unconfirmed, or has branch points
   bool valid = false;     ///< settled, has a reference, modes determined, spots explained

@@ -58,7 +58,6 @@ struct Pipeline::Impl {
   bool acquire();
   bool reconstruct_next();
   void reconstruct(Entry& entry) OVWS_NONBLOCKING;
-  void find_branch_points(Entry& entry) OVWS_NONBLOCKING;
 
   const int workers;
   const int records;
@@ -108,7 +107,7 @@ void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.mode_count = int(plan.modes_j.size());
   const std::span<SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
-  entry.branch_count = 0;
+  entry.branch_points.count = 0;
   if (entry.templates.credible) {
     const std::size_t modes = plan.modes_j.size();
     entry.reconstruction =
@@ -116,11 +115,9 @@ void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
   } else {
     std::fill_n(entry.coefficients.begin(), entry.mode_count, NAN);
     std::fill_n(entry.sigma_waves.begin(), entry.mode_count, NAN);
-    find_branch_points(entry);
-    entry.reconstruction = plan.reconstructor->solve_without_outliers(
-        spots, entry.measurement->reconstruct_scratch,
-        std::span<float>{entry.coefficients.data(), plan.reconstructor->modes_j().size()},
-        kCredibleResidual * plan.spots.lambda_d_px);
+    entry.reconstruction =
+        reconstruct_positions(plan, spots, entry.measurement->reconstruct_scratch,
+                              entry.measurement->left_px, entry.coefficients, entry.branch_points);
   }
   entry.tracked = int(
       std::count_if(spots.begin(), spots.end(), [](const SpotFix& spot) { return spot.found(); }));
@@ -132,26 +129,11 @@ void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
   const bool suffices = plan.positions_suffice() && (!by_templates || entry.follows);
   entry.unconfirmed = by_positions && !entry.templates.credible && !suffices;
   entry.explained = !measured || entry.templates.credible ||
-                    (by_positions && !entry.unconfirmed && entry.branch_count == 0);
+                    (by_positions && !entry.unconfirmed && entry.branch_points.count == 0);
   entry.valid = measured && entry.explained;
   entry.t_reconstructed_mono_ns = monotonic_ns();
   latencies.reconstructed.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);
   outbox.put(entry);
-}
-
-/// Looks for branch points. Outliers are not rejected before: they may be spots near a branch
-/// point.
-void Pipeline::Impl::find_branch_points(Entry& entry) OVWS_NONBLOCKING {
-  const MeasurementPlan& plan = *entry.plan;
-  if (plan.branch_points == nullptr || !entry.settled || !plan.referenced()) return;
-  const std::span<const SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
-  Measurement& working = *entry.measurement;
-  const Reconstruction all = plan.reconstructor->solve(
-      spots, working.reconstruct_scratch,
-      std::span<float>{entry.coefficients.data(), plan.reconstructor->modes_j().size()});
-  if (!all.determined || too_many_lost(all)) return;
-  plan.reconstructor->residuals(spots, working.reconstruct_scratch, working.left_px);
-  entry.branch_count = plan.branch_points->find(working.left_px, entry.branch_points);
 }
 
 Pipeline::Pipeline(const PipelineConfig& config, const PipelineDeps& deps)

@@ -115,10 +115,14 @@ void BranchPoints::add_loop(const Lattice& lattice, std::vector<int> spots, cons
   loops_.push_back(loop);
 }
 
+bool BranchPoints::passes(const Loop& loop, int spot) {
+  const auto end = loop.spots.begin() + loop.corners;
+  return std::find(loop.spots.begin(), end, spot) != end;
+}
+
 bool BranchPoints::share_spot(const Loop& a, const Loop& b) {
   for (int k = 0; k < a.corners; ++k) {
-    const auto end = b.spots.begin() + b.corners;
-    if (std::find(b.spots.begin(), end, a.spots[std::size_t(k)]) != end) return true;
+    if (passes(b, a.spots[std::size_t(k)])) return true;
   }
   return false;
 }
@@ -127,16 +131,16 @@ bool BranchPoints::share_spot(const Loop& a, const Loop& b) {
 /// weaker ones that do.
 void BranchPoints::keep(Suspect one, std::span<Suspect> suspects, int& count) {
   const auto begin = suspects.begin();
-  const auto rivals = [&](const Suspect& other) { return share_spot(*one.loop, *other.loop); };
-  const auto stronger = [&](const Suspect& other) {
-    return rivals(other) && std::abs(other.waves) >= std::abs(one.waves);
+  const auto is_stronger = [&](const Suspect& other) {
+    return share_spot(*one.loop, *other.loop) && std::abs(other.waves) >= std::abs(one.waves);
   };
-  if (std::any_of(begin, begin + count, stronger)) return;
-  count = int(std::remove_if(begin, begin + count, rivals) - begin);
+  if (std::any_of(begin, begin + count, is_stronger)) return;
+  const auto is_rival = [&](const Suspect& other) { return share_spot(*one.loop, *other.loop); };
+  count = int(std::remove_if(begin, begin + count, is_rival) - begin);
   if (count < int(suspects.size())) suspects[std::size_t(count++)] = one;
 }
 
-int BranchPoints::find(std::span<const Vec2> left_px,
+int BranchPoints::find(std::span<const Vec2> left_px, int outlier,
                        std::span<BranchPoint, kMaxBranchPoints> found) const OVWS_NONBLOCKING {
   double squares = 0.0, known = 0.0;
   for (const Vec2& left : left_px) {
@@ -149,6 +153,7 @@ int BranchPoints::find(std::span<const Vec2> left_px,
   std::array<Suspect, 2 * kMaxBranchPoints> suspects;
   int count = 0;
   for (const Loop& loop : loops_) {
+    if (passes(loop, outlier)) continue;
     double waves = 0.0;
     for (int k = 0; k < loop.corners; ++k) {
       const Vec2 left = left_px[std::size_t(loop.spots[std::size_t(k)])];

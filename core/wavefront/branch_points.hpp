@@ -44,9 +44,10 @@ class BranchPoints {
 
   /// Writes the branch points to `found`, the strongest first, and returns their number.
   /// `left_px`: displacement of each spot that the modes do not explain, camera pixels; NaN:
-  /// unknown, and loops with this spot are left out. Of loops that share a spot, only the strongest
+  /// unknown. `outlier`: the only spot without which modes explain the others, or -1. Loops with an
+  /// unknown spot or with the outlier are left out. Of loops that share a spot, only the strongest
   /// counts. Linear in the number of subapertures. RT-safe.
-  int find(std::span<const Vec2> left_px,
+  int find(std::span<const Vec2> left_px, int outlier,
            std::span<BranchPoint, kMaxBranchPoints> found) const OVWS_NONBLOCKING;
 
  private:
@@ -62,6 +63,7 @@ class BranchPoints {
     double waves = 0.0;
   };
   void add_loop(const Lattice& lattice, std::vector<int> spots, const PxPerCycle& map);
+  static bool passes(const Loop& loop, int spot);
   static bool share_spot(const Loop& a, const Loop& b);
   static void keep(Suspect one, std::span<Suspect> suspects, int& count);
 

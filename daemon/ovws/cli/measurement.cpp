@@ -3,12 +3,12 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/pipeline/frame_rules.hpp"
+#include "core/pipeline/position_modes.hpp"
 #include "core/tracking/patch.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
@@ -228,26 +228,13 @@ void Measurement::refine(const ImageView& image, Measured& measured) {
   measured.valid = measured.refused.empty();
 }
 
-/// Looks for branch points as the daemon does in a frame that templates do not describe.
-void Measurement::find_branch_points(Measured& measured) {
-  const Reconstructor& positions = *plan_->reconstructor;
-  std::vector<float> waves(positions.modes_j().size());
-  const Reconstruction all = positions.solve(measured.spots, solve_scratch_, waves);
-  if (!all.determined || too_many_lost(all) || plan_->branch_points == nullptr) return;
-  std::vector<Vec2> left_px(measured.spots.size());
-  positions.residuals(measured.spots, solve_scratch_, left_px);
-  std::array<BranchPoint, kMaxBranchPoints> found;
-  const int count = plan_->branch_points->find(left_px, found);
-  measured.branch_points.assign(found.begin(), found.begin() + count);
-}
-
 /// Measures the image by spot positions. Returns whether positions alone give a valid measurement.
 bool Measurement::by_positions(Measured& measured) {
-  find_branch_points(measured);
-  measured.reconstruction = plan_->reconstructor->solve_without_outliers(
-      measured.spots, solve_scratch_,
-      std::span(measured.coefficients).first(plan_->reconstructor->modes_j().size()),
-      kCredibleResidual * plan_->spots.lambda_d_px);
+  std::vector<Vec2> left_px(measured.spots.size());
+  FoundBranchPoints found;
+  measured.reconstruction = reconstruct_positions(*plan_, measured.spots, solve_scratch_, left_px,
+                                                  measured.coefficients, found);
+  measured.branch_points.assign(found.points.begin(), found.points.begin() + found.count);
   measured.explained =
       !measured.reconstruction.determined ||
       (measured.branch_points.empty() &&

@@ -72,7 +72,6 @@ class Measurement {
   void fit(const ImageView& image, Measured& measured);
   void refine(const ImageView& image, Measured& measured);
   bool by_positions(Measured& measured);
-  void find_branch_points(Measured& measured);
   std::unique_ptr<MeasurementPlan> plan_;
   std::optional<PointModel> model_;  ///< used by the tracker `fit` only
   std::optional<RefineCamera> camera_;

@@ -100,7 +100,7 @@ Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& s
 /// kMaxResidual.
 bool is_rough_guide(const FrameRecord& record) {
   const Reconstruction& found = record.reconstruction;
-  return record.settled && record.plan->referenced() && record.branch_count == 0 &&
+  return record.settled && record.plan->referenced() && record.branch_points.count == 0 &&
          found.determined && kMinSpotsPerLost * found.lost <= found.used + found.lost &&
          found.fit_residual_px <= kMaxResidual * record.plan->spots.lambda_d_px;
 }

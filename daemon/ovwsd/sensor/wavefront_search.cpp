@@ -127,10 +127,11 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
     undescribed_.fetch_add(1, std::memory_order_relaxed);
     if (record.valid || record.unconfirmed) explained_.fetch_add(1, std::memory_order_relaxed);
   }
-  validity_.on_frame(record.valid,
-                     {0, record.tracked, record.spot_count, record.explained, record.unconfirmed,
-                      searched, std::nullopt, record.branch_count, record.branch_points.front()},
-                     monotonic_ns());
+  validity_.on_frame(
+      record.valid,
+      {0, record.tracked, record.spot_count, record.explained, record.unconfirmed, searched,
+       std::nullopt, record.branch_points.count, record.branch_points.points.front()},
+      monotonic_ns());
 }
 
 /// Whether the wavefront of frames like this one may be searched. For another tracker than `fit`

@@ -78,11 +78,11 @@ void StreamPublisher::send_record(const FrameRecord& record) {
   wavefront.sigma = std::span(record.sigma_waves).first(std::size_t(record.mode_count));
   wavefront.fitted = record.templates.credible;
   std::array<BranchPointEntry, kMaxBranchPoints> branch_points;
-  for (int k = 0; k < record.branch_count; ++k) {
-    const BranchPoint& one = record.branch_points[std::size_t(k)];
+  for (int k = 0; k < record.branch_points.count; ++k) {
+    const BranchPoint& one = record.branch_points.points[std::size_t(k)];
     branch_points[std::size_t(k)] = {one.at.x, one.at.y, double(one.charge)};
   }
-  wavefront.branch_points = std::span(branch_points).first(std::size_t(record.branch_count));
+  wavefront.branch_points = std::span(branch_points).first(std::size_t(record.branch_points.count));
   encode(wavefront, json_);
   send(kTopicWavefront);
   deps_.published_latency.record(monotonic_ns() - record.frame.t_arrival_mono_ns);
