@@ -58,6 +58,8 @@ void use_modulator(Config& config) {
   const OpticsConfig& optics = config.optics;
   config.slm.driver = kNoDisplay;
   config.slm.settle_ms = 0.0;
+  config.slm.lut.reset();
+  config.slm.flatness.reset();
   config.slm.geometry = {kNoPixels, kNoPixels, optics.camera_pitch_um / optics.magnification};
   if (!config.sensor.lenslets.empty()) return;
   const Roi& roi = config.camera.settings.roi;

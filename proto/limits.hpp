@@ -70,7 +70,7 @@ constexpr Numbers kPokeWaves{0.005, 0.2};         ///< poke amplitude of a calib
 constexpr Integers kPokeFrames{2, 10000};         ///< frames averaged for each poke
 constexpr Numbers kGivenPokeWaves{0.001, 100.0};  ///< poke amplitude by a client's own mirror
 constexpr Integers kActuators{1, 4096};           ///< of an external corrector
-constexpr Integers kMatrixRows{1, 2048};          ///< x and y of each spot
+constexpr Integers kMatrixRows{1, 4096};          ///< x and y of each spot
 constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< frames of a sweep's cell, or of its reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most

@@ -114,29 +114,31 @@ struct ActionRow {
   std::array<bool, kObstacles.size()> blocked_by;
 };
 // Columns: stopping starting camera display job measuring loop fixed; `x` blocks the action.
-constexpr bool x = true, o = false;
-constexpr Table<Action, ActionRow> kActions{{
-    {{o, o, o, o, o, o, o, o}},  // read
-    {{x, x, o, o, o, x, o, o}},  // set_camera: the camera actor checks further
-    {{x, x, o, x, x, o, x, o}},  // set_sensor
-    {{x, x, o, x, x, o, o, x}},  // set_aberration
-    {{x, x, o, x, x, o, x, x}},  // show_pattern
-    {{x, x, x, x, x, o, x, o}},  // start_job
-    {{x, x, o, o, x, o, x, o}},  // clear_reference
-    {{x, x, o, o, o, o, o, o}},  // cancel_job
-    {{x, x, o, o, x, o, o, o}},  // save_config: a job may have changed settings
-    {{x, x, o, o, o, o, o, o}},  // set_refine
-    {{x, x, x, x, x, o, x, x}},  // close_loop
-    {{x, x, o, o, o, o, o, o}},  // open_loop
-    {{x, x, o, x, x, o, x, x}},  // set_correction
-    {{x, x, o, o, x, o, x, o}},  // reload_config
-    {{x, x, o, o, o, o, o, o}},  // record
-    {{x, x, x, x, x, o, o, o}},  // watch
-    {{x, x, o, o, o, o, x, x}},  // present
-    {{x, x, x, o, o, o, o, o}},  // grab
-    {{x, x, o, o, o, o, o, o}},  // set_corrector
-    {{x, x, x, x, x, o, x, x}},  // start_hologram_job
-}};
+constexpr auto kActions = [] {
+  constexpr bool x = true, o = false;
+  return Table<Action, ActionRow>{{
+      {{o, o, o, o, o, o, o, o}},  // read
+      {{x, x, o, o, o, x, o, o}},  // set_camera: the camera actor checks further
+      {{x, x, o, x, x, o, x, o}},  // set_sensor
+      {{x, x, o, x, x, o, o, x}},  // set_aberration
+      {{x, x, o, x, x, o, x, x}},  // show_pattern
+      {{x, x, x, x, x, o, x, o}},  // start_job
+      {{x, x, o, o, x, o, x, o}},  // clear_reference
+      {{x, x, o, o, o, o, o, o}},  // cancel_job
+      {{x, x, o, o, x, o, o, o}},  // save_config: a job may have changed settings
+      {{x, x, o, o, o, o, o, o}},  // set_refine
+      {{x, x, x, x, x, o, x, x}},  // close_loop
+      {{x, x, o, o, o, o, o, o}},  // open_loop
+      {{x, x, o, x, x, o, x, x}},  // set_correction
+      {{x, x, o, o, x, o, x, o}},  // reload_config
+      {{x, x, o, o, o, o, o, o}},  // record
+      {{x, x, x, x, x, o, o, o}},  // watch
+      {{x, x, o, o, o, o, x, x}},  // present
+      {{x, x, x, o, o, o, o, o}},  // grab
+      {{x, x, o, o, o, o, o, o}},  // set_corrector
+      {{x, x, x, x, x, o, x, x}},  // start_hologram_job
+  }};
+}();
 
 }  // namespace control
 

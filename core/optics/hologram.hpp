@@ -73,7 +73,7 @@ std::vector<Mode> shown_modes(HologramKind kind, std::vector<Mode> aberration,
                               std::span<const Mode> correction);
 
 /// Renders holograms. Construction takes milliseconds. Immutable afterwards, so all methods are
-/// thread-safe. Of a sensor with lenslets nothing is drawn. Outside the subapertures the sensor
+/// thread-safe. Draws nothing for a sensor with lenslets. Outside the subapertures the sensor
 /// hologram's phase is 0 plus flatness and modes.
 class HologramRenderer {
  public:

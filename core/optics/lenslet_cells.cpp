@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kParts = 4;              // parts along the side of a cell, for its covered share
-constexpr double kReachPitches = 1.5;  // of a lenslet's far field
+constexpr double kReachPitches = 2.5;  // of a lenslet's far field
 
 std::complex<double> unit_phasor(double cycles) {
   return std::polar(1.0, 2.0 * kPi * cycles);
@@ -117,7 +117,7 @@ PupilCells cut_lenslets(const SensorConfig& sensor) {
   return cells;
 }
 
-void add_lenslet(const PupilCells& cells, std::span<const CellRun> runs,
+void add_lenslet(const PupilCells& cells, double width_px, std::span<const CellRun> runs,
                  std::span<const std::complex<float>> pupil, const FarFieldWindow& window,
                  Image<std::complex<float>>& far) {
   if (runs.empty()) return;
@@ -140,8 +140,7 @@ void add_lenslet(const PupilCells& cells, std::span<const CellRun> runs,
     }
   }
   const Vec2 spot = (1.0 / window.step_cpp) * (piece.grating_cpp - window.origin_cpp);
-  // A lenslet is as wide on the camera as on the array.
-  const double reach_px = kReachPitches * std::sqrt(2.0) * piece.radius_px;
+  const double reach_px = kReachPitches * width_px;
   const int x0 = std::max(0, int(std::ceil(spot.x - reach_px)));
   const int y0 = std::max(0, int(std::ceil(spot.y - reach_px)));
   const int x1 = std::min(far.width, int(spot.x + reach_px) + 1);

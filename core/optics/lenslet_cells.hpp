@@ -16,9 +16,9 @@ namespace ovws {
 PupilCells cut_lenslets(const SensorConfig& sensor);
 constexpr int kLensletCells = 32;
 
-/// Adds the far field of one lenslet to the pixels of `far` within one pitch and a half of its
-/// centre. `runs`: its cells; `pupil`: the field, as SensorField::pupil().
-void add_lenslet(const PupilCells& cells, std::span<const CellRun> runs,
+/// Adds the far field of one lenslet to the pixels of `far` within two pitches and a half of its
+/// centre. `width_px`: the pitch; `runs`: its cells; `pupil`: the field, as SensorField::pupil().
+void add_lenslet(const PupilCells& cells, double width_px, std::span<const CellRun> runs,
                  std::span<const std::complex<float>> pupil, const FarFieldWindow& window,
                  Image<std::complex<float>>& far);
 

@@ -45,7 +45,9 @@ Result<SensorField> SensorField::make(const SensorConfig& sensor, const SlmGeome
   if (!sensor.lenslets.empty()) {
     auto lattice = make_lattice(sensor, slm);
     if (!lattice) return fail(lattice.error());
-    return SensorField(window, cut_lenslets(sensor));
+    SensorField field(window, cut_lenslets(sensor));
+    field.lenslet_px_ = sensor.lenslets.width_px;
+    return field;
   }
   HologramConfig hologram;
   hologram.slm = slm;
@@ -63,9 +65,9 @@ SensorField::SensorField(FarFieldWindow window, PupilCells cells)
       cells_(std::move(cells)),
       outside_lit_(!cells_.outside.pixels.empty()),
       phasors_(cells_.grid.width, cells_.grid.height),
-      pupil_(cells_.light.size()),
-      sums_(cells_.grid.width, cells_.grid.height) {
+      pupil_(cells_.light.size()) {
   if (!outside_lit_) return;
+  sums_ = Image<std::complex<float>>(cells_.grid.width, cells_.grid.height);
   far_field_.emplace(SlmGeometry{cells_.grid.width, cells_.grid.height},
                      window_in_cells(window, cells_.grid.bin_px));
 }
@@ -93,7 +95,7 @@ void SensorField::propagate_lenslets() {
   for (auto run = cells_.runs.begin(); run != cells_.runs.end();) {
     const auto end = std::find_if(run, cells_.runs.end(),
                                   [&](const CellRun& r) { return r.piece != run->piece; });
-    add_lenslet(cells_, {run, end}, pupil_, window_, far_);
+    add_lenslet(cells_, lenslet_px_, {run, end}, pupil_, window_, far_);
     run = end;
   }
 }
@@ -139,6 +141,7 @@ void SensorField::add_run(const CellRun& run, const Light& light) {
     *to++ = product(product(*from++, phasors[x]), factor);
   }
   if (own && !light.fields.empty()) multiply(run, light.fields[piece]);
+  if (!far_field_) return;
   std::complex<float>* const sums = sums_.row(run.y);
   const std::complex<float>* sum = pupil_.data() + run.first;
   for (int x = run.begin; x < run.end; ++x) sums[x] += *sum++;

@@ -47,9 +47,9 @@ class SensorField {
     std::span<const LocalField> fields{};  ///< multiplies each subaperture by 1 + polynomial
     std::span<const Mode> ln_amplitude{};  ///< ln(amplitude) outside the subapertures
   };
-  /// Computes pupil() and far() for a wavefront. Of a lenslet, far() has the pixels within one
-  /// pitch and a half of its centre. Takes about 7 ms for the default bench. Requires finite
-  /// coefficients and valid mode indices.
+  /// Computes pupil() and far() for a wavefront. far() holds, for each lenslet,
+  /// the pixels within two pitches and a half of its centre. Takes about 7 ms for the default
+  /// bench. Requires finite coefficients and valid mode indices.
   void propagate(std::span<const Mode> modes, const Light& light);
 
   /// Pupil field of the last propagate(), one value per cell of cells().runs. If outside() is
@@ -69,7 +69,9 @@ class SensorField {
   FarFieldWindow window_;
   PupilCells cells_;
   bool outside_lit_ = true;
-  /// Transforms sums_ to far_; none: of lenslets, whose gratings one transform cannot represent.
+  double lenslet_px_ = 0.0;  ///< width of a lenslet
+  /// Transforms sums_ to far_; none: one transform cannot
+  /// represent the gratings of lenslets.
   std::optional<FarField> far_field_;
   Image<std::complex<float>> phasors_;  ///< exp(i phase) of the modes at each cell
   std::vector<std::complex<float>> pupil_;

@@ -19,6 +19,8 @@ constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // col
 
 constexpr int kAmplitudeModes = 9, kFewAmplitudeModes = 5, kManySpots = 19;
 static_assert(kMinSide >= kMinProductRows, "a window is wide enough for PieceMoments");
+constexpr double kNeighbourPitches = 1.2;  // of a lattice: the nearest ones only
+constexpr double kMaxDerivatives = 1e8;    // 400 MB
 constexpr double kAmplitudeRidge = 1e-3, kLeastAmplitude = 0.05;
 
 /// Least-squares fit of low modes to `values` (logarithms of amplitudes) at the spots' centres.
@@ -83,7 +85,15 @@ Result<SpotRenderer> SpotRenderer::make(const SensorConfig& sensor, const SlmGeo
                     " pixels around a spot does not fit into the image");
   }
   field->set_outside(options.light_outside);
-  return SpotRenderer(std::move(*field), std::move(modes_j), window, options.reach * spot_px);
+  // The light of a lenslet reaches the spots of those beside it, however far apart they are.
+  const double neighbour_px = kNeighbourPitches * sensor.lenslets.width_px;
+  const double reach_px = std::max(options.reach * spot_px, neighbour_px);
+  if (double(window.cells()) * double(modes_j.size()) * field->subapertures() > kMaxDerivatives) {
+    return fail(Errc::refused, "tracking.mode_count",
+                "the shapes of so many spots do not fit into memory for so many modes: use the "
+                "tracker lg, or fewer modes");
+  }
+  return SpotRenderer(std::move(*field), std::move(modes_j), window, reach_px);
 }
 
 SpotRenderer::SpotRenderer(SensorField field, std::vector<int> modes_j, SpotWindow window,

@@ -30,7 +30,8 @@ class SpotRenderer {
   };
 
   /// `cols` x `rows`: size of the camera image. Errors: those of SensorField::make, and
-  /// Errc::invalid, field "optics", if a window does not fit into the image.
+  /// Errc::invalid, field "optics", if a window does not fit into the image; Errc::refused, field
+  /// "tracking.mode_count", if the derivatives of all spots do not fit into memory.
   static Result<SpotRenderer> make(const SensorConfig& sensor, const SlmGeometry& slm,
                                    const OpticsConfig& optics, int cols, int rows,
                                    std::vector<int> modes_j, const Options& options);

@@ -13,7 +13,7 @@ namespace ovws {
 namespace {
 
 constexpr double kMinKernel = 0.1, kMaxKernel = 2.0;
-constexpr double kMinSpotPx = 3.0, kMaxSpotPx = 200.0;
+constexpr double kMinSpotPx = 3.5, kMaxSpotPx = 200.0;
 constexpr int kMaxCharge = 8;
 
 bool follows_bright_spot(TrackerKind kind) {
@@ -28,9 +28,11 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
   }
   const int step = spots.lit.plane.step;
   if (!(spots.lambda_d_px >= kMinSpotPx * step && spots.lambda_d_px <= kMaxSpotPx * step)) {
+    std::string least = std::to_string(kMinSpotPx * step);
+    least.resize(least.find('.') + 2);
     return fail(
         Errc::invalid, "optics",
-        "lambda/d on the camera must be from " + std::to_string(int(kMinSpotPx) * step) + " to " +
+        "lambda/d on the camera must be from " + least + " to " +
             std::to_string(int(kMaxSpotPx) * step) + " pixels for a spot to be tracked" +
             (step > 1 ? " by a colour camera, of which only every second pixel is lit" : "") +
             ": change the optics or the number of subapertures");

@@ -76,7 +76,7 @@ class SpotTracker {
 ///
 /// Errors (Errc::invalid), by field: "tracking.kernel_radius" outside [0.1, 2]; "tracking.tracker":
 /// a tracker of the centroid family, but the charge is not 0; "sensor.charge" outside [-8, 8];
-/// "optics": lambda/d below 4 or above 200 lit pixels.
+/// "optics": lambda/d below 3.5 or above 200 lit pixels.
 Result<std::unique_ptr<const SpotTracker>> make_tracker(const TrackingConfig& config,
                                                         const SpotModel& spots);
 

@@ -2,89 +2,108 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
 namespace ovws {
 namespace {
 
-constexpr double kTouching = 1.2;   // subaperture diameters: nearest neighbours
-constexpr double kDiagonal = 1.6;   // and those across a square
-constexpr double kMaxSpots = 37.0;  // beyond, more spots are no more evidence
+constexpr double kTouching = 1.2;        // pitches: nearest neighbours
+constexpr double kDiagonal = 1.6;        // and those across a square
+constexpr double kEvidenceSpots = 37.0;  // beyond, more spots are no more evidence
 /// A slope is measured by a spot inside the subaperture only if the singularity is outside.
 constexpr double kMinDistancePx = 1.0;
 
-std::vector<int> within(const Lattice& lattice, int i, double diameters) {
-  std::vector<int> found;
-  const auto& all = lattice.subapertures;
-  for (int k = 0; k < int(all.size()); ++k) {
-    const double distance_px = norm(all[k].centre_px - all[i].centre_px);
-    if (k != i && distance_px < diameters * lattice.diameter_px) found.push_back(k);
+using Lists = std::vector<std::vector<int>>;  // of each subaperture, ascending
+
+/// The pitch of the lattice: the smallest distance of two subapertures.
+double pitch_of(const Lattice& lattice) {
+  double pitch_px = std::numeric_limits<double>::infinity();
+  for (const Subaperture& a : lattice.subapertures) {
+    for (const Subaperture& b : lattice.subapertures) {
+      if (&a != &b) pitch_px = std::min(pitch_px, norm(a.centre_px - b.centre_px));
+    }
   }
-  return found;
+  return pitch_px;
 }
 
-/// The other corners of the smallest cells that have `i` as their first corner.
-std::vector<std::vector<int>> cells_at(const Lattice& lattice, int i, bool square) {
+Lists within(const Lattice& lattice, double distance_px) {
   const auto& all = lattice.subapertures;
-  const double d = lattice.diameter_px;
-  std::vector<std::vector<int>> cells;
-  if (square) {
-    std::vector<int> cell{i};
-    for (const int k : within(lattice, i, kDiagonal)) {
-      const Vec2 r = all[k].centre_px - all[i].centre_px;
-      if (r.x > -0.2 * d && r.y > -0.2 * d) cell.push_back(k);
+  Lists lists(all.size());
+  for (int i = 0; i < int(all.size()); ++i) {
+    for (int k = i + 1; k < int(all.size()); ++k) {
+      const Vec2 r = all[std::size_t(k)].centre_px - all[std::size_t(i)].centre_px;
+      if (r.x * r.x + r.y * r.y >= distance_px * distance_px) continue;
+      lists[std::size_t(i)].push_back(k);
+      lists[std::size_t(k)].push_back(i);
     }
-    if (cell.size() == 4) cells.push_back(std::move(cell));
-    return cells;
   }
-  const std::vector<int> near = within(lattice, i, kTouching);
+  for (std::vector<int>& list : lists) std::sort(list.begin(), list.end());
+  return lists;
+}
+
+/// The smallest cells of a square lattice whose first corner is `i`: the neighbour that a quarter
+/// turn follows, and the corner across. Of a lattice of triangles: two later neighbours that touch.
+Lists cells_at(const Lattice& lattice, int i, const Lists& touching, const Lists& diagonal) {
+  const auto& all = lattice.subapertures;
+  const auto from_i = [&](int k) {
+    return all[std::size_t(k)].centre_px - all[std::size_t(i)].centre_px;
+  };
+  const bool square = &touching != &diagonal;
+  const std::vector<int>& near = touching[std::size_t(i)];
+  Lists cells;
   for (const int j : near) {
     for (const int k : near) {
-      const bool touch = norm(all[j].centre_px - all[k].centre_px) < kTouching * d;
-      if (i < j && j < k && touch) cells.push_back({i, j, k});
+      const std::vector<int>& beside = touching[std::size_t(j)];
+      if (!square) {
+        const bool touch = std::find(beside.begin(), beside.end(), k) != beside.end();
+        if (i < j && j < k && touch) cells.push_back({i, j, k});
+        continue;
+      }
+      const Vec2 a = from_i(j), b = from_i(k);
+      if (a.x * b.y - a.y * b.x < 0.5 * norm(a) * norm(b)) continue;  // no quarter turn
+      for (const int across : beside) {
+        const bool corner = norm(from_i(across) - a - b) < 0.5 * norm(a);
+        if (corner && i < std::min({j, k, across})) cells.push_back({i, j, k, across});
+      }
     }
   }
   return cells;
-}
-
-/// Whether the lattice is square: then some subaperture has a neighbour on the diagonal.
-bool is_square(const Lattice& lattice) {
-  for (int i = 0; i < int(lattice.subapertures.size()); ++i) {
-    if (within(lattice, i, kDiagonal).size() > within(lattice, i, kTouching).size()) return true;
-  }
-  return false;
 }
 
 }  // namespace
 
 BranchPoints::BranchPoints(const Lattice& lattice, double pupil_radius_px, const PxPerCycle& map)
     : pupil_radius_px_(pupil_radius_px), lambda_d_px_(map.scale() / lattice.diameter_px) {
-  const bool square = is_square(lattice);
+  const double pitch_px = pitch_of(lattice);
+  const Lists touching = within(lattice, kTouching * pitch_px);
+  const Lists diagonal = within(lattice, kDiagonal * pitch_px);
+  const bool square = touching != diagonal;
+  const Lists& rings = square ? diagonal : touching;
   const std::size_t whole = square ? 8 : 6;  // neighbours of an inner subaperture
-  std::vector<std::vector<int>> rings;
-  const int count = int(lattice.subapertures.size());
-  for (int i = 0; i < count; ++i)
-    rings.push_back(within(lattice, i, square ? kDiagonal : kTouching));
-  for (int i = 0; i < count; ++i) {
-    for (std::vector<int>& cell : cells_at(lattice, i, square)) {
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    for (std::vector<int>& cell : cells_at(lattice, int(i), touching, rings)) {
       add_loop(lattice, std::move(cell), map);
     }
     if (rings[i].size() != whole) continue;
     add_loop(lattice, rings[i], map);
-    for (const int j : within(lattice, i, kTouching)) {
-      if (j < i || rings[j].size() != whole) continue;
+    for (const int j : touching[i]) {
+      if (j < int(i) || rings[std::size_t(j)].size() != whole) continue;
       std::vector<int> both;
-      std::set_union(rings[i].begin(), rings[i].end(), rings[j].begin(), rings[j].end(),
+      const std::vector<int>& other = rings[std::size_t(j)];
+      std::set_union(rings[i].begin(), rings[i].end(), other.begin(), other.end(),
                      std::back_inserter(both));
-      both.erase(std::remove_if(both.begin(), both.end(), [&](int k) { return k == i || k == j; }),
-                 both.end());
+      both.erase(
+          std::remove_if(both.begin(), both.end(), [&](int k) { return k == int(i) || k == j; }),
+          both.end());
       add_loop(lattice, std::move(both), map);
     }
   }
 }
 
 void BranchPoints::add_loop(const Lattice& lattice, std::vector<int> spots, const PxPerCycle& map) {
+  if (spots.size() > kMaxCorners) return;  // no lattice has such a loop
   const auto at = [&](int i) { return lattice.subapertures[std::size_t(i)].centre_px; };
   Loop loop;
   loop.corners = int(spots.size());
@@ -148,7 +167,7 @@ int BranchPoints::find(std::span<const Vec2> left_px, int outlier,
     squares += left.x * left.x + left.y * left.y;
     known += 1.0;
   }
-  const double share = std::sqrt(squares * std::min(1.0, kMaxSpots / std::max(known, 1.0)));
+  const double share = std::sqrt(squares * std::min(1.0, kEvidenceSpots / std::max(known, 1.0)));
   const double limit = std::max(kMinCirculation, kMinShare * share / lambda_d_px_);
   std::array<Suspect, 2 * kMaxBranchPoints> suspects;
   int count = 0;

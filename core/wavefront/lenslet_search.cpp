@@ -300,6 +300,11 @@ Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearc
                     " lenslets are lit, but at least 3 are required: check that light reaches the "
                     "array and that the camera is in its focal plane, and raise the exposure");
   }
+  if (spots.size() > std::size_t(kMaxSubapertures)) {
+    return fail(Errc::refused, "camera.roi",
+                "more than " + std::to_string(kMaxSubapertures) +
+                    " lenslets are lit: reduce the camera's region");
+  }
   const Directions directions = directions_of(search.grid);
   const FirstDirection first = first_direction(spots, 2.0 * search.pitch_px, directions.symmetry);
   if (auto right = check_pitch(std::abs(first.step), search); !right) return fail(right.error());

@@ -22,12 +22,13 @@ constexpr double kMaxPitchError = 0.1;  ///< relative
 
 /// One place of the lattice, on the camera.
 struct LensletNode {
-  int a = 0, b = 0;    ///< along the lattice's two directions, from the node nearest the light
-  Vec2 at_px;          ///< by the fitted lattice
-  double level = 0.0;  ///< mean of the spot's bright part, relative to the median lit one; 0: none
+  int a = 0,
+      b = 0;   ///< along the lattice's two directions, from the spot nearest the middle of all
+  Vec2 at_px;  ///< by the fitted lattice
+  double level = 0.0;  ///< mean of the spot's bright part, relative to the upper quartile; 0: none
   bool lit = false;    ///< level is at least kLitLevel
 };
-/// A lenslet with less light, relative to the median of the brighter half, counts as dark: its spot
+/// A lenslet with less light, relative to the upper quartile of all spots, counts as dark: its spot
 /// may be stray light of its neighbours.
 constexpr double kLitLevel = 0.2;
 
@@ -43,7 +44,8 @@ struct LensletMap {
 /// Finds the array in a mean image (DN; not finite: saturated). The wavefront of the light may bend
 /// the lattice by a third of the pitch from one lenslet to the next.
 ///
-/// Errors (Errc::refused): field "camera", fewer than 3 spots; "array.pitch_um", the spots are not
+/// Errors (Errc::refused): field "camera", fewer than 3 spots; "camera.roi", more than
+/// kMaxSubapertures; "array.pitch_um", the spots are not
 /// as far apart as expected; "sensor.grid", they do not form the expected lattice.
 Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearch& search);
 

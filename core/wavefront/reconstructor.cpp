@@ -13,6 +13,9 @@ namespace ovws {
 namespace {
 
 constexpr double kMaxCondition = 1000.0;
+/// Multiplications of one search for the worst spot, some milliseconds. One of so many spots hardly
+/// changes the modes.
+constexpr double kMaxOutlierWork = 4e6;
 
 /// Whether the condition number is below kMaxCondition. `squares`: squared singular values of the
 /// slopes, increasing.
@@ -168,6 +171,8 @@ Reconstruction Reconstructor::solve_without_outliers(std::span<SpotFix> spots, S
   const int max_removed = std::clamp(int(spots.size()) / 8, 2, kMaxRemoved);
   const Reconstruction all = solve(spots, scratch, coefficients);
   if (!all.determined || !(all.fit_residual_px > acceptable_px)) return all;
+  const double columns = double(columns_.cols());
+  if (double(spots.size()) * columns * columns > kMaxOutlierWork) return all;
   const double max_spread = spread(spots, all) / kOutlierRatio;
   if (!std::isfinite(max_spread)) return all;
   int count = 0;

@@ -68,7 +68,8 @@ class Reconstructor {
   /// spot in `spots` whose removal reduces the squared residuals most. It removes at most an eighth
   /// of the spots (at least 2, at most 16). It restores all removed spots unless the RMS residual
   /// per degree of freedom falls by the factor kOutlierRatio, with at least kMinFreedom degrees of
-  /// freedom before and after. A fit with a residual up to `acceptable_px` is accepted unchanged.
+  /// freedom before and after. With so many spots and modes that the search takes longer than a
+  /// frame, it rejects none. A fit with a residual up to `acceptable_px` is accepted unchanged.
   /// RT-safe.
   Reconstruction solve_without_outliers(std::span<SpotFix> spots, Scratch& scratch,
                                         std::span<float> coefficients,

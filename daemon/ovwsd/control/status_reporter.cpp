@@ -51,6 +51,7 @@ std::string reference_state(const SensorSnapshot& sensor, const CameraSnapshot& 
 StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const CameraSnapshot& camera) {
   StatusMessage::SensorPart part;
   part.settings = {sensor.sensor, sensor.tracking};
+  part.settings.sensor.lenslets = {};  // too many for each message; sensor.get has them
   part.templates = sensor.templates;
   part.mode_operator = sensor.mode_operator;
   part.subapertures = sensor.subapertures;

@@ -19,12 +19,22 @@ FoundArray array_of(const LensletMap& map, const LensletPupil& pupil, const Conf
   return {sensor.lenslets, map.lit(), magnification, pupil.diameter_px, sensor.subapertures_across};
 }
 
-/// Whether more than one spot in ten has a saturated pixel; a few may be hot pixels.
-bool is_saturated(const Image<float>& mean_dn, double pitch_px) {
-  const auto saturated = std::count_if(mean_dn.pixels.begin(), mean_dn.pixels.end(),
-                                       [](float value) { return !std::isfinite(value); });
-  const double lenslets = double(mean_dn.pixels.size()) / (pitch_px * pitch_px);
-  return double(saturated) > 0.1 * lenslets;
+/// Number of lit lenslets with a saturated pixel near their centre.
+int saturated_lenslets(const Image<float>& mean_dn, const LensletMap& map) {
+  const int reach = int(0.3 * map.pitch_px);
+  int saturated = 0;
+  for (const LensletNode& node : map.nodes) {
+    if (!node.lit) continue;
+    bool found = false;
+    for (int y = int(node.at_px.y) - reach; y <= int(node.at_px.y) + reach; ++y) {
+      for (int x = int(node.at_px.x) - reach; x <= int(node.at_px.x) + reach; ++x) {
+        const bool inside = x >= 0 && y >= 0 && x < mean_dn.width && y < mean_dn.height;
+        found = found || (inside && !std::isfinite(mean_dn.at(x, y)));
+      }
+    }
+    saturated += found ? 1 : 0;
+  }
+  return saturated;
 }
 
 Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, int frames) {
@@ -33,12 +43,14 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
   const auto mean = bench.picture(frames);
   if (!mean) return fail(mean.error());
   const double pitch_px = lenslet_pitch_px(config.array, config.optics);
-  if (is_saturated(*mean, pitch_px)) return fail(saturated_spot());
   bench.report_progress(0.8);
   const SpotModel spots =
       spot_model(view->sensor, view->optics, config.slm.geometry, camera.pixel_format);
   const auto map = find_lenslets(*mean, {config.sensor.grid, pitch_px, spots});
-  if (!map) return fail(map.error());
+  const bool bright = std::any_of(mean->pixels.begin(), mean->pixels.end(),
+                                  [](float value) { return !std::isfinite(value); });
+  if (!map) return fail(bright ? saturated_spot() : map.error());
+  if (10 * saturated_lenslets(*mean, *map) > map->lit()) return fail(saturated_spot());
   std::optional<double> pupil_px;
   if (config.array.pupil_mm)
     pupil_px = 1e3 * *config.array.pupil_mm / config.array.pitch_um * map->pitch_px;

@@ -17,9 +17,9 @@ std::vector<int> measured_modes(const TrackingSettings& tracking, const ModeOper
   return measured ? positions.modes_j : with_shapes(tracking, positions.modes_j);
 }
 
-/// The first `most` modes.
+/// The first `most` modes, unless a calibration has measured the shapes of all.
 ModeOperator limited(ModeOperator modes, std::optional<int> most) {
-  if (!most || std::size_t(*most) >= modes.modes_j.size()) return modes;
+  if (!most || modes.shapes || std::size_t(*most) >= modes.modes_j.size()) return modes;
   modes.modes_j.resize(std::size_t(*most));
   modes.slopes.conservativeResize(Eigen::NoChange, *most);
   return modes;
@@ -108,12 +108,11 @@ Result<PlanBuilder> PlanBuilder::make(const PlanInputs& inputs) {
   auto tracker = make_tracker(inputs.tracking, plan.spots);
   if (!tracker) return fail(tracker.error());
   plan.tracker = std::move(*tracker);
-  const ModeOperator& modes =
-      inputs.mode_operator != nullptr
-          ? *inputs.mode_operator
-          : limited(slope_operator(builder.lattice_, builder.sensor_, builder.tilt_radius_,
-                                   builder.px_per_cycle_),
-                    inputs.tracking.mode_count);
+  const ModeOperator modes = limited(
+      inputs.mode_operator != nullptr ? *inputs.mode_operator
+                                      : slope_operator(builder.lattice_, builder.sensor_,
+                                                       builder.tilt_radius_, builder.px_per_cycle_),
+      inputs.tracking.mode_count);
   plan.mode_operator = modes.kind;
   plan.modes_j = measured_modes(inputs.tracking, modes);
   plan.can_fit_shapes = modes.kind != OperatorKind::measured || modes.shapes;

@@ -25,6 +25,24 @@ std::shared_ptr<const T> newest(const std::vector<std::shared_ptr<const T>>& all
   return all.empty() ? nullptr : all.back();
 }
 
+/// A stored registration whose array has the numbers of the present configuration: only the places
+/// of the lenslets were measured.
+MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored) {
+  FoundArray& array = stored.array;
+  if (array.empty() || config.modulator == Modulator::slm) {
+    array = {};
+    return stored;
+  }
+  const Lenslets before = array.lenslets;
+  array.magnification = before.width_px * config.optics.camera_pitch_um / config.array.pitch_um;
+  const SensorConfig sensor = sensor_with(config, {array.magnification, before.rotation_deg,
+                                                   array.pupil_diameter_px, before.centres_px});
+  array.lenslets = sensor.lenslets;
+  array.subapertures_across = sensor.subapertures_across;
+  stored.px_per_cycle = sensor.lenslets.px_per_cycle;
+  return stored;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<SensorKeeper>> SensorKeeper::make(const Config& config,
@@ -58,8 +76,8 @@ Result<void> SensorKeeper::begin() {
   state.slm = active_slm(bench_.config, bench_.hologram, lut, flatness);
   bench_.origins.use_slm(*state.slm);
   if (const auto kept = newest(bench_.registrations.load())) {
-    state.registration = *kept;
-    kept->array.use_in(state.sensor);
+    state.registration = array_by(bench_.config, *kept);
+    state.registration->array.use_in(state.sensor);
   }
   if (auto made = renew_renderer(state); !made) return made;
   add_references(edit.knowledge, bench_.references.load());
@@ -204,6 +222,9 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
         "registration", Severity::warning,
         "the registration is not used: it was measured with another camera; run registration.run",
         {{"t_taken_ns", state.registration->t_taken_ns}, {"used", false}});
+    if (edit.lease && !state.registration->array.empty()) {
+      edit.lease->sensor = bench_.config.sensor;
+    }
     drop_registration(state, bench_.config.sensor);
   }
   const auto& flatness = state.slm->flatness;
@@ -217,6 +238,8 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
   if (state.sensor_epoch == state_.sensor_epoch && state.slm == state_.slm) return;
   if (activate(edit, Show::when_possible)) return;
   state_.registration = edit.state.registration;  // so that the next plan does not use it
+  state_.sensor = edit.state.sensor;
+  (void)renew_renderer(state_);
 }
 
 /// Builds the plan and shows the hologram, then adopts the edit. If any step returns an error, the

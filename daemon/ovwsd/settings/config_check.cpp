@@ -21,6 +21,17 @@ Result<void> check_driver(const char* field, const std::string& name,
   return fail(Errc::invalid, field, "there is no driver \"" + name + "\": choose one of " + names);
 }
 
+Result<void> check_modulator(const Config& config) {
+  const bool fixed = config.modulator == Modulator::fixed;
+  if (!fixed && config.slm.driver == "none") {
+    return fail(Errc::invalid, "slm.driver", "an SLM needs a display: choose sdl");
+  }
+  if (!fixed || !config.sensor.lenslets.empty()) return {};
+  return fail(Errc::invalid, "array.pitch_um",
+              "no lenslet lies in the camera's region and the pupil: check array.pitch_um, "
+              "array.pupil_mm, camera.roi and optics.camera_pitch_um");
+}
+
 }  // namespace
 
 Result<void> check_usable(const Config& config) {
@@ -31,6 +42,7 @@ Result<void> check_usable(const Config& config) {
   if (auto known = check_driver("slm.driver", config.slm.driver, display_driver_names()); !known) {
     return known;
   }
+  if (auto right = check_modulator(config); !right) return right;
   if (auto there = check_cpus(config.pipeline.cpus); !there) return there;
   const auto hologram = load_hologram_config(config);
   if (!hologram) return fail(hologram.error());

@@ -137,8 +137,10 @@ void Reloader::change_refine(const Reload& reload) {
 }
 
 void Reloader::change_sensor(const Reload& reload) {
-  const SensorSettings before{reload.before.sensor, reload.before.tracking},
+  SensorSettings before{reload.before.sensor, reload.before.tracking},
       after{reload.after.sensor, reload.after.tracking};
+  const SensorConfig now = deps_.keeper.snapshot()->sensor;
+  if (!now.lenslets.empty()) before.sensor = after.sensor = now;  // hardware: needs a restart
   SensorSet change = SensorSet::whole(after);
   if (after.tracking.mode_operator == before.tracking.mode_operator) {
     // Do not request the unchanged operator: the request could be refused now.

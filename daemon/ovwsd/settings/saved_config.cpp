@@ -152,13 +152,13 @@ Result<void> apply_overlay(LoadedConfig& loaded, const Overlay& overlay) {
   if (auto known = check_keys(overlay, file); !known) return known;
   std::set<std::string> of_file;
   for (const auto& [key, entry] : overlay.saved) {
-    if (file[pointer_of(key)] == entry.instead_of) continue;
+    if (file.value(pointer_of(key), json()) == entry.instead_of) continue;
     for (const std::string& one : group_of(key)) of_file.insert(one);
   }
   std::vector<std::string> saved, edited;
   for (const auto& [key, entry] : overlay.saved) {
     const std::string pointer = pointer_of(key);
-    if (file[pointer] == entry.value) continue;
+    if (file.value(pointer, json()) == entry.value) continue;
     if (of_file.contains(key)) {
       edited.push_back(key);
       continue;
@@ -278,7 +278,8 @@ SavedValues values_to_save(const LoadedConfig& loaded, const Config& in_use) {
   for (const std::string& changed : difference(loaded.file, in_use).live) {
     for (const std::string& key : group_of(changed)) {
       const std::string pointer = pointer_of(key);
-      saved[key] = {{"value", now[pointer]}, {"instead_of", file[pointer]}};
+      saved[key] = {{"value", now.value(pointer, json())},
+                    {"instead_of", file.value(pointer, json())}};
     }
   }
   SavedValues values;

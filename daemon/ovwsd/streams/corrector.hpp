@@ -1,6 +1,7 @@
 /// The external corrector: a client's matrix from modes to the commands of its actuators.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -18,7 +19,8 @@ namespace ovws {
 
 /// Largest binary frame of corrector.set and calibration.set, bytes.
 constexpr std::size_t kMaxMatrixBytes =
-    sizeof(float) * std::size_t(limits::kActuators.max) * kMaxZernikeIndex;
+    sizeof(float) * kMaxZernikeIndex *
+    std::size_t(std::max(limits::kActuators.max, 2 * limits::kMatrixRows.max));
 
 struct CorrectorMatrix {
   int number = 0;

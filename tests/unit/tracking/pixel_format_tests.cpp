@@ -217,8 +217,8 @@ TEST_P(ColourCamera, FitsPositionsToItsLitPixels) {
 }
 
 TEST_P(ColourCamera, NeedsSpotsWideEnoughForItsLitPixels) {
-  EXPECT_TRUE(make_tracker({}, {1, 8.0, lit()}).has_value());
-  const auto narrow = make_tracker({}, {1, 7.9, lit()});
+  EXPECT_TRUE(make_tracker({}, {1, 7.0, lit()}).has_value());
+  const auto narrow = make_tracker({}, {1, 6.9, lit()});
   ASSERT_FALSE(narrow.has_value());
   EXPECT_EQ(narrow.error().field, "optics");
   EXPECT_NE(narrow.error().reason.find("colour"), std::string::npos);

@@ -269,14 +269,14 @@ TEST(MakeTracker, RefusesBrightSpotTrackersForAVortex) {
 }
 
 TEST(MakeTracker, RefusesSpotsThatNoCameraCouldShow) {
-  for (const double lambda_d : {0.0, 3.9, 201.0, std::nan("")}) {
+  for (const double lambda_d : {0.0, 3.4, 201.0, std::nan("")}) {
     EXPECT_FALSE(make_tracker({TrackerKind::lg, 0.4}, {1, lambda_d}).has_value()) << lambda_d;
   }
   EXPECT_FALSE(make_tracker({TrackerKind::lg, 0.4}, {9, 12.55}).has_value());
 }
 
 TEST(MakeTracker, TracksSpotsOfEverySize) {
-  for (const double lambda_d : {4.0, 5.5, 8.0, 25.0}) {
+  for (const double lambda_d : {3.5, 4.0, 5.5, 8.0, 25.0}) {
     for (const int charge : {0, 1}) {
       const auto tracker = make_tracker({TrackerKind::lg, 0.4}, {charge, lambda_d}).value();
       auto scratch = tracker->make_scratch();

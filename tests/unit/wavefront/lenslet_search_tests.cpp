@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -13,6 +14,16 @@ namespace ovws {
 namespace {
 
 constexpr double kSpotPx = 3.6;  // lambda/d of 150 um lenslets, f = 5.2 mm, on pixels of 5.3 um
+
+/// Intensity of a spot at a radius in lambda/d, from a table.
+double intensity(int charge, double radius) {
+  constexpr double kStep = 0.01;
+  static std::map<int, std::vector<double>> tables;
+  std::vector<double>& table = tables[charge];
+  for (int k = int(table.size()); k < 700; ++k) table.push_back(spot_intensity(charge, k * kStep));
+  const auto k = std::size_t(radius / kStep);
+  return k + 1 < table.size() ? table[k] : 0.0;
+}
 
 /// Spots of an array on a camera of 640 x 512 pixels, DN.
 struct ArrayImage {
@@ -49,7 +60,7 @@ struct ArrayImage {
           if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
           const double r = norm(Vec2{double(x), double(y)} - at) / kSpotPx;
           const double scale = charge == 0 ? 4.0 : 18.0;
-          image.at(x, y) += float(peak * scale * spot_intensity(charge, r));
+          image.at(x, y) += float(peak * scale * intensity(charge, r));
         }
       }
     }
