@@ -79,16 +79,20 @@ void append(const SensorConfig& sensor, int piece, PupilCells& cells) {
   }
 }
 
-/// exp(-2 pi i f_k x_p): rows k for pixels, columns p for cells. f_k: frequency of a pixel without
-/// the lenslet's grating, x_p: place of a cell.
+/// Integral of exp(-2 pi i f_k x) over each cell, per width: rows k for pixels, columns p for
+/// cells. f_k: frequency of a pixel without the lenslet's grating.
 Eigen::MatrixXcf kernel(double first_cpp, double step_cpp, int pixels, double first_px,
-                        double step_px, int cells) {
+                        double cell_px, int cells) {
   Eigen::MatrixXcf out(pixels, cells);
   for (int p = 0; p < cells; ++p) {
-    const double place = first_px + step_px * p;
+    const double place = first_px + cell_px * p;
     std::complex<double> value = unit_phasor(-first_cpp * place);
     const std::complex<double> next = unit_phasor(-step_cpp * place);
     for (int k = 0; k < pixels; ++k, value *= next) out(k, p) = std::complex<float>(value);
+  }
+  for (int k = 0; k < pixels; ++k) {
+    const double x = kPi * (first_cpp + k * step_cpp) * cell_px;
+    if (std::abs(x) > 1e-9) out.row(k) *= float(std::sin(x) / x);
   }
   return out;
 }

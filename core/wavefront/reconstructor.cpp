@@ -17,29 +17,29 @@ constexpr double kMaxCondition = 1000.0;
 /// changes the modes.
 constexpr double kMaxOutlierWork = 4e6;
 
-/// Whether the condition number is below kMaxCondition. `squares`: squared singular values of the
-/// slopes, increasing.
-bool well_conditioned(const Eigen::VectorXd& squares) {
+/// Whether the condition number is below `most`. `squares`: squared singular values of the slopes,
+/// increasing.
+bool well_conditioned(const Eigen::VectorXd& squares, double most = kMaxCondition) {
   const Eigen::Index count = squares.size();
-  return count > 0 && squares(0) * kMaxCondition * kMaxCondition > squares(count - 1);
+  return count > 0 && squares(0) * most * most > squares(count - 1);
 }
 
-bool well_conditioned(const Eigen::MatrixXd& normal, Eigen::Index modes) {
+bool well_conditioned(const Eigen::MatrixXd& normal, Eigen::Index modes, double most) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal.topLeftCorner(modes, modes),
                                                              Eigen::EigenvaluesOnly);
-  return well_conditioned(eigen.eigenvalues());
+  return well_conditioned(eigen.eigenvalues(), most);
 }
 
 }  // namespace
 
-int determined_modes(const Eigen::MatrixXd& slopes) {
+int determined_modes(const Eigen::MatrixXd& slopes, double max_condition) {
   const Eigen::MatrixXd normal = slopes.transpose() * slopes;
   Eigen::Index determined = 0;
   Eigen::Index too_many = std::min(slopes.rows(), slopes.cols()) + 1;
-  if (well_conditioned(normal, too_many - 1)) return int(too_many) - 1;
+  if (well_conditioned(normal, too_many - 1, max_condition)) return int(too_many) - 1;
   while (too_many - determined > 1) {  // bisection: one more mode never improves the condition
     const Eigen::Index middle = (determined + too_many) / 2;
-    (well_conditioned(normal, middle) ? determined : too_many) = middle;
+    (well_conditioned(normal, middle, max_condition) ? determined : too_many) = middle;
   }
   return int(determined);
 }

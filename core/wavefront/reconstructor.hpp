@@ -21,8 +21,8 @@ struct Reconstruction {
 };
 
 /// Number of leading modes (columns of `slopes`, 2N x Z as from slope_matrix) that the whole
-/// lattice determines: condition number below 1000.
-int determined_modes(const Eigen::MatrixXd& slopes);
+/// lattice determines: condition number below `max_condition`.
+int determined_modes(const Eigen::MatrixXd& slopes, double max_condition = 1000.0);
 
 /// Least-squares reconstructor a = P m - P ref: modes a, measured positions m, reference positions
 /// ref, and P the pseudo-inverse of the slopes. P ref is precomputed. Immutable after construction.

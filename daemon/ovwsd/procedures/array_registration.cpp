@@ -1,6 +1,9 @@
 /// registration.run of a fixed array: lattice, pitch, rotation and lit lenslets from one image.
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -37,6 +40,21 @@ int saturated_lenslets(const Image<float>& mean_dn, const LensletMap& map) {
   return saturated;
 }
 
+/// Emits a warning event if the lenslets in use fill much less than the pupil.
+void warn_of_dark_pupil(Bench& bench, const FoundArray& array, Grid grid) {
+  constexpr double kLeastShare = 0.75;
+  const double across = array.pupil_diameter_px / array.lenslets.width_px;
+  const double cell = grid == Grid::hexagonal ? std::sqrt(0.75) : 1.0;
+  const double share =
+      double(array.lenslets.centres_px.size()) * cell / (0.25 * std::numbers::pi * across * across);
+  if (share >= kLeastShare) return;
+  bench.warn("registration",
+             fmt::format("light fills only {:.0f} % of the pupil, so that fewer modes are measured "
+                         "and their errors are larger: reduce array.pupil_mm, or set it to null",
+                         100.0 * share),
+             {{"share", share}});
+}
+
 Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, int frames) {
   const SensorView view = bench.sensor();
   const CameraSettings camera = bench.camera().settings;
@@ -61,6 +79,7 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
     return fail(Errc::refused, "camera",
                 "no lit lenslet lies inside the pupil: enlarge the light, or set array.pupil_mm");
   }
+  warn_of_dark_pupil(bench, found.array, config.sensor.grid);
   const double error_px = map->residual_px / std::sqrt(double(map->lit()));
   found.px_per_cycle = found.array.lenslets.px_per_cycle;
   found.base_px = pupil.centre_px + Vec2{double(camera.roi.x), double(camera.roi.y)};

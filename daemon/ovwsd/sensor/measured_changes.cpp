@@ -10,7 +10,8 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxMotion = 0.05;  // lambda/d: spot motion while a reference is taken
+constexpr double kSamePlace = 0.005;  // of the pitch: the same lenslet, found again
+constexpr double kMaxMotion = 0.05;   // lambda/d: spot motion while a reference is taken
 
 using Written = std::function<void(const std::string& sha256)>;
 
@@ -136,6 +137,18 @@ void schedule_slm_removal(Kept<Kind>& kept, SensorEdit& edit,
   };
 }
 
+/// Keeps the present lenslets if the same are found again, so that references stay valid.
+void keep_if_alike(Registration& found, const SensorState& state) {
+  const Lenslets& now = state.sensor.lenslets;
+  Lenslets& next = found.array.lenslets;
+  if (!state.registration || now.empty() || now.centres_px.size() != next.centres_px.size()) return;
+  for (std::size_t i = 0; i < now.centres_px.size(); ++i) {
+    if (norm(now.centres_px[i] - next.centres_px[i]) > kSamePlace * now.width_px) return;
+  }
+  found.array = state.registration->array;
+  found.px_per_cycle = state.registration->px_per_cycle;
+}
+
 }  // namespace
 
 SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
@@ -202,7 +215,8 @@ SensorChange forget_reference() {
 }
 
 SensorChange use_registration(Registration registration) {
-  return [registration](SensorEdit& edit) -> Result<void> {
+  return [registration](SensorEdit& edit) mutable -> Result<void> {
+    keep_if_alike(registration, edit.state);
     const MeasuredRegistration measured{registration, camera_json(edit.knowledge.camera), ""};
     edit.state.registration = measured;
     registration.array.use_in(edit.state.sensor);

@@ -15,6 +15,14 @@
 #include "daemon/ovwsd/sensor/reference.hpp"
 
 namespace ovws {
+namespace {
+
+constexpr double kMaxCondition = 1000.0;
+/// Light that does not fill the pupil leaves part of it unmeasured. A mode that differs from others
+/// mainly there would have the errors of all slopes, much enlarged. A pupil full of light has 25.
+constexpr double kMaxLensletCondition = 40.0;
+
+}  // namespace
 
 std::vector<int> reconstructed_modes(const SensorConfig& sensor) {
   const int modes = std::min(optimal_mode_count(sensor.subapertures_across), kMaxZernikeIndex);
@@ -39,7 +47,8 @@ ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor, 
                             const PxPerCycle& map) {
   ModeOperator made{OperatorKind::slopes, reconstructed_modes(sensor), {}};
   made.slopes = slope_matrix(lattice, sensor, made.modes_j, tilt_radius, map);
-  made.modes_j.resize(std::size_t(determined_modes(made.slopes)));
+  const double most = sensor.lenslets.empty() ? kMaxCondition : kMaxLensletCondition;
+  made.modes_j.resize(std::size_t(determined_modes(made.slopes, most)));
   made.slopes.conservativeResize(Eigen::NoChange, Eigen::Index(made.modes_j.size()));
   return made;
 }

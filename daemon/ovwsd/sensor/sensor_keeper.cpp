@@ -79,7 +79,12 @@ Result<void> SensorKeeper::begin() {
     state.registration = array_by(bench_.config, *kept);
     state.registration->array.use_in(state.sensor);
   }
-  if (auto made = renew_renderer(state); !made) return made;
+  auto drawn = renew_renderer(state);
+  if (!drawn && state.registration) {  // a stored array that no lattice can be made of
+    drop_registration(state, bench_.config.sensor);
+    drawn = renew_renderer(state);
+  }
+  if (!drawn) return drawn;
   add_references(edit.knowledge, bench_.references.load());
   add_calibrations(edit.knowledge, bench_.calibrations.load());
   bench_.hologram_id = next_hologram_id_++;
