@@ -18,7 +18,7 @@ constexpr int kLensletCells = 32;
 
 /// Adds the far field of one lenslet to the pixels of `far` within two pitches and a half of its
 /// centre. With 5 x 5 lenslets a spot then agrees with Fresnel's integral within 5 % of its peak
-/// (1 % RMS) if it is bright, and within 12 % (3 % RMS) if it is a vortex, whose neighbours' light
+/// (1 % RMS) if it is bright, and within 15 % (3 % RMS) if it is a vortex, whose neighbours' light
 /// reaches far. `width_px`: the pitch; `runs`: its cells; `pupil`: the field, as
 /// SensorField::pupil().
 void add_lenslet(const PupilCells& cells, double width_px, std::span<const CellRun> runs,

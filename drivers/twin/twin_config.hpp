@@ -89,10 +89,10 @@ struct Light {
   /// Aberration of the light on the sensor, as Zernike modes over its pupil.
   std::vector<Mode> aberration;
   std::vector<Shade> shades{};
-  std::vector<LightVortex> branch_points{};
   /// Of each actuator of the deformable mirror, waves; empty: all 0.
   std::vector<double> mirror_waves{};
   std::optional<ScintillationConfig> scintillation{};
+  std::vector<LightVortex> branch_points{};
 
   friend bool operator==(const Light&, const Light&) = default;
 };

@@ -119,15 +119,17 @@ TEST(LensletSpots, AreThoseOfFresnelsIntegral) {
        {ArrayCase(1, {}, LensletShape::circle), ArrayCase(1, made, LensletShape::circle),
         ArrayCase(1, made, LensletShape::square)}) {
     const Difference difference = difference_of(array);
-    EXPECT_LT(difference.most, 0.12);
-    EXPECT_LT(difference.rms, 0.03);
+    EXPECT_LT(difference.most, 0.15);
+    EXPECT_LT(difference.rms, 0.035);
   }
 }
 
-TEST(LensletSpots, DerivativesAreThoseOfTheRendering) {
-  const ArrayCase array(1, {16, 1.05, {0.6, 0.0}}, LensletShape::square);
+/// Largest error of a derivative of three spots, relative to that of a tilt; of the light of other
+/// lenslets, only that of the nearest ones changes in the rendered derivatives.
+float derivative_error(const ArrayCase& array) {
   SpotRenderer renderer = array.renderer();
   const std::vector<RenderedSpot> spots = renderer.render(array.waves);
+  float most = 0.0F, tilt = 0.0F;
   for (const std::size_t mode : {0U, 3U, 4U}) {
     constexpr double kStep = 1e-3;
     std::vector<double> more = array.waves, less = array.waves;
@@ -138,9 +140,16 @@ TEST(LensletSpots, DerivativesAreThoseOfTheRendering) {
     for (const std::size_t i : {6U, 12U, 18U}) {
       const Eigen::VectorXf numeric = (plus[i] - minus[i]) / float(2.0 * kStep);
       const Eigen::VectorXf analytic = spots[i].per_wave.col(Eigen::Index(mode));
-      EXPECT_LT((numeric - analytic).norm(), 0.2F * numeric.norm()) << "mode " << mode;
+      if (mode == 0U) tilt = std::max(tilt, numeric.norm());
+      most = std::max(most, (numeric - analytic).norm() / tilt);
     }
   }
+  return most;
+}
+
+TEST(LensletSpots, DerivativesAreThoseOfTheRendering) {
+  EXPECT_LT(derivative_error(ArrayCase(0, {}, LensletShape::circle)), 0.15F);
+  EXPECT_LT(derivative_error(ArrayCase(1, {16, 1.05, {0.6, 0.0}}, LensletShape::square)), 0.5F);
 }
 
 }  // namespace
