@@ -91,8 +91,9 @@ TEST_F(CorrectorTest, TakesTheLargestMatrix) {
   const int actuators = limits::kActuators.max;
   std::vector<int> modes_j(kMaxZernikeIndex);
   for (int j = 1; j <= kMaxZernikeIndex; ++j) modes_j[std::size_t(j - 1)] = j;
-  ASSERT_TRUE(
-      corrector_.set({{actuators, kMaxZernikeIndex}}, std::string(kMaxMatrixBytes, '\0'), modes_j));
+  const std::size_t bytes = sizeof(float) * std::size_t(actuators) * kMaxZernikeIndex;
+  ASSERT_LE(bytes, kMaxMatrixBytes);
+  ASSERT_TRUE(corrector_.set({{actuators, kMaxZernikeIndex}}, std::string(bytes, '\0'), modes_j));
   plan_.modes_j = modes_j;
   record_.coefficients.assign(std::size_t(kMaxModes), 1.0F);
   EXPECT_EQ(commands(), std::vector<float>(std::size_t(actuators)));

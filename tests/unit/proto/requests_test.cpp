@@ -143,7 +143,7 @@ TEST(SensorSetRequest, ReadsEveryKey) {
 TEST(SensorSetRequest, RefusesWhatNoSensorHas) {
   EXPECT_EQ(error_of(SensorSet::decode({{"charge", 9}})).field, "charge");
   EXPECT_EQ(error_of(SensorSet::decode({{"charge", 0.5}})).field, "charge");
-  EXPECT_EQ(error_of(SensorSet::decode({{"subapertures_across", 32}})).field,
+  EXPECT_EQ(error_of(SensorSet::decode({{"subapertures_across", 65}})).field,
             "subapertures_across");
   EXPECT_EQ(error_of(SensorSet::decode({{"grooves", {1, 2, 3}}})).field, "grooves");
   EXPECT_EQ(error_of(SensorSet::decode({{"grooves", {1, 1e9}}})).field, "grooves[1]");
