@@ -69,7 +69,7 @@ def objects_within(schema):
 
 
 UNIT_IN_NAME = re.compile(r"(^|[._])(px|nm|um|mm|us|ms|s|ns|hz|db|dn|e|deg|waves?|rad|rad2|cpp|mib|per_(px|cycle|wave|dn|pixel)|bytes|raw)($|[._])")
-UNIT_IN_WORDS = re.compile(r"\b(pixels?|waves?|seconds?|hours?|microseconds|milliseconds|Hz|DN|electrons?|dB|degrees?|radians?|lambda/d|cycles?|grooves"
+UNIT_IN_WORDS = re.compile(r"\b(pixels?|pupil radii|waves?|seconds?|hours?|microseconds|milliseconds|Hz|DN|electrons?|dB|degrees?|radians?|lambda/d|cycles?|grooves"
                            r"|part|fraction|ratio|times|factor|units of|to 1|-1 to|over the|number|quality|when it was taken|in use|magnif\w+|camera to|to the camera)\b")
 
 
