@@ -76,11 +76,12 @@ enum class Grid { hexagonal, square };
 enum class LensletShape { square, hexagon, circle };
 
 /// Spiral phase plate in a lenslet, as it was made. Its phase is 2 pi charge depth floor(n t) / n
-/// for n steps, t: turns from the camera's +x towards +y; without steps 2 pi charge depth t.
+/// for n steps, t: turns from the lattice's +x towards +y; without steps 2 pi charge depth t.
 struct SpiralPlate {
   int levels = 0;      ///< n, steps of a turn; 0: smooth
   double depth = 1.0;  ///< relative to the design
-  Vec2 shift_px;       ///< of the axis from the lenslet's centre, camera pixels on the array
+  /// Of the axis from the lenslet's centre, along the lattice's axes, camera pixels on the array.
+  Vec2 shift_px;
 
   friend bool operator==(const SpiralPlate&, const SpiralPlate&) = default;
 };

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kParts = 4;              // parts along the side of a cell, for its covered share
-constexpr double kReachPitches = 2.5;  // of a lenslet's far field
+constexpr double kReachPitches = 3.5;  // of a lenslet's far field
 
 std::complex<double> unit_phasor(double cycles) {
   return std::polar(1.0, 2.0 * kPi * cycles);
@@ -42,7 +42,7 @@ double plate_waves(const SpiralPlate& plate, int charge, Vec2 at) {
 }
 
 /// Mean field of a cell of one lenslet. `at`: the cell's centre from the lenslet's.
-std::complex<double> cell_field(const SensorConfig& sensor, Vec2 at, int bin_px) {
+std::complex<double> cell_field(const SensorConfig& sensor, Vec2 at, double bin_px) {
   const Lenslets& lenslets = sensor.lenslets;
   const double turn = lenslets.rotation_deg * kPi / 180.0;
   std::complex<double> sum = 0.0;
@@ -52,7 +52,7 @@ std::complex<double> cell_field(const SensorConfig& sensor, Vec2 at, int bin_px)
     const Vec2 on_lenslet{std::cos(turn) * part.x + std::sin(turn) * part.y,
                           std::cos(turn) * part.y - std::sin(turn) * part.x};
     if (!covers(lenslets.shape, 0.5 * lenslets.width_px, on_lenslet)) continue;
-    sum += unit_phasor(plate_waves(lenslets.plate, sensor.charge, part));
+    sum += unit_phasor(plate_waves(lenslets.plate, sensor.charge, on_lenslet));
   }
   return sum / double(kParts * kParts);
 }
@@ -102,7 +102,7 @@ Eigen::MatrixXcf kernel(double first_cpp, double step_cpp, int pixels, double fi
 PupilCells cut_lenslets(const SensorConfig& sensor) {
   const Lenslets& lenslets = sensor.lenslets;
   PupilCells cells;
-  const int bin_px = std::max(1, int(lenslets.width_px / kLensletCells));
+  const double bin_px = lenslets.width_px / kLensletCells;
   cells.turn = PxPerCycle(lenslets.px_per_cycle);
   cells.pupil_radius_px = 0.5 * sensor.pupil_diameter_px;
   double most_px = cells.pupil_radius_px;

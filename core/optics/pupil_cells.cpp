@@ -40,7 +40,7 @@ double carrier(double origin_cpp, double step_cpp, int count) {
 
 /// Cell grid along the camera's axes over a box on the SLM of half width and height half_px, or
 /// over its inscribed ellipse if `round`.
-CellGrid grid_over(Vec2 half_px, bool round, const PxPerCycle& turn, int bin_px) {
+CellGrid grid_over(Vec2 half_px, bool round, const PxPerCycle& turn, double bin_px) {
   const Vec2 x = turn.seen({half_px.x, 0.0}), y = turn.seen({0.0, half_px.y});
   const auto half = [&](double by_x, double by_y) {
     const double extent = round ? std::hypot(by_x, by_y) : std::abs(by_x) + std::abs(by_y);

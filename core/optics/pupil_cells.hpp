@@ -32,7 +32,7 @@ struct CellRun {
 
 /// Grid of square cells, centred on the pupil's centre.
 struct CellGrid {
-  int bin_px = 1;  ///< side of a cell, SLM pixels
+  double bin_px = 1.0;  ///< side of a cell, SLM pixels
   int width = 0, height = 0;
 
   Vec2 middle() const { return {0.5 * (width - 1), 0.5 * (height - 1)}; }

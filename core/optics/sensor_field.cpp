@@ -20,7 +20,7 @@ float amplitude(double logarithm) {
   return float(std::exp(std::min(logarithm, kMaxLogarithm)));
 }
 
-FarFieldWindow window_in_cells(FarFieldWindow window, int bin_px) {
+FarFieldWindow window_in_cells(FarFieldWindow window, double bin_px) {
   window.origin_cpp = bin_px * window.origin_cpp;
   window.step_cpp *= bin_px;
   return window;

@@ -48,7 +48,7 @@ class SensorField {
     std::span<const Mode> ln_amplitude{};  ///< ln(amplitude) outside the subapertures
   };
   /// Computes pupil() and far() for a wavefront. far() holds, for each lenslet,
-  /// the pixels within two pitches and a half of its centre. Takes about 7 ms for the default
+  /// the pixels within three pitches and a half of its centre. Takes about 7 ms for the default
   /// bench. Requires finite coefficients and valid mode indices.
   void propagate(std::span<const Mode> modes, const Light& light);
 

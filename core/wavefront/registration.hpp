@@ -26,6 +26,7 @@ struct FoundArray {
   double magnification = 1.0;  ///< from the array's focal plane to the camera
   double pupil_diameter_px = 0.0;
   int subapertures_across = 0;
+  bool plate_fitted = false;  ///< whether the plates of `lenslets` were measured (fit_plate)
 
   bool empty() const { return lenslets.empty(); }
   /// Puts the lenslets into a sensor.
