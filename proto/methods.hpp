@@ -14,6 +14,7 @@ namespace ovws {
 // Structs of results and of some params are in proto/tables, StatusMessage in
 // proto/status_message.hpp, Config in config/config.hpp. Include only the tables that you use: each
 // takes up to a second to compile.
+struct ArrayFitReport;
 struct CameraGrab;
 struct CameraReport;
 struct CameraSetReport;
@@ -88,6 +89,12 @@ inline constexpr auto kAberrationSet =
     method<ModesSet, ModesReport>("aberration.set",
                                   "Replaces the introduced aberration. No mode may be given twice. "
                                   "The result is RMS-normalised, whatever norm was given.");
+inline constexpr auto kArrayFit = method<ArrayFit, JobNumber>(
+    "array.fit",
+    "Measures depth and shift of the spiral plates of a fixed array from the shapes of its spots. "
+    "They are stored with the registration, used for rendering spots, and kept by the next "
+    "registration.run; registration.clear forgets them. A reference must be taken again. Returns "
+    "at once; the job's result are the numbers.");
 inline constexpr auto kCalibrationClear =
     method<Nothing, KnownCalibration>("calibration.clear",
                                       "Deletes the calibration of the current sensor, also on "
@@ -287,12 +294,17 @@ inline constexpr auto kReferenceLoad = method<ReferenceName, KnownReference>(
 inline constexpr auto kReferenceSave = method<ReferenceName, ReferenceList>(
     "reference.save",
     "Saves the active reference under a name, at most 32 of them. An existing name is refused.");
-inline constexpr auto kReferenceSet = method<ReferenceSet, KnownReference>(
-    "reference.set",
-    "Makes the predicted spot positions of the configuration, or of the active registration, the "
-    "reference: the coefficients are then absolute and include what the bench itself adds, such as "
-    "misalignment. Replaces the active reference until the next reference.take or "
-    "reference.clear.");
+inline constexpr auto kReferenceSet =
+    method<ReferenceSet, KnownReference>(
+        "reference.set",
+        "Makes the predicted spot positions of the configuration, or of the active registration, "
+        "the reference: the coefficients are then absolute and include what the bench itself adds, "
+        "such as misalignment. Or makes positions the reference that a client has measured, for "
+        "example with known tilts of the light; refused with the tracker fit, which needs an "
+        "image. Replaces the active reference until the next reference.take or reference.clear.")
+        .taking(
+            "source positions only: float32, little-endian, 2 x N x 2: [x, y] of each spot in "
+            "camera pixels of the region of interest, NaN: lost; then their standard errors");
 inline constexpr auto kReferenceTake = method<ReferenceTake, JobNumber>(
     "reference.take",
     "Takes a reference: averages the spot positions of the next frames, from which displacements "
@@ -364,73 +376,29 @@ inline constexpr auto kSystemDescribe = method<Nothing, Description>(
 inline constexpr auto kSystemStatus =
     method<Nothing, StatusMessage>("system.status", "Returns the contents of the status message.");
 
-inline constexpr std::tuple kMethods{kAberrationClear,
-                                     kAberrationGet,
-                                     kAberrationSet,
-                                     kCalibrationClear,
-                                     kCalibrationGet,
-                                     kCalibrationRun,
-                                     kCalibrationSet,
-                                     kCameraAutoExposure,
-                                     kCameraGet,
-                                     kCameraGrab,
-                                     kCameraList,
-                                     kCameraSelect,
-                                     kCameraSet,
-                                     kConfigGet,
-                                     kConfigSave,
-                                     kCorrectionClear,
-                                     kCorrectionGet,
-                                     kCorrectionSet,
-                                     kCorrectorClear,
-                                     kCorrectorGet,
-                                     kCorrectorSet,
-                                     kExperimentCell,
-                                     kExperimentGainSweep,
-                                     kExperimentGet,
-                                     kFlatnessClear,
-                                     kFlatnessGet,
-                                     kFlatnessRun,
-                                     kFocusRun,
-                                     kJobCancel,
-                                     kJobGet,
-                                     kLoopClose,
-                                     kLoopGet,
-                                     kLoopIdentify,
-                                     kLoopModel,
-                                     kLoopOpen,
-                                     kLoopPause,
-                                     kLutClear,
-                                     kLutGet,
-                                     kLutRun,
-                                     kRecordEstimate,
-                                     kRecordGet,
-                                     kRecordList,
-                                     kRecordStart,
-                                     kRecordStop,
-                                     kReferenceClear,
-                                     kReferenceDelete,
-                                     kReferenceGet,
-                                     kReferenceList,
-                                     kReferenceLoad,
-                                     kReferenceSave,
-                                     kReferenceSet,
-                                     kReferenceTake,
-                                     kRefineGet,
-                                     kRefineSet,
-                                     kRegistrationClear,
-                                     kRegistrationGet,
-                                     kRegistrationRun,
-                                     kSensorGet,
-                                     kSensorSet,
-                                     kSlmOutputs,
-                                     kSlmPresent,
-                                     kSlmSet,
-                                     kSlmSettle,
-                                     kSlmShow,
-                                     kSlmVerify,
-                                     kSystemDescribe,
-                                     kSystemStatus};
+inline constexpr std::tuple kMethods{kAberrationClear, kAberrationGet,     kAberrationSet,
+                                     kArrayFit,        kCalibrationClear,  kCalibrationGet,
+                                     kCalibrationRun,  kCalibrationSet,    kCameraAutoExposure,
+                                     kCameraGet,       kCameraGrab,        kCameraList,
+                                     kCameraSelect,    kCameraSet,         kConfigGet,
+                                     kConfigSave,      kCorrectionClear,   kCorrectionGet,
+                                     kCorrectionSet,   kCorrectorClear,    kCorrectorGet,
+                                     kCorrectorSet,    kExperimentCell,    kExperimentGainSweep,
+                                     kExperimentGet,   kFlatnessClear,     kFlatnessGet,
+                                     kFlatnessRun,     kFocusRun,          kJobCancel,
+                                     kJobGet,          kLoopClose,         kLoopGet,
+                                     kLoopIdentify,    kLoopModel,         kLoopOpen,
+                                     kLoopPause,       kLutClear,          kLutGet,
+                                     kLutRun,          kRecordEstimate,    kRecordGet,
+                                     kRecordList,      kRecordStart,       kRecordStop,
+                                     kReferenceClear,  kReferenceDelete,   kReferenceGet,
+                                     kReferenceList,   kReferenceLoad,     kReferenceSave,
+                                     kReferenceSet,    kReferenceTake,     kRefineGet,
+                                     kRefineSet,       kRegistrationClear, kRegistrationGet,
+                                     kRegistrationRun, kSensorGet,         kSensorSet,
+                                     kSlmOutputs,      kSlmPresent,        kSlmSet,
+                                     kSlmSettle,       kSlmShow,           kSlmVerify,
+                                     kSystemDescribe,  kSystemStatus};
 
 inline constexpr std::tuple kStreams{
     stream<WavefrontMessage>("wavefront", "Modes of each processed frame."),

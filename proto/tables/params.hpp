@@ -45,15 +45,21 @@ inline constexpr auto kTable<ReferenceTake> = Fields{
                                             "part of the reference and not of the coefficients")};
 
 /// Sources of a reference that `reference.set` accepts.
-enum class ReferenceOrigin { model };
+enum class ReferenceOrigin { model, positions };
 template <>
-inline constexpr NamesOf kNames<ReferenceOrigin> = texts<"model">;
+inline constexpr NamesOf kNames<ReferenceOrigin> = texts<"model", "positions">;
 struct ReferenceSet {
   ReferenceOrigin source = ReferenceOrigin::model;
+  int frames = 1;
 };
 template <>
-inline constexpr auto kTable<ReferenceSet> = Fields{
-    "ReferenceSet", field<&ReferenceSet::source>("source of the reference positions").mandatory()};
+inline constexpr auto kTable<ReferenceSet> =
+    Fields{"ReferenceSet",
+           field<&ReferenceSet::source>(
+               "source of the reference positions; positions: those of the request's binary frame")
+               .mandatory(),
+           field<&ReferenceSet::frames>("number of frames that given positions are the mean of",
+                                        limits::kReferenceFrames)};
 
 struct AutoExposure {
   double target = 0.7;
@@ -77,6 +83,13 @@ template <>
 inline constexpr auto kTable<RegistrationRun> = Fields{
     "RegistrationRun", field<&RegistrationRun::frames>("number of frames to average for each image",
                                                        limits::kImageFrames)};
+
+struct ArrayFit {
+  int frames = 20;
+};
+template <>
+inline constexpr auto kTable<ArrayFit> = Fields{
+    "ArrayFit", field<&ArrayFit::frames>("number of frames to average", limits::kReferenceFrames)};
 
 struct FlatnessRun {
   int frames = 5;

@@ -92,6 +92,9 @@ inline constexpr auto kTable<FoundArray> = Fields{
     field<&FoundArray::magnification>("from the array's focal plane to the camera", {1e-6, 1e6}),
     field<&FoundArray::pupil_diameter_px>("diameter of the pupil, camera pixels",
                                           limits::kLensletWidthPx),
+    field<&FoundArray::plate_fitted>(
+        "whether array.fit measured the spiral plates; if not, they are those of array.plate")
+        .if_absent("false"),
     field<&FoundArray::lenslets>("lenslets in use, as in sensor.get")};
 
 template <>
@@ -125,6 +128,30 @@ inline constexpr auto kTable<Registration> = Fields{
         [](auto& r) { return r.array.empty() ? std::nullopt : std::optional<FoundArray>(r.array); },
         "the array of lenslets that was found; left out: the sensor has an SLM")
         .or_left_out()};
+
+/// Result of the `array.fit` job.
+struct ArrayFitReport {
+  int levels = 0;
+  double depth = 1.0, depth_standard_error = 0.0;
+  Vec2 shift_um, shift_standard_error_um;
+  double misfit = 0.0;
+  int spots = 0;
+};
+template <>
+inline constexpr auto kTable<ArrayFitReport> = Fields{
+    "ArrayFitReport",
+    field<&ArrayFitReport::levels>("steps of a turn, as configured (array.plate.levels)",
+                                   limits::kPlateLevels),
+    field<&ArrayFitReport::depth>("depth of the plates relative to the design",
+                                  limits::kPlateDepth),
+    field<&ArrayFitReport::depth_standard_error>("standard error of depth", Bounds::at_least(0)),
+    field<&ArrayFitReport::shift_um>(
+        "[x, y] of the plates' axes from the lenslets' centres along the lattice, micrometres"),
+    field<&ArrayFitReport::shift_standard_error_um>("standard errors of shift_um, micrometres"),
+    field<&ArrayFitReport::misfit>(
+        "what the fit leaves of the spots' light, RMS over RMS: noise and errors of the model",
+        Bounds::at_least(0)),
+    field<&ArrayFitReport::spots>("number of spots fitted", Bounds::at_least(0))};
 
 /// Result of `registration.get`, `registration.clear` and the `registration.run` job.
 struct KnownRegistration {

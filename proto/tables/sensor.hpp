@@ -19,8 +19,9 @@ template <>
 inline constexpr auto kTable<SpiralPlate> = Fields{
     "SpiralPlate", field<&SpiralPlate::levels>("steps of a turn; 0: smooth", limits::kPlateLevels),
     field<&SpiralPlate::depth>("depth relative to the design", limits::kPlateDepth),
-    field<&SpiralPlate::shift_px>("[x, y] of the axis from the lenslet's centre, camera pixels",
-                                  limits::kPlateShiftPx)};
+    field<&SpiralPlate::shift_px>(
+        "[x, y] of the axis from the lenslet's centre along the lattice's axes, camera pixels",
+        limits::kPlateShiftPx)};
 
 template <>
 inline constexpr auto kTable<Lenslets> =

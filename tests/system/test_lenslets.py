@@ -2,7 +2,7 @@
 import math
 import unittest
 
-from case import BenchCase, Stream, main, merged, wait_for
+from case import BenchCase, ClientError, main, merged, wait_for
 
 # A small part of a usual array: 13 x 11 lenslets of 150 um and 5.2 mm focal length on pixels of 5.3 um.
 OPTICS = {"wavelength_nm": 632.0, "focal_length_mm": 5.2, "camera_pitch_um": 5.3}
@@ -84,6 +84,39 @@ class Array(BenchCase):
                                ("slm.show", {"pattern": "flat"}), ("calibration.run", {})):
             self.assertIn("lenslets", str(self.refused(method, params)), method)
 
+    def test_known_tilts_give_a_reference(self):
+        from ovws_client import reference_from_tilts
+        self.run_job("registration.run", {"frames": 10})
+        self.call("camera.set", {"exposure_us": self.exposure_us})
+        self.take_reference(30)
+        at_rest = self.call("reference.get")["positions_px"]
+        tilts = [(0.3, 0.0), (-0.3, 0.1), (0.0, -0.3), (0.2, 0.3)]  # waves of j = 2 and j = 1, as the array stands
+        found = reference_from_tilts(self.client, lambda x, y: self.hide({"j": 2, "waves": x}, {"j": 1, "waves": y}), tilts, settle_s=0.1)
+        self.assertEqual((found.known["source"], found.known["frames"]), ("measured", 80))
+        off = [math.dist(a, b) for a, b in zip(found.known["positions_px"], at_rest)]
+        self.assertLess(math.sqrt(sum(d * d for d in off) / len(off)), 0.02)
+        self.assertLess(found.residual_px, 0.03)
+        scale = 4 * 117.04 / 311.32  # px per wave RMS: lambda f / pixel^2, four waves across a pupil of so many pixels
+        self.assertAlmostEqual(found.px_per_tilt[0][0], scale * math.cos(math.radians(0.8)), delta=0.02 * scale)
+        self.hide({"j": 4, "waves": 0.25})
+        self.assertAlmostEqual(self.mean_modes(self.stream("wavefront"))[4], 0.25, delta=0.006)
+        positions = found.zeros_px.astype("<f4")
+
+        def given(field, binary, **params):
+            with self.assertRaises(ClientError) as caught:
+                self.client.call("reference.set", {"source": "positions"} | params, binary)
+            self.assertEqual(caught.exception.data["field"], field, caught.exception)
+
+        both = [positions, 0.01 + 0 * positions]
+        given("positions", None)
+        given("positions", positions.tobytes())  # half of it
+        given("positions", both[0][:-1].tobytes() + both[1][:-1].tobytes())
+        given("positions", both[0].tobytes() + (-both[1]).tobytes())
+        given("positions", (both[0] + 500.0).tobytes() + both[1].tobytes())
+        given("source", both[0].tobytes() + both[1].tobytes(), source="model")
+        self.call("sensor.set", {"tracker": "fit"})
+        given("tracker", both[0].tobytes() + both[1].tobytes())
+
     def test_stays_over_a_restart(self):
         self.read_back()
         before = self.call("registration.get")
@@ -120,14 +153,40 @@ class Array(BenchCase):
 class Vortices(Array):
     """The same with spiral plates of 16 steps, 5 % too deep and 3 um beside the lenslets' centres."""
     twin_config = merged(TWIN, {"sensor": {"charge": 1}, "array": {"plate": {"levels": 16, "depth": 1.05, "shift_um": [3.0, 0.0]}}})
-    daemon_config = merged(DAEMON, {"sensor": {"charge": 1}})
+    daemon_config = merged(DAEMON, {"sensor": {"charge": 1}, "array": {"plate": {"levels": 16}}})
     exposure_us = 1400.0
     test_bright_spots_read_known_modes_back = None
+    test_known_tilts_give_a_reference = None
     test_stays_over_a_restart = None
     test_wrong_arrays_are_refused = None
 
     def test_vortices_read_known_modes_back(self):
         self.read_back()
+
+    def test_plates_are_measured(self):
+        self.bench.stop("ovws-twin")
+        self.start_twin(array={"reach_pitches": 3.4})  # all of a spot's light: vortices reach far
+        self.wait_until("running")
+        self.assertEqual(self.refused("array.fit").data["field"], "registration")
+        self.run_job("registration.run", {"frames": 10})
+        self.call("camera.set", {"exposure_us": self.exposure_us})
+        self.hide({"j": 4, "waves": 0.2}, {"j": 3, "waves": -0.1})
+        fit = self.run_job("array.fit", {})["result"]
+        self.assertAlmostEqual(fit["depth"], 1.05, delta=0.004)
+        self.assertAlmostEqual(fit["shift_um"][0], 3.0, delta=0.4)
+        self.assertAlmostEqual(fit["shift_um"][1], 0.0, delta=0.4)
+        self.assertGreaterEqual(fit["spots"], 9)
+        before = self.call("registration.get")
+        self.assertTrue(before["array"]["plate_fitted"])
+        self.run_job("registration.run", {"frames": 10})
+        self.bench.stop("ovwsd")
+        self.start_daemon()
+        self.wait_until("running")
+        plate = self.call("registration.get")["array"]["lenslets"]["plate"]
+        self.assertEqual(plate, before["array"]["lenslets"]["plate"])
+        self.assertEqual(self.call("sensor.get")["lenslets"]["plate"], plate)
+        self.call("registration.clear")
+        self.assertEqual(self.call("sensor.get")["lenslets"]["plate"]["depth"], 1.0)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,7 @@
 /// Methods of references: the active one, and those saved by name.
+#include <cmath>
+#include <cstring>
+
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/sensor_handlers.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
@@ -37,8 +40,45 @@ void run_reference(Services& services, const ReferenceTake& params, Reply<JobNum
   run<kReferenceTake, refer>(services, params, std::move(reply));
 }
 
-void use_model(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> reply) {
-  edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
+/// Positions and standard errors of a request's binary frame, see kReferenceSet.
+Result<SpotAverage> positions_from(const ReferenceSet& given, const std::string& bytes) {
+  constexpr std::size_t kSpotBytes = 4 * sizeof(float);
+  if (bytes.empty() || bytes.size() % kSpotBytes != 0) {
+    return fail(Errc::invalid, "positions",
+                "source \"positions\" needs a binary frame of 2 x N x 2 float32 after the JSON");
+  }
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  const std::size_t spots = bytes.size() / kSpotBytes;
+  SpotAverage average;
+  average.frames = given.frames;
+  for (std::size_t i = 0; i < spots; ++i) {
+    const Vec2 at{values[2 * i], values[2 * i + 1]};
+    const Vec2 error{values[2 * (spots + i)], values[2 * (spots + i) + 1]};
+    const bool found = std::isfinite(at.x) && std::isfinite(at.y);
+    if (found && !(error.x >= 0.0 && error.y >= 0.0 && std::isfinite(error.x + error.y))) {
+      return fail(Errc::invalid, "positions", "a standard error is not a number of 0 and more");
+    }
+    average.mean_px.push_back(at);
+    average.standard_error_px.push_back(error);
+    average.found.push_back(found ? given.frames : 0);
+  }
+  return average;
+}
+
+void set_reference(Services& services, const ReferenceSet& to, const std::string& positions,
+                   Reply<KnownReference> reply) {
+  if (to.source == ReferenceOrigin::model) {
+    if (!positions.empty()) {
+      return reply(Error{Errc::invalid, "source",
+                         "source \"model\" takes no binary frame: give \"positions\" to use it"});
+    }
+    return edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
+  }
+  auto given = positions_from(to, positions);
+  if (!given) return reply(given.error());
+  edit<reference_of>(services, Hold::unheld(), use_given_reference(std::move(*given)),
+                     std::move(reply));
 }
 
 void list_references(Services& services, Reply<ReferenceList> reply) {
@@ -88,7 +128,7 @@ constexpr Action kFilesOnly = Action::record;
 constexpr std::array kRows{
     row<kReferenceTake, run_reference>(Role::control, Action::start_job),
     row<kReferenceGet, get<reference_of>>(Role::read, Action::read),
-    row<kReferenceSet, use_model>(Role::control, Action::clear_reference),
+    row<kReferenceSet, set_reference>(Role::control, Action::clear_reference),
     row<kReferenceClear, clear<reference_of, forget_reference>>(Role::control,
                                                                 Action::clear_reference),
     row<kReferenceDelete, delete_reference>(Role::control, kFilesOnly),

@@ -14,6 +14,7 @@
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/devices.hpp"
 #include "proto/tables/focus.hpp"
+#include "proto/tables/reference.hpp"
 #include "proto/tables/sensor.hpp"
 #include "proto/tables/set.hpp"
 #include "proto/tables/slm.hpp"
@@ -152,6 +153,22 @@ Result<Json> register_camera(const Services& services, Bench& bench, const Regis
   return use<known_registration>(services, bench, use_registration(*found));
 }
 
+Result<Json> fit_array(const Services& services, Bench& bench, const ArrayFit& run) {
+  const std::uint64_t epoch = bench.sensor()->sensor_epoch;
+  const auto fit = measure_plate(bench, services.config.slm.geometry, run.frames);
+  if (!fit) return fail(fit.error());
+  if (auto used = bench.use(use_plate(epoch, fit->plate)); !used) return fail(used.error());
+  const double um = services.config.array.pitch_um / bench.sensor()->sensor.lenslets.width_px;
+  return to_json(ArrayFitReport{fit->plate.levels, fit->plate.depth, fit->depth_standard_error,
+                                um * fit->plate.shift_px, um * fit->shift_standard_error_px,
+                                fit->misfit, fit->spots});
+}
+
+void start_array_fit(Services& services, const ArrayFit& params, Reply<JobNumber> reply) {
+  if (auto can = can_fit_array(*services.keeper.snapshot()); !can) return reply(can.error());
+  run<kArrayFit, fit_array>(services, params, std::move(reply));
+}
+
 SensorReport sensor_of(const Services& /*services*/, const SensorSnapshot& now) {
   return {{now.sensor, now.tracking}, now.templates, now.mode_operator,
           now.subapertures,           now.modes_j,   now.hologram_id};
@@ -236,6 +253,7 @@ constexpr std::array kRows{
     row<kLutRun, run<kLutRun, linearise>>(Role::control, Action::start_hologram_job),
     row<kLutGet, get<lut_of>>(Role::read, Action::read),
     row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Action::clear_reference),
+    row<kArrayFit, start_array_fit>(Role::control, Action::start_job),
     row<kRegistrationRun, run<kRegistrationRun, register_camera>>(Role::control, Action::start_job),
     row<kRegistrationGet, get<known_registration>>(Role::read, Action::read),
     row<kRegistrationClear, clear<known_registration, forget_registration>>(

@@ -8,6 +8,7 @@
 #include "core/control/loop_model.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/settle_time.hpp"
+#include "core/spots/plate_fit.hpp"
 #include "core/wavefront/registration.hpp"
 #include "daemon/ovwsd/procedures/bench.hpp"
 #include "daemon/ovwsd/sensor/calibration.hpp"
@@ -17,6 +18,13 @@
 #include "proto/tables/params.hpp"
 
 namespace ovws {
+
+/// Whether `array.fit` can run. Errc::refused: the sensor is no fixed array with spiral plates, or
+/// its array was not found yet.
+Result<void> can_fit_array(const SensorSnapshot& sensor);
+/// `array.fit`: measures the spiral plates from the mean image of `frames` frames. Errors: those of
+/// can_fit_array and fit_plate; Errc::refused, field "camera": the camera's settings changed.
+Result<PlateFit> measure_plate(Bench& bench, const SlmGeometry& slm, int frames);
 
 /// `calibration.run`: measures the interaction matrix by push-pull poking. Shows each mode with
 /// both signs on top of the current aberration, and averages the spots of settled frames. At the

@@ -149,6 +149,38 @@ void keep_if_alike(Registration& found, const SensorState& state) {
   found.px_per_cycle = state.registration->px_per_cycle;
 }
 
+/// Keeps plates that array.fit has measured.
+void keep_fitted_plate(Registration& found, const SensorState& state) {
+  if (!state.registration || !state.registration->array.plate_fitted) return;
+  found.array.plate_fitted = true;
+  found.array.lenslets.plate = state.registration->array.lenslets.plate;
+}
+
+void keep_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
+  edit.state.registration = registration;
+  registration.array.use_in(edit.state.sensor);
+  if (edit.lease) registration.array.use_in(edit.lease->sensor);
+  ++edit.state.sensor_epoch;  // previous spot positions are useless as start points
+  edit.keep = [&kept = edit.bench.registrations, registration](Written done) {
+    kept.keep(registration, {}, std::move(done));
+  };
+}
+
+/// Checks a client's positions as those of use_reference.
+Result<ReferenceSpots> judge_given(const SpotAverage& given, const SensorState& state,
+                                   const BenchOptics& optics) {
+  for (std::size_t i = 0; i < given.mean_px.size(); ++i) {
+    const Vec2 at = given.mean_px[i];
+    if (given.found[i] == 0) continue;
+    if (at.x >= 0.0 && at.y >= 0.0 && at.x < state.roi.width && at.y < state.roi.height) continue;
+    return fail(Errc::invalid, "positions",
+                fmt::format("spot {} is at ({:.1f}, {:.1f}), outside of the region of interest", i,
+                            at.x, at.y));
+  }
+  return judge_spots(given, slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
+                                           px_per_cycle(optics_of(state, optics), optics.slm)));
+}
+
 }  // namespace
 
 SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
@@ -194,6 +226,32 @@ SensorChange use_model_reference() {
   };
 }
 
+SensorChange use_given_reference(SpotAverage given) {
+  return [given = std::move(given)](SensorEdit& edit) -> Result<void> {
+    if (edit.state.tracking.tracker == TrackerKind::fit) {
+      return fail(Errc::refused, "tracker",
+                  "the tracker fit needs the image of a reference, and positions are not one: "
+                  "choose a tracker of positions with sensor.set, such as lg");
+    }
+    const std::vector<Vec2> model = model_positions(edit.state, edit.bench.optics);
+    if (given.mean_px.size() != model.size()) {
+      return fail(Errc::invalid, "positions",
+                  fmt::format("the binary frame holds {} spots, but the sensor has {}: send 2 x N "
+                              "x 2 float32",
+                              given.mean_px.size(), model.size()));
+    }
+    auto judged = judge_given(given, edit.state, edit.bench.optics);
+    if (!judged) return fail(judged.error());
+    Reference reference = new_reference(edit, ReferenceSource::measured);
+    reference.frames = given.frames;
+    reference.positions_px = given.mean_px;
+    reference.standard_error_px = given.standard_error_px;
+    place_lost(judged->lost, model, reference);
+    keep_reference(edit, std::move(reference));
+    return {};
+  };
+}
+
 SensorChange use_saved_reference(Reference reference) {
   return [reference = std::move(reference)](SensorEdit& edit) -> Result<void> {
     std::string why = misfit(reference, edit);
@@ -217,14 +275,20 @@ SensorChange forget_reference() {
 SensorChange use_registration(Registration registration) {
   return [registration](SensorEdit& edit) mutable -> Result<void> {
     keep_if_alike(registration, edit.state);
-    const MeasuredRegistration measured{registration, camera_json(edit.knowledge.camera), ""};
-    edit.state.registration = measured;
-    registration.array.use_in(edit.state.sensor);
-    if (edit.lease) registration.array.use_in(edit.lease->sensor);
-    ++edit.state.sensor_epoch;  // previous spot positions are useless as start points
-    edit.keep = [&kept = edit.bench.registrations, measured](Written done) {
-      kept.keep(measured, {}, std::move(done));
-    };
+    keep_fitted_plate(registration, edit.state);
+    keep_registration(edit, {registration, camera_json(edit.knowledge.camera), ""});
+    return {};
+  };
+}
+
+SensorChange use_plate(std::uint64_t sensor_epoch, const SpiralPlate& plate) {
+  return [sensor_epoch, plate](SensorEdit& edit) -> Result<void> {
+    if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
+    if (!edit.state.registration) return fail(Errc::refused, "", "the registration was cleared");
+    MeasuredRegistration registration = *edit.state.registration;
+    registration.array.plate_fitted = true;
+    registration.array.lenslets.plate = plate;
+    keep_registration(edit, registration);
     return {};
   };
 }

@@ -52,7 +52,15 @@ SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
                            std::shared_ptr<ReferenceSpots> spots);
 /// Model reference: positions computed from the registration, or else from the configuration.
 SensorChange use_model_reference();
+/// `reference.set` with positions: makes a client's positions the reference, without an image.
+/// `given`: `found` is the number of frames or 0 (lost). Errors: Errc::refused, field "tracker":
+/// the tracker is `fit`; Errc::invalid, field "positions": they do not fit the sensor; those of
+/// judge_spots.
+SensorChange use_given_reference(SpotAverage given);
+/// Keeps plates that `use_plate` has set.
 SensorChange use_registration(Registration registration);
+/// `array.fit`: puts measured spiral plates into the active registration of a fixed array.
+SensorChange use_plate(std::uint64_t sensor_epoch, const SpiralPlate& plate);
 /// Makes a calibration active and selects the operator `measured`. Show a hologram without a poke
 /// first, because its checksum is recorded in the calibration's origin.
 SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured);

@@ -38,6 +38,7 @@ MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored)
   const SensorConfig sensor = sensor_with(config, {array.magnification, before.rotation_deg,
                                                    array.pupil_diameter_px, before.centres_px});
   array.lenslets = sensor.lenslets;
+  if (array.plate_fitted) array.lenslets.plate = before.plate;
   array.subapertures_across = sensor.subapertures_across;
   stored.px_per_cycle = sensor.lenslets.px_per_cycle;
   return stored;

@@ -14,13 +14,14 @@ from .modes import mode_index, mode_name
 from .pictures import Grabbed, Presentation, grab
 from .stream import Stream
 from .subscription import Subscription
+from .tilts import TiltReference, reference_from_tilts
 from .wire import use_keys
 from .zernike import orders, osa_index, phase_map_waves, pupil_grid, zernike
 
 __all__ = [
     "LEFT_OUT", "MODE_NAMES", "AsyncClient", "AsyncSubscription", "Client", "ClientError", "Corrector", "Event", "Grabbed", "Image", "Job",
     "JobFailed", "LeftOut", "Lost", "MeanWavefront", "Message", "MirrorCalibration", "MirrorLoop", "NoAnswer", "NotUnderstood", "Phase",
-    "Presentation", "Refined", "Refused", "Spots", "Status", "Stream", "Subscription", "Wavefront", "calibrate_mirror", "calibrate_sensor",
-    "grab", "mode_index", "mode_name", "orders", "osa_index", "phase_map_waves", "pupil_grid", "px_per_slope", "set_matrix",
-    "subaperture_centres", "use_keys", "zernike",
+    "Presentation", "Refined", "Refused", "Spots", "Status", "Stream", "Subscription", "TiltReference", "Wavefront", "calibrate_mirror",
+    "calibrate_sensor", "grab", "mode_index", "mode_name", "orders", "osa_index", "phase_map_waves", "pupil_grid", "px_per_slope",
+    "reference_from_tilts", "set_matrix", "subaperture_centres", "use_keys", "zernike",
 ]

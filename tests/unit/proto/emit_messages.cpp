@@ -340,6 +340,7 @@ void print_results() {
   print_result("registration.get", to_json(KnownRegistration{registration}));
   print_result("registration.clear", to_json(KnownRegistration{}));
   print_result("registration.run", to_json(JobNumber{2}));
+  print_result("array.fit", to_json(JobNumber{2}));
   print_calibrations();
   print_experiments();
   print_luts();
@@ -436,7 +437,8 @@ void print_all_params() {
   print_params<SettleRun>("slm.settle", {"repetitions", "watch_ms", "frames"});
   print_params<AutoExposure>("camera.auto_exposure", {"target", "max_exposure_us", "targets"});
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});
-  print_params<ReferenceSet>("reference.set", {"source"}, 3000);
+  print_params<ArrayFit>("array.fit", {"frames", "frame"});
+  print_params<ReferenceSet>("reference.set", {"source", "frames"}, 3000);
   print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});
   print_params<CalibrationSet>(
       "calibration.set", {"shape", "modes", "amplitude_waves", "frames", "mode"}, 1000,
