@@ -80,6 +80,9 @@ constexpr Integers kSweepCell{0, 16383};
 constexpr Numbers kRefineRateHz{0.001, 100.0};
 constexpr Numbers kElectronsPerDn{1e-6, 1e6};
 constexpr Numbers kReadNoiseE{0.0, 1e6};
+constexpr Numbers kFullWellE{100.0, 1e6};
+constexpr Numbers kPhotoElectronsPerS{1.0, 1e15};
+constexpr Integers kAdvisedModes{3, 200};  ///< wanted of a sensor
 constexpr Numbers kBlackLevelDn{0.0, 65535.0};
 constexpr Numbers kSaturationDn{1.0, 65535.0};
 

@@ -24,27 +24,22 @@ struct AdviseOptions {
   design::Light light;
 };
 
-/// The bench that a configuration describes. The camera's sensor is that of --camera, or else the
-/// configured region.
+/// The bench of a configuration, with the camera of --camera.
 Result<design::Bench> bench_of(const Config& config, const AdviseOptions& options) {
-  const Roi& roi = config.camera.settings.roi;
-  const SlmGeometry& slm = config.slm.geometry;
-  const auto panel = [](int width, int height, double pitch_um) {
-    return fmt::format("{}x{}@{:g}", width, height, pitch_um);
-  };
-  DesignOptions parts;
-  parts.slm = panel(slm.width_px, slm.height_px, slm.pitch_um);
-  parts.camera = options.camera.empty()
-                     ? panel(roi.width, roi.height, config.optics.camera_pitch_um)
-                     : options.camera;
-  parts.pixel_format = pixel_format_name(config.camera.settings.pixel_format);
-  parts.bench.wavelength_nm = config.optics.wavelength_nm;
-  parts.bench.focal_length_mm = config.optics.focal_length_mm;
-  parts.bench.magnification = config.optics.magnification;
-  parts.bench.settle_ms = config.slm.settle_ms;
-  parts.bench.beam_mm = 1e-3 * slm.pitch_um * config.sensor.pupil_diameter_px;
-  parts.bench.modes = options.modes;
-  return bench_of(parts);
+  design::Bench bench = design::bench_of(config);
+  if (!options.camera.empty()) {
+    DesignOptions parts;
+    parts.camera = options.camera;
+    parts.pixel_format = pixel_format_name(config.camera.settings.pixel_format);
+    const auto with = bench_of(parts);
+    if (!with) return fail(with.error());
+    bench.sensor_width = with->sensor_width;
+    bench.sensor_height = with->sensor_height;
+    bench.camera_pitch_um = with->camera_pitch_um;
+    bench.pixel_format = with->pixel_format;
+  }
+  bench.modes = options.modes;
+  return bench;
 }
 
 const char* name_of(design::ExposureLimit limit) {
@@ -126,20 +121,20 @@ void add_advise(CLI::App& app, const Common& common, int& status) {
   auto options = std::make_shared<AdviseOptions>();
   command->add_option("--modes", options->modes, "number of Zernike modes that are wanted")
       ->required()
-      ->check(CLI::Range(3, 200));
+      ->check(CLI::Range(int(limits::kAdvisedModes.min), int(limits::kAdvisedModes.max)));
   command
       ->add_option("--photons", options->light.e_per_s,
                    "photo-electrons per second that the light on the whole pupil gives on the "
                    "camera")
       ->required()
-      ->check(number_from(1.0, 1e15));
+      ->check(number_from(limits::kPhotoElectronsPerS.min, limits::kPhotoElectronsPerS.max));
   command
       ->add_option("--frame-rate", options->frame_rate_hz,
                    "frames per second; the exposure is at most their interval")
       ->check(number_from(limits::kFrameRateHz.min, limits::kFrameRateHz.max))
       ->capture_default_str();
   command->add_option("--full-well", options->light.full_well_e, "full well of a pixel, electrons")
-      ->check(number_from(100.0, 1e6))
+      ->check(number_from(limits::kFullWellE.min, limits::kFullWellE.max))
       ->capture_default_str();
   command->add_option("--read-noise", options->light.read_noise_e, "read noise, electrons")
       ->check(number_from(0.1, 1000.0))

@@ -61,10 +61,12 @@ tl::expected<Advice, std::string> advice_for(const Config& config, int modes, co
 
 }  // namespace
 
-AdviceList advise(const Bench& bench, const Light& light, const Config& base) {
+AdviceList advise(const Bench& bench, const Light& light, const Config& base,
+                  const std::function<bool()>& stopped) {
   AdviceList all;
   for (const int across : kAcross) {
     for (const int charge : kAdvisedCharges) {
+      if (stopped()) return all;
       Bench with = bench;
       with.charge = charge;
       const auto config = designed(with, base, across);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,9 @@ constexpr double kFill = 0.7;
 
 /// Compares sensors for `bench.modes` modes, which must be given, on this bench. Errors are
 /// standard errors of the tracker `fit` about a flat wavefront. Takes some seconds. Deterministic.
-AdviceList advise(const Bench& bench, const Light& light, const Config& base = {});
+/// `stopped`: whether to return early, called before each sensor.
+AdviceList advise(
+    const Bench& bench, const Light& light, const Config& base = {},
+    const std::function<bool()>& stopped = [] { return false; });
 
 }  // namespace ovws::design

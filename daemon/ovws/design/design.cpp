@@ -151,4 +151,20 @@ tl::expected<Design, Refusal> design(const Bench& bench, const Config& base) {
   return Design{std::move(*config), figures, std::move(findings)};
 }
 
+Bench bench_of(const Config& config) {
+  const CameraSettings& camera = config.camera.settings;
+  Bench bench;
+  bench.wavelength_nm = config.optics.wavelength_nm;
+  bench.focal_length_mm = config.optics.focal_length_mm;
+  bench.magnification = config.optics.magnification;
+  bench.slm = config.slm.geometry;
+  bench.settle_ms = config.slm.settle_ms;
+  bench.sensor_width = camera.roi.width;
+  bench.sensor_height = camera.roi.height;
+  bench.camera_pitch_um = config.optics.camera_pitch_um;
+  bench.pixel_format = camera.pixel_format;
+  bench.beam_mm = 1e-3 * config.slm.geometry.pitch_um * config.sensor.pupil_diameter_px;
+  return bench;
+}
+
 }  // namespace ovws::design

@@ -26,6 +26,9 @@ struct Bench {
   int charge = 1;
 };
 
+/// The bench that a configuration describes; its camera sensor is the configured region.
+Bench bench_of(const Config& config);
+
 /// What limits a bench, or makes it impossible.
 enum class Limit {
   region,      ///< spots outside the camera's sensor

@@ -1,5 +1,5 @@
-/// Methods that change or measure the sensor and its hologram: aberration, calibration, correction,
-/// flatness, focus, lut, registration, sensor, slm.
+/// Methods that measure the bench or change its hologram: aberration, calibration, correction,
+/// flatness, focus, lut, registration, slm.
 #include <spdlog/fmt/fmt.h>
 
 #include "config/config.hpp"
@@ -169,29 +169,6 @@ void start_array_fit(Services& services, const ArrayFit& params, Reply<JobNumber
   run<kArrayFit, fit_array>(services, params, std::move(reply));
 }
 
-SensorReport sensor_of(const Services& /*services*/, const SensorSnapshot& now) {
-  return {{now.sensor, now.tracking}, now.templates, now.mode_operator,
-          now.subapertures,           now.modes_j,   now.hologram_id};
-}
-
-/// Removes "sensor." and "tracking." from the error's field: the core reports configuration keys,
-/// but clients use the names of params.
-Error in_params(Error error) {
-  for (const std::string_view section : {"sensor.", "tracking."}) {
-    if (error.field.starts_with(section)) error.field.erase(0, section.size());
-  }
-  return error;
-}
-
-void change_sensor(Services& services, const SensorSet& change, Reply<SensorSetReport> reply) {
-  const auto done = [change, reply](const Result<SensorView>& applied) {
-    if (!applied) return reply(in_params(applied.error()));
-    const SensorSnapshot& now = **applied;
-    reply(SensorSetReport{change, {now.sensor, now.tracking}, now.hologram_id});
-  };
-  services.keeper.edit(Hold::unheld(), set_sensor(change), done);
-}
-
 ShowReport shown_pattern(const Services& /*services*/, const SensorSnapshot& now) {
   return {now.pattern, now.hologram_id};
 }
@@ -258,8 +235,6 @@ constexpr std::array kRows{
     row<kRegistrationGet, get<known_registration>>(Role::read, Action::read),
     row<kRegistrationClear, clear<known_registration, forget_registration>>(
         Role::control, Action::clear_reference),
-    row<kSensorGet, get<sensor_of>>(Role::read, Action::read),
-    row<kSensorSet, change_sensor>(Role::control, Action::set_sensor),
     row<kSlmOutputs, list_outputs>(Role::read, Action::read),
     row<kSlmPresent, present>(Role::control, Action::present),
     row<kSlmSet, set_slm>(Role::control, Action::reload_config),

@@ -47,6 +47,11 @@ void warn_of_introduced(Bench& bench, double rms_waves) {
 
 Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take) {
   if (auto shown = check_shows_sensor(sensor); !shown) return shown;
+  if (!sensor.sensor.lenslets.empty() && !sensor.registration) {
+    return fail(Errc::refused, "registration",
+                "the array has not been found yet, and modes would be wrong if it is turned: call "
+                "registration.run first");
+  }
   const double introduced = rms_waves(sensor.aberration);
   if (take.allow_aberration || introduced == 0.0) return {};
   return fail(

@@ -47,11 +47,22 @@ std::string hash_of(const Image<std::uint8_t>& grey) {
   return sha256_of(std::span(grey.pixels));
 }
 
+/// The value as text; long ones, such as the places of lenslets, only by their beginning.
+std::string brief(const json& value) {
+  constexpr std::size_t kMost = 60;
+  std::string text = json_text(value);
+  if (text.size() > kMost) text.replace(kMost, std::string::npos, " ...");
+  return text;
+}
+
 }  // namespace
 
 std::string first_difference(const std::string& path, const json& then, const json& now) {
   if (!then.is_object() || !now.is_object()) {
-    return then == now ? "" : path + " was " + json_text(then) + ", and is " + json_text(now);
+    if (then == now) return "";
+    const std::string before = brief(then), after = brief(now);
+    if (before == after) return path + " was other than it is now";
+    return path + " was " + before + ", and is " + after;
   }
   json keys = then;
   keys.update(now);

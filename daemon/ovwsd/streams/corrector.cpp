@@ -44,11 +44,12 @@ Result<void> Corrector::set(const CorrectorSet& given, const std::string& bytes,
                     bytes.size(), due));
   }
   std::memcpy(matrix->values.data(), bytes.data(), due);
-  const auto is_finite = [](float value) { return std::isfinite(value); };
+  // Larger values could make infinite commands.
+  const auto is_finite = [](float value) { return std::abs(value) <= 1e30F; };
   const auto bad = std::find_if_not(matrix->values.begin(), matrix->values.end(), is_finite);
   if (bad != matrix->values.end()) {
     return fail(Errc::invalid, "matrix",
-                fmt::format("the value of actuator {} is {}: give finite numbers",
+                fmt::format("the value of actuator {} is {}: give numbers from -1e30 to 1e30",
                             std::size_t(bad - matrix->values.begin()) / modes_j.size(), *bad));
   }
   matrix->number = ++sets_;

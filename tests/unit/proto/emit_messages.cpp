@@ -341,6 +341,7 @@ void print_results() {
   print_result("registration.clear", to_json(KnownRegistration{}));
   print_result("registration.run", to_json(JobNumber{2}));
   print_result("array.fit", to_json(JobNumber{2}));
+  print_result("sensor.advise", to_json(JobNumber{2}));
   print_calibrations();
   print_experiments();
   print_luts();
@@ -438,6 +439,9 @@ void print_all_params() {
   print_params<AutoExposure>("camera.auto_exposure", {"target", "max_exposure_us", "targets"});
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});
   print_params<ArrayFit>("array.fit", {"frames", "frame"});
+  print_params<SensorAdvise>(
+      "sensor.advise",
+      {"modes", "photo_electrons_per_s", "full_well_e", "read_noise_e", "longest_us"}, 1000);
   print_params<ReferenceSet>("reference.set", {"source", "frames"}, 3000);
   print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});
   print_params<CalibrationSet>(
