@@ -17,7 +17,7 @@ class Beams(BenchCase):
     twin_config = {"camera": {"sensor_width": 512, "sensor_height": 1344},
                    "sources": [{"offset_px": OFFSETS["b"]}, {"offset_px": OFFSETS["c"], "power": 0.7}]}
     daemon_config = {"camera": {"roi": {"x": 0, "y": 0, "width": 512, "height": 1344}},
-                     "optics": {"centre_px": [255.5, 255.5]}, "beams": CONFIGURED, "stream": {"image_rate_hz": 0}}
+                     "optics": {"centre_px": [255.5, 255.5]}, "beams": CONFIGURED, "stream": {"image_rate_hz": 0}, "state": {"directory": "state"}}
 
     def setUp(self):
         super().setUp()
