@@ -101,6 +101,15 @@ struct ConfiguredPipeline : PipelineConfig {
   std::vector<int> cpus;  ///< CPU affinity of the frame path's threads; empty: any CPU
 };
 
+/// A further light source: it gives the same spots as the main one, elsewhere on the camera.
+struct BeamConfig {
+  std::string name;  ///< suffix of its topics: wavefront.NAME, spots.NAME
+  Vec2 offset_px;    ///< of its spots from the main source's, camera pixels
+  friend bool operator==(const BeamConfig&, const BeamConfig&) = default;
+};
+/// Name that stands for the main source where a source is chosen.
+constexpr const char* kMainBeam = "main";
+
 struct Config {
   Modulator modulator = Modulator::slm;
   CameraConfig camera;
@@ -108,6 +117,7 @@ struct Config {
   OpticsConfig optics;
   SensorConfig sensor;
   ArrayConfig array;
+  std::vector<BeamConfig> beams;  ///< at most kMaxBeams
   ConfiguredTracking tracking;
   RefineSetup refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;

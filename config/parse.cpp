@@ -1,5 +1,7 @@
 /// Parses and validates the configuration file.
+#include <algorithm>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "config/tables.hpp"
@@ -29,8 +31,23 @@ Result<Config> read_config(const nlohmann::json& json) {
 
 }  // namespace
 
+std::optional<std::string> is_no_beam_name(const std::string& name) {
+  constexpr std::size_t kLongest = 16;
+  const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  });
+  if (!name.empty() && name.size() <= kLongest && plain && name != kMainBeam) return std::nullopt;
+  return "must have 1 to 16 lower-case letters, digits, - or _, and not be \"main\"";
+}
+
 /// Endpoint rule: all endpoints must differ. The check is here so that the error can name the key.
 void Rules<Config>::check(const Config& config, ObjectReader& reader) {
+  for (std::size_t k = 0; k < config.beams.size(); ++k) {
+    const auto same = [&](const BeamConfig& other) { return other.name == config.beams[k].name; };
+    if (std::none_of(config.beams.begin(), config.beams.begin() + std::ptrdiff_t(k), same))
+      continue;
+    reader.fault("beams[" + std::to_string(k) + "].name", "must differ from the other names");
+  }
   if (config.stream.endpoint == config.stream.image_endpoint) {
     reader.fault("stream.image_endpoint", "must differ from stream.endpoint");
   }

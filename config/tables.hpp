@@ -79,6 +79,21 @@ inline constexpr auto kTable<ArrayConfig> =
                                          limits::kPupilMm),
            field<&ArrayConfig::plate>("the spiral phase plates, if sensor.charge is not 0")};
 
+/// 1 to 16 lower-case letters, digits, - and _; not the name of the main source.
+std::optional<std::string> is_no_beam_name(const std::string& name);
+template <>
+inline constexpr auto kTable<BeamConfig> =
+    Fields{"BeamConfig",
+           field<&BeamConfig::name>("name of the source; its messages are wavefront.NAME and "
+                                    "spots.NAME")
+               .mandatory()
+               .checked(is_no_beam_name),
+           field<&BeamConfig::offset_px>(
+               "[x, y] by which its spots lie beside the main source's, camera pixels; "
+               "reference.take measures it",
+               limits::kCentrePx)
+               .mandatory()};
+
 template <>
 inline constexpr auto kTable<ConfiguredTracking> = Fields{
     "TrackingConfig", based<TrackingSettings>(),
@@ -152,6 +167,8 @@ inline constexpr auto kTable<Config> = Fields{
     field<&Config::optics>("lens and camera"),
     field<&Config::sensor>("the sensor's hologram"),
     field<&Config::array>("the fixed array of lenslets, with modulator fixed"),
+    field<&Config::beams>("further light sources on the camera, in regions of their own")
+        .sized(0, kMaxBeams),
     field<&Config::tracking>("how spots are found"),
     field<&Config::refine>("live refinement: fits the diffraction model to every pixel"),
     field<&Config::stream>("data streams"),

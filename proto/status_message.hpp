@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/vec2.hpp"
 #include "core/port/camera.hpp"
 #include "core/port/display.hpp"
 #include "core/rt/latency_histogram.hpp"
@@ -59,6 +60,14 @@ struct StatusMessage {
       std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: a search is running
     };
     std::optional<Invalid> invalid;
+    /// A further light source.
+    struct Beam {
+      std::string name;
+      Vec2 offset_px;
+      bool referenced = false;
+      std::optional<std::string> reason;  ///< why its frames are not valid; none: they are
+    };
+    std::vector<Beam> beams;
   } sensor;
   bool loop_closed = false;
   bool loop_paused = false;  ///< only if it is closed

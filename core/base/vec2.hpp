@@ -19,4 +19,12 @@ inline double norm(Vec2 a) {
   return std::sqrt(a.x * a.x + a.y * a.y);
 }
 
+/// A disc in a plane.
+struct Disc {
+  Vec2 centre;
+  double radius = 0.0;
+
+  bool contains(Vec2 at) const { return norm(at - centre) <= radius; }
+};
+
 }  // namespace ovws

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "core/optics/zernike.hpp"
@@ -53,12 +54,9 @@ struct SpotStart {
   bool fresh = false;  ///< true: found in the last settled frame; false: only a hint
 };
 
-/// Frame record, preallocated and reused. Its vectors have kMaxSubapertures or kMaxModes elements,
-/// of which `spot_count` or `mode_count` are in use.
-struct FrameRecord {
+/// What the measurements of all light sources in one frame have in common.
+struct FrameStamp {
   GrabbedFrame frame;  ///< pixels are valid only if requested (image, recording)
-  const MeasurementPlan* plan =
-      nullptr;  ///< valid while a record refers to it (Pipeline::oldest_plan_in_use)
   /// Number of frames missing since the previous published record. After a restart of the stream it
   /// is estimated from the elapsed time and the frame rate.
   std::uint64_t gap = 0;
@@ -77,7 +75,13 @@ struct FrameRecord {
 
   std::uint64_t number = 0;    ///< sequence number of published records, from 1
   bool pixels_missed = false;  ///< pixels were to be recorded, but too many buffers were lent
+};
 
+/// Frame record, preallocated and reused. Its vectors have kMaxSubapertures or kMaxModes elements,
+/// of which `spot_count` or `mode_count` are in use.
+struct FrameRecord : FrameStamp {
+  const MeasurementPlan* plan =
+      nullptr;  ///< valid while a record refers to it (Pipeline::oldest_plan_in_use)
   std::vector<SpotStart> starts;  ///< where tracking of each spot started
   std::vector<SpotFix> spots;
   int spot_count = 0;
@@ -108,6 +112,14 @@ struct FrameRecord {
 
   std::int64_t t_tracked_mono_ns = 0;
   std::int64_t t_reconstructed_mono_ns = 0;
+
+  /// Memory for the further sources' measurements of this frame; see beams().
+  std::vector<FrameRecord*> beam_records;
+
+  /// The measurements of the further sources, in the order of plan->beams. Main record only.
+  std::span<FrameRecord* const> beams() const {
+    return std::span(beam_records).first(plan->beams.size());
+  }
 };
 
 }  // namespace ovws

@@ -102,6 +102,12 @@ Entry* Ingest::accept(GrabbedFrame& frame) OVWS_NONBLOCKING {
     return nullptr;
   }
   stamp(*entry);
+  for (std::size_t k = 0; k < entry->plan->beams.size(); ++k) {
+    Entry& beam = beam_of(*entry, k);
+    static_cast<FrameStamp&>(beam) = *entry;
+    beam.plan = entry->plan->beams[k].get();
+    beam.measurement = entry->measurement->beams[k].get();
+  }
   return entry;
 }
 

@@ -23,6 +23,9 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
          "measurement plan whose positions determine other modes");
   demand(!plan.fit || plan.fit->modes_j() == plan.modes_j,
          "measurement plan whose templates have other modes");
+  demand(plan.beams.size() <= std::size_t(kMaxBeams), "measurement plan with too many beams");
+  demand(plan.beam.empty() || (!plan.fit && plan.beams.empty()),
+         "measurement plan of a beam with templates or beams");
   demand(plan.modes_j.size() <= std::size_t(kMaxModes), "measurement plan with too many modes");
   return plan;
 }
@@ -34,7 +37,7 @@ Measurement::Measurement(const MeasurementPlan& measured_plan, int workers,
     : plan(checked(measured_plan)),
       plan_id(plan.id),
       acquisition(plan.spots, plan.predicted_px, plan.roi.width, plan.roi.height,
-                  before != nullptr ? &before->acquisition : nullptr),
+                  before != nullptr ? &before->acquisition : nullptr, plan.region),
       neighbourhood(plan.predicted_px),
       reconstruct_scratch(plan.reconstructor->make_scratch()),
       left_px(std::size_t(plan.subapertures())) {
@@ -43,6 +46,9 @@ Measurement::Measurement(const MeasurementPlan& measured_plan, int workers,
     if (plan.fit) fit_scratch.push_back(plan.fit->spots().make_scratch());
   }
   if (plan.fit) solve_scratch = plan.fit->make_scratch();
+  for (const auto& beam : plan.beams) {
+    beams.push_back(std::make_unique<Measurement>(*beam, workers, this));
+  }
 }
 
 }  // namespace ovws

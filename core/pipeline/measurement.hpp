@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/pipeline/neighbourhood.hpp"
@@ -29,6 +30,7 @@ struct Measurement {
   std::vector<Vec2> left_px;  ///< per spot: displacement that the modes do not explain
   std::vector<SpotFit::Scratch> fit_scratch;  ///< one per worker; empty without plan.fit
   FrameFit::Scratch solve_scratch;
+  std::vector<std::unique_ptr<Measurement>> beams;  ///< in the order of plan.beams
 };
 
 }  // namespace ovws

@@ -42,6 +42,10 @@ void Outbox::link(Entry& entry) OVWS_NONBLOCKING {
   last_arrival_mono_ns_ = entry.frame.t_arrival_mono_ns;
   last_stream_ = entry.stream;
   last_frame_id_ = id;
+  for (FrameRecord* const beam : entry.beams()) {
+    beam->number = entry.number;
+    beam->gap = entry.gap;
+  }
 }
 
 /// Estimates the frame gap after the frame numbers restarted, from elapsed time and frame period.

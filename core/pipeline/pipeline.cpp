@@ -41,12 +41,12 @@ struct Pipeline::Impl {
   Impl(const PipelineConfig& config, const PipelineDeps& deps)
       : workers(std::max(config.workers, 0)),
         records(std::max(config.records, kMinRecords)),
-        pool(records),
+        pool(records, config.beams),
         plans(pool, workers),
         tap(records),
         ingest({deps.counters, deps.shown, deps.settings, cameras, plans, pool, tap,
                 latencies.arrived}),
-        track(std::max(workers, 1), deps.counters, latencies.tracked),
+        track(config.beams, std::max(workers, 1), deps.counters, latencies.tracked),
         tracked(std::size_t(records)),
         crew(workers, records, track, tracked),
         outbox(records, deps.counters, tap) {
@@ -58,6 +58,7 @@ struct Pipeline::Impl {
   bool acquire();
   bool reconstruct_next();
   void reconstruct(Entry& entry) OVWS_NONBLOCKING;
+  void measure(Entry& entry) OVWS_NONBLOCKING;
 
   const int workers;
   const int records;
@@ -67,7 +68,7 @@ struct Pipeline::Impl {
   RecordTap tap;
   CameraExchange cameras;
   Ingest ingest;
-  TrackStage track;
+  TrackStages track;
   SpscRing<Entry*> tracked;
   TrackerCrew crew;
   Outbox outbox;
@@ -100,10 +101,18 @@ bool Pipeline::Impl::reconstruct_next() {
   return true;
 }
 
-/// Last stage: reconstructs the modes from the spots, unless templates have measured them, and
-/// decides whether they are valid. Call it in frame order, from one thread at a time. The caller
-/// must not use the record afterwards.
+/// Last stage: measures the modes of all light sources. Call it in frame order, from one thread at
+/// a time. The caller must not use the record afterwards.
 void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
+  measure(entry);
+  latencies.reconstructed.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);
+  for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) measure(beam_of(entry, k));
+  outbox.put(entry);
+}
+
+/// Reconstructs the modes of one source from its spots, unless templates have measured them, and
+/// decides whether they are valid.
+void Pipeline::Impl::measure(Entry& entry) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.mode_count = int(plan.modes_j.size());
   const std::span<SpotFix> spots{entry.spots.data(), std::size_t(entry.spot_count)};
@@ -132,8 +141,6 @@ void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
                     (by_positions && !entry.unconfirmed && entry.branch_points.count == 0);
   entry.valid = measured && entry.explained;
   entry.t_reconstructed_mono_ns = monotonic_ns();
-  latencies.reconstructed.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);
-  outbox.put(entry);
 }
 
 Pipeline::Pipeline(const PipelineConfig& config, const PipelineDeps& deps)
@@ -204,7 +211,7 @@ void Pipeline::release_recorded(FrameRecord* record) {
 
 void Pipeline::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
                       bool searched) {
-  impl_->track.resume(plan, starts, follows, searched);
+  impl_->track.main().resume(plan, starts, follows, searched);
 }
 
 Latencies& Pipeline::latencies() {

@@ -18,6 +18,7 @@ namespace ovws {
 struct PipelineConfig {
   int workers = 0;   ///< tracker threads; 0: the acquisition agent runs all stages ("inline")
   int records = 64;  ///< maximum number of frames in flight, at least 4
+  int beams = 0;     ///< largest number of further light sources in a plan (MeasurementPlan::beams)
 };
 
 struct PipelineDeps {

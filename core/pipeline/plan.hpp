@@ -4,6 +4,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/image.hpp"
@@ -16,6 +18,9 @@
 #include "core/wavefront/reconstructor.hpp"
 
 namespace ovws {
+
+/// Further light sources on the camera, besides the main one.
+constexpr int kMaxBeams = 4;
 
 /// Measurement plan; immutable once the frame path may use it.
 struct MeasurementPlan {
@@ -51,6 +56,12 @@ struct MeasurementPlan {
   /// Templates for `modes_j` about an operating point. They measure a frame near that wavefront
   /// from all its pixels, without the tracker. Null: not ready yet.
   std::shared_ptr<const FrameFit> fit;
+  std::string beam;  ///< name of the light source that it measures; empty: the main one
+  /// Part of the image in which spots without history are searched; none: the whole image.
+  std::optional<Disc> region;
+  /// Plans of the further sources, with the same id, sensor epoch, ROI and format; they have no
+  /// templates. At most kMaxBeams.
+  std::vector<std::shared_ptr<const MeasurementPlan>> beams;
 
   int subapertures() const { return int(predicted_px.size()); }
   bool referenced() const { return !reference_px.empty(); }

@@ -8,14 +8,30 @@
 
 namespace ovws {
 
-RecordPool::RecordPool(int records) : size_(records), entries_(new Entry[std::size_t(records)]) {
+namespace {
+
+void allocate(FrameRecord& record) {
+  record.starts.resize(kMaxSubapertures);
+  record.spots.resize(kMaxSubapertures);
+  record.coefficients.resize(kMaxModes);
+  record.sigma_waves.resize(kMaxModes);
+}
+
+}  // namespace
+
+RecordPool::RecordPool(int records, int beams)
+    : size_(records),
+      entries_(new Entry[std::size_t(records)]),
+      beam_entries_(new Entry[std::size_t(records) * std::size_t(beams)]) {
   free_.reserve(std::size_t(records));
   for (int i = 0; i < records; ++i) {
-    entries_[i].starts.resize(kMaxSubapertures);
-    entries_[i].spots.resize(kMaxSubapertures);
-    entries_[i].coefficients.resize(kMaxModes);
-    entries_[i].sigma_waves.resize(kMaxModes);
+    allocate(entries_[i]);
     entries_[i].estimates.resize(kMaxSubapertures);
+    for (int k = 0; k < beams; ++k) {
+      Entry& beam = beam_entries_[i * beams + k];
+      allocate(beam);
+      entries_[i].beam_records.push_back(&beam);
+    }
     free_.push_back(&entries_[i]);
   }
 }

@@ -45,10 +45,17 @@ struct Entry : FrameRecord {
   int lent_slot_ = -1;  ///< acquisition thread only
 };
 
+/// A further source's measurement in `entry`. The downcast is safe: every record of the pool is an
+/// Entry.
+inline Entry& beam_of(Entry& entry, std::size_t k) {
+  return static_cast<Entry&>(*entry.beam_records[k]);
+}
+
 /// Pool of frame records. All methods are for the acquisition thread, unless stated otherwise.
 class RecordPool {
  public:
-  explicit RecordPool(int records);
+  /// `beams`: number of further light sources whose measurements a record can hold.
+  explicit RecordPool(int records, int beams = 0);
 
   /// Takes a free record that holds `frame`'s buffer; nullptr: no record is free. `image_wanted`
   /// adds a hold of the record and of its pixels for the image thread.
@@ -68,6 +75,7 @@ class RecordPool {
  private:
   int size_;
   std::unique_ptr<Entry[]> entries_;
+  std::unique_ptr<Entry[]> beam_entries_;  ///< of FrameRecord::beam_records
   std::vector<Entry*> free_;
   int lent_ = 0;
 };

@@ -88,7 +88,6 @@ void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
     history_.learn(entry);
   }
   summarise(entry);
-  entry.release_pixels();
 }
 
 void TrackStage::reject_implausible(Entry& entry) OVWS_NONBLOCKING {
@@ -166,7 +165,34 @@ void TrackStage::summarise(Entry& entry) OVWS_NONBLOCKING {
   entry.saturated_fraction = spots.empty() ? 0.0F : float(saturated) / float(entry.spot_count);
   counters_.add(Counter::spots_lost, std::uint64_t(entry.spot_count - entry.tracked));
   entry.t_tracked_mono_ns = monotonic_ns();
+  if (!entry.plan->beam.empty()) return;
   latency_.record(entry.t_tracked_mono_ns - entry.frame.t_arrival_mono_ns);
+}
+
+TrackStages::TrackStages(int beams, int slices, Counters& counters, LatencyHistogram& latency) {
+  for (int k = 0; k <= beams; ++k) stages_.emplace_back(slices, counters, latency);
+}
+
+void TrackStages::begin(Entry& entry) OVWS_NONBLOCKING {
+  stages_[0].begin(entry);
+  for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) {
+    stages_[k + 1].begin(beam_of(entry, k));
+  }
+}
+
+void TrackStages::track_slice(Entry& entry, int slice) OVWS_NONBLOCKING {
+  stages_[0].track_slice(entry, slice);
+  for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) {
+    stages_[k + 1].track_slice(beam_of(entry, k), slice);
+  }
+}
+
+void TrackStages::finish(Entry& entry) OVWS_NONBLOCKING {
+  stages_[0].finish(entry);
+  for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) {
+    stages_[k + 1].finish(beam_of(entry, k));
+  }
+  entry.release_pixels();
 }
 
 }  // namespace ovws

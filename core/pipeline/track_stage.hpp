@@ -1,5 +1,5 @@
-/// Second pipeline stage: measures a frame's modes and spots by templates. If they do not describe
-/// the frame, finds every spot from its history, or by a whole-image search.
+/// Second pipeline stage: measures modes and spots of one light source by templates. If they do not
+/// describe the frame, finds every spot from its history, or by a search of the source's region.
 #pragma once
 
 #include <optional>
@@ -32,7 +32,7 @@ class TrackStage {
   void begin(Entry& entry) OVWS_NONBLOCKING;
   /// Tracks slice k = 0 .. slices-1 of the spots.
   void track_slice(Entry& entry, int k) OVWS_NONBLOCKING;
-  /// Retries lost spots, searches if necessary, updates the history and releases the pixels.
+  /// Retries lost spots, searches if necessary, and updates the history.
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
   /// For a replay: sets the history (SpotHistory::resume), and whether the next frame's whole image
@@ -61,6 +61,23 @@ class TrackStage {
   std::optional<bool> forced_search_;  ///< overrides search_if_needed for the next frame
   std::vector<char> duplicate_;
   std::vector<SpotFix> searched_;
+};
+
+/// The tracking stages of all light sources of a frame; call them like one TrackStage. `finish`
+/// releases the frame's pixels.
+class TrackStages {
+ public:
+  /// `beams`: number of further sources. `latency` counts the main one's measurements.
+  TrackStages(int beams, int slices, Counters& counters, LatencyHistogram& latency);
+
+  void begin(Entry& entry) OVWS_NONBLOCKING;
+  void track_slice(Entry& entry, int k) OVWS_NONBLOCKING;
+  void finish(Entry& entry) OVWS_NONBLOCKING;
+
+  TrackStage& main() { return stages_.front(); }
+
+ private:
+  std::vector<TrackStage> stages_;  ///< the main source's first
 };
 
 }  // namespace ovws

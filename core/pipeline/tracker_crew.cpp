@@ -15,7 +15,7 @@ void push(SpscRing<Entry*>& ring, Entry* entry) {
 
 }  // namespace
 
-TrackerCrew::TrackerCrew(int workers, int records, TrackStage& stage, SpscRing<Entry*>& tracked)
+TrackerCrew::TrackerCrew(int workers, int records, TrackStages& stage, SpscRing<Entry*>& tracked)
     : stage_(stage), tracked_(tracked), inbox_(std::size_t(records)) {
   for (int k = 0; k < workers; ++k) {
     slices_.push_back(std::make_unique<SpscRing<Entry*>>(std::size_t(records)));

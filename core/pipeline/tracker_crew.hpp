@@ -18,7 +18,7 @@ namespace ovws {
 class TrackerCrew {
  public:
   /// `tracked`: ring to the last stage, which receives the frames in order.
-  TrackerCrew(int workers, int records, TrackStage& stage, SpscRing<Entry*>& tracked);
+  TrackerCrew(int workers, int records, TrackStages& stage, SpscRing<Entry*>& tracked);
 
   /// Acquisition thread: queues a frame for tracking.
   void submit(Entry& entry) OVWS_NONBLOCKING;
@@ -29,7 +29,7 @@ class TrackerCrew {
   void start_next() OVWS_NONBLOCKING;
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
-  TrackStage& stage_;
+  TrackStages& stage_;
   SpscRing<Entry*>& tracked_;
   SpscRing<Entry*> inbox_;
   std::vector<std::unique_ptr<SpscRing<Entry*>>> slices_;

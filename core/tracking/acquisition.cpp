@@ -26,10 +26,11 @@ bool closer(Vec2 a, Vec2 b, double distance) {
 }  // namespace
 
 Acquisition::Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
-                         int image_height, const Acquisition* before)
+                         int image_height, const Acquisition* before, std::optional<Disc> within)
     : spots_(spots),
       image_width_(image_width),
       image_height_(image_height),
+      within_(within),
       assignment_(predicted_px, max_candidates(predicted_px.size())) {
   const bool same = before != nullptr && before->spots_ == spots &&
                     before->image_width_ == image_width && before->image_height_ == image_height &&
@@ -69,7 +70,7 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
 void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
                          TrackScratch& scratch) {
   verified_.clear();
-  for (const Vec2 start : candidates_->find(image)) {
+  for (const Vec2 start : candidates_->find(image, within_)) {
     const SpotFix fix = tracker.track(image, start, scratch);
     if (fix.found() && !taken(position(fix), verified_)) verified_.push_back(fix);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,10 @@ class Acquisition {
  public:
   /// Shares its memory for the image with `before`, if there is one and it has as many spots of
   /// this kind in images of this size. Then use both from one thread at a time.
+  /// `within`: part of the image, camera pixels, in which candidates are searched; none: all of it.
   Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
-              int image_height, const Acquisition* before = nullptr);
+              int image_height, const Acquisition* before = nullptr,
+              std::optional<Disc> within = std::nullopt);
   // No copies: they would share the memory unnoticed.
   Acquisition(Acquisition&&) = default;
   Acquisition& operator=(Acquisition&&) = default;
@@ -46,6 +49,7 @@ class Acquisition {
   SpotModel spots_;
   int image_width_;
   int image_height_;
+  std::optional<Disc> within_;
   std::shared_ptr<CandidateFinder> candidates_;
   SpotAssignment assignment_;
   std::vector<SpotFix> verified_;

@@ -61,10 +61,11 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
   candidates_.reserve(max_candidates_);
 }
 
-std::span<const Vec2> CandidateFinder::find(const ImageView& image) {
+std::span<const Vec2> CandidateFinder::find(const ImageView& image,
+                                            const std::optional<Disc>& within) {
   average(on_plane(image, plane_));
   correlate();
-  collect_peaks();
+  collect_peaks(within);
   suppress_neighbours();
   return candidates_;
 }
@@ -133,14 +134,21 @@ void CandidateFinder::correlate_strip(Eigen::Index row, Eigen::Index first, Eige
   score_.row(row).template segment<kCount>(margin_ + first, count) = sum;
 }
 
+/// Camera pixel in the middle of a bin of the grid.
+Vec2 CandidateFinder::place_of(int column, int row) const {
+  return plane_.to_image(
+      {bin_ * (column - margin_ + 0.5) - 0.5, bin_ * (row - margin_ + 0.5) - 0.5});
+}
+
 // The border of score_ stays 0, so that maxima at the image's edge count too.
-void CandidateFinder::collect_peaks() {
+void CandidateFinder::collect_peaks(const std::optional<Disc>& within) {
   const auto better = [](const Peak& a, const Peak& b) { return a.score > b.score; };
   peaks_.clear();
   for (int r = margin_; r < score_.rows() - margin_; ++r) {
     for (int c = margin_; c < score_.cols() - margin_; ++c) {
       const float score = score_(r, c);
       if (!(score > 0.0F) || score < score_.block<3, 3>(r - 1, c - 1).maxCoeff()) continue;
+      if (within && !within->contains(place_of(c, r))) continue;
       if (peaks_.size() == peaks_.capacity()) {
         if (score <= peaks_.front().score) continue;  // min-heap: the worst peak is in front
         std::pop_heap(peaks_.begin(), peaks_.end(), better);
@@ -159,8 +167,7 @@ void CandidateFinder::suppress_neighbours() {
   for (const Peak& peak : peaks_) {
     if (suppressed_(peak.row, peak.column)) continue;
     for (const Tap& by : near_offsets_) suppressed_(peak.row + by.dy, peak.column + by.dx) = true;
-    candidates_.push_back(plane_.to_image(
-        {bin_ * (peak.column - margin_ + 0.5) - 0.5, bin_ * (peak.row - margin_ + 0.5) - 0.5}));
+    candidates_.push_back(place_of(peak.column, peak.row));
     if (candidates_.size() == max_candidates_) return;
   }
 }

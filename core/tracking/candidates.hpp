@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,8 +23,9 @@ class CandidateFinder {
 
   /// Finds at most max_candidates candidate positions, best first, in camera pixels, accurate to
   /// about 0.1 lambda/d. Some candidates are not spots. The span is valid until the next call.
-  /// RT-safe.
-  std::span<const Vec2> find(const ImageView& image) OVWS_NONBLOCKING;
+  /// `within`: the part of the image, camera pixels, to look in; none: all of it. RT-safe.
+  std::span<const Vec2> find(const ImageView& image,
+                             const std::optional<Disc>& within = std::nullopt) OVWS_NONBLOCKING;
 
  private:
   struct Tap {
@@ -44,7 +46,8 @@ class CandidateFinder {
   void correlate();
   template <int kCount>
   void correlate_strip(Eigen::Index row, Eigen::Index first, Eigen::Index count);
-  void collect_peaks();
+  Vec2 place_of(int column, int row) const;
+  void collect_peaks(const std::optional<Disc>& within);
   void suppress_neighbours();
 
   ColourPlane plane_;  ///< the colour plane that receives the laser's light

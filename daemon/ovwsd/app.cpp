@@ -23,6 +23,7 @@
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
+#include "daemon/ovwsd/sensor/beam_watch.hpp"
 #include "daemon/ovwsd/sensor/named_references.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/wavefront_search.hpp"
@@ -75,6 +76,16 @@ void exit_by_alarm_after(double patience_s) {
 
 /// Parts of the daemon, declared in the order of construction: dependencies first. Members are
 /// destroyed in reverse order.
+namespace {
+
+PipelineConfig with_beams(const Config& config) {
+  PipelineConfig pipeline = config.pipeline;
+  pipeline.beams = int(config.beams.size());
+  return pipeline;
+}
+
+}  // namespace
+
 struct App::Parts {
   Config config;
   Guarded<LoadedConfig> loaded;
@@ -95,6 +106,7 @@ struct App::Parts {
   Recorder recorder;
   FrameBroker frames;
   ImageBrightness brightness;
+  BeamWatch beams;
   Corrector corrector{events};
   Jobs jobs{events};
   SlmLoop slm;
@@ -120,8 +132,9 @@ struct App::Parts {
       : config(as_loaded.effective),
         loaded(as_loaded),
         state_lock(std::move(lock)),
-        pipeline(config.pipeline, {counters, shown, settings}),
+        pipeline(with_beams(config), {counters, shown, settings}),
         recorder(config, pipeline, events),
+        beams(config.beams),
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); },
              [this] { return state.check(Action::reload_config); }}),
@@ -206,7 +219,7 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, frames, *search, *loop, corrector, counters, queue,
+      StreamPublisherDeps{pipeline, frames, *search, beams, *loop, corrector, counters, queue,
                           published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
@@ -215,27 +228,18 @@ Result<void> App::Parts::bind_streams() {
                                             counters, frames, grabs, brightness);
   reloader = std::make_unique<Reloader>(
       ReloadDeps{config, loaded, state, camera, slm, *keeper, *refiner, *images, events, disk});
-  status = std::make_unique<StatusReporter>(StatusDeps{state,
-                                                       camera,
-                                                       slm,
-                                                       *keeper,
-                                                       *search,
-                                                       *images,
-                                                       brightness,
-                                                       *loop,
-                                                       *refiner,
-                                                       recorder,
-                                                       jobs,
-                                                       pipeline,
-                                                       published_latency,
-                                                       counters,
-                                                       events,
-                                                       store,
-                                                       queue,
-                                                       threads,
-                                                       *reloader,
-                                                       *clients,
-                                                       [this] { end_without_display(); }});
+  status =
+      std::make_unique<StatusReporter>(StatusDeps{state,    camera,
+                                                  slm,      *keeper,
+                                                  *search,  beams,
+                                                  *images,  brightness,
+                                                  *loop,    *refiner,
+                                                  recorder, jobs,
+                                                  pipeline, published_latency,
+                                                  counters, events,
+                                                  store,    queue,
+                                                  threads,  *reloader,
+                                                  *clients, [this] { end_without_display(); }});
   return {};
 }
 

@@ -114,9 +114,10 @@ RpcAnswer Methods::set(const Json& params) {
   Truth truth = deps_.bench.truth();
   ObjectReader reader(params, "");
   double photons = -1.0;
-  read_aberration(reader, truth);
+  read_aberration(reader, truth.aberration);
   read_shades(reader, truth);
   read_branch_points(reader, truth);
+  read_sources(reader, truth);
   read_detector(reader, truth);
   read_noise(reader, truth);
   read_geometry(reader, truth.geometry);

@@ -61,6 +61,17 @@ Json json_of(const std::vector<LightVortex>& branch_points) {
   return json;
 }
 
+Json json_of(const std::vector<LightSource>& sources) {
+  Json json = Json::array();
+  for (const LightSource& one : sources) {
+    json.push_back({{"offset_px", {one.offset_px.x, one.offset_px.y}},
+                    {"power", one.power},
+                    {"aberration", json_of(one.aberration)},
+                    {"norm", "rms"}});
+  }
+  return json;
+}
+
 Json json_of(const std::vector<Shade>& shades) {
   Json json = Json::array();
   for (const Shade& shade : shades) {
@@ -155,6 +166,7 @@ Json json_of(const OpticalModel& optics, const Truth& truth) {
           {"norm", "rms"},
           {"shades", json_of(truth.shades)},
           {"branch_points", json_of(truth.branch_points)},
+          {"sources", json_of(truth.sources)},
           {"peak_electrons", truth.peak_electrons},
           {"geometry", json_of(truth.geometry)},
           {"turbulence", json_of(truth.turbulence)},

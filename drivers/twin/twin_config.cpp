@@ -96,9 +96,10 @@ void read(ObjectReader& r, Config& c) {
   r.object("light", [&](ObjectReader& in) { read(in, c.light, c.truth); });
   r.object("detector", [&](ObjectReader& in) { read_detector(in, c.truth); });
   r.object("control", [&](ObjectReader& in) { in.string("endpoint", c.control_endpoint); });
-  read_aberration(r, c.truth);
+  read_aberration(r, c.truth.aberration);
   read_shades(r, c.truth);
   read_branch_points(r, c.truth);
+  read_sources(r, c.truth);
   read_noise(r, c.truth);
   read_turbulence(r, c.truth.turbulence);
   read_scintillation(r, c.truth.scintillation);
@@ -107,7 +108,7 @@ void read(ObjectReader& r, Config& c) {
 
 }  // namespace
 
-void read_aberration(ObjectReader& r, Truth& truth) {
+void read_aberration(ObjectReader& r, std::vector<Mode>& aberration) {
   int norm = int(ZernikeNorm::rms);
   r.choice("norm", norm, kNames<ZernikeNorm>());
   const nlohmann::json* modes = r.raw("aberration");
@@ -115,11 +116,27 @@ void read_aberration(ObjectReader& r, Truth& truth) {
   const auto decoded =
       ModesSet::decode({{"modes", *modes}, {"norm", kNames<ZernikeNorm>()[std::size_t(norm)]}});
   if (decoded) {
-    truth.aberration = decoded->modes;
+    aberration = decoded->modes;
     return;
   }
   const std::string within = decoded.error().field.substr(std::string("modes").size());
   r.fault("aberration" + within, decoded.error().reason);
+}
+
+void read_sources(ObjectReader& r, Truth& truth) {
+  constexpr std::size_t kMaxSources = 8;
+  if (!r.has("sources")) return;
+  truth.sources.clear();
+  r.objects("sources", kMaxSources, [&truth](ObjectReader& in, std::size_t) {
+    LightSource source;
+    std::vector<double> offset{0.0, 0.0};
+    in.require("offset_px");
+    in.numbers("offset_px", offset, 2, 2, limits::kCentrePx.min, limits::kCentrePx.max);
+    in.number("power", source.power, 0.0, 1000.0);
+    read_aberration(in, source.aberration);
+    source.offset_px = {offset[0], offset[1]};
+    truth.sources.push_back(std::move(source));
+  });
 }
 
 void read_shades(ObjectReader& r, Truth& truth) {

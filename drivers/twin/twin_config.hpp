@@ -84,6 +84,16 @@ enum class Noise {
   none,   ///< no noise: the mean image, quantised
 };
 
+/// A further source of light, incoherent with the main one: it gives the same picture, with an
+/// aberration of its own, displaced on the camera.
+struct LightSource {
+  Vec2 offset_px;      ///< camera pixels
+  double power = 1.0;  ///< relative to the main source
+  std::vector<Mode> aberration;
+
+  bool operator==(const LightSource&) const = default;
+};
+
 /// The light in front of the sensor, except for turbulence.
 struct Light {
   /// Aberration of the light on the sensor, as Zernike modes over its pupil.
@@ -93,6 +103,7 @@ struct Light {
   std::vector<double> mirror_waves{};
   std::optional<ScintillationConfig> scintillation{};
   std::vector<LightVortex> branch_points{};
+  std::vector<LightSource> sources{};  ///< the further ones
 
   friend bool operator==(const Light&, const Light&) = default;
 };
@@ -141,9 +152,10 @@ Result<Config> parse_config(const std::string& json_text);
 Result<Config> load_config(const std::string& path);
 
 /// Readers of ground-truth keys from an object: `aberration`, `norm`, `shades`, `noise` ...
-void read_aberration(ObjectReader& reader, Truth& truth);
+void read_aberration(ObjectReader& reader, std::vector<Mode>& aberration);
 void read_shades(ObjectReader& reader, Truth& truth);
 void read_branch_points(ObjectReader& reader, Truth& truth);
+void read_sources(ObjectReader& reader, Truth& truth);
 void read_detector(ObjectReader& reader, Truth& truth);
 void read_noise(ObjectReader& reader, Truth& truth);
 /// Reads the key `turbulence`. null switches the turbulence off. An object replaces the whole

@@ -36,13 +36,16 @@ struct Wire<ModesSet> {
 struct ReferenceTake {
   int frames = 100;
   bool allow_aberration = false;
+  std::string beam;
 };
 template <>
 inline constexpr auto kTable<ReferenceTake> = Fields{
     "ReferenceTake",
     field<&ReferenceTake::frames>("number of frames to average", limits::kReferenceFrames),
     field<&ReferenceTake::allow_aberration>("true: accept an introduced aberration, which then is "
-                                            "part of the reference and not of the coefficients")};
+                                            "part of the reference and not of the coefficients"),
+    field<&ReferenceTake::beam>("the only light source whose reference is taken, main or a name of "
+                                "`beams`; empty: all, from the same frames")};
 
 /// Sources of a reference that `reference.set` accepts.
 enum class ReferenceOrigin { model, positions };

@@ -60,6 +60,17 @@ inline constexpr auto kTable<StatusMessage::SensorPart::Invalid> = Fields{
         "searched at once; null: a search is running")};
 
 template <>
+inline constexpr auto kTable<StatusMessage::SensorPart::Beam> = [] {
+  using P = StatusMessage::SensorPart::Beam;
+  return Fields{
+      "StatusBeam", field<&P::name>("its name in `beams` of the configuration"),
+      field<&P::offset_px>("[x, y] by which its spots lie beside the main source's, camera pixels: "
+                           "measured once both have a reference, until then as configured"),
+      field<&P::referenced>("whether there is a reference of this source"),
+      field<&P::reason>("why its frames are not valid; null: they are, or there is no reference")};
+}();
+
+template <>
 inline constexpr auto kTable<StatusMessage::SensorPart> = [] {
   using P = StatusMessage::SensorPart;
   return Fields{
@@ -82,7 +93,8 @@ inline constexpr auto kTable<StatusMessage::SensorPart> = [] {
           .or_null(),
       field<&P::torn>("kept for older clients: always empty", Bounds::at_least(0)),
       field<&P::invalid>("why no frame is valid although settled frames come and there is a "
-                         "reference; null: frames are valid, or another field says why not")};
+                         "reference; null: frames are valid, or another field says why not"),
+      field<&P::beams>("the further light sources on the camera")};
 }();
 
 template <>

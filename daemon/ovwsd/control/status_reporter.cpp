@@ -62,6 +62,9 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const Camera
     part.reference_introduced_rms_waves = rms_waves(sensor.reference->introduced);
   }
   part.layout_fault = sensor.layout_fault;
+  for (const BeamShown& beam : sensor.beams) {
+    part.beams.push_back({beam.name, beam.offset_px, beam.referenced, std::nullopt});
+  }
   return part;
 }
 
@@ -88,6 +91,7 @@ StatusReporter::StatusReporter(StatusDeps deps)
 bool StatusReporter::do_work() {
   std::this_thread::sleep_for(kTurn);
   watch_threads();
+  deps_.beams.announce(deps_.events, monotonic_ns());
   feed_watchdog();
   deps_.reloader.poll();
   deps_.clients.turn();
@@ -130,6 +134,9 @@ StatusMessage StatusReporter::current() const {
   }
   status.sensor = sensor_part(*deps_.keeper.snapshot(), camera);
   status.sensor.invalid = deps_.search.why_invalid();
+  for (std::size_t k = 0; k < status.sensor.beams.size(); ++k) {
+    status.sensor.beams[k].reason = deps_.beams.why_invalid(k, monotonic_ns());
+  }
   status.refine = deps_.refiner.report();
   status.record = deps_.recorder.report();
   status.failed_job = deps_.jobs.last_failed();

@@ -215,19 +215,27 @@ Result<void> Bench::wait_for(const FrameBroker::Request& request, const Check& c
   return {};
 }
 
-Result<SpotAverage> Bench::spots(int frames, const Check& check) {
+Result<SpotAverage> Bench::spots(int frames, const Check& check, std::vector<SpotAverage>* beams) {
   const SensorView now = sensor();
   SpotAverager averager(frames, now->subapertures);
-  const auto request =
-      deps_.frames.request(FrameBroker::Needs::numbers, frames,
-                           [&, under = measured_under(*now)](const FrameRecord& record) {
-                             return under.settled(record) && averager.add(record);
-                           });
+  std::vector<SpotAverager> further(now->beams.size(), averager);
+  const auto add_beams = [&](const FrameRecord& record) {
+    for (std::size_t k = 0; k < further.size(); ++k) (void)further[k].add(*record.beams()[k]);
+    return true;
+  };
+  const auto request = deps_.frames.request(
+      FrameBroker::Needs::numbers, frames,
+      [&, under = measured_under(*now)](const FrameRecord& record) {
+        return under.settled(record) && averager.add(record) && add_beams(record);
+      });
   if (auto taken = wait_for(*request, check); !taken) return fail(taken.error());
+  for (std::size_t k = 0; beams != nullptr && k < further.size(); ++k) {
+    beams->push_back(further[k].average());
+  }
   return averager.average();
 }
 
-Result<TakenReference> Bench::reference(int frames) {
+Result<TakenReference> Bench::reference(int frames, const std::string& only) {
   const CameraSettings settings = camera().settings;
   const auto same_camera = [&]() -> Result<void> {
     if (camera().settings == settings) return {};
@@ -236,14 +244,16 @@ Result<TakenReference> Bench::reference(int frames) {
   };
   ImageMean picture;
   auto pictures = request_images(ImageMean::kMaxFrames, picture);
-  auto average = spots(frames, [&](const FrameBroker::Request& request) {
+  const auto check = [&](const FrameBroker::Request& request) {
     report_progress(double(request.used()) / frames);
     return same_camera();
-  });
+  };
+  std::vector<SpotAverage> beams;
+  auto average = spots(frames, check, &beams);
   pictures.reset();
   if (!average) return fail(average.error());
   if (auto same = same_camera(); !same) return fail(same.error());
-  return TakenReference{std::move(*average), picture.mean(), settings};
+  return TakenReference{only, std::move(*average), std::move(beams), picture.mean(), settings};
 }
 
 Result<std::vector<SeriesFrame>> Bench::series(int frames, FromPixels from) {

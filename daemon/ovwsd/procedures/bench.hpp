@@ -82,12 +82,15 @@ class Bench {
   Result<std::vector<SeriesFrame>> series(int frames, FromPixels from = {});
   /// Check that is called periodically while a call waits for frames; an error ends the wait.
   using Check = std::function<Result<void>(const FrameBroker::Request&)>;
-  /// Averages the spots of the next `frames` settled frames of the current hologram.
-  Result<SpotAverage> spots(int frames, const Check& check = nullptr);
+  /// Averages the spots of the next `frames` settled frames of the current hologram: those of the
+  /// main light source, and into `beams`, if given, those of the further ones.
+  Result<SpotAverage> spots(int frames, const Check& check = nullptr,
+                            std::vector<SpotAverage>* beams = nullptr);
   /// Averages the spots of the next `frames` settled frames, and the images of some of these
   /// frames. Reports the progress. Errc::refused, field "camera": the camera's settings changed
   /// during the job.
-  Result<TakenReference> reference(int frames);
+  /// `only`: see TakenReference.
+  Result<TakenReference> reference(int frames, const std::string& only = {});
   /// Mean image of the next `frames` frames of the current hologram and camera settings, DN; NaN at
   /// pixels that were saturated in a frame.
   Result<Image<float>> picture(int frames);

@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "daemon/ovwsd/sensor/reference_spots.hpp"
@@ -52,6 +53,14 @@ Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTak
                 "the array has not been found yet, and modes would be wrong if it is turned: call "
                 "registration.run first");
   }
+  const auto is_named = [&](const BeamShown& one) { return one.name == take.beam; };
+  if (!take.beam.empty() && take.beam != kMainBeam &&
+      std::none_of(sensor.beams.begin(), sensor.beams.end(), is_named)) {
+    return fail(Errc::invalid, "beam",
+                fmt::format("there is no source \"{}\": use main or a name of `beams` in the "
+                            "configuration",
+                            take.beam));
+  }
   const double introduced = rms_waves(sensor.aberration);
   if (take.allow_aberration || introduced == 0.0) return {};
   return fail(
@@ -65,9 +74,13 @@ Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTak
 Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take) {
   const SensorView sensor = bench.sensor();
   if (auto can = can_take_reference(*sensor, take); !can) return fail(can.error());
-  auto taken = bench.reference(take.frames);
+  auto taken = bench.reference(take.frames, take.beam);
   if (!taken) return fail(taken.error());
-  const SpotAverage average = taken->average;
+  const auto named = std::find_if(sensor->beams.begin(), sensor->beams.end(),
+                                  [&](const BeamShown& one) { return one.name == take.beam; });
+  const SpotAverage average = named == sensor->beams.end()
+                                  ? taken->average
+                                  : taken->beams[std::size_t(named - sensor->beams.begin())];
   const auto spots = std::make_shared<ReferenceSpots>();
   if (auto used = bench.use(use_reference(sensor->sensor_epoch, std::move(*taken), spots)); !used) {
     return fail(used.error());

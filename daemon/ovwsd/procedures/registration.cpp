@@ -52,6 +52,15 @@ double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
   return std::min(kReach * most / std::sqrt(2.0), free);
 }
 
+/// Leaves the light of the main source.
+void darken_outside(const Disc& region, Image<float>& light) {
+  for (int y = 0; y < light.height; ++y) {
+    for (int x = 0; x < light.width; ++x) {
+      if (!region.contains({double(x), double(y)})) light.at(x, y) = 0.0F;
+    }
+  }
+}
+
 Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int charge, int frames) {
   ProbeBench probes(bench, frames);
   std::vector<Look> looks;
@@ -59,6 +68,7 @@ Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int ch
     const Vec2 offset = reach * step;
     auto light = probes.light({base_cpp + offset, charge});
     if (!light) return fail(light.error());
+    if (const auto& own = bench.sensor()->region) darken_outside(*own, *light);
     looks.push_back({offset, std::move(*light)});
     bench.report_progress(double(looks.size()) / (kSteps.size() + 1));
   }

@@ -181,6 +181,73 @@ Result<ReferenceSpots> judge_given(const SpotAverage& given, const SensorState& 
                                            px_per_cycle(optics_of(state, optics), optics.slm)));
 }
 
+/// Adds the averaged spots to a reference, with places for those that were lost. Errors: those of
+/// check_average and judge_spots.
+Result<ReferenceSpots> use_average(const SensorEdit& edit, const Bound& bound,
+                                   const SpotAverage& average, Reference& reference) {
+  const SensorState& state = edit.state;
+  const BenchOptics& optics = edit.bench.optics;
+  if (auto still = check_average(average, kMaxMotion * lambda_d_of(state, optics)); !still) {
+    return fail(still.error());
+  }
+  const auto& own = bound.mode_operator;
+  auto judged = judge_spots(
+      average, own ? *own
+                   : slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
+                                    px_per_cycle(optics_of(state, optics), optics.slm)));
+  if (!judged) return judged;
+  reference.frames = average.frames;
+  reference.positions_px = average.mean_px;
+  reference.standard_error_px = average.standard_error_px;
+  place_lost(judged->lost, model_positions(state, optics), reference);
+  return judged;
+}
+
+/// The reference with the main source's part: as taken, or the present one.
+Result<Reference> main_reference(const SensorEdit& edit, const Bound& bound,
+                                 const TakenReference& taken, ReferenceSpots& spots) {
+  if (!taken.only.empty() && taken.only != kMainBeam) {
+    if (bound.reference && bound.reference->source == ReferenceSource::measured) {
+      return *bound.reference;
+    }
+    return fail(Errc::refused, "beam",
+                "the main source has no measured reference: take that first, without \"beam\"");
+  }
+  Reference reference = new_reference(edit, ReferenceSource::measured);
+  reference.picture = taken.picture;
+  auto judged = use_average(edit, bound, taken.average, reference);
+  if (!judged) return fail(judged.error());
+  spots = std::move(*judged);
+  return reference;
+}
+
+/// Replaces the parts of the further sources in `reference` by the taken ones; those that were not
+/// taken are the present ones.
+Result<void> add_beams(const SensorEdit& edit, const Bound& bound, const TakenReference& taken,
+                       Reference& reference) {
+  const std::vector<BeamConfig>& configured = edit.bench.optics.beams;
+  std::vector<BeamReference> beams;
+  for (std::size_t k = 0; k < configured.size(); ++k) {
+    const auto& [name, offset_px] = configured[k];
+    if (taken.only.empty() || taken.only == name) {
+      Reference own = new_reference(edit, ReferenceSource::measured);
+      if (auto used = use_average(edit, bound, taken.beams.at(k), own); !used) {
+        return fail(used.error().code, used.error().field,
+                    "of the source " + name + ": " + used.error().reason);
+      }
+      beams.push_back({name, offset_px, own.frames, own.t_taken_ns, own.aberration, own.introduced,
+                       own.positions_px, own.standard_error_px});
+    } else if (bound.reference) {
+      for (const BeamReference& one : bound.reference->beams) {
+        if (one.beam == name && one.offset_px == offset_px) beams.push_back(one);
+      }
+    }
+  }
+  reference.beams = std::move(beams);
+  reference.sha256.clear();
+  return {};
+}
+
 }  // namespace
 
 SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
@@ -192,26 +259,11 @@ SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
       return fail(Errc::refused, "camera",
                   "the camera's settings changed during the job; start it again");
     }
-    const SensorState& state = edit.state;
-    const BenchOptics& optics = edit.bench.optics;
-    const auto& average = taken.average;
-    if (auto still = check_average(average, kMaxMotion * lambda_d_of(state, optics)); !still) {
-      return still;
-    }
-    const auto own = bind(state, edit.knowledge, optics).mode_operator;
-    auto judged = judge_spots(
-        average, own ? *own
-                     : slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
-                                      px_per_cycle(optics_of(state, optics), optics.slm)));
-    if (!judged) return fail(judged.error());
-    *spots = std::move(*judged);
-    Reference reference = new_reference(edit, ReferenceSource::measured);
-    reference.frames = average.frames;
-    reference.positions_px = average.mean_px;
-    reference.standard_error_px = average.standard_error_px;
-    reference.picture = taken.picture;
-    place_lost(spots->lost, model_positions(state, optics), reference);
-    keep_reference(edit, std::move(reference));
+    const Bound bound = bind(edit.state, edit.knowledge, edit.bench.optics);
+    auto reference = main_reference(edit, bound, taken, *spots);
+    if (!reference) return fail(reference.error());
+    if (auto added = add_beams(edit, bound, taken, *reference); !added) return added;
+    keep_reference(edit, std::move(*reference));
     return {};
   };
 }

@@ -104,7 +104,11 @@ Result<PlanBuilder> PlanBuilder::make(const PlanInputs& inputs) {
   } else {
     plan.predicted_px = model_spots_px(inputs.lattice, inputs.sensor, inputs.slm, inputs.optics,
                                        inputs.roi.width, inputs.roi.height);
+    const Vec2 offset = inputs.beam != nullptr ? inputs.beam->offset_px : Vec2{};
+    for (Vec2& at : plan.predicted_px) at = at + offset;
   }
+  if (inputs.beam != nullptr) plan.beam = inputs.beam->name;
+  plan.region = inputs.region;
   auto tracker = make_tracker(inputs.tracking, plan.spots);
   if (!tracker) return fail(tracker.error());
   plan.tracker = std::move(*tracker);

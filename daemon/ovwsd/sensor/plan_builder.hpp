@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "config/config.hpp"
@@ -28,6 +29,8 @@ struct PlanInputs {
   LitPixels lit{};                              ///< pixels of a colour camera that see the laser
   const Reference* reference = nullptr;         ///< null: no reference
   const ModeOperator* mode_operator = nullptr;  ///< null: use slope_operator
+  const BeamConfig* beam = nullptr;             ///< the light source; null: the main one
+  std::optional<Disc> region{};                 ///< MeasurementPlan::region
 };
 
 /// Charge, scale (lambda/d) and lit pixels of the sensor's spots on a camera with this pixel

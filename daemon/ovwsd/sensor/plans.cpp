@@ -1,5 +1,7 @@
 #include "daemon/ovwsd/sensor/plans.hpp"
 
+#include "daemon/ovwsd/sensor/beams.hpp"
+
 namespace ovws {
 namespace {
 
@@ -30,10 +32,31 @@ void use(const ActiveTemplates& templates, const SensorState& state, const Bound
   plan.awaits_templates = plan.wants_templates() && !plan.fit && !(same && templates.given_up);
 }
 
+std::vector<std::int64_t> taken_times(const Reference* reference) {
+  std::vector<std::int64_t> times;
+  if (reference == nullptr) return times;
+  for (const BeamReference& beam : reference->beams) times.push_back(beam.t_taken_ns);
+  return times;
+}
+
+/// The builder of a further source: like `main`, by spot positions alone.
+Result<PlanBuilder> beam_builder(const PlanInputs& main, const BeamConfig& beam, Disc region,
+                                 const std::vector<Vec2>& model_px) {
+  TrackingSettings tracking = main.tracking;
+  if (tracking.tracker == TrackerKind::fit) tracking.tracker = TrackerKind::lg;
+  const auto reference =
+      main.reference != nullptr ? reference_of(*main.reference, beam, model_px) : std::nullopt;
+  const bool shapes = main.mode_operator != nullptr && main.mode_operator->shapes;
+  return PlanBuilder::make({main.sensor_epoch, main.lattice, main.sensor, tracking, main.optics,
+                            main.slm, main.roi, main.format, main.lit,
+                            reference ? &*reference : nullptr,
+                            shapes ? nullptr : main.mode_operator, &beam, region});
+}
+
 }  // namespace
 
-/// The last plan's builder, unless the sensor has changed.
-Result<PlanBuilder*> Plans::builder_for(const SensorState& state, const Bound& bound) {
+/// Makes the builders, unless the sensor has not changed since the last plan.
+Result<void> Plans::make_builders(const SensorState& state, const Bound& bound) {
   const OpticsConfig optics = optics_of(state, bench_);
   const Reference* const reference = bound.reference.get();
   Sensor sensor{state.sensor_epoch,
@@ -45,25 +68,48 @@ Result<PlanBuilder*> Plans::builder_for(const SensorState& state, const Bound& b
                 state.format,
                 reference != nullptr && reference->source == ReferenceSource::model,
                 reference != nullptr ? reference->t_taken_ns : 0,
+                taken_times(reference),
                 bound.mode_operator};
-  if (builder_ && sensor == sensor_) return &*builder_;
-  builder_.reset();
-  auto made = PlanBuilder::make({state.sensor_epoch, state.renderer->lattice(), state.sensor,
-                                 state.tracking, optics, bench_.slm, state.roi, state.format,
-                                 lit_pixels(state.format, bench_.optics.wavelength_nm), reference,
-                                 bound.mode_operator.get()});
+  if (!builders_.empty() && sensor == sensor_) return {};
+  builders_.clear();
+  const std::vector<Vec2> model_px = model_positions(state, bench_);
+  const std::vector<Disc> regions = search_regions(model_px, bench_.beams);
+  PlanInputs inputs{state.sensor_epoch,
+                    state.renderer->lattice(),
+                    state.sensor,
+                    state.tracking,
+                    optics,
+                    bench_.slm,
+                    state.roi,
+                    state.format,
+                    lit_pixels(state.format, bench_.optics.wavelength_nm),
+                    reference,
+                    bound.mode_operator.get()};
+  if (!regions.empty()) inputs.region = regions.front();
+  auto made = PlanBuilder::make(inputs);
   if (!made) return fail(made.error());
-  builder_.emplace(std::move(*made));
+  std::vector<PlanBuilder> builders;
+  builders.push_back(std::move(*made));
+  for (std::size_t k = 0; k < bench_.beams.size(); ++k) {
+    auto beam = beam_builder(inputs, bench_.beams[k], regions[k + 1], model_px);
+    if (!beam) return fail(beam.error());
+    builders.push_back(std::move(*beam));
+  }
+  builders_ = std::move(builders);
   sensor_ = std::move(sensor);
-  return &*builder_;
+  return {};
 }
 
 Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, const Bound& bound,
                                                       std::uint64_t hologram_id) {
-  auto builder = builder_for(state, bound);
-  if (!builder) return fail(builder.error());
-  auto plan = (*builder)->plan(next_id_++, hologram_id, shown_modes(state), state.correction);
+  if (auto made = make_builders(state, bound); !made) return fail(made.error());
+  const std::uint64_t id = next_id_++;
+  const auto plan_of = [&](PlanBuilder& builder) {
+    return builder.plan(id, hologram_id, shown_modes(state), state.correction);
+  };
+  auto plan = plan_of(builders_.front());
   ovws::use(state.templates, state, bound, *plan);
+  for (std::size_t k = 1; k < builders_.size(); ++k) plan->beams.push_back(plan_of(builders_[k]));
   return plan;
 }
 

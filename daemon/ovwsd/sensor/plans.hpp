@@ -5,6 +5,7 @@
 #include <list>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/plan.hpp"
@@ -39,16 +40,17 @@ class Plans {
     PixelFormat format = PixelFormat::mono8;
     bool by_model = false;                ///< model reference: its positions follow from the above
     std::int64_t reference_taken_ns = 0;  ///< UTC; 0: no reference
+    std::vector<std::int64_t> beams_taken_ns;  ///< of each reference of a further source
     std::shared_ptr<const ModeOperator> mode_operator;
     friend bool operator==(const Sensor&, const Sensor&) = default;
   };
-  Result<PlanBuilder*> builder_for(const SensorState& state, const Bound& bound);
+  Result<void> make_builders(const SensorState& state, const Bound& bound);
 
   Pipeline& pipeline_;
   BenchOptics bench_;
   std::uint64_t next_id_ = 1;
-  Sensor sensor_;  ///< of builder_
-  std::optional<PlanBuilder> builder_;
+  Sensor sensor_;                      ///< of builders_
+  std::vector<PlanBuilder> builders_;  ///< of the main source, then of each further one
   std::list<std::unique_ptr<MeasurementPlan>> plans_;  ///< oldest first; the last is active
 };
 

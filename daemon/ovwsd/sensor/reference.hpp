@@ -50,6 +50,16 @@ constexpr const char* reference_source_name(ReferenceSource source) {
   return source == ReferenceSource::model ? "model" : "measured";
 }
 
+/// The part of a measured reference that belongs to a further light source.
+struct BeamReference {
+  std::string beam;  ///< name in the configuration
+  Vec2 offset_px;    ///< as configured when it was taken
+  int frames = 0;
+  std::int64_t t_taken_ns = 0;
+  std::vector<Mode> aberration, introduced;  ///< as in Reference
+  std::vector<Vec2> positions_px, standard_error_px;
+};
+
 struct Reference {
   ReferenceKey key;
   ReferenceSource source = ReferenceSource::measured;
@@ -61,6 +71,7 @@ struct Reference {
   std::vector<Vec2> positions_px;
   std::vector<Vec2> standard_error_px;
   std::shared_ptr<const ReferenceImage> picture;  ///< null: too few frames, or discarded
+  std::vector<BeamReference> beams;               ///< of the further sources, if any were taken
   std::shared_ptr<const nlohmann::json> origin;   ///< see ReferenceBench; null: none recorded
   std::string sha256;                             ///< of the reference's file; empty: not stored
 };

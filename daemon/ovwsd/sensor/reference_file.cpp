@@ -5,6 +5,8 @@
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/reader.hpp"
+#include "proto/requests.hpp"
+#include "proto/tables/sensor.hpp"
 #include "proto/tables/time.hpp"
 
 namespace ovws {
@@ -84,10 +86,59 @@ Result<std::shared_ptr<const ReferenceImage>> image_from(const json& content) {
   return picture;
 }
 
+json beams_json(const std::vector<BeamReference>& beams) {
+  json all = json::array();
+  for (const BeamReference& beam : beams) {
+    all.push_back({{"beam", beam.beam},
+                   {"offset_px", {beam.offset_px.x, beam.offset_px.y}},
+                   {"frames", beam.frames},
+                   {"t_taken_ns", beam.t_taken_ns},
+                   {"aberration", to_json(beam.aberration)},
+                   {"introduced", to_json(beam.introduced)},
+                   {"positions_px", points_json(beam.positions_px)},
+                   {"standard_error_px", points_json(beam.standard_error_px)}});
+  }
+  return all;
+}
+
+void read_beam(ObjectReader& r, const json& content, BeamReference& beam) {
+  for (const char* key : {"beam", "offset_px", "frames", "t_taken_ns", "aberration", "introduced",
+                          "positions_px", "standard_error_px"}) {
+    r.require(key);
+  }
+  std::vector<double> offset;
+  r.string("beam", beam.beam);
+  r.numbers("offset_px", offset, 2, 2, -1e6, 1e6);
+  r.integer("frames", beam.frames, 0, 1 << 30);
+  const json* const taken = r.raw("t_taken_ns");
+  const json* const modes = r.raw("aberration");
+  const json* const introduced = r.raw("introduced");
+  r.raw("positions_px");
+  r.raw("standard_error_px");
+  if (r.failed()) return;
+  if (!taken->is_number_integer()) return r.fault("t_taken_ns", "must be an integer");
+  auto shown = ModesSet::decode({{"modes", *modes}});
+  auto part = ModesSet::decode({{"modes", *introduced}});
+  auto positions = points_from(content, "positions_px", false);
+  auto errors = points_from(content, "standard_error_px", true);
+  const bool good = shown && part && positions && errors && positions->size() == errors->size();
+  if (!good) return r.fault("positions_px", "this reference of a beam is damaged");
+  beam.offset_px = {offset[0], offset[1]};
+  beam.t_taken_ns = taken->get<std::int64_t>();
+  beam.aberration = std::move(shown->modes);
+  beam.introduced = std::move(part->modes);
+  beam.positions_px = std::move(*positions);
+  beam.standard_error_px = std::move(*errors);
+}
+
 /// Checks that the parts of a reference agree in size.
 Result<void> check_sizes(const Reference& reference) {
   const ReferenceKey& key = reference.key;
   const std::size_t spots = reference.positions_px.size();
+  for (const BeamReference& beam : reference.beams) {
+    if (beam.positions_px.size() == spots) continue;
+    return invalid("beams", "every beam must have as many positions as positions_px");
+  }
   if (spots == 0 || reference.standard_error_px.size() != spots) {
     return invalid("positions_px", "must not be empty, and must be as long as standard_error_px");
   }
@@ -102,14 +153,16 @@ Result<void> check_sizes(const Reference& reference) {
 }  // namespace
 
 json reference_content(const Reference& reference) {
-  return {{"source", reference_source_name(reference.source)},
-          {"frames", reference.frames},
-          {"t_taken_ns", reference.t_taken_ns},
-          {"t_taken", utc_text(reference.t_taken_ns)},
-          {"positions_px", points_json(reference.positions_px)},
-          {"standard_error_px", points_json(reference.standard_error_px)},
-          {"origin", reference.origin ? *reference.origin : json()},
-          {"picture", image_json(reference.picture.get())}};
+  json content{{"source", reference_source_name(reference.source)},
+               {"frames", reference.frames},
+               {"t_taken_ns", reference.t_taken_ns},
+               {"t_taken", utc_text(reference.t_taken_ns)},
+               {"positions_px", points_json(reference.positions_px)},
+               {"standard_error_px", points_json(reference.standard_error_px)},
+               {"origin", reference.origin ? *reference.origin : json()},
+               {"picture", image_json(reference.picture.get())}};
+  if (!reference.beams.empty()) content["beams"] = beams_json(reference.beams);
+  return content;
 }
 
 Result<Reference> reference_from(const json& content) {
@@ -126,6 +179,10 @@ Result<Reference> reference_from(const json& content) {
   const json* const t_taken_ns = r.raw("t_taken_ns");
   const json* const origin = r.raw("origin");
   const json* const picture = r.raw("picture");
+  std::vector<BeamReference> beams;
+  r.objects("beams", kMaxBeams, [&](ObjectReader& in, std::size_t k) {
+    read_beam(in, content["beams"][k], beams.emplace_back());
+  });
   r.raw("positions_px");
   r.raw("standard_error_px");
   if (auto read = r.finish(); !read) return fail(read.error());
@@ -143,6 +200,7 @@ Result<Reference> reference_from(const json& content) {
   auto mean = image_from(*picture);
   if (!mean) return fail(mean.error());
   reference.key = parsed->key;
+  reference.beams = std::move(beams);
   reference.aberration = std::move(parsed->aberration);
   reference.introduced = std::move(parsed->introduced);
   reference.registration = parsed->registration;

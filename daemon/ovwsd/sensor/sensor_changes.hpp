@@ -41,13 +41,17 @@ SensorChange restore_previous();
 
 /// Result of taking a reference: averaged spots, and the mean image (null: none).
 struct TakenReference {
+  /// The only source whose reference is taken, kMainBeam or a name; empty: all.
+  std::string only;
   SpotAverage average;
+  std::vector<SpotAverage> beams;  ///< of the further sources, as configured
   std::shared_ptr<const ReferenceImage> picture;
   CameraSettings settings;  ///< camera settings of the averaged frames
 };
 /// Makes a measured reference active. Writes its lost and weak spots to `spots` before that.
 /// Errors: those of check_average and judge_spots; Errc::refused, field "camera", if the camera's
-/// settings have changed since the frames were taken.
+/// settings have changed since the frames were taken; for a further source alone also
+/// Errc::refused, field "beam": the main one has no measured reference. What is not taken stays.
 SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
                            std::shared_ptr<ReferenceSpots> spots);
 /// Model reference: positions computed from the registration, or else from the configuration.

@@ -28,7 +28,7 @@ struct SensorBench {
   SensorBench(const Config& as_configured, HologramConfig with_files, DaemonStore& store,
               Events& events)
       : config(as_configured),
-        optics{config.optics, config.slm.geometry},
+        optics{config.optics, config.slm.geometry, config.beams},
         hologram(std::move(with_files)),
         origins(config, hologram),
         references(ReferenceKind{&origins}, store, events),

@@ -322,6 +322,8 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->registration = registration_of(state_, bench_.optics);
   now->plan_id = plan->id;
   now->subapertures = plan->subapertures();
+  now->beams = beams_of(*plan);
+  now->region = plan->region;
   now->modes_j = plan->modes_j;
   now->position_modes_j = plan->reconstructor->modes_j();
   now->given_up =

@@ -10,6 +10,7 @@
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/wavefront/registration.hpp"
+#include "daemon/ovwsd/sensor/beams.hpp"
 #include "daemon/ovwsd/sensor/calibration.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
@@ -36,6 +37,8 @@ struct SensorSnapshot : SensorShown {
   std::optional<Registration> registration;  ///< the active one; pixels of the camera's sensor
   std::uint64_t plan_id = 0;  ///< the active plan, built from the settings of this snapshot
   int subapertures = 0;
+  std::vector<BeamShown> beams;  ///< the further light sources
+  std::optional<Disc> region;    ///< MeasurementPlan::region of the main one
   std::vector<int> modes_j;
   std::vector<int> position_modes_j;  ///< leading part of modes_j that spot positions determine
   bool given_up = false;              ///< no templates are awaited: spot positions alone count

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/sensor/beams.hpp"
 #include "daemon/ovwsd/sensor/spot_layout.hpp"
 
 namespace ovws {
@@ -85,6 +86,7 @@ Result<void> check_spots(const SensorState& state, const BenchOptics& bench) {
   if (auto alike = check_charges(state.sensor); !alike) return alike;
   if (auto apart = check_spots_apart(spots); !apart) return apart;
   if (auto found = check_mask_spots(spots); !found) return found;
+  if (auto disjoint = check_beams(spots, bench.beams); !disjoint) return disjoint;
   return check_mode_count(spots);
 }
 

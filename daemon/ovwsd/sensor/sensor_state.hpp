@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "config/config.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/port/camera.hpp"
@@ -19,10 +20,11 @@
 
 namespace ovws {
 
-/// The configured optics. A registration replaces px_per_cycle and the centre.
+/// The configured optics and light sources. A registration replaces px_per_cycle and the centre.
 struct BenchOptics {
   OpticsConfig optics;
   SlmGeometry slm;
+  std::vector<BeamConfig> beams{};  ///< as configured
 };
 
 struct SensorState : SensorShown {

@@ -5,6 +5,7 @@
 #include "core/optics/hologram.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
+#include "daemon/ovwsd/sensor/beams.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/ovwsd/sensor/spot_layout.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
@@ -48,7 +49,8 @@ Result<void> check_usable(const Config& config) {
   if (!hologram) return fail(hologram.error());
   const auto renderer = HologramRenderer::make(*hologram);
   if (!renderer) return fail(renderer.error());
-  return check_sensor(config);
+  if (auto seen = check_sensor(config); !seen) return seen;
+  return check_beams(spot_bench(config, renderer->lattice()), config.beams);
 }
 
 Result<void> check_sensor(const Config& config) {

@@ -20,8 +20,8 @@ Error with_section(std::string section, Error error, const LoadedConfig& read) {
   for (const char* key : {"tracker", "template", "operator", "mode_count", "estimates"}) {
     if (error.field == key) section = "tracking";
   }
-  const bool is_key =
-      error.field.starts_with(section + ".") || error.field.starts_with("tracking.");
+  const bool is_key = error.field.starts_with(section + ".") ||
+                      error.field.starts_with("tracking.") || error.field.starts_with("beams[");
   if (!error.field.empty() && error.field != section && !is_key) {
     error.field = section + "." + error.field;
   }

@@ -50,9 +50,10 @@ bool StreamPublisher::do_work() {
   if (record != nullptr) {
     const auto release = [this](FrameRecord* one) { deps_.pipeline.release(one); };
     const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
-    send_record(*record);
+    send_frame(*record);
     deps_.frames.serve_numbers(*record);
     deps_.search.on_frame(*record);
+    deps_.beams.on_frame(*record);
     deps_.loop.add(*record);
   }
   send_queue();
@@ -63,16 +64,36 @@ void StreamPublisher::on_close() {
   send_queue();
 }
 
-void StreamPublisher::send_record(const FrameRecord& record) {
+void StreamPublisher::send_frame(const FrameRecord& record) {
+  FrameMessage frame = frame_message(record, wavelength_nm_);
+  frame.loop_closed = deps_.loop.is_closed();
+  send_commands(record, frame);
+  send_record(record, frame);
+  for (const FrameRecord* const beam : record.beams()) {
+    FrameMessage own = frame_message(*beam, wavelength_nm_);
+    own.loop_closed = frame.loop_closed;
+    send_record(*beam, own);
+  }
+  ++wavefront_seq_;
+  ++spots_seq_;
+}
+
+/// The topic of one light source.
+std::string_view StreamPublisher::topic(std::string_view name, const FrameRecord& of) {
+  const std::string& beam = of.plan->beam;
+  if (beam.empty()) return name;
+  topic_.assign(name).append(1, '.').append(beam);
+  return topic_;
+}
+
+void StreamPublisher::send_record(const FrameRecord& record, const FrameMessage& frame) {
   WavefrontMessage wavefront;
-  static_cast<FrameMessage&>(wavefront) = frame_message(record, wavelength_nm_);
-  wavefront.loop_closed = deps_.loop.is_closed();
-  send_commands(record, wavefront);
+  static_cast<FrameMessage&>(wavefront) = frame;
   stamp(record, wavefront);
   SpotsMessage spots;
   static_cast<FrameMessage&>(spots) = wavefront;
 
-  wavefront.seq = wavefront_seq_++;
+  wavefront.seq = wavefront_seq_;
   wavefront.j = record.plan->modes_j;
   wavefront.coefficients = std::span(record.coefficients).first(std::size_t(record.mode_count));
   wavefront.sigma = std::span(record.sigma_waves).first(std::size_t(record.mode_count));
@@ -84,13 +105,15 @@ void StreamPublisher::send_record(const FrameRecord& record) {
   }
   wavefront.branch_points = std::span(branch_points).first(std::size_t(record.branch_points.count));
   encode(wavefront, json_);
-  send(kTopicWavefront);
-  deps_.published_latency.record(monotonic_ns() - record.frame.t_arrival_mono_ns);
+  send(topic(kTopicWavefront, record));
+  if (record.plan->beam.empty()) {
+    deps_.published_latency.record(monotonic_ns() - record.frame.t_arrival_mono_ns);
+  }
 
-  spots.seq = spots_seq_++;
+  spots.seq = spots_seq_;
   spots.spots = std::span(record.spots).first(std::size_t(record.spot_count));
   spots.reference_px = record.plan->reference_px;
-  send(kTopicSpots, encode(spots, json_, binary_));
+  send(topic(kTopicSpots, record), encode(spots, json_, binary_));
 }
 
 /// Commands come first, because a loop waits for them.

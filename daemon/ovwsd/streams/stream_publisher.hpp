@@ -13,6 +13,7 @@
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
+#include "daemon/ovwsd/sensor/beam_watch.hpp"
 #include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "daemon/ovwsd/streams/corrector.hpp"
 #include "drivers/zmq/publisher.hpp"
@@ -24,6 +25,7 @@ struct StreamPublisherDeps {
   Pipeline& pipeline;
   FrameBroker& frames;
   WavefrontSearch& search;
+  BeamWatch& beams;
   ClosedLoop& loop;
   Corrector& corrector;
   Counters& counters;
@@ -45,7 +47,9 @@ class StreamPublisher : public Agent {
   void on_close() override;
 
  private:
-  void send_record(const FrameRecord& record);
+  void send_frame(const FrameRecord& record);
+  void send_record(const FrameRecord& record, const FrameMessage& frame);
+  std::string_view topic(std::string_view name, const FrameRecord& of);
   void send_commands(const FrameRecord& record, const FrameMessage& frame);
   void stamp(const FrameRecord& record, FrameMessage& message) const;
   void send_queue();
@@ -54,8 +58,9 @@ class StreamPublisher : public Agent {
   Publisher socket_;
   double wavelength_nm_;
   StreamPublisherDeps deps_;
+  /// Of the next message; the topics of all light sources count alike.
   std::uint64_t wavefront_seq_ = 0, spots_seq_ = 0, corrector_seq_ = 0;
-  std::string json_;
+  std::string json_, topic_;
   std::vector<std::byte> binary_;
 };
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -43,7 +44,7 @@ class Message:
     @classmethod
     def of(cls: type[Self], body: Mapping[str, Any], binary: Binary = None, lost_messages: int = 0) -> Self:
         """Decodes the JSON and binary parts. Raises NotUnderstood if they do not match the schema; unknown keys are ignored."""
-        form = f"ovws.{cls.topic}/1"
+        form = f"ovws.{cls.topic.partition('.')[0]}/1"
         if body.get("schema") != form:
             raise NotUnderstood(f"a message of schema {body.get('schema')}, but {form} is supported: use the client that came with the daemon")
         try:
@@ -88,6 +89,12 @@ class FrameMessage(Message):
     loop: Literal["open", "closed"]
     reference_introduced_rms_waves: float
     """RMS of the introduced aberration that the reference contains and the coefficients therefore exclude; 0: none"""
+
+    @classmethod
+    @cache
+    def of_beam(cls: type[Self], name: str) -> type[Self]:
+        """The kind of these messages of a further light source: subscribe to Wavefront.of_beam("b"). For Wavefront and Spots."""
+        return type(cls.__name__, (cls,), {"topic": f"{cls.topic}.{name}"})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

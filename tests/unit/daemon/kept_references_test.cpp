@@ -69,6 +69,15 @@ class KeptReferencesTest : public testing::Test {
       reference.positions_px.push_back({0.1 * double(i), 1.0 / 3.0});
       reference.standard_error_px.push_back({1e-3, 2e-3 / 3.0});
     }
+    reference.beams = {{"b",
+                        {0.5, 400.0},
+                        50,
+                        7,
+                        {{3, 0.1}},
+                        {{3, 0.1}},
+                        reference.positions_px,
+                        reference.standard_error_px}};
+    reference.beams[0].standard_error_px[1] = {NAN, NAN};
     auto picture = std::make_shared<ReferenceImage>();
     picture->frames = 8;
     picture->gain_db = 16.0;
@@ -109,6 +118,19 @@ TEST_F(KeptReferencesTest, AReferenceIsFoundAgainBitForBit) {
   EXPECT_EQ(after.sha256, before.sha256);
   EXPECT_EQ(after.aberration, before.aberration);
   EXPECT_EQ(*after.origin, *before.origin);
+  ASSERT_EQ(after.beams.size(), before.beams.size());
+  for (std::size_t k = 0; k < after.beams.size(); ++k) {
+    const BeamReference &is = after.beams[k], &was = before.beams[k];
+    EXPECT_EQ(is.beam, was.beam);
+    EXPECT_EQ(is.offset_px, was.offset_px);
+    EXPECT_EQ(is.frames, was.frames);
+    EXPECT_EQ(is.t_taken_ns, was.t_taken_ns);
+    EXPECT_EQ(is.aberration, was.aberration);
+    EXPECT_EQ(is.introduced, was.introduced);
+    EXPECT_EQ(is.positions_px, was.positions_px);
+    EXPECT_TRUE(std::isnan(is.standard_error_px.at(1).x));
+    EXPECT_EQ(is.standard_error_px.at(0), was.standard_error_px.at(0));
+  }
   ASSERT_EQ(after.positions_px.size(), before.positions_px.size());
   for (std::size_t i = 0; i < after.positions_px.size(); ++i) {
     EXPECT_EQ(after.positions_px[i].x, before.positions_px[i].x);
@@ -317,6 +339,10 @@ TEST_F(KeptReferencesTest, ContentThatDoesNotFitTogetherIsRefused) {
       {"/picture/pixel_format", "Mono9"},
       {"/picture/mean_dn", "AAAA"},
       {"/picture", 7},
+      {"/beams/0/positions_px", json::array()},
+      {"/beams/0/frames", "many"},
+      {"/beams/0/t_taken_ns", 1.5},
+      {"/beams/0/aberration", 7},
       {"/more", 1}};
   for (const auto& [path, value] : changes) {
     json wrong = right;
@@ -328,7 +354,8 @@ TEST_F(KeptReferencesTest, ContentThatDoesNotFitTogetherIsRefused) {
   for (const auto& item : right.items()) {
     json wrong = right;
     wrong.erase(item.key());
-    EXPECT_EQ(bool(reference_from(wrong)), item.key() == "t_taken") << item.key();
+    const bool optional = item.key() == "t_taken" || item.key() == "beams";
+    EXPECT_EQ(bool(reference_from(wrong)), optional) << item.key();
   }
   for (const json& wrong : {json(), json(3), json::array(), json("x")}) {
     EXPECT_FALSE(reference_from(wrong));

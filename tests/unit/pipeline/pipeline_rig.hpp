@@ -21,9 +21,9 @@ constexpr std::int64_t kMs = 1'000'000;
 /// deadline. Frame n arrives at 1000 ms + 10 ms n.
 class PipelineRig {
  public:
-  explicit PipelineRig(int workers = 0, int records = 64, int buffers = 8)
+  explicit PipelineRig(int workers = 0, int records = 64, int buffers = 8, int beams = 0)
       : camera(buffers, SpotBench::kBytes),
-        pipeline({workers, records}, {counters, shown, settings}),
+        pipeline({workers, records, beams}, {counters, shown, settings}),
         workers_(workers) {
     show({1, 1, 0, kMs}, {});
     applied.exposure_us = 1000.0;

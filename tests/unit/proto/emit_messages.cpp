@@ -123,6 +123,7 @@ void print_status() {
       status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
       status.sensor.reference = "stale";
       status.sensor.reference_introduced_rms_waves = 0.3;
+      status.sensor.beams = {{"b", {0.5, 420.25}, true, "0 of 19 spots are found"}};
       status.store = {"/var/lib/ovws", "the disk is full"};
       status.failed_job = {3, "reference.take", "camera.exposure_us", "too bright",
                            1767225600000000000};
@@ -421,7 +422,7 @@ void print_all_params() {
   print_params<RecordStart>("record.start",
                             {"name", "name", "pictures_every", "limit_s", "limit_mib"}, 2000);
   print_params<ModesSet>("aberration.set", {"modes", "modes", "norm"}, 2000);
-  print_params<ReferenceTake>("reference.take", {"frames", "allow_aberration", "frame"});
+  print_params<ReferenceTake>("reference.take", {"frames", "allow_aberration", "beam", "frame"});
   print_params<LoopSettings>(
       "loop.close",
       {"law", "gain", "leak", "modes", "gains", "offsets", "limit_waves", "patience_s"}, 2000);

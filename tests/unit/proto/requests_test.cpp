@@ -197,6 +197,8 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_FALSE(decode<ReferenceTake>(json::object())->allow_aberration);
   EXPECT_EQ(decode<ReferenceTake>({{"frames", 7}})->frames, 7);
   EXPECT_TRUE(decode<ReferenceTake>({{"allow_aberration", true}})->allow_aberration);
+  EXPECT_EQ(decode<ReferenceTake>({{"beam", "b"}})->beam, "b");
+  EXPECT_EQ(decode<ReferenceTake>(json::object())->beam, "");
   EXPECT_EQ(error_of(decode<ReferenceTake>({{"frames", 0}})).field, "frames");
   EXPECT_TRUE(decode<ReferenceSet>({{"source", "model"}}));
   EXPECT_EQ(error_of(decode<ReferenceSet>(json::object())).field, "source");

@@ -1,0 +1,67 @@
+#include "daemon/ovwsd/sensor/beam_watch.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "core/port/clock.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr std::int64_t kMaxFrameAgeNs = 1'500'000'000;
+constexpr std::int64_t kAnnounceNs = 500'000'000;
+
+}  // namespace
+
+BeamWatch::BeamWatch(const std::vector<BeamConfig>& beams) {
+  for (const BeamConfig& beam : beams) all_.emplace_back(beam.name);
+}
+
+void BeamWatch::on_frame(const FrameRecord& main) {
+  if (!main.settled) return;
+  for (std::size_t k = 0; k < main.beams().size(); ++k) {
+    const FrameRecord& record = *main.beams()[k];
+    One& one = all_[k];
+    const std::int64_t now_ns = monotonic_ns();
+    one.tracked = record.tracked;
+    one.spots = record.spot_count;
+    one.explained = record.explained;
+    one.newest_ns = now_ns;
+    if (record.valid || !record.plan->referenced()) {
+      one.since_ns = 0;
+    } else if (one.since_ns == 0) {
+      one.since_ns = now_ns;
+    }
+  }
+}
+
+std::optional<std::string> BeamWatch::why_invalid(std::size_t k, std::int64_t now_ns) const {
+  const One& one = all_[k];
+  if (one.since_ns == 0 || now_ns - one.newest_ns > kMaxFrameAgeNs) return std::nullopt;
+  return fmt::format("{} of {} spots are found{}", one.tracked.load(), one.spots.load(),
+                     one.tracked == 0 ? ": check the light of this source"
+                     : one.explained  ? ""
+                                      : ", but no wavefront explains their positions");
+}
+
+void BeamWatch::announce(Events& events, std::int64_t now_ns) {
+  for (std::size_t k = 0; k < all_.size(); ++k) {
+    One& one = all_[k];
+    const std::int64_t since_ns = one.since_ns;
+    const auto why = why_invalid(k, now_ns);
+    if (why && since_ns != 0 && one.announced_ns == 0 && now_ns - since_ns >= kAnnounceNs) {
+      one.announced_ns = since_ns;
+      events.emit("spots", Severity::warning,
+                  fmt::format("of the source {}, no frame has been valid for {:.1f} s: {}",
+                              one.name, 1e-9 * double(now_ns - since_ns), *why),
+                  {{"valid", false}, {"beam", one.name}, {"tracked", one.tracked.load()}});
+    } else if (one.announced_ns != 0 && since_ns == 0) {
+      events.emit("spots", Severity::info,
+                  fmt::format("of the source {}, frames are valid again, after {:.1f} s", one.name,
+                              1e-9 * double(now_ns - one.announced_ns)),
+                  {{"valid", true}, {"beam", one.name}});
+      one.announced_ns = 0;
+    }
+  }
+}
+
+}  // namespace ovws

@@ -1,0 +1,136 @@
+"""Several light sources on one camera: each is measured by its own plan, against its own reference."""
+import json
+import subprocess
+import time
+
+from case import BenchCase, Client, main, wait_for
+
+from ovws_client import Subscription, Wavefront  # noqa: E402  (case finds it)
+
+OFFSETS = {"b": [3.0, 418.0], "c": [-2.0, 852.0]}  # where the sources are
+CONFIGURED = [{"name": "b", "offset_px": [0.0, 424.0]}, {"name": "c", "offset_px": [0.0, 848.0]}]
+HIDDEN = {"": {3: 0.05, 4: -0.03}, "b": {4: 0.08, 5: 0.04}, "c": {7: 0.04, 3: -0.06}}
+TOPICS = {"wavefront": "", "wavefront.b": "b", "wavefront.c": "c"}
+
+
+class Beams(BenchCase):
+    twin_config = {"camera": {"sensor_width": 512, "sensor_height": 1344},
+                   "sources": [{"offset_px": OFFSETS["b"]}, {"offset_px": OFFSETS["c"], "power": 0.7}]}
+    daemon_config = {"camera": {"roi": {"x": 0, "y": 0, "width": 512, "height": 1344}},
+                     "optics": {"centre_px": [255.5, 255.5]}, "beams": CONFIGURED, "stream": {"image_rate_hz": 0}, "state": {"directory": "state"}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+
+    def light(self, hidden, power=None):
+        """Gives each source its aberration; `power`: of b and c."""
+        power = power or {"b": 1.0, "c": 0.7}
+        modes = {name: [{"j": j, "waves": waves} for j, waves in hidden.get(name, {}).items()] for name in ("", "b", "c")}
+        self.twin.call("twin.set", {"aberration": modes[""], "sources": [
+            {"offset_px": OFFSETS[name], "power": power[name], "aberration": modes[name]} for name in ("b", "c")]})
+        time.sleep(0.3)
+
+    def newest(self, stream, timeout_s=10.0):
+        """The newest message of every source, of one frame."""
+        stream.drain()
+        frames, end = {}, time.monotonic() + timeout_s
+        while time.monotonic() < end:
+            message = stream.next(0.5)
+            if message is None or message["topic"] not in TOPICS:
+                continue
+            frame = frames.setdefault(message["frame_id"], {})
+            frame[TOPICS[message["topic"]]] = message
+            if len(frame) == 3:
+                return frame
+        self.fail("no complete frame came")
+
+    def all_valid(self, stream):
+        return wait_for(lambda: (now := self.newest(stream)) and all(m["valid"] for m in now.values()) and now, 20.0, "three valid sources")
+
+    def assert_modes(self, message, hidden, within=0.012):
+        for j, waves in zip(message["j"], message["coefficients"]):
+            if j > 2:
+                self.assertAlmostEqual(waves, hidden.get(j, 0.0), delta=within, msg=f"{message['topic']} j = {j}")
+
+    def test_each_source_is_measured_against_its_own_reference(self):
+        stream = self.stream("wavefront")
+        states = self.call("system.status")["sensor"]["beams"]
+        self.assertEqual([(one["name"], one["referenced"]) for one in states], [("b", False), ("c", False)])
+        self.take_reference()
+        self.light(HIDDEN)
+        frame = self.all_valid(stream)
+        for name, hidden in HIDDEN.items():
+            self.assert_modes(frame[name], hidden)
+        states = wait_for(lambda: (now := self.call("system.status")["sensor"]["beams"])[1]["referenced"] and now)
+        for one in states:
+            for found, true in zip(one["offset_px"], OFFSETS[one["name"]]):
+                self.assertAlmostEqual(found, true, delta=0.3)
+        # A new reference of one source is that of no other.
+        self.take_reference(beam="b")
+        time.sleep(0.3)
+        frame = self.all_valid(stream)
+        self.assert_modes(frame["b"], {})
+        for name in ("", "c"):
+            self.assert_modes(frame[name], HIDDEN[name])
+        with Subscription(Wavefront.of_beam("c"), timeout_s=5.0) as typed:
+            message = next(typed)
+            self.assertAlmostEqual(message.waves(7), HIDDEN["c"][7], delta=0.012)
+        self.assertEqual(self.refused("reference.take", {"frames": 5, "beam": "d"}).field, "beam")
+
+    def test_a_dark_source_disturbs_no_other(self):
+        stream, events = self.stream("wavefront"), self.stream("event")
+        self.take_reference()
+        self.all_valid(stream)
+        self.light({}, {"b": 0.0, "c": 0.7})
+        wait_for(lambda: not self.newest(stream)["b"]["valid"], 10.0, "b to be dark")
+        for _ in range(20):
+            frame = self.newest(stream)
+            self.assertEqual([frame[name]["valid"] for name in ("", "b", "c")], [True, False, True])
+            self.assertEqual(frame["b"]["coefficients"][0], None)
+        told = wait_for(lambda: (event := events.next(1.0)) and event["data"].get("beam") == "b" and event, 10.0, "the event")
+        self.assertFalse(told["data"]["valid"])
+        beams = self.call("system.status")["sensor"]["beams"]
+        self.assertIn("spots are found", beams[0]["reason"])
+        self.assertIsNone(beams[1]["reason"])
+        self.light({})
+        self.all_valid(stream)
+
+    def test_references_of_all_sources_survive_a_restart(self):
+        stream = self.stream("wavefront")
+        self.take_reference()
+        self.light(HIDDEN)
+        self.all_valid(stream)
+        self.bench.stop("ovwsd")
+        self.start_daemon()
+        frame = self.all_valid(self.stream("wavefront"))
+        for name, hidden in HIDDEN.items():
+            self.assert_modes(frame[name], hidden)
+
+
+class Overlapping(BenchCase):
+    def start(self):
+        pass
+
+    def refusal(self, beams):
+        config = self.bench.directory / "overlap.json"
+        config.write_text(json.dumps({"camera": {"roi": {"x": 0, "y": 0, "width": 512, "height": 1024}},
+                                      "optics": {"centre_px": [255.5, 255.5]}, "beams": beams}))
+        checked = subprocess.run([self.bench.programs / "ovwsd", "--config", config], capture_output=True, text=True, timeout=30)
+        self.assertNotEqual(checked.returncode, 0)
+        return checked.stderr + checked.stdout
+
+    def test_sources_that_overlap_are_refused(self):
+        text = self.refusal([{"name": "b", "offset_px": [0, 420]}, {"name": "c", "offset_px": [100, 500]}])
+        self.assertIn("beams[1].offset_px", text)
+        self.assertIn("overlap those of the source b", text)
+        text = self.refusal([{"name": "b", "offset_px": [0, 200]}])
+        self.assertIn("overlap those of the main source", text)
+        text = self.refusal([{"name": "b", "offset_px": [0, 760]}])
+        self.assertIn("outside the camera's region", text)
+        self.assertIn("beams[0].name", self.refusal([{"name": "main", "offset_px": [0, 420]}]))
+
+
+if __name__ == "__main__":
+    main()
