@@ -31,6 +31,10 @@ struct KnownCorrector;
 struct KnownExperiment;
 struct KnownReference;
 struct KnownRegistration;
+struct LatticeInUse;
+struct LatticeList;
+struct LatticeName;
+struct LatticePrepare;
 struct LutReport;
 struct PresentReport;
 struct RecordingList;
@@ -227,6 +231,24 @@ inline constexpr auto kJobCancel = method<JobNumber, JobReport>(
     "job.cancel", "Cancels a running job; a job that has ended stays unchanged.");
 inline constexpr auto kJobGet =
     method<JobNumber, JobReport>("job.get", "Returns the state and progress of a job.");
+inline constexpr auto kLatticeList = method<Nothing, LatticeList>(
+    "lattice.list",
+    "Lists the prepared lattices, which of them is in use, and whether each could be used now.");
+inline constexpr auto kLatticePrepare = method<LatticePrepare, JobNumber>(
+    "lattice.prepare",
+    "Prepares lattices for lattice.use: shows each in turn, finds its exposure, and takes its "
+    "reference and, if requested, its calibration. Nothing is introduced meanwhile; the correction "
+    "stays. At most 8 are prepared; a name that exists is prepared again. Returns at once; sensor, "
+    "aberration and exposure are as before when the job ends, fails or is cancelled, and the "
+    "lattices that it has finished stay prepared.");
+inline constexpr auto kLatticeRemove = method<LatticeName, LatticeList>(
+    "lattice.remove",
+    "Removes a prepared lattice. The sensor, its reference and its calibration stay.");
+inline constexpr auto kLatticeUse = method<LatticeName, LatticeInUse>(
+    "lattice.use",
+    "Switches to a prepared lattice in one step: its exposure, its hologram with the aberration "
+    "and the correction in use, its reference and its calibration. Refused while the loop is "
+    "closed, and if its reference does not apply any more; nothing changes then.");
 inline constexpr auto kLoopClose = method<LoopSettings, LoopReport>(
     "loop.close",
     "Closes the loop: an integrator subtracts the measured modes from the hologram, one step per "
@@ -383,29 +405,31 @@ inline constexpr auto kSystemDescribe = method<Nothing, Description>(
 inline constexpr auto kSystemStatus =
     method<Nothing, StatusMessage>("system.status", "Returns the contents of the status message.");
 
-inline constexpr std::tuple kMethods{kAberrationClear, kAberrationGet,     kAberrationSet,
-                                     kArrayFit,        kCalibrationClear,  kCalibrationGet,
-                                     kCalibrationRun,  kCalibrationSet,    kCameraAutoExposure,
-                                     kCameraGet,       kCameraGrab,        kCameraList,
-                                     kCameraSelect,    kCameraSet,         kConfigGet,
-                                     kConfigSave,      kCorrectionClear,   kCorrectionGet,
-                                     kCorrectionSet,   kCorrectorClear,    kCorrectorGet,
-                                     kCorrectorSet,    kExperimentCell,    kExperimentGainSweep,
-                                     kExperimentGet,   kFlatnessClear,     kFlatnessGet,
-                                     kFlatnessRun,     kFocusRun,          kJobCancel,
-                                     kJobGet,          kLoopClose,         kLoopGet,
-                                     kLoopIdentify,    kLoopModel,         kLoopOpen,
-                                     kLoopPause,       kLutClear,          kLutGet,
-                                     kLutRun,          kRecordEstimate,    kRecordGet,
-                                     kRecordList,      kRecordStart,       kRecordStop,
-                                     kReferenceClear,  kReferenceDelete,   kReferenceGet,
-                                     kReferenceList,   kReferenceLoad,     kReferenceSave,
-                                     kReferenceSet,    kReferenceTake,     kRefineGet,
-                                     kRefineSet,       kRegistrationClear, kRegistrationGet,
-                                     kRegistrationRun, kSensorAdvise,      kSensorGet,
-                                     kSensorSet,       kSlmOutputs,        kSlmPresent,
-                                     kSlmSet,          kSlmSettle,         kSlmShow,
-                                     kSlmVerify,       kSystemDescribe,    kSystemStatus};
+inline constexpr std::tuple kMethods{kAberrationClear, kAberrationGet,    kAberrationSet,
+                                     kArrayFit,        kCalibrationClear, kCalibrationGet,
+                                     kCalibrationRun,  kCalibrationSet,   kCameraAutoExposure,
+                                     kCameraGet,       kCameraGrab,       kCameraList,
+                                     kCameraSelect,    kCameraSet,        kConfigGet,
+                                     kConfigSave,      kCorrectionClear,  kCorrectionGet,
+                                     kCorrectionSet,   kCorrectorClear,   kCorrectorGet,
+                                     kCorrectorSet,    kExperimentCell,   kExperimentGainSweep,
+                                     kExperimentGet,   kFlatnessClear,    kFlatnessGet,
+                                     kFlatnessRun,     kFocusRun,         kJobCancel,
+                                     kJobGet,          kLatticeList,      kLatticePrepare,
+                                     kLatticeRemove,   kLatticeUse,       kLoopClose,
+                                     kLoopGet,         kLoopIdentify,     kLoopModel,
+                                     kLoopOpen,        kLoopPause,        kLutClear,
+                                     kLutGet,          kLutRun,           kRecordEstimate,
+                                     kRecordGet,       kRecordList,       kRecordStart,
+                                     kRecordStop,      kReferenceClear,   kReferenceDelete,
+                                     kReferenceGet,    kReferenceList,    kReferenceLoad,
+                                     kReferenceSave,   kReferenceSet,     kReferenceTake,
+                                     kRefineGet,       kRefineSet,        kRegistrationClear,
+                                     kRegistrationGet, kRegistrationRun,  kSensorAdvise,
+                                     kSensorGet,       kSensorSet,        kSlmOutputs,
+                                     kSlmPresent,      kSlmSet,           kSlmSettle,
+                                     kSlmShow,         kSlmVerify,        kSystemDescribe,
+                                     kSystemStatus};
 
 inline constexpr std::tuple kStreams{
     stream<WavefrontMessage>("wavefront", "Modes of each processed frame."),

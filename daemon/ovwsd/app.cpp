@@ -25,6 +25,7 @@
 #include "daemon/ovwsd/refine/live_refiner.hpp"
 #include "daemon/ovwsd/sensor/beam_watch.hpp"
 #include "daemon/ovwsd/sensor/named_references.hpp"
+#include "daemon/ovwsd/sensor/prepared_lattices.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
@@ -98,6 +99,7 @@ struct App::Parts {
   DaemonStore store{config.state, events, &disk};
   ExperimentArchive experiments{store};
   NamedReferences named{store, events};
+  PreparedLattices lattices{store, events};
   StateKeeper state{events};
   LatestValue<ShownHologram> shown;
   LatestValue<AppliedSettings> settings;
@@ -244,10 +246,10 @@ Result<void> App::Parts::bind_streams() {
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(
-      Services{config,      loaded,         state,   camera,      finder,   *keeper,  jobs,
-               *procedures, *presentations, grabs,   experiments, named,    *loop,    *refiner,
-               recorder,    corrector,      *status, slm,         counters, *clients, disk});
+  services = std::make_unique<Services>(Services{
+      config,         loaded,  state,       camera,   finder,   *keeper, jobs,     *procedures,
+      *presentations, grabs,   experiments, named,    lattices, *loop,   *refiner, recorder,
+      corrector,      *status, slm,         counters, *clients, disk});
   const ControlHandler handle = [this](ControlRequest request, SendReply reply) {
     const RpcDispatch call = [&](RpcCall asked, RpcReply give) {
       dispatch(*services, request.client_key, std::move(asked), std::move(give));
@@ -308,6 +310,7 @@ Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
   if (auto made = parts->make_sensor(); !made) return fail(made.error());
   parts->experiments.load();
   parts->named.load();
+  parts->lattices.load();
   auto clients =
       ClientGuard::make(parts->config.security, parts->counters, parts->events, parts->disk);
   if (!clients) return fail(clients.error());

@@ -25,13 +25,14 @@ Work oracle(const Settings& settings);
 Work operators(const Settings& settings);
 Work modes(const Settings& settings);
 Work masks(const Settings& settings);
+Work scintillation(const Settings& settings);
 
 struct Study {
   const char* name;
   const char* what;
   Work (*prepare)(const Settings&);
 };
-constexpr std::array<Study, 10> kStudies{{
+constexpr std::array<Study, 11> kStudies{{
     {"localisation", "position error of one spot against read noise", localisation},
     {"wavefront", "residual phase variance against SNR for astigmatism and defocus", wavefront},
     {"trackers", "every tracker against the Cramer-Rao bound", trackers},
@@ -44,6 +45,8 @@ constexpr std::array<Study, 10> kStudies{{
      operators},
     {"modes", "error against the number of modes, by shapes and by positions of the spots", modes},
     {"masks", "which phase mask in every subaperture gives the smallest error", masks},
+    {"scintillation", "residual phase variance against the number of subapertures, by strength",
+     scintillation},
 }};
 
 /// The study with this name; null: there is none.

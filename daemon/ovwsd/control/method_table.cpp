@@ -13,7 +13,7 @@ std::vector<const MethodRow*> all_methods() {
   std::vector<const MethodRow*> all;
   for (const auto& table :
        {layout_methods(), camera_methods(), corrector_methods(), sensor_methods(),
-        experiment_methods(), reference_methods(), system_methods()}) {
+        experiment_methods(), reference_methods(), system_methods(), lattice_methods()}) {
     for (const MethodRow& method : table) all.push_back(&method);
   }
   return all;

@@ -33,6 +33,7 @@ class LiveRefiner;
 class FrameGrabs;
 class NamedReferences;
 struct LoadedConfig;
+class PreparedLattices;
 class Presentations;
 class Procedures;
 class Recorder;
@@ -55,6 +56,7 @@ struct Services {
   FrameGrabs& grabs;
   ExperimentArchive& experiments;
   NamedReferences& named;
+  PreparedLattices& lattices;
   ClosedLoop& loop;
   LiveRefiner& refiner;
   Recorder& recorder;
@@ -141,12 +143,13 @@ constexpr MethodRow row(Role role, Action action) {
 }
 
 // Method rows: of the camera, of an external corrector, of the sensor, of experiments, of
-// references, and all others. Add a method as a function and a row.
+// prepared lattices, of references, and all others. Add a method as a function and a row.
 std::span<const MethodRow> camera_methods();
 std::span<const MethodRow> layout_methods();
 std::span<const MethodRow> corrector_methods();
 std::span<const MethodRow> sensor_methods();
 std::span<const MethodRow> experiment_methods();
+std::span<const MethodRow> lattice_methods();
 std::span<const MethodRow> reference_methods();
 std::span<const MethodRow> system_methods();
 

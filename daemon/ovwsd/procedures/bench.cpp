@@ -124,10 +124,11 @@ Result<std::int64_t> Bench::wait_settled() const {
   return fail(stopped_error());
 }
 
-Result<void> Bench::use(SensorChange change) {
-  const auto used = edit([&jobs = deps_.jobs, job = job_,
+Result<void> Bench::use(SensorChange change, Step step) {
+  const auto used = edit([&jobs = deps_.jobs, job = job_, step,
                           change = std::move(change)](SensorEdit& edit) -> Result<void> {
-    if (!jobs.use_result(job)) return fail(Errc::refused, "", "it was cancelled");
+    const bool runs = step == Step::last ? jobs.use_result(job) : jobs.runs(job);
+    if (!runs) return fail(Errc::refused, "", "it was cancelled");
     return change(edit);
   });
   if (used) (void)files_->wait_for(kFilePatience);
@@ -201,7 +202,7 @@ Result<void> Bench::wait_watching(const FrameBroker::Request& watch, double min_
 }
 
 void Bench::report_progress(double progress) {
-  progress_.store(progress);
+  progress_.store(part_.first + part_.second * progress);
   deps_.jobs.report_progress(job_);
 }
 

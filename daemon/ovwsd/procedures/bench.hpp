@@ -7,6 +7,7 @@
 #include <future>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/image.hpp"
@@ -60,8 +61,10 @@ class Bench {
   /// in ns.
   Result<std::int64_t> wait_settled() const;
   /// Activates the procedure's result and stores it. Returns when the result is active and its file
-  /// is written. Waits two seconds at most for the disk.
-  Result<void> use(SensorChange change);
+  /// is written. Waits two seconds at most for the disk. After its last step, the default, the job
+  /// cannot be cancelled any more.
+  enum class Step { early, last };
+  Result<void> use(SensorChange change, Step step = Step::last);
   /// Files of this job that are still being written; the job ends when no file is pending.
   std::shared_ptr<PendingFiles> pending_files() const { return files_; }
   /// Publishes a warning event.
@@ -112,8 +115,11 @@ class Bench {
   /// Time at which the display presented the current hologram, CLOCK_MONOTONIC, ns.
   std::int64_t presented_mono_ns() const { return deps_.slm.snapshot().t_presented_mono_ns; }
 
-  /// Reports the progress of the whole procedure, 0 .. 1.
+  /// Reports the progress of the whole procedure, 0 .. 1, or of its part.
   void report_progress(double progress);
+  /// Begins a part of the procedure: its progress 0 .. 1 is `begin` .. `begin + share` of the
+  /// whole.
+  void begin_part(double begin, double share) { part_ = {begin, share}; }
   /// Restores exposure and gain of the camera; call it in the procedure thread after the procedure.
   /// Returns when they are restored, or when the camera thread has ended.
   void restore_camera();
@@ -133,7 +139,8 @@ class Bench {
   BenchDeps deps_;
   const std::atomic<bool>& stop_;
   std::atomic<double>& progress_;
-  CameraSet camera_before_;  ///< settings to restore; empty: unchanged
+  std::pair<double, double> part_{0.0, 1.0};  ///< begin and share of the part in progress
+  CameraSet camera_before_;                   ///< settings to restore; empty: unchanged
   std::shared_ptr<PendingFiles> files_ = std::make_shared<PendingFiles>();
 };
 

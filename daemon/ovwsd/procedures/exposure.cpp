@@ -251,8 +251,7 @@ class ExposureSearch {
                         kMaxLooks, 100.0 * look.fraction())};
   }
 
-  Result<AutoExposureReport> report(const ExposureLook& look, int looks) {
-    if (auto kept = bench_.keep_camera(); !kept) return fail(kept.error());
+  static AutoExposureReport report(const ExposureLook& look, int looks) {
     return AutoExposureReport{look.settings.exposure_us, look.settings.gain_db,
                               look.settings.gain_raw,    look.fraction(),
                               look.saturated_pixels,     looks};
@@ -267,9 +266,17 @@ class ExposureSearch {
 
 }  // namespace
 
+Result<AutoExposureReport> find_exposure(Bench& bench, const SlmGeometry& slm,
+                                         const AutoExposure& asked) {
+  return ExposureSearch(bench, slm, asked).run();
+}
+
 Result<AutoExposureReport> set_exposure(Bench& bench, const SlmGeometry& slm,
                                         const AutoExposure& asked) {
-  return ExposureSearch(bench, slm, asked).run();
+  auto found = find_exposure(bench, slm, asked);
+  if (!found) return found;
+  if (auto kept = bench.keep_camera(); !kept) return fail(kept.error());
+  return found;
 }
 
 }  // namespace ovws

@@ -42,6 +42,9 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
 /// follow the exposure.
 Result<AutoExposureReport> set_exposure(Bench& bench, const SlmGeometry& slm,
                                         const AutoExposure& asked);
+/// The same, but the camera's previous settings return when the job ends.
+Result<AutoExposureReport> find_exposure(Bench& bench, const SlmGeometry& slm,
+                                         const AutoExposure& asked);
 
 /// `flatness.run`: measures the flatness error of the SLM and the optics by scanning a single
 /// aperture with a bright spot over the pupil (ScanGrid). All positions use the same grating, so
@@ -89,9 +92,11 @@ Result<MeasuredLut> measure_lut(Bench& bench, const SlmGeometry& slm, const LutR
 Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take);
 
 /// `reference.take`: averages the spots of settled frames and the pixels of some of these frames.
-/// Activates the reference and returns the job's result. Errors: those of can_take_reference and
-/// use_reference; Errc::refused, field "camera": the camera's settings changed during the job.
-Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take);
+/// Activates the reference and returns the job's result; for `step` see Bench::use. Errors: those
+/// of can_take_reference and use_reference; Errc::refused, field "camera": the camera's settings
+/// changed during the job.
+Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take,
+                                      Bench::Step step = Bench::Step::last);
 
 /// `registration.run`: registers the camera to the SLM. Shows the base subaperture alone with
 /// several gratings, which move its spot over most of the field. Then fits an affine map to the

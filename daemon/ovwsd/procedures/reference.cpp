@@ -71,7 +71,7 @@ Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTak
           introduced));
 }
 
-Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take) {
+Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take, Bench::Step step) {
   const SensorView sensor = bench.sensor();
   if (auto can = can_take_reference(*sensor, take); !can) return fail(can.error());
   auto taken = bench.reference(take.frames, take.beam);
@@ -82,9 +82,8 @@ Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take) {
                                   ? taken->average
                                   : taken->beams[std::size_t(named - sensor->beams.begin())];
   const auto spots = std::make_shared<ReferenceSpots>();
-  if (auto used = bench.use(use_reference(sensor->sensor_epoch, std::move(*taken), spots)); !used) {
-    return fail(used.error());
-  }
+  auto change = use_reference(sensor->sensor_epoch, std::move(*taken), spots);
+  if (auto used = bench.use(std::move(change), step); !used) return fail(used.error());
   const std::vector<int> saturated = saturated_spots(average);
   const double introduced = rms_waves(sensor->aberration);
   warn_of_saturated(bench, saturated);

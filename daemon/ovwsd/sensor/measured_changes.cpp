@@ -372,8 +372,10 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
         origin_of(edit, calibration.key.sensor, shown_modes(edit.state), edit.bench.grey.get()));
     const auto replaced = replace_calibration(edit.knowledge, std::move(calibration));
     schedule_write(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
+    const bool stays = edit.lease && edit.lease->sensor == edit.state.sensor &&
+                       edit.lease->tracking == edit.state.tracking;
     edit.state.tracking.mode_operator = OperatorKind::measured;
-    if (edit.lease) edit.lease->tracking.mode_operator = OperatorKind::measured;
+    if (stays) edit.lease->tracking.mode_operator = OperatorKind::measured;
     return {};
   };
 }

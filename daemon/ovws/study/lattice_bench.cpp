@@ -1,0 +1,156 @@
+#include "daemon/ovws/study/lattice_bench.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/optics/lattice.hpp"
+#include "core/tracking/cell_centroid.hpp"
+#include "core/wavefront/slope_model.hpp"
+
+namespace ovws::study {
+namespace {
+
+constexpr int kSpotPx = 6;       // lambda/d
+constexpr int kWindowPx = 48;    // of one spot
+constexpr int kCellHalfPx = 18;  // of the fixed cell: pitch of 6 lambda/d
+constexpr double kReadNoiseE = 5.0;
+constexpr int kHighestOrder = 8;  // 44 modes
+
+SensorConfig sensor_of(int across, int charge) {
+  SensorConfig sensor;
+  sensor.charge = charge;
+  sensor.grid = Grid::square;
+  sensor.subapertures_across = across;
+  sensor.pupil_diameter_px = kPupilPx;
+  return sensor;
+}
+
+Wave flat_wave() {
+  return {kWavePx, kWavePx, 1.0F};
+}
+
+}  // namespace
+
+LatticeBench::LatticeBench(int across, const SpotMethod& method) : method_(method) {
+  const SensorConfig sensor = sensor_of(across, method.charge);
+  const Lattice lattice = value_of(make_lattice(sensor, {}));
+  diameter_px_ = lattice.diameter_px;
+  columns_ = int(std::ceil(std::sqrt(double(lattice.subapertures.size()))));
+  for (const Subaperture& one : lattice.subapertures) cells_.push_back(cell_of(one));
+  const TrackingConfig tracking{method.fixed_cell ? TrackerKind::centroid : TrackerKind::lg};
+  tracker_ = value_of(make_tracker(tracking, {method.charge, double(kSpotPx)}));
+  constexpr double kBrightE = 1e8;  // so bright that noise does not matter
+  std::vector<Vec2> reference_px;
+  const Image<float> light = spots_e(flat_wave(), kBrightE);
+  float peak = 0.0F;
+  for (const float e : light.pixels) peak = std::max(peak, e);
+  Image<float> dimmed = light;
+  for (float& e : dimmed.pixels) e *= 3000.0F / peak;
+  for (const SpotFix& fix : track(noise_free(dimmed))) reference_px.push_back({fix.x, fix.y});
+  for (int order = 2; order <= kHighestOrder; ++order) {
+    const int modes = (order + 1) * (order + 2) / 2 - 1;
+    const Eigen::MatrixXd slopes =
+        slope_matrix(lattice, sensor, first_modes_j(modes), tilt_radius(method.charge, tracking),
+                     kSpotPx * diameter_px_);
+    if (determined_modes(slopes) < modes) break;
+    mode_counts_.push_back(modes);
+    reconstructors_.push_back(
+        std::make_unique<const Reconstructor>(slopes, first_modes_j(modes), reference_px));
+  }
+}
+
+LatticeBench::Cell LatticeBench::cell_of(const Subaperture& subaperture) const {
+  const double centre = 0.5 * (kWavePx - 1), radius = 0.5 * diameter_px_;
+  const Vec2 at = subaperture.centre_px + Vec2{centre, centre};
+  const int size = int(std::ceil(diameter_px_)) + 1;
+  Cell cell{int(std::floor(at.x - radius)), int(std::floor(at.y - radius)), {}, {}, {}};
+  cell.imprint.resize(size, size);
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      const Vec2 from = Vec2{double(cell.x + x), double(cell.y + y)} - at;
+      const float angle = float(method_.charge) * float(std::atan2(from.y, from.x));
+      cell.imprint(y, x) = norm(from) <= radius ? std::polar(1.0F, angle) : 0.0F;
+    }
+  }
+  const auto transform = [&](double begin, bool by_rows) {
+    Eigen::MatrixXcf matrix(kWindowPx, size);
+    for (int p = 0; p < kWindowPx; ++p) {
+      const double frequency = (p - 0.5 * (kWindowPx - 1)) / (kSpotPx * diameter_px_);
+      for (int k = 0; k < size; ++k) {
+        matrix(p, k) = std::polar(1.0F, float(-2.0 * std::numbers::pi * frequency * (begin + k)));
+      }
+    }
+    return by_rows ? matrix : Eigen::MatrixXcf(matrix.transpose());
+  };
+  cell.along_y = transform(cell.y - at.y, true);
+  cell.along_x = transform(cell.x - at.x, false);
+  return cell;
+}
+
+Vec2 LatticeBench::centre_px(std::size_t spot) const {
+  const double half = 0.5 * (kWindowPx - 1);
+  return {half + kWindowPx * double(int(spot) % columns_),
+          half + kWindowPx * double(int(spot) / columns_)};
+}
+
+/// Electrons in every pixel, with the windows of the spots side by side.
+Image<float> LatticeBench::spots_e(const Wave& wave, double pupil_e) const {
+  const int rows = (subapertures() + columns_ - 1) / columns_;
+  Image<float> image(columns_ * kWindowPx, rows * kWindowPx);
+  const double step = 1.0 / (kSpotPx * diameter_px_);
+  const double pupil_px = std::numbers::pi * kPupilPx * kPupilPx / 4.0;
+  const auto scale = float(pupil_e / pupil_px * step * step);
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const Cell& cell = cells_[i];
+    Eigen::MatrixXcf field = cell.imprint;
+    for (Eigen::Index x = 0; x < field.cols(); ++x) {
+      for (Eigen::Index y = 0; y < field.rows(); ++y) {
+        field(y, x) *= wave.pixels[std::size_t((cell.y + y) * kWavePx + cell.x + x)];
+      }
+    }
+    const Eigen::MatrixXcf spot = cell.along_y * field * cell.along_x;
+    const int left = int(i) % columns_ * kWindowPx, top = int(i) / columns_ * kWindowPx;
+    for (int y = 0; y < kWindowPx; ++y) {
+      for (int x = 0; x < kWindowPx; ++x) {
+        image.pixels[std::size_t((top + y) * image.width + left + x)] =
+            scale * std::norm(spot(y, x));
+      }
+    }
+  }
+  return image;
+}
+
+std::vector<SpotFix> LatticeBench::track(const Exposure& exposure) const {
+  std::vector<SpotFix> fixes(cells_.size());
+  if (method_.fixed_cell) {
+    const Exposure clipped = exposure.clipped();
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+      const auto centroid = cell_centroid(clipped.view(), centre_px(i), kCellHalfPx);
+      if (!centroid) continue;
+      fixes[i].x = float(centroid->x);
+      fixes[i].y = float(centroid->y);
+    }
+    return fixes;
+  }
+  TrackScratch scratch = tracker_->make_scratch();
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    fixes[i] = tracker_->track(exposure.view(), centre_px(i), scratch);
+  }
+  drop_faint(fixes, subapertures());
+  return fixes;
+}
+
+LatticeFrame LatticeBench::measure(const Wave& wave, double pupil_e, std::uint64_t seed) const {
+  LatticeFrame frame;
+  const auto fixes = track(expose(spots_e(wave, pupil_e), kReadNoiseE, seed));
+  for (const SpotFix& fix : fixes) frame.lost += fix.found() ? 0 : 1;
+  for (const auto& reconstructor : reconstructors_) {
+    std::vector<float> waves(reconstructor->modes_j().size());
+    Reconstructor::Scratch scratch = reconstructor->make_scratch();
+    reconstructor->solve(fixes, scratch, waves);
+    frame.waves.push_back(std::move(waves));
+  }
+  return frame;
+}
+
+}  // namespace ovws::study

@@ -1,0 +1,121 @@
+#include "daemon/ovwsd/sensor/prepared_lattices.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <utility>
+
+#include "daemon/ovwsd/sensor/sensor_changes.hpp"
+#include "proto/field_json.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr const char* kKind = "lattice";
+
+tl::unexpected<Error> no_such(const std::string& name) {
+  return fail(Errc::invalid, "name",
+              "there is no prepared lattice \"" + name +
+                  "\"; lattice.list lists them, and lattice.prepare prepares one");
+}
+
+bool is_in_use(const PreparedLattice& lattice, const SensorState& state) {
+  return to_json(lattice.settings) == to_json(SensorSettings{state.sensor, state.tracking});
+}
+
+/// Refuses a sensor without a reference: none of its frames would be valid.
+Result<void> check_reference(const SensorEdit& edit) {
+  SensorState state = edit.state;
+  state.tracking.mode_operator = OperatorKind::slopes;  // making a diffractive one takes long
+  if (bind(state, edit.knowledge, edit.bench.optics).reference) return {};
+  return fail(Errc::refused, "name",
+              "its reference does not apply with the present camera, region, registration, look-up "
+              "table and flatness, or was deleted: prepare it again with lattice.prepare");
+}
+
+}  // namespace
+
+void PreparedLattices::load() {
+  store_.load(kKind, [this](const StateItem& item) {
+    auto lattice = decode<PreparedLattice>(item.content);
+    if (lattice) {
+      all_[item.name] = std::move(*lattice);
+    } else {
+      events_.emit(kKind, Severity::warning,
+                   fmt::format("{} is not used, and left as it is: {} {}", item.path,
+                               lattice.error().field, lattice.error().reason),
+                   {{"path", item.path}, {"used", false}});
+    }
+  });
+}
+
+PreparedLattices::All PreparedLattices::all() const {
+  const std::lock_guard lock(mutex_);
+  return all_;
+}
+
+Result<PreparedLattice> PreparedLattices::find(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = all_.find(name);
+  if (found == all_.end()) return no_such(name);
+  return found->second;
+}
+
+void PreparedLattices::keep(const PreparedLattice& lattice) {
+  {
+    const std::lock_guard lock(mutex_);
+    all_[lattice.name] = lattice;
+  }
+  store_.put(kKind, lattice.name, to_json(lattice), DaemonStore::Older::set_aside,
+             store_.reporting(kKind, "the lattice " + lattice.name, lattice.t_prepared_ns,
+                              [](const std::string&) {}));
+}
+
+void PreparedLattices::remove(const std::string& name, std::function<void(Result<void>)> done) {
+  if (auto found = find(name); !found) return done(fail(found.error()));
+  store_.drop(kKind, name, [this, name, done = std::move(done)](const Result<void>& dropped) {
+    if (dropped) {
+      const std::lock_guard lock(mutex_);
+      all_.erase(name);
+    }
+    done(dropped);
+  });
+}
+
+SensorChange use_lattice(const PreparedLattice& lattice) {
+  return [set = set_sensor(SensorSet::whole(lattice.settings))](SensorEdit& edit) -> Result<void> {
+    if (auto changed = set(edit); !changed) return changed;
+    if (auto drawn = renew_renderer(edit.state); !drawn) return drawn;
+    edit.state.pattern = HologramKind::sensor;
+    edit.state.painted.reset();
+    return check_reference(edit);
+  };
+}
+
+LatticeReport report_of(const PreparedLattice& lattice, const SensorEdit& now) {
+  LatticeReport report{lattice, is_in_use(lattice, now.state), false, ""};
+  SensorEdit edit = now;
+  if (auto usable = use_lattice(lattice)(edit); !usable) {
+    report.reason = usable.error().reason;
+    return report;
+  }
+  report.calibrated = calibration_for(edit.state, edit.knowledge, edit.bench.optics) != nullptr;
+  return report;
+}
+
+Result<void> check_request(const LatticeRequest& request, bool calibrate, const SensorEdit& now) {
+  SensorEdit edit = now;
+  if (auto changed = set_sensor(request.sensor)(edit); !changed) return changed;
+  if (auto drawn = renew_renderer(edit.state); !drawn) return drawn;
+  edit.state.pattern = HologramKind::sensor;
+  if (auto sampled = check_sampling(edit.state); !sampled) return sampled;
+  if (auto fits = check_layout(edit.state, edit.bench.optics); !fits) return fits;
+  if (calibrate || edit.state.tracking.mode_operator != OperatorKind::measured ||
+      calibration_for(edit.state, edit.knowledge, edit.bench.optics)) {
+    return {};
+  }
+  return fail(Errc::refused, "operator",
+              "the operator measured needs a calibration of this lattice: give \"calibrate\": "
+              "true, or another operator");
+}
+
+}  // namespace ovws

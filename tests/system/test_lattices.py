@@ -1,0 +1,185 @@
+"""Prepared lattices: measured once, used by name, right against the twin's truth, and there again after a restart."""
+import os
+import statistics
+import subprocess
+import time
+
+from case import ROOT, BenchCase, Client, bench_module, main, wait_for
+
+TWIN = "tcp://127.0.0.1:7790"
+HIDDEN = {3: 0.06, 4: -0.05, 5: 0.03}  # waves: modes that every lattice here determines
+BOUND_WAVES = 0.012
+COARSE, FINE = {"subapertures_across": 3}, {"subapertures_across": 5}
+EXAMPLE = ROOT / "proto" / "python" / "examples" / "adapt_lattice.py"
+PYTHON = bench_module.find_programs().parent / "python"
+
+
+class Lattices(BenchCase):
+    small = True
+    daemon_config = {"camera": {"exposure_us": 700.0}, "state": {"directory": "state"}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client(TWIN)
+        self.addCleanup(self.twin.close)
+
+    def hide(self, modes):
+        self.twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in modes.items()]})
+
+    def scintillate(self, variance):
+        self.twin.call("twin.set", {"scintillation": variance and {"variance": variance, "scale_pupils": 0.15, "seed": 2}})
+
+    def prepare(self, *lattices, **more):
+        return self.run_job("lattice.prepare", {"lattices": list(lattices), "frames": 20} | more, timeout_s=120.0)["result"]["lattices"]
+
+    def prepare_both(self):
+        return self.prepare({"name": "fine"}, {"name": "coarse", "sensor": COARSE})
+
+    def listed(self):
+        return {one["name"]: one for one in self.call("lattice.list")["lattices"]}
+
+    def sensor(self):
+        """All that a job must leave as it was."""
+        sensor = {key: value for key, value in self.call("sensor.get").items() if key != "hologram_id"}
+        camera = self.call("camera.get")["settings"]
+        return sensor, camera["exposure_us"], camera["gain_db"], self.call("aberration.get")["modes"], self.call("correction.get")["modes"]
+
+    def switch(self, name, stream):
+        """Uses a lattice; returns its first valid frame, the time to it in ms, and the number of frames that were not valid."""
+        begun, lost = time.monotonic(), 0
+        used = self.call("lattice.use", {"name": name})
+        for message in iter(lambda: stream.next(5.0), None):
+            if message["hologram_id"] == used["hologram_id"] and message["valid"]:
+                return message, 1e3 * (time.monotonic() - begun), lost
+            lost += not message["valid"]
+        self.fail("no valid frame")
+
+    def check_truth(self, stream, name, hidden):
+        frames = self.settled_frames(stream, 40, self.call("sensor.get")["hologram_id"], timeout_s=30.0)[20:]
+        error = statistics.median(sum((value - hidden.get(j, 0.0)) ** 2 for j, value in zip(frame["j"], frame["coefficients"]) if j > 2) ** 0.5 for frame in frames)
+        print(f"\n  {name}: {frames[-1]['tracked']} spots, {len(frames[-1]['j'])} modes, error {error:.5f} wave")
+        self.assertLess(error, BOUND_WAVES)
+
+    def test_two_lattices_are_prepared_and_switched_between(self):
+        self.call("correction.set", {"modes": [{"j": 4, "waves": 0.02}]})
+        before = self.sensor()
+        prepared = self.prepare_both()
+        self.assertEqual(self.sensor(), before)
+        self.assertEqual([(one["name"], one["subapertures"], one["calibrated"]) for one in prepared], [("fine", 19, False), ("coarse", 7, False)])
+        self.assertLess(prepared[1]["exposure_us"], 0.5 * prepared[0]["exposure_us"])  # larger subapertures give brighter spots
+        self.assertEqual({name: (one["in_use"], one["usable"], one["reason"]) for name, one in self.listed().items()},
+                         {"fine": (True, True, None), "coarse": (False, True, None)})
+        stream = self.stream("wavefront")
+        self.hide(HIDDEN)
+        times_ms, losts = [], []
+        for name in ("coarse", "fine") * 3:
+            frame, ms, lost = self.switch(name, stream)
+            times_ms.append(ms)
+            losts.append(lost)
+            self.assertEqual(frame["tracked"], self.listed()[name]["subapertures"])
+            self.assertTrue(self.listed()[name]["in_use"])
+            self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], self.listed()[name]["exposure_us"])
+            self.assertEqual(self.sensor()[4], before[4])
+        print(f"\n  switch: {statistics.median(times_ms):.0f} ms to the first valid frame, {statistics.median(losts)} frames not valid")
+        for name in ("coarse", "fine"):
+            self.switch(name, stream)
+            self.check_truth(stream, name, HIDDEN)
+        self.check_restart(stream)
+        self.check_removal()
+
+    def check_restart(self, stream):
+        listed = self.listed()
+        self.bench.stop("ovwsd")
+        self.client.close()
+        self.start_daemon()
+        self.wait_until("running")
+        self.assertEqual({name: one | {"in_use": None} for name, one in self.listed().items()}, {name: one | {"in_use": None} for name, one in listed.items()})
+        self.switch("coarse", stream)
+        self.check_truth(stream, "coarse, after a restart", HIDDEN)
+
+    def check_removal(self):
+        self.call("reference.clear")  # that of the coarse lattice, which is in use
+        self.assertEqual((self.listed()["coarse"]["usable"], "lattice.prepare" in self.listed()["coarse"]["reason"]), (False, True))
+        self.call("lattice.use", {"name": "fine"})
+        before = self.sensor()
+        self.assertEqual(self.refused("lattice.use", {"name": "coarse"}).data["field"], "name")
+        self.assertEqual(self.sensor(), before)
+        self.assertEqual([one["name"] for one in self.call("lattice.remove", {"name": "coarse"})["lattices"]], ["fine"])
+        for method in ("lattice.use", "lattice.remove"):
+            self.assertIn("no prepared lattice", str(self.refused(method, {"name": "coarse"})))
+        self.assertEqual(self.sensor(), before)
+
+    def test_bad_input_changes_nothing(self):
+        before = self.sensor()
+        fine = {"name": "fine"}
+        for lattices, field in (([], "lattices"), ([fine, fine], "lattices"), ([{"name": "Fine"}], "lattices[0].name"), ([{"sensor": COARSE}], "lattices[0].name"),
+                                ([fine, {"name": "b", "sensor": {"subapertures_across": 0}}], "lattices[1].sensor.subapertures_across"),
+                                ([fine, {"name": "b", "sensor": {"chargee": 1}}], "lattices[1].sensor.chargee"),
+                                ([fine, {"name": "b", "sensor": {"spacing": 0.05}}], "lattices[1].sensor.spacing"),
+                                ([{"name": f"n{k}"} for k in range(9)], "lattices")):
+            with self.subTest(lattices=lattices):
+                self.assertEqual(self.refused("lattice.prepare", {"lattices": lattices}).data["field"], field)
+        self.assertEqual((self.sensor(), self.listed()), (before, {}))
+        self.take_reference(20)
+        self.prepare_both()
+        self.call("loop.close")
+        self.assertIn("loop", str(self.refused("lattice.use", {"name": "coarse"})))
+        self.assertIn("loop", str(self.refused("lattice.prepare", {"lattices": [fine]})))
+        self.assertTrue(self.call("loop.get")["closed"])
+        self.call("loop.open", {"keep": False})
+        self.assertIn("8", str(self.refused("lattice.prepare", {"lattices": [{"name": f"n{k}"} for k in range(7)]})))
+
+    def test_a_cancelled_job_leaves_the_sensor_and_what_it_has_finished(self):
+        self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.05}]})
+        before = self.sensor()
+        job = self.call("lattice.prepare", {"lattices": [{"name": "coarse", "sensor": COARSE}, {"name": "slow"}], "frames": 500})["job"]
+        wait_for(lambda: "coarse" in self.listed(), 60.0, "the first lattice")
+        self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
+        wait_for(lambda: self.call("system.status")["state"] == "running", 10.0, "the end of the job")
+        self.assertEqual(self.sensor(), before)
+        self.assertEqual({name: one["usable"] for name, one in self.listed().items()}, {"coarse": True})
+
+    def test_a_fault_in_the_job_leaves_the_sensor(self):
+        before = self.sensor()
+        self.twin.call("twin.set", {"peak_electrons": 1e-3})
+        job = self.call("lattice.prepare", {"lattices": [{"name": "dark", "sensor": COARSE}]})["job"]
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0, "the end of the job")
+        print(f"\n  {ended['error']}")
+        self.assertEqual(ended["state"], "failed")
+        self.assertIn("lattice dark", ended["error"]["message"])
+        self.assertEqual((self.sensor(), self.listed()), (before, {}))
+
+    def test_each_lattice_has_its_calibration(self):
+        self.call("sensor.set", {"tracker": "lg"})
+        before = self.sensor()
+        self.prepare({"name": "fine"}, {"name": "coarse", "sensor": COARSE}, calibrate=True)
+        self.assertEqual(self.sensor()[1:], before[1:])
+        stream = self.stream("wavefront")
+        self.hide({3: 0.02, 4: -0.015})
+        for name in ("coarse", "fine"):
+            self.switch(name, stream)
+            self.assertEqual(self.call("sensor.get")["operator_in_force"], "measured")
+            self.assertTrue(self.listed()[name]["calibrated"])
+            self.check_truth(stream, name + ", calibrated", {3: 0.02, 4: -0.015})
+
+    def test_the_example_goes_to_the_coarse_lattice_and_back(self):
+        self.prepare_both()
+        environment = os.environ | {"PYTHONPATH": f"{PYTHON}:{os.environ.get('PYTHONPATH', '')}"}
+        example = subprocess.Popen(["/usr/bin/python3", EXAMPLE, "fine", "coarse", "--window", "20", "--hold", "0.5", "--switches", "2"], env=environment,
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(example.kill)
+        seeds = iter(range(1, 10**6))
+
+        def flicker():
+            self.twin.call("twin.set", {"scintillation": {"variance": 0.8, "scale_pupils": 0.15, "seed": next(seeds)}})
+            return self.listed()["coarse"]["in_use"]
+        wait_for(flicker, 60.0, "the coarse lattice")
+        self.scintillate(None)
+        output, _ = example.communicate(timeout=60)
+        print(f"\n{output}")
+        self.assertEqual(example.returncode, 0, output)
+        self.assertTrue(self.listed()["fine"]["in_use"])
+
+
+if __name__ == "__main__":
+    main()
