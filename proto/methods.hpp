@@ -255,6 +255,14 @@ inline constexpr auto kLutRun = method<LutRun, JobNumber>(
     "gratings interfere on the camera, one of them with each grey level in turn. Returns at once; "
     "the job's result is that of lut.get, and is active from then on. Uses another exposure for "
     "the time of the job if the spot is saturated or invisible.");
+inline constexpr auto kMapRun = method<MapRun, JobNumber>(
+    "map.run",
+    "Measures the wavefront error of the SLM and of the optics as a fine map over the pupil: shows "
+    "patterns of known defocus and astigmatism over the whole pupil, and retrieves the phase from "
+    "their images. Requires a registration. Returns at once; the job's result is the map beside "
+    "the "
+    "flatness in use. With apply it becomes the flatness, as by flatness.run. Uses a shorter "
+    "exposure for the time of the job if pixels are saturated.");
 inline constexpr auto kRecordEstimate = method<RecordEstimate, RecordSize>(
     "record.estimate",
     "Returns how large a recording with the current settings would become, without its documents, "
@@ -403,6 +411,7 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kLutClear,
                                      kLutGet,
                                      kLutRun,
+                                     kMapRun,
                                      kRecordEstimate,
                                      kRecordGet,
                                      kRecordList,
