@@ -59,6 +59,8 @@ constexpr Numbers kLoopLimitWaves{0.001, 100.0};
 constexpr Numbers kLoopPatienceS{0.1, 3600.0};
 constexpr Numbers kIdentifyS{1.0, 600.0};
 constexpr Integers kImageFrames{1, 100};
+constexpr Integers kMapPatterns{4, 10};
+constexpr Integers kMapCells{32, 256};
 constexpr Integers kGreyLevels{9, 256};  ///< grey levels that lut.run measures
 constexpr Integers kSettleRepetitions{3, 200};
 constexpr Numbers kLeaseS{0.0, 3600.0};  ///< of a presentation, slm.present

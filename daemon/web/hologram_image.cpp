@@ -42,7 +42,7 @@ Result<HologramConfig> ingredients(const HologramSources& sources, const Config&
     configured.flatness_waves = std::move(*map);
   }
   if (!sources.flatness["measured"].get<bool>()) return configured;
-  configured.flatness_waves = flattened(configured, modes_of(sources.flatness["modes"]),
+  configured.flatness_waves = flattened(configured, modes_of(sources.flatness["modes"]), {},
                                         sources.flatness["pupil_diameter_px"].get<double>());
   return configured;
 }

@@ -111,6 +111,23 @@ inline constexpr auto kTable<FocusRun> = Fields{
     "FocusRun", field<&FocusRun::frames>("number of settled frames to average for each image",
                                          limits::kImageFrames)};
 
+struct MapRun {
+  int patterns = 6;
+  int frames = 2;
+  int cells = 100;
+  bool apply = false;
+};
+template <>
+inline constexpr auto kTable<MapRun> = Fields{
+    "MapRun", field<&MapRun::patterns>("number of patterns to show", limits::kMapPatterns),
+    field<&MapRun::frames>("number of settled frames to average for each image; each pattern "
+                           "has two, which are compared",
+                           limits::kImageFrames),
+    field<&MapRun::cells>("cells of the map over the pupil's diameter; the camera's region "
+                          "must have as many lambda/D",
+                          limits::kMapCells),
+    field<&MapRun::apply>("whether to use the map as the flatness of the SLM")};
+
 struct LutRun {
   int levels = 33;
   int frames = 3;

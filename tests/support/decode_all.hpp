@@ -21,6 +21,7 @@ inline void decode_all(const Json& params) {
   (void)decode<RegistrationRun>(params);
   (void)decode<LutRun>(params);
   (void)decode<FlatnessRun>(params);
+  (void)decode<MapRun>(params);
   (void)decode<FocusRun>(params);
   (void)decode<CameraSelect>(params);
   (void)decode<SlmChange>(params);

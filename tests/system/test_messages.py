@@ -139,6 +139,7 @@ class Messages(BenchCase):
         self.run_job("registration.run", {"frames": 2}, 60.0)
         call("flatness.get")
         self.checked_job("focus.run", {"frames": 2})
+        self.checked_job("map.run", {"patterns": 4, "cells": 64})
         self.checked_job("flatness.run", {"frames": 5}, "flatness.get")
         call("flatness.get")
         call("flatness.clear")

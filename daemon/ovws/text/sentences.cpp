@@ -180,6 +180,16 @@ std::string registration_answer(const json& result) {
       number(result, "residual_px"), result.at("sights").get<int>());
 }
 
+std::string map_answer(const json& result) {
+  return fmt::format(
+      "map: error {:.4f} wave RMS in cells of {:.1f} px ({:.1f} px resolved), noise {:.4f}\n"
+      "the flatness in use removes {:.4f}, and differs from the map by {:.4f}{}",
+      number(result, "rms_waves"), number(result, "cell_px"), number(result, "resolution_px"),
+      number(result, "standard_error_waves"), number(result, "flatness_rms_waves"),
+      number(result, "difference_rms_waves"),
+      is_true(result, "applied") ? "\nthe map is the flatness from now on" : "");
+}
+
 std::string flatness_answer(const json& result) {
   if (!is_true(result, "measured")) return "flatness: not measured: ovws call --wait flatness.run";
   return fmt::format("flatness: {:.4f} wave RMS is corrected, change of the last scan {:.4f} wave",
@@ -319,6 +329,7 @@ const std::map<std::string, Sentence> kSentences{{"aberration.clear", aberration
                                                  {"lut.clear", lut_answer},
                                                  {"lut.get", lut_answer},
                                                  {"lut.run", lut_answer},
+                                                 {"map.run", map_answer},
                                                  {"record.get", record_answer},
                                                  {"record.list", recordings_answer},
                                                  {"record.start", record_answer},

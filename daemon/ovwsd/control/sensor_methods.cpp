@@ -120,6 +120,19 @@ Result<Json> flatten(const Services& services, Bench& bench, const FlatnessRun& 
   return use<flatness_of>(services, bench, use_flatness(epoch, std::move(*flatness)));
 }
 
+Result<Json> map_bench(const Services& services, Bench& bench, const MapRun& run) {
+  const std::uint64_t epoch = bench.sensor()->sensor_epoch;
+  auto map = measure_map(bench, services.config.slm.geometry, run);
+  if (!map) return fail(map.error());
+  if (run.apply) {
+    if (auto used = bench.use(use_flatness(epoch, flatness_of(*map))); !used) {
+      return fail(used.error());
+    }
+    map->report.applied = true;
+  }
+  return to_json(map->report);
+}
+
 Result<Json> focus(const Services& services, Bench& bench, const FocusRun& run) {
   const auto report = measure_focus(bench, services.config.slm.geometry, run.frames);
   if (!report) return fail(report.error());
@@ -231,6 +244,7 @@ constexpr std::array kRows{
     row<kLutGet, get<lut_of>>(Role::read, Action::read),
     row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Action::clear_reference),
     row<kArrayFit, start_array_fit>(Role::control, Action::start_job),
+    row<kMapRun, run<kMapRun, map_bench>>(Role::control, Action::start_hologram_job),
     row<kRegistrationRun, run<kRegistrationRun, register_camera>>(Role::control, Action::start_job),
     row<kRegistrationGet, get<known_registration>>(Role::read, Action::read),
     row<kRegistrationClear, clear<known_registration, forget_registration>>(

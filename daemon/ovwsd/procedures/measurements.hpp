@@ -15,6 +15,7 @@
 #include "daemon/ovwsd/slm/slm_measured.hpp"
 #include "proto/tables/camera.hpp"
 #include "proto/tables/focus.hpp"
+#include "proto/tables/map.hpp"
 #include "proto/tables/params.hpp"
 
 namespace ovws {
@@ -67,6 +68,23 @@ Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, 
 /// near the region's edge or lambda/D too small (fields "camera.roi" and "optics"), no wavefront
 /// explains the images, or the rounds do not converge.
 Result<FocusReport> measure_focus(Bench& bench, const SlmGeometry& slm, int frames);
+
+/// Result of map.run with the maps that its report contains encoded.
+struct BenchMap {
+  Image<float> error;            ///< waves, cells x cells over the pupil's square; NaN outside
+  Image<float> half_difference;  ///< of the maps from the first and the second images
+  double misfit = 0.0, resolution_px = 0.0;
+  MapReport report;
+};
+/// `map.run`: measures the wavefront error of the bench as a fine map. Shows patterns of known
+/// defocus and astigmatism over the whole pupil, each twice; light outside the pupil is diffracted
+/// out of sight. Retrieves a map from each half of the images (PhaseRetrieval): their mean is the
+/// result, their difference its noise. Errors: those of PhaseRetrieval; Errc::refused: no
+/// registration, a correction is active, a flatness of another pupil is active, the camera's region
+/// is too small, the images are too dark, no wavefront explains them, or both maps disagree.
+Result<BenchMap> measure_map(Bench& bench, const SlmGeometry& slm, const MapRun& run);
+/// The map as a flatness: modes, and the fine rest. Its origin is not set.
+MeasuredFlatness flatness_of(const BenchMap& map);
 
 /// `loop.identify`: watches the disturbance, residuals plus shown corrections, for `seconds`. The
 /// loop may be open or closed. Frames of one hologram within `sample_s` are averaged.

@@ -100,16 +100,45 @@ std::string LutKind::obstacle(const MeasuredLut& lut) const {
 json FlatnessKind::content(const MeasuredFlatness& flatness) const {
   json modes = json::array();
   for (const Mode& mode : flatness.modes) modes.push_back({{"j", mode.j}, {"waves", mode.waves}});
-  return {{"t_taken_ns", flatness.t_taken_ns},
-          {"frames", flatness.frames},
-          {"iterations", flatness.iterations},
-          {"pupil_diameter_px", flatness.pupil_diameter_px},
-          {"modes", std::move(modes)},
-          {"standard_error_waves", flatness.standard_error_waves},
-          {"residual_rms_waves", flatness.residual_rms_waves},
-          {"configured_sha256", flatness.configured_sha256},
-          {"origin", flatness.origin}};
+  json content{{"t_taken_ns", flatness.t_taken_ns},
+               {"frames", flatness.frames},
+               {"iterations", flatness.iterations},
+               {"pupil_diameter_px", flatness.pupil_diameter_px},
+               {"modes", std::move(modes)},
+               {"standard_error_waves", flatness.standard_error_waves},
+               {"residual_rms_waves", flatness.residual_rms_waves},
+               {"configured_sha256", flatness.configured_sha256},
+               {"origin", flatness.origin}};
+  if (flatness.fine.pixels.empty()) return content;
+  content["fine"] = {{"cells", flatness.fine.width},
+                     {"base64", base64_of(std::span<const float>(flatness.fine.pixels))}};
+  return content;
 }
+
+namespace {
+
+/// Reads the map of what the modes leave, if there is one.
+Result<void> read_fine(const json* given, Image<float>& fine) {
+  if (given == nullptr) return {};
+  const auto wrong = fail(Errc::invalid, "flatness.fine", "is not a map of float32 in base64");
+  if (!given->is_object() || !given->contains("cells") || !given->contains("base64")) return wrong;
+  const json &cells = given->at("cells"), &base64 = given->at("base64");
+  if (!cells.is_number_integer() || !base64.is_string()) return wrong;
+  const int side = cells.get<int>();
+  if (side < limits::kMapCells.min || side > limits::kMapCells.max) return wrong;
+  auto values =
+      floats_of(base64.get_ref<const std::string&>(), std::size_t(side) * std::size_t(side));
+  if (!values || std::ranges::any_of(*values, [](float waves) {
+        return std::abs(waves) > float(limits::kModeWaves.max);
+      })) {
+    return wrong;
+  }
+  fine = Image<float>(side, side);
+  fine.pixels = std::move(*values);
+  return {};
+}
+
+}  // namespace
 
 Result<MeasuredFlatness> FlatnessKind::read(const json& content) const {
   MeasuredFlatness flatness;
@@ -133,6 +162,7 @@ Result<MeasuredFlatness> FlatnessKind::read(const json& content) const {
   r.numbers("standard_error_waves", flatness.standard_error_waves, 0, kMaxZernikeIndex, 0.0, 1e6);
   r.number("residual_rms_waves", flatness.residual_rms_waves, 0.0, 1e6);
   if (const json* const sum = r.raw("configured_sha256")) flatness.configured_sha256 = *sum;
+  if (auto fine = read_fine(r.raw("fine"), flatness.fine); !fine) return fail(fine.error());
   if (auto read = r.finish(); !read) return fail(read.error());
   if (flatness.modes.empty() || flatness.modes.size() != flatness.standard_error_waves.size()) {
     return fail(Errc::invalid, "flatness.modes",
@@ -176,7 +206,7 @@ std::shared_ptr<const ActiveSlm> active_slm(const Config& config, const Hologram
   if (lut) slm->hologram.lut = lut->table.lut;
   if (flatness)
     slm->hologram.flatness_waves =
-        flattened(configured, flatness->modes, flatness->pupil_diameter_px);
+        flattened(configured, flatness->modes, flatness->fine, flatness->pupil_diameter_px);
   slm->identity = slm_identity(slm->hologram, lut || config.slm.lut);
   slm->lut = std::move(lut);
   slm->flatness = std::move(flatness);

@@ -24,7 +24,7 @@ struct MeasuredLut {
   std::string sha256;     ///< SHA-256 of the stored file; empty: not stored
 };
 
-/// Result of flatness.run: the SLM's phase error. The hologram adds the opposite of this error.
+/// Result of flatness.run or map.run: the SLM's phase error. The hologram adds the opposite of it.
 struct MeasuredFlatness {
   std::int64_t t_taken_ns = 0;
   int frames = 0;                            ///< frames averaged at each place of the scan
@@ -32,7 +32,9 @@ struct MeasuredFlatness {
   double pupil_diameter_px = 0.0;            ///< circle on which the modes are defined
   std::vector<Mode> modes;                   ///< j >= 3, RMS-normalised waves
   std::vector<double> standard_error_waves;  ///< of each mode
-  double residual_rms_waves = 0.0;           ///< RMS change of the modes in the last scan
+  /// What the modes leave of the error: a map over the pupil's square, NaN outside; empty: nothing.
+  Image<float> fine{};
+  double residual_rms_waves = 0.0;   ///< RMS change of the modes in the last scan
   nlohmann::json configured_sha256;  ///< SHA-256 of the configured flatness map; null: no map
   nlohmann::json origin;             ///< bench of the measurement; as in MeasuredLut
   std::string sha256;

@@ -182,6 +182,7 @@ void print_flatnesses() {
   print_result("flatness.get", to_json(flatness));
   print_result("flatness.run", to_json(JobNumber{6}));
   print_result("focus.run", to_json(JobNumber{7}));
+  print_result("map.run", to_json(JobNumber{9}));
   print_result("slm.settle", to_json(JobNumber{7}));
   print_result("camera.auto_exposure", to_json(JobNumber{8}));
   for (const char* method : {"reference.list", "reference.save", "reference.delete"}) {
@@ -433,6 +434,7 @@ void print_all_params() {
   print_params<RegistrationRun>("registration.run", {"frames", "frame"});
   print_params<FlatnessRun>("flatness.run", {"frames", "frame"});
   print_params<FocusRun>("focus.run", {"frames", "frame"});
+  print_params<MapRun>("map.run", {"patterns", "frames", "cells", "apply", "frame"});
   print_params<CameraSelect>("camera.select", {"id", "wait", "wait_for"}, 2000);
   print_params<ConfigSave>("config.save", {"preview", "previews"}, 2000);
   print_params<SlmChange>("slm.set", {"display", "allow_primary", "settle_ms", "settle"});

@@ -218,6 +218,8 @@ TEST(OtherRequests, AreStrict) {
   EXPECT_EQ(error_of(decode<SlmShow>(json::object())).field, "pattern");
   EXPECT_EQ(decode<FlatnessRun>(json::object())->frames, 5);
   EXPECT_EQ(error_of(decode<FlatnessRun>({{"frames", 0}})).field, "frames");
+  EXPECT_EQ(decode<MapRun>(json::object())->cells, 100);
+  EXPECT_EQ(error_of(decode<MapRun>({{"patterns", 3}})).field, "patterns");
   EXPECT_EQ(decode<AutoExposure>(json::object())->target, 0.7);
   EXPECT_FALSE(decode<AutoExposure>({{"max_exposure_us", nullptr}})->max_exposure_us);
   EXPECT_EQ(error_of(decode<AutoExposure>({{"target", 1.0}})).field, "target");

@@ -1,0 +1,140 @@
+/// Phase retrieval against far fields of a surface on the SLM's pixels.
+#include "core/wavefront/phase_retrieval.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "core/optics/far_field.hpp"
+#include "core/optics/flatness.hpp"
+
+namespace ovws {
+namespace {
+
+constexpr int kSide = 192, kCells = 48;
+constexpr double kScale = 2.6 * kSide;  // camera pixels per cycle per SLM pixel
+constexpr double kBrightestElectrons = 8000.0;
+
+/// Waves at a point, pupil radii: two gratings of 4 and 7 periods over the pupil, and coma.
+double surface(Vec2 at) {
+  return 0.15 * std::cos(2.0 * std::numbers::pi * (2.0 * at.x + 0.3)) +
+         0.1 * std::cos(2.0 * std::numbers::pi * (2.1 * at.x - 2.8 * at.y)) + 0.1 * zernike(8, at);
+}
+
+Image<float> image_of(const std::vector<Mode>& modes, int pixels) {
+  Image<std::complex<float>> field(kSide, kSide), far;
+  for (int k = 0; k < kSide * kSide; ++k) {
+    const Vec2 at = cell_centre(kSide, k);
+    if (norm(at) > 1.0) continue;
+    double waves = surface(at);
+    for (const Mode& mode : modes) waves += mode.waves * zernike(mode.j, at);
+    const double gaussian = std::exp(-0.4 * (at.x * at.x + at.y * at.y));
+    field.at(k % kSide, k / kSide) =
+        std::complex<float>(std::polar(gaussian, 2.0 * std::numbers::pi * waves));
+  }
+  const double first = -0.5 * (pixels - 1) / kScale;
+  FarField({kSide, kSide, 19.0}, {pixels, pixels, {first, first}, 1.0 / kScale})
+      .propagate(field, far);
+  Image<float> image(pixels, pixels);
+  for (std::size_t k = 0; k < far.pixels.size(); ++k) image.pixels[k] = std::norm(far.pixels[k]);
+  return image;
+}
+
+/// What an 8-bit camera of 10,000 electrons sees, minus its black level.
+void expose(Image<float>& image, float brightest, std::mt19937& random) {
+  for (float& value : image.pixels) {
+    const double electrons = kBrightestElectrons * double(value / brightest);
+    std::normal_distribution<double> noise(electrons, std::sqrt(electrons + 25.0));
+    value = float(std::clamp(std::round(0.0255 * noise(random) + 2.0), 0.0, 255.0) - 2.0);
+  }
+}
+
+std::vector<DiverseImage> images_of(const PhaseRetrieval& retrieval, unsigned seed) {
+  std::vector<DiverseImage> images;
+  for (const auto& modes : diversity_patterns(6, kCells)) {
+    images.push_back({modes, image_of(modes, retrieval.window_px())});
+  }
+  float brightest = 0.0F;
+  for (const auto& one : images) {
+    brightest = std::max(brightest, *std::ranges::max_element(one.intensity.pixels));
+  }
+  std::mt19937 random(seed);
+  for (auto& one : images) expose(one.intensity, brightest, random);
+  return images;
+}
+
+Image<float> truth() {
+  Image<float> waves(kCells, kCells);
+  for (int k = 0; k < kCells * kCells; ++k) {
+    const Vec2 at = cell_centre(kCells, k);
+    waves.pixels[std::size_t(k)] =
+        norm(at) > 1.0 ? std::numeric_limits<float>::quiet_NaN() : float(surface(at));
+  }
+  remove_tilts(waves);
+  return waves;
+}
+
+double error_of(Image<float> found) {
+  const Image<float> real = truth();
+  for (std::size_t k = 0; k < found.pixels.size(); ++k) found.pixels[k] -= real.pixels[k];
+  return rms_of(found);
+}
+
+const auto kGoOn = [] { return false; };
+
+TEST(PhaseRetrieval, FindsAFineSurfaceFromNoisy8BitImages) {
+  const auto retrieval = PhaseRetrieval::make(kScale, kSide, kCells);
+  ASSERT_TRUE(retrieval);
+  const auto one = retrieval->retrieve(images_of(*retrieval, 1), kGoOn);
+  const auto other = retrieval->retrieve(images_of(*retrieval, 2), kGoOn);
+  ASSERT_TRUE(one && other);
+  EXPECT_GT(rms_of(truth()), 0.15);
+  EXPECT_LT(error_of(one->waves), 0.012);
+  EXPECT_LT(one->misfit, 0.1);
+  // The surface has no structure finer than 7 periods over the pupil.
+  const double resolution = common_resolution(one->waves, other->waves);
+  EXPECT_LE(resolution, 0.5 * kCells / 7.0);
+  EXPECT_GE(resolution, 1.0);
+}
+
+TEST(PhaseRetrieval, MirroredCameraAndUnknownPixels) {
+  const auto retrieval = PhaseRetrieval::make({0.0, kScale, kScale, 0.0}, kSide, kCells);
+  ASSERT_TRUE(retrieval);
+  auto images = images_of(*retrieval, 1);
+  for (auto& one : images) {
+    const Image<float> before = one.intensity;
+    for (int y = 0; y < before.height; ++y) {
+      for (int x = 0; x < before.width; ++x) one.intensity.at(x, y) = before.at(y, x);
+    }
+    for (int k = 0; k < 10; ++k) {
+      one.intensity.at(20 + k, 30) = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  const auto found = retrieval->retrieve(images, kGoOn);
+  ASSERT_TRUE(found);
+  EXPECT_LT(error_of(found->waves), 0.012);
+}
+
+TEST(PhaseRetrieval, ImagesOfNothingLeaveALargeMisfitOrJumps) {
+  const auto retrieval = PhaseRetrieval::make(kScale, kSide, kCells);
+  ASSERT_TRUE(retrieval);
+  auto images = images_of(*retrieval, 1);
+  std::ranges::rotate(images[0].intensity.pixels,
+                      images[0].intensity.pixels.begin() + 40 * retrieval->window_px());
+  std::swap(images[1].intensity, images[4].intensity);
+  const auto found = retrieval->retrieve(images, kGoOn);
+  EXPECT_TRUE(!found || found->misfit > 0.2) << found->misfit;
+}
+
+TEST(PhaseRetrieval, TooCoarseAFarFieldAndAStop) {
+  EXPECT_EQ(PhaseRetrieval::make(1.9 * kSide, kSide, kCells).error().field, "optics");
+  const auto retrieval = PhaseRetrieval::make(kScale, kSide, kCells);
+  EXPECT_FALSE(retrieval->retrieve(images_of(*retrieval, 1), [] { return true; }));
+}
+
+}  // namespace
+}  // namespace ovws
