@@ -58,7 +58,7 @@ inline constexpr auto kTable<SlmConfig> = Fields{
     field<&SlmConfig::allow_primary>("whether the only or primary display may be the SLM")};
 
 template <>
-inline constexpr NamesOf kNames<Modulator> = texts<"slm", "fixed">;
+inline constexpr NamesOf kNames<Modulator> = texts<"slm", "fixed", "dmd">;
 
 template <>
 inline constexpr auto kTable<PlateConfig> = Fields{
@@ -78,6 +78,17 @@ inline constexpr auto kTable<ArrayConfig> =
                                          "the largest circle of lit lenslets",
                                          limits::kPupilMm),
            field<&ArrayConfig::plate>("the spiral phase plates, if sensor.charge is not 0")};
+
+template <>
+inline constexpr auto kTable<DmdConfig> =
+    Fields{"DmdConfig",
+           field<&DmdConfig::apodisation>(
+               "fraction by which the amplitude falls from a subaperture's centre to its rim",
+               limits::Numbers{0.0, 1.0}),
+           field<&DmdConfig::amplitudes>(
+               "amplitude of each subaperture, relative to the largest possible; empty: 1 for all",
+               limits::Numbers{0.01, 1.0})
+               .sized(0, kMaxSubapertures)};
 
 template <>
 inline constexpr auto kTable<ConfiguredTracking> = Fields{
@@ -146,12 +157,14 @@ template <>
 inline constexpr auto kTable<Config> = Fields{
     "Config",
     field<&Config::modulator>("what makes the subapertures: slm, its hologram; fixed, an array of "
-                              "lenslets, described by array, without a display"),
+                              "lenslets, described by array, without a display; dmd, the "
+                              "binary hologram of a micromirror device"),
     field<&Config::camera>("the camera"),
     field<&Config::slm>("the spatial light modulator"),
     field<&Config::optics>("lens and camera"),
     field<&Config::sensor>("the sensor's hologram"),
     field<&Config::array>("the fixed array of lenslets, with modulator fixed"),
+    field<&Config::dmd>("how a micromirror device diffracts, with modulator dmd"),
     field<&Config::tracking>("how spots are found"),
     field<&Config::refine>("live refinement: fits the diffraction model to every pixel"),
     field<&Config::stream>("data streams"),
