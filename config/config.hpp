@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/control/refine_settings.hpp"
+#include "core/optics/dmd.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/port/camera.hpp"
@@ -36,6 +37,7 @@ struct SlmConfig {
 enum class Modulator {
   slm,    ///< the SLM's hologram makes the subapertures
   fixed,  ///< an array of lenslets does, which nothing can change
+  dmd,    ///< the binary hologram of a micromirror device does; the keys of `slm` describe it
 };
 
 /// The spiral phase plate in each lenslet, if sensor.charge is not 0; see SpiralPlate.
@@ -118,6 +120,7 @@ struct Config {
   SensorConfig sensor;
   ArrayConfig array;
   std::vector<BeamConfig> beams;  ///< at most kMaxBeams
+  DmdConfig dmd;
   ConfiguredTracking tracking;
   RefineSetup refine;  ///< in DN of the camera's pixel_format
   StreamConfig stream;

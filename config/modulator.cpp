@@ -54,7 +54,7 @@ SensorConfig sensor_with(const Config& config, ArrayOnCamera lenslets) {
 }
 
 void use_modulator(Config& config) {
-  if (config.modulator == Modulator::slm) return;
+  if (config.modulator != Modulator::fixed) return;
   const OpticsConfig& optics = config.optics;
   config.slm.driver = kNoDisplay;
   config.slm.settle_ms = 0.0;

@@ -58,7 +58,7 @@ inline constexpr auto kTable<SlmConfig> = Fields{
     field<&SlmConfig::allow_primary>("whether the only or primary display may be the SLM")};
 
 template <>
-inline constexpr NamesOf kNames<Modulator> = texts<"slm", "fixed">;
+inline constexpr NamesOf kNames<Modulator> = texts<"slm", "fixed", "dmd">;
 
 template <>
 inline constexpr auto kTable<PlateConfig> = Fields{
@@ -93,6 +93,17 @@ inline constexpr auto kTable<BeamConfig> =
                "reference.take measures it",
                limits::kCentrePx)
                .mandatory()};
+
+template <>
+inline constexpr auto kTable<DmdConfig> =
+    Fields{"DmdConfig",
+           field<&DmdConfig::apodisation>(
+               "fraction by which the amplitude falls from a subaperture's centre to its rim",
+               limits::Numbers{0.0, 1.0}),
+           field<&DmdConfig::amplitudes>(
+               "amplitude of each subaperture, relative to the largest possible; empty: 1 for all",
+               limits::Numbers{0.01, 1.0})
+               .sized(0, kMaxSubapertures)};
 
 template <>
 inline constexpr auto kTable<ConfiguredTracking> = Fields{
@@ -161,7 +172,8 @@ template <>
 inline constexpr auto kTable<Config> = Fields{
     "Config",
     field<&Config::modulator>("what makes the subapertures: slm, its hologram; fixed, an array of "
-                              "lenslets, described by array, without a display"),
+                              "lenslets, described by array, without a display; dmd, the "
+                              "binary hologram of a micromirror device"),
     field<&Config::camera>("the camera"),
     field<&Config::slm>("the spatial light modulator"),
     field<&Config::optics>("lens and camera"),
@@ -169,6 +181,7 @@ inline constexpr auto kTable<Config> = Fields{
     field<&Config::array>("the fixed array of lenslets, with modulator fixed"),
     field<&Config::beams>("further light sources on the camera, in regions of their own")
         .sized(0, kMaxBeams),
+    field<&Config::dmd>("how a micromirror device diffracts, with modulator dmd"),
     field<&Config::tracking>("how spots are found"),
     field<&Config::refine>("live refinement: fits the diffraction model to every pixel"),
     field<&Config::stream>("data streams"),

@@ -214,6 +214,9 @@ Result<HologramRenderer> HologramRenderer::make(const HologramConfig& config) {
   auto lattice = make_lattice(config.sensor, config.slm);
   if (!lattice) return fail(lattice.error());
   if (auto ok = check_flatness(config); !ok) return fail(ok.error());
+  if (config.dmd) {
+    if (auto ok = check_dmd(*config.dmd, *lattice); !ok) return fail(ok.error());
+  }
   HologramRenderer renderer;
   renderer.config_ = config;
   renderer.lattice_ = std::move(*lattice);
@@ -224,10 +227,15 @@ Result<HologramRenderer> HologramRenderer::make(const HologramConfig& config) {
                          &renderer.base_phase_[std::size_t(y) * config.slm.width_px]);
   }
   const std::vector<std::uint16_t> no_modes(config.slm.width_px, 0);
+  std::vector<std::uint16_t> limits(config.slm.width_px);
   renderer.base_grey_ = {config.slm.width_px, config.slm.height_px};
   for (int y = 0; y < config.slm.height_px; ++y) {
-    look_up_greys(&renderer.base_phase_[std::size_t(y) * config.slm.width_px], no_modes.data(),
-                  config.lut.data(), config.slm.width_px, renderer.base_grey_.row(y));
+    if (config.dmd) {
+      sensor_limits_row(*config.dmd, renderer.lattice_, config.slm, y, limits);
+      renderer.limits_.insert(renderer.limits_.end(), limits.begin(), limits.end());
+    }
+    renderer.levels(&renderer.base_phase_[std::size_t(y) * config.slm.width_px], no_modes.data(),
+                    limits.data(), config.slm.width_px, renderer.base_grey_.row(y));
   }
   return renderer;
 }
@@ -239,6 +247,24 @@ void HologramRenderer::pattern_row(HologramKind kind, int y, std::span<double> w
   if (kind == HologramKind::sensor && drawn) sensor_row(config_, lattice_, y, waves);
   if (kind == HologramKind::grating) grating_row(config_, y, waves);
   add_flatness_and_wrap(config_, y, waves, phase);
+}
+
+void HologramRenderer::limits_row(HologramKind kind, int y,
+                                  std::vector<std::uint16_t>& limits) const {
+  if (!config_.dmd) return;
+  Columns lit{0, config_.slm.width_px};
+  if (kind == HologramKind::grating) {
+    lit = columns_in_circle(pupil_centre(config_.slm), config_.sensor.pupil_diameter_px, y,
+                            config_.slm.width_px);
+  }
+  std::fill(limits.begin(), limits.end(), std::uint16_t(0));
+  std::fill(limits.begin() + lit.begin, limits.begin() + lit.end, mirror_limit(0.5));
+}
+
+void HologramRenderer::levels(const std::uint16_t* base, const std::uint16_t* added,
+                              const std::uint16_t* limits, int count, std::uint8_t* grey) const {
+  if (config_.dmd) return switch_mirrors(base, added, limits, count, grey);
+  look_up_greys(base, added, config_.lut.data(), count, grey);
 }
 
 void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
@@ -261,13 +287,17 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
   std::vector<std::uint16_t> with_spare(width + 2 * kSparePixels);
   std::uint16_t* const phase = with_spare.data() + kSparePixels;
   std::vector<std::uint8_t> without_modes(width);
+  std::vector<std::uint16_t> row_limits(width);
   for (int y = 0; y < grey.height; ++y) {
     const std::uint16_t* base = &base_phase_[std::size_t(y) * width];
     const std::uint8_t* plain = base_grey_.row(y);
+    const std::uint16_t* limits = limits_.data() + (config_.dmd ? std::size_t(y) * width : 0);
     if (kind != HologramKind::sensor) {
       pattern_row(kind, y, waves, pattern.data());
       base = pattern.data();
-      look_up_greys(base, none.data(), config_.lut.data(), width, without_modes.data());
+      limits_row(kind, y, row_limits);
+      limits = row_limits.data();
+      levels(base, none.data(), limits, width, without_modes.data());
       plain = without_modes.data();
     }
     Columns shown;
@@ -278,8 +308,8 @@ void HologramRenderer::render(HologramKind kind, std::span<const Mode> modes,
                     phase + left);
     std::uint8_t* out = grey.row(y);
     std::copy(plain, plain + shown.begin, out);
-    look_up_greys(base + shown.begin, phase + shown.begin, config_.lut.data(),
-                  shown.end - shown.begin, out + shown.begin);
+    levels(base + shown.begin, phase + shown.begin, limits + (config_.dmd ? shown.begin : 0),
+           shown.end - shown.begin, out + shown.begin);
     std::copy(plain + shown.end, plain + width, out + shown.end);
   }
 }
@@ -301,6 +331,7 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
   const WavefrontRows added(probe.modes, pupil_centre(config_.slm),
                             config_.sensor.pupil_diameter_px);
   std::vector<double> added_waves(width);
+  std::vector<std::uint16_t> limits(width);
   for (int y = 0; y < grey.height; ++y) {
     std::fill(waves.begin(), waves.end(), 0.0);
     subaperture_row(config_.slm, lone, diameter_px, probe.axis_px, y, waves);
@@ -310,10 +341,14 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
     added.waves(y, lit.begin, part);
     for (std::size_t k = 0; k < part.size(); ++k) waves[std::size_t(lit.begin) + k] += part[k];
     add_flatness_and_wrap(config_, y, waves, phase.data());
-    if (probe.depth < 1.0) {
+    if (config_.dmd) {
+      std::fill(limits.begin(), limits.end(), std::uint16_t(0));
+      std::fill(limits.begin() + lit.begin, limits.begin() + std::max(lit.begin, lit.end),
+                mirror_limit(0.5 * probe.depth));
+    } else if (probe.depth < 1.0) {
       for (std::uint16_t& one : phase) one = std::uint16_t(probe.depth * one);
     }
-    look_up_greys(phase.data(), none.data(), config_.lut.data(), width, grey.row(y));
+    levels(phase.data(), none.data(), limits.data(), width, grey.row(y));
   }
 }
 
@@ -328,6 +363,8 @@ void HologramRenderer::render_picture(const Picture& picture, Image<std::uint8_t
   std::vector<double> waves(width), added_waves(width);
   std::vector<std::uint16_t> phase(width);
   const std::vector<std::uint16_t> none(width, 0);
+  std::vector<std::uint16_t> limits(width);
+  limits_row(HologramKind::test, 0, limits);
   for (int y = 0; y < grey.height; ++y) {
     const Columns pupil = columns_in_circle(centre, diameter_px, y, width);
     const float* from = picture.waves.row(y);
@@ -340,7 +377,14 @@ void HologramRenderer::render_picture(const Picture& picture, Image<std::uint8_t
     added.waves(y, pupil.begin, part);
     for (std::size_t k = 0; k < part.size(); ++k) waves[std::size_t(pupil.begin) + k] += part[k];
     add_flatness_and_wrap(config, y, waves, phase.data());
-    look_up_greys(phase.data(), none.data(), lut.data(), width, grey.row(y));
+    if (config_.dmd && !picture.lut) {  // grey levels of 128 and more are on
+      std::transform(phase.begin(), phase.end(), grey.row(y),
+                     [](std::uint16_t one) { return one >> 15 ? 255 : 0; });
+    } else if (config_.dmd) {
+      switch_mirrors(phase.data(), none.data(), limits.data(), width, grey.row(y));
+    } else {
+      look_up_greys(phase.data(), none.data(), lut.data(), width, grey.row(y));
+    }
   }
 }
 

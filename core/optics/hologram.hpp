@@ -2,19 +2,22 @@
 ///
 /// Exact rounding: pattern plus flatness, and the sum of the modes, are each rounded to the nearest
 /// 1/65536 wave (ties to even) and added modulo one wave. The top 8 of the 16 bits index the LUT.
-/// The sum of the modes is a power sum in double precision. For modes of moderate strength and
-/// order its error is below 1/1024 of a 1/65536-wave step, so only sums that close to a tie may
+/// On a DMD the 16 bits decide, pixel by pixel, whether a mirror is on (255) or off (0); see
+/// dmd.hpp. The sum of the modes is a power sum in double precision. For modes of moderate strength
+/// and order its error is below 1/1024 of a 1/65536-wave step, so only sums that close to a tie may
 /// round either way. The grey levels do not depend on the CPU's instruction set.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
+#include "core/optics/dmd.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/optics/zernike.hpp"
@@ -45,6 +48,7 @@ struct Probe {
   Vec2 axis_px = {};             ///< of the vortex, SLM pixels from the probe's centre
   /// Fraction of the phase that is shown, 0 to 1. A smaller one dims the spot, nearly by its
   /// square, and leaves its shape: the rest of the light stays in the zeroth order.
+  /// On a DMD: twice the duty.
   double depth = 1.0;
 };
 
@@ -53,8 +57,9 @@ struct Picture {
   Image<float> waves;            ///< phase, waves, finite; of the SLM's size
   std::vector<Mode> modes = {};  ///< wavefront to add inside the pupil
   bool flatness = true;          ///< whether to add the flatness map
-  bool lut = true;               ///< false: the top 8 bits of the phase are the grey levels
-  bool inside_pupil = false;     ///< whether the phase is 0 outside the sensor's pupil
+  /// false: the top 8 bits of the phase are the grey levels; on a DMD the top bit is the mirror's
+  bool lut = true;
+  bool inside_pupil = false;  ///< whether the phase is 0 outside the sensor's pupil
 };
 
 /// Inputs of the hologram renderer. All phases in waves.
@@ -65,6 +70,7 @@ struct HologramConfig {
   /// Flatness map: phase in waves to add at each SLM pixel to make the SLM optically flat. Must
   /// have the SLM's size; null: no flatness correction.
   std::shared_ptr<const Image<float>> flatness_waves;
+  std::optional<DmdConfig> dmd = std::nullopt;  ///< of a DMD, which has no LUT; none: an SLM
 };
 
 /// Modes to pass to render() for a hologram of `kind`, waves: aberration minus correction. For
@@ -74,10 +80,11 @@ std::vector<Mode> shown_modes(HologramKind kind, std::vector<Mode> aberration,
 
 /// Renders holograms. Construction takes milliseconds. Immutable afterwards, so all methods are
 /// thread-safe. Draws nothing for a sensor with lenslets. Outside the subapertures the sensor
-/// hologram's phase is 0 plus flatness and modes.
+/// hologram's phase is 0 plus flatness and modes; on a DMD the mirrors are off there.
 class HologramRenderer {
  public:
-  /// Errors: as of make_lattice, or Errc::invalid if the flatness map has a wrong size or NaN.
+  /// Errors: as of make_lattice and check_dmd, or Errc::invalid if the flatness map has a wrong
+  /// size or NaN.
   static Result<HologramRenderer> make(const HologramConfig& config);
 
   const Lattice& lattice() const { return lattice_; }
@@ -104,13 +111,19 @@ class HologramRenderer {
   /// Pattern plus flatness of row y as 16-bit phase (65536 = 2 pi). `waves`: working memory. Both
   /// `waves` and `phase` have the SLM's width.
   void pattern_row(HologramKind kind, int y, std::span<double> waves, std::uint16_t* phase) const;
+  /// Limits of a DMD's mirrors in row y of any kind but the sensor's hologram.
+  void limits_row(HologramKind kind, int y, std::vector<std::uint16_t>& limits) const;
+  /// Grey levels of `count` pixels. `limits`: of a DMD's mirrors; not used for an SLM.
+  void levels(const std::uint16_t* base, const std::uint16_t* added, const std::uint16_t* limits,
+              int count, std::uint8_t* grey) const;
   Image<std::uint8_t>& sized(Image<std::uint8_t>& grey) const;
 
   HologramConfig config_;
   Lattice lattice_;
   std::vector<std::uint16_t>
       base_phase_;  ///< sensor phase and flatness, 2 pi = 65536: integer overflow wraps it
-  Image<std::uint8_t> base_grey_;  ///< grey levels without modes, for pixels outside the pupil
+  std::vector<std::uint16_t> limits_;  ///< of a DMD's mirrors, of the sensor's hologram
+  Image<std::uint8_t> base_grey_;      ///< grey levels without modes, for pixels outside the pupil
 };
 
 }  // namespace ovws

@@ -208,5 +208,14 @@ void look_up_greys(const std::uint16_t* base, const std::uint16_t* added, const 
   HWY_DYNAMIC_DISPATCH(Greys)(base, added, lut, count, grey);
 }
 
+void switch_mirrors(const std::uint16_t* base, const std::uint16_t* added,
+                    const std::uint16_t* limits, int count, std::uint8_t* grey) {
+  for (int x = 0; x < count; ++x) {
+    const auto phase = std::uint16_t(base[x] + added[x]);
+    const auto distance = std::min(phase, std::uint16_t(-phase));
+    grey[x] = distance < limits[x] ? 255 : 0;
+  }
+}
+
 }  // namespace ovws
 #endif  // HWY_ONCE

@@ -24,4 +24,9 @@ void mirrored_phases(std::span<const double> waves, const double* x, int count,
 void look_up_greys(const std::uint16_t* base, const std::uint16_t* added, const std::uint8_t* lut,
                    int count, std::uint8_t* grey);
 
+/// DMD: grey = 255 where the distance of (base + added) from 0, modulo 65536, is below the pixel's
+/// limit, else 0.
+void switch_mirrors(const std::uint16_t* base, const std::uint16_t* added,
+                    const std::uint16_t* limits, int count, std::uint8_t* grey);
+
 }  // namespace ovws

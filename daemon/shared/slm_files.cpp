@@ -174,6 +174,7 @@ Result<HologramConfig> load_hologram_config(const Config& config) {
   HologramConfig hologram;
   hologram.slm = config.slm.geometry;
   hologram.sensor = config.sensor;
+  if (config.modulator == Modulator::dmd) hologram.dmd = config.dmd;
   if (!config.sensor.mask || !config.sensor.mask->map) {
     if (auto read = load_mask(hologram.sensor); !read) return fail(read.error());
   }

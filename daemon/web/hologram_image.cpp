@@ -26,7 +26,9 @@ std::vector<Mode> modes_of(const json& list) {
 }
 
 Result<HologramConfig> ingredients(const HologramSources& sources, const Config& config) {
-  HologramConfig configured{config.slm.geometry, config.sensor, linear_lut(), nullptr};
+  HologramConfig configured{config.slm.geometry, config.sensor, linear_lut(), nullptr,
+                            std::nullopt};
+  if (config.modulator == Modulator::dmd) configured.dmd = config.dmd;
   if (!load_mask(configured.sensor)) {
     return fail(Errc::unavailable, "",
                 "ovws-web cannot read the mask (sensor.mask.file) on this machine");

@@ -21,6 +21,7 @@ double slm_phase_waves(const SlmConfig& slm, int grey) {
 
 namespace {
 
+constexpr int kLevelOn = 128;  // the least grey level that turns a mirror on
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 std::complex<float> phasor(double waves) {
@@ -28,10 +29,15 @@ std::complex<float> phasor(double waves) {
   return {float(std::cos(angle)), float(std::sin(angle))};
 }
 
-std::array<std::complex<float>, 256> make_lut(const SlmConfig& slm) {
+std::array<std::complex<float>, 256> make_lut(const Config& config) {
   std::array<std::complex<float>, 256> lut;
+  if (config.modulator == Modulator::dmd) {
+    std::fill(lut.begin(), lut.begin() + kLevelOn, 0.0F);
+    std::fill(lut.begin() + kLevelOn, lut.end(), 1.0F);
+    return lut;
+  }
   for (std::size_t g = 0; g < lut.size(); ++g) {
-    lut[g] = phasor(slm_phase_waves(slm, int(g)));
+    lut[g] = phasor(slm_phase_waves(config.slm, int(g)));
   }
   return lut;
 }
@@ -100,7 +106,7 @@ void twist(Image<std::complex<float>>& field, const LightVortex& vortex, double 
 
 SlmModel::SlmModel(const Config& config)
     : config_(config),
-      phasor_of_grey_(make_lut(config.slm)),
+      phasor_of_grey_(make_lut(config)),
       incident_(config.slm.geometry.width_px, config.slm.geometry.height_px) {
   if (config.slm.flatness_rms_waves > 0.0) surface_waves_ = make_surface(config.slm);
   if (config.light.shape == LightShape::gaussian) {

@@ -86,7 +86,7 @@ void read_mirror(ObjectReader& r, std::optional<MirrorConfig>& mirror) {
 
 void read(ObjectReader& r, Config& c) {
   int modulator = int(c.modulator);
-  r.choice("modulator", modulator, {"slm", "fixed"});
+  r.choice("modulator", modulator, {"slm", "fixed", "dmd"});
   c.modulator = Modulator(modulator);
   r.object("array", [&](ObjectReader& in) { read_array(in, c.array); });
   r.object("camera", [&](ObjectReader& in) { read(in, c.camera, c.truth.geometry); });

@@ -122,8 +122,9 @@ struct Truth : Light {
   Noise noise = Noise::fresh;
 };
 
-/// What makes the spots: the SLM behind a lens, or a fixed array of lenslets.
-enum class Modulator { slm, fixed };
+/// What makes the spots: the SLM behind a lens, a fixed array of lenslets, or a DMD in the SLM's
+/// place, whose mirrors are on for grey levels from 128.
+enum class Modulator { slm, fixed, dmd };
 
 struct Config {
   Modulator modulator = Modulator::slm;

@@ -154,6 +154,15 @@ Result<Json> linearise(const Services& services, Bench& bench, const LutRun& run
   return use<lut_of>(services, bench, use_lut(std::move(*lut)));
 }
 
+void run_lut(Services& services, const LutRun& params, Reply<JobNumber> reply) {
+  if (services.config.modulator != Modulator::dmd) {
+    return run<kLutRun, linearise>(services, params, std::move(reply));
+  }
+  reply(Error{Errc::refused, "",
+              "a DMD has two levels, so there is no look-up table to measure; its hologram needs "
+              "none"});
+}
+
 KnownRegistration known_registration(const Services& /*services*/, const SensorSnapshot& now) {
   return {now.registration};
 }
@@ -240,7 +249,7 @@ constexpr std::array kRows{
     row<kFlatnessClear, clear<flatness_of, forget_flatness>>(Role::control,
                                                              Action::clear_reference),
     row<kFocusRun, run<kFocusRun, focus>>(Role::control, Action::start_hologram_job),
-    row<kLutRun, run<kLutRun, linearise>>(Role::control, Action::start_hologram_job),
+    row<kLutRun, run_lut>(Role::control, Action::start_hologram_job),
     row<kLutGet, get<lut_of>>(Role::read, Action::read),
     row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Action::clear_reference),
     row<kArrayFit, start_array_fit>(Role::control, Action::start_job),

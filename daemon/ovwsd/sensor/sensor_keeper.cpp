@@ -29,7 +29,7 @@ std::shared_ptr<const T> newest(const std::vector<std::shared_ptr<const T>>& all
 /// of the lenslets were measured.
 MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored) {
   FoundArray& array = stored.array;
-  if (array.empty() || config.modulator == Modulator::slm) {
+  if (array.empty() || config.modulator != Modulator::fixed) {
     array = {};
     return stored;
   }

@@ -25,7 +25,10 @@ Result<void> check_driver(const char* field, const std::string& name,
 Result<void> check_modulator(const Config& config) {
   const bool fixed = config.modulator == Modulator::fixed;
   if (!fixed && config.slm.driver == "none") {
-    return fail(Errc::invalid, "slm.driver", "an SLM needs a display: choose sdl");
+    return fail(Errc::invalid, "slm.driver", "a hologram needs a display: choose sdl");
+  }
+  if (config.modulator == Modulator::dmd && config.slm.lut) {
+    return fail(Errc::invalid, "slm.lut", "a DMD has two levels and no look-up table: set null");
   }
   if (!fixed || !config.sensor.lenslets.empty()) return {};
   return fail(Errc::invalid, "array.pitch_um",

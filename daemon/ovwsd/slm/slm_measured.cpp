@@ -194,6 +194,11 @@ nlohmann::json flatness_sha256(const HologramConfig& hologram) {
 nlohmann::json slm_identity(const HologramConfig& hologram, bool has_lut) {
   SlmIdentity slm{hologram.slm, std::nullopt, std::nullopt};
   if (has_lut) slm.lut_sha256 = sha256_of(std::span<const std::uint8_t>(hologram.lut));
+  if (const auto& dmd = hologram.dmd) {
+    std::vector<double> facts{dmd->apodisation};
+    facts.insert(facts.end(), dmd->amplitudes.begin(), dmd->amplitudes.end());
+    slm.lut_sha256 = sha256_of(std::span<const double>(facts));
+  }
   if (const auto sum = flatness_sha256(hologram); !sum.is_null()) slm.flatness_sha256 = sum;
   return to_json(slm);
 }

@@ -1,0 +1,70 @@
+"""A DMD in place of the SLM: binary holograms on the display, spots measured as an SLM's, and what a DMD refuses."""
+import json
+import subprocess
+import unittest
+
+from case import BenchCase, Client, bench_module, main, merged, wait_for
+
+DMD = {"modulator": "dmd"}
+# The first order has (1 / pi)^2 of an SLM's light: a brighter laser.
+TWIN = DMD | {"light": {"peak_electrons": 60000}}
+
+
+class Dmd(BenchCase):
+    twin_config = TWIN
+    daemon_config = merged(DMD, {"slm": {"settle_ms": 0.0}, "state": {"directory": "state"}})
+
+    def mean_modes(self, stream, frames=20):
+        self.settled_frames(stream, 5)
+        taken = self.settled_frames(stream, frames)
+        return {j: sum(frame["coefficients"][k] for frame in taken) / frames for k, j in enumerate(taken[0]["j"])}
+
+    def test_measures_known_modes_and_refuses_what_a_dmd_cannot(self):
+        self.assertTrue(self.call("slm.verify")["equal"])
+        self.take_reference(50)
+        stream = self.stream("wavefront")
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        known = {4: 0.1, 5: -0.08, 8: 0.05}
+        twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in known.items()], "norm": "rms"})
+        modes = self.mean_modes(stream)
+        for j, waves in known.items():
+            self.assertAlmostEqual(modes[j], waves, delta=0.05 * abs(waves) + 0.002, msg=f"j = {j}: {modes}")
+        # The hologram takes an aberration with the same sign as an SLM's.
+        twin.call("twin.set", {"aberration": [], "norm": "rms"})
+        self.call("aberration.set", {"modes": [{"j": 6, "waves": 0.1}]})
+        modes = self.mean_modes(stream)
+        self.assertAlmostEqual(modes[6], 0.1, delta=0.007, msg=f"{modes}")
+        self.assertTrue(self.call("slm.verify")["equal"])
+        self.call("aberration.clear")
+        with self.assertRaisesRegex(Exception, "two levels"):
+            self.call("lut.run")
+        with self.assertRaisesRegex(Exception, "order -3.*falls onto a spot"):
+            self.call("sensor.set", {"grooves": [240, 0]})
+        self.assertEqual(self.call("sensor.get")["grooves"], [200, 20])
+        wait_for(lambda: self.mean_modes(stream), what="frames after refused requests")
+
+
+class BadConfiguration(unittest.TestCase):
+    def refused(self, config):
+        """Standard error of ovwsd with a configuration that it must refuse."""
+        with bench_module.Bench() as bench:
+            path = bench.directory / "bad.json"
+            path.write_text(json.dumps(config))
+            ended = subprocess.run([bench_module.find_programs() / "ovwsd", "--config", path], capture_output=True, text=True, timeout=20)
+        self.assertNotEqual(ended.returncode, 0)
+        return ended.stderr
+
+    def test_names_the_field_at_fault(self):
+        for change, field in (({"dmd": {"amplitudes": [1.0, 0.5]}}, "dmd.amplitudes"),
+                              ({"dmd": {"amplitudes": [0.0]}}, "dmd.amplitudes"),
+                              ({"dmd": {"apodisation": 1.5}}, "dmd.apodisation"),
+                              ({"slm": {"lut": "lut.csv"}}, "slm.lut"),
+                              ({"slm": {"driver": "none"}}, "slm.driver"),
+                              ({"sensor": {"grooves": [560, 0]}}, "sensor.grooves"),
+                              ({"modulator": "dlp"}, "modulator")):
+            self.assertIn(field, self.refused(DMD | change), msg=f"{change}")
+
+
+if __name__ == "__main__":
+    main()
