@@ -20,13 +20,14 @@ void BeamWatch::on_frame(const FrameRecord& main) {
   if (!main.settled) return;
   for (std::size_t k = 0; k < main.beams().size(); ++k) {
     const FrameRecord& record = *main.beams()[k];
+    if (!record.plan->referenced()) continue;
     One& one = all_[k];
     const std::int64_t now_ns = monotonic_ns();
     one.tracked = record.tracked;
     one.spots = record.spot_count;
     one.explained = record.explained;
     one.newest_ns = now_ns;
-    if (record.valid || !record.plan->referenced()) {
+    if (record.valid) {
       one.since_ns = 0;
     } else if (one.since_ns == 0) {
       one.since_ns = now_ns;

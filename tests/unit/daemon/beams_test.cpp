@@ -13,7 +13,7 @@ namespace {
 
 Config bench(std::vector<BeamConfig> beams) {
   Config config;
-  config.camera.settings.roi = {0, 0, 512, 1200};
+  config.camera.settings.roi = {0, 0, 512, 1344};
   config.optics.centre_px = Vec2{255.5, 255.5};
   config.beams = std::move(beams);
   return config;
@@ -47,7 +47,7 @@ TEST(Beams, ThatOverlapAreRefusedWithADistanceThatWorks) {
 }
 
 TEST(Beams, OutsideTheCamerasRegionAreRefused) {
-  const std::string outside = refusal(bench({{"b", {0, 900}}}));
+  const std::string outside = refusal(bench({{"b", {0, 1200}}}));
   EXPECT_TRUE(outside.starts_with("beams[0].offset_px: ")) << outside;
   EXPECT_NE(outside.find("outside the camera's region"), std::string::npos) << outside;
 }
