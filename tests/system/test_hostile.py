@@ -29,6 +29,7 @@ VALUES = [None, True, False, 0, -1, 1, 3, 1e308, -0.0, 2**63, 0.5, "", "lg", "ma
           {"x": 0}, {"x": 0, "y": 0, "width": 512, "height": 512}, [{"j": 3, "waves": 0.1}], [{"n": 2, "m": -2, "waves": "x"}], "a" * 300]
 # Methods that occupy the bench for minutes or write files have their own tests.
 LEFT_OUT = ("config.save", "calibration.run", "registration.run", "lut.run", "flatness.run", "slm.settle", "camera.auto_exposure", "experiment.gain_sweep", "reference.take", "loop.identify",
+            "lattice.prepare",
             "camera.select")  # a random name would leave the daemon without its camera
 
 
