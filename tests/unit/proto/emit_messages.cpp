@@ -452,7 +452,6 @@ void print_all_params() {
   print_params<LatticePrepare>("lattice.prepare", {"frames", "calibrate", "find_exposure", "name"},
                                1000,
                                {{"lattices", {{{"name", "a"}, {"sensor", {{"charge", 0}}}}}}});
-  print_params<LatticeName>("lattice.use", {"name", "names"}, 3000);
   print_params<CorrectorSet>("corrector.set", {"shape", "shapes"}, 3000);
   print_params<GainSweepRun>(
       "experiment.gain_sweep",
