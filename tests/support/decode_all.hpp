@@ -6,6 +6,7 @@
 #include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
+#include "proto/tables/lattices.hpp"
 #include "proto/tables/picture.hpp"
 #include "proto/tables/slm_change.hpp"
 
@@ -26,6 +27,8 @@ inline void decode_all(const Json& params) {
   (void)decode<CameraSelect>(params);
   (void)decode<SlmChange>(params);
   (void)decode<ReferenceName>(params);
+  (void)decode<LatticePrepare>(params);
+  (void)decode<LatticeName>(params);
   (void)decode<ConfigSave>(params);
   (void)decode<SettleRun>(params);
   (void)decode<AutoExposure>(params);

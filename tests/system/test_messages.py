@@ -82,6 +82,10 @@ class Messages(BenchCase):
         call("reference.list")
         call("reference.load", {"name": "one"})
         call("reference.delete", {"name": "one"})
+        self.checked_job("lattice.prepare", {"lattices": [{"name": "one", "sensor": {"charge": 1}}], "frames": 5, "find_exposure": False})
+        call("lattice.list")
+        call("lattice.use", {"name": "one"})
+        call("lattice.remove", {"name": "one"})
 
     def call_loop(self):
         """Needs a reference, which it replaces by the model's and removes."""

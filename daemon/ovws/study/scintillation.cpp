@@ -152,7 +152,9 @@ Mean reduction(const Row& one, const Row& other) {
   return found;
 }
 
-nlohmann::json json_of(const Row& row, double rytov, const Mean& index, const Benches& benches) {
+nlohmann::json json_of(const Row& row, double rytov, const Mean& index, const Benches& benches,
+                       const Row& finest) {
+  const Mean less = reduction(row, finest);
   return {{"rytov_variance", rytov},
           {"scintillation_index", index.value},
           {"light_e", kLightE[row.light]},
@@ -163,6 +165,8 @@ nlohmann::json json_of(const Row& row, double rytov, const Mean& index, const Be
           {"residual_rad2", row.mean.value},
           {"residual_from_rad2", row.mean.value - kConfidence * row.mean.standard_error},
           {"residual_to_rad2", row.mean.value + kConfidence * row.mean.standard_error},
+          {"below_finest", less.value},
+          {"below_finest_standard_error", less.standard_error},
           {"lost_fraction", row.lost},
           {"undetermined", row.undetermined},
           {"waves", row.mean.count}};
@@ -173,17 +177,14 @@ const Row& least(const std::vector<Row>& rows) {
                            [](const Row& a, const Row& b) { return a.mean.value < b.mean.value; });
 }
 
-/// Adds the lattices of one method at one light level and strength.
+/// Adds the lattices of one method at one light level and strength, the finest last.
 void add_rows(const std::vector<Row>& rows, double rytov, const Mean& index, const Benches& benches,
               nlohmann::json& summary) {
-  for (const Row& row : rows) summary["rows"].push_back(json_of(row, rytov, index, benches));
-  nlohmann::json best = json_of(least(rows), rytov, index, benches);
-  const Mean less = reduction(least(rows), rows.back()), coarse = reduction(rows[1], rows.back());
-  best["below_finest"] = less.value;
-  best["below_finest_standard_error"] = less.standard_error;
-  best["second_below_finest"] = coarse.value;
-  best["second_below_finest_standard_error"] = coarse.standard_error;
-  summary["best"].push_back(std::move(best));
+  const auto json = [&](const Row& row) {
+    return json_of(row, rytov, index, benches, rows.back());
+  };
+  for (const Row& row : rows) summary["rows"].push_back(json(row));
+  summary["best"].push_back(json(least(rows)));
 }
 
 Figure figure_of(std::size_t light) {
@@ -239,7 +240,7 @@ std::shared_ptr<const Benches> benches() {
 
 Work scintillation(const Settings& settings) {
   const Levels levels =
-      settings.quick ? Levels{{0.0, 2.0}, 6} : Levels{{0.0, 0.1, 0.3, 1.0, 2.0, 4.0}, 100};
+      settings.quick ? Levels{{0.0, 0.1, 1.0}, 8} : Levels{{0.0, 0.1, 0.3, 1.0, 2.0, 4.0}, 100};
   const auto all = benches();
   const auto modes = std::make_shared<const Eigen::MatrixXf>(modes_at_pixels(44));
   return work_of(

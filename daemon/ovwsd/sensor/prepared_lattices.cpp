@@ -38,6 +38,7 @@ void PreparedLattices::load() {
   store_.load(kKind, [this](const StateItem& item) {
     auto lattice = decode<PreparedLattice>(item.content);
     if (lattice) {
+      lattice->t_prepared_ns = item.content.value("t_prepared_ns", std::int64_t{});  // all digits
       all_[item.name] = std::move(*lattice);
     } else {
       events_.emit(kKind, Severity::warning,
@@ -84,7 +85,7 @@ void PreparedLattices::remove(const std::string& name, std::function<void(Result
 SensorChange use_lattice(const PreparedLattice& lattice) {
   return [set = set_sensor(SensorSet::whole(lattice.settings))](SensorEdit& edit) -> Result<void> {
     if (auto changed = set(edit); !changed) return changed;
-    if (auto drawn = renew_renderer(edit.state); !drawn) return drawn;
+    if (auto drawn = edit.bench.renderers.renew(edit.state); !drawn) return drawn;
     edit.state.pattern = HologramKind::sensor;
     edit.state.painted.reset();
     return check_reference(edit);

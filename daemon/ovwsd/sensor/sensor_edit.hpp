@@ -14,6 +14,7 @@
 #include "core/port/camera.hpp"
 #include "daemon/ovwsd/sensor/calibration_file.hpp"
 #include "daemon/ovwsd/sensor/knowledge.hpp"
+#include "daemon/ovwsd/sensor/last_renderers.hpp"
 #include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "daemon/ovwsd/sensor/registration_file.hpp"
@@ -48,6 +49,7 @@ struct SensorBench {
   KeptRegistration registrations;
   Kept<LutKind> luts;
   Kept<FlatnessKind> flatnesses;
+  LastRenderers renderers;                          ///< of prepared lattices
   std::optional<CameraSettings> camera;             ///< last reported settings; none: unknown
   std::uint64_t hologram_id = 0;                    ///< the newest hologram
   std::shared_ptr<const Image<std::uint8_t>> grey;  ///< grey levels of that hologram

@@ -254,7 +254,10 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
   SensorState& next = edit.state;
   const bool new_slm = next.slm != state_.slm;
   if (new_slm || !(next.sensor == state_.sensor)) {
-    if (auto made = renew_renderer(next); !made) return made;
+    const bool drawn = !new_slm && next.renderer != state_.renderer;  // by the change itself
+    if (!drawn) {
+      if (auto made = renew_renderer(next); !made) return made;
+    }
     ++next.sensor_epoch;
   }
   if (!(next.tracking == state_.tracking)) next.templates = {};

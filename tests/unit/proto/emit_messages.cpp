@@ -15,6 +15,7 @@
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
 #include "proto/tables/job.hpp"
+#include "proto/tables/lattices.hpp"
 #include "proto/tables/loop.hpp"
 #include "proto/tables/picture.hpp"
 #include "proto/tables/set.hpp"
@@ -360,6 +361,13 @@ void print_results() {
     print_result(method, to_json(KnownCorrector{3, 69, {1, 2, 3}, 1, ""}));
     print_result(method, to_json(KnownCorrector{{}, {}, {}, {}, "there is no matrix"}));
   }
+  const PreparedLattice lattice{"coarse", {}, 310.0, kUnknownGain, 5.0, 7, 1767225600000000000};
+  for (const char* const method : {"lattice.list", "lattice.remove"}) {
+    print_result(method,
+                 to_json(LatticeList{{{lattice, true, true, ""}, {lattice, false, false, "no"}}}));
+  }
+  print_result("lattice.prepare", to_json(JobNumber{9}));
+  print_result("lattice.use", to_json(LatticeInUse{"coarse", 7, 310.0, 12}));
   print_result("slm.present", to_json(PresentReport{7, 12, std::nullopt, std::nullopt}));
   print_result("slm.present", to_json(PresentReport{7, 12, 1, 2}));
   for (int k = 0; k <= int(JobState::cancelled); ++k) {
@@ -450,6 +458,9 @@ void print_all_params() {
   print_params<CalibrationSet>(
       "calibration.set", {"shape", "modes", "amplitude_waves", "frames", "mode"}, 1000,
       {{"shape", {2, 38, 2}}, {"modes", {3, 4}}, {"amplitude_waves", 0.1}, {"frames", 20}});
+  print_params<LatticePrepare>("lattice.prepare", {"frames", "calibrate", "find_exposure", "name"},
+                               1000,
+                               {{"lattices", {{{"name", "a"}, {"sensor", {{"charge", 0}}}}}}});
   print_params<CorrectorSet>("corrector.set", {"shape", "shapes"}, 3000);
   print_params<GainSweepRun>(
       "experiment.gain_sweep",

@@ -9,6 +9,7 @@
 #include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
+#include "proto/tables/lattices.hpp"
 #include "proto/tables/picture.hpp"
 #include "proto/tables/set.hpp"
 #include "proto/tables/status.hpp"
