@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "core/optics/zernike.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
@@ -71,7 +72,7 @@ class Slm : public testing::Test {
     return lut;
   }
   MeasuredFlatness flatness() const {
-    MeasuredFlatness flatness{7,    30,      4,  96.0, {{4, 0.25}, {7, -0.1}}, {1e-3, 2e-3},
+    MeasuredFlatness flatness{7,    30,      4,  96.0, {{4, 0.25}, {7, -0.1}}, {1e-3, 2e-3}, {},
                               4e-4, nullptr, {}, ""};
     flatness.origin = origin();
     return flatness;
@@ -174,6 +175,28 @@ TEST_F(Slm, AFileThatMeansNothingIsNotUsed) {
   surface.standard_error_waves.pop_back();
   started()->flatnesses.keep(surface);
   EXPECT_FALSE(started()->load_flatness());
+}
+
+TEST_F(Slm, AFineMapIsFoundAgainAndShown) {
+  MeasuredFlatness surface = flatness();
+  surface.fine = Image<float>(32, 32);
+  for (float& waves : surface.fine.pixels) waves = 0.125F;
+  surface.fine.at(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  started()->flatnesses.keep(surface);
+  const auto found = started()->load_flatness();
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->fine.width, 32);
+  EXPECT_TRUE(std::isnan(found->fine.at(0, 0)));
+  EXPECT_EQ(found->fine.at(5, 7), 0.125F);
+  const auto without = active_slm(config_, configured(), nullptr,
+                                  std::make_shared<const MeasuredFlatness>(flatness()));
+  const auto with = active_slm(config_, configured(), nullptr, found);
+  const int x = config_.slm.geometry.width_px / 2, y = config_.slm.geometry.height_px / 2;
+  EXPECT_NEAR(without->hologram.flatness_waves->at(x, y) - with->hologram.flatness_waves->at(x, y),
+              0.125, 1e-6);
+  nlohmann::json content = FlatnessKind{config_, nullptr}.content(surface);
+  content["fine"]["cells"] = 33;
+  EXPECT_FALSE((FlatnessKind{config_, nullptr}.read(content)));
 }
 
 TEST_F(Slm, TheHologramShowsTheOppositeOfTheError) {
