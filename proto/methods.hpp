@@ -452,9 +452,8 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kSlmSettle,
                                      kSlmShow,
                                      kSlmVerify,
-                                     kSystemDescribe};
-kSystemStatus
-};
+                                     kSystemDescribe,
+                                     kSystemStatus};
 
 inline constexpr std::tuple kStreams{
     stream<WavefrontMessage>("wavefront", "Modes of each processed frame."),
