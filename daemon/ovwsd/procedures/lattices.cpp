@@ -28,8 +28,9 @@ class Preparation {
     if (asked_.find_exposure) {
       if (auto found = find_exposure(bench_, slm_, {}); !found) return fail(found.error());
     }
-    auto reference = take_reference(bench_, {.frames = asked_.frames, .allow_aberration = false},
-                                    Bench::Step::early);
+    auto reference =
+        take_reference(bench_, {.frames = asked_.frames, .allow_aberration = false, .beam = {}},
+                       Bench::Step::early);
     if (!reference) return fail(reference.error());
     if (asked_.calibrate) {
       if (auto calibrated = calibrate(); !calibrated) return fail(calibrated.error());

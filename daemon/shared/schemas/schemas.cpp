@@ -7,6 +7,7 @@
 #include "proto/field_schema.hpp"
 #include "proto/json_text.hpp"
 #include "proto/methods.hpp"
+#include "proto/tables/advice.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/description.hpp"
 #include "proto/tables/devices.hpp"

@@ -34,7 +34,7 @@ class ClosedLoopTest : public testing::Test {
 
   void take_reference_frames() {
     const auto taken = bench_.run("reference.take", [](Bench& on) {
-      return take_reference(on, {10, false});
+      return take_reference(on, {10, false, {}});
     });
     ASSERT_TRUE(taken) << taken.error().reason;
   }

@@ -22,7 +22,7 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 
 Result<nlohmann::json> take_reference_on(SimulatedBench& bench, int frames) {
   return bench.run("reference.take", [frames](Bench& on) {
-    return take_reference(on, {frames, false});
+    return take_reference(on, {frames, false, {}});
   });
 }
 

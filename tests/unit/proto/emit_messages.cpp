@@ -9,6 +9,7 @@
 #include "daemon/shared/schemas/schemas.hpp"
 #include "proto/encode.hpp"
 #include "proto/requests.hpp"
+#include "proto/tables/advice.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/corrector.hpp"
 #include "proto/tables/devices.hpp"

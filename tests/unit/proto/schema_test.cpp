@@ -4,6 +4,7 @@
 
 #include "daemon/shared/schemas/schemas.hpp"
 #include "proto/methods.hpp"
+#include "proto/tables/advice.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/description.hpp"
 #include "proto/tables/devices.hpp"
