@@ -282,6 +282,15 @@ inline constexpr auto kReferenceDelete = method<ReferenceName, ReferenceList>(
     "reference.delete", "Deletes a saved reference. The active reference stays.");
 inline constexpr auto kReferenceGet =
     method<Nothing, KnownReference>("reference.get", "Returns the active reference, or nulls.");
+inline constexpr auto kReferenceGive =
+    method<ReferenceGive, KnownReference>(
+        "reference.give",
+        "Makes positions the reference that a client has measured, for example with known tilts of "
+        "the light, in place of reference.take. Refused with the tracker fit, which needs an "
+        "image.")
+        .taking(
+            "float32, little-endian, 2 x N x 2: [x, y] of each spot in camera pixels of the region "
+            "of interest, NaN: lost; then their standard errors");
 inline constexpr auto kReferenceList = method<Nothing, ReferenceList>(
     "reference.list", "Lists the saved references, and whether each fits the present sensor.");
 inline constexpr auto kReferenceLoad = method<ReferenceName, KnownReference>(
@@ -292,17 +301,12 @@ inline constexpr auto kReferenceLoad = method<ReferenceName, KnownReference>(
 inline constexpr auto kReferenceSave = method<ReferenceName, ReferenceList>(
     "reference.save",
     "Saves the active reference under a name, at most 32 of them. An existing name is refused.");
-inline constexpr auto kReferenceSet =
-    method<ReferenceSet, KnownReference>(
-        "reference.set",
-        "Makes the predicted spot positions of the configuration, or of the active registration, "
-        "the reference: the coefficients are then absolute and include what the bench itself adds, "
-        "such as misalignment. Or makes positions the reference that a client has measured, for "
-        "example with known tilts of the light; refused with the tracker fit, which needs an "
-        "image. Replaces the active reference until the next reference.take or reference.clear.")
-        .taking(
-            "source positions only: float32, little-endian, 2 x N x 2: [x, y] of each spot in "
-            "camera pixels of the region of interest, NaN: lost; then their standard errors");
+inline constexpr auto kReferenceSet = method<ReferenceSet, KnownReference>(
+    "reference.set",
+    "Makes the predicted spot positions of the configuration, or of the active registration, the "
+    "reference: the coefficients are then absolute and include what the bench itself adds, such as "
+    "misalignment. Replaces the active reference until the next reference.take or "
+    "reference.clear.");
 inline constexpr auto kReferenceTake = method<ReferenceTake, JobNumber>(
     "reference.take",
     "Takes a reference: averages the spot positions of the next frames, from which displacements "
@@ -433,6 +437,7 @@ inline constexpr std::tuple kMethods{kAberrationClear,
                                      kReferenceClear,
                                      kReferenceDelete,
                                      kReferenceGet,
+                                     kReferenceGive,
                                      kReferenceList,
                                      kReferenceLoad,
                                      kReferenceSave,

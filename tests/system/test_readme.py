@@ -9,7 +9,7 @@ import unittest
 from case import ROOT, BenchCase, main
 
 # The commands build on each other in this order, as on a bench.
-GUIDES = [f"daemon/guide/{name}.md" for name in ("optics", "refined", "live-page", "images", "command-line", "setup", "check", "bench", "lattices")]
+GUIDES = [f"daemon/guide/{name}.md" for name in ("lattices", "optics", "refined", "live-page", "images", "command-line", "setup", "check", "bench")]
 PAGES = ["README.md", *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "daemon/guide").glob("*.md")))]
 
 

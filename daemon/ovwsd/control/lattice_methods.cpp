@@ -84,7 +84,7 @@ CameraSet exposure_change(const CameraSettings& now, const PreparedLattice& want
   return change;
 }
 
-/// Switches the sensor. If that fails, the camera's settings `before` return.
+/// Switches the sensor. If that fails, the camera's settings `before` return before the reply.
 void show(Services& services, const PreparedLattice& lattice, const CameraSet& before,
           Reply<LatticeInUse> reply) {
   const auto done = [&services, lattice, before, reply](const Result<SensorView>& used) {
@@ -92,10 +92,10 @@ void show(Services& services, const PreparedLattice& lattice, const CameraSet& b
       return reply(LatticeInUse{lattice.name, (*used)->subapertures, lattice.exposure_us,
                                 (*used)->hologram_id});
     }
-    if (!before.given().empty()) services.camera.change(before, [](const auto&) {});
     Error error = used.error();
     if (!error.field.empty()) error.field = "name";
-    reply(error);
+    if (before.given().empty()) return reply(error);
+    services.camera.change(before, [reply, error](const auto&) { reply(error); });
   };
   services.keeper.edit(Hold::unheld(), use_lattice(lattice), done);
 }

@@ -40,12 +40,12 @@ void run_reference(Services& services, const ReferenceTake& params, Reply<JobNum
   run<kReferenceTake, refer>(services, params, std::move(reply));
 }
 
-/// Positions and standard errors of a request's binary frame, see kReferenceSet.
-Result<SpotAverage> positions_from(const ReferenceSet& given, const std::string& bytes) {
+/// Positions and standard errors of a request's binary frame, see kReferenceGive.
+Result<SpotAverage> positions_from(const ReferenceGive& given, const std::string& bytes) {
   constexpr std::size_t kSpotBytes = 4 * sizeof(float);
   if (bytes.empty() || bytes.size() % kSpotBytes != 0) {
     return fail(Errc::invalid, "positions",
-                "source \"positions\" needs a binary frame of 2 x N x 2 float32 after the JSON");
+                "must be a binary frame of 2 x N x 2 float32 after the JSON");
   }
   std::vector<float> values(bytes.size() / sizeof(float));
   std::memcpy(values.data(), bytes.data(), bytes.size());
@@ -66,19 +66,16 @@ Result<SpotAverage> positions_from(const ReferenceSet& given, const std::string&
   return average;
 }
 
-void set_reference(Services& services, const ReferenceSet& to, const std::string& positions,
-                   Reply<KnownReference> reply) {
-  if (to.source == ReferenceOrigin::model) {
-    if (!positions.empty()) {
-      return reply(Error{Errc::invalid, "source",
-                         "source \"model\" takes no binary frame: give \"positions\" to use it"});
-    }
-    return edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
-  }
-  auto given = positions_from(to, positions);
+void give_reference(Services& services, const ReferenceGive& params, const std::string& positions,
+                    Reply<KnownReference> reply) {
+  auto given = positions_from(params, positions);
   if (!given) return reply(given.error());
   edit<reference_of>(services, Hold::unheld(), use_given_reference(std::move(*given)),
                      std::move(reply));
+}
+
+void use_model(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> reply) {
+  edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
 }
 
 void list_references(Services& services, Reply<ReferenceList> reply) {
@@ -128,7 +125,8 @@ constexpr Action kFilesOnly = Action::record;
 constexpr std::array kRows{
     row<kReferenceTake, run_reference>(Role::control, Action::start_job),
     row<kReferenceGet, get<reference_of>>(Role::read, Action::read),
-    row<kReferenceSet, set_reference>(Role::control, Action::clear_reference),
+    row<kReferenceSet, use_model>(Role::control, Action::clear_reference),
+    row<kReferenceGive, give_reference>(Role::control, Action::clear_reference),
     row<kReferenceClear, clear<reference_of, forget_reference>>(Role::control,
                                                                 Action::clear_reference),
     row<kReferenceDelete, delete_reference>(Role::control, kFilesOnly),

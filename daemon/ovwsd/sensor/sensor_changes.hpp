@@ -56,7 +56,7 @@ SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
                            std::shared_ptr<ReferenceSpots> spots);
 /// Model reference: positions computed from the registration, or else from the configuration.
 SensorChange use_model_reference();
-/// `reference.set` with positions: makes a client's positions the reference, without an image.
+/// `reference.give`: makes a client's positions the reference, without an image.
 /// `given`: `found` is the number of frames or 0 (lost). Errors: Errc::refused, field "tracker":
 /// the tracker is `fit`; Errc::invalid, field "positions": they do not fit the sensor; those of
 /// judge_spots.

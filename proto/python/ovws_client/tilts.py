@@ -43,7 +43,7 @@ def _solve(tilts: Floats, at_px: Floats) -> tuple[Floats, Floats, Floats]:
 
 def reference_from_tilts(client: Bench, tilt: Callable[[float, float], object], tilts: npt.ArrayLike, frames: int = 20,
                          settle_s: float = 0.0) -> TiltReference:
-    """Moves the light through known tilts, and makes the spots' positions without tilt the reference (reference_set). Needs a tracker of positions.
+    """Moves the light through known tilts, and makes the spots' positions without tilt the reference (reference_give). Needs a tracker of positions.
 
     `tilt`: tilts the light to (x, y); returns when the mirror or stage has accepted it. `tilts`: (tilts, 2), in any unit, not all on one line, and
     small enough that each spot stays its own. `settle_s`: time until the light is at rest. The light is at the first of `tilts` afterwards.
@@ -64,6 +64,6 @@ def reference_from_tilts(client: Bench, tilt: Callable[[float, float], object], 
     zeros, px_per_tilt, left = _solve(known, np.array(means))
     standard_error = np.sqrt((np.array(errors) ** 2).sum(axis=0)) / len(known)
     both = np.ascontiguousarray([zeros, np.where(np.isfinite(zeros), standard_error, 0.0)], "<f4")
-    reference = client.reference_set(both.tobytes(), source="positions", frames=min(frames * len(known), 100000))
+    reference = client.reference_give(both.tobytes(), frames=min(frames * len(known), 100000))
     return TiltReference(zeros_px=zeros, standard_error_px=standard_error, px_per_tilt=px_per_tilt, residual_px=float(np.sqrt(np.mean(left**2))),
                          known=reference)

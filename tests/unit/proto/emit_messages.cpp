@@ -314,6 +314,7 @@ void print_results() {
   reference.stale = {{"gain_db", 16.0, 20.0}, {"pixel_format", "Mono8", "Mono12"}};
   reference.origin.json = schema("reference.get").at("result").at("examples")[0].at("origin");
   print_result("reference.set", to_json(KnownReference{reference}));
+  print_result("reference.give", to_json(KnownReference{reference}));
   print_result("reference.load", to_json(KnownReference{reference}));
   reference.sha256 = "ba7816bf";
   print_result("reference.get", to_json(KnownReference{reference}));
@@ -453,8 +454,10 @@ void print_all_params() {
   print_params<ArrayFit>("array.fit", {"frames", "frame"});
   print_params<SensorAdvise>(
       "sensor.advise",
-      {"modes", "photo_electrons_per_s", "full_well_e", "read_noise_e", "longest_us"}, 1000);
-  print_params<ReferenceSet>("reference.set", {"source", "frames"}, 3000);
+      {"modes", "photo_electrons_per_s", "full_well_e", "read_noise_e", "longest_us"}, 1000,
+      {{"modes", 18}, {"photo_electrons_per_s", 1e8}});
+  print_params<ReferenceSet>("reference.set", {"source"}, 3000);
+  print_params<ReferenceGive>("reference.give", {"frames", "frame"});
   print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});
   print_params<CalibrationSet>(
       "calibration.set", {"shape", "modes", "amplitude_waves", "frames", "mode"}, 1000,
