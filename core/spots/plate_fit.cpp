@@ -112,11 +112,19 @@ struct Normal {
   }
 };
 
+tl::unexpected<Error> too_few() {
+  return fail(Errc::refused, "camera",
+              "fewer than " + std::to_string(kMinSpots) +
+                  " spots near the pupil's centre are found, not saturated, and have all their "
+                  "neighbours: check light and exposure");
+}
+
 class PlateIteration {
  public:
   static Result<PlateIteration> make(const Image<float>& mean_dn, Patch patch,
                                      const SlmGeometry& slm, const OpticsConfig& optics,
                                      const LitPixels& lit) {
+    if (std::count(patch.fitted.begin(), patch.fitted.end(), 1) < kMinSpots) return too_few();
     PlateIteration out(mean_dn, std::move(patch), slm, optics, lit);
     auto renderer = out.renderer_for(out.patch_.sensor.lenslets.plate);
     if (!renderer) return fail(renderer.error());
@@ -156,7 +164,7 @@ class PlateIteration {
         by_plate.col(k) =
             (changed[std::size_t(k)][i] - rendered[i].light).cast<double>() / probe(k)(k);
       }
-      add(rendered[i], by_plate, cells.col(Eigen::Index(i)).cast<double>(),
+      add(rendered[i], std::move(by_plate), cells.col(Eigen::Index(i)).cast<double>(),
           renderer->px_per_wave(int(i)), i, sum);
     }
     return sum;
@@ -195,13 +203,18 @@ class PlateIteration {
   }
 
   /// Adds one spot, and moves its displacement by the fit of its own phase.
-  void add(const RenderedSpot& spot, const Eigen::MatrixX3d& by_plate, const Eigen::VectorXd& dn,
+  void add(const RenderedSpot& spot, Eigen::MatrixX3d by_plate, const Eigen::VectorXd& dn,
            double px_per_wave, std::size_t number, Normal& sum) {
     Eigen::MatrixXd own(spot.light.size(), kNuisances);
     own.col(0) = spot.light.cast<double>();
     own.col(1).setOnes();
     for (std::size_t k = 0; k < kOwnPhase.size(); ++k) {
       own.col(2 + Eigen::Index(k)) = spot.per_monomial.col(kOwnPhase[k]).cast<double>();
+    }
+    for (Eigen::Index cell = 0; cell < own.rows(); ++cell) {
+      if (spot.window.is_lit(cell)) continue;
+      own.row(cell).setZero();
+      by_plate.row(cell).setZero();
     }
     // Scaled by the level, so that derivatives of the light are of the image.
     const Eigen::HouseholderQR<Eigen::MatrixXd> factors(own);
@@ -249,12 +262,7 @@ Result<PlateFit> fit_plate(const Image<float>& mean_dn, const SensorConfig& sens
     if (stopped()) return fail(Errc::refused, "", "the job was stopped");
     const auto normal = iteration->round(plate);
     if (!normal) return fail(normal.error());
-    if (normal->spots < kMinSpots) {
-      return fail(Errc::refused, "camera",
-                  "fewer than " + std::to_string(kMinSpots) +
-                      " spots near the pupil's centre are found, not saturated, and have all their "
-                      "neighbours: check light and exposure");
-    }
+    if (normal->spots < kMinSpots) return too_few();
     Three step = normal->step();
     const Three scaled{step(0) / kLongestDepth, step(1) / (kLongestShift * width_px),
                        step(2) / (kLongestShift * width_px)};

@@ -79,5 +79,20 @@ TEST(PlateFit, RecoversDepthAndShift) {
   }
 }
 
+TEST(PlateFit, SaysWhatIsMissing) {
+  PlateCase array(1, 16);
+  const Image<float> image = array.image({16, 1.0, {}}, {});
+  const std::vector<Vec2> lost(array.sensor.lenslets.centres_px.size(), Vec2{NAN, NAN});
+  const auto never = [] { return false; };
+  const auto none = fit_plate(image, array.sensor, array.slm, array.optics, {}, lost, never);
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().field, "camera");
+  const auto stopped = fit_plate(image, array.sensor, array.slm, array.optics, {}, array.places(),
+                                 [] { return true; });
+  ASSERT_FALSE(stopped);
+  array.sensor.charge = 0;
+  EXPECT_EQ(array.fit(image).error().field, "sensor.charge");
+}
+
 }  // namespace
 }  // namespace ovws
