@@ -72,11 +72,12 @@ class BenchCase(unittest.TestCase):
         self.start()
 
     def report_failure(self):
-        """If the test has failed: prints the machine's load, the ends of the bench's logs and the daemon's status."""
+        """If the test has failed: prints the failure, the machine's load, the ends of the bench's logs and the daemon's status."""
         result = self._outcome.result
-        if self not in [getattr(test, "test_case", test) for test, _ in result.errors + result.failures]:
+        failures = [text for test, text in result.errors + result.failures if self is getattr(test, "test_case", test)]
+        if not failures:
             return
-        print(f"\n--- {self.id()} failed; load {os.getloadavg()}")
+        print(f"\n--- {self.id()} failed; load {os.getloadavg()}", *failures, sep="\n")
         for log in sorted(self.bench.directory.glob("*.log")):
             print(f"--- end of {log.name}", *log.read_text(errors="replace").splitlines()[-20:], sep="\n")
         try:
