@@ -20,6 +20,7 @@ struct CameraConfig {
   std::string driver = "aravis";
   std::string id = "127.0.0.1";  ///< GenICam id, or address
   CameraSettings settings;
+  std::string trigger{};  ///< input that starts each exposure, e.g. "Line0"; empty: none
   int packet_size_bytes = 9000;
   double transfer_ms = 10.0;  ///< longest time from the end of an exposure to the frame's arrival
 };

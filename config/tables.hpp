@@ -39,6 +39,9 @@ inline constexpr auto kTable<CameraConfig> =
            field<&CameraConfig::driver>("which camera driver").checked(is_empty),
            field<&CameraConfig::id>("GenICam id or address").checked(is_empty),
            inlined(&CameraConfig::settings),
+           field<&CameraConfig::trigger>(
+               "GenICam name of the input whose pulse starts each exposure, e.g. Line0; empty: the "
+               "camera runs freely"),
            field<&CameraConfig::packet_size_bytes>("GigE Vision packet size, bytes",
                                                    limits::kPacketSizeBytes),
            field<&CameraConfig::transfer_ms>(
@@ -94,6 +97,13 @@ inline constexpr auto kTable<BeamConfig> =
                limits::kCentrePx)
                .mandatory()};
 
+/// One pattern is no sequence.
+inline std::optional<std::string> is_one_pattern(const int& patterns) {
+  return patterns == 1 ? std::optional<std::string>("must be 0, or 2 to 24") : std::nullopt;
+}
+template <>
+inline constexpr NamesOf kNames<BitOrder> = texts<"GRB", "RGB", "BGR">;
+
 template <>
 inline constexpr auto kTable<DmdConfig> =
     Fields{"DmdConfig",
@@ -103,7 +113,14 @@ inline constexpr auto kTable<DmdConfig> =
            field<&DmdConfig::amplitudes>(
                "amplitude of each subaperture, relative to the largest possible; empty: 1 for all",
                limits::Numbers{0.01, 1.0})
-               .sized(0, kMaxSubapertures)};
+               .sized(0, kMaxSubapertures),
+           field<&DmdConfig::patterns>(
+               "pattern mode: number of bits of each pixel that the DMD plays one after the other "
+               "in each frame of the video input; 0: it shows grey levels",
+               limits::kPatternSlots)
+               .checked(is_one_pattern),
+           field<&DmdConfig::bit_order>("order in which it plays the colours' bits, each from the "
+                                        "lowest to the highest")};
 
 template <>
 inline constexpr auto kTable<ConfiguredTracking> = Fields{

@@ -42,6 +42,7 @@ constexpr Numbers kLensletPitchUm{10.0, 10e3};
 constexpr Numbers kPupilMm{0.05, 1000.0};
 constexpr Numbers kLensletWidthPx{1.0, 16384.0}, kLensletPlacePx{-65535.0, 65535.0};
 constexpr Numbers kLensletPxPerCycle{1.0, 1e7};
+constexpr Integers kPatternSlots{0, 24};  ///< bits of a pixel that a DMD plays; not 1
 constexpr Integers kPlateLevels{0, 256};  ///< steps of a spiral phase plate; 0: smooth
 constexpr Numbers kPlateDepth{0.5, 1.5};  ///< relative to the design
 constexpr Numbers kPlateShiftUm{-1e3, 1e3}, kPlateShiftPx{-1e4, 1e4};

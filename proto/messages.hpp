@@ -27,6 +27,7 @@ struct FrameMessage {
   double latency_us = 0.0;
   std::uint64_t hologram_id = 0;
   bool settled = false;
+  std::optional<int> pattern;  ///< of a DMD's sequence; none: none is shown, or it is uncertain
   int charge = 1;
   std::string_view tracker;
   int subapertures = 0, tracked = 0;
@@ -91,7 +92,8 @@ struct RefinedMessage {
 struct ImageMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
   std::int64_t t_arrival_ns = 0;
-  ImageView image;  ///< sent without padding
+  std::optional<int> pattern;  ///< see FrameMessage
+  ImageView image;             ///< sent without padding
 };
 struct PhaseMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;

@@ -53,14 +53,22 @@ struct StatusMessage;
 struct StreamedStatus;
 struct VerifyReport;
 
-inline constexpr auto kAberrationClear =
-    method<Nothing, ModesReport>("aberration.clear", "Removes the introduced aberration.");
+inline constexpr auto kAberrationClear = method<Nothing, AberrationReport>(
+    "aberration.clear", "Removes the introduced aberration, or ends a sequence.");
 inline constexpr auto kAberrationGet =
-    method<Nothing, ModesReport>("aberration.get", "Returns the introduced aberration.");
-inline constexpr auto kAberrationSet =
-    method<ModesSet, ModesReport>("aberration.set",
-                                  "Replaces the introduced aberration. No mode may be given twice. "
-                                  "The result is RMS-normalised, whatever norm was given.");
+    method<Nothing, AberrationReport>("aberration.get", "Returns the introduced aberration.");
+inline constexpr auto kAberrationSequence = method<AberrationSequence, AberrationReport>(
+    "aberration.sequence",
+    "Shows a sequence of patterns on a DMD in its pattern mode: each is the sensor's hologram with "
+    "its own introduced aberration, in place of that of aberration.set. The camera takes a frame "
+    "of "
+    "each; messages tell its pattern. A dark pattern marks the beginning of each cycle. Refused "
+    "without a pattern mode, without a triggered camera, and while the loop is closed. "
+    "aberration.set and aberration.clear end it.");
+inline constexpr auto kAberrationSet = method<ModesSet, AberrationReport>(
+    "aberration.set",
+    "Replaces the introduced aberration. No mode may be given twice. The result is RMS-normalised, "
+    "whatever norm was given.");
 inline constexpr auto kArrayFit = method<ArrayFit, JobNumber>(
     "array.fit",
     "Measures depth and shift of the spiral plates of a fixed array from the shapes of its spots. "
@@ -386,6 +394,7 @@ inline constexpr auto kSystemStatus =
 
 inline constexpr std::tuple kMethods{kAberrationClear,
                                      kAberrationGet,
+                                     kAberrationSequence,
                                      kAberrationSet,
                                      kArrayFit,
                                      kCalibrationClear,

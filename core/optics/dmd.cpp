@@ -1,6 +1,7 @@
 #include "core/optics/dmd.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -53,6 +54,19 @@ void sensor_limits_row(const DmdConfig& dmd, const Lattice& lattice, const SlmGe
       const double r = norm(Vec2{double(x), double(y)} - centre) / radius_px;
       limits[std::size_t(x)] = mirror_limit(duty_of(amplitude * (1.0 - dmd.apodisation * r * r)));
     }
+  }
+}
+
+void add_pattern(const Image<std::uint8_t>& mirrors, int slot, BitOrder order,
+                 Image<std::uint8_t>& rgb) {
+  constexpr int kRed = 0, kGreen = 1, kBlue = 2;
+  constexpr std::array<std::array<int, 3>, 3> kOrders{
+      {{kGreen, kRed, kBlue}, {kRed, kGreen, kBlue}, {kBlue, kGreen, kRed}}};
+  const int colour = kOrders[std::size_t(order)][std::size_t(slot / 8)];
+  std::uint8_t* byte = rgb.pixels.data() + colour;
+  for (const std::uint8_t level : mirrors.pixels) {
+    *byte = std::uint8_t(*byte | (level >> 7) << slot % 8);
+    byte += 3;
   }
 }
 

@@ -8,11 +8,18 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/image.hpp"
 #include "core/base/result.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/lattice.hpp"
 
 namespace ovws {
+
+/// Order in which a DMD in its pattern mode plays the colours of a pixel, each from bit 0 to 7.
+enum class BitOrder { grb, rgb, bgr };
+
+/// Binary images in one frame of the video input at most: the bits of a pixel.
+constexpr int kMaxPatternSlots = 24;
 
 struct DmdConfig {
   /// Fraction by which the amplitude falls from a subaperture's centre to its rim, 0 to 1: at r
@@ -20,6 +27,10 @@ struct DmdConfig {
   double apodisation = 0.0;
   /// Amplitude of each subaperture, above 0 to 1, in the lattice's order; empty: 1 for all.
   std::vector<double> amplitudes{};
+  /// Pattern mode: number of bits of each pixel that the DMD plays as binary images, one after the
+  /// other, in each frame of the video input. 0: it shows grey levels, without a pattern mode.
+  int patterns = 0;
+  BitOrder bit_order = BitOrder::grb;  ///< in which it plays them
 
   friend bool operator==(const DmdConfig&, const DmdConfig&) = default;
 };
@@ -35,6 +46,11 @@ std::uint16_t mirror_limit(double duty);
 /// subapertures are off.
 void sensor_limits_row(const DmdConfig& dmd, const Lattice& lattice, const SlmGeometry& slm, int y,
                        std::vector<std::uint16_t>& limits);
+
+/// Adds the mirrors that are on in `mirrors` (levels from 128) to the image that a DMD plays number
+/// `slot`, 0 to kMaxPatternSlots - 1. `rgb` has three bytes a pixel: red, green and blue.
+void add_pattern(const Image<std::uint8_t>& mirrors, int slot, BitOrder order,
+                 Image<std::uint8_t>& rgb);
 
 /// Checks the number of amplitudes, and that the orders 0, -1, 3 and -3 of every subaperture, as
 /// the mirrors' pitch aliases them, are two lambda/d or more from every spot; with a duty below 1/2

@@ -26,6 +26,7 @@ struct ShownHologram {
     std::uint64_t sensor_epoch = 0;      ///< 0: not a sensor hologram, nothing to measure
     std::int64_t t_begin_mono_ns = 0;    ///< time just before the hologram is presented
     std::int64_t t_settled_mono_ns = 0;  ///< time of presentation + settle time of the SLM
+    bool sequence = false;               ///< a DMD's sequence: MeasurementPlan::patterns
   };
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   One current;
@@ -61,9 +62,11 @@ struct FrameStamp {
   /// is estimated from the elapsed time and the frame rate.
   std::uint64_t gap = 0;
   std::uint64_t hologram_id = 0;
-  bool still = false;           ///< the hologram was settled during the whole exposure; not late
-  bool settled = false;         ///< still, and sensor epoch and ROI are those of the plan
-  bool settings_known = false;  ///< gain and exposure are certain for this frame
+  bool still = false;  ///< the hologram was settled during the whole exposure; not late
+  /// Still, sensor epoch and ROI are those of the plan, and of a sequence the pattern is certain.
+  bool settled = false;
+  int pattern = -1;  ///< of the plan's patterns, in this frame; -1: none is shown, or uncertain
+  bool settings_known = false;                    ///< gain and exposure are certain for this frame
   double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;
   Roi roi;  ///< region of interest of the stream that the frame is from

@@ -52,7 +52,7 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
                                std::int64_t exposure_begin_mono_ns, std::int64_t arrival_mono_ns) {
   const auto of = [&](const ShownHologram::One& one) {
     const bool fits = one.sensor_epoch != 0 && one.sensor_epoch == plan_sensor_epoch;
-    return HologramVerdict{one.hologram_id, true, fits};
+    return HologramVerdict{one.hologram_id, true, fits, one.sequence};
   };
   if (shown.healthy && exposure_begin_mono_ns >= shown.current.t_settled_mono_ns) {
     return of(shown.current);
@@ -61,7 +61,7 @@ HologramVerdict judge_hologram(const ShownHologram& shown, std::uint64_t plan_se
       exposure_begin_mono_ns >= shown.previous.t_settled_mono_ns) {
     return of(shown.previous);
   }
-  return {shown.current.hologram_id, false, false};
+  return {shown.current.hologram_id, false, false, shown.current.sequence};
 }
 
 bool too_many_lost(const Reconstruction& found) {

@@ -32,8 +32,9 @@ bool is_late(const AppliedSettings& settings, std::int64_t arrival_mono_ns,
 
 struct HologramVerdict {
   std::uint64_t hologram_id = 0;
-  bool still = false;    ///< the hologram was settled during the whole exposure
-  bool settled = false;  ///< still, and the hologram is of the plan's sensor epoch
+  bool still = false;     ///< the hologram was settled during the whole exposure
+  bool settled = false;   ///< still, and the hologram is of the plan's sensor epoch
+  bool sequence = false;  ///< see ShownHologram::One
 };
 
 /// Assigns a hologram to a frame. The current hologram if it had settled before the exposure began.

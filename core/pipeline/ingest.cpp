@@ -34,6 +34,7 @@ bool Ingest::serve_camera() OVWS_NONBLOCKING {
     ++stream_;
     any_frame_ = false;
     arrivals_.reset();
+    patterns_.reset();
     msb_alignment_.reset();
     last_frame_mono_ns_.store(0, std::memory_order_relaxed);
     last_sign_mono_ns_.store(0, std::memory_order_relaxed);
@@ -179,8 +180,31 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   entry.still = hologram.still && !late;
   // After a change of the ROI, positions are meaningless until the plan for the new ROI is active.
   entry.settled = hologram.settled && !late && applied.roi == entry.plan->roi;
+  assign_pattern(entry, hologram.sequence);
   entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;
   if (!entry.settled) deps_.counters.add(Counter::frames_unsettled);
+}
+
+/// Finds which pattern of the sequence the frame shows; that pattern's plan measures it.
+void Ingest::assign_pattern(Entry& entry, bool sequence) OVWS_NONBLOCKING {
+  const MeasurementPlan& plan = *entry.plan;
+  entry.pattern = -1;
+  if (!sequence && plan.patterns.empty()) return;
+  const bool planned = sequence && entry.still && entry.hologram_id == plan.hologram_id;
+  if (!planned || plan.hologram_id != patterns_hologram_id_) patterns_.reset();
+  patterns_hologram_id_ = plan.hologram_id;
+  if (!planned) {
+    entry.settled = false;
+    return;
+  }
+  const GrabbedFrame& frame = entry.frame;
+  const std::int64_t t_ns = frame.t_device_ns != 0 ? frame.t_device_ns : frame.t_arrival_mono_ns;
+  const int slot = patterns_.follow(plan.cycle, t_ns, light_of(frame.image));
+  entry.settled = entry.settled && slot > 0;
+  if (!entry.settled) return;
+  entry.pattern = (slot - 1) % int(plan.patterns.size());
+  entry.measurement = entry.measurement->patterns[std::size_t(entry.pattern)].get();
+  entry.plan = plan.patterns[std::size_t(entry.pattern)].get();
 }
 
 }  // namespace ovws

@@ -9,6 +9,7 @@
 #include "core/pipeline/arrival_clock.hpp"
 #include "core/pipeline/camera_exchange.hpp"
 #include "core/pipeline/msb_alignment.hpp"
+#include "core/pipeline/pattern_follower.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/pipeline/plan_exchange.hpp"
 #include "core/pipeline/record_pool.hpp"
@@ -58,6 +59,7 @@ class Ingest {
   Entry* take_entry(const GrabbedFrame& frame) OVWS_NONBLOCKING;
   void count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING;
   void stamp(Entry& entry) OVWS_NONBLOCKING;
+  void assign_pattern(Entry& entry, bool sequence) OVWS_NONBLOCKING;
 
   Deps deps_;
   std::uint64_t stream_ = 0;
@@ -66,6 +68,8 @@ class Ingest {
   std::uint64_t incomplete_since_ = 0;
   ArrivalClock arrivals_;
   MsbAlignmentDetector msb_alignment_;
+  PatternFollower patterns_;
+  std::uint64_t patterns_hologram_id_ = 0;  ///< whose patterns patterns_ follows
   double last_exposure_us_ = 0.0;
   std::atomic<bool> image_requested_{false};
   std::atomic<std::int64_t> last_frame_mono_ns_{0};

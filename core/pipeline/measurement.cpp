@@ -26,6 +26,9 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
   demand(plan.beams.size() <= std::size_t(kMaxBeams), "measurement plan with too many beams");
   demand(plan.beam.empty() || (!plan.fit && plan.beams.empty()),
          "measurement plan of a beam with templates or beams");
+  demand(plan.patterns.size() < std::size_t(kMaxPatternSlots),
+         "measurement plan with too many patterns");
+  demand(plan.patterns.empty() || plan.beams.empty(), "measurement plan with patterns and beams");
   demand(plan.modes_j.size() <= std::size_t(kMaxModes), "measurement plan with too many modes");
   return plan;
 }
@@ -48,6 +51,9 @@ Measurement::Measurement(const MeasurementPlan& measured_plan, int workers,
   if (plan.fit) solve_scratch = plan.fit->make_scratch();
   for (const auto& beam : plan.beams) {
     beams.push_back(std::make_unique<Measurement>(*beam, workers, this));
+  }
+  for (const auto& pattern : plan.patterns) {
+    patterns.push_back(std::make_unique<Measurement>(*pattern, workers, this));
   }
 }
 

@@ -30,7 +30,8 @@ struct Measurement {
   std::vector<Vec2> left_px;  ///< per spot: displacement that the modes do not explain
   std::vector<SpotFit::Scratch> fit_scratch;  ///< one per worker; empty without plan.fit
   FrameFit::Scratch solve_scratch;
-  std::vector<std::unique_ptr<Measurement>> beams;  ///< in the order of plan.beams
+  std::vector<std::unique_ptr<Measurement>> beams;     ///< in the order of plan.beams
+  std::vector<std::unique_ptr<Measurement>> patterns;  ///< in the order of plan.patterns
 };
 
 }  // namespace ovws

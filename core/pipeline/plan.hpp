@@ -10,6 +10,7 @@
 
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
+#include "core/optics/dmd.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/port/camera.hpp"
 #include "core/spots/frame_fit.hpp"
@@ -21,6 +22,15 @@ namespace ovws {
 
 /// Further light sources on the camera, besides the main one.
 constexpr int kMaxBeams = 4;
+
+/// The cycle of binary images that a DMD plays. Slot 0 is dark: the mark. Slot s shows pattern
+/// (s - 1) modulo the number of patterns.
+struct PatternCycle {
+  int slots = 0;               ///< 2 to kMaxPatternSlots
+  std::int64_t period_ns = 0;  ///< of one slot
+
+  friend bool operator==(const PatternCycle&, const PatternCycle&) = default;
+};
 
 /// Measurement plan; immutable once the frame path may use it.
 struct MeasurementPlan {
@@ -62,6 +72,11 @@ struct MeasurementPlan {
   /// Plans of the further sources, with the same id, sensor epoch, ROI and format; they have no
   /// templates. At most kMaxBeams.
   std::vector<std::shared_ptr<const MeasurementPlan>> beams;
+  /// Plans of the patterns of a DMD's sequence, which differ from this one in their predicted
+  /// positions: each measures the frames of its pattern, and this one measures none. They have
+  /// neither beams nor templates. Empty: no sequence is shown. At most kMaxPatternSlots - 1.
+  std::vector<std::shared_ptr<const MeasurementPlan>> patterns;
+  PatternCycle cycle;  ///< of `patterns`
 
   int subapertures() const { return int(predicted_px.size()); }
   bool referenced() const { return !reference_px.empty(); }

@@ -17,6 +17,17 @@ std::span<SpotFix> spots_of(Entry& entry) {
   return {entry.spots.data(), std::size_t(entry.spot_count)};
 }
 
+void lose_spots(Entry& entry) OVWS_NONBLOCKING {
+  entry.spot_count = entry.plan->subapertures();
+  std::ranges::fill(spots_of(entry), SpotFix{});
+  std::ranges::fill_n(entry.starts.begin(), entry.spot_count, SpotStart{});
+  entry.searched = false;
+  entry.templates = {};
+  entry.follows = false;
+  entry.saturated_fraction = 0.0F;
+  entry.t_tracked_mono_ns = monotonic_ns();
+}
+
 int count_found(std::span<const SpotFix> spots) {
   return int(std::count_if(spots.begin(), spots.end(), [](const SpotFix& s) { return s.found(); }));
 }
@@ -171,24 +182,35 @@ void TrackStage::summarise(Entry& entry) OVWS_NONBLOCKING {
 
 TrackStages::TrackStages(int beams, int slices, Counters& counters, LatencyHistogram& latency) {
   for (int k = 0; k <= beams; ++k) stages_.emplace_back(slices, counters, latency);
+  for (int k = 1; k < kMaxPatternSlots; ++k) patterns_.emplace_back(slices, counters, latency);
+}
+
+/// The main source's stage for this frame; nullptr: its pattern is uncertain.
+TrackStage* TrackStages::main_of(const Entry& entry) OVWS_NONBLOCKING {
+  if (!entry.plan->patterns.empty()) return nullptr;
+  return entry.pattern < 0 ? &stages_[0] : &patterns_[std::size_t(entry.pattern)];
 }
 
 void TrackStages::begin(Entry& entry) OVWS_NONBLOCKING {
-  stages_[0].begin(entry);
+  TrackStage* const main = main_of(entry);
+  if (main == nullptr) return lose_spots(entry);
+  main->begin(entry);
   for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) {
     stages_[k + 1].begin(beam_of(entry, k));
   }
 }
 
 void TrackStages::track_slice(Entry& entry, int slice) OVWS_NONBLOCKING {
-  stages_[0].track_slice(entry, slice);
+  TrackStage* const main = main_of(entry);
+  if (main == nullptr) return;
+  main->track_slice(entry, slice);
   for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) {
     stages_[k + 1].track_slice(beam_of(entry, k), slice);
   }
 }
 
 void TrackStages::finish(Entry& entry) OVWS_NONBLOCKING {
-  stages_[0].finish(entry);
+  if (TrackStage* const main = main_of(entry)) main->finish(entry);
   for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) {
     stages_[k + 1].finish(beam_of(entry, k));
   }

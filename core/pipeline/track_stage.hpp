@@ -63,8 +63,9 @@ class TrackStage {
   std::vector<SpotFix> searched_;
 };
 
-/// The tracking stages of all light sources of a frame; call them like one TrackStage. `finish`
-/// releases the frame's pixels.
+/// The tracking stages of all light sources and patterns; call them like one TrackStage. A frame of
+/// a sequence whose pattern is uncertain is not tracked: all its spots are lost. `finish` releases
+/// the frame's pixels.
 class TrackStages {
  public:
   /// `beams`: number of further sources. `latency` counts the main one's measurements.
@@ -77,7 +78,10 @@ class TrackStages {
   TrackStage& main() { return stages_.front(); }
 
  private:
-  std::vector<TrackStage> stages_;  ///< the main source's first
+  TrackStage* main_of(const Entry& entry) OVWS_NONBLOCKING;
+
+  std::vector<TrackStage> stages_;    ///< the main source's first
+  std::vector<TrackStage> patterns_;  ///< of the main source, one for each pattern of a sequence
 };
 
 }  // namespace ovws

@@ -1,4 +1,4 @@
-/// The display port: an output that shows the SLM's grey levels, pixel for pixel.
+/// The display port: an output that shows the SLM's grey levels or a DMD's bits, pixel for pixel.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,10 @@ class Display {
  public:
   virtual ~Display() = default;
   virtual const DisplayInfo& info() const = 0;
-  /// Shows an image, which must have the size in info(). Returns the time at which the display
-  /// system accepted the image, CLOCK_MONOTONIC in ns.
-  virtual Result<std::int64_t> present(const Image<std::uint8_t>& grey) = 0;
+  /// Shows an image of the size in info(): grey levels, or, three times as wide, the red, green and
+  /// blue of each pixel. Returns the time at which the display system accepted the image,
+  /// CLOCK_MONOTONIC in ns.
+  virtual Result<std::int64_t> present(const Image<std::uint8_t>& levels) = 0;
   /// Waits until the output has begun its next refresh, 0.1 s at most, so that `present` changes
   /// the image early in one. Returns the time of its beginning, CLOCK_MONOTONIC in ns; 0,
   /// at once, where the display system does not tell.

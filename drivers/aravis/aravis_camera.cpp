@@ -89,7 +89,7 @@ class AravisCamera final : public Camera {
     auto features = CameraFeatures::find(device_);
     if (!features) return fail(features.error());
     features_.emplace(*features);
-    if (auto done = features_->prepare(); !done) return done;
+    if (auto done = features_->prepare(config_.trigger); !done) return done;
     if (auto done = prepare_transport(device_, config_); !done) return done;
     auto current = features_->read();
     if (!current) return fail(current.error());

@@ -10,6 +10,7 @@ namespace ovws {
 
 struct AravisConfig {
   std::string id;                ///< IP address, Aravis device id or serial number of the camera
+  std::string trigger{};         ///< TriggerSource that starts each frame; empty: free running
   int packet_size_bytes = 9000;  ///< GigE: at most the camera's maximum; 0: keep the camera's value
   int buffers = 32;              ///< frame buffers; a recorder may hold half of the buffers
   /// GigE: size of the socket's receive buffer (SO_RCVBUF). If it cannot hold 8 frames, they arrive
@@ -22,9 +23,9 @@ struct AravisConfig {
 };
 
 /// Opens the camera, takes control, stops an acquisition that a crashed client may have left
-/// running, and configures free-running acquisition with all automatic functions off. Errors:
-/// Errc::invalid (empty id, or a configured number out of range), Errc::unavailable (no such
-/// camera, or controlled by another program), Errc::device.
+/// running, and configures continuous acquisition, free running or triggered, with all automatic
+/// functions off. Errors: Errc::invalid (empty id, or a configured number out of range),
+/// Errc::unavailable (no such camera, or controlled by another program), Errc::device.
 ///
 /// In addition to the guarantees of the camera port:
 /// - Values are rounded to the camera's nearest step, regions down to the next step. An exposure

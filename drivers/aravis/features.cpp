@@ -61,6 +61,30 @@ Result<void> CameraFeatures::turn_triggers_off() {
   return {};
 }
 
+Result<void> CameraFeatures::use_trigger(const std::string& source) {
+  const auto set = [&](const char* feature, const std::string& choice) -> Result<void> {
+    if (!device_->has(feature))
+      return fail(
+          Errc::device, "camera.trigger",
+          "this camera has no feature " + std::string(feature) + ": set camera.trigger to \"\"");
+    auto offered = device_->choices(feature);
+    if (!offered) return fail(Errc::device, "camera.trigger", offered.error().reason);
+    std::string names;
+    for (const std::string& name : *offered)
+      names += (names.empty() ? "" : ", ") + printable(name, kMaxNameBytes);
+    if (std::ranges::find(*offered, choice) == offered->end())
+      return fail(Errc::invalid, "camera.trigger",
+                  "\"" + printable(choice, kMaxNameBytes) + "\" is no " + feature +
+                      " of this camera, which has " + names);
+    return at_field<void>("camera.trigger", device_->set_text(feature, choice.c_str()));
+  };
+  if (device_->has("TriggerSelector")) {
+    if (auto done = set("TriggerSelector", "FrameStart"); !done) return done;
+  }
+  if (auto done = set("TriggerSource", source); !done) return done;
+  return set("TriggerMode", "On");
+}
+
 Result<void> CameraFeatures::choose_supported_pixel_format() {
   auto now = device_->text("PixelFormat");
   if (!now) return at_field<void>("camera.pixel_format", fail(now.error()));
@@ -77,7 +101,7 @@ Result<void> CameraFeatures::choose_supported_pixel_format() {
       "ovws cannot use this camera: it has no supported monochrome or Bayer format, only " + names);
 }
 
-Result<void> CameraFeatures::prepare() {
+Result<void> CameraFeatures::prepare(const std::string& trigger) {
   static constexpr std::pair<const char*, const char*> kChoices[] = {
       {"AcquisitionMode", "Continuous"}, {"GainAuto", "Off"},
       {"ExposureAuto", "Off"},           {"ExposureMode", "Timed"},
@@ -92,6 +116,9 @@ Result<void> CameraFeatures::prepare() {
   for (const auto& [feature, on] : kSwitches)
     if (auto done = device_->switch_if_offered(feature, on); !done) return done;
   if (auto done = turn_triggers_off(); !done) return done;
+  if (!trigger.empty()) {
+    if (auto done = use_trigger(trigger); !done) return done;
+  }
   return choose_supported_pixel_format();
 }
 

@@ -27,9 +27,10 @@ class CameraFeatures {
   /// feature is missing.
   static Result<CameraFeatures> find(GenicamDevice& device);
 
-  /// Configures continuous acquisition: triggers and all automatic functions off, and a supported
-  /// pixel format.
-  Result<void> prepare();
+  /// Configures continuous acquisition: all automatic functions off, a supported pixel format, and
+  /// each frame started by `trigger`, a TriggerSource; empty: free running. Errors: field
+  /// camera.trigger, the camera has no such trigger.
+  Result<void> prepare(const std::string& trigger);
   CameraInfo info(const std::string& address);
   Result<CameraLimits> limits();
   Result<CameraSettings> read();
@@ -45,6 +46,7 @@ class CameraFeatures {
   using Undo = std::vector<std::function<void()>>;
 
   Result<void> turn_triggers_off();
+  Result<void> use_trigger(const std::string& source);
   Result<void> choose_supported_pixel_format();
   Result<int> sensor_extent(const char* sensor, const char* extent, const char* offset);
   Result<RoiSteps> roi_steps();

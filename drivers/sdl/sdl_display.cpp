@@ -15,20 +15,27 @@ bool exact(const SDL_Surface& surface, const DisplayInfo& info) {
          format.Rmask == 0xff0000 && format.Gmask == 0xff00 && format.Bmask == 0xff;
 }
 
-void expand(const Image<std::uint8_t>& grey, SDL_Surface& surface) {
+void expand(const Image<std::uint8_t>& levels, SDL_Surface& surface) {
   auto* row = static_cast<std::uint8_t*>(surface.pixels);
-  for (int y = 0; y < grey.height; ++y, row += surface.pitch) {
-    const std::uint8_t* from = grey.row(y);
+  for (int y = 0; y < levels.height; ++y, row += surface.pitch) {
+    const std::uint8_t* from = levels.row(y);
     auto* to = reinterpret_cast<std::uint32_t*>(row);
-    for (int x = 0; x < grey.width; ++x) to[x] = 0xff000000u | from[x] * 0x010101u;
+    if (levels.width == surface.w) {
+      for (int x = 0; x < surface.w; ++x) to[x] = 0xff000000u | from[x] * 0x010101u;
+    } else {
+      for (int x = 0; x < surface.w; ++x, from += 3) {
+        to[x] = 0xff000000u | from[0] * 0x010000u | from[1] * 0x0100u | from[2];
+      }
+    }
   }
 }
 
 }  // namespace
 
-Result<std::int64_t> sdl::SlmWindow::present(const Image<std::uint8_t>& grey) {
-  if (grey.width != info_.width || grey.height != info_.height ||
-      grey.pixels.size() != std::size_t(grey.width) * grey.height) {
+Result<std::int64_t> sdl::SlmWindow::present(const Image<std::uint8_t>& levels) {
+  if ((levels.width != info_.width && levels.width != 3 * info_.width) ||
+      levels.height != info_.height ||
+      levels.pixels.size() != std::size_t(levels.width) * levels.height) {
     return fail(Errc::invalid, "slm", "the image does not have the size of the display");
   }
   if (const auto alive = connection(); !alive) return fail(alive.error());
@@ -39,7 +46,7 @@ Result<std::int64_t> sdl::SlmWindow::present(const Image<std::uint8_t>& grey) {
         "SDL provides no 32-bit surface of the display's size (" + std::string(SDL_GetError()) +
             "): check the output's mode and 24-bit colour, then restart the display system");
   }
-  expand(grey, *surface);
+  expand(levels, *surface);
   if (const auto shown = flush(); !shown) return fail(shown.error());
   return monotonic_ns();
 }

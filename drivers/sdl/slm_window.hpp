@@ -19,7 +19,7 @@ class SlmWindow : public Display {
  public:
   explicit SlmWindow(SdlConfig config) : config_(std::move(config)) {}
   const DisplayInfo& info() const override { return info_; }
-  Result<std::int64_t> present(const Image<std::uint8_t>& grey) override;
+  Result<std::int64_t> present(const Image<std::uint8_t>& levels) override;
   Result<void> check() override;
 
  protected:

@@ -57,4 +57,31 @@ inline constexpr auto kTable<ModesReport> =
            constant("norm", "rms", "normalisation of the coefficients"),
            field<&ModesReport::hologram_id>(kHologramIdMeaning)};
 
+/// One pattern of a DMD's sequence.
+struct PatternReport {
+  std::vector<NamedMode> modes;
+};
+template <>
+inline constexpr auto kTable<PatternReport> =
+    Fields{"PatternReport", field<&PatternReport::modes>("modes introduced by this pattern")};
+
+/// Result of `aberration.*`.
+struct AberrationReport : ModesReport {
+  std::vector<PatternReport> patterns;  ///< of a DMD's sequence; empty: none is shown
+
+  AberrationReport() = default;
+  AberrationReport(const std::vector<Mode>& of, const std::vector<std::vector<Mode>>& sequence,
+                   std::uint64_t shown)
+      : ModesReport(of, shown) {
+    for (const std::vector<Mode>& pattern : sequence) {
+      patterns.push_back({ModesReport(pattern, shown).modes});
+    }
+  }
+};
+template <>
+inline constexpr auto kTable<AberrationReport> = Fields{
+    "AberrationReport", based<ModesReport>(),
+    field<&AberrationReport::patterns>(
+        "patterns of the DMD's sequence, in the order of their numbers; empty: none is shown")};
+
 }  // namespace ovws

@@ -33,6 +33,18 @@ struct Wire<ModesSet> {
   static Json schema(SchemaParts&, const FieldInfo&);
 };
 
+/// Params of `aberration.sequence`.
+struct AberrationSequence {
+  std::vector<ModesSet> patterns;
+};
+template <>
+inline constexpr auto kTable<AberrationSequence> =
+    Fields{"AberrationSequence",
+           field<&AberrationSequence::patterns>(
+               "of each pattern the modes that it introduces, as the params of aberration.set")
+               .mandatory()
+               .sized(1, int(limits::kPatternSlots.max) - 1)};
+
 struct ReferenceTake {
   int frames = 100;
   bool allow_aberration = false;

@@ -108,6 +108,7 @@ struct GrabStamp {
   std::uint64_t frame_id = 0;
   std::uint64_t hologram_id = 0;
   bool settled = false;
+  std::optional<int> pattern;
   std::int64_t t_device_ns = 0, t_arrival_ns = 0;
   double exposure_us = 0.0, gain_db = 0.0, gain_raw = kUnknownGain;
 };
@@ -117,6 +118,7 @@ inline constexpr auto kTable<GrabStamp> =
            field<&GrabStamp::frame_id>(kFrameIdMeaning),
            field<&GrabStamp::hologram_id>(kFrameHologramMeaning),
            field<&GrabStamp::settled>("whether the hologram had settled during the whole exposure"),
+           field<&GrabStamp::pattern>(kPatternMeaning, kPatternBounds),
            field<&GrabStamp::t_device_ns>("the camera's own timestamp, ns; 0: it has none"),
            field<&GrabStamp::t_arrival_ns>(kArrivalMeaning),
            field<&GrabStamp::exposure_us>("exposure time of this frame, microseconds",

@@ -58,6 +58,7 @@ inline constexpr auto kTable<FrameMessage> = Fields{
     field<&FrameMessage::hologram_id>(kFrameHologramMeaning),
     field<&FrameMessage::settled>(
         "whether the SLM showed the sensor, settled, during the whole exposure"),
+    field<&FrameMessage::pattern>(kPatternMeaning, kPatternBounds),
     field<&FrameMessage::charge>("topological charge of the hologram", limits::kCharge),
     field<&FrameMessage::tracker>("tracker used").among(kNames<TrackerKind>),
     field<&FrameMessage::subapertures>("number of subapertures", Bounds::at_least(0)),
@@ -169,6 +170,7 @@ inline constexpr auto kTable<ImageMessage> =
            field<&ImageMessage::frame_id>(kFrameIdMeaning),
            field<&ImageMessage::t_arrival_ns>(kArrivalMeaning),
            field<&ImageMessage::hologram_id>(kFrameHologramMeaning),
+           field<&ImageMessage::pattern>(kPatternMeaning, kPatternBounds),
            kOrientation,
            computed(
                "shape",

@@ -2,6 +2,8 @@
 /// flatness, focus, lut, registration, slm.
 #include <spdlog/fmt/fmt.h>
 
+#include <cmath>
+
 #include "config/config.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/method_table.hpp"
@@ -9,6 +11,7 @@
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/presentation.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
+#include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "proto/tables/calibration.hpp"
@@ -22,20 +25,77 @@
 namespace ovws {
 namespace {
 
-template <auto modes>
-ModesReport modes_of(const Services& /*services*/, const SensorSnapshot& now) {
-  return {now.*modes, now.hologram_id};
+AberrationReport aberration_of(const Services& /*services*/, const SensorSnapshot& now) {
+  return {now.aberration, now.sequence, now.hologram_id};
 }
-constexpr auto aberration_of = modes_of<&SensorSnapshot::aberration>;
-constexpr auto correction_of = modes_of<&SensorSnapshot::correction>;
+
+ModesReport correction_of(const Services& /*services*/, const SensorSnapshot& now) {
+  return {now.correction, now.hologram_id};
+}
 
 // An aberration may be introduced even while the loop is closed: the loop then corrects it.
-void introduce(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
+void introduce(Services& services, const ModesSet& change, Reply<AberrationReport> reply) {
   edit<aberration_of>(services, Hold::of_loop(), set_aberration(change.modes), std::move(reply));
 }
 
-void introduce_none(Services& services, Reply<ModesReport> reply) {
+void introduce_none(Services& services, Reply<AberrationReport> reply) {
   introduce(services, {}, std::move(reply));
+}
+
+/// The cycle that the DMD plays now. Errors: it has no pattern mode, or the camera cannot take a
+/// frame of each pattern.
+Result<PatternCycle> cycle_of(const Services& services) {
+  const Config& config = services.config;
+  const int slots = config.modulator == Modulator::dmd ? config.dmd.patterns : 0;
+  if (slots == 0) {
+    return fail(Errc::refused, "dmd.patterns",
+                "there is no DMD in a pattern mode: set `modulator` to dmd and dmd.patterns to the "
+                "number of bits that it plays, and restart the daemon");
+  }
+  if (config.camera.trigger.empty()) {
+    return fail(Errc::refused, "camera.trigger",
+                "a camera that runs freely does not take one frame of each pattern: connect the "
+                "DMD's trigger output to the camera, set camera.trigger, and restart the daemon");
+  }
+  if (!config.beams.empty()) {
+    return fail(Errc::refused, "beams", "patterns cannot be shown with several light sources");
+  }
+  const auto display = services.slm.snapshot().info;
+  if (!display || display->refresh_hz <= 0.0) {
+    return fail(Errc::unavailable, "slm.display",
+                "the refresh rate of the DMD's output is not known: check slm in system.status");
+  }
+  const double period_us = 1e6 / display->refresh_hz / slots;
+  const double exposure_us = services.camera.snapshot().settings.exposure_us;
+  if (exposure_us > period_us) {
+    return fail(
+        Errc::refused, "exposure_us",
+        fmt::format("an exposure of {:g} us is longer than a pattern, {:.1f} us: shorten it "
+                    "with camera.set first",
+                    exposure_us, period_us));
+  }
+  return PatternCycle{slots, std::llround(1e3 * period_us)};
+}
+
+void show_sequence(Services& services, const AberrationSequence& given,
+                   Reply<AberrationReport> reply) {
+  if (auto can = check_shows_sensor(*services.keeper.snapshot()); !can) return reply(can.error());
+  if (services.recorder.report().state == "recording") {
+    return reply(Error{Errc::refused, "", "a recording does not know patterns: stop it first"});
+  }
+  const auto cycle = cycle_of(services);
+  if (!cycle) return reply(cycle.error());
+  const int most = cycle->slots - 1;
+  if (int(given.patterns.size()) > most) {
+    return reply(Error{Errc::invalid, "patterns",
+                       fmt::format("{} patterns: the DMD plays {} in a cycle, and the first is the "
+                                   "dark mark: give at most {}",
+                                   given.patterns.size(), cycle->slots, most)});
+  }
+  std::vector<std::vector<Mode>> patterns;
+  for (const ModesSet& one : given.patterns) patterns.push_back(one.modes);
+  edit<aberration_of>(services, Hold::unheld(), set_sequence(std::move(patterns), *cycle),
+                      std::move(reply));
 }
 
 void correct(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
@@ -89,7 +149,8 @@ Result<Json> calibrate(const Services& services, Bench& bench, const Calibration
 }
 
 void run_calibration(Services& services, const CalibrationRun& params, Reply<JobNumber> reply) {
-  if (auto can = check_shows_sensor(*services.keeper.snapshot()); !can) return reply(can.error());
+  if (auto can = check_shows_one_sensor(*services.keeper.snapshot()); !can)
+    return reply(can.error());
   run<kCalibrationRun, calibrate>(services, params, std::move(reply));
 }
 
@@ -234,6 +295,7 @@ void verify(Services& services, Reply<VerifyReport> reply) {
 
 constexpr std::array kRows{
     row<kAberrationGet, get<aberration_of>>(Role::read, Action::read),
+    row<kAberrationSequence, show_sequence>(Role::control, Action::set_correction),
     row<kAberrationSet, introduce>(Role::control, Action::set_aberration),
     row<kAberrationClear, introduce_none>(Role::control, Action::set_aberration),
     row<kCalibrationRun, run_calibration>(Role::control, Action::start_hologram_job),

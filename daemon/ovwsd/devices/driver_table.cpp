@@ -27,6 +27,7 @@ struct Row {
 Result<std::unique_ptr<Camera>> open_aravis(const CameraConfig& config) {
   AravisConfig aravis;
   aravis.id = config.id;
+  aravis.trigger = config.trigger;
   aravis.packet_size_bytes = config.packet_size_bytes;
   aravis.receive_priority = kReceivePriority;
   return open_aravis_camera(aravis);

@@ -168,7 +168,8 @@ bool FrameGrabs::Grab::take(const FrameRecord& record) {
     return refuse({Errc::refused, "", "exposure or gain changed: repeat the request"});
   }
   copy(image);
-  report_.frames.push_back({record.frame.frame_id, record.hologram_id, record.still,
+  const auto pattern = record.pattern < 0 ? std::nullopt : std::optional(record.pattern);
+  report_.frames.push_back({record.frame.frame_id, record.hologram_id, record.still, pattern,
                             record.frame.t_device_ns, record.frame.t_arrival_ns, record.exposure_us,
                             record.gain_db, record.gain_raw});
   return true;

@@ -42,7 +42,8 @@ FrameCopy copy_of(const FrameCopy& frame) {
 }
 
 bool can_be_refined(const FrameRecord& record) {
-  return record.settled && record.settings_known && (record.valid || !record.plan->referenced());
+  return record.settled && record.pattern < 0 && record.settings_known &&
+         (record.valid || !record.plan->referenced());
 }
 
 const FrameCopy* FrameInbox::next(std::chrono::milliseconds timeout) {

@@ -79,7 +79,7 @@ Result<void> check_modes(const LoopSettings& settings, const std::vector<int>& m
 /// Preconditions for closing the loop: the sensor's hologram is shown, there is a reference, each
 /// mode to correct is measured, and the present correction is within the limit.
 Result<void> check_against(const LoopSettings& settings, const SensorSnapshot& sensor) {
-  if (auto shown = check_shows_sensor(sensor); !shown) return shown;
+  if (auto shown = check_shows_one_sensor(sensor); !shown) return shown;
   if (!sensor.reference) {
     return fail(Errc::refused, "reference",
                 "there is no reference for the loop: take one with reference.take first");

@@ -47,7 +47,7 @@ void warn_of_introduced(Bench& bench, double rms_waves) {
 }  // namespace
 
 Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take) {
-  if (auto shown = check_shows_sensor(sensor); !shown) return shown;
+  if (auto shown = check_shows_one_sensor(sensor); !shown) return shown;
   if (!sensor.sensor.lenslets.empty() && !sensor.registration) {
     return fail(Errc::refused, "registration",
                 "the array has not been found yet, and modes would be wrong if it is turned: call "

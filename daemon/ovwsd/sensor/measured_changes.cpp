@@ -86,7 +86,7 @@ Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
   if (measured && rms_waves(state.aberration) > 0.0) reference.introduced = state.aberration;
   reference.origin = std::make_shared<const nlohmann::json>(
       origin_of(edit, key_of(edit.state), reference.aberration,
-                measured ? edit.bench.grey.get() : nullptr, reference.introduced));
+                measured ? edit.bench.levels.get() : nullptr, reference.introduced));
   return reference;
 }
 
@@ -369,7 +369,7 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
         measured, calibration_key(edit.state, edit.knowledge, edit.bench.optics), {}, nullptr, ""};
     calibration.mode_operator = mode_operator_of(calibration);
     calibration.origin = std::make_shared<const nlohmann::json>(
-        origin_of(edit, calibration.key.sensor, shown_modes(edit.state), edit.bench.grey.get()));
+        origin_of(edit, calibration.key.sensor, shown_modes(edit.state), edit.bench.levels.get()));
     const auto replaced = replace_calibration(edit.knowledge, std::move(calibration));
     schedule_write(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
     const bool stays = edit.lease && edit.lease->sensor == edit.state.sensor &&

@@ -58,10 +58,11 @@ Result<PlanBuilder> beam_builder(const PlanInputs& main, const BeamConfig& beam,
 /// Makes the builders, unless the sensor has not changed since the last plan.
 Result<void> Plans::make_builders(const SensorState& state, const Bound& bound) {
   const OpticsConfig optics = optics_of(state, bench_);
+  const TrackingSettings tracking = tracking_in_use(state);
   const Reference* const reference = bound.reference.get();
   Sensor sensor{state.sensor_epoch,
                 state.renderer,
-                state.tracking,
+                tracking,
                 px_per_cycle(optics, bench_.slm),
                 optics.centre_px,
                 state.roi,
@@ -77,7 +78,7 @@ Result<void> Plans::make_builders(const SensorState& state, const Bound& bound) 
   PlanInputs inputs{state.sensor_epoch,
                     state.renderer->lattice(),
                     state.sensor,
-                    state.tracking,
+                    tracking,
                     optics,
                     bench_.slm,
                     state.roi,
@@ -108,9 +109,24 @@ Result<std::unique_ptr<MeasurementPlan>> Plans::build(const SensorState& state, 
     return builder.plan(id, hologram_id, shown_modes(state), state.correction);
   };
   auto plan = plan_of(builders_.front());
+  if (shows_sequence(state)) {
+    add_patterns(state, *plan);
+    return plan;
+  }
   ovws::use(state.templates, state, bound, *plan);
   for (std::size_t k = 1; k < builders_.size(); ++k) plan->beams.push_back(plan_of(builders_[k]));
   return plan;
+}
+
+void Plans::add_patterns(const SensorState& state, MeasurementPlan& plan) {
+  plan.cycle = state.cycle;
+  plan.can_fit_shapes = false;
+  for (std::size_t k = 0; k < state.sequence.size(); ++k) {
+    auto pattern = builders_.front().plan(plan.id, plan.hologram_id, pattern_modes(state, k),
+                                          state.correction);
+    pattern->can_fit_shapes = false;
+    plan.patterns.push_back(std::move(pattern));
+  }
 }
 
 void Plans::use(std::unique_ptr<MeasurementPlan> plan) {

@@ -45,6 +45,7 @@ class Plans {
     friend bool operator==(const Sensor&, const Sensor&) = default;
   };
   Result<void> make_builders(const SensorState& state, const Bound& bound);
+  void add_patterns(const SensorState& state, MeasurementPlan& plan);
 
   Pipeline& pipeline_;
   BenchOptics bench_;

@@ -53,6 +53,16 @@ SensorChange set_sensor(SensorSet change, std::optional<MaskConfig> read_mask) {
 SensorChange set_aberration(std::vector<Mode> modes) {
   return [modes = std::move(modes)](SensorEdit& edit) -> Result<void> {
     edit.state.aberration = modes;
+    edit.state.sequence.clear();
+    return {};
+  };
+}
+
+SensorChange set_sequence(std::vector<std::vector<Mode>> patterns, PatternCycle cycle) {
+  return [patterns = std::move(patterns), cycle](SensorEdit& edit) -> Result<void> {
+    edit.state.aberration.clear();
+    edit.state.sequence = patterns;
+    edit.state.cycle = cycle;
     return {};
   };
 }
@@ -83,6 +93,7 @@ SensorChange show_request(ShowRequest what) {
     apply(what.sensor, edit.bench.config.sensor.mask, state);
     if (auto fast = check_daemon_tracker(state.tracking); !fast) return fast;
     state.aberration = what.aberration;
+    state.sequence.clear();
     state.pattern = painted ? HologramKind::test : HologramKind::sensor;
     state.painted = std::move(painted);
     return {};

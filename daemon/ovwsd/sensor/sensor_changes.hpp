@@ -20,6 +20,9 @@ namespace ovws {
 /// file takes its map from the mask in use, or from `read_mask` (none: that of the configuration).
 SensorChange set_sensor(SensorSet change, std::optional<MaskConfig> read_mask = std::nullopt);
 SensorChange set_aberration(std::vector<Mode> modes);
+/// Shows a DMD's sequence: patterns of the sensor, each with these modes, in place of the
+/// introduced aberration.
+SensorChange set_sequence(std::vector<std::vector<Mode>> patterns, PatternCycle cycle);
 SensorChange set_correction(std::vector<Mode> modes);
 SensorChange show_pattern(HologramKind pattern);
 

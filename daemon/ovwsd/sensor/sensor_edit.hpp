@@ -49,10 +49,10 @@ struct SensorBench {
   KeptRegistration registrations;
   Kept<LutKind> luts;
   Kept<FlatnessKind> flatnesses;
-  LastRenderers renderers;                          ///< of prepared lattices
-  std::optional<CameraSettings> camera;             ///< last reported settings; none: unknown
-  std::uint64_t hologram_id = 0;                    ///< the newest hologram
-  std::shared_ptr<const Image<std::uint8_t>> grey;  ///< grey levels of that hologram
+  LastRenderers renderers;                            ///< of prepared lattices
+  std::optional<CameraSettings> camera;               ///< last reported settings; none: unknown
+  std::uint64_t hologram_id = 0;                      ///< the newest hologram
+  std::shared_ptr<const Image<std::uint8_t>> levels;  ///< of that hologram, see hologram_of
 };
 
 /// Copies of the sensor's state for a change to modify, and file work to do once the change is

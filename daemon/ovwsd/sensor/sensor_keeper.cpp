@@ -103,9 +103,9 @@ Result<void> SensorKeeper::begin() {
     plan = planned();
   }
   if (!plan) return fail(plan.error());
-  bench_.grey = hologram_of(state);
+  bench_.levels = hologram_of(state);
   deps_.slm.show_when_possible(
-      {bench_.hologram_id, shown_epoch(state), state.pattern, bench_.grey});
+      {bench_.hologram_id, shown_epoch(state), state.pattern, bench_.levels});
   const Bound bound = bind(state, edit.knowledge, bench_.optics);
   adopt(std::move(edit), bound, std::move(*plan));
   return {};
@@ -283,15 +283,17 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
 /// used for another hologram, because this one may have been visible for a moment.
 Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologram_id, Show show) {
   if (hologram_id != bench_.hologram_id) {
-    const HologramRequest request{hologram_id, shown_epoch(next), next.pattern, hologram_of(next)};
+    const HologramRequest request{hologram_id, shown_epoch(next), next.pattern, hologram_of(next),
+                                  shows_sequence(next)};
     const auto shown = deps_.slm.show(request);
     if (!shown && show == Show::now) return shown;
     if (!shown) deps_.slm.show_when_possible(request);
     bench_.hologram_id = hologram_id;
-    bench_.grey = request.grey;
+    bench_.levels = request.levels;
   } else if (next.sensor_epoch != state_.sensor_epoch) {
     // The hologram on the SLM stays, but measurements of it now belong to a new epoch.
-    deps_.slm.show_when_possible({hologram_id, shown_epoch(next), next.pattern, bench_.grey});
+    deps_.slm.show_when_possible(
+        {hologram_id, shown_epoch(next), next.pattern, bench_.levels, shows_sequence(next)});
   }
   return {};
 }
@@ -396,10 +398,19 @@ void SensorKeeper::set_checksum(SensorEdit& edit, const std::string& sha256) {
   snapshot_.set(std::move(updated));
 }
 
-Result<void> check_shows_sensor(const SensorSnapshot& sensor) {
-  if (sensor.pattern == HologramKind::sensor) return {};
+Result<void> check_shows_sensor(const SensorShown& sensor) {
+  if (sensor.pattern != HologramKind::sensor) {
+    return fail(Errc::refused, "",
+                "the SLM does not show the sensor: call slm.show with \"sensor\" first");
+  }
+  return {};
+}
+
+Result<void> check_shows_one_sensor(const SensorShown& sensor) {
+  if (auto shown = check_shows_sensor(sensor); !shown) return shown;
+  if (sensor.sequence.empty()) return {};
   return fail(Errc::refused, "",
-              "the SLM does not show the sensor: call slm.show with \"sensor\" first");
+              "the DMD shows a sequence of patterns: end it with aberration.clear first");
 }
 
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format) {

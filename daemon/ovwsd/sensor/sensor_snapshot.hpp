@@ -24,6 +24,8 @@ struct SensorShown {
   TrackingSettings tracking;
   HologramKind pattern = HologramKind::sensor;
   std::vector<Mode> aberration;  ///< introduced, RMS-normalised waves
+  /// Introduced by each pattern of a DMD's sequence, in place of `aberration`; empty: no sequence.
+  std::vector<std::vector<Mode>> sequence;
 };
 
 /// The sensor's settings and active measurements. Immutable and shared by all readers.

@@ -13,6 +13,22 @@ bool takes_templates(const SensorState& state) {
   return state.hold.by == Hold::By::loop;
 }
 
+bool shows_sequence(const SensorState& state) {
+  return !state.sequence.empty() && state.pattern == HologramKind::sensor;
+}
+
+TrackingSettings tracking_in_use(const SensorState& state) {
+  TrackingSettings tracking = state.tracking;
+  if (shows_sequence(state) && tracking.tracker == TrackerKind::fit) {
+    tracking.tracker = TrackerKind::lg;
+  }
+  return tracking;
+}
+
+std::vector<Mode> pattern_modes(const SensorState& state, std::size_t pattern) {
+  return shown_modes(state.pattern, state.sequence[pattern], state.correction);
+}
+
 std::vector<Mode> shown_modes(const SensorState& state) {
   return shown_modes(state.pattern, state.aberration, state.correction);
 }
@@ -23,11 +39,32 @@ std::uint64_t shown_epoch(const SensorState& state) {
 
 bool same_hologram(const SensorState& a, const SensorState& b) {
   return a.sensor == b.sensor && a.slm == b.slm && a.pattern == b.pattern &&
-         a.painted == b.painted && shown_modes(a) == shown_modes(b);
+         a.painted == b.painted && shown_modes(a) == shown_modes(b) && a.sequence == b.sequence &&
+         a.cycle == b.cycle;
 }
+
+namespace {
+
+/// Slot 0 stays dark: the mark.
+std::shared_ptr<const Image<std::uint8_t>> sequence_of(const SensorState& state) {
+  const HologramConfig& hologram = state.slm->hologram;
+  auto rgb =
+      std::make_shared<Image<std::uint8_t>>(3 * hologram.slm.width_px, hologram.slm.height_px);
+  Image<std::uint8_t> mirrors;
+  for (std::size_t k = 0; k < state.sequence.size(); ++k) {
+    state.renderer->render(state.pattern, pattern_modes(state, k), mirrors);
+    for (int slot = int(k) + 1; slot < state.cycle.slots; slot += int(state.sequence.size())) {
+      add_pattern(mirrors, slot, hologram.dmd->bit_order, *rgb);
+    }
+  }
+  return rgb;
+}
+
+}  // namespace
 
 std::shared_ptr<const Image<std::uint8_t>> hologram_of(const SensorState& state) {
   if (state.painted) return state.painted;
+  if (shows_sequence(state)) return sequence_of(state);
   auto grey = std::make_shared<Image<std::uint8_t>>();
   state.renderer->render(state.pattern, shown_modes(state), *grey);
   return grey;
@@ -74,6 +111,11 @@ Result<void> renew_renderer(SensorState& state) {
 
 Result<void> check_sampling(const SensorState& state) {
   if (state.pattern != HologramKind::sensor && state.pattern != HologramKind::grating) return {};
+  for (std::size_t k = 0; k < state.sequence.size(); ++k) {
+    if (auto sampled = state.renderer->check_sampling(pattern_modes(state, k)); !sampled) {
+      return sampled;
+    }
+  }
   return state.renderer->check_sampling(shown_modes(state));
 }
 

@@ -10,6 +10,7 @@
 #include "config/config.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
+#include "core/pipeline/plan.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/sensor/active_templates.hpp"
@@ -29,6 +30,7 @@ struct BenchOptics {
 
 struct SensorState : SensorShown {
   std::vector<Mode> correction;                        ///< subtracted from the hologram
+  PatternCycle cycle;                                  ///< of `sequence`
   std::shared_ptr<const Image<std::uint8_t>> painted;  ///< image drawn by a job, for pattern `test`
   Roi roi;
   PixelFormat format = PixelFormat::mono8;
@@ -44,13 +46,20 @@ struct SensorState : SensorShown {
 /// Whether templates may measure frames: with the tracker `fit` unless a job holds the sensor, with
 /// another one only while the loop does.
 bool takes_templates(const SensorState& state);
+/// Whether the hologram shown is a DMD's sequence of patterns.
+bool shows_sequence(const SensorState& state);
+/// The tracking of the plan: a sequence is measured by spot positions alone.
+TrackingSettings tracking_in_use(const SensorState& state);
+/// Zernike modes in the pattern of a sequence.
+std::vector<Mode> pattern_modes(const SensorState& state, std::size_t pattern);
 /// Zernike modes in the hologram shown, see shown_modes in core/optics/hologram.hpp.
 std::vector<Mode> shown_modes(const SensorState& state);
 /// Epoch of the hologram shown; 0 (nothing to measure) unless the pattern is `sensor`.
 std::uint64_t shown_epoch(const SensorState& state);
 /// Whether states `a` and `b` show the same hologram.
 bool same_hologram(const SensorState& a, const SensorState& b);
-/// Grey levels of the state's hologram: the job's image, or rendered now.
+/// Grey levels of the state's hologram: the job's image, or rendered now. Of a sequence: three
+/// bytes a pixel, red, green and blue, whose bits are the patterns.
 std::shared_ptr<const Image<std::uint8_t>> hologram_of(const SensorState& state);
 
 /// Stops using the registration. The lenslets that it found are replaced by the `configured` ones.

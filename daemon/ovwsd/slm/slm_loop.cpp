@@ -197,14 +197,21 @@ Result<SlmVerdict> SlmLoop::compare_output() {
   if (!requested_) return fail(Errc::unavailable, "slm", "no hologram has been shown yet");
   const auto shown = display_->read_back();
   if (!shown) return fail(shown.error());
-  const Image<std::uint8_t>& given = *requested_->grey;
-  SlmVerdict verdict{requested_->hologram_id, crc32_of(given.pixels), 0, 0};
-  std::vector<std::uint8_t> grey(given.pixels.size());
-  for (std::size_t i = 0; i < grey.size(); ++i) {
-    grey[i] = std::uint8_t(shown->pixels[i]);
-    verdict.differing_pixels += shown->pixels[i] != given.pixels[i] * 0x010101U ? 1 : 0;
+  const std::vector<std::uint8_t>& given = requested_->levels->pixels;
+  SlmVerdict verdict{requested_->hologram_id, crc32_of(given), 0, 0};
+  std::vector<std::uint8_t> seen(given.size());
+  const std::size_t bytes = given.size() / shown->pixels.size();  // 1 or 3 per pixel
+  for (std::size_t i = 0; i < shown->pixels.size(); ++i) {
+    const std::uint32_t pixel = shown->pixels[i];
+    bool same = true;
+    for (std::size_t k = 0; k < bytes; ++k) {
+      seen[bytes * i + k] = std::uint8_t(pixel >> (8 * (bytes - 1 - k)));
+      same = same && seen[bytes * i + k] == given[bytes * i + k];
+    }
+    if (bytes == 1) same = pixel == given[i] * 0x010101U;
+    verdict.differing_pixels += same ? 0 : 1;
   }
-  verdict.crc32_shown = crc32_of(grey);
+  verdict.crc32_shown = crc32_of(seen);
   if (verdict.differing_pixels > 0) {
     deps_.counters.add(Counter::display_faults);
     deps_.events.emit("slm", Severity::error,
@@ -252,9 +259,10 @@ Result<void> SlmLoop::present(const HologramRequest& request) {
   ShownHologram next = shown_;
   next.healthy = true;
   next.previous = shown_.healthy ? shown_.current : ShownHologram::One{};
-  next.current = {request.hologram_id, request.sensor_epoch, monotonic_ns(), ShownHologram::kNever};
+  next.current = {request.hologram_id, request.sensor_epoch, monotonic_ns(), ShownHologram::kNever,
+                  request.sequence};
   deps_.shown.write(next);
-  const auto presented_ns = display_->present(*request.grey);
+  const auto presented_ns = display_->present(*request.levels);
   if (!presented_ns) {
     fault(presented_ns.error());
     return fail(presented_ns.error());

@@ -30,7 +30,8 @@ struct HologramRequest {
   std::uint64_t hologram_id = 0;
   std::uint64_t sensor_epoch = 0;  ///< 0: not a sensor hologram, frames are not measured
   HologramKind kind = HologramKind::sensor;
-  std::shared_ptr<const Image<std::uint8_t>> grey;
+  std::shared_ptr<const Image<std::uint8_t>> levels;  ///< as for Display::present
+  bool sequence = false;  ///< of a DMD's patterns, see MeasurementPlan::patterns
 };
 
 struct SlmSnapshot {
@@ -51,8 +52,8 @@ struct SlmSnapshot {
 /// Readback check of the display: compares its buffer with the presented hologram.
 struct SlmVerdict {
   std::uint64_t hologram_id = 0;
-  std::uint32_t crc32 = 0;        ///< CRC-32 of the presented grey levels, row by row
-  std::uint32_t crc32_shown = 0;  ///< CRC-32 of the grey levels read back
+  std::uint32_t crc32 = 0;        ///< CRC-32 of the presented levels, row by row
+  std::uint32_t crc32_shown = 0;  ///< CRC-32 of the levels read back
   int differing_pixels = 0;
 };
 

@@ -77,6 +77,7 @@ void ImagePublisher::send_image(const FrameRecord& record) {
   message.seq = image_seq_++;
   message.frame_id = record.frame.frame_id;
   message.hologram_id = record.hologram_id;
+  if (record.pattern >= 0) message.pattern = record.pattern;
   message.t_arrival_ns = record.frame.t_arrival_ns;
   message.image = record.frame.image;
   const auto binary = encode(message, json_, binary_);

@@ -22,6 +22,7 @@ FrameMessage frame_message(const FrameRecord& record, double wavelength_nm) {
   message.t_arrival_ns = record.frame.t_arrival_ns;
   message.hologram_id = record.hologram_id;
   message.settled = record.settled;
+  if (record.pattern >= 0) message.pattern = record.pattern;
   message.charge = plan.charge;
   message.tracker = tracker_name(record.templates.credible ? TrackerKind::fit : plan.tracker_kind);
   message.subapertures = record.spot_count;

@@ -70,6 +70,8 @@ class FrameMessage(Message):
     latency_us: float
     hologram_id: int
     settled: bool
+    pattern: int | None = None
+    """number of the pattern of aberration.sequence in this frame, from 0; None: none is shown, or it is not certain"""
     charge: int
     tracker: str
     subapertures: int
@@ -224,6 +226,8 @@ class Image(Message):
     frame_id: int
     t_arrival_ns: int
     hologram_id: int
+    pattern: int | None = None
+    """as in Wavefront"""
     pixel_format: str
     significant_bits: int
     pixels: NDArray[np.uint8] | NDArray[np.uint16]

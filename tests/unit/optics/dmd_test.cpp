@@ -105,6 +105,26 @@ TEST(Dmd, ApodisationLowersTheAmplitudeTowardsTheRim) {
   EXPECT_NEAR(order_of(grey, renderer.lattice(), 9, 1, 0.5) * std::numbers::pi, 0.9, 0.02);
 }
 
+TEST(Dmd, APatternIsABitOfAColour) {
+  Image<std::uint8_t> mirrors(2, 1), rgb(6, 1);
+  mirrors.pixels = {255, 127};
+  struct Case {
+    BitOrder order;
+    int slot, byte;
+  };
+  for (const auto& [order, slot, byte] :
+       {Case{BitOrder::grb, 0, 1}, Case{BitOrder::grb, 9, 0}, Case{BitOrder::grb, 23, 2},
+        Case{BitOrder::rgb, 7, 0}, Case{BitOrder::rgb, 8, 1}, Case{BitOrder::bgr, 1, 2}}) {
+    std::fill(rgb.pixels.begin(), rgb.pixels.end(), std::uint8_t(0));
+    add_pattern(mirrors, slot, order, rgb);
+    std::vector<std::uint8_t> expected(6, 0);
+    expected[std::size_t(byte)] = std::uint8_t(1U << slot % 8);
+    EXPECT_EQ(rgb.pixels, expected) << "slot " << slot;
+  }
+  add_pattern(mirrors, 2, BitOrder::bgr, rgb);
+  EXPECT_EQ(rgb.at(2, 0), 0b110);  // bits are added to those that are there
+}
+
 TEST(Dmd, AProbeIsDimmedByItsDuty) {
   const auto renderer = HologramRenderer::make(with({})).value();
   const Subaperture s = renderer.lattice().subapertures[9];

@@ -58,6 +58,7 @@ void print_frames() {
     w.valid = valid;
     w.rms_waves = 0.5;
     if (valid) w.gain_db = 0.0;
+    if (valid) w.pattern = 22;
     w.j = j;
     w.coefficients = w.sigma = coefficients;
     w.fitted = valid;
@@ -303,9 +304,10 @@ void print_results() {
   std::vector<Mode> modes;
   for (int j = 0; j <= kMaxZernikeIndex; ++j) modes.push_back({j, 0.001 * j});
   for (const char* method : {"aberration.get", "aberration.set", "aberration.clear"}) {
-    print_result(method, to_json(ModesReport(modes, 3)));
-    print_result(method, to_json(ModesReport()));
+    print_result(method, to_json(AberrationReport(modes, {}, 3)));
+    print_result(method, to_json(AberrationReport()));
   }
+  print_result("aberration.sequence", to_json(AberrationReport({}, {{}, modes}, 3)));
   ReferenceReport reference;
   reference.charge = -1;
   reference.tracker = TrackerKind::weighted;
@@ -356,7 +358,7 @@ void print_results() {
   }
   GrabReport grabbed;
   print_result("camera.grab", to_json(grabbed));
-  grabbed.frames.push_back({1, 2, true, 3, 4, 5.0, 6.0, kUnknownGain});
+  grabbed.frames.push_back({1, 2, true, 22, 3, 4, 5.0, 6.0, kUnknownGain});
   grabbed.average = true;
   print_result("camera.grab", to_json(grabbed));
   for (const char* const method : {"corrector.set", "corrector.get", "corrector.clear"}) {
@@ -433,6 +435,7 @@ void print_all_params() {
   print_params<RecordStart>("record.start",
                             {"name", "name", "pictures_every", "limit_s", "limit_mib"}, 2000);
   print_params<ModesSet>("aberration.set", {"modes", "modes", "norm"}, 2000);
+  print_params<AberrationSequence>("aberration.sequence", {"patterns"}, 4000);
   print_params<ReferenceTake>("reference.take", {"frames", "allow_aberration", "beam", "frame"});
   print_params<LoopSettings>(
       "loop.close",

@@ -40,7 +40,7 @@ RpcAnswer answer(const std::string& method, const Json& params) {
   if (method == "job.get") return refusal_or_nothing(decode<JobNumber>(params));
   const auto modes = ModesSet::decode(params);
   if (!modes) return refusal_or_nothing(modes);
-  return to_json(ModesReport(modes->modes, 9));
+  return to_json(AberrationReport(modes->modes, {}, 9));
 }
 
 TEST(WireDocument, ShowsRepliesAsTheyAreGiven) {

@@ -1,0 +1,128 @@
+"""Sequences of patterns on a DMD: each frame knows its pattern, lost frames or not, and what is refused."""
+import time
+from random import Random
+
+from case import BenchCase, Client, main, wait_for
+
+SLOTS = 8  # at 60 Hz: 480 frames/s
+PATTERNS = [{}, {1: 0.4, 4: 0.15}, {2: -0.4}, {3: 0.2}, {4: -0.15, 5: 0.1}]  # waves; slots 6 and 7 show 0 and 1 again
+FRAMES = 10_000
+
+
+def modes(of):
+    return {"modes": [{"j": j, "waves": waves} for j, waves in of.items()]}
+
+
+class Patterns(BenchCase):
+    twin_config = {"modulator": "dmd", "dmd": {"patterns": SLOTS}, "light": {"peak_electrons": 60000}}
+    daemon_config = {"modulator": "dmd", "dmd": {"patterns": SLOTS}, "slm": {"settle_ms": 60.0}, "tracking": {"tracker": "lg"},
+                     "camera": {"trigger": "Line0", "frame_rate_hz": 480.0, "exposure_us": 1500.0}, "stream": {"image_rate_hz": 5},
+                     "state": {"directory": "state"}}
+
+    def setUp(self):
+        super().setUp()
+        self.twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(self.twin.close)
+        self.images = self.stream("image", endpoint="tcp://127.0.0.1:7703")
+
+    def show(self, patterns=PATTERNS):
+        return self.call("aberration.sequence", {"patterns": [modes(one) for one in patterns]})
+
+    def pattern_in(self, slot):
+        """The pattern of the sequence that slot `slot` shows; None: the mark."""
+        return (slot - 1) % len(PATTERNS) if slot else None
+
+    def collect(self, stream, frames, faults=False):
+        """The next messages, and the slot that each frame's light came from, by its timestamp. `faults`: some frames are lost, repeated or
+        out of order."""
+        heard, slots, newest = [], {}, None
+        random = Random(1)
+        end = time.monotonic() + 120.0
+        while len(heard) < frames:
+            self.assertLess(time.monotonic(), end, f"{len(heard)} frames in 120 s")
+            message = stream.next(0.5)
+            if message is not None:
+                heard.append(message)
+            if faults and len(heard) % 40 == 0:
+                self.twin.call("twin.fault", {"kind": random.choice(["drop", "drop", "incomplete", "duplicate", "reorder"]),
+                                              "frames": random.randint(1, 3)})
+            if newest is None or len(heard) % 400 == 0 or len(heard) == frames:
+                for sent in self.twin.call("twin.get", {"sent_after": newest} if newest else {})["sent"]:
+                    slots[sent["t_ns"]], newest = sent["pattern"], sent["frame_id"]
+        return heard, slots
+
+    def check(self, heard, slots):
+        """That no frame has a wrong pattern, by the twin and by what was measured. The fraction of certain frames with light."""
+        compared = lit = certain = 0
+        for message in heard:
+            slot = slots.get(message["t_device_ns"])
+            if slot is None:
+                continue  # sent before the first question
+            compared += 1
+            lit += slot != 0
+            told = message["pattern"]
+            if told is None:
+                self.assertFalse(message["valid"] or message["settled"])
+                continue
+            certain += 1
+            self.assertEqual(told, self.pattern_in(slot), message)
+            if message["valid"]:
+                for j, waves in zip(message["j"], message["coefficients"]):
+                    self.assertAlmostEqual(waves, PATTERNS[told].get(j, 0.0), delta=0.05, msg=f"j = {j} of pattern {told}")
+        valid = sum(message["valid"] for message in heard)
+        print(f"\n  {len(heard)} frames, {compared} compared: {certain / max(lit, 1):.3f} of those with light are certain; "
+              f"{valid} valid; gaps {sum(message['gap'] for message in heard)}")
+        self.assertGreater(compared, 0.9 * len(heard))
+        return certain / lit
+
+    def test_a_frame_never_has_a_wrong_pattern(self):
+        self.take_reference(100)
+        stream = self.stream("wavefront")
+        shown = self.show()
+        self.assertEqual([[mode["j"] for mode in one["modes"]] for one in shown["patterns"]], [sorted(one) for one in PATTERNS])
+        self.assertTrue(self.call("slm.verify")["equal"])
+        wait_for(lambda: (message := stream.next(0.5)) and message["pattern"] is not None and message["valid"], 10.0, "a certain pattern")
+        stream.drain()
+        self.assertGreater(self.check(*self.collect(stream, FRAMES)), 0.5)  # a busy machine loses some
+        stream.drain()
+        self.check(*self.collect(stream, 3000, faults=True))
+        grabbed = self.call("camera.grab", {"frames": 2 * SLOTS, "region": {"x": 0, "y": 0, "width": 8, "height": 8}})["frames"]
+        self.assertLessEqual({frame["pattern"] for frame in grabbed}, {None, *range(len(PATTERNS))})
+        image = wait_for(lambda: (m := self.images.next(0.5)) and m["pattern"] is not None and m, 20.0, "an image of a certain pattern")
+        self.assertIn(image["pattern"], range(len(PATTERNS)))
+
+    def test_light_that_fails_and_what_is_refused(self):
+        self.take_reference(100)
+        stream = self.stream("wavefront")
+        for method, params, word in (("aberration.sequence", {"patterns": [modes({})] * SLOTS}, "at most 7"),
+                                     ("aberration.sequence", {"patterns": []}, "patterns"),
+                                     ("aberration.sequence", {"patterns": [{"modes": [{"j": 4, "waves": 1e9}]}]}, "waves"),
+                                     ("aberration.sequence", {"patterns": [modes({}), modes({200: 90.0})]}, "modes")):
+            with self.subTest(params=str(params)[:60]):
+                self.assertIn(word, str(self.refused(method, params)))
+                self.assertEqual(self.call("aberration.get")["patterns"], [])
+        self.call("camera.set", {"exposure_us": 2090.0, "frame_rate_hz": 470.0})
+        self.assertIn("longer than a pattern", str(self.refused("aberration.sequence", {"patterns": [modes({})]})))
+        self.call("camera.set", {"exposure_us": 1500.0, "frame_rate_hz": 480.0})
+        self.show()
+        valid = lambda: (message := stream.next(0.5)) and message["valid"] and message["pattern"] is not None  # noqa: E731
+        wait_for(valid, 10.0, "a valid frame")
+        for method in ("loop.close", "reference.take", "record.start"):
+            self.assertIn("aberration.clear", str(self.refused(method)))
+        self.twin.call("twin.set", {"peak_electrons": 0.0})
+        time.sleep(0.3)
+        stream.drain()
+        for _ in range(200):
+            self.assertFalse(stream.next(1.0)["valid"])
+        self.twin.call("twin.set", {"peak_electrons": 60000})
+        wait_for(valid, 10.0, "a valid frame after the light")
+        self.call("aberration.set", modes({4: 0.1}))
+        stream.drain()
+        message = wait_for(lambda: (m := stream.next(0.5)) and m["valid"] and m["settled"] and m, 10.0, "a frame of one hologram")
+        self.assertIsNone(message["pattern"])
+        self.assertAlmostEqual(message["coefficients"][message["j"].index(4)], 0.1, delta=0.02)
+        self.assertEqual(self.call("aberration.get")["patterns"], [])
+
+
+if __name__ == "__main__":
+    main()
