@@ -114,6 +114,8 @@ class Patterns(BenchCase):
         stream.drain()
         for _ in range(200):
             self.assertFalse(stream.next(1.0)["valid"])
+        why = wait_for(lambda: self.call("system.status")["sensor"]["invalid"], what="the reason")
+        self.assertIn("pattern", why["reason"])
         self.twin.call("twin.set", {"peak_electrons": 60000})
         wait_for(valid, 10.0, "a valid frame after the light")
         self.call("aberration.set", modes({4: 0.1}))

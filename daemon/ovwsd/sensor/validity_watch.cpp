@@ -44,6 +44,7 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
   branch_x_ = float(lack.branch_point.at.x);
   branch_y_ = float(lack.branch_point.at.y);
   branch_charge_ = lack.branch_point.charge;
+  no_pattern_ = lack.no_pattern;
   newest_ns_ = now_ns;
   if (valid) {
     since_ns_ = 0;
@@ -63,7 +64,8 @@ std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) cons
               searched_,
               brightness_.newest(now_ns),
               branch_points_,
-              {{double(branch_x_), double(branch_y_)}, branch_charge_}};
+              {{double(branch_x_), double(branch_y_)}, branch_charge_},
+              no_pattern_};
 }
 
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
@@ -71,6 +73,13 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                                     std::int64_t now_ns, std::int64_t utc_ns) {
   StatusMessage::SensorPart::Invalid invalid;
   invalid.t_since_ns = utc_ns - (now_ns - lack.since_ns);
+  if (lack.no_pattern) {
+    invalid.reason = "no frame's pattern is certain";
+    invalid.action =
+        "check that each pattern triggers the camera, that dmd.patterns and dmd.bit_order are the "
+        "DMD's, that the exposure is shorter than a pattern, and the light";
+    return invalid;
+  }
   const bool has_branch_points = lack.branch_points > 0;
   invalid.reason = fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots,
                                has_branch_points ? branch_text(lack)

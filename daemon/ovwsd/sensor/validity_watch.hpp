@@ -35,6 +35,7 @@ class ValidityWatch {
     std::optional<double> brightest = std::nullopt;
     int branch_points = 0;          ///< recognised in the newest frame
     BranchPoint branch_point = {};  ///< the strongest of them
+    bool no_pattern = false;        ///< of a sequence: no frame's pattern has been certain for long
   };
 
   /// `brightness`: of the camera's images; must outlive this object.
@@ -67,7 +68,7 @@ class ValidityWatch {
   std::atomic<int> branch_points_{0};
   std::atomic<float> branch_x_{0.0F}, branch_y_{0.0F};
   std::atomic<int> branch_charge_{0};
-  std::atomic<bool> explained_{true}, waits_{false}, searched_{true};
+  std::atomic<bool> explained_{true}, waits_{false}, searched_{true}, no_pattern_{false};
   Guarded<SearchProgress> progress_;
   std::int64_t announced_ns_ = 0;  ///< start of the invalid period announced; 0: none is
 };

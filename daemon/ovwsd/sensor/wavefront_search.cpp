@@ -26,6 +26,7 @@ constexpr std::int64_t kLookAgainNs = 1'000'000'000;
 constexpr std::int64_t kLostNs = 50'000'000;  // before another tracker's spots count as lost
 constexpr double kFlatWaves = 0.1;            // RMS of a wavefront that every tracker measures
 constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // a failed model: new frames give new noise
+constexpr int kManyUncertain = 3 * kMaxPatternSlots;  // frames of a sequence without a pattern
 constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
 TemplateDrift drift_of(const FrameRecord& record) {
@@ -116,6 +117,8 @@ WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames,
 WavefrontSearch::~WavefrontSearch() = default;
 
 void WavefrontSearch::on_frame(const FrameRecord& record) {
+  if (!record.plan->patterns.empty()) return watch_patterns(record);
+  uncertain_ = 0;
   if (!record.settled) return;
   const bool searched = may_search(record);
   const bool wanted = searched && can_be_rendered(record) &&
@@ -132,6 +135,14 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
       {0, record.tracked, record.spot_count, record.explained, record.unconfirmed, searched,
        std::nullopt, record.branch_points.count, record.branch_points.points.front()},
       monotonic_ns());
+}
+
+/// A frame of a sequence whose pattern is not certain.
+void WavefrontSearch::watch_patterns(const FrameRecord& record) {
+  described_.store(false, std::memory_order_relaxed);
+  wanted_.store(false, std::memory_order_relaxed);
+  if (++uncertain_ < kManyUncertain || !record.plan->referenced()) return;
+  validity_.on_frame(false, {.spots = record.spot_count, .no_pattern = true}, monotonic_ns());
 }
 
 /// Whether the wavefront of frames like this one may be searched. For another tracker than `fit`

@@ -63,6 +63,7 @@ class WavefrontSearch : public Agent {
                                                 const SensorSnapshot& sensor);
   bool looks_for_calibration() const;
   bool may_search(const FrameRecord& record);
+  void watch_patterns(const FrameRecord& record);
   bool use_positions();
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
   bool take_frame(const SensorSnapshot& sensor);
@@ -83,6 +84,7 @@ class WavefrontSearch : public Agent {
   std::atomic<bool> is_flat_{false};  ///< the tracker can measure the newest frame again
   ValidityWatch validity_;
   std::int64_t t_valid_ns_ = 0;  ///< CLOCK_MONOTONIC of the last valid frame; publish thread only
+  int uncertain_ = 0;  ///< frames of a sequence without a certain pattern; publish thread only
   // Search thread only.
   std::int64_t next_ns_ = 0;       ///< do not search before this time
   std::vector<FrameCopy> frames_;  ///< successive frames of one sensor epoch and image size

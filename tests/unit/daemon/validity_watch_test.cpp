@@ -58,6 +58,14 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_FALSE(plain.t_next_search_ns);
 }
 
+TEST(ValidityWatch, SaysThatNoPatternIsCertain) {
+  const ValidityWatch::Lack lack{
+      .since_ns = 2 * kS, .spots = 19, .brightest = 0.0, .no_pattern = true};
+  const auto said = invalid_in_words(lack, {}, 3 * kS, 100 * kS);
+  EXPECT_EQ(said.reason, "no frame's pattern is certain");
+  EXPECT_NE(said.action.find("dmd.patterns"), std::string::npos);
+}
+
 TEST(ValidityWatch, ADarkImageIsTheReason) {
   ImageBrightness brightness;
   ValidityWatch watch(brightness);
