@@ -107,7 +107,7 @@ class Patterns(BenchCase):
         self.show()
         valid = lambda: (message := stream.next(0.5)) and message["valid"] and message["pattern"] is not None  # noqa: E731
         wait_for(valid, 10.0, "a valid frame")
-        for method in ("loop.close", "reference.take", "record.start"):
+        for method in ("loop.close", "loop.identify", "reference.take", "calibration.run", "record.start"):
             self.assertIn("aberration.clear", str(self.refused(method)))
         self.twin.call("twin.set", {"peak_electrons": 0.0})
         time.sleep(0.3)

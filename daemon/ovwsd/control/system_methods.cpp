@@ -180,6 +180,8 @@ Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify&
 }
 
 void start_identification(Services& services, const LoopIdentify& params, Reply<JobNumber> reply) {
+  if (auto can = check_shows_one_sensor(*services.keeper.snapshot()); !can)
+    return reply(can.error());
   services.procedures.start(
       kLoopIdentify.name,
       [&services, params](Bench& bench) { return identify_loop(services, bench, params); },
