@@ -22,6 +22,7 @@ namespace ovws::twin {
 /// Inputs of a frame: all that determines its pixels except the noise.
 struct FrameRequest {
   std::shared_ptr<const Scene> scene;
+  Exposed exposed;
   double exposure_us = 0.0;
   double gain_db = 0.0;
   PixelFormat format = PixelFormat::mono8;
@@ -33,7 +34,9 @@ struct FrameCounts {
   std::uint64_t reused = 0;  ///< Noise::fresh: old frames repeated because generation fell behind
 };
 
-/// Source of the camera's frames. Thread-safe, but only one thread may call `take`.
+/// Source of the camera's frames. Keeps a pool of frames for each request that differs from the
+/// newest one in `exposed` only: in pattern mode one for each pattern. Thread-safe, but only one
+/// thread may call `take`.
 class FrameSource {
  public:
   /// `wavelength_nm`: laser wavelength, which a colour camera's filters attenuate or pass.
@@ -41,9 +44,10 @@ class FrameSource {
 
   void work(const std::stop_token& stop);  ///< body of the noise thread
 
-  /// Copies one frame of this request into `out`, whose size must be frame_bytes(). After a change
-  /// of the request this waits for the first new frame. With Noise::fresh, if no new frame is ready
-  /// and 16 frames were delivered, it repeats the oldest of them. False on stop, at the deadline,
+  /// Copies one frame of this request into `out`, whose size must be frame_bytes(). For a new
+  /// request this waits for the first new frame. With Noise::fresh, if no new frame is ready and 16
+  /// frames were delivered, it repeats the oldest of them; less than 16 where the pools would take
+  /// more than 512 MiB. False on stop, at the deadline,
   /// or if `out` has the wrong size.
   bool take(const FrameRequest& request, Bench::Deadline deadline, const std::stop_token& stop,
             std::span<std::byte> out);
@@ -51,17 +55,26 @@ class FrameSource {
 
  private:
   using Frame = std::shared_ptr<const std::vector<std::byte>>;
-  bool wants_more() const;  // call with mutex_ locked
-  bool may_repeat() const;  // call with mutex_ locked
+  struct Pool {
+    FrameRequest request;
+    std::uint64_t takes = 0;  ///< how often the request was taken
+    std::deque<Frame> ready;  ///< generated, not delivered yet
+    std::deque<Frame> past;   ///< delivered, oldest first
+  };
+  // Call these with mutex_ locked.
+  Pool* find(const FrameRequest& request);
+  Pool& find_or_add(const FrameRequest& request);
+  std::size_t history_of(const Pool& pool) const;
+  bool wants_more(const Pool& pool) const;
+  const Pool* wanting() const;
+
   Frame make(const FrameRequest& request);
 
   const double wavelength_nm_;
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::optional<FrameRequest> request_;
-  std::uint64_t takes_ = 0;  ///< how often request_ was taken
-  std::deque<Frame> ready_;  ///< generated for request_, not delivered yet
-  std::deque<Frame> past_;   ///< delivered for request_, oldest first
+  std::deque<Pool> pools_;        ///< of one scene, exposure, gain and format
+  const Pool* newest_ = nullptr;  ///< of the newest request
   FrameCounts counts_;
 
   // Used by the noise thread (`work`) only.

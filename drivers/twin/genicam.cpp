@@ -106,6 +106,8 @@ constexpr char kXml[] = R"xml(<?xml version="1.0" encoding="utf-8"?>
     <pFeature>ExposureTime</pFeature>
     <pFeature>TriggerSelector</pFeature>
     <pFeature>TriggerMode</pFeature>
+    <pFeature>TriggerSource</pFeature>
+    <pFeature>TriggerActivation</pFeature>
   </Category>
   <Enumeration Name="AcquisitionMode" NameSpace="Standard">
     <EnumEntry Name="Continuous" NameSpace="Standard"><Value>1</Value></EnumEntry>
@@ -128,9 +130,9 @@ constexpr char kXml[] = R"xml(<?xml version="1.0" encoding="utf-8"?>
   <Float Name="AcquisitionResultingFrameRate" NameSpace="Standard">
     <Description>Frames per second that come: the exposure may not allow those asked for.</Description>
     <pValue>ResultingRateConverter</pValue><ImposedAccessMode>RO</ImposedAccessMode><Unit>Hz</Unit></Float>
-  <Converter Name="ResultingRateConverter"><FormulaTo>1000000.0 / FROM</FormulaTo>
-    <FormulaFrom>1000000.0 / TO</FormulaFrom><pValue>PeriodRegister</pValue></Converter>
-  <IntReg Name="PeriodRegister"><Address>0x138</Address><Length>4</Length><AccessMode>RO</AccessMode>
+  <Converter Name="ResultingRateConverter"><FormulaTo>100000000.0 / FROM</FormulaTo>
+    <FormulaFrom>100000000.0 / TO</FormulaFrom><pValue>PeriodRegister</pValue></Converter>
+  <IntReg Name="PeriodRegister"><Address>0x408</Address><Length>4</Length><AccessMode>RO</AccessMode>
     <pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>
   <Enumeration Name="ExposureMode" NameSpace="Standard">
     <EnumEntry Name="Timed" NameSpace="Standard"><Value>1</Value></EnumEntry>
@@ -148,9 +150,18 @@ constexpr char kXml[] = R"xml(<?xml version="1.0" encoding="utf-8"?>
   </Enumeration>
   <Enumeration Name="TriggerMode" NameSpace="Standard">
     <EnumEntry Name="Off" NameSpace="Standard"><Value>0</Value></EnumEntry>
+    <EnumEntry Name="On" NameSpace="Standard"><Value>1</Value></EnumEntry>
     <pValue>TriggerModeRegister</pValue>
   </Enumeration>
-  <IntReg Name="TriggerModeRegister"><Address>0x300</Address><Length>4</Length><AccessMode>RW</AccessMode>
+  <Enumeration Name="TriggerSource" NameSpace="Standard"><Description>Line0: pulse of the DMD at each pattern.</Description>
+    <EnumEntry Name="Line0" NameSpace="Standard"><Value>0</Value></EnumEntry>
+    <Value>0</Value>
+  </Enumeration>
+  <Enumeration Name="TriggerActivation" NameSpace="Standard">
+    <EnumEntry Name="RisingEdge" NameSpace="Standard"><Value>0</Value></EnumEntry>
+    <Value>0</Value>
+  </Enumeration>
+  <IntReg Name="TriggerModeRegister"><Address>0x404</Address><Length>4</Length><AccessMode>RW</AccessMode>
     <pPort>Device</pPort><Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>
 
   <Category Name="AnalogControl" NameSpace="Standard">

@@ -9,14 +9,17 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
+#include <thread>
 #include <utility>
 
 #include "core/port/clock.hpp"
 #include "drivers/twin/genicam.hpp"
 #include "drivers/twin/pixel_packing.hpp"
+#include "drivers/twin/timed_poll.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -121,6 +124,7 @@ void GigeDevice::power_up() {
   const auto period_us = std::uint32_t(1e6 / defaults.frame_rate_hz);
   write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, period_us);
   write(kRegisterWantedPeriodUs, period_us);
+  write(kRegisterResultingPeriod10Ns, 100 * period_us);
   write_text(kVendorAddress, kVendorName);
   write_text(kModelAddress, kModelName);
   write_text(kInfoAddress, "digital twin of the ovws bench");
@@ -134,7 +138,7 @@ CameraSettings GigeDevice::settings() const {
   CameraSettings s;
   s.gain_db = kGainStepDb * read(ARV_FAKE_CAMERA_REGISTER_GAIN_RAW);
   s.exposure_us = read(ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US);
-  s.frame_rate_hz = 1e6 / std::max(1U, read(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US));
+  s.frame_rate_hz = 1e8 / std::max(1U, read(kRegisterResultingPeriod10Ns));
   s.pixel_format = pixel_format_from_code(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT))
                        .value_or(PixelFormat::mono8);
   s.roi = {int(read(ARV_FAKE_CAMERA_REGISTER_X_OFFSET)),
@@ -147,15 +151,61 @@ CameraSettings GigeDevice::settings() const {
 /// the thread serves no registers.
 void GigeDevice::fill(ArvBuffer* buffer) {
   filling_ = true;
-  const CameraSettings now = settings();
-  // A camera cannot send frames faster than it exposes them.
-  const std::uint32_t period_us =
-      std::max(read(kRegisterWantedPeriodUs), std::uint32_t(now.exposure_us));
-  write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, period_us);
-  lose_packets(send_again(buffer, now) ? FrameFate::send : inject_fault(buffer, now));
-  period_ns_ = std::int64_t(period_us) * 1000;
+  if (read(kRegisterTriggerMode) == 0) {
+    run_free(buffer, settings());
+  } else {
+    run_triggered(buffer, settings());
+  }
   filled_ns_ = monotonic_ns();
   filling_ = false;
+}
+
+void GigeDevice::run_free(ArvBuffer* buffer, const CameraSettings& settings) {
+  // A camera cannot send frames faster than it exposes them.
+  const std::uint32_t period_us =
+      std::max(read(kRegisterWantedPeriodUs), std::uint32_t(settings.exposure_us));
+  write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, period_us);
+  write(kRegisterResultingPeriod10Ns, 100 * period_us);
+  send_frame(buffer, settings);
+  period_ns_ = std::int64_t(period_us) * 1000;
+}
+
+/// One frame for each pulse of the DMD. A pulse that comes during an exposure is missed. Without
+/// pulses the camera sends nothing.
+void GigeDevice::run_triggered(ArvBuffer* buffer, const CameraSettings& settings) {
+  constexpr std::int64_t kNoPulsePauseNs = 20'000'000;
+  // Aravis begins the next frame when its thread has polled once; timed_poll ends that.
+  write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, 1);
+  period_ns_ = std::numeric_limits<std::int64_t>::max() / 2;
+  const auto& clock = deps_.bench.clock();
+  if (!clock) {
+    lose_packets(FrameFate::drop);
+    return end_next_poll_at(utc_ns() + kNoPulsePauseNs);
+  }
+  const std::int64_t pulse = wait_for_pulse(*clock), t_ns = clock->time_of(pulse);
+  next_pulse_ = clock->last_pulse_in(t_ns, settings.exposure_us) + 1;
+  write(kRegisterResultingPeriod10Ns,
+        std::uint32_t(double(next_pulse_ - pulse) * clock->period_ns() / 10.0));
+  arv_buffer_set_timestamp(buffer, std::uint64_t(t_ns));
+  send_frame(buffer, settings);
+  end_next_poll_at(clock->time_of(next_pulse_));
+}
+
+/// Waits for the next pulse and returns its number. If this thread is late, pulses of the last
+/// kMaxPulseAgeNs are taken from the camera's memory; older ones are missed.
+std::int64_t GigeDevice::wait_for_pulse(const PatternClock& clock) {
+  constexpr std::int64_t kMaxPulseAgeNs = 10'000'000;
+  const std::int64_t now_ns = utc_ns();
+  if (clock.time_of(next_pulse_) < now_ns - kMaxPulseAgeNs) {
+    next_pulse_ = clock.last_pulse(now_ns) + 1;
+  }
+  const std::int64_t wait_ns = clock.time_of(next_pulse_) - now_ns;
+  if (wait_ns > 0) std::this_thread::sleep_for(std::chrono::nanoseconds(wait_ns));
+  return next_pulse_;
+}
+
+void GigeDevice::send_frame(ArvBuffer* buffer, const CameraSettings& settings) {
+  lose_packets(send_again(buffer, settings) ? FrameFate::send : inject_fault(buffer, settings));
 }
 
 /// Sends the kept frame if it is due, with its original number and time instead of Aravis's.
@@ -192,6 +242,16 @@ FrameFate GigeDevice::inject_fault(ArvBuffer* buffer, const CameraSettings& sett
   return swapped ? FrameFate::drop : FrameFate::send;
 }
 
+/// Waits until the bench knows what the X server shows. An image takes effect at the begin of the
+/// DMD's next cycle, so in pattern mode the first frame of each cycle does this. False: no answer.
+bool GigeDevice::query_display(std::int64_t t_ns) {
+  const auto& clock = deps_.bench.clock();
+  const std::int64_t cycle = clock ? clock->cycle_of(clock->last_pulse(t_ns)) : 0;
+  if (clock && cycle == queried_cycle_) return false;
+  queried_cycle_ = cycle;
+  return deps_.screen.catch_up(std::chrono::steady_clock::now() + kDisplayTime, stop_);
+}
+
 FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   const auto format = pixel_format_from_code(read(ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT));
   const std::span<std::byte> out = pixels_of(buffer, settings);
@@ -202,11 +262,14 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   }
   const auto start = std::chrono::steady_clock::now();
   const auto deadline = start + kFarFieldTime;
+  const auto t_ns = std::int64_t(arv_buffer_get_timestamp(buffer));
+  const auto& clock = deps_.bench.clock();
+  const Exposed exposed = clock ? clock->exposed(t_ns, settings.exposure_us) : Exposed{};
   // Without an answer of the X server in 200 ms, the last known SLM image is used.
-  bool answers = deps_.screen.catch_up(start + kDisplayTime, stop_);
-  const std::uint64_t begun =
-      deps_.bench.begin(settings.roi, std::int64_t(arv_buffer_get_timestamp(buffer)),
-                        std::int64_t(1e9 / settings.frame_rate_hz));
+  bool answers = query_display(t_ns);
+  // In pattern mode the time of a frame is that of its pulse, so no other moment is computed ahead.
+  const std::uint64_t begun = deps_.bench.begin(
+      settings.roi, t_ns, clock ? 0 : std::int64_t(1e9 / settings.frame_rate_hz), exposed);
   std::shared_ptr<const Scene> ready;
   auto verified = start;
   int checks = 0;
@@ -227,8 +290,8 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
       verified = now;
       continue;
     }
-    if (!deps_.frames.take({scene, settings.exposure_us, settings.gain_db, *format}, deadline,
-                           stop_, out)) {
+    if (!deps_.frames.take({scene, exposed, settings.exposure_us, settings.gain_db, *format},
+                           deadline, stop_, out)) {
       break;
     }
     ready = scene;

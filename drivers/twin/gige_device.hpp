@@ -54,9 +54,14 @@ class GigeDevice {
  private:
   void power_up();
   void fill(ArvBuffer* buffer);
+  void run_free(ArvBuffer* buffer, const CameraSettings& settings);
+  void run_triggered(ArvBuffer* buffer, const CameraSettings& settings);
+  std::int64_t wait_for_pulse(const PatternClock& clock);
+  void send_frame(ArvBuffer* buffer, const CameraSettings& settings);
   bool send_again(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate inject_fault(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate take(ArvBuffer* buffer, const CameraSettings& settings);
+  bool query_display(std::int64_t t_ns);
   void lose_packets(FrameFate fate);
   std::uint32_t read(std::uint32_t address) const;
   void write(std::uint32_t address, std::uint32_t value);
@@ -79,7 +84,9 @@ class GigeDevice {
 
   // Used by Aravis's thread only, in `fill` and the functions that `fill` calls.
   double lost_ratio_ = 0.0;
-  std::uint64_t frame_id_ = 0;  ///< number of the newest frame
+  std::uint64_t frame_id_ = 0;      ///< number of the newest frame
+  std::int64_t next_pulse_ = 0;     ///< the first one that the camera is ready for
+  std::int64_t queried_cycle_ = 0;  ///< of the DMD, in which the display was queried
   std::optional<Kept> kept_;
   std::mutex properties_mutex_;
   bool ending_ = false;  ///< guarded by properties_mutex_; true: set no more properties

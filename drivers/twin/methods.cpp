@@ -53,8 +53,9 @@ const Turbulence& Methods::turbulence(const TurbulenceConfig& config) {
 void Methods::add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns, Json& result) {
   deps_.screen.catch_up(std::chrono::steady_clock::now() + kDisplayTime, {});
   const auto shown = deps_.bench.shown();
-  const auto verdict = judge_->judge(
-      pattern, *shown, truth, truth.turbulence ? &turbulence(*truth.turbulence) : nullptr, t_ns);
+  const auto verdict =
+      judge_->judge(pattern, shown->front(), truth,
+                    truth.turbulence ? &turbulence(*truth.turbulence) : nullptr, t_ns);
   result["wavefront"] = json_of(verdict);
   result["wavefront"]["pattern"] = kPatterns[std::size_t(pattern)];
   result["wavefront"]["t_ns"] = t_ns;
@@ -66,9 +67,10 @@ void Methods::add_verdict(Pattern pattern, const Truth& truth, std::int64_t t_ns
 RpcAnswer Methods::get(const Json& params) {
   std::int64_t t_ns = utc_ns();
   ObjectReader reader(params, "");
-  int pattern = 0;
+  int pattern = 0, sent_after = 0;
   read_moment(reader, t_ns);
   reader.choice("judge", pattern, kPatterns);
+  reader.integer("sent_after", sent_after, 1, 65535);
   if (reader.has("judge") && !judge_) judge_ = deps_.bench.optics().make_judge();
   if (reader.has("judge") && !judge_) {
     reader.fault("judge", "a fixed array has no SLM whose image could be judged; leave it out");
@@ -84,7 +86,8 @@ RpcAnswer Methods::get(const Json& params) {
     result["turbulence"]["t_ns"] = t_ns;
     result["turbulence"]["modes"] = turbulence(*truth.turbulence).modes(t_ns);
   }
-  result["sent"] = json_of(deps_.bench.frame_truths());
+  result["sent"] = json_of(deps_.bench.frame_truths(
+      reader.has("sent_after") ? std::optional(sent_after) : std::nullopt));
   Json spots = Json::array();
   for (const Vec2& spot : deps_.bench.optics().true_spots_px(truth)) {
     spots.push_back({{"i", spots.size()},

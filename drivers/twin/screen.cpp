@@ -19,8 +19,9 @@ constexpr auto kBetweenTries = std::chrono::milliseconds(300);
 
 }  // namespace
 
-Screen::Screen(const SlmConfig& slm, std::string x_display, Bench& bench)
-    : slm_(slm),
+Screen::Screen(const Config& config, std::string x_display, Bench& bench)
+    : slm_(config.slm),
+      dmd_(config.dmd),
       x_display_(std::move(x_display)),
       bench_(bench),
       wake_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
@@ -57,17 +58,17 @@ void Screen::work(const std::stop_token& stop) {
 }
 
 void Screen::follow(XOutput& output, const std::stop_token& stop) {
-  Image<std::uint8_t> grey;
+  Patterns patterns = dark_patterns(dmd_, slm_.geometry.width_px, slm_.geometry.height_px);
   // Earliest time of a change that is found now: the previous check, or the end of the last wait.
   auto since = std::chrono::steady_clock::now();
-  if (!forward(output, grey, since)) return;
+  if (!forward(output, patterns, since)) return;
   while (!stop.stop_requested()) {
     const std::uint64_t asked_now = asked();
     // A waiting catch_up requires a round trip to the server; else the received events are enough.
     const auto checked_at = std::chrono::steady_clock::now();
     XOutput::Change change = asked_now != answered_ ? output.sync_changes() : output.read_changes();
     if (change == XOutput::Change::lost) return;
-    if (change == XOutput::Change::pixels && !forward(output, grey, since)) return;
+    if (change == XOutput::Change::pixels && !forward(output, patterns, since)) return;
     answer(asked_now);
     since = checked_at;
     if (change == XOutput::Change::none) {
@@ -77,9 +78,12 @@ void Screen::follow(XOutput& output, const std::stop_token& stop) {
   }
 }
 
-bool Screen::forward(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline since) {
-  if (!output.grab(grey)) return false;
-  bench_.show(grey, since);
+bool Screen::forward(XOutput& output, Patterns& patterns, Bench::Deadline since) {
+  const auto read = [&](const std::uint32_t* pixels, int y) {
+    read_row(dmd_, pixels, y, patterns);
+  };
+  if (!output.grab(read)) return false;
+  bench_.show(patterns, since);
   const std::lock_guard lock(mutex_);
   ++status_.grabs;
   return true;

@@ -25,7 +25,7 @@ struct ScreenStatus {
 class Screen {
  public:
   /// `x_display`: name of the X display, e.g. ":1"; empty: the value of $DISPLAY.
-  Screen(const SlmConfig& slm, std::string x_display, Bench& bench);
+  Screen(const Config& config, std::string x_display, Bench& bench);
   ~Screen();
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
@@ -39,13 +39,14 @@ class Screen {
 
  private:
   void follow(XOutput& output, const std::stop_token& stop);
-  bool forward(XOutput& output, Image<std::uint8_t>& grey, Bench::Deadline since);
+  bool forward(XOutput& output, Patterns& patterns, Bench::Deadline since);
   void wait_for_events(int descriptor);
   void answer(std::uint64_t asked);
   std::uint64_t asked() const;
   void report(bool shown, const std::string& text);
 
   const SlmConfig slm_;
+  const DmdConfig dmd_;
   const std::string x_display_;
   Bench& bench_;
   int wake_fd_;  ///< eventfd that wakes the screen's thread

@@ -10,7 +10,7 @@ Twin::Twin(const Config& config, const std::string& x_display)
     : config_(config),
       bench_(config),
       frames_(config.optics.wavelength_nm),
-      screen_(config.slm, x_display, bench_) {}
+      screen_(config, x_display, bench_) {}
 
 Result<std::unique_ptr<Twin>> Twin::start(const Config& config, const std::string& x_display) {
   std::unique_ptr<Twin> twin(new Twin(config, x_display));

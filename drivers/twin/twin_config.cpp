@@ -73,6 +73,15 @@ void read(ObjectReader& r, LightConfig& light, Truth& truth) {
   r.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
 }
 
+void read(ObjectReader& r, DmdConfig& dmd) {
+  int order = int(dmd.bit_order);
+  r.integer("patterns", dmd.patterns, 0, 24);
+  if (dmd.patterns == 1) r.fault("patterns", "must be 0 (video mode) or 2 to 24");
+  r.choice("bit_order", order, {"GRB", "RGB", "BGR"});
+  r.number("cycle_ms", dmd.cycle_ms, 2.0, 200.0);
+  dmd.bit_order = BitOrder(order);
+}
+
 void read_mirror(ObjectReader& r, std::optional<MirrorConfig>& mirror) {
   if (!r.has("mirror")) return;
   mirror.reset();
@@ -88,6 +97,10 @@ void read(ObjectReader& r, Config& c) {
   int modulator = int(c.modulator);
   r.choice("modulator", modulator, {"slm", "fixed", "dmd"});
   c.modulator = Modulator(modulator);
+  r.object("dmd", [&](ObjectReader& in) { read(in, c.dmd); });
+  if (c.dmd.patterns > 0 && c.modulator != Modulator::dmd) {
+    r.fault("dmd.patterns", "needs \"modulator\": \"dmd\"");
+  }
   r.object("array", [&](ObjectReader& in) { read_array(in, c.array); });
   r.object("camera", [&](ObjectReader& in) { read(in, c.camera, c.truth.geometry); });
   r.object("slm", [&](ObjectReader& in) { read(in, c.slm); });

@@ -13,6 +13,7 @@
 #include "core/optics/zernike.hpp"
 #include "drivers/twin/array_config.hpp"
 #include "drivers/twin/deformable_mirror.hpp"
+#include "drivers/twin/dmd.hpp"
 #include "drivers/twin/scintillation.hpp"
 #include "drivers/twin/turbulence.hpp"
 #include "proto/reader.hpp"
@@ -123,12 +124,13 @@ struct Truth : Light {
 };
 
 /// What makes the spots: the SLM behind a lens, a fixed array of lenslets, or a DMD in the SLM's
-/// place, whose mirrors are on for grey levels from 128.
+/// place, whose mirrors are on for grey levels from 128 (video mode) or by the bits of the colours.
 enum class Modulator { slm, fixed, dmd };
 
 struct Config {
   Modulator modulator = Modulator::slm;
   CameraConfig camera;
+  DmdConfig dmd;      ///< Modulator::dmd only
   ArrayConfig array;  ///< Modulator::fixed only; slm and most of sensor are then not used
   SlmConfig slm;
   OpticsConfig optics;  ///< truth.geometry replaces its magnification and centre_px

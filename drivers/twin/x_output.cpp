@@ -11,8 +11,6 @@
 
 #include <utility>
 
-#include "drivers/twin/blue_bytes.hpp"
-
 namespace ovws::twin {
 namespace {
 
@@ -133,9 +131,9 @@ bool XOutput::Impl::share_memory() {
   // Mark the segment for removal now: the kernel frees it once this process and the X server have
   // detached, even after a crash.
   if (segment.shmid >= 0) shmctl(segment.shmid, IPC_RMID, nullptr);
-  const bool grey_in_blue =
-      shared->bits_per_pixel == 32 && shared->blue_mask == 0xff && shared->byte_order == LSBFirst;
-  if (attached && grey_in_blue) {
+  const bool rgb = shared->bits_per_pixel == 32 && shared->red_mask == 0xff0000 &&
+                   shared->blue_mask == 0xff && shared->byte_order == LSBFirst;
+  if (attached && rgb) {
     image = shared;
     return true;
   }
@@ -210,17 +208,14 @@ XOutput::Change XOutput::sync_changes() {
   return read_changes();
 }
 
-bool XOutput::grab(Image<std::uint8_t>& grey) {
+bool XOutput::grab(const std::function<void(const std::uint32_t* pixels, int y)>& visit_row) {
   const Rectangle& area = impl_->area;
-  if (grey.width != area.width || grey.height != area.height) {
-    grey = Image<std::uint8_t>(area.width, area.height);
-  }
   const bool received = XShmGetImage(impl_->display, DefaultRootWindow(impl_->display),
                                      impl_->image, area.x, area.y, AllPlanes) != 0;
   if (!received || impl_->dead || x_error) return false;
   for (int y = 0; y < area.height; ++y) {
     const char* const line = impl_->image->data + std::ptrdiff_t(y) * impl_->image->bytes_per_line;
-    blue_bytes(reinterpret_cast<const std::uint32_t*>(line), area.width, grey.row(y));
+    visit_row(reinterpret_cast<const std::uint32_t*>(line), y);
   }
   return true;
 }

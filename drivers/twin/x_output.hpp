@@ -2,10 +2,11 @@
 /// header includes no X headers.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
-#include "core/base/image.hpp"
 #include "core/base/result.hpp"
 
 namespace ovws::twin {
@@ -31,9 +32,9 @@ class XOutput {
   /// Makes a round trip to the server, then read_changes: includes all changes before this call.
   Change sync_changes();
 
-  /// Reads the grey levels: the blue channel of each pixel, width x height. False if the server
+  /// Reads the pixels, 0x00RRGGBB: calls visit_row(pixels, y) for each row. False if the server
   /// refuses; then treat the output as `lost`.
-  bool grab(Image<std::uint8_t>& grey);
+  bool grab(const std::function<void(const std::uint32_t* pixels, int y)>& visit_row);
 
  private:
   struct Impl;

@@ -189,7 +189,7 @@ class RunningBench : public ::testing::Test {
     for (Light next; (next = scene(begun, ready)) != ready;) ready = next;
     return ready;
   }
-  void show(const Image<std::uint8_t>& grey) { bench.show(grey, steady_clock::now()); }
+  void show(const Image<std::uint8_t>& grey) { bench.show({grey}, steady_clock::now()); }
 
   static constexpr Roi kWindow{192, 192, 128, 128};
   const Config config = config_of("{}");
@@ -205,11 +205,12 @@ TEST_F(RunningBench, GivesTheLightOfWhatIsShownNow) {
   show(picture);
   const auto light = sent(bench.begin(kWindow));
   ASSERT_TRUE(light);
-  EXPECT_GT(light->intensity->at(63, 55), 0.3F);
-  EXPECT_LT(dark->intensity->at(63, 55), 0.3F);
+  EXPECT_GT(light->patterns[0].intensity->at(63, 55), 0.3F);
+  EXPECT_LT(dark->patterns[0].intensity->at(63, 55), 0.3F);
   EXPECT_EQ(sent(bench.begin(kWindow)), light);
   bench.go_dark();
-  EXPECT_EQ(sent(bench.begin(kWindow))->intensity->pixels, dark->intensity->pixels);
+  EXPECT_EQ(sent(bench.begin(kWindow))->patterns[0].intensity->pixels,
+            dark->patterns[0].intensity->pixels);
   worker = {};  // nobody computes the light of another window
   EXPECT_FALSE(scene(bench.begin({0, 0, 64, 64}), nullptr, milliseconds(0)));
 }
@@ -218,10 +219,10 @@ TEST_F(RunningBench, AFrameBegunBeforeAChangeMayShowThePreviousImageForAShortTim
   const auto before = sent(bench.begin(kWindow));
   worker = {};  // no far field is ready from now on
   const std::uint64_t begun = bench.begin(kWindow);
-  bench.show(picture, steady_clock::now() + std::chrono::seconds(10));
+  bench.show({picture}, steady_clock::now() + std::chrono::seconds(10));
   EXPECT_EQ(scene(begun, before, milliseconds(0)), before);
   EXPECT_FALSE(scene(bench.begin(kWindow), before, milliseconds(0))) << "begun after the change";
-  bench.show(Image<std::uint8_t>(picture.width, picture.height, 7),
+  bench.show({Image<std::uint8_t>(picture.width, picture.height, 7)},
              steady_clock::now() - milliseconds(15));
   EXPECT_FALSE(scene(begun, before, milliseconds(0))) << "the change is too long ago";
 }
@@ -261,7 +262,7 @@ class Frames : public ::testing::Test {
 
   FrameRequest request(Noise noise, float light = 1.0F) {
     auto scene = std::make_shared<Scene>();
-    scene->intensity = std::make_shared<Image<float>>(kSize, kSize, light);
+    scene->patterns = {{std::make_shared<Image<float>>(kSize, kSize, light)}};
     scene->truth.peak_electrons = 1000.0;
     scene->truth.noise = noise;
     scene->truth.detector.prnu = 0.0;

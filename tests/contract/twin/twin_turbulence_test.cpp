@@ -202,8 +202,8 @@ TEST(Bench, EachFramesLightIsOfTheMomentWhenItWasBegun) {
   const auto first = frame(kNow), second = frame(kNow + kSecond / 10);
   EXPECT_EQ(first->turbulence, air.modes(kNow));
   EXPECT_EQ(second->turbulence, air.modes(kNow + kSecond / 10));
-  EXPECT_NE(first->intensity->pixels, second->intensity->pixels);
-  EXPECT_EQ(frame(kNow)->intensity->pixels, first->intensity->pixels);
+  EXPECT_NE(first->patterns[0].intensity->pixels, second->patterns[0].intensity->pixels);
+  EXPECT_EQ(frame(kNow)->patterns[0].intensity->pixels, first->patterns[0].intensity->pixels);
   ASSERT_EQ(bench.frame_truths().size(), 3U);
   EXPECT_EQ(bench.frame_truths()[1].frame_id, std::uint64_t(kSecond / 10));
   EXPECT_EQ(bench.frame_truths()[1].turbulence, second->turbulence);
@@ -241,9 +241,9 @@ TEST(Bench, TheNextMomentIsComputedAheadAndIsTheOneThatTheSceneStates) {
     model.set_light(config.truth);
     model.set_window(kWindow, config.truth.geometry);
     model.set_turbulence(&air, scene->t_ns);
-    EXPECT_EQ(scene->intensity->pixels, model.intensity(grey).pixels);
+    EXPECT_EQ(scene->patterns[0].intensity->pixels, model.intensity(grey).pixels);
   };
-  const Image<std::uint8_t> flat = *bench.shown();
+  const Image<std::uint8_t> flat = bench.shown()->front();
   Image<std::uint8_t> half = flat;
   std::fill_n(half.pixels.begin(), half.pixels.size() / 2, std::uint8_t{60});
   check(kNow, kNow, flat);
@@ -252,7 +252,7 @@ TEST(Bench, TheNextMomentIsComputedAheadAndIsTheOneThatTheSceneStates) {
   wait_for(3);  // of the moment after, and none again of this one
   check(kNow + 2 * kPeriod + kEarly, kNow + 2 * kPeriod - kEarly, flat);
   wait_for(4);
-  bench.show(half, std::chrono::steady_clock::now() - std::chrono::seconds(1));
+  bench.show({half}, std::chrono::steady_clock::now() - std::chrono::seconds(1));
   check(kNow + 3 * kPeriod + kEarly, kNow + 3 * kPeriod, half);
   check(kNow + 5 * kPeriod, kNow + 5 * kPeriod, half);  // not the moment computed ahead
 }
