@@ -45,6 +45,31 @@ class Dmd(BenchCase):
         wait_for(lambda: self.mean_modes(stream), what="frames after refused requests")
 
 
+class DmdBench(Dmd):
+    twin_config = merged(TWIN, {"slm": {"flatness_rms_waves": 0.08, "flatness_cycles": 2.0}})
+
+    def test_measures_known_modes_and_refuses_what_a_dmd_cannot(self):
+        """The flatness is measured, and a calibrated loop removes an aberration."""
+        twin = Client("tcp://127.0.0.1:7790")
+        self.addCleanup(twin.close)
+        self.run_job("registration.run", {}, timeout_s=60.0)
+        self.run_job("flatness.run", {}, timeout_s=120.0)
+        true = twin.call("twin.get", {"judge": "grating"})["flatness_modes"]
+        measured = {mode["j"]: mode["waves"] for mode in self.call("flatness.get")["modes"]}
+        error = sum((measured.get(j, 0.0) - true[j]) ** 2 for j in range(3, 15)) ** 0.5
+        print(f"\n  flatness of {sum(waves ** 2 for waves in true[3:15]) ** 0.5:.4f} wave: error {error:.4f}")
+        self.assertLess(error, 0.004)
+        self.take_reference(50)
+        self.run_job("calibration.run", {"frames": 10}, timeout_s=60.0)
+        twin.call("twin.set", {"aberration": [{"j": 4, "waves": 0.15}, {"j": 7, "waves": -0.06}], "norm": "rms"})
+        self.call("loop.close", {"gain": 0.3})
+
+        def corrected():
+            correction = {mode["j"]: mode["waves"] for mode in self.call("correction.get")["modes"]}
+            return abs(correction.get(4, 0.0) - 0.15) < 0.004 and abs(correction.get(7, 0.0) + 0.06) < 0.004
+        wait_for(corrected, 20.0, "the correction")
+
+
 class BadConfiguration(unittest.TestCase):
     def refused(self, config):
         """Standard error of ovwsd with a configuration that it must refuse."""
