@@ -42,6 +42,7 @@ class Dmd(BenchCase):
         with self.assertRaisesRegex(Exception, "order -3.*falls onto a spot"):
             self.call("sensor.set", {"grooves": [240, 0]})
         self.assertEqual(self.call("sensor.get")["grooves"], [200, 20])
+        self.assertEqual(self.refused("aberration.sequence", {"patterns": [{"modes": []}]}).data["field"], "dmd.patterns")
         wait_for(lambda: self.mean_modes(stream), what="frames after refused requests")
 
 
@@ -84,6 +85,9 @@ class BadConfiguration(unittest.TestCase):
         for change, field in (({"dmd": {"amplitudes": [1.0, 0.5]}}, "dmd.amplitudes"),
                               ({"dmd": {"amplitudes": [0.0]}}, "dmd.amplitudes"),
                               ({"dmd": {"apodisation": 1.5}}, "dmd.apodisation"),
+                              ({"dmd": {"patterns": 1}}, "dmd.patterns"),
+                              ({"dmd": {"patterns": 25}}, "dmd.patterns"),
+                              ({"dmd": {"bit_order": "GBR"}}, "dmd.bit_order"),
                               ({"slm": {"lut": "lut.csv"}}, "slm.lut"),
                               ({"slm": {"driver": "none"}}, "slm.driver"),
                               ({"sensor": {"grooves": [560, 0]}}, "sensor.grooves"),

@@ -2,7 +2,7 @@
 import time
 from random import Random
 
-from case import BenchCase, Client, main, wait_for
+from case import BenchCase, Client, main, merged, wait_for
 
 SLOTS = 8  # at 60 Hz: 480 frames/s
 PATTERNS = [{}, {1: 0.4, 4: 0.15}, {2: -0.4}, {3: 0.2}, {4: -0.15, 5: 0.1}]  # waves; slots 6 and 7 show 0 and 1 again
@@ -124,6 +124,29 @@ class Patterns(BenchCase):
         self.assertIsNone(message["pattern"])
         self.assertAlmostEqual(message["coefficients"][message["j"].index(4)], 0.1, delta=0.02)
         self.assertEqual(self.call("aberration.get")["patterns"], [])
+
+
+class FreeCamera(BenchCase):
+    twin_config = {"modulator": "dmd", "dmd": {"patterns": SLOTS}, "light": {"peak_electrons": 60000}}
+    daemon_config = {"modulator": "dmd", "dmd": {"patterns": SLOTS}}
+
+    def test_a_camera_without_a_trigger_takes_no_sequence(self):
+        self.assertEqual(self.refused("aberration.sequence", {"patterns": [modes({})]}).data["field"], "camera.trigger")
+
+
+class WrongTrigger(BenchCase):
+    twin_config = FreeCamera.twin_config
+    daemon_config = merged(FreeCamera.daemon_config, {"camera": {"trigger": "Line7"}})
+
+    def start(self):
+        self.start_display()
+        self.start_twin()
+        self.start_daemon()
+
+    def test_a_trigger_that_the_camera_does_not_have_is_a_fault(self):
+        said = '"Line7" is no TriggerSource of this camera, which has Line0'
+        wait_for(lambda: said in (self.call("system.status")["camera"]["fault"] or ""), 20.0, "the camera's fault")
+        self.assertEqual(self.call("system.status")["counters"]["frames_published"], 0)
 
 
 if __name__ == "__main__":
