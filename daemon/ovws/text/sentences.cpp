@@ -106,6 +106,8 @@ std::string exposure_answer(const json& result) {
 
 std::string aberration_answer(const json& result) {
   const std::string modes = modes_text(result.at("modes"));
+  const std::size_t patterns = result.value("patterns", json::array()).size();
+  if (patterns > 0) return fmt::format("a sequence of patterns is shown: {}", patterns);
   return modes.empty() ? "no aberration is introduced" : "introduced aberration: " + modes;
 }
 
@@ -303,6 +305,7 @@ std::string job_answer(const json& result) {
 using Sentence = std::string (*)(const json&);
 const std::map<std::string, Sentence> kSentences{{"aberration.clear", aberration_answer},
                                                  {"aberration.get", aberration_answer},
+                                                 {"aberration.sequence", aberration_answer},
                                                  {"aberration.set", aberration_answer},
                                                  {"calibration.clear", calibration_answer},
                                                  {"calibration.get", calibration_answer},

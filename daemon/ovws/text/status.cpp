@@ -164,7 +164,9 @@ std::string losses_text(const json& counters) {
 std::string status_text(const BenchState& bench) {
   const json& status = bench.status;
   const json& sensor = status.at("sensor");
-  const std::string introduced = modes_text(bench.aberration.at("modes"));
+  const std::size_t patterns = bench.aberration.value("patterns", json::array()).size();
+  const std::string introduced = patterns > 0 ? fmt::format("a sequence of {} patterns", patterns)
+                                              : modes_text(bench.aberration.at("modes"));
   return line("state", state_text(status)) + camera_lines(status.at("camera"), status.at("rates")) +
          slm_lines(status.at("slm")) + sensor_lines(sensor) +
          reference_lines(sensor, bench.reference) + line("wavefront", wavefront_text(bench)) +

@@ -30,6 +30,9 @@ TEST(Answer, TheLabReadsSentences) {
   lut["depth_rad"] = 6.2475, lut["residual_rad"] = 0.00103, lut["reason"] = nullptr;
   lut["falls"] = false, lut["reaches_2pi"] = true;
   EXPECT_EQ(answer_text("lut.run", lut), "LUT: 1.99 pi deep, error 1 mrad");
+  EXPECT_EQ(answer_text("aberration.sequence",
+                        {{"modes", json::array()}, {"patterns", {json::object(), json::object()}}}),
+            "a sequence of patterns is shown: 2");
   EXPECT_EQ(answer_text("aberration.clear", {{"modes", json::array()}}),
             "no aberration is introduced");
 }
