@@ -292,6 +292,15 @@ TEST_F(Frames, AreEachANewRealisation) {
   EXPECT_EQ(source.counts().reused, 0U);
 }
 
+TEST_F(Frames, AreMadeAheadWhileNoneIsTaken) {
+  const FrameRequest wanted = request(Noise::fresh);
+  for (int n = 0; n < 60; ++n) {
+    take(wanted);
+    std::this_thread::sleep_for(milliseconds(3));
+  }
+  EXPECT_LT(source.counts().reused, 10U);  // of 44: this machine may be busy
+}
+
 TEST_F(Frames, WithoutNoiseAreTheMeanDigitised) {
   FrameRequest wanted = request(Noise::none);
   EXPECT_EQ(int(take(wanted)[0]), 26);  // 1000 of 10000 electrons, of 255
