@@ -72,6 +72,7 @@ TEST(TwinConfig, TheFileInTheRepositoryIsWhatEmptyMeans) {
   EXPECT_EQ(file->sensor, defaults.sensor);
   EXPECT_EQ(file->modulator, defaults.modulator);
   EXPECT_EQ(file->array, defaults.array);
+  EXPECT_EQ(file->dmd, defaults.dmd);
   EXPECT_EQ(file->truth.geometry, defaults.truth.geometry);
   EXPECT_EQ(file->truth.turbulence, defaults.truth.turbulence);
   EXPECT_EQ(file->camera.sensor_width, defaults.camera.sensor_width);
