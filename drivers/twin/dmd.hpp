@@ -16,6 +16,8 @@ struct DmdConfig {
   int patterns = 0;  ///< per cycle, 2 to 24; 0: video mode
   BitOrder bit_order = BitOrder::grb;
   double cycle_ms = 1000.0 / 60.0;
+
+  friend bool operator==(const DmdConfig&, const DmdConfig&) = default;
 };
 
 /// What the modulator shows of one display image: the grey levels, or in pattern mode one binary

@@ -151,6 +151,7 @@ bool FrameSource::take(const FrameRequest& request, Bench::Deadline deadline,
   }
   pool.past.push_back(frame);
   while (pool.past.size() > history_of(pool)) pool.past.pop_front();
+  if (wanting() != nullptr) changed_.notify_all();
   lock.unlock();
   if (frame->size() != out.size()) return false;
   std::memcpy(out.data(), frame->data(), out.size());

@@ -28,6 +28,8 @@ constexpr std::uint16_t kPort = 3956;  // fixed by GigE Vision
 constexpr auto kFarFieldTime = std::chrono::milliseconds(400);
 constexpr auto kDisplayTime = std::chrono::milliseconds(200);
 constexpr auto kMaxDisplayAge = std::chrono::milliseconds(5);  // then the display is queried again
+// Longest wait for a pulse in which no register is served.
+constexpr std::int64_t kLongestWaitNs = 20'000'000;
 constexpr int kMaxDisplayChecks = 3;  // after more queries the frame is late and is not sent
 
 // Bootstrap registers of GigE Vision that hold text.
@@ -173,35 +175,35 @@ void GigeDevice::run_free(ArvBuffer* buffer, const CameraSettings& settings) {
 /// One frame for each pulse of the DMD. A pulse that comes during an exposure is missed. Without
 /// pulses the camera sends nothing.
 void GigeDevice::run_triggered(ArvBuffer* buffer, const CameraSettings& settings) {
-  constexpr std::int64_t kNoPulsePauseNs = 20'000'000;
-  // Aravis begins the next frame when its thread has polled once; timed_poll ends that.
+  // Aravis calls `fill` again when its thread has polled once; timed_poll ends that.
   write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, 1);
-  period_ns_ = std::numeric_limits<std::int64_t>::max() / 2;
+  period_ns_ = std::numeric_limits<std::int64_t>::max() / 2;  // nothing to nudge
   const auto& clock = deps_.bench.clock();
-  if (!clock) {
-    lose_packets(FrameFate::drop);
-    return end_next_poll_at(utc_ns() + kNoPulsePauseNs);
+  if (!clock || !wait_for_pulse(*clock)) {
+    lose_packets(FrameFate::drop);  // of what Aravis sends now; it has no frame number
+    return end_next_poll_at(utc_ns() + kLongestWaitNs);
   }
-  const std::int64_t pulse = wait_for_pulse(*clock), t_ns = clock->time_of(pulse);
+  const std::int64_t pulse = next_pulse_, t_ns = clock->time_of(pulse);
   next_pulse_ = clock->last_pulse_in(t_ns, settings.exposure_us) + 1;
-  write(kRegisterResultingPeriod10Ns,
-        std::uint32_t(double(next_pulse_ - pulse) * clock->period_ns() / 10.0));
+  const double period_ns = double(next_pulse_ - pulse) * clock->period_ns();
+  write(kRegisterResultingPeriod10Ns, std::uint32_t(std::min(period_ns / 10.0, 4e9)));
   arv_buffer_set_timestamp(buffer, std::uint64_t(t_ns));
   send_frame(buffer, settings);
-  end_next_poll_at(clock->time_of(next_pulse_));
+  end_next_poll_at(std::min(clock->time_of(next_pulse_), utc_ns() + kLongestWaitNs));
 }
 
-/// Waits for the next pulse and returns its number. If this thread is late, pulses of the last
-/// kMaxPulseAgeNs are taken from the camera's memory; older ones are missed.
-std::int64_t GigeDevice::wait_for_pulse(const PatternClock& clock) {
+/// Waits for pulse number next_pulse_. False if it comes later than in kLongestWaitNs. If this
+/// thread is late, pulses of the last kMaxPulseAgeNs are served; older ones are missed.
+bool GigeDevice::wait_for_pulse(const PatternClock& clock) {
   constexpr std::int64_t kMaxPulseAgeNs = 10'000'000;
   const std::int64_t now_ns = utc_ns();
   if (clock.time_of(next_pulse_) < now_ns - kMaxPulseAgeNs) {
     next_pulse_ = clock.last_pulse(now_ns) + 1;
   }
   const std::int64_t wait_ns = clock.time_of(next_pulse_) - now_ns;
+  if (wait_ns > kLongestWaitNs) return false;
   if (wait_ns > 0) std::this_thread::sleep_for(std::chrono::nanoseconds(wait_ns));
-  return next_pulse_;
+  return true;
 }
 
 void GigeDevice::send_frame(ArvBuffer* buffer, const CameraSettings& settings) {

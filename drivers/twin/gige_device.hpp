@@ -56,7 +56,7 @@ class GigeDevice {
   void fill(ArvBuffer* buffer);
   void run_free(ArvBuffer* buffer, const CameraSettings& settings);
   void run_triggered(ArvBuffer* buffer, const CameraSettings& settings);
-  std::int64_t wait_for_pulse(const PatternClock& clock);
+  bool wait_for_pulse(const PatternClock& clock);
   void send_frame(ArvBuffer* buffer, const CameraSettings& settings);
   bool send_again(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate inject_fault(ArvBuffer* buffer, const CameraSettings& settings);
