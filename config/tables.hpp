@@ -97,10 +97,11 @@ inline constexpr auto kTable<BeamConfig> =
                limits::kCentrePx)
                .mandatory()};
 
-/// One pattern is no sequence.
-inline std::optional<std::string> is_one_pattern(const int& patterns) {
-  return patterns == 1 ? std::optional<std::string>("must be 0, or 2 to 24") : std::nullopt;
+/// One slot has no room for a mark and a pattern.
+inline std::optional<std::string> is_one_slot(const int& slots) {
+  return slots == 1 ? std::optional<std::string>("must be 0, or 2 to 24") : std::nullopt;
 }
+static_assert(limits::kPatternSlots.max == kMaxPatternSlots);
 template <>
 inline constexpr NamesOf kNames<BitOrder> = texts<"GRB", "RGB", "BGR">;
 
@@ -114,11 +115,11 @@ inline constexpr auto kTable<DmdConfig> =
                "amplitude of each subaperture, relative to the largest possible; empty: 1 for all",
                limits::Numbers{0.01, 1.0})
                .sized(0, kMaxSubapertures),
-           field<&DmdConfig::patterns>(
+           field<&DmdConfig::slots>(
                "pattern mode: number of bits of each pixel that the DMD plays one after the other "
                "in each frame of the video input; 0: it shows grey levels",
                limits::kPatternSlots)
-               .checked(is_one_pattern),
+               .checked(is_one_slot),
            field<&DmdConfig::bit_order>("order in which it plays the colours' bits, each from the "
                                         "lowest to the highest")};
 

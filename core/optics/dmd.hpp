@@ -29,7 +29,7 @@ struct DmdConfig {
   std::vector<double> amplitudes{};
   /// Pattern mode: number of bits of each pixel that the DMD plays as binary images, one after the
   /// other, in each frame of the video input. 0: it shows grey levels, without a pattern mode.
-  int patterns = 0;
+  int slots = 0;
   BitOrder bit_order = BitOrder::grb;  ///< in which it plays them
 
   friend bool operator==(const DmdConfig&, const DmdConfig&) = default;

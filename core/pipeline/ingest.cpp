@@ -180,26 +180,26 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   entry.still = hologram.still && !late;
   // After a change of the ROI, positions are meaningless until the plan for the new ROI is active.
   entry.settled = hologram.settled && !late && applied.roi == entry.plan->roi;
-  assign_pattern(entry, hologram.sequence);
+  assign_pattern(entry, hologram);
   entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;
   if (!entry.settled) deps_.counters.add(Counter::frames_unsettled);
 }
 
-/// Finds which pattern of the sequence the frame shows; that pattern's plan measures it.
-void Ingest::assign_pattern(Entry& entry, bool sequence) OVWS_NONBLOCKING {
+/// Finds which pattern of the sequence the frame shows; that pattern's plan measures it. Needs the
+/// camera's timestamps, and exposures that one pattern contains.
+void Ingest::assign_pattern(Entry& entry, const HologramVerdict& hologram) OVWS_NONBLOCKING {
   const MeasurementPlan& plan = *entry.plan;
   entry.pattern = -1;
-  if (!sequence && plan.patterns.empty()) return;
-  const bool planned = sequence && entry.still && entry.hologram_id == plan.hologram_id;
-  if (!planned || plan.hologram_id != patterns_hologram_id_) patterns_.reset();
+  if (!hologram.sequence && plan.patterns.empty()) return;
+  const bool planned = hologram.sequence && hologram.still && entry.hologram_id == plan.hologram_id;
+  const bool contained =
+      entry.settings_known && 1e3 * entry.exposure_us <= double(plan.cycle.period_ns);
+  const bool follows = planned && contained && entry.frame.t_device_ns != 0;
+  if (!follows || plan.hologram_id != patterns_hologram_id_) patterns_.reset();
   patterns_hologram_id_ = plan.hologram_id;
-  if (!planned) {
-    entry.settled = false;
-    return;
-  }
-  const GrabbedFrame& frame = entry.frame;
-  const std::int64_t t_ns = frame.t_device_ns != 0 ? frame.t_device_ns : frame.t_arrival_mono_ns;
-  const int slot = patterns_.follow(plan.cycle, t_ns, light_of(frame.image));
+  const int slot =
+      follows ? patterns_.follow(plan.cycle, entry.frame.t_device_ns, light_of(entry.frame.image))
+              : PatternFollower::kUncertain;
   entry.settled = entry.settled && slot > 0;
   if (!entry.settled) return;
   entry.pattern = (slot - 1) % int(plan.patterns.size());

@@ -8,6 +8,7 @@
 #include "core/base/realtime.hpp"
 #include "core/pipeline/arrival_clock.hpp"
 #include "core/pipeline/camera_exchange.hpp"
+#include "core/pipeline/frame_rules.hpp"
 #include "core/pipeline/msb_alignment.hpp"
 #include "core/pipeline/pattern_follower.hpp"
 #include "core/pipeline/pipeline.hpp"
@@ -59,7 +60,7 @@ class Ingest {
   Entry* take_entry(const GrabbedFrame& frame) OVWS_NONBLOCKING;
   void count_lost(std::uint64_t frame_id) OVWS_NONBLOCKING;
   void stamp(Entry& entry) OVWS_NONBLOCKING;
-  void assign_pattern(Entry& entry, bool sequence) OVWS_NONBLOCKING;
+  void assign_pattern(Entry& entry, const HologramVerdict& hologram) OVWS_NONBLOCKING;
 
   Deps deps_;
   std::uint64_t stream_ = 0;

@@ -29,6 +29,13 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
   demand(plan.patterns.size() < std::size_t(kMaxPatternSlots),
          "measurement plan with too many patterns");
   demand(plan.patterns.empty() || plan.beams.empty(), "measurement plan with patterns and beams");
+  demand(
+      plan.patterns.empty() || (plan.cycle.slots > int(plan.patterns.size()) &&
+                                plan.cycle.slots <= kMaxPatternSlots && plan.cycle.period_ns > 0),
+      "measurement plan with patterns and no cycle for them");
+  demand(std::ranges::all_of(plan.patterns,
+                             [](const auto& one) { return !one->fit && one->patterns.empty(); }),
+         "measurement plan of a pattern with templates or patterns");
   demand(plan.modes_j.size() <= std::size_t(kMaxModes), "measurement plan with too many modes");
   return plan;
 }

@@ -46,7 +46,8 @@ struct Pipeline::Impl {
         tap(records),
         ingest({deps.counters, deps.shown, deps.settings, cameras, plans, pool, tap,
                 latencies.arrived}),
-        track(config.beams, std::max(workers, 1), deps.counters, latencies.tracked),
+        track({config.beams, config.patterns}, std::max(workers, 1), deps.counters,
+              latencies.tracked),
         tracked(std::size_t(records)),
         crew(workers, records, track, tracked),
         outbox(records, deps.counters, tap) {

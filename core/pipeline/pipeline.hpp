@@ -19,6 +19,7 @@ struct PipelineConfig {
   int workers = 0;   ///< tracker threads; 0: the acquisition agent runs all stages ("inline")
   int records = 64;  ///< maximum number of frames in flight, at least 4
   int beams = 0;     ///< largest number of further light sources in a plan (MeasurementPlan::beams)
+  int patterns = 0;  ///< largest number of patterns in a plan (MeasurementPlan::patterns)
 };
 
 struct PipelineDeps {

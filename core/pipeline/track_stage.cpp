@@ -180,9 +180,9 @@ void TrackStage::summarise(Entry& entry) OVWS_NONBLOCKING {
   latency_.record(entry.t_tracked_mono_ns - entry.frame.t_arrival_mono_ns);
 }
 
-TrackStages::TrackStages(int beams, int slices, Counters& counters, LatencyHistogram& latency) {
-  for (int k = 0; k <= beams; ++k) stages_.emplace_back(slices, counters, latency);
-  for (int k = 1; k < kMaxPatternSlots; ++k) patterns_.emplace_back(slices, counters, latency);
+TrackStages::TrackStages(Most most, int slices, Counters& counters, LatencyHistogram& latency) {
+  for (int k = 0; k <= most.beams; ++k) stages_.emplace_back(slices, counters, latency);
+  for (int k = 0; k < most.patterns; ++k) patterns_.emplace_back(slices, counters, latency);
 }
 
 /// The main source's stage for this frame; nullptr: its pattern is uncertain.

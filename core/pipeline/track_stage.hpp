@@ -68,8 +68,12 @@ class TrackStage {
 /// the frame's pixels.
 class TrackStages {
  public:
-  /// `beams`: number of further sources. `latency` counts the main one's measurements.
-  TrackStages(int beams, int slices, Counters& counters, LatencyHistogram& latency);
+  /// Largest numbers in a plan.
+  struct Most {
+    int beams = 0, patterns = 0;
+  };
+  /// `latency` counts the main source's measurements.
+  TrackStages(Most most, int slices, Counters& counters, LatencyHistogram& latency);
 
   void begin(Entry& entry) OVWS_NONBLOCKING;
   void track_slice(Entry& entry, int k) OVWS_NONBLOCKING;

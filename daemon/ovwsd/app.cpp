@@ -79,9 +79,10 @@ void exit_by_alarm_after(double patience_s) {
 /// destroyed in reverse order.
 namespace {
 
-PipelineConfig with_beams(const Config& config) {
+PipelineConfig with_plans(const Config& config) {
   PipelineConfig pipeline = config.pipeline;
   pipeline.beams = int(config.beams.size());
+  pipeline.patterns = std::max(config.dmd.slots - 1, 0);
   return pipeline;
 }
 
@@ -134,7 +135,7 @@ struct App::Parts {
       : config(as_loaded.effective),
         loaded(as_loaded),
         state_lock(std::move(lock)),
-        pipeline(with_beams(config), {counters, shown, settings}),
+        pipeline(with_plans(config), {counters, shown, settings}),
         recorder(config, pipeline, events),
         beams(config.beams),
         slm(config.slm,

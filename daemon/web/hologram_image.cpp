@@ -61,6 +61,9 @@ Result<HologramImagePtr> draw_hologram(const HologramSources& sources) {
   const auto& names = kShowablePatterns();
   const auto name = std::find(names.begin(), names.end(), sources.pattern);
   if (name == names.end()) return fail(Errc::unavailable, "", "a job shows its own patterns");
+  if (!sources.aberration["patterns"].empty()) {
+    return fail(Errc::unavailable, "", "the DMD shows a sequence of patterns");
+  }
   if (!agree(sources)) return fail(Errc::unavailable, "", "the hologram is changing");
   const auto config = parse_config(json_text(sources.config));
   if (!config) return fail(config.error());

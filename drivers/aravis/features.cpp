@@ -82,6 +82,12 @@ Result<void> CameraFeatures::use_trigger(const std::string& source) {
     if (auto done = set("TriggerSelector", "FrameStart"); !done) return done;
   }
   if (auto done = set("TriggerSource", source); !done) return done;
+  // An exposure may begin while the frame before is read out; else every second pulse may be
+  // missed.
+  for (const auto& [feature, choice] :
+       {std::pair{"TriggerActivation", "RisingEdge"}, std::pair{"TriggerOverlap", "ReadOut"}}) {
+    if (auto done = device_->choose_if_offered(feature, choice); !done) return done;
+  }
   return set("TriggerMode", "On");
 }
 

@@ -117,7 +117,7 @@ Json json_of(const std::vector<FrameTruth>& frames) {
     json.push_back({{"frame_id", frame.frame_id},
                     {"t_ns", frame.t_ns},
                     {"crc32", frame.crc32},
-                    {"pattern", frame.pattern ? Json(*frame.pattern) : Json(nullptr)},
+                    {"slot", frame.pattern ? Json(*frame.pattern) : Json(nullptr)},
                     {"modes", frame.turbulence}});
   }
   return json;

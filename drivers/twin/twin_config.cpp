@@ -75,8 +75,8 @@ void read(ObjectReader& r, LightConfig& light, Truth& truth) {
 
 void read(ObjectReader& r, DmdConfig& dmd) {
   int order = int(dmd.bit_order);
-  r.integer("patterns", dmd.patterns, 0, 24);
-  if (dmd.patterns == 1) r.fault("patterns", "must be 0 (video mode) or 2 to 24");
+  r.integer("slots", dmd.patterns, 0, 24);
+  if (dmd.patterns == 1) r.fault("slots", "must be 0 (video mode) or 2 to 24");
   r.choice("bit_order", order, {"GRB", "RGB", "BGR"});
   r.number("cycle_ms", dmd.cycle_ms, 2.0, 200.0);
   dmd.bit_order = BitOrder(order);
@@ -99,7 +99,7 @@ void read(ObjectReader& r, Config& c) {
   c.modulator = Modulator(modulator);
   r.object("dmd", [&](ObjectReader& in) { read(in, c.dmd); });
   if (c.dmd.patterns > 0 && c.modulator != Modulator::dmd) {
-    r.fault("dmd.patterns", "needs \"modulator\": \"dmd\"");
+    r.fault("dmd.slots", "needs \"modulator\": \"dmd\"");
   }
   r.object("array", [&](ObjectReader& in) { read_array(in, c.array); });
   r.object("camera", [&](ObjectReader& in) { read(in, c.camera, c.truth.geometry); });

@@ -17,7 +17,7 @@ inline constexpr const char* kFrameHologramMeaning =
     "not settled; 0: unknown";
 inline constexpr const char* kPatternMeaning =
     "number of the pattern of aberration.sequence that this frame shows, from 0; null: no sequence "
-    "is shown, or the pattern is not certain, and then the frame is not valid";
+    "is shown, or the pattern is not certain, and then the frame is neither settled nor valid";
 inline constexpr Bounds kPatternBounds{0, limits::kPatternSlots.max - 2};
 /// Shape of a binary part: rows, columns.
 using Shape = std::array<int, 2>;

@@ -117,7 +117,9 @@ inline constexpr auto kTable<GrabStamp> =
     Fields{"GrabStamp",
            field<&GrabStamp::frame_id>(kFrameIdMeaning),
            field<&GrabStamp::hologram_id>(kFrameHologramMeaning),
-           field<&GrabStamp::settled>("whether the hologram had settled during the whole exposure"),
+           field<&GrabStamp::settled>(
+               "whether the hologram had settled during the whole exposure, and of a "
+               "sequence the pattern is certain"),
            field<&GrabStamp::pattern>(kPatternMeaning, kPatternBounds),
            field<&GrabStamp::t_device_ns>("the camera's own timestamp, ns; 0: it has none"),
            field<&GrabStamp::t_arrival_ns>(kArrivalMeaning),

@@ -42,15 +42,15 @@ class Dmd(BenchCase):
         with self.assertRaisesRegex(Exception, "order -3.*falls onto a spot"):
             self.call("sensor.set", {"grooves": [240, 0]})
         self.assertEqual(self.call("sensor.get")["grooves"], [200, 20])
-        self.assertEqual(self.refused("aberration.sequence", {"patterns": [{"modes": []}]}).data["field"], "dmd.patterns")
+        self.assertEqual(self.refused("aberration.sequence", {"patterns": [{"modes": []}]}).data["field"], "dmd.slots")
         wait_for(lambda: self.mean_modes(stream), what="frames after refused requests")
 
 
-class DmdBench(Dmd):
+class DmdBench(BenchCase):
+    daemon_config = Dmd.daemon_config
     twin_config = merged(TWIN, {"slm": {"flatness_rms_waves": 0.08, "flatness_cycles": 2.0}})
 
-    def test_measures_known_modes_and_refuses_what_a_dmd_cannot(self):
-        """The flatness is measured, and a calibrated loop removes an aberration."""
+    def test_the_flatness_is_measured_and_a_calibrated_loop_removes_an_aberration(self):
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
         self.run_job("registration.run", {}, timeout_s=60.0)
@@ -85,9 +85,10 @@ class BadConfiguration(unittest.TestCase):
         for change, field in (({"dmd": {"amplitudes": [1.0, 0.5]}}, "dmd.amplitudes"),
                               ({"dmd": {"amplitudes": [0.0]}}, "dmd.amplitudes"),
                               ({"dmd": {"apodisation": 1.5}}, "dmd.apodisation"),
-                              ({"dmd": {"patterns": 1}}, "dmd.patterns"),
-                              ({"dmd": {"patterns": 25}}, "dmd.patterns"),
+                              ({"dmd": {"slots": 1}}, "dmd.slots"),
+                              ({"dmd": {"slots": 25}}, "dmd.slots"),
                               ({"dmd": {"bit_order": "GBR"}}, "dmd.bit_order"),
+                              ({"modulator": "slm", "dmd": {"slots": 8}}, "dmd.slots"),
                               ({"slm": {"lut": "lut.csv"}}, "slm.lut"),
                               ({"slm": {"driver": "none"}}, "slm.driver"),
                               ({"sensor": {"grooves": [560, 0]}}, "sensor.grooves"),

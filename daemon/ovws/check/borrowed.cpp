@@ -30,6 +30,11 @@ Answer Borrowed::remember() {
     if (!now) return now;
     *answer = std::move(*now);
   }
+  if (!aberration_.value("patterns", json::array()).empty()) {
+    return tl::make_unexpected(
+        failure("the DMD shows a sequence of patterns: end it with ovws call "
+                "aberration.clear first"));
+  }
   aberration_ = modes_of(aberration_);
   correction_ = modes_of(correction_);
   return json();

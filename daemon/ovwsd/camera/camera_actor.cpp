@@ -259,8 +259,12 @@ bool CameraActor::close_camera() {
 void CameraActor::watch_frames() {
   const double sign_s = silent_s(deps_.pipeline.last_sign_mono_ns());
   if (sign_s > frame_timeout_s()) {
-    return lose({Errc::device, "camera",
-                 "the camera sends no frames: check its cable and the firewall; run ovws doctor"});
+    return lose(
+        {Errc::device, "camera",
+         config_.trigger.empty()
+             ? "the camera sends no frames: check its cable and the firewall; run ovws doctor"
+             : "the camera sends no frames: check that pulses come to its input " +
+                   config_.trigger + " (camera.trigger), its cable and the firewall"});
   }
   const std::int64_t last_ns = deps_.pipeline.last_frame_mono_ns();
   if (last_ns != std::exchange(last_frame_ns_, last_ns)) unusable_before_ = count_unusable();

@@ -35,6 +35,7 @@ void set_camera(Services& services, const CameraSet& change, Reply<CameraSetRepo
 }
 
 void start_exposure(Services& services, const AutoExposure& params, Reply<JobNumber> reply) {
+  if (auto can = check_no_sequence(*services.keeper.snapshot()); !can) return reply(can.error());
   services.procedures.start(
       kCameraAutoExposure.name,
       [slm = services.config.slm.geometry, params](Bench& bench) -> Result<Json> {

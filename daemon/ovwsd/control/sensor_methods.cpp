@@ -42,14 +42,11 @@ void introduce_none(Services& services, Reply<AberrationReport> reply) {
   introduce(services, {}, std::move(reply));
 }
 
-/// The cycle that the DMD plays now. Errors: it has no pattern mode, or the camera cannot take a
-/// frame of each pattern.
-Result<PatternCycle> cycle_of(const Services& services) {
-  const Config& config = services.config;
-  const int slots = config.modulator == Modulator::dmd ? config.dmd.patterns : 0;
-  if (slots == 0) {
-    return fail(Errc::refused, "dmd.patterns",
-                "there is no DMD in a pattern mode: set `modulator` to dmd and dmd.patterns to the "
+/// Whether the configured bench can show a sequence and take a frame of each pattern.
+Result<void> check_sequence_bench(const Config& config) {
+  if (config.modulator != Modulator::dmd || config.dmd.slots == 0) {
+    return fail(Errc::refused, "dmd.slots",
+                "there is no DMD in a pattern mode: set `modulator` to dmd and dmd.slots to the "
                 "number of bits that it plays, and restart the daemon");
   }
   if (config.camera.trigger.empty()) {
@@ -57,15 +54,32 @@ Result<PatternCycle> cycle_of(const Services& services) {
                 "a camera that runs freely does not take one frame of each pattern: connect the "
                 "DMD's trigger output to the camera, set camera.trigger, and restart the daemon");
   }
-  if (!config.beams.empty()) {
-    return fail(Errc::refused, "beams", "patterns cannot be shown with several light sources");
-  }
-  const auto display = services.slm.snapshot().info;
-  if (!display || display->refresh_hz <= 0.0) {
+  if (config.beams.empty()) return {};
+  return fail(Errc::refused, "beams",
+              "patterns cannot be shown with several light sources: remove `beams` from the "
+              "configuration, and restart the daemon");
+}
+
+/// The cycle that the DMD plays now. Errors: those of check_sequence_bench; display or camera are
+/// not set for it.
+Result<PatternCycle> cycle_of(const Services& services) {
+  if (auto can = check_sequence_bench(services.config); !can) return fail(can.error());
+  const int slots = services.config.dmd.slots;
+  const SlmSnapshot slm = services.slm.snapshot();
+  if (!slm.info) return fail(Errc::unavailable, "slm.display", "there is no display: " + slm.fault);
+  if (!(slm.info->refresh_hz > 0.0)) {
     return fail(Errc::unavailable, "slm.display",
-                "the refresh rate of the DMD's output is not known: check slm in system.status");
+                "the display system does not tell the refresh rate of the DMD's output: set a mode "
+                "of the output with a rate (xrandr)");
   }
-  const double period_us = 1e6 / display->refresh_hz / slots;
+  const double cycle_ms = 1e3 / slm.info->refresh_hz, period_us = 1e3 * cycle_ms / slots;
+  if (slm.settings.settle_ms < 2.0 * cycle_ms) {
+    return fail(
+        Errc::refused, "slm.settle_ms",
+        fmt::format("a DMD plays a new image up to two video frames later, {:.1f} ms: raise "
+                    "settle_ms with slm.set first",
+                    2.0 * cycle_ms));
+  }
   const double exposure_us = services.camera.snapshot().settings.exposure_us;
   if (exposure_us > period_us) {
     return fail(
@@ -295,7 +309,7 @@ void verify(Services& services, Reply<VerifyReport> reply) {
 
 constexpr std::array kRows{
     row<kAberrationGet, get<aberration_of>>(Role::read, Action::read),
-    row<kAberrationSequence, show_sequence>(Role::control, Action::set_correction),
+    row<kAberrationSequence, show_sequence>(Role::control, Action::show_pattern),
     row<kAberrationSet, introduce>(Role::control, Action::set_aberration),
     row<kAberrationClear, introduce_none>(Role::control, Action::set_aberration),
     row<kCalibrationRun, run_calibration>(Role::control, Action::start_hologram_job),

@@ -78,11 +78,7 @@ void pause_loop(Services& services, const LoopPause& how, Reply<LoopReport> repl
 }
 
 void start_recording(Services& services, const RecordStart& asked, Reply<RecordReport> reply) {
-  if (!services.keeper.snapshot()->sequence.empty()) {
-    return reply(Error{Errc::refused, "",
-                       "a recording does not know the patterns of a sequence: end it with "
-                       "aberration.clear first"});
-  }
+  if (auto can = check_no_sequence(*services.keeper.snapshot()); !can) return reply(can.error());
   const Config now = in_use(services);
   services.recorder.start({asked, dump_config(now), now.camera.settings,
                            services.camera.snapshot().info, "ovwsd " OVWS_VERSION},

@@ -167,9 +167,15 @@ bool FrameGrabs::Grab::take(const FrameRecord& record) {
   if (wish_.average && !report_.frames.empty() && !same_light(report_.frames.front())) {
     return refuse({Errc::refused, "", "exposure or gain changed: repeat the request"});
   }
+  const bool of_sequence = record.pattern >= 0 || !record.plan->patterns.empty();
+  if (wish_.average && of_sequence) {
+    return refuse({Errc::refused, "average",
+                   "the frames show different patterns of a sequence: grab them without average"});
+  }
   copy(image);
   const auto pattern = record.pattern < 0 ? std::nullopt : std::optional(record.pattern);
-  report_.frames.push_back({record.frame.frame_id, record.hologram_id, record.still, pattern,
+  const bool settled = record.still && record.plan->patterns.empty();
+  report_.frames.push_back({record.frame.frame_id, record.hologram_id, settled, pattern,
                             record.frame.t_device_ns, record.frame.t_arrival_ns, record.exposure_us,
                             record.gain_db, record.gain_raw});
   return true;

@@ -87,6 +87,7 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
       predicted_px(plan.predicted_px),
       reference_px(plan.reference_px),
       awaits_templates(plan.awaits_templates),
+      patterns(!plan.patterns.empty()),
       reference_introduced_rms_waves(plan.reference_introduced_rms_waves),
       mode_operator(plan.mode_operator),
       modes_j(plan.modes_j),

@@ -27,6 +27,7 @@ struct PlanFacts {
   PixelFormat format = PixelFormat::mono8;
   std::vector<Vec2> predicted_px, reference_px;
   bool awaits_templates = false;
+  bool patterns = false;  ///< of a DMD's sequence, which is not recorded
   double reference_introduced_rms_waves = 0.0;
   OperatorKind mode_operator = OperatorKind::slopes;
   std::vector<int> modes_j;           ///< of the coefficients

@@ -343,6 +343,9 @@ std::optional<Recorder::Ending> Recorder::write_plan(std::uint64_t plan_id) {
                     roi.height, roi.x, roi.y, pixel_format_name(facts->format)),
         Rest::after};
   }
+  if (facts->patterns) {
+    return Ending{"a sequence of patterns is shown, which is not recorded", Rest::after};
+  }
   running_->file->name_modes(facts->modes_j);
   for (const Document& document : running_->documents.of(*facts)) {
     if (auto added = add(*running_->file, document); !added) return Ending{added.error().reason};

@@ -10,6 +10,12 @@
 namespace ovws {
 namespace {
 
+/// The request to show the hologram of `state`, whose levels are hologram_of(state).
+HologramRequest request_of(const SensorState& state, std::uint64_t hologram_id,
+                           std::shared_ptr<const Image<std::uint8_t>> levels) {
+  return {hologram_id, shown_epoch(state), state.pattern, std::move(levels), shows_sequence(state)};
+}
+
 constexpr auto kTurn = std::chrono::milliseconds(50);
 
 /// Whether `a` and `b` have the same reference and the same calibration.
@@ -104,8 +110,7 @@ Result<void> SensorKeeper::begin() {
   }
   if (!plan) return fail(plan.error());
   bench_.levels = hologram_of(state);
-  deps_.slm.show_when_possible(
-      {bench_.hologram_id, shown_epoch(state), state.pattern, bench_.levels});
+  deps_.slm.show_when_possible(request_of(state, bench_.hologram_id, bench_.levels));
   const Bound bound = bind(state, edit.knowledge, bench_.optics);
   adopt(std::move(edit), bound, std::move(*plan));
   return {};
@@ -283,8 +288,7 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
 /// used for another hologram, because this one may have been visible for a moment.
 Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologram_id, Show show) {
   if (hologram_id != bench_.hologram_id) {
-    const HologramRequest request{hologram_id, shown_epoch(next), next.pattern, hologram_of(next),
-                                  shows_sequence(next)};
+    const HologramRequest request = request_of(next, hologram_id, hologram_of(next));
     const auto shown = deps_.slm.show(request);
     if (!shown && show == Show::now) return shown;
     if (!shown) deps_.slm.show_when_possible(request);
@@ -292,8 +296,7 @@ Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologr
     bench_.levels = request.levels;
   } else if (next.sensor_epoch != state_.sensor_epoch) {
     // The hologram on the SLM stays, but measurements of it now belong to a new epoch.
-    deps_.slm.show_when_possible(
-        {hologram_id, shown_epoch(next), next.pattern, bench_.levels, shows_sequence(next)});
+    deps_.slm.show_when_possible(request_of(next, hologram_id, bench_.levels));
   }
   return {};
 }
@@ -406,11 +409,15 @@ Result<void> check_shows_sensor(const SensorShown& sensor) {
   return {};
 }
 
-Result<void> check_shows_one_sensor(const SensorShown& sensor) {
-  if (auto shown = check_shows_sensor(sensor); !shown) return shown;
+Result<void> check_no_sequence(const SensorShown& sensor) {
   if (sensor.sequence.empty()) return {};
   return fail(Errc::refused, "",
               "the DMD shows a sequence of patterns: end it with aberration.clear first");
+}
+
+Result<void> check_shows_one_sensor(const SensorShown& sensor) {
+  if (auto shown = check_shows_sensor(sensor); !shown) return shown;
+  return check_no_sequence(sensor);
 }
 
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format) {

@@ -116,7 +116,9 @@ class SensorKeeper : public Agent {
 
 /// Checks that the SLM shows the sensor. Errc::refused: it shows another pattern.
 Result<void> check_shows_sensor(const SensorShown& sensor);
-/// Also checks that it is one hologram, not a sequence of patterns.
+/// Errc::refused: a DMD shows a sequence of patterns.
+Result<void> check_no_sequence(const SensorShown& sensor);
+/// Both of these checks.
 Result<void> check_shows_one_sensor(const SensorShown& sensor);
 
 /// Checks that spots can be measured in this pixel format. Errc::refused (field "pixel_format"): of

@@ -9,6 +9,7 @@
 
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
+#include "core/pipeline/plan.hpp"
 #include "core/wavefront/registration.hpp"
 #include "daemon/ovwsd/sensor/beams.hpp"
 #include "daemon/ovwsd/sensor/calibration.hpp"
@@ -26,6 +27,7 @@ struct SensorShown {
   std::vector<Mode> aberration;  ///< introduced, RMS-normalised waves
   /// Introduced by each pattern of a DMD's sequence, in place of `aberration`; empty: no sequence.
   std::vector<std::vector<Mode>> sequence;
+  PatternCycle cycle;  ///< of `sequence`
 };
 
 /// The sensor's settings and active measurements. Immutable and shared by all readers.

@@ -1,6 +1,7 @@
 #include "daemon/ovwsd/sensor/sensor_state.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "core/optics/lattice.hpp"
 #include "daemon/ovwsd/sensor/beams.hpp"
@@ -112,9 +113,10 @@ Result<void> renew_renderer(SensorState& state) {
 Result<void> check_sampling(const SensorState& state) {
   if (state.pattern != HologramKind::sensor && state.pattern != HologramKind::grating) return {};
   for (std::size_t k = 0; k < state.sequence.size(); ++k) {
-    if (auto sampled = state.renderer->check_sampling(pattern_modes(state, k)); !sampled) {
-      return sampled;
-    }
+    auto sampled = state.renderer->check_sampling(pattern_modes(state, k));
+    if (sampled) continue;
+    sampled.error().field = "patterns[" + std::to_string(k) + "].modes";
+    return sampled;
   }
   return state.renderer->check_sampling(shown_modes(state));
 }

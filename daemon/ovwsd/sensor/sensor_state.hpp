@@ -10,7 +10,6 @@
 #include "config/config.hpp"
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
-#include "core/pipeline/plan.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/sensor/active_templates.hpp"
@@ -30,7 +29,6 @@ struct BenchOptics {
 
 struct SensorState : SensorShown {
   std::vector<Mode> correction;                        ///< subtracted from the hologram
-  PatternCycle cycle;                                  ///< of `sequence`
   std::shared_ptr<const Image<std::uint8_t>> painted;  ///< image drawn by a job, for pattern `test`
   Roi roi;
   PixelFormat format = PixelFormat::mono8;

@@ -76,8 +76,9 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
   if (lack.no_pattern) {
     invalid.reason = "no frame's pattern is certain";
     invalid.action =
-        "check that each pattern triggers the camera, that dmd.patterns and dmd.bit_order are the "
-        "DMD's, that the exposure is shorter than a pattern, and the light";
+        "check that each pattern triggers the camera, that dmd.slots and dmd.bit_order are the "
+        "DMD's, the output's refresh rate, that the exposure is shorter than a pattern, that the "
+        "camera sends timestamps, and the light";
     return invalid;
   }
   const bool has_branch_points = lack.branch_points > 0;

@@ -26,8 +26,8 @@ constexpr std::int64_t kLookAgainNs = 1'000'000'000;
 constexpr std::int64_t kLostNs = 50'000'000;  // before another tracker's spots count as lost
 constexpr double kFlatWaves = 0.1;            // RMS of a wavefront that every tracker measures
 constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // a failed model: new frames give new noise
-constexpr int kManyUncertain = 3 * kMaxPatternSlots;  // frames of a sequence without a pattern
-constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
+constexpr int kManyCycles = 3;  // of a sequence without a frame whose pattern is certain
+constexpr double kCell = 0.5;   // lambda/d: images are compared after binning to this size
 
 TemplateDrift drift_of(const FrameRecord& record) {
   double variance = -std::pow(record.templates.bent_waves, 2);  // drift adds to sigma_waves
@@ -141,7 +141,9 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
 void WavefrontSearch::watch_patterns(const FrameRecord& record) {
   described_.store(false, std::memory_order_relaxed);
   wanted_.store(false, std::memory_order_relaxed);
-  if (++uncertain_ < kManyUncertain || !record.plan->referenced()) return;
+  if (!record.still) return;  // the hologram is changing, or there is no display
+  const int many = kManyCycles * record.plan->cycle.slots;
+  if (++uncertain_ < many || !record.plan->referenced()) return;
   validity_.on_frame(false, {.spots = record.spot_count, .no_pattern = true}, monotonic_ns());
 }
 

@@ -30,6 +30,9 @@ Result<void> check_modulator(const Config& config) {
   if (config.modulator == Modulator::dmd && config.slm.lut) {
     return fail(Errc::invalid, "slm.lut", "a DMD has two levels and no look-up table: set null");
   }
+  if (config.modulator != Modulator::dmd && config.dmd.slots > 0) {
+    return fail(Errc::invalid, "dmd.slots", "only a DMD has a pattern mode: set modulator to dmd");
+  }
   if (!fixed || !config.sensor.lenslets.empty()) return {};
   return fail(Errc::invalid, "array.pitch_um",
               "no lenslet lies in the camera's region and the pupil: check array.pitch_um, "

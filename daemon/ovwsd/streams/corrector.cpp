@@ -107,7 +107,7 @@ const CorrectorMatrix* Corrector::matrix() {
 
 std::span<const float> Corrector::commands(const CorrectorMatrix& matrix,
                                            const FrameRecord& record) {
-  if (!record.valid || record.plan->modes_j != matrix.modes_j) return {};
+  if (!record.valid || record.pattern >= 0 || record.plan->modes_j != matrix.modes_j) return {};
   using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto modes = Eigen::Index(matrix.modes_j.size());
   const Eigen::Map<const RowMajor> values(matrix.values.data(), matrix.actuators, modes);

@@ -21,6 +21,7 @@ const sender = new Sender("aberration.set", (reply) => {
   if (reply.error) show(true);
 });
 let inForce = [];
+let patterns = 0; // of a DMD's sequence
 
 function request(j, value) {
   if (value === 0) waves.delete(j);
@@ -79,7 +80,7 @@ export function build(mayControl) {
 }
 
 /** Whether an aberration is introduced. */
-export const isIntroduced = () => inForce.some((mode) => mode.waves !== 0);
+export const isIntroduced = () => patterns > 0 || inForce.some((mode) => mode.waves !== 0);
 
 /** Removes the introduced aberration; resolves to the daemon's reply. */
 export async function clear() {
@@ -92,10 +93,11 @@ export async function clear() {
 
 export function takeBench({ aberration, sensor, limits: wire }) {
   inForce = aberration.modes;
+  patterns = aberration.patterns.length;
   limits = wire.mode_waves;
   if (!sender.busy) waves = new Map(inForce.map((mode) => [mode.j, mode.waves]));
   const rms = Math.hypot(...inForce.filter((mode) => mode.j > 2).map((mode) => mode.waves));
-  setText(byId("aberration-sub"), inForce.length ? `${brief(rms)} wave RMS without tilts` : "none");
+  setText(byId("aberration-sub"), patterns ? `a sequence of ${patterns} patterns` : inForce.length ? `${brief(rms)} wave RMS without tilts` : "none");
   if (shownModes === null) {
     const facts = inForce.map((mode) => [`Z${mode.j} ${mode.name}`, `${signed(mode.waves, 4)} wave`]);
     return showFacts(byId("aberration-facts"), facts.length ? facts : [["Modes", "none"]]);

@@ -122,7 +122,7 @@ TEST(PatternClock, AFrameShowsThePatternsOfItsExposure) {
 
 TEST(TwinConfig, PatternModeIsReadStrictly) {
   const auto config = parse_config(
-      R"({"modulator": "dmd", "dmd": {"patterns": 8, "bit_order": "BGR", "cycle_ms": 20}})");
+      R"({"modulator": "dmd", "dmd": {"slots": 8, "bit_order": "BGR", "cycle_ms": 20}})");
   ASSERT_TRUE(config) << config.error().reason;
   EXPECT_EQ(config->dmd.patterns, 8);
   EXPECT_EQ(config->dmd.bit_order, BitOrder::bgr);
@@ -130,15 +130,15 @@ TEST(TwinConfig, PatternModeIsReadStrictly) {
   const auto refused = [](const std::string& dmd) {
     return parse_config(R"({"modulator": "dmd", "dmd": )" + dmd + "}").error().field;
   };
-  EXPECT_EQ(refused(R"({"patterns": 1})"), "dmd.patterns");
-  EXPECT_EQ(refused(R"({"patterns": 25})"), "dmd.patterns");
-  EXPECT_EQ(refused(R"({"patterns": 2.5})"), "dmd.patterns");
+  EXPECT_EQ(refused(R"({"slots": 1})"), "dmd.slots");
+  EXPECT_EQ(refused(R"({"slots": 25})"), "dmd.slots");
+  EXPECT_EQ(refused(R"({"slots": 2.5})"), "dmd.slots");
   EXPECT_EQ(refused(R"({"bit_order": "GBR"})"), "dmd.bit_order");
   EXPECT_EQ(refused(R"({"cycle_ms": 1})"), "dmd.cycle_ms");
   EXPECT_EQ(refused(R"({"pattern": 8})"), "dmd.pattern");
-  EXPECT_EQ(parse_config(R"({"dmd": {"patterns": 8}})").error().field, "dmd.patterns");
-  EXPECT_EQ(parse_config(R"({"modulator": "fixed", "dmd": {"patterns": 8}})").error().field,
-            "dmd.patterns");
+  EXPECT_EQ(parse_config(R"({"dmd": {"slots": 8}})").error().field, "dmd.slots");
+  EXPECT_EQ(parse_config(R"({"modulator": "fixed", "dmd": {"slots": 8}})").error().field,
+            "dmd.slots");
   EXPECT_EQ(parse_config("{}")->dmd.patterns, 0);
 }
 
@@ -170,7 +170,7 @@ class PatternBench : public ::testing::Test {
   }
 
   std::stop_source stop;
-  Bench bench{parse_config(R"({"modulator": "dmd", "dmd": {"patterns": 4, "cycle_ms": 16},
+  Bench bench{parse_config(R"({"modulator": "dmd", "dmd": {"slots": 4, "cycle_ms": 16},
       "slm": {"width": 640, "height": 384}, "optics": {"focal_length_mm": 100},
       "sensor": {"pupil_diameter_px": 384, "spacing": 0.5}})")
                   .value()};

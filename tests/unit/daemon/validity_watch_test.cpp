@@ -63,7 +63,7 @@ TEST(ValidityWatch, SaysThatNoPatternIsCertain) {
       .since_ns = 2 * kS, .spots = 19, .brightest = 0.0, .no_pattern = true};
   const auto said = invalid_in_words(lack, {}, 3 * kS, 100 * kS);
   EXPECT_EQ(said.reason, "no frame's pattern is certain");
-  EXPECT_NE(said.action.find("dmd.patterns"), std::string::npos);
+  EXPECT_NE(said.action.find("dmd.slots"), std::string::npos);
 }
 
 TEST(ValidityWatch, ADarkImageIsTheReason) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace ovws::test {
@@ -110,10 +111,16 @@ TEST(PatternFollower, LightWhereItShouldBeDarkAndFramesOutOfTimeEndTheCertainty)
   EXPECT_LT(mistimed.next(), 0);
 }
 
-TEST(PatternFollower, WithoutLightOrWithALampAloneNothingIsCertain) {
+TEST(PatternFollower, WithoutAMarkNothingIsCertain) {
   Cycle dark(6);
   for (int k = 0; k < 500; ++k) EXPECT_LT(dark.next(0.0), 0);
   EXPECT_GE(dark.until_certain(), 0);
+  // A lamp's flicker of a period that is no whole number of slots.
+  PatternFollower follower;
+  for (int k = 0; k < 2000; ++k) {
+    const double light = kBright + 500.0 * std::sin(0.83 * k);
+    EXPECT_LT(follower.follow({8, 700'000}, 5'000'000'000'000 + k * 700'000LL, light), 0) << k;
+  }
 }
 
 TEST(PatternFollower, OfAWrongRefreshRateNothingIsCertain) {

@@ -1,6 +1,7 @@
 /// Frames of a DMD's sequence: each is measured with the plan of its pattern, or not at all.
 #include <gtest/gtest.h>
 
+#include "tests/support/alloc_guard.hpp"
 #include "tests/unit/pipeline/pipeline_rig.hpp"
 
 namespace ovws::test {
@@ -12,7 +13,7 @@ constexpr std::uint64_t kSequence = 2;  // hologram
 /// Three patterns, one of them with strong tilt; the rig's frames are 10 ms apart.
 class Patterns : public ::testing::TestWithParam<int> {
  protected:
-  Patterns() : rig_(GetParam()) {
+  Patterns() : rig_(GetParam(), 64, 8, 0, 3) {
     auto plan = rig_.bench.plan(1);
     plan->hologram_id = kSequence;
     plan->cycle = {kSlots, 10 * kMs};
@@ -24,6 +25,7 @@ class Patterns : public ::testing::TestWithParam<int> {
     }
     rig_.use(std::move(plan));
     show(kSequence, true);
+    rig_.stamped = true;
     if (const auto attached = rig_.attach(); !attached) ADD_FAILURE();
   }
 
@@ -86,6 +88,37 @@ TEST_P(Patterns, FramesOfASequenceAreNotMeasuredByAnotherPlan) {
     EXPECT_FALSE(record->valid);
     EXPECT_EQ(record->pattern, -1);
   }
+}
+
+TEST_P(Patterns, ExposuresLongerThanASlotAndFramesWithoutATimestampAreUncertain) {
+  for (const bool stamped : {false, true}) {
+    rig_.stamped = stamped;
+    rig_.applied.exposure_us = stamped ? 11e3 : 1e3;
+    rig_.settings.write(rig_.applied);
+    for (std::uint64_t id = 1; id <= 30; ++id) {
+      const std::uint64_t frame_id = id + (stamped ? 100 : 0);
+      const Taken record(rig_, rig_.measure(frame_id, picture(frame_id)));
+      ASSERT_TRUE(bool(record));
+      EXPECT_EQ(record->pattern, -1) << frame_id;
+      EXPECT_FALSE(record->valid);
+    }
+  }
+}
+
+TEST_P(Patterns, NothingIsAllocatedOnTheFramePath) {
+  for (std::uint64_t id = 1; id <= 12; ++id) Taken(rig_, rig_.measure(id, picture(id)));
+  std::vector<std::shared_ptr<const Image<std::uint8_t>>> pictures;
+  for (std::uint64_t id = 0; id < 4; ++id) pictures.push_back(picture(id));
+  int valid = 0;
+  for (std::uint64_t id = 13; id <= 40; ++id) {
+    rig_.send(id, pictures[id % 4]);
+    const AllocGuard guard;
+    rig_.turn();
+    EXPECT_EQ(guard.allocations(), 0U) << "frame " << id;
+    const Taken record(rig_, rig_.pipeline.next(0));
+    valid += bool(record) && record->valid ? 1 : 0;
+  }
+  EXPECT_EQ(valid, 21);
 }
 
 INSTANTIATE_TEST_SUITE_P(Workers, Patterns, ::testing::Values(0, 2));

@@ -21,9 +21,10 @@ constexpr std::int64_t kMs = 1'000'000;
 /// deadline. Frame n arrives at 1000 ms + 10 ms n.
 class PipelineRig {
  public:
-  explicit PipelineRig(int workers = 0, int records = 64, int buffers = 8, int beams = 0)
+  explicit PipelineRig(int workers = 0, int records = 64, int buffers = 8, int beams = 0,
+                       int patterns = 0)
       : camera(buffers, SpotBench::kBytes),
-        pipeline({workers, records, beams}, {counters, shown, settings}),
+        pipeline({workers, records, beams, patterns}, {counters, shown, settings}),
         workers_(workers) {
     show({1, 1, 0, kMs}, {});
     applied.exposure_us = 1000.0;
@@ -60,7 +61,9 @@ class PipelineRig {
     return 1000 * kMs + std::int64_t(frame_id) * 10 * kMs;
   }
   void send(std::uint64_t frame_id, std::shared_ptr<const Image<std::uint8_t>> image) {
-    camera.send({frame_id, arrival_ns(frame_id), std::move(image)});
+    ScriptedFrame frame{frame_id, arrival_ns(frame_id), std::move(image)};
+    if (stamped) frame.t_device_ns = frame.t_arrival_mono_ns;
+    camera.send(std::move(frame));
   }
 
   /// Every agent in the order that a frame goes; none waits for a frame that cannot come.
@@ -85,6 +88,7 @@ class PipelineRig {
   LatestValue<ShownHologram> shown;
   LatestValue<AppliedSettings> settings;
   AppliedSettings applied;
+  bool stamped = false;  ///< whether the camera sends timestamps
   ScriptedCamera camera;
   SpotBench bench;
   std::vector<std::unique_ptr<MeasurementPlan>> plans;
