@@ -1,6 +1,7 @@
 """A fixed array of lenslets: found in one image, referenced, known modes read back, without a display."""
 import json
 import math
+import signal
 import subprocess
 import unittest
 
@@ -134,6 +135,13 @@ class Array(BenchCase):
         self.assertEqual(self.call("registration.get"), before)
         self.assertEqual(self.call("reference.get")["positions_px"], reference["positions_px"])
         self.settled_frames(self.stream("wavefront"), 5)
+        config = merged(self.daemon_config, {"array": {"pupil_mm": 1.0}})
+        (self.bench.directory / "ovwsd.json").write_text(json.dumps(config))
+        events = self.stream("event")
+        self.bench.process("ovwsd").popen.send_signal(signal.SIGHUP)
+        told = wait_for(lambda: (event := events.next(1.0)) and event["kind"] == "config" and event["data"], what="the reload")
+        self.assertEqual((told["applied"], told["restart"][0]), (["camera.exposure_us"], "array.pupil_mm"))
+        self.assertEqual([key for key in self.call("config.save")["saved"] if key.startswith("sensor")], [])
         self.call("registration.clear")
         self.assertFalse(self.call("reference.get")["taken"])
 
