@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace ovws {
 namespace {
@@ -13,10 +14,29 @@ constexpr int kMinSpotsPerLost = 6;           // at most one of this many spots 
 constexpr double kResidualOfNoisePx = 1.25;   // residual by noise, px at RMS(noise / level) = 1
 constexpr std::int64_t kLateNs = 50'000'000;  // tolerated delay: a busy host causes it at times
 constexpr double kLatePeriods = 3.0;
+constexpr double kLeastGap = 2.0;  // between the spots of two sources, lambda/d
 
 std::int64_t exposure_begin(const AppliedSettings& settings, double exposure_us,
                             std::int64_t arrival_mono_ns) {
   return arrival_mono_ns - std::llround(exposure_us * 1e3) - settings.transfer_ns;
+}
+
+/// The circle about the mean of the found spots that contains them; none if more than half are
+/// lost: those found may be of another source.
+std::optional<Disc> disc_of(std::span<const SpotFix> spots) OVWS_NONBLOCKING {
+  Vec2 sum;
+  int count = 0;
+  for (const SpotFix& spot : spots) {
+    if (!spot.found()) continue;
+    sum = sum + Vec2{spot.x, spot.y};
+    ++count;
+  }
+  if (count == 0 || 2 * count < int(spots.size())) return std::nullopt;
+  Disc disc{1.0 / count * sum, 0.0};
+  for (const SpotFix& spot : spots) {
+    if (spot.found()) disc.radius = std::max(disc.radius, norm(Vec2{spot.x, spot.y} - disc.centre));
+  }
+  return disc;
 }
 
 }  // namespace
@@ -83,6 +103,12 @@ bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots, d
   const double noise_px = kResidualOfNoisePx * std::sqrt(squares / std::max(count, 1));
   const double limit_px = (all_whole ? kMaxResidual : kMaxResidualSplit) * lambda_d_px;
   return found.fit_residual_px <= std::hypot(limit_px, noise_px);
+}
+
+bool are_apart(std::span<const SpotFix> one, std::span<const SpotFix> other, double lambda_d_px) {
+  const auto a = disc_of(one), b = disc_of(other);
+  if (!a || !b) return true;
+  return norm(a->centre - b->centre) >= a->radius + b->radius + kLeastGap * lambda_d_px;
 }
 
 Reconstruction reconstruction_of(const FittedFrame& found, std::span<const int> modes_j,

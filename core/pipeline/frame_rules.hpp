@@ -72,6 +72,13 @@ bool too_many_lost(const Reconstruction& found) OVWS_NONBLOCKING;
 bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots,
                   double lambda_d_px) OVWS_NONBLOCKING;
 
+/// Whether the spots of two sources in one image are at least 2 lambda/d apart: the circles about
+/// the means of their spots that contain these. Nearer ones disturb each other: on the twin, spots
+/// at 0.9 lambda/d gave modes that were wrong by 0.01 wave, at 0.5 by 0.04. True if more than half
+/// of the spots of one source are lost. RT-safe.
+bool are_apart(std::span<const SpotFix> one, std::span<const SpotFix> other,
+               double lambda_d_px) OVWS_NONBLOCKING;
+
 /// Returns the reconstruction summary of a frame whose modes were measured by templates. RT-safe.
 Reconstruction reconstruction_of(const FittedFrame& found, std::span<const int> modes_j,
                                  std::span<const float> coefficients) OVWS_NONBLOCKING;

@@ -60,6 +60,7 @@ struct Pipeline::Impl {
   bool reconstruct_next();
   void reconstruct(Entry& entry) OVWS_NONBLOCKING;
   void measure(Entry& entry) OVWS_NONBLOCKING;
+  static void part(Entry& one, Entry& other) OVWS_NONBLOCKING;
 
   const int workers;
   const int records;
@@ -108,7 +109,24 @@ void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
   measure(entry);
   latencies.reconstructed.record(entry.t_reconstructed_mono_ns - entry.frame.t_arrival_mono_ns);
   for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) measure(beam_of(entry, k));
+  for (std::size_t k = 0; k < entry.plan->beams.size(); ++k) {
+    Entry& beam = beam_of(entry, k);
+    part(entry, beam);
+    for (std::size_t l = 0; l < k; ++l) part(beam_of(entry, l), beam);
+  }
   outbox.put(entry);
+}
+
+/// Makes the measurements of two sources invalid if their spots have come too close.
+void Pipeline::Impl::part(Entry& one, Entry& other) OVWS_NONBLOCKING {
+  const auto spots = [](const Entry& of) {
+    return std::span(of.spots.data(), std::size_t(of.spot_count));
+  };
+  if (are_apart(spots(one), spots(other), one.plan->spots.lambda_d_px)) return;
+  for (Entry* const entry : {&one, &other}) {
+    entry->explained = entry->explained && !entry->valid;
+    entry->valid = false;
+  }
 }
 
 /// Reconstructs the modes of one source from its spots, unless templates have measured them, and

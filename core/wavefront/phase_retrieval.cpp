@@ -268,9 +268,10 @@ Result<Image<float>> PhaseRetrieval::unwrapped(const Field& field) const {
     }
   }
   if (float(jumps) <= kMaxJumps * float(pairs)) return waves;
-  return fail(Errc::refused, "",
-              "the retrieved phase has jumps: check that nothing moves and that the light has no "
-              "vortices, run registration.run, or show more patterns");
+  return fail(
+      Errc::refused, "",
+      "the retrieved phase has jumps: check that the images are bright, that nothing moves, "
+      "and that the light has no vortices, run registration.run, or show more patterns");
 }
 
 /// Interpolates between the cells to the pupil's square on the SLM.

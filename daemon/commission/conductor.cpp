@@ -228,6 +228,7 @@ State Conductor::state_of(const Step& step) const {
   const Record& kept = record(step);
   if (kept.skipped) return State::skipped;
   if (kept.failed) return State::failed;
+  if (!needless(step, seen_).empty()) return State::skipped;
   const auto done = seen_.empty() ? std::optional(false) : is_done(step, seen_);
   return done.value_or(kept.passed) ? State::done : State::open;
 }
@@ -243,6 +244,9 @@ StepReport Conductor::report_of(const Step& step) const {
   report.is_recorded = report.state != State::open || seen_.empty() || kept.verdict.has_value() ||
                        is_done(step, seen_).has_value();
   report.verdict = kept.verdict;
+  if (const auto why = needless(step, seen_); !report.verdict && !why.empty()) {
+    report.verdict = Verdict{Wellness::note, "Not needed: " + why, ""};
+  }
   report.commands = kept.commands;
   report.can_undo = can_undo(step);
   for (const Way& way : kept.ways) {

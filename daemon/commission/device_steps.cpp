@@ -324,7 +324,7 @@ const std::array kSteps{
            const bool is_connected = look.at("system.status").at("slm").at("connected");
            return is_connected ? has_measured(look) : false;
          },
-         run_output, undo_output, false, true}};
+         run_output, undo_output, false, true, Needs::holograms}};
 
 }  // namespace
 

@@ -69,7 +69,11 @@ Result<json> expose(Bench& bench) {
 
 Result<json> expose_spots(Bench& bench) {
   KeptLight kept(bench);
-  if (auto shown = bench.call("slm.show", {{"pattern", "sensor"}}); !shown) return shown;
+  const auto status = bench.call("system.status");
+  if (!status) return status;
+  if (status->at("slm").at("pattern") != "sensor") {
+    if (auto shown = bench.call("slm.show", {{"pattern", "sensor"}}); !shown) return shown;
+  }
   auto found = expose(bench);
   if (found) kept.keep_all();
   return found;

@@ -132,8 +132,12 @@ Outcome judge_place(const Spot& spot, const Field& field, const json& camera, Ou
            : fmt::format(" The sensor's spots spread {:.0f} pixels around it, beyond the region.",
                          field.reach_px);
   outcome.verdict.advice =
-      helps ? "Move the region."
-            : fmt::format("Move the camera by ({:.0f}, {:.0f}) pixels.", off.x, off.y);
+      helps             ? "Move the region."
+      : norm(off) < 1.0 ? fmt::format(
+                              "Make camera.roi {:.0f} pixels wide and high, or use a camera "
+                              "or a sensor.spacing with which the spots fit.",
+                              2.0 * field.reach_px)
+                        : fmt::format("Move the camera by ({:.0f}, {:.0f}) pixels.", off.x, off.y);
   return outcome;
 }
 
@@ -224,7 +228,7 @@ const std::array kSteps{
           const bool is_registered = look.at("registration.get").at("registered");
           return is_registered ? std::optional(true) : std::nullopt;
         },
-        run_spot, undo_spot},
+        run_spot, undo_spot, false, false, Needs::holograms},
     Step{"exposure", "Exposure",
          "Sets the exposure so that the brightest pixels are below full scale.", has_reference,
          run_exposure, undo_exposure}};
@@ -234,7 +238,10 @@ const Step kBrightness{"brightness",
                        "Sets the exposure again, for the spots of the corrected sensor.",
                        has_reference,
                        run_exposure,
-                       undo_exposure};
+                       undo_exposure,
+                       false,
+                       false,
+                       Needs::holograms};
 
 }  // namespace
 

@@ -11,7 +11,7 @@ namespace ovws::commission {
 enum class State {
   open,     ///< not done, or the daemon does not tell
   done,     ///< its result is in use on the daemon, or it passed in this commissioning
-  skipped,  ///< by the user; stays so until the step is run
+  skipped,  ///< by the user, until the step is run; or the bench needs no such step
   failed    ///< the last run did not pass
 };
 
@@ -38,7 +38,8 @@ struct StepReport {
   bool is_needed = false;  ///< later steps cannot pass without it; constant
   State state = State::open;
   bool is_recorded = true;  ///< false: open, because the daemon does not tell whether it was done
-  std::optional<Verdict> verdict{};     ///< of the last action in this commissioning
+  std::optional<Verdict> verdict{};     ///< of the last action in this commissioning, or why the
+                                        ///< bench needs no such step
   std::vector<Offer> offers{};          ///< after the last run
   bool can_undo = false;                ///< whether `undo` has something to restore or to clear
   std::string picture{};                ///< changes with the picture; empty: there is none

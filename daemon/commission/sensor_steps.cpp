@@ -39,7 +39,9 @@ std::optional<double> rms_waves(const std::vector<json>& frames) {
 
 Outcome run_reference(Bench& bench, Memory& memory) {
   memory.before = true;
+  const auto config = bench.call("config.get");
   const auto flatness = bench.call("flatness.get");
+  if (!config) return failed(config.error());
   if (!flatness) return failed(flatness.error());
   const auto taken =
       bench.job("reference.take", {{"frames", kReferenceFrames}}, "averaging the spots");
@@ -60,7 +62,7 @@ Outcome run_reference(Bench& bench, Memory& memory) {
     outcome.verdict.text += fmt::format(" {} spots were lost, and are left out.", lost);
     outcome.verdict.advice = "Check that the whole pupil is lit.";
   }
-  if (flatness->at("measured") == false) {
+  if (!is_fixed_array(*config) && flatness->at("measured") == false) {
     outcome.verdict.wellness = Wellness::warning;
     outcome.verdict.text +=
         " It contains the bench's own aberration, which the loop would keep: the flatness is not "
@@ -291,13 +293,13 @@ const std::array kSteps{
            return done ? passed(Wellness::note, "The calibration is cleared.")
                        : failed(done.error());
          },
-         true},
+         true, false, Needs::holograms},
     Step{"loop", "First closed loop",
          "Shows a known defocus, closes the loop, and judges whether it is removed.",
          [](const Look& look) -> std::optional<bool> {
            return look.at("loop.get").at("closed") == true ? std::optional(true) : std::nullopt;
          },
-         run_loop, undo_loop},
+         run_loop, undo_loop, false, false, Needs::holograms},
     Step{"save", "Save", "Saves the settings in use for the next start of the daemon.",
          [](const Look&) { return std::optional<bool>(); }, run_save, nullptr}};
 

@@ -56,8 +56,30 @@ double configured_scale(const json& config) {
           optics.at("camera_pitch_um").get<double>());
 }
 
+/// Finds a fixed array of lenslets in the image.
+Outcome run_array(Bench& bench) {
+  const auto map = bench.job("registration.run", json::object(), "looking for the array");
+  if (!map) {
+    return failed(map.error(),
+                  "Light the whole array, and compare array.pitch_um, sensor.grid and optics of "
+                  "the configuration with it.");
+  }
+  const json& array = map->at("array");
+  auto outcome = passed(
+      Wellness::good,
+      fmt::format("{} lenslets are lit, rotated by {:.2f} degrees and magnified {:.4f} times; the "
+                  "spots are where the lattice predicts them to within {:.3f} pixels RMS.",
+                  array.at("lit").get<int>(), array.at("lenslets").at("rotation_deg").get<double>(),
+                  array.at("magnification").get<double>(), map->at("residual_px").get<double>()));
+  outcome.picture = picture_of_base(bench, *map);
+  return outcome;
+}
+
 Outcome run_registration(Bench& bench, Memory& memory) {
   memory.before = true;
+  const auto config = bench.call("config.get");
+  if (!config) return failed(config.error());
+  if (is_fixed_array(*config)) return run_array(bench);
   const auto map = bench.job("registration.run", json::object(), "moving one spot about");
   if (!map) {
     auto outcome =
@@ -67,8 +89,6 @@ Outcome run_registration(Bench& bench, Memory& memory) {
     outcome.ways = other_first(memory, "lut", "measure the look-up table first");
     return outcome;
   }
-  const auto config = bench.call("config.get");
-  if (!config) return failed(config.error());
   const double ratio = map->at("scale_px_per_cycle").get<double>() / configured_scale(*config);
   const bool is_mirrored = map->at("mirrored").get<bool>();
   auto outcome = passed(
@@ -231,7 +251,7 @@ const std::array kSteps{
     Step{
         "registration", "Registration",
         "Measures how the camera is turned, mirrored and scaled relative to the SLM, by moving one "
-        "spot.",
+        "spot; or finds a fixed array of lenslets in the image.",
         [](const Look& look) -> std::optional<bool> {
           return is_true(look, "registration.get", "registered");
         },
@@ -250,7 +270,7 @@ const std::array kSteps{
          [](Bench& bench, const Memory&) {
            return cleared(bench, "lut.clear", "The measured look-up table is cleared.");
          },
-         true},
+         true, false, Needs::phase},
     Step{"settle", "Settle time",
          "Measures how long the SLM needs to settle after a change, and waits that long from then "
          "on.",
@@ -259,11 +279,11 @@ const std::array kSteps{
            const bool is_calibrated = is_true(look, "calibration.get", "in_force");
            return is_calibrated ? std::optional(true) : std::nullopt;
          },
-         run_settle, undo_settle},
+         run_settle, undo_settle, false, false, Needs::holograms},
     Step{"clear", "Aberration and correction",
          "Removes what was introduced on purpose, so that the bench itself is measured.",
          [](const Look& look) -> std::optional<bool> { return nothing_is_introduced(look); },
-         run_clear, undo_clear},
+         run_clear, undo_clear, false, false, Needs::holograms},
     Step{"flatness", "Flatness",
          "Measures the aberration of SLM and optics, and corrects it in every hologram.",
          [](const Look& look) -> std::optional<bool> {
@@ -273,7 +293,7 @@ const std::array kSteps{
          [](Bench& bench, const Memory&) {
            return cleared(bench, "flatness.clear", "The measured flatness is cleared.");
          },
-         true}};
+         true, false, Needs::holograms}};
 
 }  // namespace
 

@@ -10,6 +10,20 @@ std::vector<std::string> looked_at() {
           "aberration.get", "correction.get", "reference.get", "calibration.get",  "loop.get"};
 }
 
+bool is_fixed_array(const nlohmann::json& config) {
+  return config.value("modulator", "slm") == "fixed";
+}
+
+std::string needless(const Step& step, const Look& look) {
+  const auto found = look.find("config.get");
+  if (step.needs == Needs::light || found == look.end()) return "";
+  if (is_fixed_array(found->second)) return "A fixed array of lenslets shows no hologram.";
+  const bool has_two_levels = found->second.value("modulator", "slm") == "dmd";
+  return step.needs == Needs::phase && has_two_levels
+             ? "A DMD has two levels, so there is no look-up table."
+             : "";
+}
+
 bool has_measured_reference(const Look& look) {
   const nlohmann::json& reference = look.at("reference.get");
   return reference.at("taken") == true && reference.at("source") != "model";

@@ -47,8 +47,18 @@ using Look = std::map<std::string, nlohmann::json>;
 /// The methods that a Look holds.
 std::vector<std::string> looked_at();
 
+/// Whether the sensor is a fixed array of lenslets. `config`: as config.get reports it.
+bool is_fixed_array(const nlohmann::json& config);
+
 /// Whether a reference was taken, by the sensor and not from the model.
 bool has_measured_reference(const Look& look);
+
+/// What the modulator must be able to do for a step.
+enum class Needs {
+  light,      ///< nothing
+  holograms,  ///< a fixed array shows none
+  phase       ///< grey levels that are phases; a DMD has two levels
+};
 
 struct Step {
   const char* name;
@@ -60,9 +70,13 @@ struct Step {
   Outcome (*undo)(Bench&, const Memory&);  ///< null: nothing to undo
   bool clears = false;                     ///< `undo` needs no memory: it clears what was measured
   bool is_needed = false;                  ///< later steps cannot pass without it
+  Needs needs = Needs::light;
 };
 
 std::span<const Step> steps();
+
+/// Why the bench needs no such step, in one sentence; empty: it needs it.
+std::string needless(const Step& step, const Look& look);
 
 /// A failed outcome with what the daemon said.
 Outcome failed(const Error& error, std::string advice = {});

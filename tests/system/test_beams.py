@@ -79,6 +79,18 @@ class Beams(BenchCase):
             self.assertAlmostEqual(message.waves(7), HIDDEN["c"][7], delta=0.012)
         self.assertEqual(self.refused("reference.take", {"frames": 5, "beam": "d"}).field, "beam")
 
+    def test_sources_that_drift_together_are_not_valid(self):
+        stream = self.stream("wavefront")
+        self.take_reference()
+        self.all_valid(stream)
+        for b_px, valid in ((380.0, True), (356.0, False), (350.0, False), (338.0, False), (418.0, True)):
+            self.twin.call("twin.set", {"sources": [{"offset_px": [3.0, b_px]}, {"offset_px": OFFSETS["c"], "power": 0.7}]})
+            time.sleep(0.5)
+            frame = self.all_valid(stream) if valid else self.newest(stream)
+            self.assertEqual([frame[name]["valid"] for name in ("", "b", "c")], [valid, valid, True], b_px)
+            if b_px == 350.0:
+                self.assertIn("close", self.call("system.status")["sensor"]["beams"][0]["reason"])
+
     def test_a_dark_source_disturbs_no_other(self):
         stream, events = self.stream("wavefront"), self.stream("event")
         self.take_reference()

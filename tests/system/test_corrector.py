@@ -209,6 +209,7 @@ class Calibration(CorrectorCase):
         given("frames", frames=None)
         given("matrix", tilts[:, :, :1], shape=[2, 38, 2])
         given("matrix", changed((0, 3, 1), np.nan))
+        given("matrix", 1e8 * tilts)
         given("matrix", changed((1, 3, 1), -1.0))
         given("matrix", changed((1, slice(None), 0), 2.0))
         given("matrix", changed((0, slice(None), 1), tilts[0, :, 0]))

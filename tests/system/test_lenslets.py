@@ -1,8 +1,11 @@
 """A fixed array of lenslets: found in one image, referenced, known modes read back, without a display."""
+import json
 import math
+import signal
+import subprocess
 import unittest
 
-from case import BenchCase, ClientError, main, merged, wait_for
+from case import BenchCase, ClientError, bench_module, main, merged, wait_for
 
 # A small part of a usual array: 13 x 11 lenslets of 150 um and 5.2 mm focal length on pixels of 5.3 um.
 OPTICS = {"wavelength_nm": 632.0, "focal_length_mm": 5.2, "camera_pitch_um": 5.3}
@@ -113,6 +116,10 @@ class Array(BenchCase):
         given("positions", both[0][:-1].tobytes() + both[1][:-1].tobytes())
         given("positions", both[0].tobytes() + (-both[1]).tobytes())
         given("positions", (both[0] + 500.0).tobytes() + both[1].tobytes())
+        given("positions", both[0][::-1].tobytes() + both[1].tobytes())
+        given("positions", (0 * both[0] + 200.0).tobytes() + both[1].tobytes())
+        given("positions", (both[0] * float("nan")).tobytes() + both[1].tobytes())
+        given("positions", both[0].tobytes() + (1e30 * both[1]).tobytes())
         given("frames", both[0].tobytes() + both[1].tobytes(), frames=0)
         self.call("sensor.set", {"tracker": "fit"})
         given("tracker", both[0].tobytes() + both[1].tobytes())
@@ -128,8 +135,41 @@ class Array(BenchCase):
         self.assertEqual(self.call("registration.get"), before)
         self.assertEqual(self.call("reference.get")["positions_px"], reference["positions_px"])
         self.settled_frames(self.stream("wavefront"), 5)
+        config = merged(self.daemon_config, {"array": {"pupil_mm": 1.0}})
+        (self.bench.directory / "ovwsd.json").write_text(json.dumps(config))
+        events = self.stream("event")
+        self.bench.process("ovwsd").popen.send_signal(signal.SIGHUP)
+        told = wait_for(lambda: (event := events.next(1.0)) and event["kind"] == "config" and event["data"], what="the reload")
+        self.assertEqual((told["applied"], told["restart"][0]), (["camera.exposure_us"], "array.pupil_mm"))
+        self.assertEqual([key for key in self.call("config.save")["saved"] if key.startswith("sensor")], [])
         self.call("registration.clear")
         self.assertFalse(self.call("reference.get")["taken"])
+
+    def ovws(self, *arguments):
+        """Runs ovws on this bench; returns its exit code and all that it printed."""
+        config = [] if arguments[0] == "check" else ["--config", "ovwsd.json"]
+        ended = subprocess.run([bench_module.find_programs() / "ovws", *arguments, *config],
+                               capture_output=True, text=True, timeout=60, cwd=self.bench.directory)
+        return ended.returncode, ended.stdout + ended.stderr
+
+    def test_commands_know_that_there_is_no_slm(self):
+        _, text = self.ovws("doctor")
+        self.assertIn("a fixed array of lenslets needs no display", text)
+        self.assertNotIn("X server", text)
+        self.assertNotIn("0 MiB", text)
+        # Without `doctor` and `camera`, which judge this machine.
+        code, text = self.ovws("setup", "--yes", "exposure", "registration", "reference", "save")
+        self.assertEqual(code, 0, text)
+        self.assertIn("143 lenslets are lit", text)
+        self.assertNotIn("flatness", text)
+        steps = json.loads(self.ovws("--json", "setup", "--list")[1])["steps"]
+        self.assertEqual([one["name"] for one in steps if one["state"] == "skipped"],
+                         ["output", "spot", "lut", "settle", "clear", "flatness", "brightness", "calibration", "loop"])
+        for arguments in (("check",), ("advise", "--modes", "20", "--photons", "1e8"), ("hologram", "-o", "h.png"), ("farfield", "-o", "f.png")):
+            code, text = self.ovws(*arguments)
+            self.assertEqual(code, 1, text)
+            self.assertIn("fixed array", text)
+        self.assertEqual(list(self.bench.directory.glob("*.png")), [])
 
     def test_wrong_arrays_are_refused(self):
         self.twin.call("twin.set", {"peak_electrons": 1.0})
@@ -159,6 +199,7 @@ class Vortices(Array):
     test_known_tilts_give_a_reference = None
     test_stays_over_a_restart = None
     test_wrong_arrays_are_refused = None
+    test_commands_know_that_there_is_no_slm = None
 
     def test_vortices_read_known_modes_back(self):
         self.read_back()

@@ -93,6 +93,11 @@ class Run {
 
   Done may_run() {
     const json& status = measured_.status;
+    if (measured_.config.value("modulator", "slm") == "fixed") {
+      return tl::make_unexpected(
+          failure("the check pokes modes with holograms, and a fixed array of lenslets shows none: "
+                  "ovws status, ovws watch and ovws doctor work"));
+    }
     const auto state = status.at("state").get<std::string>();
     if (state == "job_running") {
       return tl::make_unexpected(failure("another job is running: wait for its end"));

@@ -90,6 +90,11 @@ void print_text(const design::AdviceList& list, int modes) {
 int advise_bench(const Common& common, const AdviseOptions& options) {
   const auto config = load_config_and_mask(options.config_path);
   if (!config) return report(common, config.error());
+  if (config->modulator == Modulator::fixed) {
+    return report(common, {Errc::invalid, "modulator",
+                           "the lenslets of a fixed array cannot be chosen: advise compares "
+                           "lattices that an SLM or a DMD shows"});
+  }
   const auto bench = bench_of(*config, options);
   if (!bench) return report(common, bench.error());
   design::Light light = options.light;

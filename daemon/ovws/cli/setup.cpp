@@ -97,6 +97,12 @@ std::size_t number_of(const std::string& name) {
   return std::size_t(std::ranges::find(names, name) - names.begin()) + 1;
 }
 
+/// Why a step is passed over.
+std::string why_not_run(const StepReport& step) {
+  const bool is_explained = step.state == State::skipped && step.verdict;
+  return is_explained ? step.verdict->text : std::string(state_of(step)) + " already";
+}
+
 /// How a step's turn ended.
 enum class Turn { next, quit, stuck };
 
@@ -381,8 +387,8 @@ int Conversation::run() {
     const StepReport step = report_of(name);
     show_step(step);
     const bool is_chosen = !options_.steps.empty() || name == options_.from;
-    if (!is_chosen && step.state == State::done) {
-      if (!is_quiet_) print("  done already\n");
+    if (!is_chosen && (step.state == State::done || step.state == State::skipped)) {
+      if (!is_quiet_) print_wrapped("  " + why_not_run(step));
       continue;
     }
     last = turn(name);
@@ -413,7 +419,7 @@ int set_up(const Common& common, const SetupOptions& options) {
   const bool has_questions = !options.yes && !options.list;
   if (has_questions && (common.json || isatty(STDIN_FILENO) == 0 || isatty(STDOUT_FILENO) == 0)) {
     return report_mistake(
-        common, {Errc::invalid, "setup", "asks questions on a terminal: there, or use --yes"});
+        common, {Errc::invalid, "setup", "asks questions: run it on a terminal, or with --yes"});
   }
   return Conversation(common, options).run();
 }

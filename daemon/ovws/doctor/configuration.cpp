@@ -71,6 +71,9 @@ Finding judge_zeroth_order(const ConfigurationFacts& facts) {
   if (!facts.config || is_unusable || facts.unseen) {
     return not_here("the configuration describes no usable sensor");
   }
+  if (facts.config->modulator == Modulator::fixed) {
+    return not_here("a fixed array of lenslets has no zeroth order");
+  }
   if (!facts.zeroth_order) return ok("the SLM's zeroth order is outside camera.roi");
   return warning(text_of(*facts.zeroth_order),
                  facts.daemon.empty() ? fix_of(facts, *facts.zeroth_order) : "ovws setup spot");

@@ -32,7 +32,12 @@ Findings examine(const std::string& path, const std::string& endpoint, const Ask
   Findings found = judge(configuration);
   if (configuration.config) {
     add(found, judge(read_camera(config.camera, camera_of(daemon))));
-    add(found, judge(read_display(config.slm, shows_holograms(daemon))));
+    if (config.modulator == Modulator::fixed) {
+      found.push_back(not_here("a fixed array of lenslets needs no display"));
+      found.back().name = "slm";
+    } else {
+      add(found, judge(read_display(config.slm, shows_holograms(daemon))));
+    }
     add(found,
         judge(is_of_daemon ? read_state_of_daemon(state_folder_of(daemon), store_fault_of(daemon))
                            : read_state(config.state)));

@@ -24,12 +24,13 @@ std::optional<std::string> folder_of(const StateConfig& config) {
 }
 
 /// The longest existing prefix of the path: the folder in which a missing part would be created.
-fs::path existing_part(fs::path path) {
+fs::path existing_part(const fs::path& given) {
   std::error_code failed;
+  fs::path path = fs::absolute(given, failed);
   while (!fs::exists(path, failed) && path.has_parent_path() && path.parent_path() != path) {
     path = path.parent_path();
   }
-  return path.empty() ? fs::path(".") : path;
+  return path;
 }
 
 std::string other_owner(const struct stat& status) {

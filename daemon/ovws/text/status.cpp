@@ -59,6 +59,7 @@ std::string slm_lines(const json& slm) {
   std::string lines;
   if (slm.at("info").is_object()) {
     const json& info = slm.at("info");
+    if (info.at("output") == "none") return line("slm", "none: a fixed array of lenslets");
     lines += line("slm",
                   fmt::format("{} {}x{}, {} shown, hologram {}", text_of(info, "output"),
                               info.at("width").get<int>(), info.at("height").get<int>(),
@@ -80,6 +81,21 @@ std::string sensor_lines(const json& sensor) {
   if (!invalid.is_object()) return lines;
   return lines + line("sensor", fmt::format("invalid: {}; {}", text_of(invalid, "reason"),
                                             text_of(invalid, "action")));
+}
+
+/// One line for each further light source.
+std::string beam_lines(const json& sensor) {
+  std::string lines;
+  for (const json& beam : sensor.value("beams", json::array())) {
+    const json& offset = beam.at("offset_px");
+    const std::string reason = text_of(beam, "reason");
+    lines += line("beam", fmt::format("{} at ({:+.1f}, {:+.1f}) px: {}", text_of(beam, "name"),
+                                      offset.at(0).get<double>(), offset.at(1).get<double>(),
+                                      beam.at("referenced") == false ? "no reference"
+                                      : reason.empty()               ? "valid"
+                                                                     : "NOT VALID: " + reason));
+  }
+  return lines;
 }
 
 std::string reference_lines(const json& sensor, const json& reference) {
@@ -170,6 +186,7 @@ std::string status_text(const BenchState& bench) {
   return line("state", state_text(status)) + camera_lines(status.at("camera"), status.at("rates")) +
          slm_lines(status.at("slm")) + sensor_lines(sensor) +
          reference_lines(sensor, bench.reference) + line("wavefront", wavefront_text(bench)) +
+         beam_lines(sensor) +
          line("aberration", introduced.empty() ? "none" : introduced + " introduced") +
          line("correction", correction_text(bench.correction.at("modes"), bench.loop)) +
          line("loop", loop_text(bench.loop)) + line("recording", record_text(status.at("record"))) +

@@ -1,4 +1,7 @@
 /// Methods of references: the active one, and those saved by name.
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -43,6 +46,7 @@ void run_reference(Services& services, const ReferenceTake& params, Reply<JobNum
 /// Positions and standard errors of a request's binary frame, see kReferenceGive.
 Result<SpotAverage> positions_from(const ReferenceGive& given, const std::string& bytes) {
   constexpr std::size_t kSpotBytes = 4 * sizeof(float);
+  constexpr double kMaxErrorPx = 100.0;
   if (bytes.empty() || bytes.size() % kSpotBytes != 0) {
     return fail(Errc::invalid, "positions",
                 "must be a binary frame of 2 x N x 2 float32 after the JSON");
@@ -56,8 +60,10 @@ Result<SpotAverage> positions_from(const ReferenceGive& given, const std::string
     const Vec2 at{values[2 * i], values[2 * i + 1]};
     const Vec2 error{values[2 * (spots + i)], values[2 * (spots + i) + 1]};
     const bool found = std::isfinite(at.x) && std::isfinite(at.y);
-    if (found && !(error.x >= 0.0 && error.y >= 0.0 && std::isfinite(error.x + error.y))) {
-      return fail(Errc::invalid, "positions", "a standard error is not a number of 0 and more");
+    if (found && !(error.x >= 0.0 && error.y >= 0.0 && std::max(error.x, error.y) <= kMaxErrorPx)) {
+      return fail(Errc::invalid, "positions",
+                  fmt::format("the standard errors of spot {} must be numbers from 0 to {} px", i,
+                              kMaxErrorPx));
     }
     average.mean_px.push_back(at);
     average.standard_error_px.push_back(error);

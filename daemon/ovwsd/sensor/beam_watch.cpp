@@ -41,7 +41,8 @@ std::optional<std::string> BeamWatch::why_invalid(std::size_t k, std::int64_t no
   return fmt::format("{} of {} spots are found{}", one.tracked.load(), one.spots.load(),
                      one.tracked == 0 ? ": check the light of this source"
                      : one.explained  ? ""
-                                      : ", but no wavefront explains their positions");
+                                     : ", but they are too close to those of another source, or no "
+                                       "wavefront explains their positions");
 }
 
 void BeamWatch::announce(Events& events, std::int64_t now_ns) {

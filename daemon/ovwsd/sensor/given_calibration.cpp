@@ -51,10 +51,12 @@ Result<InteractionMatrix> matrix_of(const CalibrationSet& given, const std::stri
   std::memcpy(both.data(), bytes.data(), bytes.size());
   const Eigen::MatrixXf slopes = both.topRows(given.shape[1]);
   const Eigen::MatrixXf errors = both.bottomRows(given.shape[1]);
-  if (!both.allFinite() || errors.minCoeff() < 0.0F) {
-    return fail(Errc::invalid, "matrix",
-                "must hold finite numbers, and standard errors of 0 and more: give a lost spot "
-                "rows of 0");
+  constexpr float kMaxPxPerWave = 1e6F;
+  if (!both.allFinite() || errors.minCoeff() < 0.0F || both.cwiseAbs().maxCoeff() > kMaxPxPerWave) {
+    return fail(
+        Errc::invalid, "matrix",
+        "must hold numbers from -1e6 to 1e6 px per wave, and standard errors of 0 and more: "
+        "give a lost spot rows of 0");
   }
   return interaction_matrix(given.modes_j, given.amplitude_waves, slopes, errors);
 }

@@ -1,5 +1,6 @@
 /// Sensor changes that activate or delete measured data: references, calibrations, LUTs and so on.
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "core/port/clock.hpp"
@@ -166,9 +167,39 @@ void keep_registration(SensorEdit& edit, const MeasuredRegistration& registratio
   };
 }
 
+/// The nearest of the other places, and its number.
+std::size_t nearest_other(const std::vector<Vec2>& places, std::size_t of) {
+  std::size_t nearest = of;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const double away = norm(places[k] - places[of]);
+    if (k == of || away >= least) continue;
+    least = away;
+    nearest = k;
+  }
+  return nearest;
+}
+
+/// Whether spots that are neighbours in the lattice lie beside each other in the same direction, as
+/// they do under every wavefront that a tracker can follow. Errc::invalid, field "positions".
+Result<void> check_order(const SpotAverage& given, const std::vector<Vec2>& model) {
+  constexpr double kLeastPart = 0.25;  // of their distance in the model
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const std::size_t k = nearest_other(model, i);
+    if (given.found[i] == 0 || given.found[k] == 0) continue;
+    const Vec2 due = model[k] - model[i], is = given.mean_px[k] - given.mean_px[i];
+    if (is.x * due.x + is.y * due.y > kLeastPart * (due.x * due.x + due.y * due.y)) continue;
+    return fail(Errc::invalid, "positions",
+                fmt::format("spots {} and {} do not lie beside each other as in the lattice: send "
+                            "the spots in the order of reference.get",
+                            i, k));
+  }
+  return {};
+}
+
 /// Checks a client's positions as those of use_reference.
-Result<ReferenceSpots> judge_given(const SpotAverage& given, const SensorState& state,
-                                   const BenchOptics& optics) {
+Result<ReferenceSpots> judge_given(const SpotAverage& given, const std::vector<Vec2>& model,
+                                   const SensorState& state, const BenchOptics& optics) {
   for (std::size_t i = 0; i < given.mean_px.size(); ++i) {
     const Vec2 at = given.mean_px[i];
     if (given.found[i] == 0) continue;
@@ -177,8 +208,12 @@ Result<ReferenceSpots> judge_given(const SpotAverage& given, const SensorState& 
                 fmt::format("spot {} is at ({:.1f}, {:.1f}), outside of the region of interest", i,
                             at.x, at.y));
   }
-  return judge_spots(given, slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
-                                           px_per_cycle(optics_of(state, optics), optics.slm)));
+  if (auto ordered = check_order(given, model); !ordered) return fail(ordered.error());
+  auto judged =
+      judge_spots(given, slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
+                                        px_per_cycle(optics_of(state, optics), optics.slm)));
+  if (!judged) return fail(judged.error().code, "positions", judged.error().reason);
+  return judged;
 }
 
 /// Adds the averaged spots to a reference, with places for those that were lost. Errors: those of
@@ -292,7 +327,7 @@ SensorChange use_given_reference(SpotAverage given) {
                               "x 2 float32",
                               given.mean_px.size(), model.size()));
     }
-    auto judged = judge_given(given, edit.state, edit.bench.optics);
+    auto judged = judge_given(given, model, edit.state, edit.bench.optics);
     if (!judged) return fail(judged.error());
     Reference reference = new_reference(edit, ReferenceSource::measured);
     reference.frames = given.frames;

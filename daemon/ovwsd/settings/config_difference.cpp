@@ -80,13 +80,17 @@ nlohmann::json flat(const Config& config) {
 ConfigDifference difference(const Config& before, const Config& after) {
   const auto now = flat(before), wanted = flat(after);
   ConfigDifference keys;
+  const bool is_fixed = before.modulator == Modulator::fixed || after.modulator == Modulator::fixed;
+  const auto is_live = [is_fixed](const std::string& key) {
+    return changes_live(key) && !(is_fixed && key.starts_with("sensor."));
+  };
   const auto look_at = [&](const nlohmann::json& these, const nlohmann::json& others, bool all) {
     for (const auto& [pointer, value] : these.items()) {
       const bool there = others.contains(pointer);
       if (there && (!all || others[pointer] == value)) continue;
       std::string key = pointer.substr(1);
       std::replace(key.begin(), key.end(), '/', '.');
-      (changes_live(key) ? keys.live : keys.restart).push_back(std::move(key));
+      (is_live(key) ? keys.live : keys.restart).push_back(std::move(key));
     }
   };
   look_at(wanted, now, true);

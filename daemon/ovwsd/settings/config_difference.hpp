@@ -32,7 +32,8 @@ bool changes_live(std::string_view key);
 /// its own pointer; a mask is one value.
 nlohmann::json flat(const Config& config);
 
-/// Compares two configurations key by key, by the keys of `flat`.
+/// Compares two configurations key by key, by the keys of `flat`. The sensor of a fixed array is
+/// hardware: its keys need a restart.
 ConfigDifference difference(const Config& before, const Config& after);
 
 /// Undoes the camera's rounding. A value of `file` that equals the value in use is replaced by the

@@ -74,6 +74,23 @@ TEST(Commissioning, ASkippedStepIsNotTheNextOne) {
   EXPECT_EQ(next_step(after)->name, "camera");
 }
 
+TEST(Commissioning, AModulatorLeavesOutWhatItCannotDo) {
+  const auto left_out = [](const char* modulator) {
+    const Look look{{"config.get", {{"modulator", modulator}}}};
+    std::set<std::string> names;
+    for (const Step& step : steps()) {
+      if (!needless(step, look).empty()) names.insert(step.name);
+    }
+    return names;
+  };
+  EXPECT_TRUE(left_out("slm").empty());
+  EXPECT_EQ(left_out("dmd"), std::set<std::string>{"lut"});
+  EXPECT_EQ(left_out("fixed"),
+            (std::set<std::string>{"output", "spot", "lut", "settle", "clear", "flatness",
+                                   "brightness", "calibration", "loop"}));
+  EXPECT_TRUE(needless(steps()[2], {}).empty()) << "nothing is known of a daemon without an answer";
+}
+
 TEST(Commissioning, RefusesWhatItDoesNotKnow) {
   Commissioning commissioning(nowhere());
   ended(commissioning);

@@ -38,6 +38,16 @@ TEST(ConfigDifference, OneKeyOfALiveRoomWaits) {
   EXPECT_EQ(difference(Config{}, after).live, Keys{});
 }
 
+TEST(ConfigDifference, TheSensorOfAFixedArrayWaits) {
+  Config fixed;
+  fixed.modulator = Modulator::fixed;
+  Config after = fixed;
+  after.sensor.charge += 1;
+  after.tracking.tracker = TrackerKind::weighted;
+  EXPECT_EQ(difference(fixed, after).restart, Keys{"sensor.charge"});
+  EXPECT_EQ(difference(fixed, after).live, Keys{"tracking.tracker"});
+}
+
 TEST(ConfigDifference, NamesAValueThatBecameNullAndOneThatWasNull) {
   Config with;
   with.refine.electrons_per_dn = 2.0;

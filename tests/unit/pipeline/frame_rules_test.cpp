@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 namespace ovws {
 namespace {
 
@@ -183,6 +186,35 @@ TEST(SettingsRule, WhileTheDeviceIsWrittenNothingIsKnownOfNewFrames) {
 
 TEST(SettingsRule, BeforeAnythingWasAppliedNothingIsKnown) {
   EXPECT_FALSE(judge_settings({}, 500 * kMs).known);
+}
+
+/// Nine spots in a square of 40 px about (x, 0).
+std::vector<SpotFix> square_at(float x) {
+  std::vector<SpotFix> spots;
+  for (int k = 0; k < 9; ++k) {
+    SpotFix spot;
+    spot.x = x + float(20 * (k % 3 - 1));
+    spot.y = float(20 * (k / 3 - 1));
+    spots.push_back(spot);
+  }
+  return spots;
+}
+
+TEST(ApartRule, TheSpotsOfTwoSourcesNeedTwoLambdaD) {
+  const auto main = square_at(0.0F);
+  const double both = 2.0 * std::sqrt(800.0);  // the radii
+  EXPECT_TRUE(are_apart(main, square_at(float(both + 20.1)), 10.0));
+  EXPECT_FALSE(are_apart(main, square_at(float(both + 19.9)), 10.0));
+  EXPECT_FALSE(are_apart(main, main, 10.0));
+}
+
+TEST(ApartRule, ASourceOfWhichLittleIsFoundIsNotNear) {
+  auto dim = square_at(60.0F);
+  for (int k = 0; k < 4; ++k) dim[std::size_t(k)] = SpotFix();
+  EXPECT_FALSE(are_apart(square_at(0.0F), dim, 10.0));
+  dim[4] = SpotFix();
+  EXPECT_TRUE(are_apart(square_at(0.0F), dim, 10.0));
+  EXPECT_TRUE(are_apart(square_at(0.0F), {}, 10.0));
 }
 
 }  // namespace

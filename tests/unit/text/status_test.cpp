@@ -38,6 +38,26 @@ TEST(Status, SubjectsComeInReadingOrder) {
   EXPECT_NE(text.find("% saturated"), std::string::npos);
 }
 
+TEST(Status, EveryFurtherSourceHasALine) {
+  BenchState state = bench();
+  state.status["sensor"]["beams"] = {
+      {{"name", "b"}, {"offset_px", {3.0, 418.04}}, {"referenced", true}, {"reason", nullptr}},
+      {{"name", "c"}, {"offset_px", {0.0, -848.0}}, {"referenced", false}, {"reason", nullptr}},
+      {{"name", "d"}, {"offset_px", {9.0, 9.0}}, {"referenced", true}, {"reason", "0 of 7 spots"}}};
+  const std::string text = status_text(state);
+  EXPECT_NE(text.find("\nbeam       b at (+3.0, +418.0) px: valid\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("c at (+0.0, -848.0) px: no reference\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("d at (+9.0, +9.0) px: NOT VALID: 0 of 7 spots\n"), std::string::npos)
+      << text;
+}
+
+TEST(Status, AFixedArrayHasNoHologram) {
+  BenchState state = bench();
+  state.status["slm"]["info"]["output"] = "none";
+  EXPECT_NE(status_text(state).find("\nslm        none: a fixed array of lenslets\n"),
+            std::string::npos);
+}
+
 TEST(Status, AFrameThatIsNotValidSaysWhy) {
   BenchState state = bench();
   state.wavefront["valid"] = false;
