@@ -23,13 +23,10 @@ constexpr double kMaxLinear = 0.75;
 constexpr double kNeighbour = 1.6;  // of the pitch: largest distance of two neighbours
 constexpr int kMinAffine = 4;       // matches needed to fit the linear part
 constexpr double kMinRcond = 0.01;
-// Share of the positions, or of the lattice, that a match explains so that no other first gradients
-// are tried.
-constexpr double kNearlyAll = 0.875;
-// First gradients: none, then defocus and astigmatism in two orientations with both signs.
+constexpr int kFewStarts = 16;  // positions tried per seed with a first gradient
+// First gradients: defocus and astigmatism in two orientations, with both signs.
 constexpr double kFirst = 0.3;
-constexpr std::array<std::array<double, 4>, 7> kFirstLinear{{{},
-                                                             {-kFirst, 0.0, 0.0, -kFirst},
+constexpr std::array<std::array<double, 4>, 6> kFirstLinear{{{-kFirst, 0.0, 0.0, -kFirst},
                                                              {kFirst, 0.0, 0.0, kFirst},
                                                              {-kFirst, 0.0, 0.0, kFirst},
                                                              {kFirst, 0.0, 0.0, -kFirst},
@@ -111,10 +108,11 @@ std::span<const int> SpotAssignment::match(std::span<const Vec2> found, const Ru
   by_y_.resize(found.size());  // within the reserved capacity
   std::iota(by_y_.begin(), by_y_.end(), 0);
   std::sort(by_y_.begin(), by_y_.end(), [&](int a, int b) { return found[a].y < found[b].y; });
-  const double nearly_all = kNearlyAll * double(std::min(found.size(), predicted_.size()));
+  const int all = int(std::min(found.size(), predicted_.size()));
+  match_from(found, rules, {}, kStarts);
   for (const Linear& linear : kFirstLinear) {
-    match_from(found, rules, linear);
-    if (most_explained_ >= nearly_all) break;
+    if (most_explained_ == all) break;
+    match_from(found, rules, linear, kFewStarts);
   }
   return adopt_best(found);
 }
@@ -124,13 +122,13 @@ bool SpotAssignment::of_kind(int subaperture, int position) const {
   return kinds_.empty() || kinds_[std::size_t(subaperture)] == found_kinds_[std::size_t(position)];
 }
 
-/// Tries all seeds with fields that begin with this gradient.
+/// Tries all seeds, each with its nearest positions, with fields that begin with this gradient.
 void SpotAssignment::match_from(std::span<const Vec2> found, const Rules& rules,
-                                const Linear& linear) {
+                                const Linear& linear, int most_starts) {
   const int enough = least_found(rules);
   for (const int seed : seeds_) {
     std::array<int, kStarts> starts{};
-    const int count = nearest_positions(found, seed, starts);
+    const int count = std::min(nearest_positions(found, seed, starts), most_starts);
     for (int s = 0; s < count; ++s) {
       if (best_matched_[seed] == starts[s]) continue;  // would only repeat the best match
       const Vec2 first_shift = found[starts[s]] - predicted_[seed];

@@ -17,8 +17,9 @@ namespace ovws {
 /// Each round refits the field by least squares with outlier rejection, so that displacements may
 /// exceed the pitch as long as neighbours do not cross.
 ///
-/// If no field that begins without a gradient explains nearly all positions, fields that begin with
-/// defocus or astigmatism are tried, too: growth alone finds gradients up to about 0.35.
+/// If no field that begins without a gradient explains all positions, fields that begin with
+/// defocus or astigmatism are tried, too: growth alone finds
+/// gradients up to about 0.35, with them up to 0.5.
 ///
 /// The constructor allocates all memory, for one lattice and at most `max_found` positions.
 class SpotAssignment {
@@ -74,7 +75,8 @@ class SpotAssignment {
   void find_neighbours();
   void find_seeds();
   bool of_kind(int subaperture, int position) const;
-  void match_from(std::span<const Vec2> found, const Rules& rules, const Linear& linear);
+  void match_from(std::span<const Vec2> found, const Rules& rules, const Linear& linear,
+                  int most_starts);
   int nearest_positions(std::span<const Vec2> found, int seed, std::array<int, kStarts>& out) const;
   int grow(std::span<const Vec2> found, int seed, Field first);
   std::span<const int> adopt_best(std::span<const Vec2> found);
