@@ -117,7 +117,9 @@ struct SensorConfig {
   double spacing = 0.25;
   /// Charge of every second subaperture (see make_lattice); none: `charge`, as all others.
   std::optional<int> alternate_charge = std::nullopt;
-  std::optional<MaskConfig> mask = std::nullopt;  ///< phase added in every subaperture
+  /// Charge of each subaperture, in the order of make_lattice; empty: by the two above.
+  std::vector<int> charges{};
+  std::optional<MaskConfig> mask = std::nullopt;  ///< phase added in the subapertures
   Lenslets lenslets{};  ///< of a fixed array, in place of the lattice by the values above
 
   friend bool operator==(const SensorConfig&, const SensorConfig&) = default;

@@ -50,9 +50,10 @@ void add_mask_row(const MaskConfig& mask, const SlmGeometry& slm, const Subapert
 
 void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
                 std::span<double> waves) {
-  for (const Subaperture& s : lattice.subapertures) {
+  for (std::size_t i = 0; i < lattice.subapertures.size(); ++i) {
+    const Subaperture& s = lattice.subapertures[i];
     subaperture_row(config.slm, s, lattice.diameter_px, {}, y, waves);
-    if (config.sensor.mask) {
+    if (config.sensor.mask && is_masked(*config.sensor.mask, int(i))) {
       add_mask_row(*config.sensor.mask, config.slm, s, lattice.diameter_px, y, waves);
     }
   }

@@ -33,8 +33,9 @@ Vec2 frequency(Vec2 centre_px, const SensorConfig& sensor, const SlmGeometry& sl
           (sensor.grooves[1] + sensor.spacing * centre_px.y) / slm.height_px};
 }
 
-/// Charge of the subaperture at `centre_px`, see make_lattice.
-int charge_at(Vec2 centre_px, const SensorConfig& sensor, double diameter_px) {
+/// Charge of subaperture i, which is at `centre_px`, see make_lattice.
+int charge_at(std::size_t i, Vec2 centre_px, const SensorConfig& sensor, double diameter_px) {
+  if (!sensor.charges.empty()) return sensor.charges[i];
   if (!sensor.alternate_charge) return sensor.charge;
   const bool hexagonal = sensor.grid == Grid::hexagonal;
   const double row_pitch = diameter_px * (hexagonal ? std::sqrt(0.75) : 1.0);
@@ -75,12 +76,40 @@ Result<void> check_count(std::size_t count) {
   return {};
 }
 
+Result<void> check_charges(const SensorConfig& sensor, std::size_t count) {
+  if (sensor.charges.empty()) return {};
+  if (sensor.alternate_charge) {
+    return fail(Errc::invalid, "sensor.charges",
+                "gives every charge: set sensor.alternate_charge to null");
+  }
+  if (sensor.charges.size() == count) return {};
+  return fail(Errc::invalid, "sensor.charges",
+              "has " + std::to_string(sensor.charges.size()) + " charges for " +
+                  std::to_string(count) +
+                  " subapertures: give one for each, by rows, or [] for sensor.charge in all");
+}
+
+Result<void> check_masked(const SensorConfig& sensor, std::size_t count) {
+  if (!sensor.mask) return {};
+  for (const int i : sensor.mask->subapertures) {
+    if (i >= 0 && std::size_t(i) < count) continue;
+    return fail(
+        Errc::invalid, "sensor.mask.subapertures",
+        "there is no subaperture " + std::to_string(i) + ": use 0 to " + std::to_string(count - 1));
+  }
+  return check_mask(*sensor.mask);
+}
+
 /// The lattice of a fixed array.
 Result<Lattice> lattice_of(const SensorConfig& sensor) {
   const Lenslets& lenslets = sensor.lenslets;
   if (sensor.alternate_charge || sensor.mask) {
     return fail(Errc::invalid, sensor.mask ? "sensor.mask" : "sensor.alternate_charge",
                 "a fixed array has one kind of plate in all lenslets: set null");
+  }
+  if (!sensor.charges.empty()) {
+    return fail(Errc::invalid, "sensor.charges",
+                "a fixed array has one kind of plate in all lenslets: set []");
   }
   if (!(lenslets.width_px > 0.0 && lenslets.px_per_cycle > 0.0)) {
     return fail(Errc::invalid, "sensor.lenslets", "width_px and px_per_cycle must be above 0");
@@ -108,13 +137,12 @@ Result<Lattice> lattice_of(const SensorConfig& sensor) {
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm) {
   if (!sensor.lenslets.empty()) return lattice_of(sensor);
   if (auto ok = check_pupil(sensor, slm); !ok) return fail(ok.error());
-  if (sensor.mask) {
-    if (auto ok = check_mask(*sensor.mask); !ok) return fail(ok.error());
-  }
   Lattice lattice;
   lattice.diameter_px = subaperture_diameter_px(sensor);
   const auto found = centres(sensor, lattice.diameter_px);
   if (auto ok = check_count(found.size()); !ok) return fail(ok.error());
+  if (auto ok = check_charges(sensor, found.size()); !ok) return fail(ok.error());
+  if (auto ok = check_masked(sensor, found.size()); !ok) return fail(ok.error());
   for (const Vec2 centre : found) {
     const Vec2 f = frequency(centre, sensor, slm);
     if (!(std::abs(f.x) <= kNyquistCpp && std::abs(f.y) <= kNyquistCpp)) {
@@ -123,9 +151,16 @@ Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm)
                       " has " + std::to_string(f.x) + " x " + std::to_string(f.y) +
                       " cycles per SLM pixel, but the limit is 0.5: reduce grooves or spacing");
     }
-    lattice.subapertures.push_back({centre, f, charge_at(centre, sensor, lattice.diameter_px)});
+    const std::size_t i = lattice.subapertures.size();
+    lattice.subapertures.push_back({centre, f, charge_at(i, centre, sensor, lattice.diameter_px)});
   }
   return lattice;
+}
+
+std::vector<int> charges_of(const Lattice& lattice) {
+  std::vector<int> charges;
+  for (const Subaperture& s : lattice.subapertures) charges.push_back(s.charge);
+  return charges;
 }
 
 Vec2 base_grating_cpp(const SensorConfig& sensor, const SlmGeometry& slm) {

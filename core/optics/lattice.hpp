@@ -27,15 +27,20 @@ struct Lattice {
 /// centre for every M (number across), so an even M leaves half a subaperture free at the edge.
 /// Errors (Errc::invalid, field "sensor.…" or "slm.width"): empty SLM; pupil larger than the SLM's
 /// height or width; fewer than 3 or more than kMaxSubapertures subapertures; a grating beyond the
-/// SLM's Nyquist limit of 0.5 cycles per pixel; a mask that check_mask refuses.
+/// SLM's Nyquist limit of 0.5 cycles per pixel; a mask that check_mask refuses, or in subapertures
+/// that do not exist; charges for another
+/// number of subapertures, or together with an alternate charge.
 ///
-/// Charges: `sensor.charge`, or `sensor.alternate_charge` in every second subaperture: a
-/// checkerboard in a square grid, every second row in a hexagonal one, where four of a
-/// subaperture's six neighbours differ from it. The base subaperture has `sensor.charge`. Lenslets
-/// have neither an alternate charge nor a mask.
+/// Charges: `sensor.charges`, one for each subaperture; or `sensor.charge`, and
+/// `sensor.alternate_charge` in every second subaperture: a checkerboard in a square grid, every
+/// second row in a hexagonal one, where four of a subaperture's six neighbours differ from it. The
+/// base subaperture then has `sensor.charge`. All lenslets have `sensor.charge` and no mask.
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm);
 
 constexpr int kMaxSubapertures = 2048;
+
+/// Charge of each subaperture.
+std::vector<int> charges_of(const Lattice& lattice);
 
 /// Frequency of the base subaperture's grating: grooves over the SLM's size, cycles per SLM pixel.
 Vec2 base_grating_cpp(const SensorConfig& sensor, const SlmGeometry& slm);

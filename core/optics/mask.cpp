@@ -33,6 +33,11 @@ Result<void> check_map(const Image<float>& map) {
 
 }  // namespace
 
+bool is_masked(const MaskConfig& mask, int subaperture) {
+  const std::vector<int>& all = mask.subapertures;
+  return all.empty() || std::find(all.begin(), all.end(), subaperture) != all.end();
+}
+
 double mask_waves(const MaskConfig& mask, Vec2 at) {
   constexpr double kMeanRadius = 2.0 / 3.0, kRmsRadius = 0.23570226039551584;  // sqrt(1 / 18)
   double waves = 0.0;

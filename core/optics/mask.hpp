@@ -15,8 +15,9 @@ namespace ovws {
 
 constexpr int kMinMaskPx = 16, kMaxMaskPx = 2048;  ///< side of a mask's map, pixels
 
-/// Phase mask, the same for every subaperture: the sum of its parts, waves.
+/// Phase mask of subapertures, the same for all that have it: the sum of its parts, waves.
 struct MaskConfig {
+  std::vector<int> subapertures;    ///< that have it, in the order of make_lattice; empty: all
   std::vector<Mode> modes;          ///< Zernike modes over the subaperture, RMS-normalised
   double axicon_waves = 0.0;        ///< RMS of a cone: phase proportional to the radius
   std::optional<std::string> file;  ///< names `map`
@@ -26,10 +27,14 @@ struct MaskConfig {
 
   /// Whether both imprint the same phase. Files are compared by checksum, not by name.
   friend bool operator==(const MaskConfig& a, const MaskConfig& b) {
-    return a.modes == b.modes && a.axicon_waves == b.axicon_waves &&
-           a.file.has_value() == b.file.has_value() && a.sha256 == b.sha256;
+    return a.subapertures == b.subapertures && a.modes == b.modes &&
+           a.axicon_waves == b.axicon_waves && a.file.has_value() == b.file.has_value() &&
+           a.sha256 == b.sha256;
   }
 };
+
+/// Whether this subaperture has the mask.
+bool is_masked(const MaskConfig& mask, int subaperture);
 
 /// Phase of the mask at a position in units of the subaperture's radius from its centre, waves. A
 /// map gives its nearest pixel.

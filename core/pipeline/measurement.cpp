@@ -15,6 +15,8 @@ const MeasurementPlan& checked(const MeasurementPlan& plan) {
     if (!holds) throw std::logic_error(what);
   };
   demand(plan.tracker != nullptr, "measurement plan without a tracker");
+  demand(!plan.kinds || int(plan.kinds->of_spots().size()) == plan.subapertures(),
+         "measurement plan with kinds of other spots");
   demand(plan.reconstructor != nullptr, "measurement plan without a reconstructor");
   demand(plan.subapertures() <= kMaxSubapertures, "measurement plan with too many subapertures");
   const std::vector<int>& leading = plan.reconstructor->modes_j();
@@ -47,12 +49,12 @@ Measurement::Measurement(const MeasurementPlan& measured_plan, int workers,
     : plan(checked(measured_plan)),
       plan_id(plan.id),
       acquisition(plan.spots, plan.predicted_px, plan.roi.width, plan.roi.height,
-                  before != nullptr ? &before->acquisition : nullptr, plan.region),
+                  before != nullptr ? &before->acquisition : nullptr, plan.region, plan.kinds),
       neighbourhood(plan.predicted_px),
       reconstruct_scratch(plan.reconstructor->make_scratch()),
       left_px(std::size_t(plan.subapertures())) {
   for (int k = 0; k < std::max(workers, 1); ++k) {
-    track_scratch.push_back(plan.tracker->make_scratch());
+    track_scratch.push_back(plan.make_scratch());
     if (plan.fit) fit_scratch.push_back(plan.fit->spots().make_scratch());
   }
   if (plan.fit) solve_scratch = plan.fit->make_scratch();

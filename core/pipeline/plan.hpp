@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "core/optics/zernike.hpp"
 #include "core/port/camera.hpp"
 #include "core/spots/frame_fit.hpp"
+#include "core/tracking/spot_kinds.hpp"
 #include "core/tracking/tracker.hpp"
 #include "core/wavefront/branch_points.hpp"
 #include "core/wavefront/reconstructor.hpp"
@@ -57,6 +59,8 @@ struct MeasurementPlan {
   bool awaits_templates = false;
   bool can_fit_shapes = false;  ///< whether templates can be made for these modes
   std::shared_ptr<const SpotTracker> tracker;
+  /// Kinds of the spots, if they differ. Null: all are as `spots` and `tracker` say.
+  std::shared_ptr<const SpotKinds> kinds;
   std::vector<int> modes_j;  ///< OSA indices of the measured modes
   /// Reconstructs the leading modes of `modes_j` from spot positions. These are all modes, unless
   /// templates determine more.
@@ -79,6 +83,16 @@ struct MeasurementPlan {
   PatternCycle cycle;  ///< of `patterns`
 
   int subapertures() const { return int(predicted_px.size()); }
+  const SpotTracker& tracker_of(int spot) const OVWS_NONBLOCKING {
+    return kinds ? kinds->tracker_of(spot) : *tracker;
+  }
+  /// As for drop_faint.
+  std::span<const float> levels() const OVWS_NONBLOCKING {
+    return kinds ? kinds->levels() : std::span<const float>{};
+  }
+  TrackScratch make_scratch() const {
+    return kinds ? kinds->make_scratch() : tracker->make_scratch();
+  }
   bool referenced() const { return !reference_px.empty(); }
   /// Whether the spots' positions determine all modes.
   bool positions_suffice() const { return reconstructor->modes_j().size() == modes_j.size(); }

@@ -66,11 +66,11 @@ void TrackStage::track_slice(Entry& entry, int k) OVWS_NONBLOCKING {
 }
 
 void TrackStage::track(Entry& entry, int begin, int end, TrackScratch& scratch) OVWS_NONBLOCKING {
-  const SpotTracker& tracker = *entry.plan->tracker;
   for (int i = begin; i < end; ++i) {
     const SpotStart& start = entry.starts[i];
-    entry.spots[i] =
-        start.fresh ? tracker.track(entry.frame.image, start.at_px, scratch) : SpotFix{};
+    entry.spots[i] = start.fresh
+                         ? entry.plan->tracker_of(i).track(entry.frame.image, start.at_px, scratch)
+                         : SpotFix{};
   }
 }
 
@@ -104,7 +104,7 @@ void TrackStage::finish(Entry& entry) OVWS_NONBLOCKING {
 void TrackStage::reject_implausible(Entry& entry) OVWS_NONBLOCKING {
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   const std::span<SpotFix> spots = spots_of(entry);
-  drop_faint(spots, entry.spot_count);
+  drop_faint(spots, entry.spot_count, entry.plan->levels());
   // Two subapertures that track the same spot are ambiguous: drop both fixes and track again.
   for (int i = 0; i < entry.spot_count; ++i) duplicate_[i] = neighbourhood.is_duplicate(i, spots);
   for (int i = 0; i < entry.spot_count; ++i) {
@@ -122,7 +122,7 @@ void TrackStage::retry_lost(Entry& entry) OVWS_NONBLOCKING {
     if (spots[i].found()) continue;
     spots[i] = retry(entry, i, neighbourhood.expect(i, field, spots));
   }
-  drop_faint(spots, entry.spot_count);
+  drop_faint(spots, entry.spot_count, entry.plan->levels());
 }
 
 /// Tracks a lost spot again: first from the remembered position if it agrees with the neighbours,
@@ -131,13 +131,14 @@ SpotFix TrackStage::retry(Entry& entry, int i, Vec2 expected_px) OVWS_NONBLOCKIN
   const Neighbourhood& neighbourhood = entry.measurement->neighbourhood;
   TrackScratch& scratch = entry.measurement->track_scratch[0];
   const std::span<SpotFix> spots = spots_of(entry);
+  const SpotTracker& tracker = entry.plan->tracker_of(i);
   const Vec2 remembered_px = entry.starts[i].at_px;
   const double apart_px = norm(remembered_px - expected_px);  // NaN without a remembered position
   if (!entry.starts[i].fresh && apart_px < 0.5 * neighbourhood.pitch_px(i)) {
-    spots[i] = entry.plan->tracker->track(entry.frame.image, remembered_px, scratch);
+    spots[i] = tracker.track(entry.frame.image, remembered_px, scratch);
     if (spots[i].found() && !neighbourhood.is_duplicate(i, spots)) return spots[i];
   }
-  spots[i] = entry.plan->tracker->track(entry.frame.image, expected_px, scratch);
+  spots[i] = tracker.track(entry.frame.image, expected_px, scratch);
   return neighbourhood.is_duplicate(i, spots) ? SpotFix{} : spots[i];
 }
 

@@ -26,20 +26,28 @@ bool closer(Vec2 a, Vec2 b, double distance) {
 }  // namespace
 
 Acquisition::Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px, int image_width,
-                         int image_height, const Acquisition* before, std::optional<Disc> within)
+                         int image_height, const Acquisition* before, std::optional<Disc> within,
+                         std::shared_ptr<const SpotKinds> kinds)
     : spots_(spots),
       image_width_(image_width),
       image_height_(image_height),
       within_(within),
-      assignment_(predicted_px, max_candidates(predicted_px.size())) {
+      kinds_(std::move(kinds)),
+      assignment_(predicted_px,
+                  max_candidates(predicted_px.size()) * (kinds_ ? kinds_->count() : 1),
+                  kinds_ ? kinds_->of_spots() : std::vector<int>{}) {
   const bool same = before != nullptr && before->spots_ == spots &&
                     before->image_width_ == image_width && before->image_height_ == image_height &&
-                    before->assignment_.size() == assignment_.size();
-  candidates_ = same ? before->candidates_
-                     : std::make_shared<CandidateFinder>(spots, image_width, image_height,
-                                                         max_candidates(predicted_px.size()));
-  verified_.reserve(std::size_t(max_candidates(predicted_px.size())));
+                    before->assignment_.size() == assignment_.size() && before->kinds_ == kinds_;
+  const int most = max_candidates(predicted_px.size());
+  if (same) candidates_ = before->candidates_;
+  for (int kind = int(candidates_.size()); kind < (kinds_ ? kinds_->count() : 1); ++kind) {
+    candidates_.push_back(std::make_shared<CandidateFinder>(kinds_ ? kinds_->model(kind) : spots,
+                                                            image_width, image_height, most));
+  }
+  verified_.reserve(candidates_.size() * std::size_t(most));
   positions_.reserve(verified_.capacity());
+  verified_kinds_.reserve(verified_.capacity());
 }
 
 int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
@@ -48,7 +56,8 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
   positions_.clear();
   if (image.width != image_width_ || image.height != image_height_) return 0;
   verify(image, tracker, scratch);
-  const std::span<const int> matched = assignment_.match(positions_);
+  const std::span<const int> matched =
+      assignment_.match(positions_, SpotAssignment::Rules{}, verified_kinds_);
   bool any = false;
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (matched[i] == SpotAssignment::kNone) continue;
@@ -58,10 +67,12 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
   if (!any) return 0;
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (out[i].found()) continue;
-    const SpotFix fix = search_where_expected(int(i), image, tracker, scratch);
+    const SpotFix fix = search_where_expected(
+        int(i), image, kinds_ ? kinds_->tracker_of(int(i)) : tracker, scratch);
     if (fix.found() && !taken(position(fix), out)) out[i] = fix;
   }
-  const int found = drop_faint(out, int(out.size()));
+  const int found =
+      drop_faint(out, int(out.size()), kinds_ ? kinds_->levels() : std::span<const float>{});
   if (found >= assignment_.least_found(SpotAssignment::Rules{})) return found;
   std::fill(out.begin(), out.end(), SpotFix{});
   return 0;
@@ -70,14 +81,27 @@ int Acquisition::acquire(const ImageView& image, const SpotTracker& tracker, Tra
 void Acquisition::verify(const ImageView& image, const SpotTracker& tracker,
                          TrackScratch& scratch) {
   verified_.clear();
-  for (const Vec2 start : candidates_->find(image, within_)) {
-    const SpotFix fix = tracker.track(image, start, scratch);
-    if (fix.found() && !taken(position(fix), verified_)) verified_.push_back(fix);
+  verified_kinds_.clear();
+  if (!kinds_) verify_kind(0, image, tracker, scratch);
+  for (int kind = 0; kinds_ && kind < kinds_->count(); ++kind) {
+    verify_kind(kind, image, kinds_->tracker(kind), scratch);
   }
-  drop_faint(verified_, assignment_.size());
-  positions_.clear();
-  std::erase_if(verified_, [](const SpotFix& fix) { return !fix.found(); });
   for (const SpotFix& fix : verified_) positions_.push_back(position(fix));
+}
+
+void Acquisition::verify_kind(int kind, const ImageView& image, const SpotTracker& tracker,
+                              TrackScratch& scratch) {
+  const std::size_t first = verified_.size();
+  const auto of_kind = [&] { return std::span(verified_).subspan(first); };
+  for (const Vec2 start : candidates_[std::size_t(kind)]->find(image, within_)) {
+    const SpotFix fix = tracker.track(image, start, scratch);
+    if (fix.found() && !taken(position(fix), of_kind())) verified_.push_back(fix);
+  }
+  drop_faint(of_kind(), kinds_ ? kinds_->spots_of(kind) : assignment_.size());
+  verified_.erase(std::remove_if(verified_.begin() + std::ptrdiff_t(first), verified_.end(),
+                                 [](const SpotFix& fix) { return !fix.found(); }),
+                  verified_.end());
+  verified_kinds_.resize(verified_.size(), kind);
 }
 
 SpotFix Acquisition::search_where_expected(int i, const ImageView& image,

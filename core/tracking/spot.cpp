@@ -16,20 +16,24 @@ constexpr std::array<std::string_view, 6> kNames{"centroid",   "thresholded", "w
 
 }  // namespace
 
-int drop_faint(std::span<SpotFix> spots, int expected) {
+int drop_faint(std::span<SpotFix> spots, int expected, std::span<const float> units) {
+  const auto level_of = [&](std::size_t i) {
+    return units.empty() ? spots[i].level : spots[i].level / units[i];
+  };
   std::array<float, 4096> levels;
   std::size_t found = 0;
-  for (const SpotFix& spot : spots) {
-    if (spot.found() && found < levels.size()) levels[found++] = spot.level;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    if (spots[i].found() && found < levels.size()) levels[found++] = level_of(i);
   }
   if (found == 0) return 0;
   const std::size_t middle = std::min(found, std::size_t(std::max(1, expected))) / 2;
   std::nth_element(levels.begin(), levels.begin() + middle, levels.begin() + found,
                    std::greater<>());
   int remain = 0;
-  for (SpotFix& spot : spots) {
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    SpotFix& spot = spots[i];
     if (!spot.found()) continue;
-    if (spot.level >= kFaint * levels[middle]) {
+    if (level_of(i) >= kFaint * levels[middle]) {
       ++remain;
     } else {
       spot = SpotFix{.peak = spot.peak};

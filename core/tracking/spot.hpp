@@ -29,7 +29,9 @@ struct SpotFix {
 /// brightest spots. Returns the number of spots that remain. In a dark subaperture, stray light of
 /// other spots forms genuine but faint vortices; only the level distinguishes a faint vortex from a
 /// spot. RT-safe; the median uses at most 4096 spots.
-int drop_faint(std::span<SpotFix> spots, int expected) OVWS_NONBLOCKING;
+/// `units`: level of each spot at equal light, see SpotKinds; empty: the spots are of one kind.
+int drop_faint(std::span<SpotFix> spots, int expected,
+               std::span<const float> units = {}) OVWS_NONBLOCKING;
 
 enum class TrackerKind : std::uint8_t {
   centroid,

@@ -17,10 +17,25 @@ constexpr double kRing = 1.6;        // of the pitch: growth of the field per ro
 constexpr int kFinalRounds = 2;      // rounds after the last ring
 constexpr double kOutlier = 3.0;     // times the median residual
 constexpr double kFitSlack = 0.1;    // of the pitch: smaller residuals are never outliers
-constexpr double kMaxLinear = 0.6;   // largest element of the linear part; 1 would fold neighbours
-constexpr double kNeighbour = 1.6;   // of the pitch: largest distance of two neighbours
-constexpr int kMinAffine = 4;        // matches needed to fit the linear part
+// Largest element of the linear part. A hexagonal lattice turned by 60 degrees, which looks the
+// same, has 0.87; 1 would fold neighbours.
+constexpr double kMaxLinear = 0.75;
+constexpr double kNeighbour = 1.6;  // of the pitch: largest distance of two neighbours
+constexpr int kMinAffine = 4;       // matches needed to fit the linear part
 constexpr double kMinRcond = 0.01;
+constexpr int kFewStarts = 16;  // positions tried per seed with a first gradient
+// First gradients: defocus and astigmatism in two orientations, with both signs.
+constexpr double kFirst = 0.3;
+constexpr std::array<std::array<double, 4>, 6> kFirstLinear{{{-kFirst, 0.0, 0.0, -kFirst},
+                                                             {kFirst, 0.0, 0.0, kFirst},
+                                                             {-kFirst, 0.0, 0.0, kFirst},
+                                                             {kFirst, 0.0, 0.0, -kFirst},
+                                                             {0.0, -kFirst, -kFirst, 0.0},
+                                                             {0.0, kFirst, kFirst, 0.0}}};
+
+Vec2 operator*(const std::array<double, 4>& linear, Vec2 p) {
+  return {linear[0] * p.x + linear[1] * p.y, linear[2] * p.x + linear[3] * p.y};
+}
 
 double nearest_distance(const std::vector<Vec2>& points, std::size_t i) {
   double best = std::numeric_limits<double>::infinity();
@@ -32,8 +47,10 @@ double nearest_distance(const std::vector<Vec2>& points, std::size_t i) {
 
 }  // namespace
 
-SpotAssignment::SpotAssignment(std::vector<Vec2> predicted_px, int max_found)
+SpotAssignment::SpotAssignment(std::vector<Vec2> predicted_px, int max_found,
+                               std::vector<int> kinds)
     : predicted_(std::move(predicted_px)),
+      kinds_(std::move(kinds)),
       matched_(predicted_.size()),
       owner_(std::size_t(max_found)),
       choices_(predicted_.size()),
@@ -82,34 +99,53 @@ int SpotAssignment::least_found(const Rules& rules) const OVWS_NONBLOCKING {
   return std::max(3, int(std::ceil(rules.min_share * size())));
 }
 
-std::span<const int> SpotAssignment::match(std::span<const Vec2> found, const Rules& rules) {
-  const int enough = least_found(rules);
-  int most_explained = 0;
-  double smallest_shift = 0.0;
+std::span<const int> SpotAssignment::match(std::span<const Vec2> found, const Rules& rules,
+                                           std::span<const int> found_kinds) {
+  found_kinds_ = found_kinds;
+  most_explained_ = 0;
+  smallest_shift_ = 0.0;
   std::fill(best_matched_.begin(), best_matched_.end(), int(kNone));
   by_y_.resize(found.size());  // within the reserved capacity
   std::iota(by_y_.begin(), by_y_.end(), 0);
   std::sort(by_y_.begin(), by_y_.end(), [&](int a, int b) { return found[a].y < found[b].y; });
+  const int all = int(std::min(found.size(), predicted_.size()));
+  match_from(found, rules, {}, kStarts);
+  for (const Linear& linear : kFirstLinear) {
+    if (most_explained_ == all) break;
+    match_from(found, rules, linear, kFewStarts);
+  }
+  return adopt_best(found);
+}
+
+/// Whether a position may be that of a subaperture's spot.
+bool SpotAssignment::of_kind(int subaperture, int position) const {
+  return kinds_.empty() || kinds_[std::size_t(subaperture)] == found_kinds_[std::size_t(position)];
+}
+
+/// Tries all seeds, each with its nearest positions, with fields that begin with this gradient.
+void SpotAssignment::match_from(std::span<const Vec2> found, const Rules& rules,
+                                const Linear& linear, int most_starts) {
+  const int enough = least_found(rules);
   for (const int seed : seeds_) {
     std::array<int, kStarts> starts{};
-    const int count = nearest_positions(found, predicted_[seed], starts);
+    const int count = std::min(nearest_positions(found, seed, starts), most_starts);
     for (int s = 0; s < count; ++s) {
       if (best_matched_[seed] == starts[s]) continue;  // would only repeat the best match
       const Vec2 first_shift = found[starts[s]] - predicted_[seed];
       if (norm(first_shift) > rules.max_shift_px) break;  // starts are sorted by distance
-      const int explained = grow(found, seed, first_shift);
+      const int explained =
+          grow(found, seed, {first_shift - linear * (predicted_[seed] - centre_), linear});
       const double shift = norm(field_.shift);
       const bool better =
-          explained > most_explained || (explained == most_explained && shift < smallest_shift);
+          explained > most_explained_ || (explained == most_explained_ && shift < smallest_shift_);
       if (explained < enough || !better) continue;
-      most_explained = explained;
-      smallest_shift = shift;
+      most_explained_ = explained;
+      smallest_shift_ = shift;
       best_field_ = field_;
-      best_matched_ = matched_;                                // same size: no allocation
-      if (most_explained == size()) return adopt_best(found);  // later starts have larger shifts
+      best_matched_ = matched_;               // same size: no allocation
+      if (most_explained_ == size()) return;  // later starts have larger shifts
     }
   }
-  return adopt_best(found);
 }
 
 std::span<const int> SpotAssignment::adopt_best(std::span<const Vec2> found) {
@@ -119,10 +155,13 @@ std::span<const int> SpotAssignment::adopt_best(std::span<const Vec2> found) {
   return matched_;
 }
 
-int SpotAssignment::nearest_positions(std::span<const Vec2> found, Vec2 at,
+/// The positions nearest to the seed's predicted one, of its kind.
+int SpotAssignment::nearest_positions(std::span<const Vec2> found, int seed,
                                       std::array<int, kStarts>& out) const {
+  const Vec2 at = predicted_[std::size_t(seed)];
   int count = 0;
   for (std::size_t k = 0; k < found.size(); ++k) {
+    if (!of_kind(seed, int(k))) continue;
     int place = count;
     const double distance = norm(found[k] - at);
     while (place > 0 && norm(found[out[place - 1]] - at) > distance) --place;
@@ -134,8 +173,9 @@ int SpotAssignment::nearest_positions(std::span<const Vec2> found, Vec2 at,
   return count;
 }
 
-int SpotAssignment::grow(std::span<const Vec2> found, int seed, Vec2 shift) {
-  field_ = {shift, {}};
+/// Grows a match from the field `first`. Returns the number of positions that it explains.
+int SpotAssignment::grow(std::span<const Vec2> found, int seed, Field first) {
+  field_ = first;
   std::fill(matched_.begin(), matched_.end(), int(kNone));
   std::fill(residuals_.begin(), residuals_.end(), Vec2{});
   const Vec2 from = predicted_[seed];
@@ -151,9 +191,7 @@ int SpotAssignment::grow(std::span<const Vec2> found, int seed, Vec2 shift) {
 }
 
 Vec2 SpotAssignment::affine(int i) const {
-  const Vec2 p = predicted_[i] - centre_;
-  const auto& a = field_.linear;
-  return predicted_[i] + field_.shift + Vec2{a[0] * p.x + a[1] * p.y, a[2] * p.x + a[3] * p.y};
+  return predicted_[i] + field_.shift + field_.linear * (predicted_[i] - centre_);
 }
 
 Vec2 SpotAssignment::expected(int i) const {
@@ -173,13 +211,15 @@ void SpotAssignment::update_residuals(std::span<const Vec2> found) {
   }
 }
 
-SpotAssignment::Choice SpotAssignment::nearest(std::span<const Vec2> found, Vec2 at) const {
+/// The position nearest to the expected one of subaperture i, within the tolerance.
+SpotAssignment::Choice SpotAssignment::nearest(std::span<const Vec2> found, int i) const {
+  const Vec2 at = expected(i);
   Choice best{kNone, tolerance_px()};
   const auto first = std::lower_bound(by_y_.begin(), by_y_.end(), at.y - best.distance,
                                       [&](int k, double y) { return found[std::size_t(k)].y < y; });
   for (auto k = first; k != by_y_.end() && found[*k].y < at.y + tolerance_px(); ++k) {
     const double distance = norm(found[*k] - at);
-    if (distance < best.distance) best = {*k, distance};
+    if (distance < best.distance && of_kind(i, *k)) best = {*k, distance};
   }
   return best;
 }
@@ -191,7 +231,7 @@ int SpotAssignment::assign(std::span<const Vec2> found, Vec2 from, double reach)
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
     choices_[i] = {};
     if (norm(predicted_[i] - from) > reach) continue;
-    choices_[i] = nearest(found, expected(int(i)));
+    choices_[i] = nearest(found, int(i));
     if (choices_[i].position == kNone) continue;
     int& owner = owner_[choices_[i].position];
     if (owner == kNone || choices_[i].distance < choices_[owner].distance) owner = int(i);
@@ -232,8 +272,10 @@ bool SpotAssignment::fit_within(std::span<const Vec2> found, double limit) {
     ++count;
   }
   if (count == 0) return false;
-  field_ = {{rhs(0, 0) / count, rhs(0, 1) / count}, {}};
-  // Too few or collinear spots do not determine the linear part.
+  // Too few or collinear spots do not determine the linear part: it stays.
+  const Vec2 moved{rhs(0, 0) / count, rhs(0, 1) / count};
+  const Vec2 middle{normal(0, 1) / count, normal(0, 2) / count};
+  field_.shift = moved - field_.linear * (pitch_ * middle);
   const Eigen::LLT<Eigen::Matrix3d> llt(normal);
   if (count < kMinAffine || llt.info() != Eigen::Success || llt.rcond() < kMinRcond) return true;
   const Eigen::Matrix<double, 3, 2> a = llt.solve(rhs);

@@ -35,8 +35,15 @@ Image<std::uint16_t> image_of(const Image<std::complex<float>>& far) {
 Result<ModeOperator> diffractive_operator(SensorField& field, const SpotTracker& tracker,
                                           const ModeOperator& slopes,
                                           std::span<const Vec2> spots_px, double limit_s) {
+  return diffractive_operator(
+      field, [&](int) -> const SpotTracker& { return tracker; }, slopes, spots_px, limit_s);
+}
+
+Result<ModeOperator> diffractive_operator(SensorField& field,
+                                          const std::function<const SpotTracker&(int)>& tracker_of,
+                                          const ModeOperator& slopes,
+                                          std::span<const Vec2> spots_px, double limit_s) {
   const std::int64_t begun_ns = monotonic_ns();
-  TrackScratch scratch = tracker.make_scratch();
   // Spot positions under one mode of `slopes`: x and y of each spot, camera pixels; NaN: lost.
   const auto tracked = [&](Eigen::Index column, double waves) {
     const Mode mode{slopes.modes_j[std::size_t(column)], waves};
@@ -46,6 +53,8 @@ Result<ModeOperator> diffractive_operator(SensorField& field, const SpotTracker&
     Eigen::VectorXd at_px(slopes.slopes.rows());
     for (std::size_t i = 0; i < spots_px.size(); ++i) {
       const auto moved = slopes.slopes.col(column).segment<2>(2 * Eigen::Index(i)) * waves;
+      const SpotTracker& tracker = tracker_of(int(i));
+      TrackScratch scratch = tracker.make_scratch();
       const SpotFix fix = tracker.track(view, spots_px[i] + Vec2{moved.x(), moved.y()}, scratch);
       at_px.segment<2>(2 * Eigen::Index(i)) << double(fix.x), double(fix.y);
     }

@@ -1,6 +1,7 @@
 /// Diffractive operator: the interaction matrix from modes poked in the diffraction model.
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -31,6 +32,11 @@ constexpr double kDiffractiveStep = 0.05;
 ///
 /// Errors, field "tracking": Errc::refused if the tracker finds fewer than 3 spots, or if the found
 /// spots do not determine every mode of `slopes`; Errc::unavailable after `limit_s` seconds.
+Result<ModeOperator> diffractive_operator(
+    SensorField& field, const std::function<const SpotTracker&(int spot)>& tracker_of,
+    const ModeOperator& slopes, std::span<const Vec2> spots_px,
+    double limit_s = std::numeric_limits<double>::infinity());
+/// The same with one tracker for all spots.
 Result<ModeOperator> diffractive_operator(SensorField& field, const SpotTracker& tracker,
                                           const ModeOperator& slopes,
                                           std::span<const Vec2> spots_px,

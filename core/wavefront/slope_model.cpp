@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -58,6 +59,17 @@ double tilt_radius(int charge, const TrackingConfig& tracking) {
   return kGradientTilt;
 }
 
+std::vector<double> tilt_radii(const Lattice& lattice, const TrackingConfig& tracking) {
+  std::map<int, double> of_size;  // the radius takes a millisecond to compute
+  std::vector<double> radii;
+  for (const Subaperture& s : lattice.subapertures) {
+    const auto [known, is_new] = of_size.try_emplace(std::abs(s.charge), 0.0);
+    if (is_new) known->second = tilt_radius(s.charge, tracking);
+    radii.push_back(known->second);
+  }
+  return radii;
+}
+
 double position_fit_tilt_radius(int charge) {
   constexpr std::array<double, 4> kOfCharge{0.787, 0.826, 0.850, 0.867};
   return kOfCharge[std::size_t(std::min(std::abs(charge), 3))];
@@ -66,14 +78,21 @@ double position_fit_tilt_radius(int charge) {
 Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
                              std::span<const int> modes_j, double tilt_radius,
                              const PxPerCycle& px_per_cycle) {
+  const std::vector<double> tilt_radii(lattice.subapertures.size(), tilt_radius);
+  return slope_matrix(lattice, sensor, modes_j, tilt_radii, px_per_cycle);
+}
+
+Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
+                             std::span<const int> modes_j, std::span<const double> tilt_radii,
+                             const PxPerCycle& px_per_cycle) {
   constexpr int kAngles = 48;  // exact for modes up to n = 20
   const double pupil_radius = 0.5 * sensor.pupil_diameter_px;
-  const double radius = tilt_radius * 0.5 * lattice.diameter_px;
   Eigen::MatrixXd slopes =
       Eigen::MatrixXd::Zero(2 * Eigen::Index(lattice.subapertures.size()), modes_j.size());
   const int last_j = modes_j.empty() ? 0 : *std::max_element(modes_j.begin(), modes_j.end());
   std::vector<double> values(std::size_t(last_j) + 1);
   for (std::size_t i = 0; i < lattice.subapertures.size(); ++i) {
+    const double radius = tilt_radii[i] * 0.5 * lattice.diameter_px;
     for (int n = 0; n < kAngles; ++n) {
       const double t = 2.0 * kPi * n / kAngles;
       const Vec2 direction{std::cos(t), std::sin(t)};

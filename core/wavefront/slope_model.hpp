@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <vector>
 
 #include "core/optics/geometry.hpp"
 #include "core/optics/lattice.hpp"
@@ -22,12 +23,18 @@ constexpr double kVortexTilt = 0.77459666924148338;   ///< V-tilt: at the very c
 /// `thresholded` Z-tilt. Trackers with a Gaussian kernel tend to V-tilt (charge +-1) or Z-tilt
 /// (other charges) for a narrow kernel.
 double tilt_radius(int charge, const TrackingConfig& tracking);
+/// The same for each subaperture by its charge.
+std::vector<double> tilt_radii(const Lattice& lattice, const TrackingConfig& tracking);
 /// Ring radius of PositionFit at a medium noise level. Other noise levels change the tilt that it
 /// measures for a cubic phase by 1.8 %.
 double position_fit_tilt_radius(int charge);
 
 /// Slopes matrix, 2N x Z: rows x_0, y_0, x_1, y_1, …, columns as `modes_j`: camera pixels per
-/// RMS-normalised wave. `tilt_radius`: the tracker's ring radius, above 0.
+/// RMS-normalised wave. `tilt_radii`: the tracker's ring radius in each subaperture, above 0.
+Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
+                             std::span<const int> modes_j, std::span<const double> tilt_radii,
+                             const PxPerCycle& px_per_cycle);
+/// The same with one radius for all subapertures.
 Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,
                              std::span<const int> modes_j, double tilt_radius,
                              const PxPerCycle& px_per_cycle);

@@ -49,7 +49,11 @@ inline constexpr auto kTable<MaskConfig> = Fields{
     field<&MaskConfig::file>(
         "file of a phase map over the square around a subaperture; null: none. Read with the "
         "configuration file, which alone names new ones"),
-    field<&MaskConfig::sha256>("SHA-256 of the map as float32; null: not known").or_null()};
+    field<&MaskConfig::sha256>("SHA-256 of the map as float32; null: not known").or_null(),
+    field<&MaskConfig::subapertures>(
+        "indices of the subapertures that have the mask, by rows; []: all",
+        {0, kMaxSubapertures - 1})
+        .sized(0, kMaxSubapertures)};
 
 template <>
 inline constexpr auto kTable<SensorConfig> = Fields{
@@ -69,7 +73,11 @@ inline constexpr auto kTable<SensorConfig> = Fields{
         limits::kSpacing),
     field<&SensorConfig::alternate_charge>(
         "charge of every second subaperture; null: that of all others", limits::kCharge),
-    field<&SensorConfig::mask>("phase that every subaperture adds to its vortex; null: none"),
+    field<&SensorConfig::charges>(
+        "charge of each subaperture, by rows; []: all as charge and alternate_charge say",
+        limits::kCharge)
+        .sized(0, kMaxSubapertures),
+    field<&SensorConfig::mask>("phase that subapertures add to their vortex; null: none"),
     field<&SensorConfig::lenslets>(
         "the lenslets in use of a fixed array, as registration.run found them; left out: the SLM "
         "makes the subapertures")

@@ -112,8 +112,9 @@ Result<Picture> read_image(const std::string& path) {
 
 Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan)
     : plan_(std::move(plan)),
-      acquisition_(plan_->spots, plan_->predicted_px, plan_->roi.width, plan_->roi.height),
-      track_scratch_(plan_->tracker->make_scratch()),
+      acquisition_(plan_->spots, plan_->predicted_px, plan_->roi.width, plan_->roi.height, nullptr,
+                   std::nullopt, plan_->kinds),
+      track_scratch_(plan_->make_scratch()),
       solve_scratch_(plan_->reconstructor->make_scratch()) {}
 
 Result<Measurement> Measurement::make(const Config& config, const ImageView& like,

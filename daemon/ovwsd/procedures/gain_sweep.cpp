@@ -38,6 +38,8 @@ bool is_same(const std::string& name, const json& before, const json& now) {
 SensorSet sensor_of(const SweepArm& arm) {
   SensorSet set;
   set.put(&SensorConfig::charge, arm.charge);
+  set.put(&SensorConfig::alternate_charge, std::optional<int>());
+  set.put(&SensorConfig::charges, std::vector<int>());
   set.put(&TrackingSettings::tracker, arm.tracker.kind);
   set.put(&TrackingSettings::templates, TemplateKind::model);
   set.put(&TrackingSettings::mode_operator, OperatorKind::slopes);
@@ -63,8 +65,9 @@ Result<Reconstructor> reconstructor_of(const SensorSnapshot& sensor, const SlmGe
   const double tilt = sensor.tracking.tracker == TrackerKind::fit
                           ? position_fit_tilt_radius(charge)
                           : tilt_radius(charge, sensor.tracking);
+  const std::vector<double> tilts(reference_px.size(), tilt);
   const ModeOperator model =
-      slope_operator(*lattice, sensor.sensor, tilt, px_per_cycle(sensor.optics, slm));
+      slope_operator(*lattice, sensor.sensor, tilts, px_per_cycle(sensor.optics, slm));
   return Reconstructor(model.slopes, model.modes_j, reference_px);
 }
 

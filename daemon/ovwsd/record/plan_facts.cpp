@@ -46,12 +46,21 @@ json slm_content(const ActiveSlm& slm) {
           {"flatness_modes", std::move(flatness)}};
 }
 
+/// Size of each spot's charge; empty: all are of one kind.
+json charges_of(const SpotKinds* kinds) {
+  json charges = json::array();
+  if (kinds == nullptr) return charges;
+  for (const int kind : kinds->of_spots()) charges.push_back(kinds->model(kind).charge);
+  return charges;
+}
+
 json plan_content(const PlanFacts& facts) {
   const SensorSnapshot& now = *facts.sensor;
   return {{"plan_id", facts.id},
           {"sensor_epoch", facts.sensor_epoch},
           {"hologram_id", facts.hologram_id},
           {"charge", facts.charge},
+          {"charges", charges_of(facts.kinds.get())},
           {"tracker", tracker_name(facts.tracker_kind)},
           {"kernel_radius", now.tracking.kernel_radius},
           {"template", wire_name(now.tracking.templates)},
@@ -82,6 +91,7 @@ PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
       charge(plan.charge),
       tracker_kind(plan.tracker_kind),
       spots(plan.spots),
+      kinds(plan.kinds),
       roi(plan.roi),
       format(plan.format),
       predicted_px(plan.predicted_px),

@@ -23,6 +23,7 @@ struct PlanFacts {
   int charge = 1;
   TrackerKind tracker_kind = TrackerKind::lg;
   SpotModel spots;
+  std::shared_ptr<const SpotKinds> kinds;  ///< null: all are like `spots`
   Roi roi;
   PixelFormat format = PixelFormat::mono8;
   std::vector<Vec2> predicted_px, reference_px;

@@ -150,6 +150,14 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   auto made = make_tracker({*tracker, from.at("kernel_radius").get<double>()}, plan->spots);
   if (!made) return fail(made.error());
   plan->tracker = std::move(*made);
+  const auto charges = from.value("charges", std::vector<int>());
+  if (!charges.empty() && charges.size() != plan->predicted_px.size()) {
+    return unfit("has charges of other spots");
+  }
+  auto kinds =
+      SpotKinds::make({*tracker, from.at("kernel_radius").get<double>()}, plan->spots, charges);
+  if (!kinds) return fail(kinds.error());
+  plan->kinds = std::move(*kinds);
   if (auto fit = read_templates(from, *plan); !fit) return fail(fit.error());
   return plan;
 }

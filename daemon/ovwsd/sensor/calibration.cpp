@@ -55,6 +55,7 @@ std::vector<std::string> differences(const CalibrationKey& a, const CalibrationK
   const std::initializer_list<std::pair<const char*, bool>> fields{
       {"charge", s.charge != t.charge},
       {"alternate_charge", s.alternate_charge != t.alternate_charge},
+      {"charges", s.charges != t.charges},
       {"mask", s.mask != t.mask},
       {"grid", s.grid != t.grid},
       {"subapertures_across", s.subapertures_across != t.subapertures_across},

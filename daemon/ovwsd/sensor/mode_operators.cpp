@@ -40,13 +40,13 @@ std::vector<int> with_shapes(const TrackingSettings& tracking, std::vector<int> 
 
 ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
                             const TrackingConfig& tracking, const PxPerCycle& map) {
-  return slope_operator(lattice, sensor, tilt_radius(sensor.charge, tracking), map);
+  return slope_operator(lattice, sensor, tilt_radii(lattice, tracking), map);
 }
 
-ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor, double tilt_radius,
-                            const PxPerCycle& map) {
+ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
+                            std::span<const double> tilt_radii, const PxPerCycle& map) {
   ModeOperator made{OperatorKind::slopes, reconstructed_modes(sensor), {}};
-  made.slopes = slope_matrix(lattice, sensor, made.modes_j, tilt_radius, map);
+  made.slopes = slope_matrix(lattice, sensor, made.modes_j, tilt_radii, map);
   const double most = sensor.lenslets.empty() ? kMaxCondition : kMaxLensletCondition;
   made.modes_j.resize(std::size_t(determined_modes(made.slopes, most)));
   made.slopes.conservativeResize(Eigen::NoChange, Eigen::Index(made.modes_j.size()));
@@ -86,11 +86,16 @@ Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeome
     if (!lattice) return fail(lattice.error());
     auto field = SensorField::make(key.sensor, slm, key.optics, key.cols, key.rows);
     if (!field) return fail(field.error());
-    const auto tracker =
-        make_tracker(key.tracking, {key.sensor.charge, lambda_d_px(key.optics, slm, key.sensor)});
+    const SpotModel spots{key.sensor.charge, lambda_d_px(key.optics, slm, key.sensor)};
+    const auto tracker = make_tracker(key.tracking, spots);
     if (!tracker) return fail(tracker.error());
+    const auto kinds = SpotKinds::make(key.tracking, spots, charges_of(*lattice));
+    if (!kinds) return fail(kinds.error());
+    const auto tracker_of = [&](int i) -> const SpotTracker& {
+      return *kinds ? (*kinds)->tracker_of(i) : **tracker;
+    };
     return diffractive_operator(
-        *field, **tracker,
+        *field, tracker_of,
         slope_operator(*lattice, key.sensor, key.tracking, px_per_cycle(key.optics, slm)),
         model_spots_px(*lattice, key.sensor, slm, key.optics, key.cols, key.rows), limit_s);
   } catch (const std::bad_alloc&) {

@@ -4,6 +4,7 @@
 #include <deque>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/base/result.hpp"
@@ -26,9 +27,9 @@ std::vector<int> with_shapes(const TrackingSettings& tracking, std::vector<int> 
 /// it. Contains only modes that the lattice determines. Fast to compute.
 ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
                             const TrackingConfig& tracking, const PxPerCycle& map);
-/// Slope operator for tilts measured on a ring of radius `tilt_radius` (slope_model.hpp).
-ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor, double tilt_radius,
-                            const PxPerCycle& map);
+/// Slope operator for tilts measured on rings of these radii (slope_matrix).
+ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
+                            std::span<const double> tilt_radii, const PxPerCycle& map);
 
 /// Displacements of the spots by each mode about a flat wavefront, computed from the model as
 /// SpotMeter measures displacements in mean images: least squares of the pixels that the laser

@@ -1,6 +1,7 @@
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "core/wavefront/slope_model.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
@@ -36,12 +37,15 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
 Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sensor,
                                 const PxPerCycle& map, const Reference* reference) {
   const bool of_model = reference != nullptr && reference->source == ReferenceSource::model;
-  if (!of_model || sensor.charge == 0) return {};
   const auto& spots = lattice.subapertures;
+  const bool bright = std::all_of(spots.begin(), spots.end(),
+                                  [](const Subaperture& one) { return one.charge == 0; });
+  if (!of_model || bright) return {};
   const double diameter_px = sensor.pupil_diameter_px;
   Eigen::MatrixXd column(2 * Eigen::Index(spots.size()), 1);
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    const double sign = spots[i].charge < 0 ? -1.0 : 1.0;
+    const int charge = spots[i].charge;
+    const double sign = charge == 0 ? 0.0 : charge < 0 ? -1.0 : 1.0;
     const Vec2 at = (sign * 4.0 / (diameter_px * diameter_px)) * spots[i].centre_px;
     const Vec2 moved = map * Vec2{-at.y, at.x};  // tilt of one wave per radius at the rim
     column(2 * Eigen::Index(i), 0) = moved.x;
@@ -67,11 +71,11 @@ TemplateReport template_report(const TrackingSettings& tracking) {
 PlanBuilder::PlanBuilder(const PlanInputs& inputs)
     : lattice_(inputs.lattice),
       sensor_(inputs.sensor),
-      tilt_radius_(tilt_radius(inputs.sensor.charge, inputs.tracking)),
+      tilt_radii_(tilt_radii(inputs.lattice, inputs.tracking)),
       px_per_cycle_(px_per_cycle(inputs.optics, inputs.slm)) {}
 
 Eigen::MatrixXd PlanBuilder::slopes_of(const std::vector<int>& modes_j) const {
-  return slope_matrix(lattice_, sensor_, modes_j, tilt_radius_, px_per_cycle_);
+  return slope_matrix(lattice_, sensor_, modes_j, tilt_radii_, px_per_cycle_);
 }
 
 /// Displaces every spot by `modes`, computed with the slope matrix.
@@ -112,10 +116,13 @@ Result<PlanBuilder> PlanBuilder::make(const PlanInputs& inputs) {
   auto tracker = make_tracker(inputs.tracking, plan.spots);
   if (!tracker) return fail(tracker.error());
   plan.tracker = std::move(*tracker);
+  auto kinds = SpotKinds::make(inputs.tracking, plan.spots, charges_of(inputs.lattice));
+  if (!kinds) return fail(kinds.error());
+  plan.kinds = std::move(*kinds);
   const ModeOperator modes = limited(
       inputs.mode_operator != nullptr ? *inputs.mode_operator
                                       : slope_operator(builder.lattice_, builder.sensor_,
-                                                       builder.tilt_radius_, builder.px_per_cycle_),
+                                                       builder.tilt_radii_, builder.px_per_cycle_),
       inputs.tracking.mode_count);
   plan.mode_operator = modes.kind;
   plan.modes_j = measured_modes(inputs.tracking, modes);

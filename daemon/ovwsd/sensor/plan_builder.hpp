@@ -39,10 +39,11 @@ SpotModel spot_model(const SensorConfig& sensor, const OpticsConfig& optics, con
                      PixelFormat format);
 
 /// Rotation of all spots about the pupil's centre, as a nuisance column (2N x 1) for Reconstructor.
-/// Used for vortices with a model reference; otherwise empty, because a measured reference contains
-/// the rotation. A rotated camera rotates the spots. So does illumination that falls off towards
-/// the rim: it moves each vortex core perpendicular to the amplitude's gradient. No wavefront
-/// rotates the spots, but while spots are lost the modes would absorb the rotation.
+/// Used for vortices with a model reference (rows of bright spots among them are 0); otherwise
+/// empty, because a measured reference contains the rotation. A rotated camera rotates the spots.
+/// So does illumination that falls off towards the rim: it moves each vortex core perpendicular to
+/// the amplitude's gradient. No wavefront rotates the spots, but while spots are lost the modes
+/// would absorb the rotation.
 Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sensor,
                                 const PxPerCycle& map, const Reference* reference);
 
@@ -72,7 +73,7 @@ class PlanBuilder {
   MeasurementPlan first_;  ///< without a hologram: predicted_px are those of a flat one
   Lattice lattice_;
   SensorConfig sensor_;
-  double tilt_radius_;
+  std::vector<double> tilt_radii_;  ///< of the tracker, see slope_matrix
   PxPerCycle px_per_cycle_;
   std::map<int, Eigen::VectorXd> moves_px_;  ///< by mode: displacements of the spots (2N) by 1 wave
 };

@@ -186,8 +186,11 @@ std::string identity_of(const json& origin) {
     identity[part] = origin.value(part, json());
   }
   // Keys of later versions count only where they are used, so that older files keep their names.
-  for (const char* key : {"alternate_charge", "mask"}) {
-    if (identity["sensor"].value(key, json()).is_null()) identity["sensor"].erase(key);
+  for (const char* key : {"alternate_charge", "charges", "mask"}) {
+    if (identity["sensor"].value(key, json()).empty()) identity["sensor"].erase(key);
+  }
+  if (const auto mask = identity["sensor"].find("mask"); mask != identity["sensor"].end()) {
+    if (mask->value("subapertures", json()).empty()) mask->erase("subapertures");
   }
   return sha256_hex(json_text(identity)).substr(0, 16);
 }

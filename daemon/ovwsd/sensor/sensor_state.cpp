@@ -127,9 +127,8 @@ Result<void> check_spots(const SensorState& state, const BenchOptics& bench) {
   const OpticsConfig optics = optics_of(state, bench);
   const SpotBench spots{*lattice,  state.sensor, state.tracking, optics,
                         bench.slm, state.roi,    state.format};
-  if (auto alike = check_charges(state.sensor); !alike) return alike;
   if (auto apart = check_spots_apart(spots); !apart) return apart;
-  if (auto found = check_mask_spots(spots); !found) return found;
+  if (auto found = check_spots_found(spots); !found) return found;
   if (auto disjoint = check_beams(spots, bench.beams); !disjoint) return disjoint;
   return check_mode_count(spots);
 }

@@ -14,6 +14,7 @@
 #include "core/spots/mode_limit.hpp"
 #include "core/tracking/acquisition.hpp"
 #include "core/tracking/spot_geometry.hpp"
+#include "core/tracking/spot_kinds.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 
@@ -24,7 +25,22 @@ bool fits(Vec2 region, const Roi& roi) {
   return region.x <= roi.width && region.y <= roi.height;
 }
 
-std::string spot_name(int charge) {
+/// The charge of the largest spots.
+int largest_charge(const SpotBench& bench) {
+  int largest = 0;
+  for (const Subaperture& one : bench.lattice.subapertures) {
+    if (std::abs(one.charge) >= std::abs(largest)) largest = one.charge;
+  }
+  return largest;
+}
+
+std::string spot_name(const SpotBench& bench) {
+  const auto& spots = bench.lattice.subapertures;
+  const int charge = largest_charge(bench);
+  const bool differ = std::any_of(spots.begin(), spots.end(), [charge](const Subaperture& one) {
+    return std::abs(one.charge) != std::abs(charge);
+  });
+  if (differ) return fmt::format("spots of charges up to {}", std::abs(charge));
   return charge == 0 ? "bright spots" : fmt::format("vortices of charge {}", charge);
 }
 
@@ -35,7 +51,7 @@ struct Visibility {
 };
 
 Visibility visibility_of(const SpotBench& bench, const SpotLayout& layout) {
-  const double edge_px = spot_geometry(bench.sensor.charge).ring_outer * layout.lambda_d_px;
+  const double edge_px = spot_geometry(largest_charge(bench)).ring_outer * layout.lambda_d_px;
   Visibility visibility;
   std::vector<SpotFix> found(layout.spots_px.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -74,7 +90,7 @@ Image<std::uint16_t> exposed(const Image<std::complex<float>>& far) {
 
 /// Proposes settings at which neighbouring spots have the recommended distance.
 std::string wider_spacing(const SpotBench& bench, const SpotLayout& layout) {
-  const double factor = recommended_spot_distance(bench.sensor.charge) / layout.nearest;
+  const double factor = recommended_spot_distance(largest_charge(bench)) / layout.nearest;
   const int fewer = int(bench.sensor.subapertures_across / std::sqrt(factor));
   const double spacing = rounded_up(bench.sensor.spacing * factor);
   const Vec2 region = region_for(layout, spacing / bench.sensor.spacing);
@@ -97,7 +113,7 @@ std::string alternative_to_region(const SpotBench& bench, const SpotLayout& layo
     return std::min(x, y);
   };
   const double closer = share(layout.margin_px);
-  if (closer * layout.nearest >= recommended_spot_distance(bench.sensor.charge)) {
+  if (closer * layout.nearest >= recommended_spot_distance(largest_charge(bench))) {
     return fmt::format("sensor.spacing to {:g}", rounded_down(bench.sensor.spacing * closer));
   }
   const double whole_x = (layout.reach_px.x + layout.margin_px) / (0.5 * (bench.roi.width - 1));
@@ -120,7 +136,7 @@ SpotLayout spot_layout(const SpotBench& bench) {
   layout.spots_px = model_spots_px(bench.lattice, bench.sensor, bench.slm, bench.optics,
                                    bench.roi.width, bench.roi.height);
   layout.lambda_d_px = lambda_d_px(bench.optics, bench.slm, bench.sensor);
-  layout.margin_px = (spot_geometry(bench.sensor.charge).dark + 0.5) * layout.lambda_d_px;
+  layout.margin_px = (spot_geometry(largest_charge(bench)).dark + 0.5) * layout.lambda_d_px;
   const Vec2 base = base_spot_px(bench.optics, bench.roi.width, bench.roi.height);
   const auto& spots = layout.spots_px;
   for (std::size_t i = 0; i < spots.size(); ++i) {
@@ -193,28 +209,22 @@ double recommended_spot_distance(int charge) {
 
 Result<void> check_spots_apart(const SpotBench& bench) {
   const SpotLayout layout = spot_layout(bench);
-  const double minimum = min_spot_distance(bench.sensor.charge);
+  const double minimum = min_spot_distance(largest_charge(bench));
   if (layout.nearest >= minimum) return {};
   return fail(
       Errc::invalid, "sensor.spacing",
       fmt::format(
           "neighbouring spots are {:.2f} lambda/d apart, but the tracker {} separates {} only "
           "from {:.2f} lambda/d on: set {}",
-          layout.nearest, tracker_name(bench.tracking.tracker), spot_name(bench.sensor.charge),
-          minimum, wider_spacing(bench, layout)));
+          layout.nearest, tracker_name(bench.tracking.tracker), spot_name(bench), minimum,
+          wider_spacing(bench, layout)));
 }
 
-Result<void> check_charges(const SensorConfig& sensor) {
-  const int other = sensor.alternate_charge.value_or(sensor.charge);
-  if (std::abs(other) == std::abs(sensor.charge)) return {};
-  return fail(Errc::invalid, "sensor.alternate_charge",
-              fmt::format("must be null or {}, because the trackers look for one kind of spot: set "
-                          "the opposite of sensor.charge",
-                          -sensor.charge));
-}
-
-Result<void> check_mask_spots(const SpotBench& bench) {
-  if (!bench.sensor.mask) return {};
+Result<void> check_spots_found(const SpotBench& bench) {
+  const SpotModel spots{bench.sensor.charge, lambda_d_px(bench.optics, bench.slm, bench.sensor)};
+  const auto kinds = SpotKinds::make(bench.tracking, spots, charges_of(bench.lattice));
+  if (!kinds) return fail(kinds.error());
+  if (!bench.sensor.mask && !*kinds) return {};
   OpticsConfig centred = bench.optics;  // the region may still be moved
   centred.centre_px.reset();
   const Vec2 region = region_for(spot_layout(bench), 1.0);
@@ -223,14 +233,13 @@ Result<void> check_mask_spots(const SpotBench& bench) {
   field->set_outside(false);
   field->propagate({}, {});
   const Image<std::uint16_t> image = exposed(field->far());
-  const SpotModel spots{bench.sensor.charge, lambda_d_px(centred, bench.slm, bench.sensor)};
   const auto tracker = make_tracker(bench.tracking, spots);
   if (!tracker) return fail(tracker.error());
   const auto places_px =
       model_spots_px(bench.lattice, bench.sensor, bench.slm, centred, image.width, image.height);
   std::vector<SpotFix> found(places_px.size());
-  TrackScratch scratch = (*tracker)->make_scratch();
-  Acquisition(spots, places_px, image.width, image.height)
+  TrackScratch scratch = *kinds ? (*kinds)->make_scratch() : (*tracker)->make_scratch();
+  Acquisition(spots, places_px, image.width, image.height, nullptr, std::nullopt, *kinds)
       .acquire(view_of(image, PixelFormat::mono16), **tracker, scratch, found);
   std::size_t near = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -238,12 +247,17 @@ Result<void> check_mask_spots(const SpotBench& bench) {
     if (found[i].found() && norm(off) < spots.lambda_d_px) ++near;
   }
   if (near == found.size()) return {};
-  return fail(
-      Errc::invalid, "sensor.mask",
-      fmt::format("behind this mask the tracker {} finds {} of {} {}: make the mask weaker, "
-                  "or set another sensor.charge",
-                  tracker_name(bench.tracking.tracker), near, found.size(),
-                  spot_name(bench.sensor.charge)));
+  const std::string finds =
+      fmt::format("the tracker {} finds {} of {} {}", tracker_name(bench.tracking.tracker), near,
+                  found.size(), spot_name(bench));
+  if (bench.sensor.mask) {
+    return fail(
+        Errc::invalid, "sensor.mask",
+        "behind this mask " + finds + ": make the mask weaker, or set another sensor.charge");
+  }
+  return fail(Errc::invalid,
+              bench.sensor.charges.empty() ? "sensor.alternate_charge" : "sensor.charges",
+              finds + ": set charges of one size, or 0 and 1, or a larger sensor.spacing");
 }
 
 Result<void> check_mode_count(const SpotBench& bench) {
@@ -280,8 +294,8 @@ Result<void> check_mode_count(const SpotBench& bench) {
   return refuse(
       fmt::format("{} {} with {} estimates each determine {} modes (their expected error together "
                   "is {:.4f} wave at 500 electrons in the brightest pixel), not {} ({:.4f} wave)",
-                  bench.lattice.subapertures.size(), spot_name(bench.sensor.charge),
-                  tracking.estimates, most->modes, most->rms_waves, requested, errors->rms_waves));
+                  bench.lattice.subapertures.size(), spot_name(bench), tracking.estimates,
+                  most->modes, most->rms_waves, requested, errors->rms_waves));
 }
 
 Result<void> check_spots_in_region(const SpotBench& bench) {

@@ -75,14 +75,11 @@ double rounded_down(double value);
 /// than min_spot_distance. The message proposes values that work.
 Result<void> check_spots_apart(const SpotBench& bench);
 
-/// Checks the charges. Errc::invalid, field "sensor.alternate_charge": it is neither `charge` nor
-/// its opposite. The trackers look for one kind of spot, and both have the same intensity.
-Result<void> check_charges(const SensorConfig& sensor);
-
-/// Checks that the tracker finds all spots of a flat wavefront behind the mask, near their places.
-/// Errc::invalid, field "sensor.mask": it does not. Renders the spots, some 20 ms, if there is a
-/// mask.
-Result<void> check_mask_spots(const SpotBench& bench);
+/// Checks that the tracker finds all spots of a flat wavefront behind the mask, or of charges that
+/// differ in size, near their places. Errc::invalid, field "sensor.mask",
+/// "sensor.alternate_charge" or "sensor.charges": it does not; or those of make_tracker. Renders
+/// the spots, some 20 ms, if there is a mask or if the charges differ in size.
+Result<void> check_spots_found(const SpotBench& bench);
 
 /// Checks the requested number of modes. Errc::invalid, field "tracking.mode_count": it is more
 /// than the spots determine, or less than positions determine. The message says how many modes are

@@ -76,8 +76,7 @@ std::optional<std::vector<double>> modes_against_model(const SensorSnapshot& sen
   if (!lattice) return std::nullopt;
   const Reconstructor by_model(
       slope_matrix(*lattice, sensor.sensor, sensor.position_modes_j,
-                   tilt_radius(sensor.sensor.charge, sensor.tracking),
-                   px_per_cycle(sensor.optics, slm)),
+                   tilt_radii(*lattice, sensor.tracking), px_per_cycle(sensor.optics, slm)),
       sensor.position_modes_j,
       model_spots_px(*lattice, sensor.sensor, slm, sensor.optics, cols, rows));
   auto scratch = by_model.make_scratch();

@@ -69,7 +69,8 @@ Result<void> check_sensor(const Config& config) {
                                      config.camera.settings.pixel_format);
   const auto tracker = make_tracker(config.tracking, spots);
   if (!tracker) return fail(tracker.error());
-  return check_charges(config.sensor);
+  const auto kinds = SpotKinds::make(config.tracking, spots, charges_of(*lattice));
+  return kinds ? Result<void>{} : fail(kinds.error());
 }
 
 Result<void> check_sees_spots(const Config& config) {
@@ -77,7 +78,7 @@ Result<void> check_sees_spots(const Config& config) {
   if (!lattice) return fail(lattice.error());
   const SpotBench bench = spot_bench(config, *lattice);
   if (auto apart = check_spots_apart(bench); !apart) return apart;
-  if (auto found = check_mask_spots(bench); !found) return found;
+  if (auto found = check_spots_found(bench); !found) return found;
   if (auto checked = check_mode_count(bench); !checked) return checked;
   return check_spots_in_region(bench);
 }

@@ -28,6 +28,8 @@ constexpr std::array<std::string_view, 15> kLive{"camera.id",
                                                  "refine.",
                                                  "stream.image_rate_hz",
                                                  "log.level"};
+/// Values that change as a whole.
+constexpr std::array<const char*, 2> kWhole{"/sensor/mask", "/sensor/charges"};
 constexpr std::array<std::string_view, 1> kFixed{"tracking.kernel_radius"};
 
 /// Applies `rule` to each setting that a camera may round.
@@ -69,11 +71,11 @@ bool changes_live(std::string_view key) {
 }
 
 nlohmann::json flat(const Config& config) {
-  constexpr const char* kMask = "/sensor/mask";
-  nlohmann::json tree = json_of(dump_config(config));
-  nlohmann::json mask = std::exchange(tree[nlohmann::json::json_pointer(kMask)], nullptr);
-  nlohmann::json all = tree.flatten();
-  all[kMask] = std::move(mask);
+  const nlohmann::json tree = json_of(dump_config(config));
+  nlohmann::json parts = tree;
+  for (const char* key : kWhole) parts[nlohmann::json::json_pointer(key)] = nullptr;
+  nlohmann::json all = parts.flatten();
+  for (const char* key : kWhole) all[key] = tree.at(nlohmann::json::json_pointer(key));
   return all;
 }
 

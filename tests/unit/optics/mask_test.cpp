@@ -124,6 +124,40 @@ TEST(Lattice, SecondSubaperturesHaveTheAlternateCharge) {
   }
 }
 
+TEST(Lattice, ChargesAreOnePerSubaperture) {
+  SensorConfig sensor;
+  for (int i = 0; i < 19; ++i) sensor.charges.push_back(i % 4 - 1);
+  const auto lattice = make_lattice(sensor, {});
+  ASSERT_TRUE(lattice);
+  EXPECT_EQ(charges_of(*lattice), sensor.charges);
+  sensor.alternate_charge = 0;
+  EXPECT_EQ(make_lattice(sensor, {}).error().field, "sensor.charges");
+  sensor.alternate_charge.reset();
+  sensor.charges.pop_back();
+  EXPECT_EQ(make_lattice(sensor, {}).error().field, "sensor.charges");
+}
+
+TEST(Hologram, MasksOnlyTheNamedSubapertures) {
+  SensorConfig sensor;
+  sensor.mask.emplace();
+  sensor.mask->subapertures = {3, 18};
+  sensor.mask->axicon_waves = 0.25;
+  HologramConfig masked, plain;
+  masked.sensor = sensor;
+  const auto with = HologramRenderer::make(masked), without = HologramRenderer::make(plain);
+  ASSERT_TRUE(with && without);
+  Image<std::uint8_t> a, b;
+  without->render(HologramKind::sensor, {}, a);
+  with->render(HologramKind::sensor, {}, b);
+  for (int i = 0; i < 19; ++i) {
+    const Vec2 centre = with->lattice().subapertures[std::size_t(i)].centre_px;
+    const int x = int(std::lround(639.5 + centre.x)) + 70, y = int(std::lround(383.5 + centre.y));
+    EXPECT_EQ(a.at(x, y) != b.at(x, y), i == 3 || i == 18) << i;
+  }
+  sensor.mask->subapertures = {19};
+  EXPECT_EQ(make_lattice(sensor, {}).error().field, "sensor.mask.subapertures");
+}
+
 TEST(Lattice, AllSubaperturesHaveTheCharge) {
   SensorConfig sensor;
   sensor.charge = 3;

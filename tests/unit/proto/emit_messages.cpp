@@ -425,9 +425,9 @@ void print_all_params() {
   print_params<CameraSet>(
       "camera.set", {"gain_db", "exposure_us", "frame_rate_hz", "pixel_format", "roi", "gian_db"});
   print_params<SensorSet>(
-      "sensor.set",
-      {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
-       "alternate_charge", "tracker", "template", "operator", "mode_count", "estimates"});
+      "sensor.set", {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves",
+                     "spacing", "alternate_charge", "charges", "tracker", "template", "operator",
+                     "mode_count", "estimates"});
   print_params<RefineSet>("refine.set", {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e",
                                          "black_level_dn", "saturation_dn", "spot_amplitudes"});
   print_result("record.estimate", to_json(RecordSize{}));

@@ -70,7 +70,7 @@ TEST(SpotAssignment, FollowsAShiftOfMoreThanAPitch) {
 
 TEST(SpotAssignment, FollowsTiltWithFocusAndAstigmatism) {
   SpotAssignment assignment(hexagon(), 60);
-  for (const double s : {-0.3, 0.3}) {
+  for (const double s : {-0.5, -0.3, 0.3, 0.5}) {
     const auto focus = moved(hexagon(), {}, [&](Vec2 p) { return Vec2{25, -20} + s * p; });
     EXPECT_EQ(match(assignment, focus.positions), focus.of_subaperture);
     const auto zero = moved(hexagon(), {}, [&](Vec2 p) {
@@ -117,6 +117,25 @@ TEST(SpotAssignment, IsNotMisledByFalsePositions) {
     if (random() == 0) break;
   }
   EXPECT_EQ(match(assignment, truth.positions), truth.of_subaperture);
+}
+
+/// A lattice without its right rim that has moved to the right by a pitch looks like one without
+/// its left rim that has not moved. Only kinds of spots tell them apart.
+TEST(SpotAssignment, KindsTellAShiftFromAMissingRim) {
+  const std::vector<int> rim{2, 6, 11, 15, 18};
+  const auto truth = moved(hexagon(), rim, [](Vec2) { return Vec2{kPitch, 0}; });
+  std::vector<int> kinds(19);
+  for (const int i : {3, 8, 10, 14}) kinds[i] = 1;
+  std::vector<int> found_kinds(truth.positions.size());
+  for (int i = 0; i < 19; ++i) {
+    if (truth.of_subaperture[i] != SpotAssignment::kNone) {
+      found_kinds[truth.of_subaperture[i]] = kinds[i];
+    }
+  }
+  SpotAssignment alike(hexagon(), 60), of_kinds(hexagon(), 60, kinds);
+  EXPECT_NE(match(alike, truth.positions), truth.of_subaperture);
+  const auto matched = of_kinds.match(truth.positions, {}, found_kinds);
+  EXPECT_EQ(std::vector<int>(matched.begin(), matched.end()), truth.of_subaperture);
 }
 
 TEST(SpotAssignment, SaysNothingOfTooFewPositions) {
