@@ -250,11 +250,22 @@ Result<Json> register_camera(const Services& services, Bench& bench, const Regis
   return use<known_registration>(services, bench, use_registration(*found));
 }
 
+constexpr double kUsualMisfit = 0.1;  ///< of plates in bright, steady light
+
 Result<Json> fit_array(const Services& services, Bench& bench, const ArrayFit& run) {
   const std::uint64_t epoch = bench.sensor()->sensor_epoch;
   const auto fit = measure_plate(bench, services.config.slm.geometry, run.frames);
   if (!fit) return fail(fit.error());
   if (auto used = bench.use(use_plate(epoch, fit->plate)); !used) return fail(used.error());
+  if (fit->misfit > kUsualMisfit) {
+    bench.warn(
+        "array",
+        fmt::format("the plates explain the image only with a misfit of {:.2f}, which is 0.04 "
+                    "in good light: they may be wrong; look for dim or changing light, and "
+                    "run array.fit again",
+                    fit->misfit),
+        {{"misfit", fit->misfit}});
+  }
   const double um = services.config.array.pitch_um / bench.sensor()->sensor.lenslets.width_px;
   return to_json(ArrayFitReport{fit->plate.levels, fit->plate.depth, fit->depth_standard_error,
                                 um * fit->plate.shift_px, um * fit->shift_standard_error_px,
