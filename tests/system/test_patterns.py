@@ -47,6 +47,15 @@ class Patterns(BenchCase):
         """The pattern of the sequence that slot `slot` shows; None: the mark."""
         return (slot - 1) % len(PATTERNS) if slot else None
 
+    def ask(self, slots, newest):
+        """Adds the twin's frames after number `newest` to `slots`; returns the newest number."""
+        while sent := self.twin.call("twin.get", {"sent_after": newest} if newest else {})["sent"]:
+            slots.update((one["t_ns"], one["slot"]) for one in sent)
+            if newest is None:
+                return sent[-1]["frame_id"]
+            newest = sent[-1]["frame_id"]
+        return newest
+
     def collect(self, stream, frames, faults=False):
         """The next messages, and the slot that each frame's light came from, by its timestamp. `faults`: some frames are lost, repeated or
         out of order."""
@@ -62,9 +71,8 @@ class Patterns(BenchCase):
                 self.twin.call("twin.fault", {"kind": random.choice(["drop", "drop", "incomplete", "duplicate", "reorder"]),
                                               "frames": random.randint(1, 3)})
             if newest is None or len(heard) % 400 == 0 or len(heard) == frames:
-                for sent in self.twin.call("twin.get", {"sent_after": newest} if newest else {})["sent"]:
-                    slots[sent["t_ns"]], newest = sent["slot"], sent["frame_id"]
-                self.newest = newest
+                newest = self.ask(slots, newest)
+        self.newest = newest
         return heard, slots
 
     def check(self, heard, slots):
@@ -127,7 +135,7 @@ class Patterns(BenchCase):
         self.call("camera.set", {"exposure_us": 1500.0, "frame_rate_hz": 480.0})
         self.certain(stream)
         # A job shows its own holograms; a recording that begins meanwhile ends with the sequence.
-        job = self.call("focus.run", {"frames": 30})["job"]
+        job = self.call("registration.run", {"frames": 40})["job"]
         wait_for(lambda: self.call("aberration.get")["patterns"] == [], 10.0, "the job's hologram")
         self.call("record.start", recording)
         wait_for(lambda: self.call("job.get", {"job": job})["state"] != "running", 60.0, "the job's end")
