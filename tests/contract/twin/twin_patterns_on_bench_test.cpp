@@ -186,7 +186,7 @@ TEST_F(PatternsOnBench, EachFrameShowsThePatternOfItsTime) {
     const std::int64_t pulse = std::llround(double(one.t_ns) / kPeriodNs);
     const auto number = number_of.find(truth.at("crc32").get<std::uint32_t>());
     ASSERT_NE(number, number_of.end()) << one.id;
-    EXPECT_EQ(truth.at("pattern").get<int>(), pulse % kPatterns);
+    EXPECT_EQ(truth.at("slot").get<int>(), pulse % kPatterns);
     EXPECT_EQ(number->second % kPatterns, pulse % kPatterns);
     seen[number->second].insert(one.pixels_crc);
     in_cycle[pulse / kPatterns].insert(number->second / kPatterns);
@@ -223,7 +223,7 @@ TEST_F(PatternsOnBench, AnExposureOfTwoPatternsMissesEverySecondPulse) {
   }
   EXPECT_GT(steps_of_two, 20);
   for (const auto& [id, truth] : truths_after(start_frame.id))
-    EXPECT_TRUE(truth.at("pattern").is_null());
+    EXPECT_TRUE(truth.at("slot").is_null());
 }
 
 TEST_F(PatternsOnBench, ALostFrameTakesItsPatternWithIt) {
@@ -263,7 +263,7 @@ TEST_F(PatternsOnBench, FaultsKeepTheTimesOfTheFrames) {
   for (const auto& [id, truth] : truths) {
     const std::int64_t pulse =
         std::llround(double(truth.at("t_ns").get<std::int64_t>()) / kPeriodNs);
-    EXPECT_EQ(truth.at("pattern").get<int>(), pulse % kPatterns) << id;
+    EXPECT_EQ(truth.at("slot").get<int>(), pulse % kPatterns) << id;
   }
   const auto frames = call("twin.get", nlohmann::json::object()).at("frames");
   for (const char* count : {"duplicated", "reordered", "incomplete"})
