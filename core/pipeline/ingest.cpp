@@ -191,7 +191,8 @@ void Ingest::assign_pattern(Entry& entry, const HologramVerdict& hologram) OVWS_
   const MeasurementPlan& plan = *entry.plan;
   entry.pattern = -1;
   if (!hologram.sequence && plan.patterns.empty()) return;
-  const bool planned = hologram.sequence && hologram.still && entry.hologram_id == plan.hologram_id;
+  const bool planned = hologram.sequence && hologram.still && !plan.patterns.empty() &&
+                       entry.hologram_id == plan.hologram_id;
   const bool contained =
       entry.settings_known && 1e3 * entry.exposure_us <= double(plan.cycle.period_ns);
   const bool follows = planned && contained && entry.frame.t_device_ns != 0;

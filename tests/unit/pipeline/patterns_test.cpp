@@ -90,6 +90,17 @@ TEST_P(Patterns, FramesOfASequenceAreNotMeasuredByAnotherPlan) {
   }
 }
 
+TEST_P(Patterns, FramesOfASequenceAreNotMeasuredByAPlanOfItsHologramWithoutPatterns) {
+  auto plan = rig_.bench.plan(2);
+  plan->hologram_id = kSequence;
+  rig_.use(std::move(plan));
+  for (std::uint64_t id = 1; id <= 20; ++id) {
+    const Taken record(rig_, rig_.measure(id, picture(id)));
+    ASSERT_TRUE(bool(record));
+    EXPECT_FALSE(record->settled);
+  }
+}
+
 TEST_P(Patterns, ExposuresLongerThanASlotAndFramesWithoutATimestampAreUncertain) {
   for (const bool stamped : {false, true}) {
     rig_.stamped = stamped;
