@@ -65,7 +65,7 @@ struct FrameStamp {
   bool still = false;  ///< the hologram was settled during the whole exposure; not late
   /// Still, sensor epoch and ROI are those of the plan, and of a sequence the pattern is certain.
   bool settled = false;
-  int pattern = -1;  ///< of the plan's patterns, in this frame; -1: none is shown, or uncertain
+  int pattern = -1;  ///< number of the sequence's pattern; -1: none is shown, or uncertain
   bool settings_known = false;                    ///< gain and exposure are certain for this frame
   double gain_db = 0.0, gain_raw = kUnknownGain;  ///< see CameraSettings
   double exposure_us = 0.0;

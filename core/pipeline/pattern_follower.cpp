@@ -11,7 +11,7 @@ namespace {
 constexpr int kRowStep = 4;             // rows from one that is summed to the next
 constexpr double kTolerance = 0.25;     // of a frame's time, slots
 constexpr double kPeriodError = 0.1;    // of PatternCycle::period_ns
-constexpr std::int64_t kMaxUnseen = 4;  // cycles without a mark after which it is sought anew
+constexpr std::int64_t kMaxUnseen = 4;  // cycles without a mark, then it is searched again
 
 }  // namespace
 

@@ -32,7 +32,7 @@ class PatternFollower {
   /// `t_ns`: when the frame was exposed, by the camera's clock. `light`: see light_of.
   int follow(const PatternCycle& cycle, std::int64_t t_ns, double light) OVWS_NONBLOCKING;
 
-  /// The cycle has begun anew, or may have: another sequence, another stream.
+  /// Forgets the cycle: another sequence or another stream has begun, or may have.
   void reset() OVWS_NONBLOCKING { *this = PatternFollower{}; }
 
  private:

@@ -18,8 +18,8 @@ namespace ovws {
 /// exceed the pitch as long as neighbours do not cross.
 ///
 /// If no field that begins without a gradient explains all positions, fields that begin with
-/// defocus or astigmatism are tried, too: growth alone finds
-/// gradients up to about 0.35, with them up to 0.5.
+/// defocus or astigmatism are tried, too: growth alone finds gradients up to about 0.35, with them
+/// up to 0.5.
 ///
 /// The constructor allocates all memory, for one lattice and at most `max_found` positions.
 class SpotAssignment {

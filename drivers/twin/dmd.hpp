@@ -1,5 +1,5 @@
 /// Pattern mode of a DMD: it shows the bits of each RGB image one after the other, and pulses the
-/// camera's trigger at the begin of each.
+/// camera's trigger at the start of each.
 #pragma once
 
 #include <cstdint>

@@ -129,8 +129,7 @@ class Patterns(BenchCase):
         recording = {"name": "sequence"}
         # An exposure of more than a slot shows two patterns: no frame is certain.
         self.call("camera.set", {"exposure_us": 2300.0, "frame_rate_hz": 400.0})
-        time.sleep(0.5)
-        stream.drain()
+        wait_for(lambda: (message := stream.next(0.5)) and message["exposure_us"] == 2300.0, 10.0, "a frame of the longer exposure")
         self.assertEqual({(message["pattern"], message["valid"]) for message in self.next(stream, 300)}, {(None, False)})
         self.call("camera.set", {"exposure_us": 1500.0, "frame_rate_hz": 480.0})
         self.certain(stream)
@@ -177,8 +176,8 @@ class Patterns(BenchCase):
         for method in ("loop.close", "loop.identify", "reference.take", "calibration.run", "record.start", "camera.auto_exposure"):
             self.assertIn("aberration.clear", str(self.refused(method)))
         self.twin.call("twin.set", {"peak_electrons": 0.0})
-        time.sleep(0.3)
         stream.drain()
+        wait_for(lambda: all(message["pattern"] is None for message in self.next(stream, 2 * SLOTS)), 10.0, "two cycles without light")
         for _ in range(200):
             self.assertFalse(stream.next(1.0)["valid"])
         why = wait_for(lambda: self.call("system.status")["sensor"]["invalid"], what="the reason")

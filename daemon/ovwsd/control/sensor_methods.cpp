@@ -260,8 +260,8 @@ Result<Json> fit_array(const Services& services, Bench& bench, const ArrayFit& r
   if (fit->misfit > kUsualMisfit) {
     bench.warn(
         "array",
-        fmt::format("the plates explain the image only with a misfit of {:.2f}, which is 0.04 "
-                    "in good light: they may be wrong; look for dim or changing light, and "
+        fmt::format("the plates explain the image only with a misfit of {:.2f}, which is below "
+                    "0.1 in good light: they may be wrong; look for dim or changing light, and "
                     "run array.fit again",
                     fit->misfit),
         {{"misfit", fit->misfit}});
