@@ -156,7 +156,7 @@ class Array(BenchCase):
         _, text = self.ovws("doctor")
         self.assertIn("a fixed array of lenslets needs no display", text)
         self.assertNotIn("X server", text)
-        self.assertNotIn("0 MiB", text)
+        self.assertNotIn(" 0 MiB", text)
         # Without `doctor` and `camera`, which judge this machine.
         code, text = self.ovws("setup", "--yes", "exposure", "registration", "reference", "save")
         self.assertEqual(code, 0, text)
