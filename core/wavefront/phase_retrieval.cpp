@@ -2,7 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <queue>
@@ -22,9 +24,9 @@ constexpr int kFullCells = 100;                   // for which kStrength is mean
 constexpr double kMinLambdaPx = 2.0;              // an intensity has twice the pupil's frequencies
 constexpr int kIterations = 80;
 constexpr double kMaxMomentum = 0.9;
-constexpr double kFloor = 0.01;    // of the brightest pixels: intensity where noise is as large
-constexpr double kBright = 0.999;  // quantile that counts as brightest
-constexpr float kMaxJumps = 0.002F;
+constexpr double kFloor = 0.01;     // of the brightest pixels: intensity where noise is as large
+constexpr double kBright = 0.999;   // quantile that counts as brightest
+constexpr double kMaxJumps = 2e-4;  // light at jumps; a vortex at 0.9 pupil radii has 5e-4
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 /// Both directions between the cells and the image, each with its axis: all about their centres.
@@ -236,7 +238,8 @@ Result<PhaseRetrieval::Found> PhaseRetrieval::retrieve(const std::vector<Diverse
   return Found{on_slm(*waves), iteration.misfit};
 }
 
-/// Unwraps outwards from the middle. NaN outside the pupil.
+/// Unwraps from the middle, always the brightest cell that has an unwrapped neighbour: so jumps
+/// stay in the dark, unless the field has phase singularities. NaN outside the pupil.
 Result<Image<float>> PhaseRetrieval::unwrapped(const Field& field) const {
   Image<float> waves(side_, side_);
   for (std::size_t k = 0; k < field.size(); ++k) {
@@ -244,34 +247,61 @@ Result<Image<float>> PhaseRetrieval::unwrapped(const Field& field) const {
     waves.pixels[k] = pupil_[k] > 0.5F ? turns : kNan;
   }
   std::vector<bool> done(field.size(), false);
-  std::queue<int> queue;
+  std::priority_queue<std::pair<float, int>> queue;  // of light, and cell
   const int middle = (side_ / 2) * side_ + side_ / 2;
-  queue.push(middle);
+  queue.emplace(0.0F, middle);
   done[std::size_t(middle)] = true;
-  int jumps = 0, pairs = 0;
+  double jumps = 0.0, all = 0.0;
   while (!queue.empty()) {
-    const int at = queue.front();
+    const auto at = std::size_t(queue.top().second);
     queue.pop();
-    for (const int next : {at - 1, at + 1, at - side_, at + side_}) {
-      if (next < 0 || next >= side_ * side_ || std::isnan(waves.pixels[std::size_t(next)]))
-        continue;
-      float& value = waves.pixels[std::size_t(next)];
-      const float here = waves.pixels[std::size_t(at)];
-      ++pairs;
-      if (done[std::size_t(next)]) {
-        jumps += int(std::abs(value - here) > 0.5F);
+    for (const int step : {-1, 1, -side_, side_}) {
+      const auto next = std::size_t(int(at) + step);
+      if (next >= field.size() || std::isnan(waves.pixels[next])) continue;
+      const float step_waves = waves.pixels[next] - waves.pixels[at];
+      const double light = double(std::min(std::norm(field[at]), std::norm(field[next])));
+      if (done[next]) {
+        all += light;
+        if (std::abs(step_waves) > 0.5F) jumps += light;
         continue;
       }
-      value -= std::round(value - here);
-      done[std::size_t(next)] = true;
-      queue.push(next);
+      waves.pixels[next] -= std::round(step_waves);
+      done[next] = true;
+      queue.emplace(std::norm(field[next]), int(next));
     }
   }
-  if (float(jumps) <= kMaxJumps * float(pairs)) return waves;
-  return fail(
-      Errc::refused, "",
-      "the retrieved phase has jumps: check that the images are bright, that nothing moves, "
-      "and that the light has no vortices, run registration.run, or show more patterns");
+  if (jumps <= kMaxJumps * all) return waves;
+  const Vec2 at = (2.0 / diameter_px_) * brightest_singularity(field, waves);
+  std::array<char, 64> place{};
+  std::snprintf(place.data(), place.size(), "x %+.2f, y %+.2f pupil radii", at.x, at.y);
+  return fail(Errc::refused, "",
+              "the retrieved phase has jumps, as at a branch point (phase singularity) near " +
+                  std::string(place.data()) +
+                  ": check that the light has no vortex there, that the images are bright, and "
+                  "that nothing moves; run registration.run, or show more patterns");
+}
+
+/// The place about which the phase turns, SLM pixels from the pupil's centre, where the light is
+/// brightest: of four cells, the darkest counts.
+Vec2 PhaseRetrieval::brightest_singularity(const Field& field, const Image<float>& waves) const {
+  Vec2 found;
+  float brightest = 0.0F;
+  for (int row = 0; row + 1 < side_; ++row) {
+    for (int column = 0; column + 1 < side_; ++column) {
+      const int first = row * side_ + column;
+      const std::array<int, 5> around{first, first + 1, first + side_ + 1, first + side_, first};
+      float turns = 0.0F, light = std::numeric_limits<float>::infinity();
+      for (std::size_t k = 0; k < 4; ++k) {
+        const auto here = std::size_t(around[k]), next = std::size_t(around[k + 1]);
+        turns += std::round(waves.pixels[next] - waves.pixels[here]);
+        light = std::min(light, std::norm(field[here]));
+      }
+      if (turns == 0.0F || std::isnan(turns) || light <= brightest) continue;
+      brightest = light;
+      found = 0.5 * (slm_px(column, row) + slm_px(column + 1, row + 1));
+    }
+  }
+  return found;
 }
 
 /// Interpolates between the cells to the pupil's square on the SLM.

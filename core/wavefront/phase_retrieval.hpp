@@ -43,7 +43,8 @@ class PhaseRetrieval {
     double misfit = 0.0;  ///< weighted RMS of what is left of the amplitudes, relative
   };
   /// Takes less than 10 s for 100 cells and 6 images. `stop` is asked before each iteration. Errors
-  /// (Errc::refused): it was stopped; the phase has jumps, as after a failed retrieval.
+  /// (Errc::refused): it was stopped; the phase has jumps, as in light with a branch point or after
+  /// a failed retrieval.
   Result<Found> retrieve(const std::vector<DiverseImage>& images,
                          const std::function<bool()>& stop) const;
 
@@ -52,6 +53,8 @@ class PhaseRetrieval {
   struct Iteration;
   Vec2 slm_px(int column, int row) const;
   Result<Image<float>> unwrapped(const std::vector<std::complex<float>>& field) const;
+  Vec2 brightest_singularity(const std::vector<std::complex<float>>& field,
+                             const Image<float>& waves) const;
   Image<float> on_slm(const Image<float>& waves) const;
 
   PxPerCycle map_;

@@ -16,6 +16,13 @@ class BranchPoints(BenchCase):
         self.twin.call("twin.set", {"branch_points": [{"x": x, "y": y, "charge": charge} for x, y, charge in points]})
         time.sleep(0.3)
 
+    def failure(self, method, params):
+        """Runs a job that must fail; returns its error."""
+        job = self.call(method, params)["job"]
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        self.assertEqual(ended["state"], "failed", ended)
+        return ended["error"]["message"]
+
     def frame(self, stream):
         stream.drain()
         return wait_for(lambda: stream.next(1.0), 10.0)
@@ -41,6 +48,20 @@ class BranchPoints(BenchCase):
         self.assertIn("phase singularity", told["text"])
         self.light()
         wait_for(lambda: (now := self.frame(stream))["valid"] and not now["branch_points"], 10.0, "a valid frame")
+
+    def test_a_reference_is_refused_with_the_place(self):
+        self.take_reference()
+        before = self.call("reference.get")
+        for tracker in ("fit", "lg"):
+            self.call("sensor.set", {"tracker": tracker})
+            self.light((0.3, 0.1, 1))
+            error = self.failure("reference.take", {"frames": 5})
+            self.assertIn("a branch point (phase singularity) near", error)
+            self.assertIn("charge +1", error)
+        self.call("sensor.set", {"tracker": "fit"})
+        self.assertEqual(self.call("reference.get"), before)
+        self.light()
+        self.take_reference()
 
     def test_a_closed_loop_holds_its_correction(self):
         stream = self.stream("wavefront")

@@ -1,6 +1,7 @@
 """The daemon maps the bench's wavefront error finely, compared with the twin's hidden surface and with flatness.run."""
 import base64
 import math
+import re
 import time
 
 import numpy
@@ -122,6 +123,19 @@ class Fine(MapCase):
         self.twin.call("twin.set", {"peak_electrons": 2})
         self.assertRegex(self.failure("map.run", {"frames": 1}), "increase the exposure|no wavefront explains")
         self.twin.call("twin.set", {"peak_electrons": 6000})
+        self.twin.call("twin.set", {"branch_points": [{"x": 0.5, "y": -0.2, "charge": 1}]})
+        error = self.failure("map.run")
+        self.assertIn("branch point (phase singularity) near", error)
+        x, y = map(float, re.search(r"near x (\S+), y (\S+) pupil", error).groups())
+        self.assertLess(math.hypot(x - 0.5, y + 0.2), 0.1, error)
+        self.twin.call("twin.set", {"branch_points": []})
+        job = self.call("map.run", {"frames": 20})["job"]
+        wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.15, 30.0, "half of the first images")
+        at = self.twin.call("twin.get")["geometry"]["centre_px"]
+        self.twin.call("twin.set", {"geometry": {"centre_px": [at[0] + 3.0, at[1]]}})
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        self.assertIn("the image moved by", ended["error"]["message"])
+        self.twin.call("twin.set", {"geometry": {"centre_px": at}})
         self.call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})
         self.assertIn("correction.clear", self.failure("map.run"))
 

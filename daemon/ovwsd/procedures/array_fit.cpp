@@ -24,6 +24,10 @@ Result<PlateFit> measure_plate(Bench& bench, const SlmGeometry& slm, int frames)
   const auto taken = unsaturated(bench, [&] { return bench.reference(frames); });
   if (!taken) return fail(taken.error());
   if (!taken->picture) return fail(Errc::refused, "camera", "no frame with its image arrived");
+  const double lambda_d_px = ovws::lambda_d_px(view->optics, slm, view->sensor);
+  if (auto still = check_average(taken->average, kMaxMotion * lambda_d_px); !still) {
+    return fail(still.error());
+  }
   bench.report_progress(0.5);
   const LitPixels lit = lit_pixels(taken->settings.pixel_format, view->optics.wavelength_nm);
   return fit_plate(taken->picture->mean_dn, view->sensor, slm, view->optics, lit,

@@ -13,6 +13,7 @@
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
+#include "daemon/ovwsd/sensor/spot_average.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/tables/origin.hpp"
 

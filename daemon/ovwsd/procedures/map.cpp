@@ -26,6 +26,7 @@ constexpr double kMaxSaturated = 0.001;  // share of an image's pixels
 constexpr double kMinContrast = 10.0;    // brightest pixels above the background's noise
 constexpr double kBright = 0.999;        // quantile that counts as brightest
 constexpr double kMaxDifference = 0.02;  // waves RMS, of maps from both images of each pattern
+constexpr double kMaxImageMotion = 0.2;  // lambda/D, which adds 0.005 waves of error
 constexpr int kLastMode = 65;            // of radial order 10, as in flatness.run
 
 /// What all images of the job have in common.
@@ -102,6 +103,35 @@ Result<void> check_image(const Image<float>& image, double noise_dn) {
 
 using Images = std::vector<DiverseImage>;
 
+/// Centroid of the squared image, which hardly sees the background, px.
+Vec2 place_of(const Image<float>& image) {
+  Vec2 sum;
+  double weight = 0.0;
+  for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+    const double dn = double(image.pixels[k]);
+    if (std::isnan(dn)) continue;
+    const auto column = k % std::size_t(image.width), row = k / std::size_t(image.width);
+    sum = sum + dn * dn * Vec2{double(column), double(row)};
+    weight += dn * dn;
+  }
+  return (1.0 / weight) * sum;
+}
+
+/// Whether both images of each pattern are at the same place.
+Result<void> check_still(const std::array<Images, 2>& taken, double lambda_d_px) {
+  double moved_px = 0.0;
+  for (std::size_t k = 0; k < taken[0].size(); ++k) {
+    const Vec2 first = place_of(taken[0][k].intensity), second = place_of(taken[1][k].intensity);
+    moved_px = std::max(moved_px, norm(second - first));
+  }
+  if (moved_px <= kMaxImageMotion * lambda_d_px) return {};
+  return fail(Errc::refused, "",
+              fmt::format("the image moved by {:.1f} px during the job, more than {:.1f}: check "
+                          "that camera and optics are fixed and the air is calm, or average more "
+                          "frames, and start it again",
+                          moved_px, kMaxImageMotion * lambda_d_px));
+}
+
 /// Images of all patterns, twice.
 Result<std::array<Images, 2>> take_images(const Setting& s) {
   const auto patterns = diversity_patterns(s.run.patterns, s.run.cells);
@@ -120,6 +150,8 @@ Result<std::array<Images, 2>> take_images(const Setting& s) {
       s.bench.report_progress(kImagesShare * ++done / double(2 * patterns.size()));
     }
   }
+  const double lambda_d_px = double(s.retrieval.window_px()) / s.run.cells;
+  if (auto still = check_still(taken, lambda_d_px); !still) return fail(still.error());
   return taken;
 }
 

@@ -24,7 +24,8 @@ namespace ovws {
 /// its array was not found yet.
 Result<void> can_fit_array(const SensorSnapshot& sensor);
 /// `array.fit`: measures the spiral plates from the mean image of `frames` frames. Errors: those of
-/// can_fit_array and fit_plate; Errc::refused, field "camera": the camera's settings changed.
+/// can_fit_array, check_average and fit_plate; Errc::refused, field "camera": the camera's settings
+/// changed.
 Result<PlateFit> measure_plate(Bench& bench, const SlmGeometry& slm, int frames);
 
 /// `calibration.run`: measures the interaction matrix by push-pull poking. Shows each mode with

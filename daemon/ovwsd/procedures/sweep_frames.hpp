@@ -41,9 +41,6 @@ struct SpotMotion {
 SpotMotion spot_motion(const std::vector<Vec2>& before_px, int frames_before,
                        const std::vector<SeriesFrame>& frames);
 
-/// Largest allowed motion of a spot, in units of lambda/d.
-constexpr double kMaxMotion = 0.05;
-
 /// Checks that the spots have not moved. Errc::refused, field "anew": a spot is lost, or has moved
 /// by more than `limit_px`. Errc::refused, field "reference_frames": four standard errors exceed
 /// the limit, so motion cannot be excluded. `arm`: the arm's name, for the message.

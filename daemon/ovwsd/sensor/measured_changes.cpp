@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/sensor/branch_check.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/named_references.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
@@ -12,7 +13,6 @@ namespace ovws {
 namespace {
 
 constexpr double kSamePlace = 0.005;  // of the pitch: the same lenslet, found again
-constexpr double kMaxMotion = 0.05;   // lambda/d: spot motion while a reference is taken
 
 using Written = std::function<void(const std::string& sha256)>;
 
@@ -209,6 +209,9 @@ Result<ReferenceSpots> judge_given(const SpotAverage& given, const std::vector<V
                             at.x, at.y));
   }
   if (auto ordered = check_order(given, model); !ordered) return fail(ordered.error());
+  if (auto smooth = check_branch_points(given, state, optics); !smooth) {
+    return fail(smooth.error().code, "positions", smooth.error().reason);
+  }
   auto judged =
       judge_spots(given, slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
                                         px_per_cycle(optics_of(state, optics), optics.slm)));
@@ -217,7 +220,7 @@ Result<ReferenceSpots> judge_given(const SpotAverage& given, const std::vector<V
 }
 
 /// Adds the averaged spots to a reference, with places for those that were lost. Errors: those of
-/// check_average and judge_spots.
+/// check_average, judge_spots and check_branch_points.
 Result<ReferenceSpots> use_average(const SensorEdit& edit, const Bound& bound,
                                    const SpotAverage& average, Reference& reference) {
   const SensorState& state = edit.state;
@@ -231,6 +234,9 @@ Result<ReferenceSpots> use_average(const SensorEdit& edit, const Bound& bound,
                    : slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
                                     px_per_cycle(optics_of(state, optics), optics.slm)));
   if (!judged) return judged;
+  if (auto smooth = check_branch_points(average, state, optics); !smooth) {
+    return fail(smooth.error());
+  }
   reference.frames = average.frames;
   reference.positions_px = average.mean_px;
   reference.standard_error_px = average.standard_error_px;

@@ -52,9 +52,10 @@ struct TakenReference {
   CameraSettings settings;  ///< camera settings of the averaged frames
 };
 /// Makes a measured reference active. Writes its lost and weak spots to `spots` before that.
-/// Errors: those of check_average and judge_spots; Errc::refused, field "camera", if the camera's
-/// settings have changed since the frames were taken; for a further source alone also
-/// Errc::refused, field "beam": the main one has no measured reference. What is not taken stays.
+/// Errors: those of check_average, judge_spots and check_branch_points; Errc::refused, field
+/// "camera", if the camera's settings have changed since the frames were taken; for a further
+/// source alone also Errc::refused, field "beam": the main one has no measured reference. What is
+/// not taken stays.
 SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
                            std::shared_ptr<ReferenceSpots> spots);
 /// Model reference: positions computed from the registration, or else from the configuration.
@@ -62,7 +63,7 @@ SensorChange use_model_reference();
 /// `reference.give`: makes a client's positions the reference, without an image.
 /// `given`: `found` is the number of frames or 0 (lost). Errors: Errc::refused, field "tracker":
 /// the tracker is `fit`; Errc::invalid, field "positions": they do not fit the sensor; those of
-/// judge_spots.
+/// judge_spots and check_branch_points.
 SensorChange use_given_reference(SpotAverage given);
 /// Keeps plates that `use_plate` has set.
 SensorChange use_registration(Registration registration);

@@ -24,6 +24,9 @@ struct SpotAverage {
   double drift_noise_px = 0.0;  ///< drift_px to be expected from noise_px alone
 };
 
+/// Largest motion of the spots during a measurement that assumes them to be still, lambda/d.
+constexpr double kMaxMotion = 0.05;
+
 /// Averages spot positions by Welford's algorithm; `add` does not allocate.
 class SpotAverager {
  public:

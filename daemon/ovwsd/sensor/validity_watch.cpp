@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "daemon/ovwsd/sensor/branch_check.hpp"
 #include "proto/dark_image.hpp"
 
 namespace ovws {
@@ -23,13 +24,7 @@ std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
 /// What the branch points of the newest frame mean; empty if there are none.
 std::string branch_text(const ValidityWatch::Lack& lack) {
   if (lack.branch_points == 0) return "";
-  const BranchPoint& first = lack.branch_point;
-  return fmt::format(
-      "; the light has {} (phase singularity) near x {:+.2f}, y {:+.2f} pupil radii, "
-      "charge {:+}",
-      lack.branch_points == 1 ? std::string("a branch point")
-                              : fmt::format("{} branch points, the first", lack.branch_points),
-      first.at.x, first.at.y, first.charge);
+  return "; the light has " + branch_point_text(lack.branch_points, lack.branch_point);
 }
 
 }  // namespace

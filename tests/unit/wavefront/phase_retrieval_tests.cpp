@@ -5,9 +5,12 @@
 
 #include <cmath>
 #include <complex>
+#include <cstdio>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include "core/optics/far_field.hpp"
 #include "core/optics/flatness.hpp"
@@ -20,12 +23,14 @@ constexpr double kScale = 2.6 * kSide;  // camera pixels per cycle per SLM pixel
 constexpr double kBrightestElectrons = 8000.0;
 
 /// Waves at a point, pupil radii: two gratings of 4 and 7 periods over the pupil, and coma.
-double surface(Vec2 at) {
+double smooth_surface(Vec2 at) {
   return 0.15 * std::cos(2.0 * std::numbers::pi * (2.0 * at.x + 0.3)) +
          0.1 * std::cos(2.0 * std::numbers::pi * (2.1 * at.x - 2.8 * at.y)) + 0.1 * zernike(8, at);
 }
 
-Image<float> image_of(const std::vector<Mode>& modes, int pixels) {
+using Surface = std::function<double(Vec2)>;
+
+Image<float> image_of(const std::vector<Mode>& modes, int pixels, const Surface& surface) {
   Image<std::complex<float>> field(kSide, kSide), far;
   for (int k = 0; k < kSide * kSide; ++k) {
     const Vec2 at = cell_centre(kSide, k);
@@ -53,10 +58,11 @@ void expose(Image<float>& image, float brightest, std::mt19937& random) {
   }
 }
 
-std::vector<DiverseImage> images_of(const PhaseRetrieval& retrieval, unsigned seed) {
+std::vector<DiverseImage> images_of(const PhaseRetrieval& retrieval, unsigned seed,
+                                    const Surface& surface = smooth_surface) {
   std::vector<DiverseImage> images;
   for (const auto& modes : diversity_patterns(6, kCells)) {
-    images.push_back({modes, image_of(modes, retrieval.window_px())});
+    images.push_back({modes, image_of(modes, retrieval.window_px(), surface)});
   }
   float brightest = 0.0F;
   for (const auto& one : images) {
@@ -72,7 +78,7 @@ Image<float> truth() {
   for (int k = 0; k < kCells * kCells; ++k) {
     const Vec2 at = cell_centre(kCells, k);
     waves.pixels[std::size_t(k)] =
-        norm(at) > 1.0 ? std::numeric_limits<float>::quiet_NaN() : float(surface(at));
+        norm(at) > 1.0 ? std::numeric_limits<float>::quiet_NaN() : float(smooth_surface(at));
   }
   remove_tilts(waves);
   return waves;
@@ -82,6 +88,16 @@ double error_of(Image<float> found) {
   const Image<float> real = truth();
   for (std::size_t k = 0; k < found.pixels.size(); ++k) found.pixels[k] -= real.pixels[k];
   return rms_of(found);
+}
+
+std::vector<DiverseImage> mirrored(std::vector<DiverseImage> images) {
+  for (auto& one : images) {
+    const Image<float> before = one.intensity;
+    for (int y = 0; y < before.height; ++y) {
+      for (int x = 0; x < before.width; ++x) one.intensity.at(x, y) = before.at(y, x);
+    }
+  }
+  return images;
 }
 
 const auto kGoOn = [] { return false; };
@@ -104,12 +120,8 @@ TEST(PhaseRetrieval, FindsAFineSurfaceFromNoisy8BitImages) {
 TEST(PhaseRetrieval, MirroredCameraAndUnknownPixels) {
   const auto retrieval = PhaseRetrieval::make({0.0, kScale, kScale, 0.0}, kSide, kCells);
   ASSERT_TRUE(retrieval);
-  auto images = images_of(*retrieval, 1);
+  auto images = mirrored(images_of(*retrieval, 1));
   for (auto& one : images) {
-    const Image<float> before = one.intensity;
-    for (int y = 0; y < before.height; ++y) {
-      for (int x = 0; x < before.width; ++x) one.intensity.at(x, y) = before.at(y, x);
-    }
     for (int k = 0; k < 10; ++k) {
       one.intensity.at(20 + k, 30) = std::numeric_limits<float>::quiet_NaN();
     }
@@ -128,6 +140,25 @@ TEST(PhaseRetrieval, ImagesOfNothingLeaveALargeMisfitOrJumps) {
   std::swap(images[1].intensity, images[4].intensity);
   const auto found = retrieval->retrieve(images, kGoOn);
   EXPECT_TRUE(!found || found->misfit > 0.2) << found->misfit;
+}
+
+TEST(PhaseRetrieval, LightWithAVortexIsRefusedWithThePlace) {
+  const auto retrieval = PhaseRetrieval::make({0.0, kScale, kScale, 0.0}, kSide, kCells);
+  ASSERT_TRUE(retrieval);
+  for (const Vec2 place : {Vec2{0.0, 0.05}, Vec2{0.3, -0.6}, Vec2{-0.9, 0.1}}) {
+    const auto images = images_of(*retrieval, 1, [&](Vec2 at) {
+      const Vec2 from = at - place;
+      return smooth_surface(at) + std::atan2(from.y, from.x) / (2.0 * std::numbers::pi);
+    });
+    const auto found = retrieval->retrieve(mirrored(images), kGoOn);
+    ASSERT_FALSE(found) << place.x << ", " << place.y << ": misfit " << found->misfit;
+    double x = 0.0, y = 0.0;
+    const std::string& reason = found.error().reason;
+    const auto at = reason.find("near x");
+    ASSERT_NE(at, std::string::npos) << reason;
+    ASSERT_EQ(std::sscanf(reason.c_str() + at, "near x %lf, y %lf", &x, &y), 2) << reason;
+    EXPECT_LT(norm(Vec2{x, y} - place), 0.08) << reason;
+  }
 }
 
 TEST(PhaseRetrieval, TooCoarseAFarFieldAndAStop) {
