@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <queue>
+#include <utility>
 
 #include "core/optics/chirp_z.hpp"
 #include "core/optics/flatness.hpp"
@@ -23,6 +24,10 @@ constexpr double kStrength = 3.0, kWeaker = 2.0;  // waves RMS
 constexpr int kFullCells = 100;                   // for which kStrength is meant
 constexpr double kMinLambdaPx = 2.0;              // an intensity has twice the pupil's frequencies
 constexpr int kIterations = 80;
+// A retrieval finds a vortex up to 0.3 pupil radii from that of its start; 10 iterations tell which
+// of the starts is nearest.
+constexpr int kTrials = 10, kStartsOnRing = 6;
+constexpr double kStartRadius = 0.6;  // pupil radii
 constexpr double kMaxMomentum = 0.9;
 constexpr double kFloor = 0.01;     // of the brightest pixels: intensity where noise is as large
 constexpr double kBright = 0.999;   // quantile that counts as brightest
@@ -151,7 +156,9 @@ struct PhaseRetrieval::Iteration {
   Field field, ahead, cells, gradient, pixels;
   double momentum = 1.0, misfit = 0.0;
 
-  Iteration(const PhaseRetrieval& with, const std::vector<DiverseImage>& images)
+  /// Begins with a vortex at a place, SLM pixels from the pupil's centre; 0: with a flat phase.
+  Iteration(const PhaseRetrieval& with, const std::vector<DiverseImage>& images, int circulation,
+            Vec2 vortex)
       : transforms(with.side_, with.window_) {
     const float floor = float(kFloor) * brightest(images);
     double light = 0.0, area = 0.0;
@@ -180,12 +187,18 @@ struct PhaseRetrieval::Iteration {
       const double half = 0.5 * (with.side_ - 1);
       const double tilt =
           (middle.x * (k % with.side_ - half) + middle.y * (k / with.side_ - half)) / with.window_;
-      field.push_back(float(start) * with.pupil_[std::size_t(k)] * phasor(tilt));
+      const Vec2 at = with.slm_px(k % with.side_, k / with.side_) - vortex;
+      const double turn = circulation * std::atan2(at.y, at.x) / (2.0 * std::numbers::pi);
+      field.push_back(float(start) * with.pupil_[std::size_t(k)] * phasor(tilt + turn));
     }
     ahead = field;
     cells.resize(field.size());
     gradient.resize(field.size());
     pixels.resize(std::size_t(with.window_) * std::size_t(with.window_));
+  }
+
+  void run(int steps, const std::vector<float>& pupil, const std::function<bool()>& stop) {
+    for (int k = 0; k < steps && !stop(); ++k) step(pupil);
   }
 
   void step(const std::vector<float>& pupil) {
@@ -219,28 +232,53 @@ struct PhaseRetrieval::Iteration {
   }
 };
 
-Result<PhaseRetrieval::Found> PhaseRetrieval::retrieve(const std::vector<DiverseImage>& images,
-                                                       const std::function<bool()>& stop) const {
-  Iteration iteration(*this, images);
-  for (int k = 0; k < kIterations; ++k) {
-    if (stop()) return fail(Errc::refused, "", "the job was stopped");
-    iteration.step(pupil_);
+/// The vortex, of starts over the pupil, that explains the images best.
+std::unique_ptr<PhaseRetrieval::Iteration> PhaseRetrieval::from_a_vortex(
+    const std::vector<DiverseImage>& images, const std::function<bool()>& stop) const {
+  std::unique_ptr<Iteration> best;
+  for (int k = 0; k <= kStartsOnRing; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kStartsOnRing;
+    const double radius = k == kStartsOnRing ? 0.0 : kStartRadius * 0.5 * diameter_px_;
+    const Vec2 at = radius * Vec2{std::cos(angle), std::sin(angle)};
+    for (const int circulation : {1, -1}) {
+      auto one = std::make_unique<Iteration>(*this, images, circulation, at);
+      one->run(kTrials, pupil_, stop);
+      if (!best || one->misfit < best->misfit) best = std::move(one);
+    }
   }
+  best->run(kIterations - kTrials, pupil_, stop);
+  return best;
+}
+
+Result<PhaseRetrieval::Found> PhaseRetrieval::retrieve(const std::vector<DiverseImage>& images,
+                                                       bool seek_vortex,
+                                                       const std::function<bool()>& stop) const {
+  auto best = std::make_unique<Iteration>(*this, images, 0, Vec2{});
+  best->run(kIterations, pupil_, stop);
+  if (seek_vortex) {
+    auto turned = from_a_vortex(images, stop);
+    if (turned->misfit < best->misfit) best = std::move(turned);
+  }
+  if (stop()) return fail(Errc::refused, "", "the job was stopped");
+  Found found;
+  found.misfit = best->misfit;
+  Field& field = best->field;
   // Half the tilt of a cell would be a jump: take the centroid's tilt out first.
   const Vec2 middle = centroid(images);
   const double half = 0.5 * (side_ - 1);
   for (int k = 0; k < side_ * side_; ++k) {
-    iteration.field[std::size_t(k)] *=
+    field[std::size_t(k)] *=
         phasor(-(middle.x * (k % side_ - half) + middle.y * (k / side_ - half)) / window_);
   }
-  auto waves = unwrapped(iteration.field);
-  if (!waves) return fail(waves.error());
-  return Found{on_slm(*waves), iteration.misfit};
+  const Image<float> waves = unwrapped(field, found.jumps);
+  if (found.jumps > kMaxJumps) found.singularity = brightest_singularity(field, waves);
+  found.waves = on_slm(waves);
+  return found;
 }
 
 /// Unwraps from the middle, always the brightest cell that has an unwrapped neighbour: so jumps
 /// stay in the dark, unless the field has phase singularities. NaN outside the pupil.
-Result<Image<float>> PhaseRetrieval::unwrapped(const Field& field) const {
+Image<float> PhaseRetrieval::unwrapped(const Field& field, double& share_of_jumps) const {
   Image<float> waves(side_, side_);
   for (std::size_t k = 0; k < field.size(); ++k) {
     const float turns = float(double(std::arg(field[k])) / (2.0 * std::numbers::pi));
@@ -270,19 +308,12 @@ Result<Image<float>> PhaseRetrieval::unwrapped(const Field& field) const {
       queue.emplace(std::norm(field[next]), int(next));
     }
   }
-  if (jumps <= kMaxJumps * all) return waves;
-  const Vec2 at = (2.0 / diameter_px_) * brightest_singularity(field, waves);
-  std::array<char, 64> place{};
-  std::snprintf(place.data(), place.size(), "x %+.2f, y %+.2f pupil radii", at.x, at.y);
-  return fail(Errc::refused, "",
-              "the retrieved phase has jumps, as at a branch point (phase singularity) near " +
-                  std::string(place.data()) +
-                  ": check that the light has no vortex there, that the images are bright, and "
-                  "that nothing moves; run registration.run, or show more patterns");
+  share_of_jumps = jumps / all;
+  return waves;
 }
 
-/// The place about which the phase turns, SLM pixels from the pupil's centre, where the light is
-/// brightest: of four cells, the darkest counts.
+/// The place about which the phase turns, pupil radii, where the light is brightest: of four cells,
+/// the darkest counts.
 Vec2 PhaseRetrieval::brightest_singularity(const Field& field, const Image<float>& waves) const {
   Vec2 found;
   float brightest = 0.0F;
@@ -298,7 +329,7 @@ Vec2 PhaseRetrieval::brightest_singularity(const Field& field, const Image<float
       }
       if (turns == 0.0F || std::isnan(turns) || light <= brightest) continue;
       brightest = light;
-      found = 0.5 * (slm_px(column, row) + slm_px(column + 1, row + 1));
+      found = (1.0 / diameter_px_) * (slm_px(column, row) + slm_px(column + 1, row + 1));
     }
   }
   return found;

@@ -228,12 +228,30 @@ PupilPicture sent(const Image<float>& map) {
   return {map.width, base64_of(std::span<const float>(map.pixels))};
 }
 
+/// Whether the images are explained, by a phase that does not jump.
+Result<void> check_smooth(const PhaseRetrieval::Found& found) {
+  if (found.misfit > kMaxMisfit) {
+    return fail(Errc::refused, "",
+                fmt::format("no wavefront explains the images (misfit {:.2f}): check that nothing "
+                            "moves, and run registration.run and lut.run",
+                            found.misfit));
+  }
+  if (!found.singularity) return {};
+  return fail(Errc::refused, "",
+              fmt::format("the phase jumps, as at a branch point (phase singularity) near x "
+                          "{:+.2f}, y {:+.2f} pupil radii: check that the light has no vortex "
+                          "there, that the images are bright, and that nothing moves; run "
+                          "registration.run, or show more patterns",
+                          found.singularity->x, found.singularity->y));
+}
+
 Result<BenchMap> retrieve(const Setting& s, const std::array<Images, 2>& images) {
   std::array<PhaseRetrieval::Found, 2> found;
   const auto stop = [&] { return s.bench.stopped(); };
   for (std::size_t k = 0; k < 2; ++k) {
-    auto one = s.retrieval.retrieve(images[k], stop);
+    auto one = s.retrieval.retrieve(images[k], k == 0, stop);
     if (!one) return fail(one.error());
+    if (auto smooth = check_smooth(*one); !smooth) return fail(smooth.error());
     found[k] = std::move(*one);
     s.bench.report_progress(kImagesShare + 0.5 * double(k + 1) * (1.0 - kImagesShare));
   }
@@ -247,12 +265,6 @@ Result<BenchMap> retrieve(const Setting& s, const std::array<Images, 2>& images)
   map.misfit = std::max(found[0].misfit, found[1].misfit);
   map.resolution_px = s.now.sensor.pupil_diameter_px / s.run.cells *
                       common_resolution(found[0].waves, found[1].waves);
-  if (map.misfit > kMaxMisfit) {
-    return fail(Errc::refused, "",
-                fmt::format("no wavefront explains the images (misfit {:.2f}): check that nothing "
-                            "moves, and run registration.run and lut.run",
-                            map.misfit));
-  }
   if (const double doubt = rms_of(map.half_difference); doubt > kMaxDifference) {
     return fail(Errc::refused, "",
                 fmt::format("both images of each pattern disagree by {:.3f} waves RMS: average "
