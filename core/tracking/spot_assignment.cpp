@@ -24,6 +24,14 @@ constexpr double kNeighbour = 1.6;  // of the pitch: largest distance of two nei
 constexpr int kMinAffine = 4;       // matches needed to fit the linear part
 constexpr double kMinRcond = 0.01;
 constexpr int kFewStarts = 16;  // positions tried per seed with a first gradient
+// A few spots, in units of the root of the number of subapertures. A lattice shifted by a pitch
+// leaves about one such root unexplained; half of it does not make a shift more likely.
+constexpr double kFewOfRoot = 0.25;
+// Rounds in which a growth is compared with earlier ones, and from which on it is abandoned if it
+// explains less than this part of min_share of the subapertures that it has reached.
+constexpr int kEarlyRound = 2, kLateRound = 6, kHopelessRound = 4;
+constexpr double kHopeless = 0.9;
+constexpr std::size_t kMaxGrown = 64;
 // First gradients: defocus and astigmatism in two orientations, with both signs.
 constexpr double kFirst = 0.3;
 constexpr std::array<std::array<double, 4>, 6> kFirstLinear{{{-kFirst, 0.0, 0.0, -kFirst},
@@ -56,7 +64,9 @@ SpotAssignment::SpotAssignment(std::vector<Vec2> predicted_px, int max_found,
       choices_(predicted_.size()),
       residuals_(predicted_.size()),
       sorted_(predicted_.size()),
-      best_matched_(predicted_.size()) {
+      best_matched_(predicted_.size()),
+      grown_(kMaxGrown, std::vector<int>(predicted_.size())),
+      few_(int(kFewOfRoot * std::sqrt(double(predicted_.size())))) {
   by_y_.reserve(owner_.size());
   std::vector<double> distances;
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
@@ -102,19 +112,41 @@ int SpotAssignment::least_found(const Rules& rules) const OVWS_NONBLOCKING {
 std::span<const int> SpotAssignment::match(std::span<const Vec2> found, const Rules& rules,
                                            std::span<const int> found_kinds) {
   found_kinds_ = found_kinds;
+  growths_ = grown_count_ = 0;
   most_explained_ = 0;
   smallest_shift_ = 0.0;
   std::fill(best_matched_.begin(), best_matched_.end(), int(kNone));
   by_y_.resize(found.size());  // within the reserved capacity
   std::iota(by_y_.begin(), by_y_.end(), 0);
   std::sort(by_y_.begin(), by_y_.end(), [&](int a, int b) { return found[a].y < found[b].y; });
-  const int all = int(std::min(found.size(), predicted_.size()));
+  all_ = int(std::min(found.size(), predicted_.size()));
   match_from(found, rules, {}, kStarts);
   for (const Linear& linear : kFirstLinear) {
-    if (most_explained_ == all) break;
+    if (most_explained_ == all_ || is_settled()) break;
     match_from(found, rules, linear, kFewStarts);
   }
   return adopt_best(found);
+}
+
+/// Whether no other field is more likely than the best one: all others have larger shifts.
+bool SpotAssignment::is_settled() const {
+  if (most_explained_ == size()) return true;
+  return most_explained_ >= all_ - few_ && smallest_shift_ < 0.5 * pitch_;
+}
+
+/// Whether a field of this shift is more likely than the best one. Lost spots at the rim let a
+/// field shifted by a pitch explain a few more positions if there are spots beyond the lattice, as
+/// behind an array of lenslets in wide light. A lattice that has moved explains most of the
+/// positions that the other field leaves, or many.
+bool SpotAssignment::is_better(int explained, double shift, std::size_t found) const {
+  if (most_explained_ == 0) return true;
+  const int gain = explained - most_explained_;
+  if (std::abs(shift - smallest_shift_) < 0.5 * pitch_) {
+    return gain > 0 || (gain == 0 && shift < smallest_shift_);
+  }
+  const int more = std::abs(gain), left = int(found) - std::min(explained, most_explained_);
+  const bool clearly = more > 2 * few_ || (more > 0 && 4 * more >= left);
+  return clearly ? gain > 0 : shift < smallest_shift_;
 }
 
 /// Whether a position may be that of a subaperture's spot.
@@ -134,16 +166,14 @@ void SpotAssignment::match_from(std::span<const Vec2> found, const Rules& rules,
       const Vec2 first_shift = found[starts[s]] - predicted_[seed];
       if (norm(first_shift) > rules.max_shift_px) break;  // starts are sorted by distance
       const int explained =
-          grow(found, seed, {first_shift - linear * (predicted_[seed] - centre_), linear});
+          grow(found, rules, seed, {first_shift - linear * (predicted_[seed] - centre_), linear});
       const double shift = norm(field_.shift);
-      const bool better =
-          explained > most_explained_ || (explained == most_explained_ && shift < smallest_shift_);
-      if (explained < enough || !better) continue;
+      if (explained < enough || !is_better(explained, shift, found.size())) continue;
       most_explained_ = explained;
       smallest_shift_ = shift;
       best_field_ = field_;
-      best_matched_ = matched_;               // same size: no allocation
-      if (most_explained_ == size()) return;  // later starts have larger shifts
+      best_matched_ = matched_;  // same size: no allocation
+      if (is_settled()) return;
     }
   }
 }
@@ -173,8 +203,10 @@ int SpotAssignment::nearest_positions(std::span<const Vec2> found, int seed,
   return count;
 }
 
-/// Grows a match from the field `first`. Returns the number of positions that it explains.
-int SpotAssignment::grow(std::span<const Vec2> found, int seed, Field first) {
+/// Grows a match from the field `first`. Returns the number of positions that it explains; 0 if it
+/// would repeat an earlier one, explains too little, or less than the best one.
+int SpotAssignment::grow(std::span<const Vec2> found, const Rules& rules, int seed, Field first) {
+  ++growths_;
   field_ = first;
   std::fill(matched_.begin(), matched_.end(), int(kNone));
   std::fill(residuals_.begin(), residuals_.end(), Vec2{});
@@ -186,8 +218,27 @@ int SpotAssignment::grow(std::span<const Vec2> found, int seed, Field first) {
     count = assign(found, from, round * kRing * pitch_);
     if (count == 0 || !fit(found)) return 0;
     update_residuals(found);
+    if (round >= kEarlyRound && round <= kLateRound && repeats(count)) return 0;
+    if (round < kHopelessRound) continue;
+    if (count < kHopeless * rules.min_share * reached_) return 0;
+    if (count + size() - reached_ + few_ < most_explained_) {
+      count = 0;
+      break;
+    }
   }
+  if (std::size_t(grown_count_) < grown_.size()) grown_[std::size_t(grown_count_++)] = matched_;
   return count;
+}
+
+/// Whether an earlier growth has all matches that this one has so far.
+bool SpotAssignment::repeats(int count) const {
+  if (count < kMinAffine) return false;
+  return std::any_of(grown_.begin(), grown_.begin() + grown_count_, [&](const auto& before) {
+    for (std::size_t i = 0; i < matched_.size(); ++i) {
+      if (matched_[i] != kNone && matched_[i] != before[i]) return false;
+    }
+    return true;
+  });
 }
 
 Vec2 SpotAssignment::affine(int i) const {
@@ -218,6 +269,7 @@ SpotAssignment::Choice SpotAssignment::nearest(std::span<const Vec2> found, int 
   const auto first = std::lower_bound(by_y_.begin(), by_y_.end(), at.y - best.distance,
                                       [&](int k, double y) { return found[std::size_t(k)].y < y; });
   for (auto k = first; k != by_y_.end() && found[*k].y < at.y + tolerance_px(); ++k) {
+    if (std::abs(found[*k].x - at.x) >= best.distance) continue;
     const double distance = norm(found[*k] - at);
     if (distance < best.distance && of_kind(i, *k)) best = {*k, distance};
   }
@@ -228,9 +280,11 @@ SpotAssignment::Choice SpotAssignment::nearest(std::span<const Vec2> found, int 
 /// A position chosen by two subapertures goes to the nearer one; the farther one gets none.
 int SpotAssignment::assign(std::span<const Vec2> found, Vec2 from, double reach) {
   std::fill(owner_.begin(), owner_.end(), int(kNone));
+  reached_ = 0;
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
     choices_[i] = {};
     if (norm(predicted_[i] - from) > reach) continue;
+    ++reached_;
     choices_[i] = nearest(found, int(i));
     if (choices_[i].position == kNone) continue;
     int& owner = owner_[choices_[i].position];

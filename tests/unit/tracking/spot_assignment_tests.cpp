@@ -138,6 +138,65 @@ TEST(SpotAssignment, KindsTellAShiftFromAMissingRim) {
   EXPECT_EQ(std::vector<int>(matched.begin(), matched.end()), truth.of_subaperture);
 }
 
+/// Square lattice of the lenslets within `radius` pitches.
+std::vector<Vec2> lenslets(double radius) {
+  std::vector<Vec2> points;
+  const int most = int(radius) + 1;
+  for (int row = -most; row <= most; ++row) {
+    for (int column = -most; column <= most; ++column) {
+      const Vec2 p{kPitch * column, kPitch * row};
+      if (norm(p) < radius * kPitch) points.push_back(Vec2{256, 256} + p);
+    }
+  }
+  return points;
+}
+
+/// Light beyond the pupil fills every lenslet that a field shifted by a pitch needs, so that this
+/// field explains one more if a lenslet at the rim is dark.
+TEST(SpotAssignment, ADarkLensletDoesNotShiftTheLattice) {
+  const auto pupil = lenslets(4.3), lit = lenslets(5.5);
+  SpotAssignment assignment(pupil, 2 * int(pupil.size()) + 12);
+  for (const Vec2 dark : pupil) {
+    std::vector<Vec2> found;
+    for (const Vec2 at : lit) {
+      if (norm(at - dark) > 1.0) found.push_back(at + Vec2{3.0, -2.0});
+    }
+    const auto matched = match(assignment, found);
+    for (std::size_t i = 0; i < pupil.size(); ++i) {
+      if (matched[i] == SpotAssignment::kNone) continue;
+      EXPECT_LT(norm(found[std::size_t(matched[i])] - pupil[i]), 5.0) << i;
+    }
+    EXPECT_EQ(std::ranges::count(matched, int(SpotAssignment::kNone)), 1);
+  }
+}
+
+/// A growth over 1,200 lenslets takes 2 ms, and there are 640 of them.
+TEST(SpotAssignment, FewLostAndFalseSpotsEndTheSearchAtOnce) {
+  const auto pupil = lenslets(19.8);
+  SpotAssignment assignment(pupil, 2 * int(pupil.size()) + 12);
+  for (const double focus : {0.0, -0.02, 0.2}) {
+    auto truth = moved(pupil, {5, 600, 1100}, [&](Vec2 p) { return Vec2{4, -2} + focus * p; });
+    for (const double at : {100.0, 400.0, 830.0}) truth.positions.push_back({at, 321.0});
+    EXPECT_EQ(match(assignment, truth.positions), truth.of_subaperture) << focus;
+    EXPECT_LT(assignment.growths(), 8) << focus;
+  }
+}
+
+/// Growths that repeat others, or explain too little, are abandoned.
+TEST(SpotAssignment, FindsAShiftOfManyLensletsWithLostAndFalseSpots) {
+  const auto pupil = lenslets(10.2);
+  SpotAssignment assignment(pupil, 2 * int(pupil.size()) + 12);
+  std::vector<int> lost;
+  for (int i = 0; i < 320; i += 16) lost.push_back(i);
+  auto truth = moved(pupil, lost, [](Vec2 p) { return Vec2{1.2 * kPitch, 0} + 0.1 * p; });
+  for (int k = 0; k < 20; ++k) truth.positions.push_back({-300.0 + 57.0 * k, 13.0 * k});
+  const auto matched = match(assignment, truth.positions);
+  for (std::size_t i = 0; i < pupil.size(); ++i) {
+    if (truth.of_subaperture[i] == SpotAssignment::kNone) continue;
+    EXPECT_EQ(matched[i], truth.of_subaperture[i]);
+  }
+}
+
 TEST(SpotAssignment, SaysNothingOfTooFewPositions) {
   SpotAssignment assignment(hexagon(), 60);
   const std::vector<int> none(19, SpotAssignment::kNone);
