@@ -23,7 +23,8 @@ Result<std::shared_ptr<const SpotKinds>> SpotKinds::make(const TrackingConfig& c
     ++kind->spots;
     made->of_spots_.push_back(int(kind - made->kinds_.begin()));
   }
-  if (made->count() < 2) return std::shared_ptr<const SpotKinds>();
+  const bool alike = made->count() == 1 && made->model(0).charge == std::abs(like.charge);
+  if (charges.empty() || alike) return std::shared_ptr<const SpotKinds>();
   for (Kind& kind : made->kinds_) {
     auto tracker = make_tracker(config, kind.model);
     if (!tracker) return fail(tracker.error());

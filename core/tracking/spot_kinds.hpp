@@ -16,8 +16,8 @@ namespace ovws {
 class SpotKinds {
  public:
   /// Makes the kinds of spots with these charges, one per subaperture. `like`: their size and the
-  /// lit pixels; its charge has no effect. Null: all are of one kind, for which make_tracker
-  /// suffices. Errors: those of make_tracker for any of the kinds.
+  /// lit pixels. Null: all are like `like`, and make_tracker suffices. Errors: those of
+  /// make_tracker for any of the kinds.
   static Result<std::shared_ptr<const SpotKinds>> make(const TrackingConfig& config,
                                                        const SpotModel& like,
                                                        std::span<const int> charges);

@@ -76,7 +76,7 @@ class Charges(MaskCase):
     def test_wavefronts_are_measured_with_charges_of_different_size(self):
         self.call("camera.set", {"exposure_us": 180.0})  # a bright spot is four times as bright as a vortex
         for tracker in ("fit", "lg"):
-            for change in ({"charge": 0, "alternate_charge": 1}, {"charges": [0, 1, -1] * 6 + [0]}):
+            for change in ({"charge": 0, "alternate_charge": 1}, {"charges": [0, 1, -1] * 6 + [0]}, {"charge": 1, "charges": [0] * 19}):
                 with self.subTest(tracker=tracker, change=change):
                     applied = self.sensor_with(change | {"tracker": tracker})
                     self.assertEqual(applied["charges"], change.get("charges", []))
@@ -84,6 +84,15 @@ class Charges(MaskCase):
         # The operator of the diffraction model finds each kind of spot with its own tracker, too.
         self.call("sensor.set", {"operator": "diffractive"})
         wait_for(lambda: self.call("sensor.get")["operator_in_force"] == "diffractive", 20.0, "the operator")
+
+
+class ConfiguredCharges(MaskCase):
+    daemon_config = MaskCase.daemon_config | {"sensor": {"charges": [0, 1, -1] * 6 + [0], "mask": {"modes": [{"j": 4, "waves": 0.05}], "subapertures": [18]}}}
+
+    def test_advice_is_for_sensors_of_one_charge(self):
+        advice = self.run_job("sensor.advise", {"modes": 5, "photo_electrons_per_s": 1e9}, 120.0)["result"]
+        self.assertIn(3, [one["subapertures_across"] for one in advice["best_first"]])
+        self.assertNotIn("charges", json.dumps(advice["unfit"]))
 
 
 class MaskFile(Mask):

@@ -42,6 +42,9 @@ Config bare_config(const Bench& bench, const Config& base, int across) {
   config.optics = {bench.wavelength_nm, bench.focal_length_mm, bench.magnification,
                    bench.camera_pitch_um, std::nullopt};
   config.sensor.charge = bench.charge;
+  config.sensor.alternate_charge.reset();
+  config.sensor.charges.clear();
+  if (config.sensor.mask) config.sensor.mask->subapertures.clear();
   config.sensor.subapertures_across = across;
   config.sensor.pupil_diameter_px = pupil_px(bench);
   config.sensor.grooves = {0.0, 0.0};

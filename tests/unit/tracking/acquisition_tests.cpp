@@ -19,6 +19,20 @@ namespace {
 using test::expose8;
 using test::SensorBench;
 
+TEST(SpotKinds, AreMadeUnlessAllSpotsAreLikeTheModel) {
+  const TrackingConfig lg{TrackerKind::lg, 0.3};
+  const SpotModel vortex{1, 12.0};
+  const auto kinds_of = [&](const std::vector<int>& charges) {
+    return SpotKinds::make(lg, vortex, charges).value();
+  };
+  EXPECT_EQ(kinds_of({}), nullptr);
+  EXPECT_EQ(kinds_of({1, -1, 1}), nullptr);
+  EXPECT_EQ(kinds_of({1, 0, -1})->count(), 2);
+  ASSERT_NE(kinds_of({0, 0, 0}), nullptr);
+  EXPECT_EQ(kinds_of({0, 0, 0})->model(0).charge, 0);
+  EXPECT_EQ(kinds_of({2, -2, 2})->model(0).charge, 2);
+}
+
 struct Method {
   int charge;
   TrackerKind tracker;
