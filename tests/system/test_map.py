@@ -140,6 +140,15 @@ class Fine(MapCase):
         self.assertIn("correction.clear", self.failure("map.run"))
 
 
+class Colour(MapCase):
+    """A colour camera, whose filters pass the laser in every second pixel of every second row."""
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 100, "pixel_format": "BayerRG8"}}
+
+    def test_is_refused(self):
+        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.assertIn("use a monochrome camera", self.failure("map.run"))
+
+
 class Smooth(MapCase):
     """A surface as flatness.run finds it."""
     twin_config = MapCase.twin_config | {"slm": {"flatness_rms_waves": 0.2, "flatness_cycles": 2.5, "flatness_seed": 3}}

@@ -162,10 +162,17 @@ Result<Setting> setting_of(Bench& bench, const SensorSnapshot& now, const SlmGeo
     return fail(Errc::refused, "sensor.pupil_diameter_px",
                 "the active flatness was measured over another pupil: call flatness.clear first");
   }
+  const CameraSettings camera = bench.camera().settings;
+  if (lit_pixels(camera.pixel_format, now.optics.wavelength_nm).plane.step > 1) {
+    return fail(
+        Errc::refused, "camera.pixel_format",
+        "a map needs every pixel, but a colour camera's filters pass the laser in only some "
+        "of them: use a monochrome camera, or flatness.run");
+  }
   auto retrieval =
       PhaseRetrieval::make(px_per_cycle(now.optics, slm), now.sensor.pupil_diameter_px, run.cells);
   if (!retrieval) return fail(retrieval.error());
-  const Roi roi = bench.camera().settings.roi;
+  const Roi roi = camera.roi;
   const int side = retrieval->window_px();
   const Vec2 base = base_spot_px(now.optics, roi.width, roi.height);
   const int left = int(std::lround(base.x - 0.5 * (side - 1)));

@@ -81,8 +81,9 @@ struct BenchMap {
 /// defocus and astigmatism over the whole pupil, each twice; light outside the pupil is diffracted
 /// out of sight. Retrieves a map from each half of the images (PhaseRetrieval): their mean is the
 /// result, their difference its noise. Errors: those of PhaseRetrieval; Errc::refused: no
-/// registration, a correction is active, a flatness of another pupil is active, the camera's region
-/// is too small, the images are too dark, no wavefront explains them, or both maps disagree.
+/// registration, a correction is active, a flatness of another pupil is active, a colour camera,
+/// the camera's region is too small, the images are too dark, no wavefront explains them, or both
+/// maps disagree.
 Result<BenchMap> measure_map(Bench& bench, const SlmGeometry& slm, const MapRun& run);
 /// The map as a flatness: modes, and the fine rest. Its origin is not set.
 MeasuredFlatness flatness_of(const BenchMap& map);
