@@ -23,11 +23,11 @@ std::array<int, 3> colour_shifts(BitOrder order) {
 
 }  // namespace
 
-Patterns dark_patterns(const DmdConfig& dmd, int width, int height) {
+Patterns dark_patterns(const PatternMode& dmd, int width, int height) {
   return Patterns(std::size_t(std::max(1, dmd.patterns)), Image<std::uint8_t>(width, height));
 }
 
-void read_row(const DmdConfig& dmd, const std::uint32_t* pixels, int y, Patterns& patterns) {
+void read_row(const PatternMode& dmd, const std::uint32_t* pixels, int y, Patterns& patterns) {
   const int width = patterns.front().width;
   if (dmd.patterns == 0) return blue_bytes(pixels, width, patterns.front().row(y));
   const auto shifts = colour_shifts(dmd.bit_order);
@@ -42,7 +42,7 @@ bool same_pixels(const Patterns& a, const Patterns& b) {
                     [](const auto& one, const auto& other) { return one.pixels == other.pixels; });
 }
 
-PatternClock::PatternClock(const DmdConfig& dmd)
+PatternClock::PatternClock(const PatternMode& dmd)
     : patterns_(dmd.patterns), period_ns_(dmd.cycle_ms * 1e6 / dmd.patterns) {}
 
 std::int64_t PatternClock::time_of(std::int64_t pulse) const {

@@ -6,18 +6,16 @@
 #include <vector>
 
 #include "core/base/image.hpp"
+#include "core/optics/dmd.hpp"
 
 namespace ovws::twin {
 
-/// Order of the colours; in each colour the lowest bit is first.
-enum class BitOrder { grb, rgb, bgr };
-
-struct DmdConfig {
+struct PatternMode {
   int patterns = 0;  ///< per cycle, 2 to 24; 0: video mode
   BitOrder bit_order = BitOrder::grb;
   double cycle_ms = 1000.0 / 60.0;
 
-  friend bool operator==(const DmdConfig&, const DmdConfig&) = default;
+  friend bool operator==(const PatternMode&, const PatternMode&) = default;
 };
 
 /// What the modulator shows of one display image: the grey levels, or in pattern mode one binary
@@ -25,9 +23,9 @@ struct DmdConfig {
 using Patterns = std::vector<Image<std::uint8_t>>;
 
 /// Patterns of a black display.
-Patterns dark_patterns(const DmdConfig& dmd, int width, int height);
+Patterns dark_patterns(const PatternMode& dmd, int width, int height);
 /// Reads row `y` of a display image, pixels 0x00RRGGBB, into `patterns`.
-void read_row(const DmdConfig& dmd, const std::uint32_t* pixels, int y, Patterns& patterns);
+void read_row(const PatternMode& dmd, const std::uint32_t* pixels, int y, Patterns& patterns);
 bool same_pixels(const Patterns& a, const Patterns& b);
 
 /// Patterns that one frame shows: `count` in turn from `first` on, for equal times.
@@ -41,7 +39,7 @@ struct Exposed {
 /// begins pattern n modulo `patterns`. Immutable.
 class PatternClock {
  public:
-  explicit PatternClock(const DmdConfig& dmd);
+  explicit PatternClock(const PatternMode& dmd);
 
   double period_ns() const { return period_ns_; }
   std::int64_t time_of(std::int64_t pulse) const;    ///< UTC, ns

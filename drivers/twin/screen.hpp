@@ -46,7 +46,7 @@ class Screen {
   void report(bool shown, const std::string& text);
 
   const SlmConfig slm_;
-  const DmdConfig dmd_;
+  const PatternMode dmd_;
   const std::string x_display_;
   Bench& bench_;
   int wake_fd_;  ///< eventfd that wakes the screen's thread

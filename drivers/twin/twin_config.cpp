@@ -73,7 +73,7 @@ void read(ObjectReader& r, LightConfig& light, Truth& truth) {
   r.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
 }
 
-void read(ObjectReader& r, DmdConfig& dmd) {
+void read(ObjectReader& r, PatternMode& dmd) {
   int order = int(dmd.bit_order);
   r.integer("slots", dmd.patterns, 0, 24);
   if (dmd.patterns == 1) r.fault("slots", "must be 0 (video mode) or 2 to 24");

@@ -130,7 +130,7 @@ enum class Modulator { slm, fixed, dmd };
 struct Config {
   Modulator modulator = Modulator::slm;
   CameraConfig camera;
-  DmdConfig dmd;      ///< Modulator::dmd only
+  PatternMode dmd;    ///< Modulator::dmd only
   ArrayConfig array;  ///< Modulator::fixed only; slm and most of sensor are then not used
   SlmConfig slm;
   OpticsConfig optics;  ///< truth.geometry replaces its magnification and centre_px

@@ -24,7 +24,7 @@ using std::chrono::steady_clock;
 constexpr std::int64_t kNowNs = 1'795'852'800'123'456'789;
 
 /// Numbers of the patterns that a display of one colour turns on.
-std::vector<int> patterns_of(std::uint32_t colour, const DmdConfig& dmd) {
+std::vector<int> patterns_of(std::uint32_t colour, const PatternMode& dmd) {
   constexpr int kWidth = 37;  // not a whole number of SIMD vectors
   const std::vector<std::uint32_t> pixels(kWidth, colour);
   Patterns patterns = dark_patterns(dmd, kWidth, 2);
@@ -50,7 +50,7 @@ TEST(Dmd, PatternsAreTheBitsInTheConfiguredOrder) {
 }
 
 TEST(Dmd, EachPixelHasItsOwnBits) {
-  const DmdConfig dmd{.patterns = 24};
+  const PatternMode dmd{.patterns = 24};
   std::vector<std::uint32_t> pixels(100);
   for (std::uint32_t x = 0; x < 100; ++x) pixels[x] = 2'654'435'761U * (x + 1);
   Patterns patterns = dark_patterns(dmd, 100, 1);
@@ -75,7 +75,7 @@ TEST(Dmd, VideoModeShowsTheBlueChannel) {
 
 TEST(PatternClock, ATimeTellsThePattern) {
   for (const int count : {2, 8, 24}) {
-    const DmdConfig dmd{.patterns = count};
+    const PatternMode dmd{.patterns = count};
     const PatternClock clock(dmd);
     const double period_ns = 1e9 / 60.0 / count;
     EXPECT_NEAR(clock.period_ns(), period_ns, 1e-6);
