@@ -85,6 +85,21 @@ class Advice(unittest.TestCase):
         self.assertTrue(all(abs(one["peak_e"] - 7000.0) < 1.0 for one in advice["best_first"]))
 
 
+    def test_light_too_low_for_any_sensor_is_an_error(self):
+        ovws = bench_module.find_programs() / "ovws"
+        arguments = ("advise", "--modes", "18", "--photons")
+        done = subprocess.run([ovws, *arguments, "10"], capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("the light is too low for any sensor", done.stderr)
+        self.assertNotIn("best", done.stdout)
+        needed = float(re.search(r"([0-9.e+]+) are needed", done.stderr)[1])
+        best = self.advise(*arguments[1:], f"{1.1 * needed}")["best_first"]
+        self.assertGreater(best[0]["peak_e"], 5.0)
+        self.assertLess(best[0]["error_waves"], 0.25)
+        done = subprocess.run([ovws, "--json", *arguments, f"{0.9 * needed}"], capture_output=True, text=True, timeout=120)
+        self.assertEqual((done.returncode, json.loads(done.stdout)["best_first"]), (1, []))
+
+
 class Real(BenchCase):
     def start(self):
         """Each test designs its bench and starts it."""

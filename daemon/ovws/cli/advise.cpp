@@ -87,6 +87,27 @@ void print_text(const design::AdviceList& list, int modes) {
             : "the camera's full well limits it: the mean of more frames reduces the error");
 }
 
+/// Says why no sensor is advised.
+void print_none(const design::AdviceList& list, const AdviseOptions& options) {
+  double least_e_per_s = 0.0;  // for the sensor that needs least; 0: more light helps none
+  for (const design::Unfit& one : list.unfit) {
+    const double needed = one.needed_e_per_s;
+    if (needed > 0.0 && (least_e_per_s == 0.0 || needed < least_e_per_s)) least_e_per_s = needed;
+  }
+  if (least_e_per_s > 0.0) {
+    fmt::print(stderr,
+               "ovws: the light is too low for any sensor of this bench: --photons {:.2g}, and at "
+               "{:g} frames per second {:.2g} are needed\n",
+               options.light.e_per_s, options.frame_rate_hz, least_e_per_s);
+  } else {
+    fmt::print(stderr, "ovws: no sensor measures {} modes on this bench\n", options.modes);
+  }
+  for (const design::Unfit& one : list.unfit) {
+    fmt::print(stderr, "  {} across, charge {}: {}\n", one.subapertures_across, one.charge,
+               one.reason);
+  }
+}
+
 int advise_bench(const Common& common, const AdviseOptions& options) {
   const auto config = load_config_and_mask(options.config_path);
   if (!config) return report(common, config.error());
@@ -106,12 +127,7 @@ int advise_bench(const Common& common, const AdviseOptions& options) {
     print_text(list, options.modes);
   }
   if (!list.best_first.empty()) return kOk;
-  if (common.json) return kError;
-  fmt::print(stderr, "ovws: no sensor measures {} modes on this bench\n", options.modes);
-  for (const design::Unfit& one : list.unfit) {
-    fmt::print(stderr, "  {} across, charge {}: {}\n", one.subapertures_across, one.charge,
-               one.reason);
-  }
+  if (!common.json) print_none(list, options);
   return kError;
 }
 

@@ -1,6 +1,9 @@
 #include "daemon/ovws/design/advise.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
+#include <cmath>
 
 #include "core/spots/mode_limit.hpp"
 #include "daemon/ovws/design/attempt.hpp"
@@ -29,11 +32,42 @@ tl::expected<Config, Finding> designed(const Bench& bench, const Config& base, i
   return config ? config : attempt(candidate, kNyquistCpp);
 }
 
-tl::expected<Advice, std::string> advice_for(const Config& config, int modes, const Light& light) {
+/// Electrons in the brightest pixel at kLeastSnr: P / sqrt(P + read noise^2) = kLeastSnr.
+double least_peak_e(double read_noise_e) {
+  constexpr double kSquare = kLeastSnr * kLeastSnr;
+  return 0.5 * (kSquare + std::sqrt(kSquare * (kSquare + 4.0 * read_noise_e * read_noise_e)));
+}
+
+/// Why spots with the advice's peak are not found; none: they are.
+std::optional<Unfit> too_dim(const Advice& advice, const Light& light) {
+  const double least_e = least_peak_e(light.read_noise_e);
+  if (advice.peak_e >= least_e) return std::nullopt;
+  const std::string peak = fmt::format(
+      "its spots have {:.2g} electrons in the brightest pixel, and are found from {:.2g} "
+      "on at this read noise",
+      advice.peak_e, least_e);
+  Unfit unfit{advice.subapertures_across, advice.charge, "", 0.0};
+  if (advice.limited_by == ExposureLimit::full_well) {
+    unfit.reason = "the read noise is too large for this full well: " + peak;
+    return unfit;
+  }
+  unfit.needed_e_per_s = light.e_per_s * least_e / advice.peak_e;
+  unfit.reason = fmt::format(
+      "the light is too low: {}; that takes {:.2g} photo-electrons per second, or a longer "
+      "exposure",
+      peak, unfit.needed_e_per_s);
+  return unfit;
+}
+
+tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Light& light) {
+  const auto unfit = [&config](std::string reason) {
+    return tl::make_unexpected(
+        Unfit{config.sensor.subapertures_across, config.sensor.charge, std::move(reason)});
+  };
   const auto lattice = make_lattice(config.sensor, config.slm.geometry);
   const double peak_limit_e = kFill * light.full_well_e;
   const auto scale = errors_at(config, modes, light, peak_limit_e);
-  if (!scale) return tl::make_unexpected(text_of(scale.error()));
+  if (!scale) return unfit(text_of(scale.error()));
   Advice advice;
   advice.subapertures_across = config.sensor.subapertures_across;
   advice.subapertures = int(lattice->subapertures.size());
@@ -47,13 +81,16 @@ tl::expected<Advice, std::string> advice_for(const Config& config, int modes, co
   advice.exposure_us = std::min(full_us, light.longest_us);
   advice.peak_e = peak_e_per_us * advice.exposure_us;
   advice.config.camera.settings.exposure_us = advice.exposure_us;
-  const auto errors = errors_at(config, modes, light, advice.peak_e);
-  if (!errors) return tl::make_unexpected(text_of(errors.error()));
+  auto dim = too_dim(advice, light);
+  const double peak_e = dim ? least_peak_e(light.read_noise_e) : advice.peak_e;
+  const auto errors = errors_at(config, modes, light, peak_e);
+  if (!errors) return unfit(text_of(errors.error()));
   if (!errors->are_determined()) {
-    return tl::make_unexpected(
+    return unfit(
         "at this light its spots do not determine the modes: the largest "
         "standard error is more than twice that of a lone tilt");
   }
+  if (dim) return tl::make_unexpected(std::move(*dim));
   advice.error_waves = errors->rms_waves;
   advice.worst_waves = errors->worst_waves;
   return advice;
@@ -71,12 +108,12 @@ AdviceList advise(const Bench& bench, const Light& light, const Config& base,
       with.charge = charge;
       const auto config = designed(with, base, across);
       if (!config) {
-        all.unfit.push_back({across, charge, config.error().reason});
+        all.unfit.push_back({across, charge, config.error().reason, 0.0});
         continue;
       }
       auto advice = advice_for(*config, *bench.modes, light);
       if (!advice) {
-        all.unfit.push_back({across, charge, advice.error()});
+        all.unfit.push_back(std::move(advice.error()));
         continue;
       }
       all.best_first.push_back(std::move(*advice));

@@ -40,6 +40,7 @@ struct Advice {
 struct Unfit {
   int subapertures_across = 0, charge = 0;
   std::string reason;
+  double needed_e_per_s = 0.0;  ///< light from which its spots are found; 0: it lacks no light
 };
 
 struct AdviceList {
@@ -52,6 +53,11 @@ constexpr std::array<int, 3> kAdvisedCharges{0, 1, 2};
 
 /// Share of the full well that the brightest pixel may reach: room for aberrations.
 constexpr double kFill = 0.7;
+
+/// Least signal-to-noise ratio of the brightest pixel at which spots count as found. Measured with
+/// `ovws study acquisition`, 13 px to lambda/d: `fit` finds all spots at 1.5, 84 % at 1, none at
+/// 0.5.
+constexpr double kLeastSnr = 1.0;
 
 /// Compares sensors for `bench.modes` modes, which must be given, on this bench. Errors are
 /// standard errors of the tracker `fit` about a flat wavefront. Takes some seconds. Deterministic.
