@@ -111,6 +111,13 @@ bool are_apart(std::span<const SpotFix> one, std::span<const SpotFix> other, dou
   return norm(a->centre - b->centre) >= a->radius + b->radius + kLeastGap * lambda_d_px;
 }
 
+bool are_apart(const FrameRecord& one, const FrameRecord& other) {
+  const auto spots = [](const FrameRecord& of) {
+    return std::span(of.spots.data(), std::size_t(of.spot_count));
+  };
+  return are_apart(spots(one), spots(other), one.plan->spots.lambda_d_px);
+}
+
 Reconstruction reconstruction_of(const FittedFrame& found, std::span<const int> modes_j,
                                  std::span<const float> coefficients) {
   Reconstruction summary{.determined = true,

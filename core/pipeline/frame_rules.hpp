@@ -78,6 +78,8 @@ bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots,
 /// of the spots of one source are lost. RT-safe.
 bool are_apart(std::span<const SpotFix> one, std::span<const SpotFix> other,
                double lambda_d_px) OVWS_NONBLOCKING;
+/// The same of the measurements of two sources in one frame.
+bool are_apart(const FrameRecord& one, const FrameRecord& other) OVWS_NONBLOCKING;
 
 /// Returns the reconstruction summary of a frame whose modes were measured by templates. RT-safe.
 Reconstruction reconstruction_of(const FittedFrame& found, std::span<const int> modes_j,

@@ -119,10 +119,7 @@ void Pipeline::Impl::reconstruct(Entry& entry) OVWS_NONBLOCKING {
 
 /// Makes the measurements of two sources invalid if their spots have come too close.
 void Pipeline::Impl::part(Entry& one, Entry& other) OVWS_NONBLOCKING {
-  const auto spots = [](const Entry& of) {
-    return std::span(of.spots.data(), std::size_t(of.spot_count));
-  };
-  if (are_apart(spots(one), spots(other), one.plan->spots.lambda_d_px)) return;
+  if (are_apart(one, other)) return;
   for (Entry* const entry : {&one, &other}) {
     entry->explained = entry->explained && !entry->valid;
     entry->valid = false;

@@ -49,6 +49,11 @@ class Beams(BenchCase):
     def all_valid(self, stream):
         return wait_for(lambda: (now := self.newest(stream)) and all(m["valid"] for m in now.values()) and now, 20.0, "three valid sources")
 
+    def validity(self, stream):
+        """Whether each source is valid in a settled frame: frames that come late are not settled."""
+        frame = wait_for(lambda: (now := self.newest(stream))[""]["settled"] and now, 20.0, "a settled frame")
+        return [frame[name]["valid"] for name in ("", "b", "c")]
+
     def assert_modes(self, message, hidden, within=0.012):
         for j, waves in zip(message["j"], message["coefficients"]):
             if j > 2:
@@ -80,16 +85,22 @@ class Beams(BenchCase):
         self.assertEqual(self.refused("reference.take", {"frames": 5, "beam": "d"}).field, "beam")
 
     def test_sources_that_drift_together_are_not_valid(self):
-        stream = self.stream("wavefront")
+        stream, events = self.stream("wavefront"), self.stream("event")
         self.take_reference()
         self.all_valid(stream)
         for b_px, valid in ((380.0, True), (356.0, False), (350.0, False), (338.0, False), (418.0, True)):
             self.twin.call("twin.set", {"sources": [{"offset_px": [3.0, b_px]}, {"offset_px": OFFSETS["c"], "power": 0.7}]})
-            time.sleep(0.5)
-            frame = self.all_valid(stream) if valid else self.newest(stream)
-            self.assertEqual([frame[name]["valid"] for name in ("", "b", "c")], [valid, valid, True], b_px)
+            expected = [valid, valid, True]
+            wait_for(lambda: self.validity(stream) == expected, 20.0, f"validity at {b_px} px")
+            for _ in range(5):
+                self.assertEqual(self.validity(stream), expected, b_px)
             if b_px == 350.0:
-                self.assertIn("close", self.call("system.status")["sensor"]["beams"][0]["reason"])
+                sensor = self.call("system.status")["sensor"]
+                self.assertIn("too close to another source's", sensor["invalid"]["reason"])
+                self.assertIn("too close to those of the main source", sensor["beams"][0]["reason"])
+                self.assertIsNone(sensor["beams"][1]["reason"])
+                told = wait_for(lambda: (event := events.next(1.0)) and event["kind"] == "spots" and "beam" not in event["data"] and event, 10.0, "the event")
+                self.assertIn("too close to another source's", told["text"])
 
     def test_a_dark_source_disturbs_no_other(self):
         stream, events = self.stream("wavefront"), self.stream("event")

@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "core/port/clock.hpp"
 
 namespace ovws {
@@ -16,6 +17,16 @@ BeamWatch::BeamWatch(const std::vector<BeamConfig>& beams) {
   for (const BeamConfig& beam : beams) all_.emplace_back(beam.name);
 }
 
+/// The source whose spots are too close to those of source `k`.
+int BeamWatch::too_close_to(const FrameRecord& main, std::size_t k) {
+  const auto beams = main.beams();
+  if (!are_apart(main, *beams[k])) return kMain;
+  for (std::size_t other = 0; other < beams.size(); ++other) {
+    if (other != k && !are_apart(*beams[other], *beams[k])) return int(other);
+  }
+  return kNone;
+}
+
 void BeamWatch::on_frame(const FrameRecord& main) {
   if (!main.settled) return;
   for (std::size_t k = 0; k < main.beams().size(); ++k) {
@@ -26,6 +37,7 @@ void BeamWatch::on_frame(const FrameRecord& main) {
     one.tracked = record.tracked;
     one.spots = record.spot_count;
     one.explained = record.explained;
+    one.too_close_to = record.valid ? kNone : too_close_to(main, k);
     one.newest_ns = now_ns;
     if (record.valid) {
       one.since_ns = 0;
@@ -39,10 +51,18 @@ std::optional<std::string> BeamWatch::why_invalid(std::size_t k, std::int64_t no
   const One& one = all_[k];
   if (one.since_ns == 0 || now_ns - one.newest_ns > kMaxFrameAgeNs) return std::nullopt;
   return fmt::format("{} of {} spots are found{}", one.tracked.load(), one.spots.load(),
-                     one.tracked == 0 ? ": check the light of this source"
-                     : one.explained  ? ""
-                                     : ", but they are too close to those of another source, or no "
-                                       "wavefront explains their positions");
+                     lack_of(one));
+}
+
+std::string BeamWatch::lack_of(const One& one) const {
+  const int other = one.too_close_to;
+  if (other != kNone) {
+    return ", but too close to those of " +
+           (other == kMain ? "the main source" : "the source " + all_[std::size_t(other)].name) +
+           ": tilt the sources apart";
+  }
+  if (one.tracked == 0) return ": check the light of this source";
+  return one.explained ? "" : ", but no wavefront explains their positions";
 }
 
 void BeamWatch::announce(Events& events, std::int64_t now_ns) {

@@ -28,6 +28,8 @@ class BeamWatch {
   void announce(Events& events, std::int64_t now_ns);
 
  private:
+  static constexpr int kNone = -2, kMain = -1;
+
   struct One {
     explicit One(std::string of) : name(std::move(of)) {}
     const std::string name;
@@ -35,8 +37,13 @@ class BeamWatch {
     std::atomic<std::int64_t> newest_ns{0};
     std::atomic<int> tracked{0}, spots{0};
     std::atomic<bool> explained{true};
-    std::int64_t announced_ns = 0;  ///< start of the invalid period announced; 0: none is
+    std::atomic<int> too_close_to{kNone};  ///< kMain, or the number of another further source
+    std::int64_t announced_ns = 0;         ///< start of the invalid period announced; 0: none is
   };
+
+  static int too_close_to(const FrameRecord& main, std::size_t k);
+  std::string lack_of(const One& one) const;
+
   std::deque<One> all_;
 };
 

@@ -40,6 +40,7 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
   branch_y_ = float(lack.branch_point.at.y);
   branch_charge_ = lack.branch_point.charge;
   no_pattern_ = lack.no_pattern;
+  too_close_ = lack.too_close;
   newest_ns_ = now_ns;
   if (valid) {
     since_ns_ = 0;
@@ -60,7 +61,8 @@ std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) cons
               brightness_.newest(now_ns),
               branch_points_,
               {{double(branch_x_), double(branch_y_)}, branch_charge_},
-              no_pattern_};
+              no_pattern_,
+              too_close_};
 }
 
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
@@ -74,6 +76,12 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
         "check that each pattern triggers the camera, that dmd.slots and dmd.bit_order are the "
         "DMD's, the output's refresh rate, that the exposure is shorter than a pattern, that the "
         "camera sends timestamps, and the light";
+    return invalid;
+  }
+  if (lack.too_close) {
+    invalid.reason = fmt::format("{} of {} spots are found, but too close to another source's",
+                                 lack.tracked, lack.spots);
+    invalid.action = "tilt the light sources apart: sensor.beams of status names the other one";
     return invalid;
   }
   const bool has_branch_points = lack.branch_points > 0;

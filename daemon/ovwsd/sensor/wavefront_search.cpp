@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/ovwsd/sensor/spots_model.hpp"
@@ -130,11 +131,18 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
     undescribed_.fetch_add(1, std::memory_order_relaxed);
     if (record.valid || record.unconfirmed) explained_.fetch_add(1, std::memory_order_relaxed);
   }
-  validity_.on_frame(
-      record.valid,
-      {0, record.tracked, record.spot_count, record.explained, record.unconfirmed, searched,
-       std::nullopt, record.branch_points.count, record.branch_points.points.front()},
-      monotonic_ns());
+  ValidityWatch::Lack lack{0,
+                           record.tracked,
+                           record.spot_count,
+                           record.explained,
+                           record.unconfirmed,
+                           searched,
+                           std::nullopt,
+                           record.branch_points.count,
+                           record.branch_points.points.front()};
+  lack.too_close = std::ranges::any_of(
+      record.beams(), [&](const FrameRecord* beam) { return !are_apart(record, *beam); });
+  validity_.on_frame(record.valid, lack, monotonic_ns());
 }
 
 /// A frame of a sequence whose pattern is not certain.

@@ -66,6 +66,19 @@ TEST(ValidityWatch, SaysThatNoPatternIsCertain) {
   EXPECT_NE(said.action.find("dmd.slots"), std::string::npos);
 }
 
+TEST(ValidityWatch, SaysThatTwoSourcesAreTooClose) {
+  const ImageBrightness unknown;
+  ValidityWatch watch(unknown);
+  watch.on_frame(
+      false,
+      {.tracked = 19, .spots = 19, .explained = false, .branch_points = 1, .too_close = true},
+      2 * kS);
+  const auto said = watch.why_invalid(3 * kS, 100 * kS);
+  ASSERT_TRUE(said);
+  EXPECT_EQ(said->reason, "19 of 19 spots are found, but too close to another source's");
+  EXPECT_NE(said->action.find("tilt the light sources apart"), std::string::npos) << said->action;
+}
+
 TEST(ValidityWatch, ADarkImageIsTheReason) {
   ImageBrightness brightness;
   ValidityWatch watch(brightness);
