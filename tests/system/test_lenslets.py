@@ -142,6 +142,19 @@ class Array(BenchCase):
         told = wait_for(lambda: (event := events.next(1.0)) and event["kind"] == "config" and event["data"], what="the reload")
         self.assertEqual((told["applied"], told["restart"][0]), (["camera.exposure_us"], "array.pupil_mm"))
         self.assertEqual([key for key in self.call("config.save")["saved"] if key.startswith("sensor")], [])
+        self.bench.stop("ovwsd")
+        self.assertNotIn("was measured with other settings", self.bench.log("ovwsd"))
+        changed = "array.pitch_um was 150.0, and is "
+        self.start_daemon(array={"pitch_um": 152.0})  # lambda/d of fewer pixels than a tracker needs
+        self.wait_until("running")
+        self.bench.stop("ovwsd")
+        log = self.bench.log("ovwsd")
+        self.assertIn("registration is not used: ", log)
+        self.assertIn(changed + "152.0; restore", log)
+        self.start_daemon(array={"pitch_um": 148.0})
+        self.wait_until("running")
+        self.assertTrue(self.call("registration.get")["registered"])
+        self.assertIn("was measured with other settings: " + changed + "148.0; it is used", self.bench.log("ovwsd"))
         self.call("registration.clear")
         self.assertFalse(self.call("reference.get")["taken"])
 

@@ -1,7 +1,10 @@
 #include "daemon/ovwsd/sensor/registration_file.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include <vector>
 
+#include "config/tables.hpp"
 #include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 #include "proto/reader.hpp"
@@ -58,10 +61,26 @@ Result<Registration> registration_from(const json& content) {
 
 }  // namespace
 
+json registration_settings(const Config& config) {
+  json settings;
+  const auto add = [&settings](const std::string& section, const json& values, auto... keys) {
+    for (const char* key : {keys...}) settings[section + key] = values.at(key);
+  };
+  add("optics.", to_json(config.optics), "wavelength_nm", "focal_length_mm", "magnification",
+      "camera_pitch_um", "centre_px", "px_per_cycle");
+  if (config.modulator != Modulator::fixed) return settings;
+  add("array.", to_json(config.array), "pitch_um", "pupil_mm");
+  add("sensor.", to_json(config.sensor), "grid");
+  return settings;
+}
+
 json RegistrationKind::content(const MeasuredRegistration& registration) const {
   json numbers = to_json(KnownRegistration{registration});
   numbers["base_grating_cpp"] = to_json(registration.base_cpp);
-  return {{"registration", numbers}, {"slm", to_json(slm)}, {"camera", registration.camera}};
+  return {{"registration", numbers},
+          {"slm", to_json(slm)},
+          {"camera", registration.camera},
+          {"settings", registration.settings.is_null() ? settings : registration.settings}};
 }
 
 Result<MeasuredRegistration> RegistrationKind::read(const json& content) const {
@@ -70,7 +89,8 @@ Result<MeasuredRegistration> RegistrationKind::read(const json& content) const {
   }
   auto registration = registration_from(content["registration"]);
   if (!registration) return fail(registration.error());
-  return MeasuredRegistration{*registration, content.value("camera", json()), "", content["slm"]};
+  return MeasuredRegistration{*registration, content.value("camera", json()), "", content["slm"],
+                              content.value("settings", json())};
 }
 
 std::string RegistrationKind::obstacle(const MeasuredRegistration& registration) const {
@@ -78,6 +98,18 @@ std::string RegistrationKind::obstacle(const MeasuredRegistration& registration)
   if (registration.slm.is_null() || registration.slm == now) return {};
   return "it was measured with the SLM " + json_text(registration.slm) +
          ", and the configuration has " + json_text(now);
+}
+
+std::vector<std::string> RegistrationKind::changed_settings(
+    const MeasuredRegistration& registration) const {
+  std::vector<std::string> changed;
+  const json& then = registration.settings;
+  for (const auto& [key, now] : settings.items()) {
+    if (!then.is_object() || !then.contains(key) || then[key] == now) continue;
+    changed.push_back(
+        fmt::format("{} was {}, and is {}", key, json_text(then[key]), json_text(now)));
+  }
+  return changed;
 }
 
 }  // namespace ovws

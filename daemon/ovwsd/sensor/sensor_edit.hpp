@@ -34,7 +34,8 @@ struct SensorBench {
         origins(config, hologram),
         references(ReferenceKind{&origins}, store, events),
         calibrations(CalibrationKind{&origins}, store, events),
-        registrations(RegistrationKind{config.slm.geometry}, store, events),
+        registrations(RegistrationKind{config.slm.geometry, registration_settings(config)}, store,
+                      events),
         luts(LutKind{config}, store, events),
         flatnesses(FlatnessKind{config, flatness_sha256(hologram)}, store, events) {}
   SensorBench(const SensorBench&) = delete;

@@ -50,6 +50,25 @@ MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored)
   return stored;
 }
 
+/// Warns if settings that a stored registration builds on have changed since it was measured, or
+/// if it is not used (`why_not`).
+void warn_of_registration(const MeasuredRegistration& registration, const RegistrationKind& kind,
+                          const std::string& why_not, Events& events) {
+  const std::vector<std::string> changed = kind.changed_settings(registration);
+  if (changed.empty() && why_not.empty()) return;
+  const std::string settings = fmt::format("{}", fmt::join(changed, "; "));
+  std::string text;
+  if (why_not.empty()) {
+    text = "the stored registration was measured with other settings: " + settings +
+           "; it is used as it was measured: if the bench has changed, run registration.run";
+  } else {
+    text = "the stored registration is not used: " + why_not +
+           (changed.empty() ? "" : "; since it was measured, " + settings) +
+           "; restore the settings, or run registration.run again";
+  }
+  events.emit("registration", Severity::warning, text, {{"used", why_not.empty()}});
+}
+
 }  // namespace
 
 Result<std::unique_ptr<SensorKeeper>> SensorKeeper::make(const Config& config,
@@ -100,15 +119,16 @@ Result<void> SensorKeeper::begin() {
   };
   auto plan = planned();
   if (!plan && state.registration) {
-    deps_.events.emit("registration", Severity::warning,
-                      "the stored registration is not used: " + plan.error().reason +
-                          "; restore the settings, or run registration.run again",
-                      {{"used", false}});
+    warn_of_registration(*state.registration, bench_.registrations.kind(), plan.error().reason,
+                         deps_.events);
     drop_registration(state, bench_.config.sensor);
     if (auto made = renew_renderer(state); !made) return made;
     plan = planned();
   }
   if (!plan) return fail(plan.error());
+  if (state.registration) {
+    warn_of_registration(*state.registration, bench_.registrations.kind(), "", deps_.events);
+  }
   bench_.levels = hologram_of(state);
   deps_.slm.show_when_possible(request_of(state, bench_.hologram_id, bench_.levels));
   const Bound bound = bind(state, edit.knowledge, bench_.optics);

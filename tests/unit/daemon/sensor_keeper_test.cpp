@@ -326,5 +326,32 @@ TEST_F(Keeper, ARegistrationOfAnotherCameraIsNotUsed) {
   EXPECT_FALSE(keeper_->snapshot()->registration);
 }
 
+TEST_F(Keeper, AStartWithAnotherLensThanTheRegistrationsSaysSo) {
+  Registration map;
+  map.px_per_cycle = {900.0, 0.0, 0.0, 900.0};
+  map.base_px = {130.0, 120.0};
+  map.t_taken_ns = 5;
+  keeper_->hold(Hold::of_job(1));
+  ASSERT_TRUE(edit(Hold::of_job(1), use_registration(map)));
+  const auto warned = [this] {
+    bool found = false;
+    while (const auto message = parts_->queue.take()) {
+      const auto* event = std::get_if<EventMessage>(&*message);
+      found = found || (event != nullptr && event->kind == "registration" &&
+                        event->text.find("optics.focal_length_mm was") != std::string::npos &&
+                        event->text.find("registration.run") != std::string::npos);
+    }
+    return found;
+  };
+  end();
+  start();
+  EXPECT_FALSE(warned());
+  end();
+  config_.optics.focal_length_mm *= 1.5;
+  start();
+  EXPECT_TRUE(keeper_->snapshot()->registration);
+  EXPECT_TRUE(warned());
+}
+
 }  // namespace
 }  // namespace ovws
