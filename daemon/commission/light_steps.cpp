@@ -5,10 +5,13 @@
 #include <array>
 #include <cmath>
 
+#include "config/config.hpp"
 #include "core/optics/lattice.hpp"
 #include "daemon/commission/drawing.hpp"
 #include "daemon/commission/light.hpp"
 #include "daemon/commission/step.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::commission {
 namespace {
@@ -51,39 +54,36 @@ Outcome undo_exposure(Bench& bench, const Memory& memory) {
 // Base spot ---------------------------------------------------------------------------------------
 
 struct Field {
+  bool fits = false;      ///< enough spots are in the camera's region: check_spots_in_region
   double reach_px = 0.0;  ///< from the base spot to the outermost spots, with room
   double lambda_d_px = 0.0;
 };
 
-/// How far the sensor's spots spread on the camera, by the configuration.
-Result<Field> field_of(const json& config, const json& sensor) {
-  const json& optics = config.at("optics");
-  const SlmGeometry slm{config.at("slm").at("width").get<int>(),
-                        config.at("slm").at("height").get<int>(),
-                        config.at("slm").at("pitch_um").get<double>()};
-  const OpticsConfig lens{optics.at("wavelength_nm").get<double>(),
-                          optics.at("focal_length_mm").get<double>(),
-                          optics.at("magnification").get<double>(),
-                          optics.at("camera_pitch_um").get<double>(), std::nullopt};
-  SensorConfig shape;
-  shape.grid = sensor.at("grid") == "square" ? Grid::square : Grid::hexagonal;
-  shape.subapertures_across = sensor.at("subapertures_across").get<int>();
-  shape.pupil_diameter_px = sensor.at("pupil_diameter_px").get<double>();
-  shape.grooves = sensor.at("grooves").get<std::array<double, 2>>();
-  shape.spacing = sensor.at("spacing").get<double>();
-  const auto lattice = make_lattice(shape, slm);
+/// How far the sensor's spots spread on the camera around the base spot, by the registration or
+/// else the configuration.
+Result<Field> field_of(const json& in_use, const json& registration, const Spot& base) {
+  auto config = parse_config(json_text(in_use));
+  if (!config) return fail(config.error());
+  config->sensor.mask.reset();  // it moves no spot; its file is the daemon's
+  config->optics.centre_px = Vec2{base.x, base.y};
+  if (registration.at("registered").get<bool>()) {
+    const auto map = registration.at("px_per_cycle").get<std::array<double, 4>>();
+    config->optics.registered = PxPerCycle{map[0], map[1], map[2], map[3]};
+  }
+  const auto lattice = make_lattice(config->sensor, config->slm.geometry);
   if (!lattice) return fail(lattice.error());
-  Field field{0.0, lambda_d_px(lens, slm, shape)};
-  for (const Subaperture& one : lattice->subapertures) {
-    const Vec2 offset = one.frequency_cpp - base_grating_cpp(shape, slm);
-    field.reach_px = std::max(field.reach_px, camera_px_per_cycle(lens, slm) * norm(offset));
+  const SpotBench bench = spot_bench(*config, *lattice);
+  const SpotLayout layout = spot_layout(bench);
+  Field field{bool(check_spots_in_region(bench)), 0.0, layout.lambda_d_px};
+  for (const Vec2 at : layout.spots_px) {
+    field.reach_px = std::max(field.reach_px, norm(at - *config->optics.centre_px));
   }
   field.reach_px += kRim * field.lambda_d_px;
   return field;
 }
 
 /// The region of this size, or larger if the spots need it, with the spot in its middle as far as
-/// the camera's sensor allows.
+/// the camera's sensor allows. It holds the spots whatever the camera's rotation.
 json region_around(const Spot& spot, const Field& field, const json& camera) {
   const json& roi = camera.at("settings").at("roi");
   const json& limits = camera.at("limits");
@@ -114,9 +114,8 @@ Outcome judge_place(const Spot& spot, const Field& field, const json& camera, Ou
   const double present = room(spot, roi, roi), best = room(spot, region, roi);
   const Vec2 off{spot.x - 0.5 * (roi.at("width").get<double>() - 1.0),
                  spot.y - 0.5 * (roi.at("height").get<double>() - 1.0)};
-  const bool fits = present >= field.reach_px;
   const bool is_off = norm(off) > kFarFromMiddle * field.lambda_d_px;
-  if (fits && !is_off) return outcome;
+  if (field.fits && !is_off) return outcome;
   const bool helps = best > present + 1.0;
   if (helps) {
     outcome.ways.push_back(
@@ -125,12 +124,13 @@ Outcome judge_place(const Spot& spot, const Field& field, const json& camera, Ou
                              region.at("width").get<int>(), region.at("height").get<int>())},
          {{"camera.set", {{"roi", region}, {"clamp", true}}}}});
   }
-  outcome.passed = fits;
-  outcome.verdict.wellness = fits ? Wellness::note : Wellness::bad;
+  outcome.passed = field.fits;
+  outcome.verdict.wellness = field.fits ? Wellness::note : Wellness::bad;
   outcome.verdict.text +=
-      fits ? " It is off the region's middle."
-           : fmt::format(" The sensor's spots spread {:.0f} pixels around it, beyond the region.",
-                         field.reach_px);
+      field.fits
+          ? " It is off the region's middle."
+          : fmt::format(" The sensor's spots spread {:.0f} pixels around it, beyond the region.",
+                        field.reach_px);
   outcome.verdict.advice =
       helps             ? "Move the region."
       : norm(off) < 1.0 ? fmt::format(
@@ -180,10 +180,10 @@ Outcome no_spot(const Views& seen, const Memory& memory) {
 
 Outcome run_spot(Bench& bench, Memory& memory) {
   const auto config = bench.call("config.get");
-  const auto sensor = bench.call("sensor.get");
+  const auto registration = bench.call("registration.get");
   const auto camera = bench.call("camera.get");
   if (!config) return failed(config.error());
-  if (!sensor) return failed(sensor.error());
+  if (!registration) return failed(registration.error());
   if (!camera) return failed(camera.error());
   if (memory.before.is_null()) memory.before = camera->at("settings").at("roi");
   bench.say("showing the base grating alone");
@@ -191,7 +191,7 @@ Outcome run_spot(Bench& bench, Memory& memory) {
   if (!seen) return failed(seen.error());
   const auto spot = spot_in(seen->grating, seen->flat);
   if (!spot) return no_spot(*seen, memory);
-  const auto field = field_of(*config, *sensor);
+  const auto field = field_of(*config, *registration, *spot);
   if (!field) return failed(field.error());
   auto outcome =
       passed(Wellness::good, fmt::format("The base grating makes one spot, at ({:.0f}, {:.0f}) in "

@@ -118,6 +118,28 @@ class WrongOutput(SetupCase):
         self.assertEqual(self.call("system.status")["slm"]["info"]["output"], "DUMMY1")
 
 
+class NarrowRegion(SetupCase):
+    """As narrow as the spots, which reach farther in y than in x."""
+    daemon_config = {"camera": {"roi": {"x": 104, "y": 0, "width": 304, "height": 512}}}
+
+    def check_config(self):
+        config = self.bench.directory / "as_used.json"
+        config.write_text(json.dumps(self.call("config.get")))
+        return subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", config], capture_output=True, timeout=60).returncode
+
+    def test_the_step_and_check_config_agree(self):
+        self.assertEqual(self.check_config(), 0)
+        text = self.set_up("spot")
+        self.assertIn("good: The base grating makes one spot", text)
+        self.assertNotIn("beyond the region", text)
+        self.call("camera.set", {"roi": {"x": 104, "y": 76, "width": 304, "height": 360}})
+        self.assertEqual(self.check_config(), 1)
+        text = self.set_up("spot")
+        self.assertIn("beyond the region", text)
+        self.assertIn("move the camera's region", text)
+        self.assertEqual(self.check_config(), 0)
+
+
 class PrimaryDisplay(SetupCase):
     daemon_config = {"slm": {"display": "DUMMY0"}}
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "daemon/ovws/design/design.hpp"
-#include "daemon/ovwsd/sensor/spot_layout.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
 
 namespace ovws::design {
 

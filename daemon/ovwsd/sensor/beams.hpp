@@ -9,8 +9,8 @@
 #include "config/config.hpp"
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
-#include "daemon/ovwsd/sensor/spot_layout.hpp"
 
 namespace ovws {
 

@@ -12,24 +12,13 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/camera.hpp"
 #include "core/wavefront/mode_operator.hpp"
+#include "daemon/ovwsd/layout/slope_operator.hpp"
 
 namespace ovws {
-
-/// OSA indices of the modes to reconstruct: 1 .. Z_opt (paper eq. 5). The lattice may determine
-/// fewer modes.
-std::vector<int> reconstructed_modes(const SensorConfig& sensor);
 
 /// Appends to `modes_j`, the modes that spot positions determine, the modes up to `mode_count` that
 /// only spot shapes determine (tracker `fit` only).
 std::vector<int> with_shapes(const TrackingSettings& tracking, std::vector<int> modes_j);
-
-/// Slope operator: the tilt of each mode over each subaperture, weighted as the tracker measures
-/// it. Contains only modes that the lattice determines. Fast to compute.
-ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
-                            const TrackingConfig& tracking, const PxPerCycle& map);
-/// Slope operator for tilts measured on rings of these radii (slope_matrix).
-ModeOperator slope_operator(const Lattice& lattice, const SensorConfig& sensor,
-                            std::span<const double> tilt_radii, const PxPerCycle& map);
 
 /// Displacements of the spots by each mode about a flat wavefront, computed from the model as
 /// SpotMeter measures displacements in mean images: least squares of the pixels that the laser

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/ovwsd/sensor/beams.hpp"
-#include "daemon/ovwsd/sensor/spot_layout.hpp"
 
 namespace ovws {
 

@@ -5,9 +5,9 @@
 #include "core/optics/hologram.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/ovwsd/sensor/beams.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
-#include "daemon/ovwsd/sensor/spot_layout.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
 #include "daemon/shared/slm_files.hpp"
 

@@ -1,5 +1,5 @@
 /// Benches whose camera can and cannot see the spots; values that a refusal recommends must work.
-#include "daemon/ovwsd/sensor/spot_layout.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
 
 #include <gtest/gtest.h>
 

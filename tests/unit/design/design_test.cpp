@@ -9,7 +9,7 @@
 #include <string>
 
 #include "config/devices.hpp"
-#include "daemon/ovwsd/sensor/spot_layout.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 
 namespace ovws::design {

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/sensor/spot_layout.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -16,7 +16,7 @@
 #include "core/tracking/spot_geometry.hpp"
 #include "core/tracking/spot_kinds.hpp"
 #include "core/wavefront/reconstructor.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/layout/slope_operator.hpp"
 
 namespace ovws {
 namespace {
