@@ -145,6 +145,12 @@ Result<std::string> ControlClient::request(std::string_view bytes,
 struct Subscriber::Impl {
   zmq::context_t context{1};
   zmq::socket_t socket{context, zmq::socket_type::sub};
+  std::vector<std::string> topics;  ///< empty: all
+
+  /// ZeroMQ matches topics by prefix: "wavefront" brings those of all light sources.
+  bool takes(std::string_view topic) const {
+    return topics.empty() || std::find(topics.begin(), topics.end(), topic) != topics.end();
+  }
 };
 
 Result<Subscriber> Subscriber::connect(const std::string& endpoint,
@@ -156,6 +162,7 @@ Result<Subscriber> Subscriber::connect(const std::string& endpoint,
   impl->socket.set(zmq::sockopt::rcvhwm, receive_queue);
   for (const auto& topic : topics) impl->socket.set(zmq::sockopt::subscribe, topic);
   if (topics.empty()) impl->socket.set(zmq::sockopt::subscribe, "");
+  impl->topics = topics;
   if (auto connected = connect_endpoint(impl->socket.handle(), endpoint); !connected) {
     return fail(connected.error());
   }
@@ -163,9 +170,15 @@ Result<Subscriber> Subscriber::connect(const std::string& endpoint,
 }
 
 std::optional<StreamMessage> Subscriber::receive(std::chrono::milliseconds timeout) {
-  if (!readable(impl_->socket, timeout)) return std::nullopt;
-  const auto parts = receive_parts(impl_->socket);
-  if (parts.size() < 2) return std::nullopt;  // not a message of ovwsd
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + timeout;
+  std::vector<zmq::message_t> parts;
+  do {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+    if (!readable(impl_->socket, std::max(left, std::chrono::milliseconds(0)))) return std::nullopt;
+    parts = receive_parts(impl_->socket);
+    if (parts.size() < 2) return std::nullopt;  // not a message of ovwsd
+  } while (!impl_->takes(parts[0].to_string_view()));
   StreamMessage message{parts[0].to_string(), parts[1].to_string(), {}};
   if (parts.size() > 2) {
     message.binary.resize(parts[2].size());

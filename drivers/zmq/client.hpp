@@ -45,9 +45,9 @@ struct StreamMessage {
 /// Subscriber of the daemon's streams. Use it from one thread at a time.
 class Subscriber {
  public:
-  /// Connects and subscribes to `topics`; an empty list means all topics. Up to `receive_queue`
-  /// messages are queued for a slow caller; further messages are lost. Errors: as in
-  /// ControlClient::connect.
+  /// Connects and subscribes to `topics`, exactly these; an empty list means all topics. Up to
+  /// `receive_queue` messages are queued for a slow caller; further messages are lost. Errors: as
+  /// in ControlClient::connect.
   static Result<Subscriber> connect(const std::string& endpoint,
                                     const std::vector<std::string>& topics, int receive_queue,
                                     const std::optional<ClientKeys>& keys = std::nullopt);

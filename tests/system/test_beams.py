@@ -3,6 +3,7 @@ import json
 import subprocess
 import time
 
+import numpy as np
 from case import BenchCase, Client, main, wait_for
 
 from ovws_client import Subscription, Wavefront  # noqa: E402  (case finds it)
@@ -33,12 +34,12 @@ class Beams(BenchCase):
         time.sleep(0.3)
 
     def newest(self, stream, timeout_s=10.0):
-        """The newest message of every source, of one frame."""
+        """The newest message of every source, of one settled frame: one that arrived late is not."""
         stream.drain()
         frames, end = {}, time.monotonic() + timeout_s
         while time.monotonic() < end:
             message = stream.next(0.5)
-            if message is None or message["topic"] not in TOPICS:
+            if message is None or message["topic"] not in TOPICS or not message["settled"]:
                 continue
             frame = frames.setdefault(message["frame_id"], {})
             frame[TOPICS[message["topic"]]] = message
@@ -83,6 +84,55 @@ class Beams(BenchCase):
             message = next(typed)
             self.assertAlmostEqual(message.waves(7), HIDDEN["c"][7], delta=0.012)
         self.assertEqual(self.refused("reference.take", {"frames": 5, "beam": "d"}).field, "beam")
+
+    def test_the_lost_spots_of_each_source_are_reported(self):
+        """The camera's region ends just before the last spot of the middle row of c."""
+        cut = 512 - max(x for x, _ in self.model_px()) + 1.0
+        self.bench.stop("ovwsd")
+        self.start_daemon(beams=[CONFIGURED[0], {"name": "c", "offset_px": [cut, 848.0]}])
+        self.wait_until("running")
+        self.twin.call("twin.set", {"sources": [{"offset_px": OFFSETS["b"]}, {"offset_px": [cut, 852.0], "power": 0.7}]})
+        events = self.stream("event")
+        self.assertEqual(self.take_reference()["result"]["lost_spots"], [])  # of the main source
+        told = wait_for(lambda: (event := events.next(1.0)) and event["topic"] == "event" and "lost_spots" in (event["data"] or {}) and event, 10.0, "the event")
+        self.assertEqual((told["data"]["beam"], told["data"]["lost_spots"]), ("c", [11]))
+        self.assertIn("of the source c", told["text"])
+        self.assertEqual(self.take_reference(beam="c")["result"]["lost_spots"], [11])
+        self.assertEqual(self.take_reference(beam="b")["result"]["lost_spots"], [])
+
+    def model_px(self):
+        """Where the spots of the main source lie."""
+        return self.call("reference.set", {"source": "model"})["positions_px"]
+
+    def test_given_positions_are_the_reference_of_the_main_source_alone(self):
+        self.call("sensor.set", {"tracker": "lg"})
+        self.take_reference()
+        reference = self.call("reference.get")
+        given = np.array([reference["positions_px"], reference["standard_error_px"]], "<f4")
+        self.client.call("reference.give", {"frames": 50}, given.tobytes())
+        self.assertEqual([one["referenced"] for one in self.call("system.status")["sensor"]["beams"]], [True, True])
+        self.light(HIDDEN)
+        frame = self.all_valid(self.stream("wavefront"))
+        for name, hidden in HIDDEN.items():
+            self.assert_modes(frame[name], hidden)
+
+    def test_the_command_line_uses_the_main_source(self):
+        """A subscription to `spots` brings those of all sources: the message of c is the last of each frame."""
+        self.bench.stop("ovwsd")
+        self.start_daemon(stream={"image_rate_hz": 10})
+        self.wait_until("running")
+        stream = self.stream("wavefront")
+        self.take_reference()
+        self.light({}, {"b": 1.0, "c": 0.0})
+        wait_for(lambda: not self.newest(stream)["c"]["valid"], 10.0, "c to be dark")
+        shown = subprocess.run([self.bench.programs / "ovws", "--json", "snapshot", "-o", self.bench.directory / "snap"], capture_output=True, text=True, timeout=60)
+        self.assertTrue(json.loads(shown.stdout)["valid"], shown.stderr)
+
+    def test_a_lattice_whose_sources_overlap_is_refused(self):
+        refused = self.refused("lattice.prepare", {"lattices": [{"name": "fine"}, {"name": "wide", "sensor": {"spacing": 0.35}}]})
+        self.assertEqual(refused.data["field"], "lattices[1].sensor")
+        self.assertIn("overlap", str(refused))
+        self.assertEqual(self.refused("sensor.set", {"spacing": 0.35}).data["field"], "beams[0].offset_px")
 
     def test_sources_that_drift_together_are_not_valid(self):
         stream, events = self.stream("wavefront"), self.stream("event")

@@ -83,6 +83,19 @@ TEST(Publisher, SendsASubscriberItsTopicsOnly) {
   EXPECT_FALSE(subscriber.receive(50ms));
 }
 
+TEST(Publisher, SendsNoTopicThatMerelyBeginsLikeASubscribedOne) {
+  const auto endpoint = test::ipc_endpoint("prefix");
+  Publisher publisher = publisher_at(endpoint, 10);
+  Subscriber subscriber = subscriber_at(endpoint, {"wavefront"}, 10);
+  settle(publisher, subscriber, "wavefront");
+  for (const char* topic : {"wavefront.b", "wavefront", "wavefront.c"})
+    publisher.send(topic, topic);
+  const auto message = subscriber.receive(5000ms);
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->json, "wavefront");
+  EXPECT_FALSE(subscriber.receive(50ms));
+}
+
 TEST(Publisher, ASlowSubscriberLosesItsOwnMessagesOnly) {
   const auto endpoint = test::ipc_endpoint("slow");
   Publisher publisher = publisher_at(endpoint, 64);
