@@ -84,16 +84,18 @@ std::string sensor_lines(const json& sensor) {
 }
 
 /// One line for each further light source.
-std::string beam_lines(const json& sensor) {
+std::string beam_lines(const BenchState& bench) {
+  const bool is_measured = bench.wavefront.is_object() && bench.wavefront.at("settled");
   std::string lines;
-  for (const json& beam : sensor.value("beams", json::array())) {
+  for (const json& beam : bench.status.at("sensor").value("beams", json::array())) {
     const json& offset = beam.at("offset_px");
     const std::string reason = text_of(beam, "reason");
     lines += line("beam", fmt::format("{} at ({:+.1f}, {:+.1f}) px: {}", text_of(beam, "name"),
                                       offset.at(0).get<double>(), offset.at(1).get<double>(),
                                       beam.at("referenced") == false ? "no reference"
-                                      : reason.empty()               ? "valid"
-                                                                     : "NOT VALID: " + reason));
+                                      : !reason.empty()              ? "NOT VALID: " + reason
+                                      : is_measured                  ? "valid"
+                                                                     : "not measured now"));
   }
   return lines;
 }
@@ -186,7 +188,7 @@ std::string status_text(const BenchState& bench) {
   return line("state", state_text(status)) + camera_lines(status.at("camera"), status.at("rates")) +
          slm_lines(status.at("slm")) + sensor_lines(sensor) +
          reference_lines(sensor, bench.reference) + line("wavefront", wavefront_text(bench)) +
-         beam_lines(sensor) +
+         beam_lines(bench) +
          line("aberration", introduced.empty() ? "none" : introduced + " introduced") +
          line("correction", correction_text(bench.correction.at("modes"), bench.loop)) +
          line("loop", loop_text(bench.loop)) + line("recording", record_text(status.at("record"))) +

@@ -10,17 +10,42 @@
 namespace ovws {
 namespace {
 
-void warn_of_saturated(Bench& bench, const std::vector<int>& saturated) {
+/// A light source whose reference is taken.
+struct Source {
+  std::string beam;  ///< empty: the main one
+  SpotAverage average;
+};
+
+/// The sources whose reference is taken, in the order of TakenReference.
+std::vector<Source> sources_of(const TakenReference& taken, const std::vector<BeamShown>& beams) {
+  std::vector<Source> sources;
+  if (taken.only.empty() || taken.only == kMainBeam) sources.push_back({"", taken.average});
+  for (std::size_t k = 0; k < beams.size(); ++k) {
+    if (taken.only.empty() || taken.only == beams[k].name) {
+      sources.push_back({beams[k].name, taken.beams[k]});
+    }
+  }
+  return sources;
+}
+
+void warn(Bench& bench, const std::string& beam, const std::string& text, nlohmann::json data) {
+  if (!beam.empty()) data["beam"] = beam;
+  bench.warn("reference", (beam.empty() ? "" : "of the source " + beam + ", ") + text,
+             std::move(data));
+}
+
+void warn_of_saturated(Bench& bench, const Source& of) {
+  const std::vector<int> saturated = saturated_spots(of.average);
   if (saturated.empty()) return;
-  bench.warn(
-      "reference",
-      fmt::format("spots {} are saturated in some frames of the reference: for a better one, "
-                  "lower the exposure or the gain and take it again",
+  warn(
+      bench, of.beam,
+      fmt::format("spots {} are saturated in some frames of the reference: for a better one, lower "
+                  "the exposure or the gain and take it again",
                   listed_spots(saturated)),
       {{"saturated_spots", saturated}});
 }
 
-void warn_of_lost(Bench& bench, const ReferenceSpots& spots) {
+void warn_of_lost(Bench& bench, const std::string& beam, const ReferenceSpots& spots) {
   if (spots.lost.empty()) return;
   std::string text = fmt::format(
       "the reference does not use spots {}, which were found in fewer than half of its frames",
@@ -29,7 +54,7 @@ void warn_of_lost(Bench& bench, const ReferenceSpots& spots) {
     text += fmt::format("; without them the modes j = {} are noisier",
                         listed_spots(spots.weak_modes_j));
   }
-  bench.warn("reference", text, {{"lost_spots", spots.lost}, {"weak_modes", spots.weak_modes_j}});
+  warn(bench, beam, text, {{"lost_spots", spots.lost}, {"weak_modes", spots.weak_modes_j}});
 }
 
 /// A reference taken under an introduced aberration is valid, but rarely intended.
@@ -76,24 +101,24 @@ Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take, B
   if (auto can = can_take_reference(*sensor, take); !can) return fail(can.error());
   auto taken = bench.reference(take.frames, take.beam);
   if (!taken) return fail(taken.error());
-  const auto named = std::find_if(sensor->beams.begin(), sensor->beams.end(),
-                                  [&](const BeamShown& one) { return one.name == take.beam; });
-  const SpotAverage average = named == sensor->beams.end()
-                                  ? taken->average
-                                  : taken->beams[std::size_t(named - sensor->beams.begin())];
-  const auto spots = std::make_shared<ReferenceSpots>();
+  const std::vector<Source> sources = sources_of(*taken, sensor->beams);
+  const auto spots = std::make_shared<std::vector<ReferenceSpots>>();
   auto change = use_reference(sensor->sensor_epoch, std::move(*taken), spots);
   if (auto used = bench.use(std::move(change), step); !used) return fail(used.error());
-  const std::vector<int> saturated = saturated_spots(average);
   const double introduced = rms_waves(sensor->aberration);
-  warn_of_saturated(bench, saturated);
-  warn_of_lost(bench, *spots);
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    warn_of_saturated(bench, sources[k]);
+    warn_of_lost(bench, sources[k].beam, spots->at(k));
+  }
   warn_of_introduced(bench, introduced);
-  return nlohmann::json{{"frames", average.frames},          {"saturated_spots", saturated},
-                        {"lost_spots", spots->lost},         {"weak_spots", spots->weak},
-                        {"weak_modes", spots->weak_modes_j}, {"introduced_rms_waves", introduced},
-                        {"drift_px", average.drift_px},      {"scatter_px", average.scatter_px},
-                        {"noise_px", average.noise_px}};
+  const SpotAverage& average = sources.front().average;
+  const ReferenceSpots& first = spots->front();
+  return nlohmann::json{
+      {"frames", average.frames},         {"saturated_spots", saturated_spots(average)},
+      {"lost_spots", first.lost},         {"weak_spots", first.weak},
+      {"weak_modes", first.weak_modes_j}, {"introduced_rms_waves", introduced},
+      {"drift_px", average.drift_px},     {"scatter_px", average.scatter_px},
+      {"noise_px", average.noise_px}};
 }
 
 }  // namespace ovws

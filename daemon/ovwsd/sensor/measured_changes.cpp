@@ -246,7 +246,7 @@ Result<ReferenceSpots> use_average(const SensorEdit& edit, const Bound& bound,
 
 /// The reference with the main source's part: as taken, or the present one.
 Result<Reference> main_reference(const SensorEdit& edit, const Bound& bound,
-                                 const TakenReference& taken, ReferenceSpots& spots) {
+                                 const TakenReference& taken, std::vector<ReferenceSpots>& spots) {
   if (!taken.only.empty() && taken.only != kMainBeam) {
     if (bound.reference && bound.reference->source == ReferenceSource::measured) {
       return *bound.reference;
@@ -258,24 +258,26 @@ Result<Reference> main_reference(const SensorEdit& edit, const Bound& bound,
   reference.picture = taken.picture;
   auto judged = use_average(edit, bound, taken.average, reference);
   if (!judged) return fail(judged.error());
-  spots = std::move(*judged);
+  spots.push_back(std::move(*judged));
   return reference;
 }
 
 /// Replaces the parts of the further sources in `reference` by the taken ones; those that were not
 /// taken are the present ones.
 Result<void> add_beams(const SensorEdit& edit, const Bound& bound, const TakenReference& taken,
-                       Reference& reference) {
+                       std::vector<ReferenceSpots>& spots, Reference& reference) {
   const std::vector<BeamConfig>& configured = edit.bench.optics.beams;
   std::vector<BeamReference> beams;
   for (std::size_t k = 0; k < configured.size(); ++k) {
     const auto& [name, offset_px] = configured[k];
     if (taken.only.empty() || taken.only == name) {
       Reference own = new_reference(edit, ReferenceSource::measured);
-      if (auto used = use_average(edit, bound, taken.beams.at(k), own); !used) {
+      auto used = use_average(edit, bound, taken.beams.at(k), own);
+      if (!used) {
         return fail(used.error().code, used.error().field,
                     "of the source " + name + ": " + used.error().reason);
       }
+      spots.push_back(std::move(*used));
       beams.push_back({name, offset_px, own.frames, own.t_taken_ns, own.aberration, own.introduced,
                        own.positions_px, own.standard_error_px});
     } else if (bound.reference) {
@@ -292,7 +294,7 @@ Result<void> add_beams(const SensorEdit& edit, const Bound& bound, const TakenRe
 }  // namespace
 
 SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
-                           std::shared_ptr<ReferenceSpots> spots) {
+                           std::shared_ptr<std::vector<ReferenceSpots>> spots) {
   return [sensor_epoch, taken = std::move(taken),
           spots = std::move(spots)](SensorEdit& edit) -> Result<void> {
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
@@ -303,7 +305,7 @@ SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
     const Bound bound = bind(edit.state, edit.knowledge, edit.bench.optics);
     auto reference = main_reference(edit, bound, taken, *spots);
     if (!reference) return fail(reference.error());
-    if (auto added = add_beams(edit, bound, taken, *reference); !added) return added;
+    if (auto added = add_beams(edit, bound, taken, *spots, *reference); !added) return added;
     keep_reference(edit, std::move(*reference));
     return {};
   };
@@ -340,6 +342,9 @@ SensorChange use_given_reference(SpotAverage given) {
     reference.positions_px = given.mean_px;
     reference.standard_error_px = given.standard_error_px;
     place_lost(judged->lost, model, reference);
+    if (const auto before = bind(edit.state, edit.knowledge, edit.bench.optics).reference) {
+      reference.beams = before->beams;
+    }
     keep_reference(edit, std::move(reference));
     return {};
   };

@@ -51,16 +51,18 @@ struct TakenReference {
   std::shared_ptr<const ReferenceImage> picture;
   CameraSettings settings;  ///< camera settings of the averaged frames
 };
-/// Makes a measured reference active. Writes its lost and weak spots to `spots` before that.
+/// Makes a measured reference active. Adds the lost and weak spots of each source that was taken to
+/// `spots` before that, in the order of TakenReference.
 /// Errors: those of check_average, judge_spots and check_branch_points; Errc::refused, field
 /// "camera", if the camera's settings have changed since the frames were taken; for a further
 /// source alone also Errc::refused, field "beam": the main one has no measured reference. What is
 /// not taken stays.
 SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
-                           std::shared_ptr<ReferenceSpots> spots);
+                           std::shared_ptr<std::vector<ReferenceSpots>> spots);
 /// Model reference: positions computed from the registration, or else from the configuration.
 SensorChange use_model_reference();
-/// `reference.give`: makes a client's positions the reference, without an image.
+/// `reference.give`: makes a client's positions the reference of the main source, without an image;
+/// those of further sources stay.
 /// `given`: `found` is the number of frames or 0 (lost). Errors: Errc::refused, field "tracker":
 /// the tracker is `fit`; Errc::invalid, field "positions": they do not fit the sensor; those of
 /// judge_spots and check_branch_points.

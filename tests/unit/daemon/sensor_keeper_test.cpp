@@ -302,7 +302,7 @@ TEST_F(Keeper, WhatWasMeasuredOfAnotherImageIsRefused) {
   camera.roi = {16, 0, 640, 816};
   keeper_->camera_changed(camera, std::nullopt);
   work();
-  const auto spots = std::make_shared<ReferenceSpots>();
+  const auto spots = std::make_shared<std::vector<ReferenceSpots>>();
   const auto refused = edit(job, use_reference(epoch, {}, spots));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().field, "camera");

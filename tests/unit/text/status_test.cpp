@@ -49,6 +49,9 @@ TEST(Status, EveryFurtherSourceHasALine) {
   EXPECT_NE(text.find("c at (+0.0, -848.0) px: no reference\n"), std::string::npos) << text;
   EXPECT_NE(text.find("d at (+9.0, +9.0) px: NOT VALID: 0 of 7 spots\n"), std::string::npos)
       << text;
+  state.wavefront["settled"] = false;  // another pattern is shown
+  EXPECT_NE(status_text(state).find("b at (+3.0, +418.0) px: not measured now\n"),
+            std::string::npos);
 }
 
 TEST(Status, AFixedArrayHasNoHologram) {
