@@ -105,8 +105,9 @@ constexpr std::array<Obstacle, 8> kObstacles{{
     {&Conditions::measuring, true, Errc::refused, kJobRuns},
     {&Conditions::loop, true, Errc::refused, "the loop is closed; open it with loop.open first"},
     {&Conditions::fixed, true, Errc::refused,
-     "the sensor is a fixed array of lenslets, which shows no hologram; use a corrector of your "
-     "own instead"},
+     "the sensor is a fixed array of lenslets, which shows no holograms, so this is not possible; "
+     "a "
+     "loop can be closed with a corrector of your own (corrector.set)"},
 }};
 
 /// Which obstacles block an action, in the order of kObstacles.

@@ -10,6 +10,7 @@ TWIN = "tcp://127.0.0.1:7790"
 HIDDEN = {3: 0.06, 4: -0.05, 5: 0.03}  # waves: modes that every lattice here determines
 CORRECTION = {"modes": [{"j": 4, "waves": 0.02}]}
 BOUND_WAVES = 0.012
+STEEP, STEEP_WAVES = {"spacing": 0.7}, 1.7  # together too steep for the SLM; each alone is not
 COARSE, FINE = {"subapertures_across": 3}, {"subapertures_across": 5}
 EXAMPLE = ROOT / "proto" / "python" / "examples" / "adapt_lattice.py"
 PYTHON = bench_module.find_programs().parent / "python"
@@ -131,6 +132,56 @@ class Lattices(BenchCase):
         self.assertTrue(self.call("loop.get")["closed"])
         self.call("loop.open", {"keep": False})
         self.assertIn("8", str(self.refused("lattice.prepare", {"lattices": [{"name": f"n{k}"} for k in range(7)]})))
+
+    def test_a_switch_is_no_stale_reference(self):
+        self.prepare_both()
+        events = self.stream("event")
+        for name in ("fine", "coarse", "fine", "coarse"):
+            self.call("lattice.use", {"name": name})
+        self.call("camera.set", {"gain_db": 1.0})
+        told = []
+        while not told or told[-1]["data"]["stale"] != ["gain_db"]:
+            event = events.next(5.0)
+            self.assertIsNotNone(event, told)
+            if event["topic"] == "event" and "stale" in (event["data"] or {}):
+                told.append(event)
+        # The fine lattice was in use, with another exposure than that of its new reference.
+        self.assertEqual([event["data"]["stale"] for event in told], [[], ["gain_db"]])
+
+    def test_a_refused_switch_changes_no_exposure(self):
+        self.prepare_both()
+        self.call("lattice.use", {"name": "coarse"})
+        self.call("reference.clear")
+        exposure_us = {name: one["exposure_us"] for name, one in self.listed().items()}
+        stream = self.stream("wavefront")
+        self.switch("fine", stream)
+        for _ in range(5):
+            self.assertIn("lattice.prepare", str(self.refused("lattice.use", {"name": "coarse"})))
+        frames = [stream.next(5.0) for _ in range(30)]
+        self.assertEqual({frame["exposure_us"] for frame in frames}, {exposure_us["fine"]})
+
+    def test_a_mode_count_is_checked_once(self):
+        """The check renders spots in the thread that shows the loop's holograms: sensor.set takes as long."""
+        checked_s = self.seconds("sensor.set", {"mode_count": 30})
+        self.prepare({"name": "fine"}, {"name": "more", "sensor": {"mode_count": 40}}, {"name": "coarse", "sensor": COARSE | {"mode_count": None}})
+        listed_s = min(self.seconds("lattice.list") for _ in range(5))
+        used_s = min(self.seconds("lattice.use", {"name": name}) for _ in range(3) for name in ("fine", "more"))
+        print(f"\n  checked {checked_s:.3f} s, listed {listed_s:.3f} s, used {used_s:.3f} s")
+        self.assertLess(max(listed_s, used_s), 0.3 * checked_s)
+
+    def seconds(self, method, params=None):
+        begun = time.monotonic()
+        self.call(method, params)
+        return time.monotonic() - begun
+
+    def test_an_aberration_or_an_operator_that_the_job_replaces_does_not_hinder_it(self):
+        self.call("sensor.set", {"tracker": "lg"})
+        self.call("aberration.set", {"modes": [{"j": 4, "waves": STEEP_WAVES}]})
+        steep = {"name": "steep", "sensor": COARSE | STEEP | {"operator": "measured"}}
+        self.assertEqual([one["calibrated"] for one in self.prepare(steep, calibrate=True)], [True])
+        self.assertIn("too steep", self.listed()["steep"]["reason"])
+        self.call("aberration.clear")
+        self.call("lattice.use", {"name": "steep"})
 
     def test_a_cancelled_job_leaves_the_sensor_and_what_it_has_finished(self):
         self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.05}]})

@@ -45,15 +45,20 @@ Result<void> check_names(const LatticePrepare& asked, const PreparedLattices::Al
                           kMaxLattices, names.size()));
 }
 
+/// The key of request `k` that an error of the sensor's check is about.
+std::string field_of(std::size_t k, const std::string& field) {
+  const std::string request = fmt::format("lattices[{}].sensor", k);
+  if (field.empty() || field.starts_with("beams[")) return request;  // not a key of the sensor
+  const std::size_t section = field.find('.');
+  return request + "." + (section == std::string::npos ? field : field.substr(section + 1));
+}
+
 Result<void> check_requests(const LatticePrepare& asked, const SensorEdit& now) {
   for (std::size_t k = 0; k < asked.lattices.size(); ++k) {
     auto checked = check_request(asked.lattices[k], asked.calibrate, now);
     if (checked) continue;
     Error error = checked.error();
-    const std::size_t section = error.field.find('.');
-    const std::string key =
-        section == std::string::npos ? error.field : error.field.substr(section + 1);
-    error.field = fmt::format("lattices[{}].sensor{}{}", k, key.empty() ? "" : ".", key);
+    error.field = field_of(k, error.field);
     return fail(std::move(error));
   }
   return {};
@@ -72,6 +77,12 @@ void prepare(Services& services, const LatticePrepare& asked, Reply<JobNumber> r
   });
 }
 
+/// An error about the sensor's keys, which the request does not have, as one about its lattice.
+Error about_name(Error error) {
+  if (!error.field.empty()) error.field = "name";
+  return error;
+}
+
 /// Exposure and gain of `wanted`, as far as they differ from those in use.
 CameraSet exposure_change(const CameraSettings& now, const PreparedLattice& wanted) {
   CameraSet change;
@@ -84,38 +95,53 @@ CameraSet exposure_change(const CameraSettings& now, const PreparedLattice& want
   return change;
 }
 
-/// Switches the sensor. If that fails, the camera's settings `before` return before the reply.
+using Used = std::function<void(const Result<LatticeInUse>&)>;
+
+/// Changes the sensor. If that fails, the camera's settings `before` return before the answer.
 void show(Services& services, const PreparedLattice& lattice, const CameraSet& before,
-          Reply<LatticeInUse> reply) {
-  const auto done = [&services, lattice, before, reply](const Result<SensorView>& used) {
-    if (used) {
-      return reply(LatticeInUse{lattice.name, (*used)->subapertures, lattice.exposure_us,
-                                (*used)->hologram_id});
+          const Used& done) {
+  const auto shown = [&services, name = lattice.name, before, done](const Result<SensorView>& now) {
+    if (now) {
+      return done(LatticeInUse{name, (*now)->subapertures,
+                               services.camera.snapshot().settings.exposure_us,
+                               (*now)->hologram_id});
     }
-    Error error = used.error();
-    if (!error.field.empty()) error.field = "name";
-    if (before.given().empty()) return reply(error);
-    services.camera.change(before, [reply, error](const auto&) { reply(error); });
+    const Error error = about_name(now.error());
+    if (before.given().empty()) return done(fail(error));
+    services.camera.change(before, [done, error](const auto&) { done(fail(error)); });
   };
-  services.keeper.edit(Hold::unheld(), use_lattice(lattice), done);
+  services.keeper.edit(Hold::of_lattice(), use_lattice(lattice), shown);
 }
 
 /// The exposure changes first: no settled frame of the lattice then has another one.
-void use(Services& services, const LatticeName& params, Reply<LatticeInUse> reply) {
-  const auto lattice = services.lattices.find(params.name);
-  if (!lattice) return reply(lattice.error());
+void expose_and_show(Services& services, const PreparedLattice& lattice, const Used& done) {
   const CameraSettings now = services.camera.snapshot().settings;
-  const CameraSet change = exposure_change(now, *lattice);
-  if (change.given().empty()) return show(services, *lattice, {}, std::move(reply));
+  const CameraSet change = exposure_change(now, lattice);
+  if (change.given().empty()) return show(services, lattice, {}, done);
   CameraSet back;
   for (const auto member :
        {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {
     if (change.gives(member)) back.put(member, now.*member);
   }
-  services.camera.change(change, [&services, lattice = *lattice, back = std::move(back),
-                                  reply](const Result<CameraSnapshot>& set) {
-    if (!set) return reply(set.error());
-    show(services, lattice, back, reply);
+  services.camera.change(change,
+                         [&services, lattice, back, done](const Result<CameraSnapshot>& set) {
+                           if (!set) return done(fail(set.error()));
+                           show(services, lattice, back, done);
+                         });
+}
+
+/// Holds the sensor from the check to the end, so that nothing comes between its two changes.
+void use(Services& services, const LatticeName& params, Reply<LatticeInUse> reply) {
+  const auto lattice = services.lattices.find(params.name);
+  if (!lattice) return reply(lattice.error());
+  services.keeper.ask([&services, lattice = *lattice, reply](const SensorEdit& now) {
+    if (auto free = services.keeper.may_hold(); !free) return reply(free.error());
+    SensorEdit edit = now;
+    if (auto usable = use_lattice(lattice)(edit); !usable) return reply(about_name(usable.error()));
+    services.keeper.hold(Hold::of_lattice());
+    expose_and_show(services, lattice, [&services, reply](const Result<LatticeInUse>& used) {
+      services.keeper.release(Hold::of_lattice(), [reply, used] { reply(used); });
+    });
   });
 }
 

@@ -9,7 +9,7 @@
 namespace ovws {
 
 struct Hold {
-  enum class By { nobody, job, loop, reload };
+  enum class By { nobody, job, loop, reload, lattice };
   By by = By::nobody;
   int job = 0;
 
@@ -17,13 +17,17 @@ struct Hold {
   static Hold of_job(int number) { return {By::job, number}; }
   static Hold of_loop() { return {By::loop, 0}; }
   static Hold of_reload() { return {By::reload, 0}; }
+  static Hold of_lattice() { return {By::lattice, 0}; }  ///< lattice.use
+
+  /// Whether the holder changes the camera's settings together with the sensor.
+  bool changes_camera() const { return by != By::nobody && by != By::loop; }
   friend bool operator==(const Hold&, const Hold&) = default;
 };
 
 /// Whether `as` may change the sensor while `now` holds the sensor. The holder may. A free sensor
-/// may be changed by anyone except a job or a reload, which must hold the sensor first. Request a
-/// change as the loop if it is allowed with the loop open or closed. Errc::refused: the message
-/// says what to wait for.
+/// may be changed by anyone except a job, a reload or lattice.use, which must hold the sensor
+/// first. Request a change as the loop if it is allowed with the loop open or closed.
+/// Errc::refused: the message says what to wait for.
 inline Result<void> may_change(const Hold& now, const Hold& as) {
   if (now == as || (as.by == Hold::By::loop && now.by == Hold::By::nobody)) return {};
   if (as.by == Hold::By::job) {
@@ -38,10 +42,13 @@ inline Result<void> may_change(const Hold& now, const Hold& as) {
     case Hold::By::reload:
       return fail(Errc::refused, "",
                   "the configuration is being reloaded; repeat the request in a moment");
+    case Hold::By::lattice:
+      return fail(Errc::refused, "",
+                  "a prepared lattice is being taken into use; repeat the request in a moment");
     case Hold::By::nobody:
       break;
   }
-  return fail(Errc::refused, "", "the reload does not hold the sensor");
+  return fail(Errc::refused, "", "this change needs the sensor to be held");
 }
 
 }  // namespace ovws

@@ -22,7 +22,8 @@ bool is_in_use(const PreparedLattice& lattice, const SensorState& state) {
   return to_json(lattice.settings) == to_json(SensorSettings{state.sensor, state.tracking});
 }
 
-/// Refuses a sensor without a reference: none of its frames would be valid.
+/// Refuses a sensor without a reference: none of its frames would be valid. One with a reference
+/// was measured on this bench, so that its spots need no other check.
 Result<void> check_reference(const SensorEdit& edit) {
   SensorState state = edit.state;
   state.tracking.mode_operator = OperatorKind::slopes;  // making a diffractive one takes long
@@ -83,11 +84,14 @@ void PreparedLattices::remove(const std::string& name, std::function<void(Result
 }
 
 SensorChange use_lattice(const PreparedLattice& lattice) {
-  return [set = set_sensor(SensorSet::whole(lattice.settings))](SensorEdit& edit) -> Result<void> {
+  return [set = set_unchecked_sensor(SensorSet::whole(lattice.settings))](
+             SensorEdit& edit) -> Result<void> {
     if (auto changed = set(edit); !changed) return changed;
     if (auto drawn = edit.bench.renderers.renew(edit.state); !drawn) return drawn;
     edit.state.pattern = HologramKind::sensor;
     edit.state.painted.reset();
+    if (auto sampled = check_sampling(edit.state); !sampled) return sampled;
+    if (auto apart = check_sources_apart(edit.state, edit.bench.optics); !apart) return apart;
     return check_reference(edit);
   };
 }
@@ -105,9 +109,15 @@ LatticeReport report_of(const PreparedLattice& lattice, const SensorEdit& now) {
 
 Result<void> check_request(const LatticeRequest& request, bool calibrate, const SensorEdit& now) {
   SensorEdit edit = now;
-  if (auto changed = set_sensor(request.sensor)(edit); !changed) return changed;
+  SensorSet change = request.sensor;
+  if (calibrate) change.forget(&TrackingSettings::mode_operator);  // there will be a calibration
+  if (auto changed = set_unchecked_sensor(std::move(change))(edit); !changed) {
+    return changed;
+  }
   if (auto drawn = renew_renderer(edit.state); !drawn) return drawn;
   edit.state.pattern = HologramKind::sensor;
+  edit.state.aberration.clear();  // the job shows it without one
+  edit.state.sequence.clear();
   if (auto sampled = check_sampling(edit.state); !sampled) return sampled;
   if (auto fits = check_layout(edit.state, edit.bench.optics); !fits) return fits;
   if (calibrate || edit.state.tracking.mode_operator != OperatorKind::measured ||

@@ -41,7 +41,8 @@ class PreparedLattices {
 };
 
 /// Makes a prepared lattice the sensor in use; aberration and correction stay. Errors: those of
-/// set_sensor; Errc::refused, field "name": no reference applies to it.
+/// set_unchecked_sensor, check_sampling and check_beams; Errc::refused, field "name": no reference
+/// applies to it.
 SensorChange use_lattice(const PreparedLattice& lattice);
 /// Whether the lattice is in use, and could be used now. Prepare thread.
 LatticeReport report_of(const PreparedLattice& lattice, const SensorEdit& now);

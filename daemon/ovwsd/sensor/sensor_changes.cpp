@@ -39,14 +39,21 @@ Result<void> check_lenslets(const SensorConfig& before, const SensorConfig& now)
 }  // namespace
 
 SensorChange set_sensor(SensorSet change, std::optional<MaskConfig> read_mask) {
+  return [set = set_unchecked_sensor(std::move(change), std::move(read_mask))](
+             SensorEdit& edit) -> Result<void> {
+    if (auto changed = set(edit); !changed) return changed;
+    return check_spots(edit.state, edit.bench.optics);
+  };
+}
+
+SensorChange set_unchecked_sensor(SensorSet change, std::optional<MaskConfig> read_mask) {
   return [change = std::move(change),
           read_mask = std::move(read_mask)](SensorEdit& edit) -> Result<void> {
     const SensorConfig before = edit.state.sensor;
     apply(change, read_mask ? read_mask : edit.bench.config.sensor.mask, edit.state);
     if (auto fixed = check_lenslets(before, edit.state.sensor); !fixed) return fixed;
     if (auto there = check_operator(change, edit); !there) return there;
-    if (auto fast = check_daemon_tracker(edit.state.tracking); !fast) return fast;
-    return check_spots(edit.state, edit.bench.optics);
+    return check_daemon_tracker(edit.state.tracking);
   };
 }
 

@@ -19,6 +19,10 @@ namespace ovws {
 /// "operator": `measured` was requested, but no calibration applies. A change that names a mask's
 /// file takes its map from the mask in use, or from `read_mask` (none: that of the configuration).
 SensorChange set_sensor(SensorSet change, std::optional<MaskConfig> read_mask = std::nullopt);
+/// As set_sensor, but the spots are not checked (check_spots): with a mask or `mode_count` this
+/// renders them, which takes up to a second. For a sensor that has a reference.
+SensorChange set_unchecked_sensor(SensorSet change,
+                                  std::optional<MaskConfig> read_mask = std::nullopt);
 SensorChange set_aberration(std::vector<Mode> modes);
 /// Shows a DMD's sequence: patterns of the sensor, each with these modes, in place of the
 /// introduced aberration.

@@ -2,6 +2,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
+
 #include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "proto/json_text.hpp"
@@ -57,16 +59,24 @@ void SensorEvents::publish_stale(const Reference* reference,
 const std::string& SensorEvents::layout_fault(const SensorState& state) {
   const OpticsConfig optics = optics_of(state, bench_);
   LayoutKey key{state.sensor, state.tracking, optics.registered, optics.centre_px, state.roi};
-  if (layout_key_ == key) return layout_fault_;
-  const bool first = !layout_key_;
-  layout_key_ = std::move(key);
-  const auto seen = check_layout(state, bench_);
-  layout_fault_ = seen ? "" : text_of(seen.error());
-  if (!seen) {
-    events_.emit("sensor", first ? Severity::error : Severity::warning, layout_fault_,
-                 {{"field", seen.error().field}});
+  if (!layouts_.empty() && layouts_.back().key == key) return layouts_.back().fault;
+  const bool first = layouts_.empty();
+  const auto found = std::find_if(layouts_.begin(), layouts_.end(),
+                                  [&](const Layout& one) { return one.key == key; });
+  if (found != layouts_.end()) {
+    std::rotate(found, found + 1, layouts_.end());
+  } else {
+    const auto seen = check_layout(state, bench_);
+    layouts_.push_back(
+        {std::move(key), seen ? "" : text_of(seen.error()), seen ? "" : seen.error().field});
+    if (layouts_.size() > kMaxLayouts) layouts_.pop_front();
   }
-  return layout_fault_;
+  const Layout& now = layouts_.back();
+  if (!now.fault.empty()) {
+    events_.emit("sensor", first ? Severity::error : Severity::warning, now.fault,
+                 {{"field", now.field}});
+  }
+  return now.fault;
 }
 
 }  // namespace ovws

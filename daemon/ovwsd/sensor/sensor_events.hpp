@@ -1,6 +1,7 @@
 /// Events that report changes of the sensor to subscribers.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -27,7 +28,8 @@ class SensorEvents {
   /// set of differing settings changes. Another value of a differing setting is not published.
   void publish_stale(const Reference* reference, const std::optional<CameraSettings>& camera);
   /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
-  /// problem. Repeats the check, and publishes its fault, only when an input has changed.
+  /// problem. Publishes the fault when an input has changed. Keeps the results of the last inputs:
+  /// with a mask or `mode_count` the check renders the spots, which takes up to a second.
   const std::string& layout_fault(const SensorState& state);
 
  private:
@@ -37,8 +39,12 @@ class SensorEvents {
   BenchOptics bench_;
   Events& events_;
   std::vector<std::string> published_stale_;  ///< settings named in the last event
-  std::optional<LayoutKey> layout_key_;       ///< inputs of layout_fault_
-  std::string layout_fault_;
+  struct Layout {
+    LayoutKey key;  ///< the inputs
+    std::string fault, field;
+  };
+  static constexpr std::size_t kMaxLayouts = 9;  ///< eight prepared lattices, and another
+  std::deque<Layout> layouts_;                   ///< the last is that of the present sensor
 };
 
 }  // namespace ovws

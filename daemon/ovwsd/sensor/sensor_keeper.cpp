@@ -185,6 +185,7 @@ void SensorKeeper::release(Hold by, std::function<void()> then) {
     if (state_.hold == by) {
       if (lease_) restore_lease();
       set_hold(Hold::unheld());
+      publish_stale();
     }
     then();
   });
@@ -224,7 +225,7 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
         knowledge_.camera && info && camera_json(knowledge_.camera) != camera_json(info);
     if (same_image && !other_camera && is_same(before, now)) {
       knowledge_ = std::move(edit.knowledge);
-      return events_.publish_stale(snapshot()->reference.get(), bench_.camera);
+      return publish_stale();
     }
     next.roi = camera.roi;
     next.format = camera.pixel_format;
@@ -366,7 +367,13 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   deps_.on_plan(*plan, now);
   snapshot_.set(now);
   plans_.use(std::move(plan));
-  events_.publish_stale(bound.reference.get(), bench_.camera);
+  publish_stale();
+}
+
+/// Not while camera and sensor change together: they fit each other again in the end.
+void SensorKeeper::publish_stale() {
+  if (state_.hold.changes_camera()) return;
+  events_.publish_stale(snapshot()->reference.get(), bench_.camera);
 }
 
 /// Writes or removes the files of a change that is already in effect, then calls `done`. If a file

@@ -93,6 +93,7 @@ class SensorKeeper : public Agent {
   void adopt(SensorEdit edit, const Bound& bound, std::unique_ptr<MeasurementPlan> plan);
   bool load_for_slm(const ActiveSlm& slm, Knowledge& knowledge);
   void plan_again(SensorEdit edit);
+  void publish_stale();
   void set_hold(Hold by);
   void restore_lease();
   void discard_for_camera(const std::optional<CameraInfo>& info);

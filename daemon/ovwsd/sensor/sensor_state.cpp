@@ -133,6 +133,13 @@ Result<void> check_spots(const SensorState& state, const BenchOptics& bench) {
   return check_mode_count(spots);
 }
 
+Result<void> check_sources_apart(const SensorState& state, const BenchOptics& bench) {
+  const OpticsConfig optics = optics_of(state, bench);
+  return check_beams({state.renderer->lattice(), state.sensor, state.tracking, optics, bench.slm,
+                      state.roi, state.format},
+                     bench.beams);
+}
+
 Result<void> check_layout(const SensorState& state, const BenchOptics& bench) {
   if (auto checked = check_spots(state, bench); !checked) return checked;
   const OpticsConfig optics = optics_of(state, bench);

@@ -81,6 +81,8 @@ Result<void> check_sampling(const SensorState& state);
 /// Checks the spot layout. Errors: neighbouring spots are too close for the tracker, or the spots
 /// do not determine as many modes as requested.
 Result<void> check_spots(const SensorState& state, const BenchOptics& bench);
+/// Checks that no further light source overlaps another one. Errors: those of check_beams.
+Result<void> check_sources_apart(const SensorState& state, const BenchOptics& bench);
 /// Checks spots and camera region. Errors: those of check_spots; too many spots fall outside the
 /// camera's region.
 Result<void> check_layout(const SensorState& state, const BenchOptics& bench);
