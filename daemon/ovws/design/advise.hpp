@@ -55,8 +55,8 @@ constexpr std::array<int, 3> kAdvisedCharges{0, 1, 2};
 constexpr double kFill = 0.7;
 
 /// Least signal-to-noise ratio of the brightest pixel at which spots count as found. Measured with
-/// `ovws study acquisition`, 13 px to lambda/d: `fit` finds all spots at 1.5, 84 % at 1, none at
-/// 0.5.
+/// the images of `ovws study acquisition --quick`, 13 px to lambda/d, and more noise: `fit` finds
+/// all spots at 1.5, 84 % at 1, none at 0.5.
 constexpr double kLeastSnr = 1.0;
 
 /// Compares sensors for `bench.modes` modes, which must be given, on this bench. Errors are
