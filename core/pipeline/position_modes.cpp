@@ -30,8 +30,12 @@ Reconstruction reconstruct_positions(const MeasurementPlan& plan, std::span<Spot
   const Reconstruction all = positions.solve(spots, scratch, leading);
   const bool looks = plan.branch_points != nullptr && all.determined && !too_many_lost(all);
   if (looks) positions.residuals(spots, scratch, left_px);
-  const Reconstruction rest = positions.solve_without_outliers(
-      spots, scratch, leading, kCredibleResidual * plan.spots.lambda_d_px);
+  const double acceptable_px = kCredibleResidual * plan.spots.lambda_d_px;
+  // Without outliers a second solution would be the same.
+  const Reconstruction rest =
+      all.determined && all.fit_residual_px <= acceptable_px
+          ? all
+          : positions.solve_without_outliers(spots, scratch, leading, acceptable_px);
   if (looks) {
     found.count = plan.branch_points->find(left_px, only_outlier(spots, left_px), found.points);
   }

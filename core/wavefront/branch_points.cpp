@@ -72,6 +72,17 @@ Lists cells_at(const Lattice& lattice, int i, const Lists& touching, const Lists
   return cells;
 }
 
+/// Largest circulation of a loop for a root sum square displacement of one pixel, squared.
+template <class Loop>
+double reach(const Loop& loop) {
+  double squares = 0.0;
+  for (int k = 0; k < loop.corners; ++k) {
+    const Vec2 per_px = loop.per_px[std::size_t(k)];
+    squares += per_px.x * per_px.x + per_px.y * per_px.y;
+  }
+  return squares;
+}
+
 }  // namespace
 
 BranchPoints::BranchPoints(const Lattice& lattice, double pupil_radius_px, const PxPerCycle& map)
@@ -100,6 +111,10 @@ BranchPoints::BranchPoints(const Lattice& lattice, double pupil_radius_px, const
       add_loop(lattice, std::move(both), map);
     }
   }
+  const auto farthest =
+      std::max_element(loops_.begin(), loops_.end(),
+                       [](const Loop& a, const Loop& b) { return reach(a) < reach(b); });
+  if (farthest != loops_.end()) std::iter_swap(loops_.begin(), farthest);
 }
 
 void BranchPoints::add_loop(const Lattice& lattice, std::vector<int> spots, const PxPerCycle& map) {
@@ -166,6 +181,10 @@ int BranchPoints::find(std::span<const Vec2> left_px, int outlier,
     if (std::isnan(left.x)) continue;
     squares += left.x * left.x + left.y * left.y;
     known += 1.0;
+  }
+  // In nearly all frames no loop can reach the limit: then the loops stay out of the cache.
+  if (loops_.empty() || squares * reach(loops_.front()) <= kMinCirculation * kMinCirculation) {
+    return 0;
   }
   const double share = std::sqrt(squares * std::min(1.0, kEvidenceSpots / std::max(known, 1.0)));
   const double limit = std::max(kMinCirculation, kMinShare * share / lambda_d_px_);
