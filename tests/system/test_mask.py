@@ -26,18 +26,23 @@ class MaskCase(BenchCase):
         """Sets the sensor's charges and mask; what `change` does not give is the default."""
         return self.call("sensor.set", {"charge": 1, "alternate_charge": None, "charges": [], "mask": None} | change)["applied"]
 
+    def complete_frames(self, stream, fitted):
+        """The next 20 valid frames if they have all spots, but for one in a few of them, which noise may make an outlier.
+        Until templates of the new wavefront are made, those of the last one may leave out the spots that it changed most."""
+        frames = (self.fitted_frames if fitted else self.settled_frames)(stream, 20, timeout_s=60.0)
+        tracked = [frame["tracked"] for frame in frames]
+        return frames if statistics.median(tracked) == 19 and min(tracked) >= 18 else None
+
     def check_measured(self, what, fitted=True):
         self.take_reference(30)
         stream = self.stream("wavefront")
         shown = self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in MODES.items()]})
         self.settled_frames(stream, 1, shown["hologram_id"], timeout_s=30.0)
-        frames = (self.fitted_frames if fitted else self.settled_frames)(stream, 30, timeout_s=60.0)[10:]
+        frames = wait_for(lambda: self.complete_frames(stream, fitted), 30.0, f"{what}: frames with all spots")
         error = statistics.median(sum((value - MODES.get(j, 0.0)) ** 2 for j, value in zip(frame["j"], frame["coefficients"])) ** 0.5
                                   for frame in frames)
-        print(f"\n  {what}: error {error:.5f} wave, tracked {frames[-1]['tracked']}")
+        print(f"\n  {what}: error {error:.5f} wave")
         self.assertLess(error, BOUND_WAVES if fitted else POSITIONS_BOUND_WAVES)
-        tracked = [frame["tracked"] for frame in frames]  # noise may make one spot an outlier
-        self.assertEqual((statistics.median(tracked), min(tracked) >= 18), (19, True), tracked)
         self.call("aberration.clear")
 
 
