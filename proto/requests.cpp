@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "proto/field_schema.hpp"
 #include "proto/names.hpp"
 #include "proto/reader.hpp"
 #include "proto/tables/modes.hpp"
@@ -64,6 +65,13 @@ Result<ModesSet> ModesSet::decode(const Json& params) {
 
 Json Wire<ModesSet>::to_json(const ModesSet& set) {
   return {{"modes", ovws::to_json(set.modes)}, {"norm", "rms"}};
+}
+
+Json Wire<Masks>::schema(SchemaParts& parts, const FieldInfo&) {
+  const Json mask = detail::schema_reference<MaskConfig>(parts);
+  return {
+      {"anyOf",
+       {mask, {{"type", "array"}, {"items", mask}, {"maxItems", kMaxMasks}}, {{"type", "null"}}}}};
 }
 
 Json Wire<ModesSet>::schema(SchemaParts&, const FieldInfo&) {

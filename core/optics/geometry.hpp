@@ -119,7 +119,7 @@ struct SensorConfig {
   std::optional<int> alternate_charge = std::nullopt;
   /// Charge of each subaperture, in the order of make_lattice; empty: by the two above.
   std::vector<int> charges{};
-  std::optional<MaskConfig> mask = std::nullopt;  ///< phase added in the subapertures
+  Masks masks{};        ///< phase added in the subapertures
   Lenslets lenslets{};  ///< of a fixed array, in place of the lattice by the values above
 
   friend bool operator==(const SensorConfig&, const SensorConfig&) = default;

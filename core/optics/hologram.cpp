@@ -48,13 +48,19 @@ void add_mask_row(const MaskConfig& mask, const SlmGeometry& slm, const Subapert
   }
 }
 
+bool reaches(const Subaperture& s, const SlmGeometry& slm, double diameter_px, int y) {
+  return std::abs(y - pupil_centre(slm).y - s.centre_px.y) <= 0.5 * diameter_px;
+}
+
 void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
                 std::span<double> waves) {
   for (std::size_t i = 0; i < lattice.subapertures.size(); ++i) {
     const Subaperture& s = lattice.subapertures[i];
+    if (!reaches(s, config.slm, lattice.diameter_px, y)) continue;
     subaperture_row(config.slm, s, lattice.diameter_px, {}, y, waves);
-    if (config.sensor.mask && is_masked(*config.sensor.mask, int(i))) {
-      add_mask_row(*config.sensor.mask, config.slm, s, lattice.diameter_px, y, waves);
+    for (const MaskConfig& mask : config.sensor.masks) {
+      if (!is_masked(mask, int(i))) continue;
+      add_mask_row(mask, config.slm, s, lattice.diameter_px, y, waves);
     }
   }
 }

@@ -89,22 +89,12 @@ Result<void> check_charges(const SensorConfig& sensor, std::size_t count) {
                   " subapertures: give one for each, by rows, or [] for sensor.charge in all");
 }
 
-Result<void> check_masked(const SensorConfig& sensor, std::size_t count) {
-  if (!sensor.mask) return {};
-  for (const int i : sensor.mask->subapertures) {
-    if (i >= 0 && std::size_t(i) < count) continue;
-    return fail(
-        Errc::invalid, "sensor.mask.subapertures",
-        "there is no subaperture " + std::to_string(i) + ": use 0 to " + std::to_string(count - 1));
-  }
-  return check_mask(*sensor.mask);
-}
-
 /// The lattice of a fixed array.
 Result<Lattice> lattice_of(const SensorConfig& sensor) {
   const Lenslets& lenslets = sensor.lenslets;
-  if (sensor.alternate_charge || sensor.mask) {
-    return fail(Errc::invalid, sensor.mask ? "sensor.mask" : "sensor.alternate_charge",
+  const bool masked = !sensor.masks.empty();
+  if (sensor.alternate_charge || masked) {
+    return fail(Errc::invalid, masked ? "sensor.mask" : "sensor.alternate_charge",
                 "a fixed array has one kind of plate in all lenslets: set null");
   }
   if (!sensor.charges.empty()) {
@@ -142,7 +132,7 @@ Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm)
   const auto found = centres(sensor, lattice.diameter_px);
   if (auto ok = check_count(found.size()); !ok) return fail(ok.error());
   if (auto ok = check_charges(sensor, found.size()); !ok) return fail(ok.error());
-  if (auto ok = check_masked(sensor, found.size()); !ok) return fail(ok.error());
+  if (auto ok = check_masks(sensor.masks, found.size()); !ok) return fail(ok.error());
   for (const Vec2 centre : found) {
     const Vec2 f = frequency(centre, sensor, slm);
     if (!(std::abs(f.x) <= kNyquistCpp && std::abs(f.y) <= kNyquistCpp)) {

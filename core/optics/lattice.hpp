@@ -27,9 +27,8 @@ struct Lattice {
 /// centre for every M (number across), so an even M leaves half a subaperture free at the edge.
 /// Errors (Errc::invalid, field "sensor.…" or "slm.width"): empty SLM; pupil larger than the SLM's
 /// height or width; fewer than 3 or more than kMaxSubapertures subapertures; a grating beyond the
-/// SLM's Nyquist limit of 0.5 cycles per pixel; a mask that check_mask refuses, or in subapertures
-/// that do not exist; charges for another number of subapertures, or together with an alternate
-/// charge.
+/// SLM's Nyquist limit of 0.5 cycles per pixel; masks that check_masks refuses; charges for
+/// another number of subapertures, or together with an alternate charge.
 ///
 /// Charges: `sensor.charges`, one for each subaperture; or `sensor.charge`, and
 /// `sensor.alternate_charge` in every second subaperture: a checkerboard in a square grid, every

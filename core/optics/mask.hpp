@@ -1,6 +1,7 @@
-/// Phase mask of a subaperture: what it imprints besides its grating and its vortex.
+/// Phase masks of subapertures: what they imprint besides their gratings and vortices.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,10 @@
 namespace ovws {
 
 constexpr int kMinMaskPx = 16, kMaxMaskPx = 2048;  ///< side of a mask's map, pixels
+constexpr std::size_t kMaxMasks = 64;
+constexpr std::size_t kMaxMaskModes = 45;  ///< of all masks of one subaperture
+/// Pixels of all maps: 64 MiB.
+constexpr std::size_t kMaxMaskPixels = std::size_t(4) * kMaxMaskPx * kMaxMaskPx;
 
 /// Phase mask of subapertures, the same for all that have it: the sum of its parts, waves.
 struct MaskConfig {
@@ -33,20 +38,33 @@ struct MaskConfig {
   }
 };
 
+/// A sensor's masks. Each subaperture has the sum of those that name it.
+using Masks = std::vector<MaskConfig>;
+
 /// Whether this subaperture has the mask.
 bool is_masked(const MaskConfig& mask, int subaperture);
 
 /// Phase of the mask at a position in units of the subaperture's radius from its centre, waves. A
 /// map gives its nearest pixel.
 double mask_waves(const MaskConfig& mask, Vec2 at);
+/// Sum of the masks of a subaperture at such a position, waves.
+double mask_waves(const Masks& masks, int subaperture, Vec2 at);
 
-/// Gives a mask that names a file, but was not read from it, the map of `from`, if that is the same
-/// file: by checksum or, if `mask` has none, by name.
-void adopt_map(std::optional<MaskConfig>& mask, const std::optional<MaskConfig>& from);
+/// Key of mask number `index` of `count`: "sensor.mask", or "sensor.mask[1]" if there are several.
+std::string mask_field(std::size_t index, std::size_t count);
 
-/// Checks the mask. Errors (Errc::invalid, field "sensor.mask…"): the file was not read; the map
-/// is not square, too small or too large, or has a value that is not finite; a mode's index or
-/// coefficient is out of range.
-Result<void> check_mask(const MaskConfig& mask);
+/// Number of pixels of the maps; a map that several masks share counts once.
+std::size_t map_pixels(const Masks& masks);
+
+/// Gives a mask that names a file, but was not read from it, the map of a mask of `from` with the
+/// same file: by checksum or, if it has none, by name.
+void adopt_maps(Masks& masks, const Masks& from);
+
+/// Checks the masks of a sensor of `subapertures`. Errors (Errc::invalid, field mask_field(…)…): a
+/// subaperture does not exist; a file was not read; a map is not square, too small or too large, or
+/// has a value that is not finite; a mode's index or coefficient is out of range; there are more
+/// than kMaxMasks, the maps have more than kMaxMaskPixels, or a subaperture more than
+/// kMaxMaskModes.
+Result<void> check_masks(const Masks& masks, std::size_t subapertures);
 
 }  // namespace ovws

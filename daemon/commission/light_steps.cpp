@@ -64,7 +64,7 @@ struct Field {
 Result<Field> field_of(const json& in_use, const json& registration, const Spot& base) {
   auto config = parse_config(json_text(in_use));
   if (!config) return fail(config.error());
-  config->sensor.mask.reset();  // it moves no spot; its file is the daemon's
+  config->sensor.masks.clear();  // they move no spot; their files are the daemon's
   config->optics.centre_px = Vec2{base.x, base.y};
   if (registration.at("registered").get<bool>()) {
     const auto map = registration.at("px_per_cycle").get<std::array<double, 4>>();

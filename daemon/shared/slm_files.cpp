@@ -48,7 +48,8 @@ std::optional<std::vector<std::vector<double>>> read_lines(const std::string& pa
   return lines;
 }
 
-Result<std::vector<std::vector<double>>> checked_lines(const std::string& path, const char* field) {
+Result<std::vector<std::vector<double>>> checked_lines(const std::string& path,
+                                                       const std::string& field) {
   std::string bad;
   auto lines = read_lines(path, bad);
   if (!lines) return fail(Errc::invalid, field, "the file " + path + " cannot be read");
@@ -78,7 +79,7 @@ bool is_png(const std::string& path) {
 }
 
 /// Phase map of a 16-bit PNG, waves: 65536 is one wave.
-Result<Image<float>> waves_of(const Result<Image<std::uint16_t>>& grey, const char* field) {
+Result<Image<float>> waves_of(const Result<Image<std::uint16_t>>& grey, const std::string& field) {
   if (!grey) return fail(Errc::invalid, field, grey.error().reason);
   Image<float> waves(grey->width, grey->height);
   std::transform(grey->pixels.begin(), grey->pixels.end(), waves.pixels.begin(),
@@ -87,7 +88,7 @@ Result<Image<float>> waves_of(const Result<Image<std::uint16_t>>& grey, const ch
 }
 
 /// Phase map of a text file with one row of numbers (waves) per line.
-Result<Image<float>> waves_of_text(const std::string& path, const char* field) {
+Result<Image<float>> waves_of_text(const std::string& path, const std::string& field) {
   const auto lines = checked_lines(path, field);
   if (!lines) return fail(lines.error());
   const std::size_t cols = lines->empty() ? 0 : lines->front().size();
@@ -143,30 +144,52 @@ Result<std::shared_ptr<const Image<float>>> load_flatness(const std::string& pat
   return std::make_shared<const Image<float>>(std::move(*waves));
 }
 
-Result<void> load_mask(SensorConfig& sensor) {
-  if (!sensor.mask || !sensor.mask->file) return {};
-  constexpr const char* kField = "sensor.mask.file";
-  MaskConfig& mask = *sensor.mask;
-  const std::string& path = *mask.file;
-  auto waves = is_png(path) ? waves_of(read_grey16_png(path, kMaxMaskPx), kField)
-                            : waves_of_text(path, kField);
+namespace {
+
+Result<std::shared_ptr<const Image<float>>> load_map(const std::string& path,
+                                                     const std::string& field) {
+  auto waves = is_png(path) ? waves_of(read_grey16_png(path, kMaxMaskPx), field)
+                            : waves_of_text(path, field);
   if (!waves) return fail(waves.error());
-  const std::string sha256 = sha256_of(std::span<const float>(waves->pixels));
-  if (!mask.sha256.empty() && mask.sha256 != sha256) {
-    return fail(Errc::invalid, kField,
-                fmt::format("{} has another content than sensor.mask.sha256 says ({}): restore the "
-                            "file, or remove the checksum",
-                            path, sha256));
-  }
-  mask.sha256 = sha256;
-  mask.map = std::make_shared<const Image<float>>(std::move(*waves));
-  return check_mask(mask);
+  return std::make_shared<const Image<float>>(std::move(*waves));
 }
 
-Result<Config> load_config_and_mask(const std::string& path) {
+Result<void> use_map(MaskConfig& mask, std::shared_ptr<const Image<float>> map,
+                     const std::string& field) {
+  const std::string sha256 = sha256_of(std::span<const float>(map->pixels));
+  if (!mask.sha256.empty() && mask.sha256 != sha256) {
+    return fail(Errc::invalid, field,
+                fmt::format("{} has another content than its sha256 says ({}): restore the file, "
+                            "or remove the checksum",
+                            *mask.file, sha256));
+  }
+  mask.sha256 = sha256;
+  mask.map = std::move(map);
+  return {};
+}
+
+}  // namespace
+
+Result<void> load_masks(SensorConfig& sensor) {
+  Masks& masks = sensor.masks;
+  for (std::size_t k = 0; k < masks.size(); ++k) {
+    if (!masks[k].file || masks[k].map) continue;
+    const std::string field = mask_field(k, masks.size()) + ".file";
+    const auto known = std::find_if(masks.begin(), masks.end(), [&](const MaskConfig& one) {
+      return one.map && one.file == masks[k].file;
+    });
+    auto map = known != masks.end() ? known->map : load_map(*masks[k].file, field);
+    if (!map) return fail(map.error());
+    if (auto used = use_map(masks[k], std::move(*map), field); !used) return used;
+    if (map_pixels(masks) > kMaxMaskPixels) break;
+  }
+  return check_masks(masks, kMaxSubapertures);
+}
+
+Result<Config> load_config_and_masks(const std::string& path) {
   auto config = path.empty() ? Result<Config>{Config{}} : load_config(path);
   if (!config) return config;
-  if (auto read = load_mask(config->sensor); !read) return fail(read.error());
+  if (auto read = load_masks(config->sensor); !read) return fail(read.error());
   return config;
 }
 
@@ -175,9 +198,7 @@ Result<HologramConfig> load_hologram_config(const Config& config) {
   hologram.slm = config.slm.geometry;
   hologram.sensor = config.sensor;
   if (config.modulator == Modulator::dmd) hologram.dmd = config.dmd;
-  if (!config.sensor.mask || !config.sensor.mask->map) {
-    if (auto read = load_mask(hologram.sensor); !read) return fail(read.error());
-  }
+  if (auto read = load_masks(hologram.sensor); !read) return fail(read.error());
   if (config.slm.lut) {
     auto lut = load_lut(*config.slm.lut);
     if (!lut) return fail(lut.error());

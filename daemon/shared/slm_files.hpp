@@ -1,4 +1,4 @@
-/// Loads the SLM's LUT, its flatness map and the subapertures' mask from files.
+/// Loads the SLM's LUT, its flatness map and the subapertures' masks from files.
 #pragma once
 
 #include <memory>
@@ -21,13 +21,13 @@ Result<PhaseLut> load_lut(const std::string& path);
 Result<std::shared_ptr<const Image<float>>> load_flatness(const std::string& path, int width,
                                                           int height);
 
-/// Reads the map of `sensor.mask.file`, if the configuration names one: the phase to add in every
-/// subaperture, waves, over the square around it, in a file like a flatness map. Sets map and
-/// checksum. Errors (Errc::invalid, field "sensor.mask.file"): the file cannot be read, is not
-/// square, too small or too large, or is not the one with the expected checksum.
-Result<void> load_mask(SensorConfig& sensor);
-/// load_config, with the mask that the configuration names. An empty path: the default.
-Result<Config> load_config_and_mask(const std::string& path);
+/// Reads the maps of `sensor.mask.file` that are not read yet: the phase to add in a subaperture,
+/// waves, over the square around it, in a file like a flatness map. Sets maps and checksums. Errors
+/// (Errc::invalid, field "sensor.mask…"): a file cannot be read, or is not the one with the
+/// expected checksum; what check_masks refuses.
+Result<void> load_masks(SensorConfig& sensor);
+/// load_config, with the masks that the configuration names. An empty path: the default.
+Result<Config> load_config_and_masks(const std::string& path);
 
 /// Builds the hologram's configuration and loads the LUT and flatness files that it names.
 Result<HologramConfig> load_hologram_config(const Config& config);

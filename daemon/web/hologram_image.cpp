@@ -29,7 +29,7 @@ Result<HologramConfig> ingredients(const HologramSources& sources, const Config&
   HologramConfig configured{config.slm.geometry, config.sensor, linear_lut(), nullptr,
                             std::nullopt};
   if (config.modulator == Modulator::dmd) configured.dmd = config.dmd;
-  if (!load_mask(configured.sensor)) {
+  if (!load_masks(configured.sensor)) {
     return fail(Errc::unavailable, "",
                 "ovws-web cannot read the mask (sensor.mask.file) on this machine");
   }

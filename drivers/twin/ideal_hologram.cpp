@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "core/optics/circle_columns.hpp"
@@ -16,7 +17,7 @@ struct Piece {
   double diameter_px = 0.0;
   Vec2 frequency_cpp;
   int charge = 0;
-  const MaskConfig* mask = nullptr;
+  std::optional<int> subaperture = std::nullopt;  ///< none: the base grating alone
 };
 
 std::vector<Piece> pieces(const Config& config, Pattern pattern) {
@@ -30,8 +31,8 @@ std::vector<Piece> pieces(const Config& config, Pattern pattern) {
   const auto lattice = make_lattice(sensor, slm);
   std::vector<Piece> found;
   for (const Subaperture& s : lattice->subapertures) {
-    found.push_back({s.centre_px, lattice->diameter_px, s.frequency_cpp, s.charge,
-                     sensor.mask ? &*sensor.mask : nullptr});
+    found.push_back(
+        {s.centre_px, lattice->diameter_px, s.frequency_cpp, s.charge, int(found.size())});
   }
   return found;
 }
@@ -40,6 +41,7 @@ std::vector<Piece> pieces(const Config& config, Pattern pattern) {
 
 Image<std::complex<float>> ideal_hologram(const Config& config, Pattern pattern) {
   const SlmGeometry& slm = config.slm.geometry;
+  const Masks& masks = config.sensor.masks;
   const Vec2 middle{(slm.width_px - 1) / 2.0, (slm.height_px - 1) / 2.0};
   Image<std::complex<float>> ideal(slm.width_px, slm.height_px);
   for (const Piece& piece : pieces(config, pattern)) {
@@ -50,7 +52,7 @@ Image<std::complex<float>> ideal_hologram(const Config& config, Pattern pattern)
         const Vec2 at = (2.0 / piece.diameter_px) * Vec2{x - centre.x, y - centre.y};
         const double waves = piece.frequency_cpp.x * (x - middle.x) +
                              piece.frequency_cpp.y * (y - middle.y) +
-                             (piece.mask != nullptr ? mask_waves(*piece.mask, at) : 0.0);
+                             (piece.subaperture ? mask_waves(masks, *piece.subaperture, at) : 0.0);
         const double angle = 2.0 * std::numbers::pi * (waves - std::floor(waves)) +
                              piece.charge * std::atan2(y - centre.y, x - centre.x);
         ideal.at(x, y) = {float(std::cos(angle)), float(std::sin(angle))};

@@ -55,6 +55,36 @@ inline constexpr auto kTable<MaskConfig> = Fields{
         {0, kMaxSubapertures - 1})
         .sized(0, kMaxSubapertures)};
 
+/// Null, one object, or an array of objects.
+template <>
+struct Wire<Masks> {
+  static Json to_json(const Masks& masks) {
+    if (masks.empty()) return {};
+    if (masks.size() == 1) return ovws::to_json(masks.front());
+    Json all = Json::array();
+    for (const MaskConfig& mask : masks) all.push_back(ovws::to_json(mask));
+    return all;
+  }
+  static void decode(ObjectReader& reader, const FieldInfo& field, Masks& out) {
+    const Json* const given = reader.raw(field.key);
+    if (given == nullptr) return;
+    Masks read;
+    if (given->is_array()) {
+      reader.objects(field.key, kMaxMasks, [&read](ObjectReader& inner, std::size_t) {
+        detail::decode_fields(inner, read.emplace_back());
+      });
+    } else if (!given->is_object() && !given->is_null()) {
+      return reader.fault(field.key, "must be an object, an array of objects, or null");
+    } else if (given->is_object()) {
+      reader.object(field.key, [&read](ObjectReader& inner) {
+        detail::decode_fields(inner, read.emplace_back());
+      });
+    }
+    if (!reader.failed()) out = std::move(read);
+  }
+  static Json schema(SchemaParts& parts, const FieldInfo&);
+};
+
 template <>
 inline constexpr auto kTable<SensorConfig> = Fields{
     "SensorConfig",
@@ -77,7 +107,9 @@ inline constexpr auto kTable<SensorConfig> = Fields{
         "charge of each subaperture, by rows; []: all as charge and alternate_charge say",
         limits::kCharge)
         .sized(0, kMaxSubapertures),
-    field<&SensorConfig::mask>("phase that subapertures add to their vortex; null: none"),
+    field("mask", &SensorConfig::masks,
+          "phase that subapertures add to their vortex: one mask, or an array of masks, of which "
+          "each subaperture has the sum of those that name it; null: none"),
     field<&SensorConfig::lenslets>(
         "the lenslets in use of a fixed array, as registration.run found them; left out: the SLM "
         "makes the subapertures")

@@ -18,6 +18,10 @@ def write_map(path, width, height):
     path.write_text("\n".join(" ".join(f"{waves(x, y):.5f}" for x in range(width)) for y in range(height)) + "\n")
 
 
+# Another mask in each subaperture, and one in all.
+OF_EACH = [{"modes": [{"j": 3 + i % 3, "waves": 0.006 * (i - 9)}], "subapertures": [i]} for i in range(19)] + [{"axicon_waves": 0.03}]
+
+
 class MaskCase(BenchCase):
     small = True
     daemon_config = {"camera": {"exposure_us": 700.0}}
@@ -49,7 +53,7 @@ class MaskCase(BenchCase):
 class Mask(MaskCase):
     def test_wavefronts_are_measured_behind_masks_and_alternating_charges(self):
         for change in ({"alternate_charge": -1}, {"mask": {"modes": [{"j": 4, "waves": 0.15}]}}, {"charge": 0, "mask": {"modes": [{"j": 3, "waves": 0.15}]}},
-                       {"mask": {"modes": [{"j": 4, "waves": 0.15}], "subapertures": [0, 4, 9, 13, 16]}}):
+                       {"mask": {"modes": [{"j": 4, "waves": 0.15}], "subapertures": [0, 4, 9, 13, 16]}}, {"mask": OF_EACH}):
             with self.subTest(change=change):
                 applied = self.sensor_with(change)
                 self.assertEqual(applied["alternate_charge"], change.get("alternate_charge"))
@@ -67,6 +71,11 @@ class Mask(MaskCase):
                                     ({"mask": {"modes": [{"j": 3, "waves": 0.3}]}}, "mask", "19"),
                                     ({"mask": {"modes": [{"j": 4, "waves": 11.0}]}}, "mask.modes", "10"),
                                     ({"mask": {"file": "/nowhere/mask.txt"}}, "mask.file", "configuration"),
+                                    ({"mask": [{}, {"subapertures": [19]}]}, "mask[1].subapertures", "18"),
+                                    ({"mask": [{}, {"axicon_wave": 0.1}]}, "mask[1].axicon_wave", "axicon_waves"),
+                                    ({"mask": [{}] * 65}, "mask", "64"),
+                                    ({"mask": [{"modes": [{"j": 9, "waves": 0.0}] * 45}] * 2}, "mask[1].modes", "45"),
+                                    ({"mask": 5}, "mask", "array"),
                                     ({"mask": {"axicon": 0.1}}, "mask.axicon", "axicon_waves")):
             with self.subTest(change=change):
                 refusal = self.refused("sensor.set", change)
@@ -138,6 +147,42 @@ class MaskFile(Mask):
         self.call("sensor.set", {"mask": other})
         self.assertEqual(self.call("config.save")["saved"], ["sensor.mask"])
         self.assertEqual(self.call("config.get")["sensor"]["mask"], other)
+
+
+class MaskFiles(MaskCase):
+    def start(self):
+        self.one, self.other = (self.bench.directory / name for name in ("one.txt", "other.txt"))
+        write_map(self.one, 64, 64)
+        write_map(self.other, 32, 32)
+        self.masks = [{"file": str(self.one), "subapertures": [0, 4, 9]}, {"file": str(self.other), "subapertures": [1, 2]}, {"axicon_waves": 0.02}]
+        self.daemon_config = {"sensor": {"mask": self.masks}, "state": {"directory": "state"}, "camera": {"exposure_us": 700.0}}
+        super().start()
+
+    def test_files_of_several_masks_and_their_reference_survive_a_change_and_a_restart(self):
+        masks = self.call("sensor.get")["mask"]
+        self.assertEqual([mask["file"] for mask in masks], [str(self.one), str(self.other), None])
+        self.check_measured("two files")
+        reference = self.call("reference.get")["sha256"]
+        other = self.sensor_with({"mask": [self.masks[1], {"file": str(self.one), "subapertures": [5]}]})["mask"]
+        self.assertEqual([mask["sha256"] for mask in other], [masks[1]["sha256"], masks[0]["sha256"]])
+        self.assertFalse(self.call("reference.get")["taken"])
+        self.sensor_with({"mask": masks})
+        self.assertEqual(self.call("reference.get")["sha256"], reference)
+        self.sensor_with({"mask": other})
+        self.assertEqual(self.call("config.save")["saved"], ["sensor.mask"])
+        for shown in (other, masks):
+            self.bench.stop("ovwsd")
+            self.start_daemon()
+            self.wait_until("running")
+            self.assertEqual(self.call("sensor.get")["mask"], other)
+            self.sensor_with({"mask": shown})
+        self.assertEqual(self.call("reference.get")["sha256"], reference)
+        write_map(self.other, 32, 31)
+        self.bench.stop("ovwsd")
+        checked = self.bench.directory / "checked.json"
+        checked.write_text(json.dumps({"sensor": {"mask": self.masks}}))
+        done = subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", checked], capture_output=True, text=True, timeout=60)
+        self.assertIn("sensor.mask[1].file", done.stdout + done.stderr)
 
 
 if __name__ == "__main__":

@@ -109,7 +109,7 @@ void print_none(const design::AdviceList& list, const AdviseOptions& options) {
 }
 
 int advise_bench(const Common& common, const AdviseOptions& options) {
-  const auto config = load_config_and_mask(options.config_path);
+  const auto config = load_config_and_masks(options.config_path);
   if (!config) return report(common, config.error());
   if (config->modulator == Modulator::fixed) {
     return report(common, {Errc::invalid, "modulator",

@@ -21,7 +21,7 @@ namespace {
 using nlohmann::json;
 
 Result<Config> config_of(const MeasureOptions& options) {
-  auto config = load_config_and_mask(options.config_path);
+  auto config = load_config_and_masks(options.config_path);
   if (!config) return config;
   if (options.tracker == kFormerTracker) {
     config->tracking.tracker = TrackerKind::fit;

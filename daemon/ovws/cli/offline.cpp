@@ -18,7 +18,7 @@ namespace ovws::cli {
 namespace {
 
 Result<Config> config_of(const ImageOptions& options) {
-  auto config = load_config_and_mask(options.config_path);
+  auto config = load_config_and_masks(options.config_path);
   if (config && config->modulator == Modulator::fixed) {
     return fail(Errc::invalid, "modulator",
                 "a fixed array of lenslets has no hologram, whose grey levels or far field could "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/tracking/spot_geometry.hpp"
 #include "daemon/ovws/design/room.hpp"
@@ -44,7 +45,8 @@ Config bare_config(const Bench& bench, const Config& base, int across) {
   config.sensor.charge = bench.charge;
   config.sensor.alternate_charge.reset();
   config.sensor.charges.clear();
-  if (config.sensor.mask) config.sensor.mask->subapertures.clear();
+  std::erase_if(config.sensor.masks,
+                [](const MaskConfig& mask) { return !mask.subapertures.empty(); });
   config.sensor.subapertures_across = across;
   config.sensor.pupil_diameter_px = pupil_px(bench);
   config.sensor.grooves = {0.0, 0.0};

@@ -56,7 +56,7 @@ Geometry bench_of(const Candidate& candidate) {
   geometry.sensor.charge = shape.charge;
   geometry.sensor.alternate_charge = shape.alternate;
   if (candidate.waves == 0.0) return geometry;
-  MaskConfig& mask = geometry.sensor.mask.emplace();
+  MaskConfig& mask = geometry.sensor.masks.emplace_back();
   if (shape.mode_j == kAxicon) {
     mask.axicon_waves = candidate.waves;
   } else {

@@ -18,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The schema with its $ref replaced, and without the alternative null.
+/// The schema with its $ref replaced, and only the first of its alternatives.
 json resolved(const json& schema, const json& root) {
   if (schema.contains("$ref")) {
     const std::string name = schema.at("$ref").get<std::string>();
@@ -174,9 +174,20 @@ Result<void> set_mode(const std::string& key, const json& schema, const std::str
   return {};
 }
 
+/// A value of the first of the schema's alternatives that the text fits.
+Result<json> value_of_any(const std::string& key, const json& schema, const json& root,
+                          const std::string& text) {
+  const json alternatives = schema.value("anyOf", json::array({schema}));
+  auto first = value_of(key, resolved(alternatives.at(0), root), text);
+  for (std::size_t k = 1; !first && k < alternatives.size(); ++k) {
+    if (auto other = value_of(key, resolved(alternatives.at(k), root), text)) return other;
+  }
+  return first;
+}
+
 Result<void> put(json& params, const json& root, const std::string& key, const std::string& text) {
   json* at = &params;
-  json schema = root;
+  json schema = root, as_given = root;
   std::size_t begin = 0;
   for (const std::string& part : split(key, '.')) {
     if (is_mode_list(schema)) return set_mode(key, schema, key.substr(begin), text, *at);
@@ -184,13 +195,16 @@ Result<void> put(json& params, const json& root, const std::string& key, const s
     const json properties = schema.value("properties", json::object());
     const bool is_free = schema == any_params();
     if (!is_free && !properties.contains(part)) return unknown_key(key, root);
+    if (at->is_array()) return mistake(key, "is in an array: give the whole array as JSON");
     if (!at->is_object()) *at = json::object();
     at = &(*at)[part];
     if (is_free) continue;
-    schema = resolved(properties.at(part), root);
+    as_given = properties.at(part);
+    schema = resolved(as_given, root);
     if (schema.contains("items")) schema["items"] = resolved(schema.at("items"), root);
   }
-  auto value = value_of(key, schema, text);
+  auto value = as_given.contains("anyOf") ? value_of_any(key, as_given, root, text)
+                                          : value_of(key, schema, text);
   if (!value) return fail(value.error());
   *at = std::move(*value);
   return {};

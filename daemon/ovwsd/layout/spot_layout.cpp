@@ -224,7 +224,7 @@ Result<void> check_spots_found(const SpotBench& bench) {
   const SpotModel spots{bench.sensor.charge, lambda_d_px(bench.optics, bench.slm, bench.sensor)};
   const auto kinds = SpotKinds::make(bench.tracking, spots, charges_of(bench.lattice));
   if (!kinds) return fail(kinds.error());
-  if (!bench.sensor.mask && !*kinds) return {};
+  if (bench.sensor.masks.empty() && !*kinds) return {};
   OpticsConfig centred = bench.optics;  // the region may still be moved
   centred.centre_px.reset();
   const Vec2 region = region_for(spot_layout(bench), 1.0);
@@ -250,7 +250,7 @@ Result<void> check_spots_found(const SpotBench& bench) {
   const std::string finds =
       fmt::format("the tracker {} finds {} of {} {}", tracker_name(bench.tracking.tracker), near,
                   found.size(), spot_name(bench));
-  if (bench.sensor.mask) {
+  if (!bench.sensor.masks.empty()) {
     return fail(
         Errc::invalid, "sensor.mask",
         "behind this mask " + finds + ": make the mask weaker, or set another sensor.charge");

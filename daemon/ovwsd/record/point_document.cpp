@@ -220,7 +220,7 @@ Result<void> PointReader::use_model(const json& content, const MeasurementPlan& 
   bench_key_.clear();
   auto sensor = decode<SensorConfig>(model.at("sensor"));
   if (!sensor) return fail(sensor.error());
-  if (auto read = load_mask(*sensor); !read) return fail(read.error());
+  if (auto read = load_masks(*sensor); !read) return fail(read.error());
   const auto slm = decode<SlmGeometry>(model.at("slm"));
   if (!slm) return fail(slm.error());
   const auto optics = decode<OpticsConfig>(model.at("optics"));

@@ -44,7 +44,7 @@ Result<SensorView> RecordedPlans::read_sensor(const json& from, const Measuremen
   if (!config) return fail(config.error());
   auto sensor = decode<SensorConfig>(from.at("sensor"));
   if (!sensor) return fail(sensor.error());
-  if (auto read = load_mask(*sensor); !read) return fail(read.error());
+  if (auto read = load_masks(*sensor); !read) return fail(read.error());
   const auto optics = decode<OpticsConfig>(from.at("optics"));
   if (!optics) return fail(optics.error());
   auto view = std::make_shared<SensorSnapshot>();

@@ -56,7 +56,7 @@ std::vector<std::string> differences(const CalibrationKey& a, const CalibrationK
       {"charge", s.charge != t.charge},
       {"alternate_charge", s.alternate_charge != t.alternate_charge},
       {"charges", s.charges != t.charges},
-      {"mask", s.mask != t.mask},
+      {"mask", s.masks != t.masks},
       {"grid", s.grid != t.grid},
       {"subapertures_across", s.subapertures_across != t.subapertures_across},
       {"pupil_diameter_px", s.pupil_diameter_px != t.pupil_diameter_px},

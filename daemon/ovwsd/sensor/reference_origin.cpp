@@ -165,7 +165,7 @@ std::string ReferenceBench::obstacle(const json& origin, const ReferenceKey& key
   }
   HologramConfig hologram = hologram_;
   hologram.sensor = key.sensor;
-  adopt_map(hologram.sensor.mask, config_.sensor.mask);
+  adopt_maps(hologram.sensor.masks, config_.sensor.masks);
   const auto renderer = HologramRenderer::make(hologram);
   if (!renderer) return renderer.error().reason;
   if (renderer->lattice().subapertures.size() != spots) {
@@ -190,7 +190,8 @@ std::string identity_of(const json& origin) {
     if (identity["sensor"].value(key, json()).empty()) identity["sensor"].erase(key);
   }
   if (const auto mask = identity["sensor"].find("mask"); mask != identity["sensor"].end()) {
-    if (mask->value("subapertures", json()).empty()) mask->erase("subapertures");
+    const bool one = mask->is_object();
+    if (one && mask->value("subapertures", json()).empty()) mask->erase("subapertures");
   }
   return sha256_hex(json_text(identity)).substr(0, 16);
 }

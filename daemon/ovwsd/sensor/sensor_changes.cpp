@@ -18,11 +18,10 @@ Result<void> check_operator(const SensorSet& change, const SensorEdit& edit) {
 
 /// A mask file in use, or named by the configuration, is not read again: this thread must not wait
 /// for a disk.
-void apply(const SensorSet& change, const std::optional<MaskConfig>& configured,
-           SensorState& state) {
+void apply(const SensorSet& change, const Masks& configured, SensorState& state) {
   SensorSettings changed = change.applied_to({state.sensor, state.tracking});
-  adopt_map(changed.sensor.mask, state.sensor.mask);
-  adopt_map(changed.sensor.mask, configured);
+  adopt_maps(changed.sensor.masks, state.sensor.masks);
+  adopt_maps(changed.sensor.masks, configured);
   state.sensor = std::move(changed.sensor);
   state.tracking = changed.tracking;
 }
@@ -38,19 +37,19 @@ Result<void> check_lenslets(const SensorConfig& before, const SensorConfig& now)
 
 }  // namespace
 
-SensorChange set_sensor(SensorSet change, std::optional<MaskConfig> read_mask) {
-  return [set = set_unchecked_sensor(std::move(change), std::move(read_mask))](
+SensorChange set_sensor(SensorSet change, std::optional<Masks> read_masks) {
+  return [set = set_unchecked_sensor(std::move(change), std::move(read_masks))](
              SensorEdit& edit) -> Result<void> {
     if (auto changed = set(edit); !changed) return changed;
     return check_spots(edit.state, edit.bench.optics);
   };
 }
 
-SensorChange set_unchecked_sensor(SensorSet change, std::optional<MaskConfig> read_mask) {
+SensorChange set_unchecked_sensor(SensorSet change, std::optional<Masks> read_masks) {
   return [change = std::move(change),
-          read_mask = std::move(read_mask)](SensorEdit& edit) -> Result<void> {
+          read_masks = std::move(read_masks)](SensorEdit& edit) -> Result<void> {
     const SensorConfig before = edit.state.sensor;
-    apply(change, read_mask ? read_mask : edit.bench.config.sensor.mask, edit.state);
+    apply(change, read_masks ? *read_masks : edit.bench.config.sensor.masks, edit.state);
     if (auto fixed = check_lenslets(before, edit.state.sensor); !fixed) return fixed;
     if (auto there = check_operator(change, edit); !there) return there;
     return check_daemon_tracker(edit.state.tracking);
@@ -97,7 +96,7 @@ SensorChange show_request(ShowRequest what) {
       painted = std::make_shared<Image<std::uint8_t>>();
       what.paint(*state.renderer, *painted);
     }
-    apply(what.sensor, edit.bench.config.sensor.mask, state);
+    apply(what.sensor, edit.bench.config.sensor.masks, state);
     if (auto fast = check_daemon_tracker(state.tracking); !fast) return fast;
     state.aberration = what.aberration;
     state.sequence.clear();

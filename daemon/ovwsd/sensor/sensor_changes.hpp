@@ -17,12 +17,11 @@ namespace ovws {
 /// Method `sensor.set`. Errc::invalid: the tracker cannot separate the spots or is too slow to run
 /// on every frame, or the spots do not determine `mode_count` modes. Errc::refused, field
 /// "operator": `measured` was requested, but no calibration applies. A change that names a mask's
-/// file takes its map from the mask in use, or from `read_mask` (none: that of the configuration).
-SensorChange set_sensor(SensorSet change, std::optional<MaskConfig> read_mask = std::nullopt);
+/// file takes its map from the mask in use, or from `read_masks` (none: that of the configuration).
+SensorChange set_sensor(SensorSet change, std::optional<Masks> read_masks = std::nullopt);
 /// As set_sensor, but the spots are not checked (check_spots): with a mask or `mode_count` this
 /// renders them, which takes up to a second. For a sensor that has a reference.
-SensorChange set_unchecked_sensor(SensorSet change,
-                                  std::optional<MaskConfig> read_mask = std::nullopt);
+SensorChange set_unchecked_sensor(SensorSet change, std::optional<Masks> read_masks = std::nullopt);
 SensorChange set_aberration(std::vector<Mode> modes);
 /// Shows a DMD's sequence: patterns of the sensor, each with these modes, in place of the
 /// introduced aberration.

@@ -148,7 +148,7 @@ void Reloader::change_sensor(const Reload& reload) {
   }
   const bool same = to_json(after) == to_json(before);
   if (same) return finish(reload);
-  deps_.keeper.edit(Hold::of_reload(), set_sensor(std::move(change), after.sensor.mask),
+  deps_.keeper.edit(Hold::of_reload(), set_sensor(std::move(change), after.sensor.masks),
                     [this, reload](const Result<SensorView>& used) {
                       if (!used) {
                         return roll_back(reload, with_section("sensor", used.error(), reload.read));

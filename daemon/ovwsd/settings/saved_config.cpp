@@ -168,7 +168,7 @@ Result<void> apply_overlay(LoadedConfig& loaded, const Overlay& overlay) {
   }
   auto effective = parse_config(json_text(tree));
   if (!effective) return fail(effective.error());
-  if (auto read = load_mask(effective->sensor); !read) return fail(read.error());
+  if (auto read = load_masks(effective->sensor); !read) return fail(read.error());
   if (auto usable = check_usable(*effective); !usable) {
     if (check_usable(loaded.file)) return usable;
     return {};  // the file is not usable, so the overlay may still be valid
@@ -229,7 +229,7 @@ std::optional<std::string> service_state_folder(const std::string& path) {
 
 Result<LoadedConfig> load_with_saved(const std::string& path,
                                      const std::optional<std::string>& folder) {
-  auto file = load_config_and_mask(path);
+  auto file = load_config_and_masks(path);
   if (!file) return fail(file.error());
   LoadedConfig loaded;
   loaded.path = path;

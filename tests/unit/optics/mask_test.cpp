@@ -19,6 +19,13 @@ std::shared_ptr<const Image<float>> ramp_map(int width, int height) {
   return map;
 }
 
+MaskConfig mask_in(std::vector<int> subapertures, std::vector<Mode> modes) {
+  MaskConfig mask;
+  mask.subapertures = std::move(subapertures);
+  mask.modes = std::move(modes);
+  return mask;
+}
+
 MaskConfig map_mask(std::shared_ptr<const Image<float>> map) {
   MaskConfig mask;
   mask.file = "ramp.txt";
@@ -45,24 +52,55 @@ TEST(Mask, AMapCoversTheSquareAroundASubaperture) {
 
 TEST(Mask, AMapOfTheWrongSizeIsRefused) {
   for (const auto& map : {ramp_map(16, 17), ramp_map(15, 15), ramp_map(2049, 2049)}) {
-    const auto checked = check_mask(map_mask(map));
+    const auto checked = check_masks({map_mask(map)}, 19);
     ASSERT_FALSE(checked);
     EXPECT_EQ(checked.error().field, "sensor.mask.file");
     EXPECT_NE(checked.error().reason.find(std::to_string(map->width)), std::string::npos);
   }
   auto broken = std::make_shared<Image<float>>(16, 16);
   broken->at(3, 4) = std::numeric_limits<float>::infinity();
-  EXPECT_FALSE(check_mask(map_mask(broken)));
-  EXPECT_FALSE(check_mask(map_mask(nullptr)));
-  EXPECT_TRUE(check_mask(map_mask(ramp_map(16, 16))));
+  EXPECT_FALSE(check_masks({map_mask(broken)}, 19));
+  EXPECT_FALSE(check_masks({map_mask(nullptr)}, 19));
+  EXPECT_TRUE(check_masks({map_mask(ramp_map(16, 16))}, 19));
 }
 
 TEST(Mask, AModeOutOfRangeIsRefused) {
   MaskConfig mask;
   mask.modes = {{kMaxZernikeIndex + 1, 0.1}};
-  EXPECT_EQ(check_mask(mask).error().field, "sensor.mask.modes");
+  EXPECT_EQ(check_masks({mask}, 19).error().field, "sensor.mask.modes");
   mask.modes = {{3, 11.0}};
-  EXPECT_EQ(check_mask(mask).error().field, "sensor.mask.modes");
+  EXPECT_EQ(check_masks({mask}, 19).error().field, "sensor.mask.modes");
+}
+
+TEST(Mask, ASubapertureHasTheSumOfTheMasksThatNameIt) {
+  Masks masks{mask_in({}, {{4, 0.1}}), mask_in({2, 5}, {}), mask_in({5}, {{3, -0.3}})};
+  masks[1].axicon_waves = 0.2;
+  const Vec2 at{0.3, -0.5};
+  const double all = mask_waves(masks[0], at), some = mask_waves(masks[1], at);
+  EXPECT_DOUBLE_EQ(mask_waves(masks, 0, at), all);
+  EXPECT_DOUBLE_EQ(mask_waves(masks, 2, at), all + some);
+  EXPECT_DOUBLE_EQ(mask_waves(masks, 5, at), all + some + mask_waves(masks[2], at));
+}
+
+TEST(Mask, TooManyOrTooLargeMapsAreRefused) {
+  EXPECT_TRUE(check_masks(Masks(kMaxMasks), 19));
+  EXPECT_EQ(check_masks(Masks(kMaxMasks + 1), 19).error().field, "sensor.mask");
+  const auto large = [] { return map_mask(ramp_map(kMaxMaskPx, kMaxMaskPx)); };
+  Masks four{large(), large(), large(), large()};
+  EXPECT_TRUE(check_masks(four, 19));
+  four.push_back(four.front());  // shares its map
+  EXPECT_TRUE(check_masks(four, 19));
+  four.push_back(map_mask(ramp_map(16, 16)));
+  EXPECT_EQ(check_masks(four, 19).error().field, "sensor.mask");
+}
+
+TEST(Mask, TheModesOfASubapertureAreBounded) {
+  const std::vector<Mode> many(23, {4, 0.01});
+  EXPECT_TRUE(check_masks({mask_in({0, 1}, many), mask_in({2, 3}, many)}, 4));
+  EXPECT_EQ(check_masks({mask_in({0, 1}, many), mask_in({1, 2}, many)}, 4).error().field,
+            "sensor.mask[1].modes");
+  EXPECT_EQ(check_masks({mask_in({}, many), mask_in({}, many)}, 4).error().field,
+            "sensor.mask[1].modes");
 }
 
 TEST(Mask, FilesAreComparedByContent) {
@@ -74,21 +112,19 @@ TEST(Mask, FilesAreComparedByContent) {
 }
 
 TEST(Mask, ANamedFileTakesTheMapInUse) {
-  const std::optional<MaskConfig> in_use = map_mask(ramp_map(16, 16));
-  std::optional<MaskConfig> named = MaskConfig{};
-  named->file = "ramp.txt";
-  adopt_map(named, in_use);
-  EXPECT_EQ(named->map, in_use->map);
-  EXPECT_EQ(*named, *in_use);
-  std::optional<MaskConfig> other = MaskConfig{};
-  other->file = "another.txt";
-  adopt_map(other, in_use);
-  EXPECT_EQ(other->map, nullptr);
+  const Masks in_use{mask_in({}, {{4, 0.1}}), map_mask(ramp_map(16, 16))};
+  Masks named(2);
+  named[0].file = "another.txt";
+  named[1].file = "ramp.txt";
+  adopt_maps(named, in_use);
+  EXPECT_EQ(named[0].map, nullptr);
+  EXPECT_EQ(named[1].map, in_use[1].map);
+  EXPECT_EQ(named[1], in_use[1]);
 }
 
 TEST(Mask, EverySubapertureImprintsItAroundItsCentre) {
   HologramConfig plain, masked;
-  masked.sensor.mask.emplace().modes = {{0, 0.25}};  // piston: a quarter of the grey levels
+  masked.sensor.masks.emplace_back().modes = {{0, 0.25}};  // piston: a quarter of the grey levels
   const auto without = HologramRenderer::make(plain), with = HologramRenderer::make(masked);
   ASSERT_TRUE(without && with);
   Image<std::uint8_t> a, b;
@@ -139,9 +175,9 @@ TEST(Lattice, ChargesAreOnePerSubaperture) {
 
 TEST(Hologram, MasksOnlyTheNamedSubapertures) {
   SensorConfig sensor;
-  sensor.mask.emplace();
-  sensor.mask->subapertures = {3, 18};
-  sensor.mask->axicon_waves = 0.25;
+  MaskConfig& mask = sensor.masks.emplace_back();
+  mask.subapertures = {3, 18};
+  mask.axicon_waves = 0.25;
   HologramConfig masked, plain;
   masked.sensor = sensor;
   const auto with = HologramRenderer::make(masked), without = HologramRenderer::make(plain);
@@ -154,8 +190,11 @@ TEST(Hologram, MasksOnlyTheNamedSubapertures) {
     const int x = int(std::lround(639.5 + centre.x)) + 70, y = int(std::lround(383.5 + centre.y));
     EXPECT_EQ(a.at(x, y) != b.at(x, y), i == 3 || i == 18) << i;
   }
-  sensor.mask->subapertures = {19};
+  mask.subapertures = {19};
   EXPECT_EQ(make_lattice(sensor, {}).error().field, "sensor.mask.subapertures");
+  mask.subapertures = {0};
+  sensor.masks.push_back(mask_in({18, -1}, {}));
+  EXPECT_EQ(make_lattice(sensor, {}).error().field, "sensor.mask[1].subapertures");
 }
 
 TEST(Lattice, AllSubaperturesHaveTheCharge) {

@@ -42,6 +42,18 @@ TEST(Params, ListsAreWrittenWithCommasOrAsJson) {
   EXPECT_EQ(params("loop.close", {"modes=3,defocus"}), json::parse(R"({"modes": [3, 4]})"));
 }
 
+TEST(Params, AValueMayBeAnyOfItsAlternatives) {
+  EXPECT_EQ(params("sensor.set", {"mask=null"}), json::parse(R"({"mask": null})"));
+  EXPECT_EQ(params("sensor.set", {R"(mask={"axicon_waves": 0.1})"}),
+            json::parse(R"({"mask": {"axicon_waves": 0.1}})"));
+  EXPECT_EQ(params("sensor.set", {"mask.axicon_waves=0.1"}),
+            json::parse(R"({"mask": {"axicon_waves": 0.1}})"));
+  EXPECT_EQ(params("sensor.set", {R"(mask=[{"axicon_waves": 0.1}, {}])"}),
+            json::parse(R"({"mask": [{"axicon_waves": 0.1}, {}]})"));
+  expect_text(refusal("sensor.set", "mask=0.1"), "mask: must be");
+  EXPECT_FALSE(params_of(schema("sensor.set").at("params"), {"mask=[{}]", "mask.axicon_waves=1"}));
+}
+
 TEST(Params, ModesAreAddedByNameAndByNumber) {
   EXPECT_EQ(params("aberration.set", {"modes.vertical-coma=0.2", "modes.4=-0.1", "modes.3,3=0.05"}),
             json::parse(R"({"modes": [{"j": 7, "waves": 0.2}, {"j": 4, "waves": -0.1},
