@@ -130,7 +130,9 @@ Result<Registration> measure_array(Bench& bench, const Config& config, int frame
 
 /// `slm.settle`: measures the SLM's settle time. Moves one spot between two places, and records the
 /// intensity at each place in every frame, settled or not. Times count from the moment the display
-/// presented each hologram. Errors: those of Bench::check_shown and step_time.
+/// presented each hologram. At most two moves that step_time refuses for `watch_ms` are repeated,
+/// each with an event.
+/// Errors: those of Bench::check_shown and step_time.
 Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const SettleRun& run);
 
 }  // namespace ovws

@@ -15,6 +15,7 @@ constexpr double kStep = 3.0;    // lambda/d to each side of the base spot
 constexpr double kRadius = 1.5;  // lambda/d: half-width of the square whose intensity is averaged
 constexpr int kMaxCharge = 2;    // of a probe
 constexpr int kBefore = 3, kAfter = 24;  // least frames before and after each change
+constexpr int kMaxDisturbed = 2;         // moves, by frames that a busy machine delayed
 
 constexpr std::size_t kMaxFrames = 100'000;  // recorded for each change
 
@@ -91,41 +92,55 @@ std::vector<StepFrame> after(const std::vector<Seen>& seen, std::int64_t present
   return frames;
 }
 
+/// Shows the spot at one of its places.
+Result<void> show_at(Bench& bench, const ToAndFro& moves, std::size_t place) {
+  const Probe probe{moves.frequencies_cpp[place], moves.charge};
+  return bench.show([probe](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {
+    renderer.render_probe(probe, grey);
+  });
+}
+
+/// Moves the spot to one of its places and watches the light.
+Result<StepTime> watch_move(Bench& bench, const ToAndFro& moves, std::size_t place,
+                            double watch_ms) {
+  std::vector<Seen> seen;
+  auto watch = bench.watch([&](const FrameRecord& record) {
+    if (!record.settings_known || seen.size() == kMaxFrames) return false;
+    seen.push_back(look_at(record, moves));
+    return true;
+  });
+  if (auto some = bench.wait_watching(*watch, 0.0, kBefore); !some) return fail(some.error());
+  if (auto shown = show_at(bench, moves, place); !shown) return fail(shown.error());
+  const std::int64_t presented_ns = bench.presented_mono_ns();
+  if (auto all = bench.wait_watching(*watch, watch_ms, kAfter); !all) return fail(all.error());
+  if (auto stands = bench.check_shown(presented_ns); !stands) return fail(stands.error());
+  watch.reset();
+  const auto frames = after(seen, presented_ns);
+  // The first frame gives the level before the change. The last frame before the change is
+  // unsafe: a camera that stamps late may place it after the change.
+  return step_time(frames, frames.front().light);
+}
+
 }  // namespace
 
 Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const SettleRun& run) {
   const ToAndFro moves = to_and_fro(*bench.sensor(), slm, bench.camera().settings.roi);
-  const auto show = [&](std::size_t place) {
-    const Probe probe{moves.frequencies_cpp[place], moves.charge};
-    return bench.show([probe](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {
-      renderer.render_probe(probe, grey);
-    });
-  };
-  if (auto shown = show(0); !shown) return fail(shown.error());
+  if (auto shown = show_at(bench, moves, 0); !shown) return fail(shown.error());
   if (auto stands = bench.picture(1); !stands) return fail(stands.error());
   std::vector<StepTime> steps;
-  for (int k = 1; k <= run.repetitions; ++k) {
-    bench.report_progress(double(k) / (run.repetitions + 1));
-    std::vector<Seen> seen;
-    auto watch = bench.watch([&](const FrameRecord& record) {
-      if (!record.settings_known || seen.size() == kMaxFrames) return false;
-      seen.push_back(look_at(record, moves));
-      return true;
-    });
-    if (auto some = bench.wait_watching(*watch, 0.0, kBefore); !some) return fail(some.error());
-    if (auto shown = show(std::size_t(k % 2)); !shown) return fail(shown.error());
-    const std::int64_t presented_ns = bench.presented_mono_ns();
-    if (auto all = bench.wait_watching(*watch, run.watch_ms, kAfter); !all) {
-      return fail(all.error());
+  int disturbed = 0;
+  for (std::size_t place = 1; int(steps.size()) < run.repetitions;) {
+    bench.report_progress(double(steps.size() + 1) / (run.repetitions + 1));
+    const auto step = watch_move(bench, moves, place, run.watch_ms);
+    if (step) {
+      steps.push_back(*step);
+      place = 1 - place;
+      continue;
     }
-    if (auto stands = bench.check_shown(presented_ns); !stands) return fail(stands.error());
-    watch.reset();
-    const auto frames = after(seen, presented_ns);
-    // The first frame gives the level before the change. The last frame before the change is
-    // unsafe: a camera that stamps late may place it after the change.
-    const auto step = step_time(frames, frames.front().light);
-    if (!step) return fail(step.error());
-    steps.push_back(*step);
+    if (step.error().field != "watch_ms" || ++disturbed > kMaxDisturbed) return fail(step.error());
+    bench.warn("slm", "slm.settle repeats a change, because " + step.error().reason, {});
+    if (auto back = show_at(bench, moves, 1 - place); !back) return fail(back.error());
+    if (auto stands = bench.picture(1); !stands) return fail(stands.error());
   }
   return settle_time(steps);
 }
