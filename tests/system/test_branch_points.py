@@ -1,7 +1,8 @@
 """Branch points of the light: frames are refused with the place, and a closed loop holds its correction."""
+import struct
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import BenchCase, Client, ClientError, main, wait_for
 
 
 class BranchPoints(BenchCase):
@@ -50,14 +51,21 @@ class BranchPoints(BenchCase):
         wait_for(lambda: (now := self.frame(stream))["valid"] and not now["branch_points"], 10.0, "a valid frame")
 
     def test_a_reference_is_refused_with_the_place(self):
+        stream = self.stream("spots")
         self.take_reference()
         before = self.call("reference.get")
         for tracker in ("fit", "lg"):
             self.call("sensor.set", {"tracker": tracker})
             self.light((0.3, 0.1, 1))
-            error = self.failure("reference.take", {"frames": 5})
-            self.assertIn("a branch point (phase singularity) near", error)
-            self.assertIn("charge +1", error)
+            for frames in (5, 1):
+                error = self.failure("reference.take", {"frames": frames})
+                self.assertIn("a branch point (phase singularity) near", error)
+                self.assertIn("charge +1", error)
+        spots = wait_for(lambda: (now := self.frame(stream))["settled"] and now["tracked"] >= 16 and now, 10.0, "the spots")
+        rows = list(struct.iter_unpack("<6f", spots["binary"]))
+        given = [value for row in rows for value in row[:2]] + [0.01] * len(rows) * 2
+        with self.assertRaisesRegex(ClientError, "branch point"):
+            self.client.call("reference.give", {}, struct.pack(f"<{len(given)}f", *given))
         self.call("sensor.set", {"tracker": "fit"})
         self.assertEqual(self.call("reference.get"), before)
         self.light()

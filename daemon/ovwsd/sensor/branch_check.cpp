@@ -44,8 +44,12 @@ Result<void> check_branch_points(const SpotAverage& average, const SensorState& 
       Errc::refused, "",
       fmt::format("the light has {}: a reference would hide it. Remove what makes the phase "
                   "jump, such as a vortex plate, a scatterer or turbulent air, and take the "
-                  "reference again",
-                  branch_point_text(found.count, found.points.front())));
+                  "reference again{}",
+                  branch_point_text(found.count, found.points.front()),
+                  optics_of(state, optics).registered
+                      ? ""
+                      : ". A turned camera displaces the spots in the same way: if it may be "
+                        "turned, run registration.run first"));
 }
 
 }  // namespace ovws

@@ -122,7 +122,8 @@ std::vector<Vec2> found_positions(const SpotAverage& average) {
   std::vector<Vec2> positions = average.mean_px;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const int found = average.found[i];
-    if (found < 2 || 2 * found < average.frames) positions[i] = {NAN, NAN};
+    const bool once = found < 2 && average.frames > 1;
+    if (found == 0 || once || 2 * found < average.frames) positions[i] = {NAN, NAN};
   }
   return positions;
 }

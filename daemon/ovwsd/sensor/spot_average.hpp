@@ -55,8 +55,8 @@ class SpotAverager {
   std::vector<Sums> sums_;
 };
 
-/// Mean spot positions; NaN for a spot that was found in fewer than half of the frames, or only
-/// once.
+/// Mean spot positions; NaN for a spot that was found in fewer than half of the frames, or in only
+/// one of several.
 std::vector<Vec2> found_positions(const SpotAverage& average);
 /// Checks that the averaged frames can serve as a reference. Errc::refused: more than a tenth of
 /// all spots in all frames are saturated (field "camera.exposure_us"), or the spots moved, so that
