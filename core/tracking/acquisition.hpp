@@ -41,7 +41,8 @@ class Acquisition {
   ///
   /// Writes one fix per subaperture to `out` and returns the number of spots found. With fewer than
   /// 3 spots, or fewer than half of the subapertures, every fix is lost and the result is 0. An
-  /// image of another size also gives 0. RT-safe, but takes milliseconds.
+  /// image of another size also gives 0. RT-safe, but takes milliseconds; with 1,257 spots up to
+  /// a quarter of a second.
   int acquire(const ImageView& image, const SpotTracker& tracker, TrackScratch& scratch,
               std::span<SpotFix> out) OVWS_NONBLOCKING;
 

@@ -66,7 +66,8 @@ SpotAssignment::SpotAssignment(std::vector<Vec2> predicted_px, int max_found,
       sorted_(predicted_.size()),
       best_matched_(predicted_.size()),
       grown_(kMaxGrown, std::vector<int>(predicted_.size())),
-      few_(int(kFewOfRoot * std::sqrt(double(predicted_.size())))) {
+      few_(int(kFewOfRoot * std::sqrt(double(predicted_.size())))),
+      many_(int(2.0 * kFewOfRoot * std::sqrt(double(predicted_.size())))) {
   by_y_.reserve(owner_.size());
   std::vector<double> distances;
   for (std::size_t i = 0; i < predicted_.size(); ++i) {
@@ -128,7 +129,8 @@ std::span<const int> SpotAssignment::match(std::span<const Vec2> found, const Ru
   return adopt_best(found);
 }
 
-/// Whether no other field is more likely than the best one: all others have larger shifts.
+/// Whether the best field suffices: it explains all positions but a few, and any other field that
+/// differs by half a pitch or more has a larger shift.
 bool SpotAssignment::is_settled() const {
   if (most_explained_ == size()) return true;
   return most_explained_ >= all_ - few_ && smallest_shift_ < 0.5 * pitch_;
@@ -145,7 +147,7 @@ bool SpotAssignment::is_better(int explained, double shift, std::size_t found) c
     return gain > 0 || (gain == 0 && shift < smallest_shift_);
   }
   const int more = std::abs(gain), left = int(found) - std::min(explained, most_explained_);
-  const bool clearly = more > 2 * few_ || (more > 0 && 4 * more >= left);
+  const bool clearly = more > many_ || (more > 0 && 4 * more >= left);
   return clearly ? gain > 0 : shift < smallest_shift_;
 }
 
@@ -221,7 +223,7 @@ int SpotAssignment::grow(std::span<const Vec2> found, const Rules& rules, int se
     if (round >= kEarlyRound && round <= kLateRound && repeats(count)) return 0;
     if (round < kHopelessRound) continue;
     if (count < kHopeless * rules.min_share * reached_) return 0;
-    if (count + size() - reached_ + few_ < most_explained_) {
+    if (count + size() - reached_ + many_ < most_explained_) {
       count = 0;
       break;
     }

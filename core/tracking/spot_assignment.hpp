@@ -47,11 +47,11 @@ class SpotAssignment {
 
   /// Assigns spots: for each subaperture the index of its position in `found`, or kNone; valid
   /// until the next call. The hypothesis that explains most positions wins, but a smaller shift
-  /// wins if it explains only a few less: where light falls beyond the lattice, a lost spot at its
+  /// wins if it explains only a few fewer: where light falls beyond the lattice, a lost spot at its
   /// rim makes a shift by a pitch explain one more. Every index is kNone if no hypothesis explains
-  /// least_found spots. `found` holds
-  /// at most max_found positions. `found_kinds`: kind of each position, if the subapertures have
-  /// kinds; a subaperture only gets positions of its kind. RT-safe.
+  /// least_found spots. `found` holds at most max_found positions. `found_kinds`: kind of each
+  /// position, if the subapertures have kinds; a subaperture only gets positions of its kind.
+  /// RT-safe.
   std::span<const int> match(std::span<const Vec2> found, const Rules& rules,
                              std::span<const int> found_kinds = {}) OVWS_NONBLOCKING;
   std::span<const int> match(std::span<const Vec2> found) OVWS_NONBLOCKING {
@@ -118,7 +118,8 @@ class SpotAssignment {
   std::vector<int> best_matched_;
   std::vector<std::vector<int>> grown_;  ///< the matches of the first growths of a match
   int grown_count_ = 0;
-  int few_;          ///< number of spots that may be lost at the rim of a lattice
+  int few_;          ///< number of positions that a field need not explain to end the search
+  int many_;         ///< more of them make a larger shift more likely
   int all_ = 0;      ///< number of positions that a match can explain at most
   int reached_ = 0;  ///< number of subapertures that the growth has reached
   int growths_ = 0;

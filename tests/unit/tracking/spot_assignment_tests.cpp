@@ -170,6 +170,29 @@ TEST(SpotAssignment, ADarkLensletDoesNotShiftTheLattice) {
   }
 }
 
+TEST(SpotAssignment, AFewDarkLensletsAtTheRimDoNotShiftTheLattice) {
+  const auto pupil = lenslets(4.3), lit = lenslets(5.5);
+  SpotAssignment assignment(pupil, 2 * int(pupil.size()) + 12);
+  const std::vector<std::vector<Vec2>> cases{{{-4, 0}, {-4, -1}, {-4, 1}},  // pitches
+                                             {{0, 0}, {-4, 0}, {-4, 1}},
+                                             {{0, 0}, {-4, 0}, {-4, -1}, {-4, 1}},
+                                             {{0, 4}, {1, 4}, {-1, 4}}};
+  for (const auto& dark : cases) {
+    std::vector<Vec2> found;
+    for (const Vec2 at : lit) {
+      const Vec2 from_middle = (1.0 / kPitch) * (at - Vec2{256, 256});
+      const auto is_here = [&](Vec2 one) { return norm(one - from_middle) < 0.1; };
+      if (std::ranges::none_of(dark, is_here)) found.push_back(at + Vec2{3.0, -2.0});
+    }
+    const auto matched = match(assignment, found);
+    EXPECT_EQ(std::ranges::count(matched, int(SpotAssignment::kNone)), int(dark.size()));
+    for (std::size_t i = 0; i < pupil.size(); ++i) {
+      if (matched[i] == SpotAssignment::kNone) continue;
+      EXPECT_LT(norm(found[std::size_t(matched[i])] - pupil[i]), 5.0) << i;
+    }
+  }
+}
+
 /// A growth over 1,200 lenslets takes 2 ms, and there are 640 of them.
 TEST(SpotAssignment, FewLostAndFalseSpotsEndTheSearchAtOnce) {
   const auto pupil = lenslets(19.8);
