@@ -151,7 +151,7 @@ void CameraActor::restore(CameraSet before, std::function<void()> then) {
       keep_asked(before);
       if (camera_ && !lost_) {
         deps_.events.emit("camera", Severity::warning,
-                          fmt::format("camera: the settings {} could not be restored after a job: "
+                          fmt::format("camera: the settings {} could not be restored: "
                                       "{}; set them with camera.set",
                                       before.given().dump(), applied.error().reason),
                           before.given());

@@ -73,7 +73,7 @@ class CameraActor : public Agent {
   /// next connection. Otherwise, if it cannot be opened, the former camera is opened again with the
   /// former settings and `done` gets the error. Thread-safe.
   void select(std::string id, CameraSet change, bool wait, Applied done);
-  /// Restores the settings of `before` after a job, now or at the next connection. `then` is called
+  /// Restores the settings of `before`, now or at the next connection. `then` is called
   /// in the camera thread, or destroyed uncalled if that thread has ended. Thread-safe.
   void restore(CameraSet before, std::function<void()> then);
   CameraSnapshot snapshot() const { return snapshot_.get(); }

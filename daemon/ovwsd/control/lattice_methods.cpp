@@ -77,9 +77,10 @@ void prepare(Services& services, const LatticePrepare& asked, Reply<JobNumber> r
   });
 }
 
-/// An error about the sensor's keys, which the request does not have, as one about its lattice.
+/// An error about keys of sensor or camera, which the request does not have, as one about its
+/// lattice.
 Error about_name(Error error) {
-  if (!error.field.empty()) error.field = "name";
+  if (!error.field.empty() && error.field != "camera") error.field = "name";
   return error;
 }
 
@@ -108,24 +109,25 @@ void show(Services& services, const PreparedLattice& lattice, const CameraSet& b
     }
     const Error error = about_name(now.error());
     if (before.given().empty()) return done(fail(error));
-    services.camera.change(before, [done, error](const auto&) { done(fail(error)); });
+    services.camera.restore(before, [done, error] { done(fail(error)); });
   };
   services.keeper.edit(Hold::of_lattice(), use_lattice(lattice), shown);
 }
 
 /// The exposure changes first: no settled frame of the lattice then has another one.
 void expose_and_show(Services& services, const PreparedLattice& lattice, const Used& done) {
-  const CameraSettings now = services.camera.snapshot().settings;
-  const CameraSet change = exposure_change(now, lattice);
+  const CameraSnapshot camera = services.camera.snapshot();
+  const CameraSet change = exposure_change(camera.settings, lattice);
   if (change.given().empty()) return show(services, lattice, {}, done);
   CameraSet back;
   for (const auto member :
        {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {
-    if (change.gives(member)) back.put(member, now.*member);
+    const double asked = camera.asked.*member;
+    if (change.gives(member)) back.put(member, std::isnan(asked) ? camera.settings.*member : asked);
   }
   services.camera.change(change,
                          [&services, lattice, back, done](const Result<CameraSnapshot>& set) {
-                           if (!set) return done(fail(set.error()));
+                           if (!set) return done(fail(about_name(set.error())));
                            show(services, lattice, back, done);
                          });
 }

@@ -196,10 +196,9 @@ TEST_F(CameraActorTest, GainThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   EXPECT_EQ(events[0].kind, "camera");
   EXPECT_EQ(events[0].severity, Severity::warning);
   EXPECT_EQ(events[0].data["gain_db"], 3.0);
-  EXPECT_EQ(
-      events[0].text,
-      "camera: the settings {\"gain_db\":3.0} could not be restored after a job: the register is "
-      "locked; set them with camera.set");
+  EXPECT_EQ(events[0].text,
+            "camera: the settings {\"gain_db\":3.0} could not be restored: the register is "
+            "locked; set them with camera.set");
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   device_.refuses_gains = false;
   CameraSet exposure;
