@@ -148,18 +148,15 @@ Vec2 PhaseRetrieval::slm_px(int column, int row) const {
   return {map_.xx * y.x + map_.yx * y.y, map_.xy * y.x + map_.yy * y.y};
 }
 
-/// The unknown field and what one iteration needs.
-struct PhaseRetrieval::Iteration {
-  Transforms transforms;
+/// What all starts of a retrieval share.
+struct PhaseRetrieval::Given {
   std::vector<Field> shown;                          ///< phasors of each pattern
   std::vector<std::vector<float>> measured, weight;  ///< amplitudes of each image
-  Field field, ahead, cells, gradient, pixels;
-  double momentum = 1.0, misfit = 0.0;
+  double start = 0.0;                                ///< even amplitude with the images' light
+  Vec2 middle;                                       ///< centroid of the images
 
-  /// Begins with a vortex at a place, SLM pixels from the pupil's centre; 0: with a flat phase.
-  Iteration(const PhaseRetrieval& with, const std::vector<DiverseImage>& images, int circulation,
-            Vec2 vortex)
-      : transforms(with.side_, with.window_) {
+  Given(const PhaseRetrieval& with, const std::vector<DiverseImage>& images)
+      : middle(centroid(images)) {
     const float floor = float(kFloor) * brightest(images);
     double light = 0.0, area = 0.0;
     for (const auto& one : images) {
@@ -181,15 +178,28 @@ struct PhaseRetrieval::Iteration {
       }
     }
     for (const float inside : with.pupil_) area += double(inside * inside);
-    const double start = std::sqrt(light / double(images.size()) / area) / with.window_;
-    const Vec2 middle = centroid(images);
+    start = std::sqrt(light / double(images.size()) / area) / with.window_;
+  }
+};
+
+/// The unknown field and what one iteration needs.
+struct PhaseRetrieval::Iteration {
+  const Given& given;
+  Transforms transforms;
+  Field field, ahead, cells, gradient, pixels;
+  double momentum = 1.0, misfit = 0.0;
+
+  /// Begins with a vortex at a place, SLM pixels from the pupil's centre; 0: with a flat phase.
+  Iteration(const PhaseRetrieval& with, const Given& given_images, int circulation, Vec2 vortex)
+      : given(given_images), transforms(with.side_, with.window_) {
+    const Vec2 middle = given.middle;
     for (int k = 0; k < with.side_ * with.side_; ++k) {
       const double half = 0.5 * (with.side_ - 1);
       const double tilt =
           (middle.x * (k % with.side_ - half) + middle.y * (k / with.side_ - half)) / with.window_;
       const Vec2 at = with.slm_px(k % with.side_, k / with.side_) - vortex;
       const double turn = circulation * std::atan2(at.y, at.x) / (2.0 * std::numbers::pi);
-      field.push_back(float(start) * with.pupil_[std::size_t(k)] * phasor(tilt + turn));
+      field.push_back(float(given.start) * with.pupil_[std::size_t(k)] * phasor(tilt + turn));
     }
     ahead = field;
     cells.resize(field.size());
@@ -204,26 +214,28 @@ struct PhaseRetrieval::Iteration {
   void step(const std::vector<float>& pupil) {
     std::ranges::fill(gradient, Complex());
     double left = 0.0, all = 0.0;
-    for (std::size_t i = 0; i < shown.size(); ++i) {
-      for (std::size_t k = 0; k < cells.size(); ++k) cells[k] = ahead[k] * shown[i][k];
+    for (std::size_t i = 0; i < given.shown.size(); ++i) {
+      const Field& shown = given.shown[i];
+      const std::vector<float>&measured = given.measured[i], &weight = given.weight[i];
+      for (std::size_t k = 0; k < cells.size(); ++k) cells[k] = ahead[k] * shown[k];
       transforms.image(cells, pixels);
       for (std::size_t k = 0; k < pixels.size(); ++k) {
         const float amplitude = std::abs(pixels[k]);
-        const float miss = measured[i][k] - amplitude, w = weight[i][k];
+        const float miss = measured[k] - amplitude, w = weight[k];
         left += double(w * miss * miss);
-        all += double(w * measured[i][k] * measured[i][k]);
+        all += double(w * measured[k] * measured[k]);
         pixels[k] = amplitude > 0.0F ? (w * miss / amplitude) * pixels[k] : Complex();
       }
       transforms.adjoint(pixels, cells);
       for (std::size_t k = 0; k < cells.size(); ++k) {
-        gradient[k] += cells[k] * std::conj(shown[i][k]);
+        gradient[k] += cells[k] * std::conj(shown[k]);
       }
     }
     misfit = std::sqrt(left / all);
     const double next = 0.5 * (1.0 + std::sqrt(1.0 + 4.0 * momentum * momentum));
     const auto beyond = float(std::min((momentum - 1.0) / next, kMaxMomentum));
     momentum = next;
-    const float share = 1.0F / float(shown.size());
+    const float share = 1.0F / float(given.shown.size());
     for (std::size_t k = 0; k < field.size(); ++k) {
       const Complex better = pupil[k] > 0.0F ? ahead[k] + share * gradient[k] : Complex();
       ahead[k] = better + beyond * (better - field[k]);
@@ -234,14 +246,14 @@ struct PhaseRetrieval::Iteration {
 
 /// The vortex, of starts over the pupil, that explains the images best.
 std::unique_ptr<PhaseRetrieval::Iteration> PhaseRetrieval::from_a_vortex(
-    const std::vector<DiverseImage>& images, const std::function<bool()>& stop) const {
+    const Given& given, const std::function<bool()>& stop) const {
   std::unique_ptr<Iteration> best;
   for (int k = 0; k <= kStartsOnRing; ++k) {
     const double angle = 2.0 * std::numbers::pi * k / kStartsOnRing;
     const double radius = k == kStartsOnRing ? 0.0 : kStartRadius * 0.5 * diameter_px_;
     const Vec2 at = radius * Vec2{std::cos(angle), std::sin(angle)};
     for (const int circulation : {1, -1}) {
-      auto one = std::make_unique<Iteration>(*this, images, circulation, at);
+      auto one = std::make_unique<Iteration>(*this, given, circulation, at);
       one->run(kTrials, pupil_, stop);
       if (!best || one->misfit < best->misfit) best = std::move(one);
     }
@@ -253,10 +265,11 @@ std::unique_ptr<PhaseRetrieval::Iteration> PhaseRetrieval::from_a_vortex(
 Result<PhaseRetrieval::Found> PhaseRetrieval::retrieve(const std::vector<DiverseImage>& images,
                                                        bool seek_vortex,
                                                        const std::function<bool()>& stop) const {
-  auto best = std::make_unique<Iteration>(*this, images, 0, Vec2{});
+  const Given given(*this, images);
+  auto best = std::make_unique<Iteration>(*this, given, 0, Vec2{});
   best->run(kIterations, pupil_, stop);
   if (seek_vortex) {
-    auto turned = from_a_vortex(images, stop);
+    auto turned = from_a_vortex(given, stop);
     if (turned->misfit < best->misfit) best = std::move(turned);
   }
   if (stop()) return fail(Errc::refused, "", "the job was stopped");
@@ -264,14 +277,15 @@ Result<PhaseRetrieval::Found> PhaseRetrieval::retrieve(const std::vector<Diverse
   found.misfit = best->misfit;
   Field& field = best->field;
   // Half the tilt of a cell would be a jump: take the centroid's tilt out first.
-  const Vec2 middle = centroid(images);
+  const Vec2 middle = given.middle;
   const double half = 0.5 * (side_ - 1);
   for (int k = 0; k < side_ * side_; ++k) {
     field[std::size_t(k)] *=
         phasor(-(middle.x * (k % side_ - half) + middle.y * (k / side_ - half)) / window_);
   }
-  const Image<float> waves = unwrapped(field, found.jumps);
-  if (found.jumps > kMaxJumps) found.singularity = brightest_singularity(field, waves);
+  double jumps = 0.0;
+  const Image<float> waves = unwrapped(field, jumps);
+  if (jumps > kMaxJumps) found.singularity = brightest_singularity(field, waves);
   found.waves = on_slm(waves);
   return found;
 }

@@ -43,7 +43,6 @@ class PhaseRetrieval {
     /// cells x cells over the pupil's square on the SLM, as PhaseMap; no piston, no tilts.
     Image<float> waves;
     double misfit = 0.0;  ///< weighted RMS of what is left of the amplitudes, relative
-    double jumps = 0.0;   ///< share of the light where the unwrapped phase jumps
     /// A place about which the phase turns, pupil radii: the light has a branch point there, or the
     /// retrieval failed, and `waves` are wrong. None: the phase is smooth, but for dark cells.
     std::optional<Vec2> singularity;
@@ -57,8 +56,9 @@ class PhaseRetrieval {
 
  private:
   PhaseRetrieval() = default;
+  struct Given;
   struct Iteration;
-  std::unique_ptr<Iteration> from_a_vortex(const std::vector<DiverseImage>& images,
+  std::unique_ptr<Iteration> from_a_vortex(const Given& given,
                                            const std::function<bool()>& stop) const;
   Vec2 slm_px(int column, int row) const;
   Image<float> unwrapped(const std::vector<std::complex<float>>& field,
