@@ -41,6 +41,7 @@ void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) 
   branch_charge_ = lack.branch_point.charge;
   no_pattern_ = lack.no_pattern;
   too_close_ = lack.too_close;
+  undetermined_ = lack.undetermined;
   newest_ns_ = now_ns;
   if (valid) {
     since_ns_ = 0;
@@ -62,7 +63,8 @@ std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) cons
               branch_points_,
               {{double(branch_x_), double(branch_y_)}, branch_charge_},
               no_pattern_,
-              too_close_};
+              too_close_,
+              undetermined_};
 }
 
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
@@ -82,6 +84,12 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
     invalid.reason = fmt::format("{} of {} spots are found, but too close to another source's",
                                  lack.tracked, lack.spots);
     invalid.action = "tilt the light sources apart: sensor.beams of status names the other one";
+    return invalid;
+  }
+  if (lack.undetermined && !lack.searched) {
+    invalid.reason = fmt::format("{} of {} spots are found, which do not determine all modes",
+                                 lack.tracked, lack.spots);
+    invalid.action = "set a smaller tracking.mode_count (sensor.set), or light the lost spots";
     return invalid;
   }
   const bool has_branch_points = lack.branch_points > 0;

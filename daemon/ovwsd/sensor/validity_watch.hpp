@@ -37,6 +37,7 @@ class ValidityWatch {
     BranchPoint branch_point = {};  ///< the strongest of them
     bool no_pattern = false;        ///< of a sequence: no frame's pattern has been certain for long
     bool too_close = false;         ///< the spots are too close to those of another source
+    bool undetermined = false;      ///< nearly all spots are found, but do not determine the modes
   };
 
   /// `brightness`: of the camera's images; must outlive this object.
@@ -70,7 +71,7 @@ class ValidityWatch {
   std::atomic<float> branch_x_{0.0F}, branch_y_{0.0F};
   std::atomic<int> branch_charge_{0};
   std::atomic<bool> explained_{true}, waits_{false}, searched_{true}, no_pattern_{false};
-  std::atomic<bool> too_close_{false};
+  std::atomic<bool> too_close_{false}, undetermined_{false};
   Guarded<SearchProgress> progress_;
   std::int64_t announced_ns_ = 0;  ///< start of the invalid period announced; 0: none is
 };

@@ -142,6 +142,9 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
                            record.branch_points.points.front()};
   lack.too_close = std::ranges::any_of(
       record.beams(), [&](const FrameRecord* beam) { return !are_apart(record, *beam); });
+  lack.undetermined =
+      !record.reconstruction.determined &&
+      !too_many_lost({.used = record.tracked, .lost = record.spot_count - record.tracked});
   validity_.on_frame(record.valid, lack, monotonic_ns());
 }
 

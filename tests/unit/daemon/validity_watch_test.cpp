@@ -66,6 +66,19 @@ TEST(ValidityWatch, SaysThatNoPatternIsCertain) {
   EXPECT_NE(said.action.find("dmd.slots"), std::string::npos);
 }
 
+TEST(ValidityWatch, SaysThatNearlyAllSpotsDoNotDetermineTheModes) {
+  const ImageBrightness unknown;
+  ValidityWatch watch(unknown);
+  watch.on_frame(false, {.tracked = 796, .spots = 797, .undetermined = true}, 2 * kS);
+  EXPECT_EQ(watch.why_invalid(3 * kS, 100 * kS)->reason, "796 of 797 spots are found");
+  watch.on_frame(false, {.tracked = 796, .spots = 797, .searched = false, .undetermined = true},
+                 2 * kS);
+  const auto said = watch.why_invalid(3 * kS, 100 * kS);
+  ASSERT_TRUE(said);
+  EXPECT_EQ(said->reason, "796 of 797 spots are found, which do not determine all modes");
+  EXPECT_NE(said->action.find("mode_count"), std::string::npos) << said->action;
+}
+
 TEST(ValidityWatch, SaysThatTwoSourcesAreTooClose) {
   const ImageBrightness unknown;
   ValidityWatch watch(unknown);
