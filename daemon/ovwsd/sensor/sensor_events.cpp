@@ -58,7 +58,8 @@ void SensorEvents::publish_stale(const Reference* reference,
 
 const std::string& SensorEvents::layout_fault(const SensorState& state) {
   const OpticsConfig optics = optics_of(state, bench_);
-  LayoutKey key{state.sensor, state.tracking, optics.registered, optics.centre_px, state.roi};
+  LayoutKey key{state.sensor,     state.tracking, optics.registered,
+                optics.centre_px, state.roi,      state.format};
   if (!layouts_.empty() && layouts_.back().key == key) return layouts_.back().fault;
   const bool first = layouts_.empty();
   const auto found = std::find_if(layouts_.begin(), layouts_.end(),

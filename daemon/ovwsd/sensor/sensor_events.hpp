@@ -34,7 +34,7 @@ class SensorEvents {
 
  private:
   using LayoutKey = std::tuple<SensorConfig, TrackingSettings, std::optional<PxPerCycle>,
-                               std::optional<Vec2>, Roi>;
+                               std::optional<Vec2>, Roi, PixelFormat>;
 
   BenchOptics bench_;
   Events& events_;
