@@ -91,6 +91,12 @@ Image<std::uint16_t> exposed(const Image<std::complex<float>>& far) {
 /// Proposes settings at which neighbouring spots have the recommended distance.
 std::string wider_spacing(const SpotBench& bench, const SpotLayout& layout) {
   const double factor = recommended_spot_distance(largest_charge(bench)) / layout.nearest;
+  if (!bench.sensor.lenslets.empty()) {
+    return fmt::format(
+        "array.pitch_um and optics.focal_length_mm as the lenslets have them, at "
+        "most {:g} mm at this pitch",
+        rounded_down(bench.optics.focal_length_mm / factor));
+  }
   const int fewer = int(bench.sensor.subapertures_across / std::sqrt(factor));
   const double spacing = rounded_up(bench.sensor.spacing * factor);
   const Vec2 region = region_for(layout, spacing / bench.sensor.spacing);
@@ -113,6 +119,10 @@ std::string alternative_to_region(const SpotBench& bench, const SpotLayout& layo
     return std::min(x, y);
   };
   const double closer = share(layout.margin_px);
+  if (!bench.sensor.lenslets.empty()) {
+    const double pupil_mm = 1e-3 * bench.sensor.pupil_diameter_px * bench.slm.pitch_um;
+    return fmt::format("array.pupil_mm to {:g}", rounded_down(pupil_mm * closer));
+  }
   if (closer * layout.nearest >= recommended_spot_distance(largest_charge(bench))) {
     return fmt::format("sensor.spacing to {:g}", rounded_down(bench.sensor.spacing * closer));
   }
@@ -212,7 +222,7 @@ Result<void> check_spots_apart(const SpotBench& bench) {
   const double minimum = min_spot_distance(largest_charge(bench));
   if (layout.nearest >= minimum) return {};
   return fail(
-      Errc::invalid, "sensor.spacing",
+      Errc::invalid, bench.sensor.lenslets.empty() ? "sensor.spacing" : "optics.focal_length_mm",
       fmt::format(
           "neighbouring spots are {:.2f} lambda/d apart, but the tracker {} separates {} only "
           "from {:.2f} lambda/d on: set {}",

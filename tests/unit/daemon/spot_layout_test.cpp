@@ -6,6 +6,7 @@
 #include <regex>
 #include <string>
 
+#include "config/config.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 
 namespace ovws {
@@ -47,6 +48,27 @@ TEST(SpotLayout, BenchesThatWereMeasuredToWorkAreAccepted) {
   EXPECT_EQ(refusal(bench(0, TrackerKind::thresholded, 7)), "");
   EXPECT_EQ(refusal(bench(1, TrackerKind::lg, 7)), "");
   EXPECT_EQ(refusal(bench(1, TrackerKind::lg, 4)), "");
+}
+
+Config lenslets(double focal_length_mm, double pupil_mm, int roi_px) {
+  auto config = parse_config(R"({"modulator": "fixed", "sensor": {"charge": 0, "grid": "square"},
+                                 "tracking": {"tracker": "lg"},
+                                 "optics": {"camera_pitch_um": 5.3, "focal_length_mm": )" +
+                             std::to_string(focal_length_mm) +
+                             "}, \"array\": {\"pupil_mm\": " + std::to_string(pupil_mm) + "}}")
+                    .value();
+  config.camera.settings.roi = {0, 0, roi_px, roi_px};
+  return config;
+}
+
+TEST(SpotLayout, ARefusalOfLensletsNamesTheirKeysWithValuesThatWork) {
+  EXPECT_EQ(refusal(lenslets(10.0, 5.0, 1024)), "");
+  const std::string near = refusal(lenslets(50.0, 5.0, 1024));
+  EXPECT_TRUE(near.starts_with("optics.focal_length_mm: neighbouring spots are ")) << near;
+  EXPECT_EQ(refusal(lenslets(number_after(near, "at most"), 5.0, 1024)), "");
+  const std::string outside = refusal(lenslets(10.0, 5.0, 512));
+  EXPECT_TRUE(outside.starts_with("camera.roi: ")) << outside;
+  EXPECT_EQ(refusal(lenslets(10.0, number_after(outside, "array.pupil_mm to"), 512)), "");
 }
 
 TEST(SpotLayout, SpotsThatATrackerCannotSeparateAreRefusedWithValuesThatWork) {
