@@ -263,6 +263,12 @@ std::vector<ParamsKey> keys_of(const json& params_schema) {
   const json properties = params_schema.value("properties", json::object());
   for (const auto& [name, raw] : properties.items()) {
     json schema = resolved(raw, params_schema);
+    for (json whole : raw.value("anyOf", json::array())) {  // beside its keys the whole list
+      if (!has_type(whole, "array")) continue;
+      whole["description"] = raw.value("description", std::string());
+      whole["type"] = json::array({"array", "null"});
+      all.push_back({name, std::move(whole), false});
+    }
     if (has_type(schema, "object") && schema.contains("properties")) {
       for (ParamsKey& inner : keys_of(schema)) {
         all.push_back({name + "." + inner.path, std::move(inner.schema), false});

@@ -51,6 +51,7 @@ TEST(Params, AValueMayBeAnyOfItsAlternatives) {
   EXPECT_EQ(params("sensor.set", {R"(mask=[{"axicon_waves": 0.1}, {}])"}),
             json::parse(R"({"mask": [{"axicon_waves": 0.1}, {}]})"));
   expect_text(refusal("sensor.set", "mask=0.1"), "mask: must be");
+  expect_text(refusal("sensor.set", "maks=null"), "did you mean mask?");
   EXPECT_FALSE(params_of(schema("sensor.set").at("params"), {"mask=[{}]", "mask.axicon_waves=1"}));
 }
 
