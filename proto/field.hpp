@@ -236,33 +236,41 @@ struct Absent {
   const char* json;
 };
 
-/// Entry number I of Fields.
+/// Entry number I of an EntryList.
 template <std::size_t I, class Entry>
-struct FieldAt {
+struct EntryAt {
   Entry entry;
 };
 
 template <class Indices, class... Entries>
-struct FieldsBase;
+struct IndexedEntries;
 template <std::size_t... I, class... Entries>
-struct FieldsBase<std::index_sequence<I...>, Entries...> : FieldAt<I, Entries>... {
-  constexpr explicit FieldsBase(Entries... entries) : FieldAt<I, Entries>{entries}... {}
+struct IndexedEntries<std::index_sequence<I...>, Entries...> : EntryAt<I, Entries>... {
+  constexpr explicit IndexedEntries(Entries... entries) : EntryAt<I, Entries>{entries}... {}
 
   template <class Visit>
   constexpr auto apply(Visit&& visit) const {
-    return visit(static_cast<const FieldAt<I, Entries>&>(*this).entry...);
+    return visit(static_cast<const EntryAt<I, Entries>&>(*this).entry...);
   }
 };
 
-/// Field table of a struct: the struct's name in schemas, and the fields. It replaces std::tuple,
-/// which takes three times as long to compile; every file that includes a message compiles its
-/// table.
+/// Values of different types. It replaces std::tuple, which takes three times as long to compile:
+/// every file that includes a message compiles its table.
 template <class... Entries>
-struct Fields : FieldsBase<std::index_sequence_for<Entries...>, Entries...> {
+struct EntryList : IndexedEntries<std::index_sequence_for<Entries...>, Entries...> {
+  static constexpr std::size_t kSize = sizeof...(Entries);
+
+  constexpr explicit EntryList(Entries... entries)
+      : IndexedEntries<std::index_sequence_for<Entries...>, Entries...>(entries...) {}
+};
+
+/// Field table of a struct: the struct's name in schemas, and the fields.
+template <class... Entries>
+struct Fields : EntryList<Entries...> {
   const char* name;
 
   constexpr explicit Fields(const char* in_schemas, Entries... entries)
-      : FieldsBase<std::index_sequence_for<Entries...>, Entries...>(entries...), name(in_schemas) {}
+      : EntryList<Entries...>(entries...), name(in_schemas) {}
 };
 
 /// Field table of a struct; nullptr if it has none. Specialise it for each struct on the wire.

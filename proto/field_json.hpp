@@ -90,13 +90,26 @@ struct Wire<JsonObject> {
   static Json schema(SchemaParts&, const FieldInfo&) { return {{"type", "object"}}; }
 };
 
+namespace detail {
+
+// Compiled once, because every field of every struct uses them. J: as in to_json.
+template <class J>
+void put_field(J& out, const FieldInfo& field, J encoded);
+template <class J>
+J number_or_null(double value);
+template <class J>
+J point(const Vec2& value);
+template <class J>
+J parsed(const char* json);
+
+}  // namespace detail
+
 /// Encodes the fields of `from` into the object `out`.
 template <class J, HasTable S>
 void put_fields(J& out, const S& from) {
   visit_fields(from, [&out](const FieldInfo& field, const auto& value) {
     const bool nothing = (field.nullable || field.left_out) && detail::is_nothing(value);
-    J encoded = nothing ? J() : to_json<J>(value);
-    if (!field.left_out || !encoded.is_null()) out[field.key] = std::move(encoded);
+    detail::put_field(out, field, nothing ? J() : to_json<J>(value));
   });
 }
 
@@ -107,15 +120,15 @@ J to_json(const T& value) {
   if constexpr (HasWire<T>) {
     return Wire<T>::to_json(value);
   } else if constexpr (std::is_same_v<T, Absent>) {
-    return J::parse(value.json);
+    return parsed<J>(value.json);
   } else if constexpr (is_optional<T>) {
     return value ? to_json<J>(*value) : J();
   } else if constexpr (std::is_floating_point_v<T>) {
-    return std::isfinite(value) ? J(value) : J();
+    return number_or_null<J>(value);
   } else if constexpr (std::is_enum_v<T>) {
     return kNames<T>()[std::size_t(value)];
   } else if constexpr (std::is_same_v<T, Vec2>) {
-    return J::array({to_json<J>(value.x), to_json<J>(value.y)});
+    return point<J>(value);
   } else if constexpr (HasTable<T>) {
     J out = J::object();
     put_fields(out, value);
@@ -182,25 +195,7 @@ void decode_tuple(ObjectReader& reader, const FieldInfo& field, std::size_t size
 }
 
 /// Decodes an array of pairs [x, y].
-inline void decode_points(ObjectReader& reader, const FieldInfo& field, std::vector<Vec2>& out) {
-  const Json* const given = reader.raw(field.key);
-  if (given == nullptr || reader.failed()) return;
-  const auto fits = [&field](const Json& number) {
-    return number.is_number() && number >= field.bounds.min && number <= field.bounds.max;
-  };
-  const auto is_point = [&fits](const Json& point) {
-    return point.is_array() && point.size() == 2 && fits(point[0]) && fits(point[1]);
-  };
-  const std::size_t most = std::min(field.max_size, kMaxElements);
-  if (!given->is_array() || given->size() < field.min_size || given->size() > most ||
-      !std::all_of(given->begin(), given->end(), is_point)) {
-    return reader.fault(field.key, "must be an array of " + std::to_string(field.min_size) +
-                                       " to " + std::to_string(most) +
-                                       " pairs [x, y] of numbers within their limits");
-  }
-  out.clear();
-  for (const Json& point : *given) out.push_back({point[0].get<double>(), point[1].get<double>()});
-}
+void decode_points(ObjectReader& reader, const FieldInfo& field, std::vector<Vec2>& out);
 
 template <HasTable S>
 void decode_fields(ObjectReader& reader, S& out);

@@ -30,34 +30,16 @@ Json schema_of_value(SchemaParts& parts, const FieldInfo& field);
 template <class S>
 Json schema_reference(SchemaParts& parts);
 
-inline Json with_null(Json schema) {
-  if (schema.contains("type")) {
-    schema["type"] = Json::array({schema["type"], "null"});
-    if (schema.contains("enum")) schema["enum"].push_back(nullptr);
-    return schema;
-  }
-  return {{"anyOf", Json::array({std::move(schema), Json{{"type", "null"}}})}};
-}
-
-inline void erase_bounds(Json& schema) {
-  if (!schema.is_structured()) return;
-  if (schema.is_object()) {
-    schema.erase("minimum");
-    schema.erase("maximum");
-  }
-  for (Json& part : schema) erase_bounds(part);
-}
-
-inline Json reference_to(std::string_view name) {
-  std::string path = "#/$defs/";
-  path += name;
-  return {{"$ref", path}};
-}
-
-inline void put_bounds(Json& schema, const Bounds& bounds) {
-  if (std::isfinite(bounds.min)) schema["minimum"] = bounds.min;
-  if (std::isfinite(bounds.max)) schema["maximum"] = bounds.max;
-}
+Json with_null(Json schema);
+void erase_bounds(Json& schema);
+Json reference_to(std::string_view name);
+Json number_schema(bool integer, bool no_sign, const Bounds& bounds);
+Json schema_of_array(Json items, const FieldInfo& field);
+Json schema_of_text(const FieldInfo& field);
+Json schema_of_names(NamesOf names);
+Json schema_of_tuple(std::size_t size, Json items);
+Json schema_of_list(Json items, bool floating, const FieldInfo& field);
+Json schema_of_map(Json values, const FieldInfo& field);
 
 template <class T>
 inline constexpr bool is_array = false;
@@ -66,30 +48,7 @@ inline constexpr bool is_array<std::array<T, N>> = true;
 
 template <class T>
 Json schema_of_number(const Bounds& bounds) {
-  Json schema{{"type", std::is_integral_v<T> ? "integer" : "number"}};
-  put_bounds(schema, bounds);
-  if (std::is_unsigned_v<T> && !schema.contains("minimum")) schema["minimum"] = 0;
-  return schema;
-}
-
-inline Json schema_of_array(Json items, const FieldInfo& field) {
-  Json schema{{"type", "array"}, {"items", std::move(items)}};
-  if (field.min_size > 0) schema["minItems"] = field.min_size;
-  if (field.max_size < std::numeric_limits<std::size_t>::max()) schema["maxItems"] = field.max_size;
-  if (field.distinct) schema["uniqueItems"] = true;
-  return schema;
-}
-
-inline Json schema_of_text(const FieldInfo& field) {
-  Json schema{{"type", "string"}};
-  if (field.names != nullptr) schema["enum"] = field.names();
-  return schema;
-}
-
-inline Json schema_of_tuple(std::size_t size, Json items) {
-  FieldInfo sized;
-  sized.min_size = sized.max_size = size;
-  return schema_of_array(std::move(items), sized);
+  return number_schema(std::is_integral_v<T>, std::is_unsigned_v<T>, bounds);
 }
 
 /// Schema of a value's type, without the field's description, default and nullability.
@@ -104,7 +63,7 @@ Json schema_of_value(SchemaParts& parts, const FieldInfo& field) {
   } else if constexpr (std::is_arithmetic_v<T>) {
     return schema_of_number<T>(field.bounds);
   } else if constexpr (std::is_enum_v<T>) {
-    return {{"type", "string"}, {"enum", (field.names != nullptr ? field.names : kNames<T>)()}};
+    return schema_of_names(field.names != nullptr ? field.names : kNames<T>);
   } else if constexpr (std::is_same_v<T, Vec2>) {
     Json number = schema_of_number<double>(field.bounds);
     return schema_of_tuple(2, field.nulls ? with_null(std::move(number)) : std::move(number));
@@ -117,9 +76,7 @@ Json schema_of_value(SchemaParts& parts, const FieldInfo& field) {
     return schema_reference<T>(parts);
   } else if constexpr (is_named_list<T>) {
     using Value = typename T::value_type::second_type;
-    Json schema{{"type", "object"}, {"additionalProperties", schema_of_value<Value>(parts, {})}};
-    if (field.names != nullptr) schema["propertyNames"] = {{"enum", field.names()}};
-    return schema;
+    return schema_of_map(schema_of_value<Value>(parts, {}), field);
   } else if constexpr (std::is_same_v<T, Json>) {
     return Json::object();
   } else if constexpr (TextLike<T>) {
@@ -128,48 +85,40 @@ Json schema_of_value(SchemaParts& parts, const FieldInfo& field) {
     FieldInfo element;
     element.bounds = field.bounds;
     element.nulls = field.nulls;
-    Json items = schema_of_value<typename T::value_type>(parts, element);
-    const bool number = std::is_floating_point_v<typename T::value_type>;
-    return schema_of_array(number && field.nulls ? with_null(std::move(items)) : std::move(items),
-                           field);
+    return schema_of_list(schema_of_value<typename T::value_type>(parts, element),
+                          std::is_floating_point_v<typename T::value_type>, field);
   }
 }
 
 template <class S>
 void put_schema(SchemaParts& parts, Json& properties, Json& required);
 
-template <class S, class Entry>
-void put_default(Json& schema, const Entry& entry) {
-  if constexpr (requires { entry.member; }) {
-    if (entry.required) return;
-    const S defaults{};
-    const auto& value = defaults.*entry.member;
-    if (!is_nothing(value)) schema["default"] = to_json(value);
-  }
-}
+// Compiled once, because every field of every struct uses them.
+/// Adds the schema of one field. `initial`: its default value, if it has one.
+void put_field_schema(const SchemaParts& parts, const FieldInfo& field, Json schema, bool optional,
+                      std::optional<Json> initial, Json& properties, Json& required);
+void put_constant(const Constant& field, Json& properties, Json& required);
+Json object_of(Json properties, Json required);
 
 template <class S, class Entry>
-void put_entry(SchemaParts& parts, const Entry& entry, Json& properties, Json& required) {
-  using Value = std::remove_cvref_t<decltype(entry.of(std::declval<const S&>()))>;
-  Json schema = schema_of_value<Value>(parts, entry);
-  const bool or_absent = parts.may_be_absent && std::string_view(entry.absent) == "null";
-  if (!is_optional<Value> && (entry.nullable || or_absent)) {
-    schema = with_null(std::move(schema));
+void put_entry(SchemaParts& parts, const S& defaults, const Entry& entry, Json& properties,
+               Json& required) {
+  using Value = std::remove_cvref_t<decltype(entry.of(defaults))>;
+  std::optional<Json> initial;
+  if constexpr (requires { entry.member; }) {
+    const Value& value = defaults.*entry.member;
+    if (parts.of == SchemaOf::params && !is_nothing(value)) initial = to_json(value);
   }
-  if (parts.of == SchemaOf::params) put_default<S>(schema, entry);
-  schema["description"] = entry.meaning;
-  properties[entry.key] = std::move(schema);
-  const bool always = parts.of == SchemaOf::result && !entry.left_out;
-  if (always || entry.required) required.push_back(entry.key);
+  put_field_schema(parts, entry, schema_of_value<Value>(parts, entry), is_optional<Value>,
+                   std::move(initial), properties, required);
 }
 template <class S>
-void put_entry(SchemaParts&, const Constant& entry, Json& properties, Json& required) {
-  properties[entry.key] = {
-      {"const", entry.text}, {"type", "string"}, {"description", entry.meaning}};
-  required.push_back(entry.key);
+void put_entry(SchemaParts&, const S&, const Constant& entry, Json& properties, Json& required) {
+  put_constant(entry, properties, required);
 }
 template <class Owner, class S, class T>
-void put_entry(SchemaParts& parts, const Inlined<S, T>&, Json& properties, Json& required) {
+void put_entry(SchemaParts& parts, const Owner&, const Inlined<S, T>&, Json& properties,
+               Json& required) {
   if constexpr (is_optional<T>) {
     const bool before = std::exchange(parts.may_be_absent, true);
     put_schema<typename T::value_type>(parts, properties, required);
@@ -179,14 +128,17 @@ void put_entry(SchemaParts& parts, const Inlined<S, T>&, Json& properties, Json&
   }
 }
 template <class Owner, class T>
-void put_entry(SchemaParts& parts, const Based<T>&, Json& properties, Json& required) {
+void put_entry(SchemaParts& parts, const Owner&, const Based<T>&, Json& properties,
+               Json& required) {
   put_schema<T>(parts, properties, required);
 }
 
 template <class S>
 void put_schema(SchemaParts& parts, Json& properties, Json& required) {
-  kTable<S>.apply(
-      [&](const auto&... entry) { (put_entry<S>(parts, entry, properties, required), ...); });
+  const S defaults{};
+  kTable<S>.apply([&](const auto&... entry) {
+    (put_entry(parts, defaults, entry, properties, required), ...);
+  });
 }
 
 template <class S>
@@ -196,8 +148,7 @@ Json object_schema(SchemaParts& parts) {
   Json properties = Json::object(), required = Json::array();
   put_schema<S>(parts, properties, required);
   parts.may_be_absent = before;
-  Json schema{{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
-  if (!required.empty()) schema["required"] = required;
+  Json schema = object_of(std::move(properties), std::move(required));
   if constexpr (requires { Rules<S>::schema(); }) schema.update(Rules<S>::schema());
   return schema;
 }
@@ -230,6 +181,11 @@ Json Wire<Partial<S>>::schema(SchemaParts& parts, const FieldInfo&) {
   return reference;
 }
 
+namespace detail {
+Json whole_schema(Json schema, SchemaParts& parts);
+Json with_clamp(Json schema);
+}  // namespace detail
+
 /// The complete schema of params, a result or a message.
 template <class S>
 struct WholeSchema {
@@ -242,23 +198,12 @@ struct WholeSchema {
     } else {
       schema = Wire<S>::schema(parts, {});
     }
-    schema["$schema"] = "https://json-schema.org/draft/2020-12/schema";
-    if (!parts.parts.empty()) schema["$defs"] = std::move(parts.parts);
-    return schema;
+    return detail::whole_schema(std::move(schema), parts);
   }
 };
 template <class S>
 struct WholeSchema<Partial<S>> {
-  static Json of(SchemaOf) {
-    Json schema = WholeSchema<S>::of(SchemaOf::change);
-    schema["properties"]["clamp"] = {
-        {"type", "boolean"},
-        {"default", false},
-        {"description",
-         "true: a number out of range becomes the nearest limit instead of being refused; the "
-         "ranges stated here then do not apply"}};
-    return schema;
-  }
+  static Json of(SchemaOf) { return detail::with_clamp(WholeSchema<S>::of(SchemaOf::change)); }
 };
 template <class S>
 Json schema_of(SchemaOf of) {

@@ -1,9 +1,6 @@
-/// The list of all control methods and streams: name, types and description. JSON Schemas
-/// (daemon/shared/schemas) and the Python client's methods are generated from it; the handlers are
-/// in daemon/ovwsd/control.
+/// All control methods: name, types and description. The handlers are in daemon/ovwsd/control. Add
+/// a method to the list in proto/method_list.hpp, too.
 #pragma once
-
-#include <tuple>
 
 #include "proto/messages.hpp"
 #include "proto/method.hpp"
@@ -391,104 +388,5 @@ inline constexpr auto kSystemDescribe = method<Nothing, Description>(
     "Returns all methods and streams with their JSON Schemas, and the versions.");
 inline constexpr auto kSystemStatus =
     method<Nothing, StatusMessage>("system.status", "Returns the contents of the status message.");
-
-inline constexpr std::tuple kMethods{kAberrationClear,
-                                     kAberrationGet,
-                                     kAberrationSequence,
-                                     kAberrationSet,
-                                     kArrayFit,
-                                     kCalibrationClear,
-                                     kCalibrationGet,
-                                     kCalibrationRun,
-                                     kCalibrationSet,
-                                     kCameraAutoExposure,
-                                     kCameraGet,
-                                     kCameraGrab,
-                                     kCameraList,
-                                     kCameraSelect,
-                                     kCameraSet,
-                                     kConfigGet,
-                                     kConfigSave,
-                                     kCorrectionClear,
-                                     kCorrectionGet,
-                                     kCorrectionSet,
-                                     kCorrectorClear,
-                                     kCorrectorGet,
-                                     kCorrectorSet,
-                                     kExperimentCell,
-                                     kExperimentGainSweep,
-                                     kExperimentGet,
-                                     kFlatnessClear,
-                                     kFlatnessGet,
-                                     kFlatnessRun,
-                                     kFocusRun,
-                                     kJobCancel,
-                                     kJobGet,
-                                     kLatticeList,
-                                     kLatticePrepare,
-                                     kLatticeRemove,
-                                     kLatticeUse,
-                                     kLoopClose,
-                                     kLoopGet,
-                                     kLoopIdentify,
-                                     kLoopModel,
-                                     kLoopOpen,
-                                     kLoopPause,
-                                     kLutClear,
-                                     kLutGet,
-                                     kLutRun,
-                                     kMapRun,
-                                     kRecordEstimate,
-                                     kRecordGet,
-                                     kRecordList,
-                                     kRecordStart,
-                                     kRecordStop,
-                                     kReferenceClear,
-                                     kReferenceDelete,
-                                     kReferenceGet,
-                                     kReferenceGive,
-                                     kReferenceList,
-                                     kReferenceLoad,
-                                     kReferenceSave,
-                                     kReferenceSet,
-                                     kReferenceTake,
-                                     kRefineGet,
-                                     kRefineSet,
-                                     kRegistrationClear,
-                                     kRegistrationGet,
-                                     kRegistrationRun,
-                                     kSensorAdvise,
-                                     kSensorGet,
-                                     kSensorSet,
-                                     kSlmOutputs,
-                                     kSlmPresent,
-                                     kSlmSet,
-                                     kSlmSettle,
-                                     kSlmShow,
-                                     kSlmVerify,
-                                     kSystemDescribe,
-                                     kSystemStatus};
-
-inline constexpr std::tuple kStreams{
-    stream<WavefrontMessage>("wavefront", "Modes of each processed frame."),
-    stream<SpotsMessage>("spots",
-                         "Spots of each processed frame: JSON as `wavefront` without the modes; "
-                         "then N x 6 float32, rows by subaperture."),
-    stream<CorrectorMessage>("corrector",
-                             "Commands of each processed frame for an external corrector, once "
-                             "corrector.set was called: JSON as `wavefront` without the modes; "
-                             "then one float32 for each actuator, if the frame is valid."),
-    stream<ImageMessage>("image",
-                         "Camera images at the image rate, always the newest frame, on the image "
-                         "endpoint: JSON; then rows x cols pixels without padding."),
-    stream<PhaseMessage>("phase",
-                         "Wavefront map over the pupil at the image rate, on the image endpoint: "
-                         "JSON; then rows x cols float32, waves, NaN outside the pupil."),
-    stream<RefinedMessage>("refined",
-                           "Maximum-likelihood fit of the diffraction model to every pixel of a "
-                           "frame; published when the fit has ended, seconds after its frame."),
-    stream<StreamedStatus>("status",
-                           "Status of the daemon, once a second and immediately on change."),
-    stream<EventMessage>("event", "Events: state changes, faults, progress of jobs.")};
 
 }  // namespace ovws

@@ -6,7 +6,7 @@
 #include "config/tables.hpp"
 #include "proto/field_schema.hpp"
 #include "proto/json_text.hpp"
-#include "proto/methods.hpp"
+#include "proto/method_list.hpp"
 #include "proto/tables/advice.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/description.hpp"
@@ -35,11 +35,14 @@ std::string title_of(std::string name) {
   return name;
 }
 
-template <class P, class R>
-Schema schema_of_method(const Method<P, R>& method, const Json& examples) {
-  Json params = schema_of<P>(SchemaOf::params), result = schema_of<R>(SchemaOf::result);
+/// Name and text of a method, whatever its types.
+struct MethodText {
+  const char *name, *description, *binary_params, *binary_result, *result;
+};
+
+Schema schema_of_method(const MethodText& method, Json params, Json result, const Json& examples) {
   params["examples"] = examples["params"].value(method.name, Json::array({Json::object()}));
-  if (const auto found = examples["results"].find(kTable<R>.name);
+  if (const auto found = examples["results"].find(method.result);
       found != examples["results"].end()) {
     result["examples"] = Json::array({*found});
   }
@@ -52,25 +55,28 @@ Schema schema_of_method(const Method<P, R>& method, const Json& examples) {
   return {method.name, std::move(json)};
 }
 
-template <class M>
-Schema schema_of_stream(const Stream<M>& stream, const Json& examples) {
-  Json message = schema_of<M>(SchemaOf::result);
-  message["title"] = title_of(stream.topic);
-  message["description"] = stream.description;
-  message["examples"] = Json::array({examples["messages"].at(stream.topic)});
-  Schema schema;
-  schema.name.append("stream.").append(stream.topic);
-  schema.json = std::move(message);
-  return schema;
+Schema schema_of_stream(const char* topic, const char* description, Json message,
+                        const Json& examples) {
+  message["title"] = title_of(topic);
+  message["description"] = description;
+  message["examples"] = Json::array({examples["messages"].at(topic)});
+  return {std::string("stream.") + topic, std::move(message)};
 }
 
 std::vector<Schema> make_schemas() {
   const Json examples = json_of(kExamples);
   std::vector<Schema> all;
-  std::apply([&](const auto&... one) { (all.push_back(schema_of_method(one, examples)), ...); },
-             kMethods);
-  std::apply([&](const auto&... one) { (all.push_back(schema_of_stream(one, examples)), ...); },
-             kStreams);
+  const auto put_method = [&]<class P, class R>(const Method<P, R>& m) {
+    all.push_back(
+        schema_of_method({m.name, m.description, m.binary_params, m.binary_result, kTable<R>.name},
+                         schema_of<P>(SchemaOf::params), schema_of<R>(SchemaOf::result), examples));
+  };
+  const auto put_stream = [&]<class M>(const Stream<M>& stream) {
+    all.push_back(schema_of_stream(stream.topic, stream.description, schema_of<M>(SchemaOf::result),
+                                   examples));
+  };
+  kMethods.apply([&](const auto&... method) { (put_method(method), ...); });
+  kStreams.apply([&](const auto&... stream) { (put_stream(stream), ...); });
   std::sort(all.begin(), all.end(),
             [](const Schema& a, const Schema& b) { return a.name < b.name; });
   return all;

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "daemon/shared/schemas/schemas.hpp"
-#include "proto/methods.hpp"
+#include "proto/method_list.hpp"
 #include "proto/tables/advice.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/description.hpp"
@@ -22,8 +22,7 @@ namespace {
 TEST(Schemas, AreOneForEachName) {
   std::set<std::string> names;
   for (const Schema& one : schemas()) EXPECT_TRUE(names.insert(one.name).second) << one.name;
-  EXPECT_EQ(names.size(),
-            std::tuple_size_v<decltype(kMethods)> + std::tuple_size_v<decltype(kStreams)>);
+  EXPECT_EQ(names.size(), kMethods.kSize + kStreams.kSize);
   EXPECT_TRUE(schema("camera.sett").is_null());
 }
 
@@ -34,7 +33,7 @@ TEST(Schemas, GiveExamplesThatTheDecodersTake) {
       EXPECT_TRUE(decode_params<P>(params)) << method.name << " " << params;
     }
   };
-  std::apply([&](const auto&... method) { (check(method), ...); }, kMethods);
+  kMethods.apply([&](const auto&... method) { (check(method), ...); });
 }
 
 }  // namespace
