@@ -8,6 +8,8 @@
 #include <numeric>
 #include <span>
 
+#include "core/base/median.hpp"
+
 namespace ovws {
 namespace {
 
@@ -27,9 +29,8 @@ bool is_peak(const std::vector<double>& power, std::size_t k) {
   const std::size_t to = std::min(power.size(), k + kAround + 1);
   std::vector<double> around(power.begin() + std::ptrdiff_t(from),
                              power.begin() + std::ptrdiff_t(to));
-  const auto middle = around.begin() + std::ptrdiff_t(around.size() / 2);
-  std::nth_element(around.begin(), middle, around.end());
-  return power[k] > kPeak * *middle && power[k] >= *std::max_element(around.begin(), around.end());
+  return power[k] > kPeak * median(around) &&
+         power[k] >= *std::max_element(around.begin(), around.end());
 }
 
 std::vector<std::size_t> peaks_of(const Spectrum& spectrum) {
@@ -97,8 +98,8 @@ double seen_per_hz(const Oscillator& part, double hz, double step_hz, double ste
 
 /// Power densities of the oscillators (columns) in the bands; the last column is that of noise with
 /// an RMS of 1.
-Eigen::MatrixXd densities(const std::vector<Oscillator>& parts, const Bands& bands, double step_hz,
-                          double step_s) {
+Eigen::MatrixXd band_densities(const std::vector<Oscillator>& parts, const Bands& bands,
+                               double step_hz, double step_s) {
   Eigen::MatrixXd all(bands.hz.size(), Eigen::Index(parts.size()) + 1);
   for (Eigen::Index k = 0; k < bands.hz.size(); ++k) {
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -174,10 +175,11 @@ Disturbance identify(const Spectrum& spectrum, double step_s, double sigma_waves
   Eigen::ArrayXd of =
       Eigen::ArrayXd::Constant(Eigen::Index(parts.size()) + 1, power / double(parts.size()));
   of.tail(1) = least;
-  update(densities(parts, bands, spectrum.step_hz, step_s), bands, least, kFirstUpdates, of);
+  update(band_densities(parts, bands, spectrum.step_hz, step_s), bands, least, kFirstUpdates, of);
   merge_lines(parts.size() - kLineWidths.size() * peaks.size(), parts, of);
 
-  const Eigen::ArrayXd share = best_shares(densities(parts, bands, spectrum.step_hz, step_s), of);
+  const Eigen::ArrayXd share =
+      best_shares(band_densities(parts, bands, spectrum.step_hz, step_s), of);
   std::vector<Eigen::Index> order(parts.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, [&](auto a, auto b) { return share[a] > share[b]; });
@@ -190,7 +192,8 @@ Disturbance identify(const Spectrum& spectrum, double step_s, double sigma_waves
   }
   powers.push_back(of.tail(1)[0]);
   Eigen::ArrayXd kept = Eigen::Map<Eigen::ArrayXd>(powers.data(), Eigen::Index(powers.size()));
-  update(densities(strongest, bands, spectrum.step_hz, step_s), bands, least, kLastUpdates, kept);
+  update(band_densities(strongest, bands, spectrum.step_hz, step_s), bands, least, kLastUpdates,
+         kept);
   for (std::size_t i = 0; i < strongest.size(); ++i) {
     strongest[i].rms_waves = std::sqrt(kept[Eigen::Index(i)]);
   }

@@ -12,9 +12,9 @@ namespace {
 constexpr std::size_t kLeastSamples = 64;
 constexpr double kSegments = 4.0;  // of a series, at least; with those between them seven
 constexpr double kMaxSegmentS = 20.0;
-constexpr double kLeastNoise = 0.01;  // of the disturbance: with less, margins are small
-constexpr double kCautious = 1.5;     // factor by which more noise is assumed
-constexpr int kMostCautious = 12;     // times
+constexpr double kLeastNoiseShare = 0.01;  // of the disturbance: with less, margins are small
+constexpr double kCautious = 1.5;          // factor by which more noise is assumed
+constexpr int kMostCautious = 12;          // times
 
 /// Mean interval of samples that follow each other; longer gaps do not count.
 double regular_interval_s(const std::vector<double>& times_s) {
@@ -44,7 +44,7 @@ void forecast_all(ModeModel& mode, const LoopTiming& timing, double frames, doub
   real.noise_waves /= std::sqrt(frames);
   // More noise makes the predictor more cautious, until it has the least margin.
   Disturbance assumed = real;
-  assumed.noise_waves = std::max(real.noise_waves, kLeastNoise * real.rms_waves());
+  assumed.noise_waves = std::max(real.noise_waves, kLeastNoiseShare * real.rms_waves());
   for (int k = 0; k <= kMostCautious; ++k, assumed.noise_waves *= kCautious) {
     mode.predictor = forecast(Predictor(assumed, 0.0), real, timing);
     mode.disturbance.noise_waves = assumed.noise_waves * std::sqrt(frames);

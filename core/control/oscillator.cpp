@@ -1,12 +1,12 @@
 #include "core/control/oscillator.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "core/base/angle.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr int kAliases = 4;  // beyond its own; the power falls with the fourth power of frequency
 
 }  // namespace

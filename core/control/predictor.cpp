@@ -11,9 +11,9 @@ namespace {
 /// Slow motion of up to some waves: weak against any identified part, and unlimited in time against
 /// a step of the loop.
 constexpr Oscillator kDrift{.hz = 0.005, .damping = 1.0, .rms_waves = 1.0};
-constexpr double kLeastNoise = 1e-4;  // waves: with less, the filter is ill-conditioned
-constexpr int kMostTurns = 5000;      // until the filter is steady
-constexpr double kSteady = 1e-9;      // relative change of the innovation's variance
+constexpr double kLeastNoiseWaves = 1e-4;  // with less, the filter is ill-conditioned
+constexpr int kMostTurns = 5000;           // until the filter is steady
+constexpr double kSteady = 1e-9;           // relative change of the innovation's variance
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) {
   return std::max(0.0, 1e-9 * double(to_ns - from_ns));
@@ -74,7 +74,7 @@ Predictor::State Predictor::positions_of(const Square& covariance) const {
 }
 
 double Predictor::noise_variance(double sigma_waves) const {
-  return std::pow(std::max({sigma_waves, noise_waves_, kLeastNoise}), 2);
+  return std::pow(std::max({sigma_waves, noise_waves_, kLeastNoiseWaves}), 2);
 }
 
 void Predictor::observe(const ModeSample& sample) {

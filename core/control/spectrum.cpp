@@ -3,15 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <unsupported/Eigen/FFT>
+#include <utility>
+
+#include "core/base/angle.hpp"
+#include "core/base/median.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr double kMaxSegment_s = 60.0;
 constexpr int kMinCount = 8;  // intervals per segment
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 std::vector<double> hann(int count) {
   std::vector<double> window;
@@ -43,9 +45,7 @@ int add_segments(const std::vector<double>& series, const std::vector<double>& w
 double median_interval_s(const std::vector<double>& times_s) {
   std::vector<double> intervals;
   for (std::size_t k = 1; k < times_s.size(); ++k) intervals.push_back(times_s[k] - times_s[k - 1]);
-  const auto middle = intervals.begin() + std::ptrdiff_t(intervals.size() / 2);
-  std::nth_element(intervals.begin(), middle, intervals.end());
-  return *middle;
+  return median(std::move(intervals));
 }
 
 std::vector<double> resample(const std::vector<double>& times_s, const std::vector<double>& values,

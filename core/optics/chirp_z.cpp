@@ -6,9 +6,9 @@
 #include <cmath>
 #include <mutex>
 #include <new>
-#include <numbers>
 #include <vector>
 
+#include "core/base/angle.hpp"
 #include "core/optics/complex_matrices.hpp"
 
 namespace ovws {
@@ -19,11 +19,7 @@ constexpr double kMaxDirectLength = 1 << 20;
 /// Relative error of a step that still counts as 1 / length: its phase errors are below rounding.
 constexpr double kMaxStepError = 1e-12;
 
-using Line = std::vector<std::complex<float>>;
-
-std::complex<float> unit_phasor(double turns) {
-  return std::complex<float>(std::polar(1.0, 2.0 * std::numbers::pi * (turns - std::round(turns))));
-}
+using ComplexValues = std::vector<std::complex<float>>;
 
 /// Length of the one FFT whose frequencies are those of the axis; 0 if there is none.
 int direct_length(const ChirpAxis& axis) {
@@ -88,10 +84,10 @@ struct ChirpZ::Impl {
 
   bool direct;  ///< one FFT instead of a convolution
   int length;
-  Line before;    ///< phasors that multiply the inputs
-  Line kernel;    ///< spectrum of the convolution's chirp, times 1/length
-  Line after;     ///< phasors that multiply the outputs
-  Buffer padded;  ///< lines of `length`: inputs, then zeros
+  ComplexValues before;  ///< phasors that multiply the inputs
+  ComplexValues kernel;  ///< spectrum of the convolution's chirp, times 1/length
+  ComplexValues after;   ///< phasors that multiply the outputs
+  Buffer padded;         ///< lines of `length`: inputs, then zeros
   Buffer spectra;
   Buffer found;  ///< lines of `length`: outputs, then other values
   Plan forward, backward;
@@ -108,17 +104,19 @@ ChirpZ::Impl::Impl(const ChirpAxis& axis, std::span<const float> gains)
   // Bluestein: k x = (k^2 + x^2 - (k - x)^2) / 2 turns the sum into a convolution with a chirp.
   const double centre = 0.5 * (axis.inputs - 1), chirp = direct ? 0.0 : 0.5 * axis.step;
   for (int x = 0; x < axis.inputs; ++x) {
-    before.push_back(unit_phasor(-axis.first * (x - centre) - chirp * x * x));
+    before.push_back(wrapped_phasor(-axis.first * (x - centre) - chirp * x * x));
   }
   for (int k = 0; k < axis.outputs; ++k) {
     const float gain = gains.empty() ? 1.0F : gains[std::size_t(k)];
-    after.push_back(gain * unit_phasor(axis.step * k * centre - chirp * k * k));
+    after.push_back(gain * wrapped_phasor(axis.step * k * centre - chirp * k * k));
   }
   if (!direct) make_kernel(axis);
 }
 
 void ChirpZ::Impl::make_kernel(const ChirpAxis& axis) {
-  const auto chirp = [&](double m) { return unit_phasor(0.5 * axis.step * m * m) / float(length); };
+  const auto chirp = [&](double m) {
+    return wrapped_phasor(0.5 * axis.step * m * m) / float(length);
+  };
   for (int k = 0; k < axis.outputs; ++k) padded.get()[k] = chirp(k);
   for (int x = 1; x < axis.inputs; ++x) padded.get()[length - x] = chirp(x);
   fftwf_execute(forward.get());
@@ -172,7 +170,7 @@ void ChirpZ::transform(const std::complex<float>* in, int lines, std::complex<fl
 
 void ChirpZ::transform_in_order(const std::complex<float>* in, int lines,
                                 std::complex<float>* out) {
-  const Line& after = impl_->after;
+  const ComplexValues& after = impl_->after;
   for (int first = 0; first < lines; first += kLines) {
     const int some = std::min(kLines, lines - first);
     impl_->load(in + std::size_t(first) * impl_->before.size(), some);

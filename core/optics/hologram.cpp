@@ -16,7 +16,6 @@
 namespace ovws {
 namespace {
 
-constexpr double kNyquistCpp = 0.5;
 constexpr double kMaxWaves = 1e6;  ///< larger coefficients are mistakes and lose phase precision
 
 Vec2 pupil_centre(const SlmGeometry& slm) {

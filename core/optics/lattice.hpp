@@ -37,6 +37,7 @@ struct Lattice {
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm);
 
 constexpr int kMaxSubapertures = 2048;
+constexpr double kNyquistCpp = 0.5;  ///< limit of a grating, cycles per SLM pixel
 
 /// Charge of each subaperture.
 std::vector<int> charges_of(const Lattice& lattice);

@@ -5,18 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/angle.hpp"
 #include "core/optics/complex_matrices.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kParts = 4;              // parts along the side of a cell, for its covered share
 constexpr double kReachPitches = 3.5;  // of a lenslet's far field
-
-std::complex<double> unit_phasor(double cycles) {
-  return std::polar(1.0, 2.0 * kPi * cycles);
-}
 
 bool covers(LensletShape shape, double half_px, Vec2 at) {
   const Vec2 a{std::abs(at.x), std::abs(at.y)};
@@ -35,7 +31,7 @@ bool covers(LensletShape shape, double half_px, Vec2 at) {
 double plate_waves(const SpiralPlate& plate, int charge, Vec2 at) {
   if (charge == 0) return 0.0;
   const Vec2 from_axis = at - plate.shift_px;
-  double turns = std::atan2(from_axis.y, from_axis.x) / (2.0 * kPi);
+  double turns = std::atan2(from_axis.y, from_axis.x) / kTwoPi;
   turns -= std::floor(turns);
   if (plate.levels > 0) turns = std::floor(turns * plate.levels) / plate.levels;
   return charge * plate.depth * turns;
@@ -44,7 +40,7 @@ double plate_waves(const SpiralPlate& plate, int charge, Vec2 at) {
 /// Mean field of a cell of one lenslet. `at`: the cell's centre from the lenslet's.
 std::complex<double> cell_field(const SensorConfig& sensor, Vec2 at, double bin_px) {
   const Lenslets& lenslets = sensor.lenslets;
-  const double turn = lenslets.rotation_deg * kPi / 180.0;
+  const double turn = lenslets.rotation_deg * std::numbers::pi / 180.0;
   std::complex<double> sum = 0.0;
   for (int k = 0; k < kParts * kParts; ++k) {
     const Vec2 part{at.x + bin_px * ((k % kParts + 0.5) / kParts - 0.5),
@@ -58,7 +54,7 @@ std::complex<double> cell_field(const SensorConfig& sensor, Vec2 at, double bin_
 }
 
 /// Appends the runs of a lenslet: in each row of cells, from the first covered cell to the last.
-void append(const SensorConfig& sensor, int piece, PupilCells& cells) {
+void append_lenslet(const SensorConfig& sensor, int piece, PupilCells& cells) {
   const PupilPiece& own = cells.pieces[std::size_t(piece)];
   const double half_cells = own.radius_px / cells.grid.bin_px + 1.0;
   const Vec2 middle = cells.grid.at_cell(own.centre_px);
@@ -91,7 +87,7 @@ Eigen::MatrixXcf kernel(double first_cpp, double step_cpp, int pixels, double fi
     for (int k = 0; k < pixels; ++k, value *= next) out(k, p) = std::complex<float>(value);
   }
   for (int k = 0; k < pixels; ++k) {
-    const double x = kPi * (first_cpp + k * step_cpp) * cell_px;
+    const double x = std::numbers::pi * (first_cpp + k * step_cpp) * cell_px;
     if (std::abs(x) > 1e-9) out.row(k) *= float(std::sin(x) / x);
   }
   return out;
@@ -117,7 +113,7 @@ PupilCells cut_lenslets(const SensorConfig& sensor) {
     cells.pieces.push_back({centre, radius_px, (1.0 / lenslets.px_per_cycle) * centre});
   }
   cells.subapertures = int(cells.pieces.size());
-  for (int piece = 0; piece < cells.subapertures; ++piece) append(sensor, piece, cells);
+  for (int piece = 0; piece < cells.subapertures; ++piece) append_lenslet(sensor, piece, cells);
   return cells;
 }
 

@@ -8,10 +8,11 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/angle.hpp"
+
 namespace ovws {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 constexpr double kMaxMisfit = 0.05;  // RMS distance from the circle, in its radii
 constexpr double kMaxStepRad = kTwoPi / 24.0;
 constexpr double kMaxNoiseRad = 0.1;  // phase noise of one grey level

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/angle.hpp"
 #include "core/base/complex_product.hpp"
 #include "core/optics/complex_matrices.hpp"
 #include "core/optics/kolmogorov.hpp"
@@ -16,10 +17,6 @@ constexpr int kBlocksAcross = 36;  // approximate; over 2 blocks per cycle in a 
 constexpr int kFitAcross = 24;     // samples across the circle for the polynomial fit of the modes
 constexpr int kHigherAcross = 12;  // for higher modes, where an error of 0.1 of a mode is harmless
 
-std::complex<double> unit_phasor(double cycles) {
-  return std::polar(1.0, 2.0 * std::numbers::pi * cycles);
-}
-
 /// Attenuation of a frequency by summing blocks (Dirichlet kernel): mean of exp(2 pi i f k) over
 /// `block` samples about the block's centre. `cycles`: f, cycles per sample.
 double damping(double cycles, int block) {
@@ -28,7 +25,7 @@ double damping(double cycles, int block) {
 }
 
 /// Frequencies of the far-field points along one axis, and size of a patch's blocks.
-struct Line {
+struct FrequencyLine {
   double first_cpp = 0.0;  ///< first frequency, relative to the carrier
   double step_cpp = 0.0;
   int count = 0;
@@ -38,8 +35,8 @@ struct Line {
 
 /// Fourier kernel with moments: fills [W; t W; t^2 W; ...], line.count rows each. W(k, p) =
 /// exp(-2 pi i f_k x_p) / damping(f_k). t: position from the centre in units of the radius.
-void fill_kernel(const Line& line, const Eigen::VectorXd& x_px, double centre_px, double radius_px,
-                 Eigen::MatrixXcf& out) {
+void fill_kernel(const FrequencyLine& line, const Eigen::VectorXd& x_px, double centre_px,
+                 double radius_px, Eigen::MatrixXcf& out) {
   constexpr int kPowers = PieceMoments::kDegree + 1;
   const Eigen::Index rows = line.count;
   out.resize(kPowers * rows, x_px.size());

@@ -44,6 +44,7 @@ class PieceMoments {
  public:
   static constexpr int kDegree = 3;
   static constexpr int kCount = (kDegree + 1) * (kDegree + 2) / 2;
+  static constexpr Eigen::Index kAlongX = kDegree + 1, kAlongY = 1;  ///< indices of xi and eta
 
   /// `modes_j`: OSA indices of the modes that modes_over() expands.
   PieceMoments(const SensorField& field, std::span<const int> modes_j);

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/angle.hpp"
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/phasors.hpp"
 
@@ -107,8 +107,7 @@ void add_to(int x, int y, std::complex<double> value, Vec2 at_px, Vec2 carrier_c
             const CellGrid& grid, PieceBox& box) {
   const Vec2 off = at_px - grid.at_px(x, y);
   const double cycles = carrier_cpp.x * off.x + carrier_cpp.y * off.y;
-  box.sums.at(x - box.left, y - box.top) +=
-      value * std::polar(1.0, -2.0 * std::numbers::pi * cycles);
+  box.sums.at(x - box.left, y - box.top) += value * unit_phasor(-cycles);
 }
 
 /// Adds a pixel's field to the cell that contains the pixel. For a rotated camera, shares the field
@@ -134,7 +133,7 @@ void add_pixel(std::complex<double> value, Vec2 at_px, Vec2 carrier_cpp, const C
 }
 
 /// Appends the runs of a piece: in each row of cells, from the first cell with light to the last.
-void append(PupilCells& cells, int piece, const PieceBox& box) {
+void append_piece(PupilCells& cells, int piece, const PieceBox& box) {
   const auto is_lit = [](const std::complex<double>& sum) { return sum != 0.0; };
   for (int y = 0; y < box.sums.height; ++y) {
     const std::complex<double>* const row = box.sums.row(y);
@@ -180,7 +179,7 @@ PupilCells cut_pupil(const Lattice& lattice, double pupil_diameter_px, const PxP
                 piece == kOutside ? outside : boxes[std::size_t(piece)]);
     }
   }
-  for (std::size_t k = 0; k < boxes.size(); ++k) append(cells, int(k), boxes[k]);
+  for (std::size_t k = 0; k < boxes.size(); ++k) append_piece(cells, int(k), boxes[k]);
   cells.outside = Image<std::complex<float>>(outside.sums.width, outside.sums.height);
   std::transform(outside.sums.pixels.begin(), outside.sums.pixels.end(),
                  cells.outside.pixels.begin(),

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "core/base/angle.hpp"
 #include "core/base/complex_product.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/lenslet_cells.hpp"
@@ -120,9 +120,7 @@ void SensorField::add_run(const CellRun& run, const Light& light) {
   if (own && !light.slopes_cpp.empty()) {
     const Vec2 slope = light.slopes_cpp[piece];
     const Vec2 off = cells_.grid.at_px(run.begin, run.y) - cells_.pieces[piece].centre_px;
-    const auto phasor = [](double waves) {
-      return std::complex<float>(std::polar(1.0, 2.0 * std::numbers::pi * waves));
-    };
+    const auto phasor = [](double waves) { return std::complex<float>(unit_phasor(waves)); };
     factor = phasor(slope.x * off.x + slope.y * off.y);
     next = phasor(slope.x * cells_.grid.bin_px);
   }

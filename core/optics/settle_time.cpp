@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.hpp"
+
 namespace ovws {
 namespace {
 
@@ -11,12 +13,6 @@ constexpr double kNoiseSigmas = 4.0;
 constexpr double kRelativeTolerance = 0.01;  // tolerance relative to the intensity change
 constexpr double kMinChange = 10.0;          // a change below 10 times the noise is not significant
 constexpr double kOutlierSigmas = 3.0;       // limit for outliers, standard deviations
-constexpr double kSigmaPerMad = 1.4826;
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 /// Whether the light leaves the level `before` too early. The last frame before the change may be
 /// of the change, if the camera stamps late.
@@ -80,7 +76,8 @@ SettleTime settle_time(std::span<const StepTime> steps) {
   time.mad_ms = median(off);
   time.resolution_ms = median(width);
   const double limit_ms =
-      time.p50_ms + std::max(time.resolution_ms, kOutlierSigmas * kSigmaPerMad * time.mad_ms);
+      time.p50_ms +
+      std::max(time.resolution_ms, kOutlierSigmas * kSigmaPerMedianDeviation * time.mad_ms);
   for (const StepTime& step : steps) {
     if (step.until_ms > limit_ms) {
       ++time.outliers;

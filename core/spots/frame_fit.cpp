@@ -14,7 +14,7 @@ namespace {
 constexpr double kMinLevel = 0.25;           // of the expected level: a dimmer spot is lost
 constexpr int kMaxLostShare = 6;             // at most one of this many spots may be lost
 constexpr double kOutlier = 5.0;             // RMS residual of a spot over that of the others
-constexpr double kMaxResidual = 3.0;         // RMS of all spots, standard errors; or, as position,
+constexpr double kMaxResidualSigmas = 3.0;   // RMS of all spots, standard errors; or, as position,
 constexpr double kMaxResidualShare = 0.005;  // fraction of a window's width
 constexpr int kMaxPointLostShare = 8;        // as kMaxLostShare, at the operating point
 constexpr double kMaxResidualInAir = 2.0;    // standard errors, with known higher modes
@@ -25,9 +25,9 @@ constexpr double kBent = 0.18;
 constexpr double kMaxDriftWaves = 0.15;  // RMS; farther ones were not examined
 constexpr double kMaxBentWaves = 0.03;   // RMS, or that of the noise; beyond, positions are used
 constexpr double kMaxOverCeiling = 1.1;
-constexpr double kOverTheory = 2.0;        // variance by higher modes over theory, turbulence
-constexpr double kMinConditioning = 1e-9;  // of the normal equations
-constexpr double kMaxNoiseGrowth = 5.0;    // of a mode's standard error, by lost spots
+constexpr double kOverTheory = 2.0;              // variance by higher modes over theory, turbulence
+constexpr double kMinNormalConditioning = 1e-9;  // of the normal equations
+constexpr double kMaxNoiseGrowth = 5.0;          // of a mode's standard error, by lost spots
 
 /// Converts a level from DN per camera pixel to DN per binned pixel; estimates are relative to it.
 double cell_level(const SpotTemplates& spot, double level_dn) {
@@ -75,7 +75,7 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   px_error_ = std::sqrt(px_error_ / std::max(usable_spots, 1));
   const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
   const bool determined = modes > 0 && solver.info() == Eigen::Success;
-  if (!determined || !(solver.rcond() > kMinConditioning)) return;
+  if (!determined || !(solver.rcond() > kMinNormalConditioning)) return;
   inverse_ = solver.solve(Eigen::MatrixXd::Identity(modes, modes));
   growth_ = Eigen::VectorXd::Ones(modes);
   if (in_air()) allow_for(higher);
@@ -192,9 +192,9 @@ FittedFrame FrameFit::solve(std::span<const SpotEstimates> found, Scratch& scrat
   }
   frame.drift_waves = scratch.step.norm();
   frame.residual_px = frame.residual * px_error_ / brightness;
-  const bool small = in_air()
-                         ? frame.residual < kMaxResidualInAir
-                         : frame.residual < kMaxResidual || frame.residual_px < max_residual_px_;
+  const bool small =
+      in_air() ? frame.residual < kMaxResidualInAir
+               : frame.residual < kMaxResidualSigmas || frame.residual_px < max_residual_px_;
   const double noise_waves = std::sqrt(growth_.dot(scratch.variances)) / brightness;
   frame.bent_waves = error_by_drift(scratch, noise_waves);
   frame.credible = frame.drift_waves < kMaxDriftWaves &&

@@ -6,15 +6,15 @@
 #include <numbers>
 #include <tuple>
 
+#include "core/base/median.hpp"
 #include "core/optics/piece_moments.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr auto kCount = Eigen::Index(PieceMoments::kCount);
-constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // indices of xi and eta
-constexpr double kUsual = 1.0;    // expected standard deviation of a coefficient
-constexpr double kMaxStep = 0.5;  // norm of a step of all coefficients of a spot
+constexpr double kUsual = 1.0;         // expected standard deviation of a coefficient
+constexpr double kMaxFieldStep = 0.5;  // norm of a step of all coefficients of a spot
 
 using Field = SensorField::LocalField;
 static_assert(std::tuple_size_v<Field> == std::size_t(PieceMoments::kCount));
@@ -67,12 +67,6 @@ Eigen::VectorXd step_of(const Eigen::VectorXd& cells, const RenderedSpot& render
   return normal.ldlt().solve(right).head(2 * kCount);
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return values.empty() ? 0.0 : *middle;
-}
-
 }  // namespace
 
 void take_up_fields(const ImageView& image, const SpotPass& pass,
@@ -100,13 +94,14 @@ void take_up_fields(const ImageView& image, const SpotPass& pass,
     Eigen::VectorXd step = step_of(
         cells_of(image, window), rendered[i], per_field[i], level,
         {double(found.chi2_per_cell), double(found.background), pass.ceiling_dn}, noise, now);
-    if (const double size = step.norm(); size > kMaxStep) step *= kMaxStep / size;
+    if (const double size = step.norm(); size > kMaxFieldStep) step *= kMaxFieldStep / size;
     Eigen::VectorXd next = now + step;
     // Move the tilt into the displacement of the spot, because a displacement may be large.
     const double per_radian = px_per_wave[i] / (2.0 * std::numbers::pi);
-    deviations.offsets_px[i] = deviations.offsets_px[i] +
-                               per_radian * Vec2{next(kCount + kAlongX), next(kCount + kAlongY)};
-    next(kCount + kAlongX) = next(kCount + kAlongY) = 0.0;
+    deviations.offsets_px[i] =
+        deviations.offsets_px[i] + per_radian * Vec2{next(kCount + PieceMoments::kAlongX),
+                                                     next(kCount + PieceMoments::kAlongY)};
+    next(kCount + PieceMoments::kAlongX) = next(kCount + PieceMoments::kAlongY) = 0.0;
     field = field_of(next);
   }
 }

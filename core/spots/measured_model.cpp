@@ -8,8 +8,8 @@ namespace ovws {
 namespace {
 
 constexpr double kMaxReferenceWaves = 0.03;  // RMS distance from the wavefront of the calibration
-constexpr double kMaxExcess = 0.15;          // weighted residual of a spot, fraction
-constexpr double kMaxResidual = 0.005;       // position error, fraction of a window's width
+constexpr double kMaxMeasuredExcess = 0.15;  // weighted residual of a spot, fraction
+constexpr double kMaxPositionErrorShare = 0.005;  // position error, fraction of a window's width
 
 }  // namespace
 
@@ -43,10 +43,10 @@ Result<std::shared_ptr<const FrameFit>> MeasuredModel::templates(
   point.ceiling_dn = pass.ceiling_dn;
   point.estimates = estimates_;
   point.measured = true;
-  point.max_excess = kMaxExcess;
+  point.max_excess = kMaxMeasuredExcess;
   auto fit = std::make_shared<FrameFit>(std::move(point), spots_, modes_j_);
   const SpotWindow& window = spots_.front().window;
-  if (!fit->check(images.back(), kMaxResidual * window.width_px()).credible) {
+  if (!fit->check(images.back(), kMaxPositionErrorShare * window.width_px()).credible) {
     return fail(Errc::refused, "image",
                 "too few spots look as the calibration measured them: calibrate again");
   }

@@ -27,7 +27,7 @@ constexpr double kLongestDepth = 0.1, kLongestShift = 0.04;  // of a step
 constexpr double kConverged = 2e-3, kMaxMisfit = 0.3;
 // Monomials of a spot's own phase, as PieceMoments counts them: degree 2 and less.
 constexpr std::array<Eigen::Index, 6> kOwnPhase{0, 1, 2, 4, 5, 7};
-constexpr Eigen::Index kAlongY = 1, kAlongX = 3;  // of them
+constexpr Eigen::Index kPhaseAlongY = 1, kPhaseAlongX = 3;  // of them
 constexpr Eigen::Index kNuisances = 2 + kOwnPhase.size();
 
 using Three = Eigen::Vector3d;
@@ -229,7 +229,7 @@ class PlateIteration {
     sum.light2 += spot.light.cast<double>().squaredNorm();
     sum.cells += left.size();
     ++sum.spots;
-    const Vec2 tilt{solved(2 + kAlongX) / level, solved(2 + kAlongY) / level};
+    const Vec2 tilt{solved(2 + kPhaseAlongX) / level, solved(2 + kPhaseAlongY) / level};
     const double most = 0.1 * patch_.sensor.lenslets.width_px;
     const Vec2 step = px_per_wave * tilt;
     displaced_px_[number] = displaced_px_[number] +

@@ -30,7 +30,7 @@ constexpr double kMinOverShapes = 0.1, kMaxOverShapes = 2.0, kScatters = 2.0, kS
 constexpr double kFarOver = 2.0, kUnsettled = 0.1;
 constexpr int kHigherRounds = 4, kHigherRenderings = 5;
 // Limits against false minima: a fit is accepted up to the larger one.
-constexpr double kMaxResidual = 0.0005;  // residual as position error, fraction of window width
+constexpr double kMaxPositionResidual = 0.0005;  // as position error, fraction of window width
 // The same at the end of a search that lost no spot, whose shapes differ less than by strong air.
 constexpr double kMaxWholeResidual = 0.002, kMaxWholeExcess = 0.002;
 constexpr double kMaxOverReference = 2.0;  // ratio of the residual to that of the reference's fit
@@ -210,7 +210,7 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
   renderings_ = 0;
   for (const std::vector<double>& start : starts) {
     auto found = approach(image, noise_from, from_reference(start), fixed, kNearWaves, renderings);
-    fit = found ? accepted(*found, image, fixed, kMaxResidual) : fail(found.error());
+    fit = found ? accepted(*found, image, fixed, kMaxPositionResidual) : fail(found.error());
     if (fit) return fit;
     if (!found || found->away_waves > kFarWaves) continue;
     whole = accepted_whole(*found, image, fixed);
@@ -220,7 +220,7 @@ Result<std::shared_ptr<const FrameFit>> PointModel::found_in(const ImageView& im
   }
   if (!near) return fit;
   if (const auto rough = with_higher_modes(image, std::move(*near), fixed)) {
-    auto in_air = accepted(*rough, image, fixed, kMaxResidual);
+    auto in_air = accepted(*rough, image, fixed, kMaxPositionResidual);
     if (in_air || !whole) return in_air;
   }
   if (whole) return whole;

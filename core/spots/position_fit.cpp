@@ -13,13 +13,13 @@ namespace {
 
 // Radius of the fitted pixels, units of the dark ring's radius: neighbouring spots lie beyond.
 constexpr double kDisc = 0.9;
-constexpr double kCapture = 1.0;  // largest distance from the start, lambda/d
-constexpr double kMaxStep = 0.2;  // largest step per rendering, lambda/d
+constexpr double kCapture = 1.0;         // largest distance from the start, lambda/d
+constexpr double kMaxStepLambdaD = 0.2;  // largest step per rendering, lambda/d
 constexpr double kConvergedPx = 3e-4;
 constexpr double kConvergedShare = 0.03;  // fraction of the position's standard error
 constexpr int kMaxRenderings = 16, kMovedWindows = 4;
 // Unexplained intensity over that of the ideal spot: aberrations within the subaperture add some.
-constexpr double kMaxExcess = 1.0;
+constexpr double kMaxUnexplained = 1.0;
 
 /// Radius of the disc, units of lambda/d: half the window's width.
 double disc_radius(int charge) {
@@ -79,7 +79,7 @@ SpotFix PositionFit::track(const ImageView& image, Vec2 start_px, TrackScratch& 
     const SpotEstimates& found = pass.found.front();
     if (!(found.level > 0.0F)) return lost;
     Vec2 step = Vec2{double(found.x), double(found.y)} - at;
-    const double length = norm(step), most = kMaxStep * spots_.lambda_d_px;
+    const double length = norm(step), most = kMaxStepLambdaD * spots_.lambda_d_px;
     if (length > most) step = (most / length) * step;
     at = at + step;
     if (!(norm(at - start_px) <= kCapture * spots_.lambda_d_px)) return lost;
@@ -87,7 +87,7 @@ SpotFix PositionFit::track(const ImageView& image, Vec2 start_px, TrackScratch& 
     const double error_px = made.px_error / (double(found.level) * window_.bin * window_.bin);
     if (length > std::max(kConvergedPx, kConvergedShare * error_px)) continue;
     const double excess = std::max(excess_intensity(made, found), 0.0);
-    if (excess > kMaxExcess) return lost;
+    if (excess > kMaxUnexplained) return lost;
     fix.x = float(at.x), fix.y = float(at.y);
     fix.quality = float(1.0 / (1.0 + excess));
     fix.level = found.level;

@@ -15,12 +15,10 @@
 namespace ovws {
 namespace {
 
-constexpr Eigen::Index kAlongX = PieceMoments::kDegree + 1, kAlongY = 1;  // columns of xi and eta
-
 constexpr int kAmplitudeModes = 9, kFewAmplitudeModes = 5, kManySpots = 19;
 static_assert(kMinSide >= kMinProductRows, "a window is wide enough for PieceMoments");
-constexpr double kNeighbourPitches = 1.2;  // of a lattice: the nearest ones only
-constexpr double kMaxDerivatives = 1e8;    // 400 MB
+constexpr double kNearestPitches = 1.2;  // of a lattice: the nearest ones only
+constexpr double kMaxDerivatives = 1e8;  // 400 MB
 constexpr double kAmplitudeRidge = 1e-3, kLeastAmplitude = 0.05;
 
 /// Least-squares fit of low modes to `values` (logarithms of amplitudes) at the spots' centres.
@@ -86,7 +84,7 @@ Result<SpotRenderer> SpotRenderer::make(const SensorConfig& sensor, const SlmGeo
   }
   field->set_outside(options.light_outside);
   // The light of a lenslet reaches the spots of those beside it, however far apart they are.
-  const double neighbour_px = kNeighbourPitches * sensor.lenslets.width_px;
+  const double neighbour_px = kNearestPitches * sensor.lenslets.width_px;
   const double reach_px = std::max(options.reach * spot_px, neighbour_px);
   if (double(window.cells()) * double(modes_j.size()) * field->subapertures() > kMaxDerivatives) {
     return fail(Errc::refused, "tracking.mode_count",
@@ -176,7 +174,7 @@ void SpotRenderer::propagate(std::span<const Mode> modes,
 std::vector<Eigen::MatrixXf> SpotRenderer::per_field(std::span<const RenderedSpot> rendered,
                                                      std::span<const double> waves,
                                                      std::span<const Mode> fixed) {
-  constexpr auto kCount = Eigen::Index(PieceMoments::kCount);
+  constexpr auto kMoments = Eigen::Index(PieceMoments::kCount);
   std::vector<Eigen::MatrixXcf> far;
   for (std::size_t i = 0; i < rendered.size(); ++i) {
     far.push_back(field_of_cells(rendered[i], field_.cells().pieces[i].centre_px));
@@ -191,12 +189,12 @@ std::vector<Eigen::MatrixXf> SpotRenderer::per_field(std::span<const RenderedSpo
     const SpotWindow& window = rendered[i].window;
     const Eigen::MatrixXcf& moments = moments_.at(int(i), middles_of(window));
     const Eigen::Map<const Eigen::ArrayXcf> field(far[i].data(), far[i].size());
-    Eigen::MatrixXf& change = all.emplace_back(window.cells(), 2 * kCount);
-    for (Eigen::Index k = 0; k < kCount; ++k) {
+    Eigen::MatrixXf& change = all.emplace_back(window.cells(), 2 * kMoments);
+    for (Eigen::Index k = 0; k < kMoments; ++k) {
       const Eigen::ArrayXcf both =
           float(2.0 * to_intensity_) * field.conjugate() * moments.col(k).array();
       change.col(k) = both.real();
-      change.col(kCount + k) = -both.imag();
+      change.col(kMoments + k) = -both.imag();
     }
     sum_over_cells(window, change);
   }
@@ -258,8 +256,8 @@ void SpotRenderer::add_derivatives(RenderedSpot& spot, const Eigen::MatrixXcf& f
   if (!own) return;
   const double radius_px = field_.cells().pieces[std::size_t(piece)].radius_px;
   const auto per_px = float(field_.window().step_cpp * radius_px);  // tilt in waves at the edge
-  spot.per_px.col(0) = per_px * cells.col(kAlongX);
-  spot.per_px.col(1) = per_px * cells.col(kAlongY);
+  spot.per_px.col(0) = per_px * cells.col(PieceMoments::kAlongX);
+  spot.per_px.col(1) = per_px * cells.col(PieceMoments::kAlongY);
   spot.per_monomial = std::move(cells);
   spot.higher = moments_.higher_over(piece);
   spot.higher_rest = moments_.higher_rest(piece);

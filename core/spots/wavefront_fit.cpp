@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/median.hpp"
 #include "core/base/pixels.hpp"
 
 namespace ovws {
@@ -18,15 +19,8 @@ constexpr double kMinDark = 0.01;
 constexpr double kMinChange = 1e-3;     // of a spot: smaller ones are sums of the others
 constexpr double kMinNoiseShare = 0.5;  // of a binned pixel's noise
 constexpr double kUnsaturated = 0.9;    // of full scale: a binned pixel may hold a brighter pixel
-constexpr double kMinConditioning = 1e-12;
+constexpr double kMinModesConditioning = 1e-12;
 constexpr double kUsualStepWaves = 0.014;  // expected step of a mode, for unlike spots
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 int pixels_of(const SpotWindow& window) {
   return window.bin * window.bin;
@@ -164,7 +158,7 @@ struct ModeSums {
   std::optional<WavefrontStep> solved() const {
     if (normal.size() == 0) return std::nullopt;
     const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-    if (solver.info() != Eigen::Success || !(solver.rcond() > kMinConditioning)) {
+    if (solver.info() != Eigen::Success || !(solver.rcond() > kMinModesConditioning)) {
       return std::nullopt;
     }
     return WavefrontStep{solver.solve(right),

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/median.hpp"
 #include "core/base/pixels.hpp"
 
 namespace ovws {
 namespace {
-
-constexpr double kSigmaPerMedianDeviation = 1.4826;  // for normally distributed noise
 
 void average(const ImageView& image, int bin, Eigen::MatrixXf& out) {
   out.setZero();
@@ -18,12 +17,6 @@ void average(const ImageView& image, int bin, Eigen::MatrixXf& out) {
                for (int i = 0; i < count; ++i) out(y / bin, (x + i) / bin) += float(pixels[i]);
              });
   out /= float(bin * bin);
-}
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

@@ -9,14 +9,14 @@ namespace ovws {
 namespace {
 
 // Half-width of the summed square, units of w: a flat background cancels to a few 1e-4 of itself.
-constexpr double kReach = 2.9;
+constexpr double kHalfWidth = 2.9;
 constexpr double kFollow = 0.8;  // hysteresis of the centre, pixels
 
 }  // namespace
 
 GaussianWindow::GaussianWindow(double radius_px)
     : radius_(radius_px),
-      half_(int(std::ceil(kReach * radius_px))),
+      half_(int(std::ceil(kHalfWidth * radius_px))),
       table_(std::size_t(2 * half_ + kPatchBlock) / kPatchBlock * kPatchBlock, 0.0F) {
   for (int k = -half_; k <= half_; ++k) {
     table_[half_ + k] = float(std::exp(-(k * k) / (radius_ * radius_)));

@@ -9,7 +9,7 @@ namespace {
 constexpr int kMaxSteps = 20;
 constexpr double kSpare = 0.25;  // spots are rarely farther from the start, units of lambda/d
 // Step that ends the iteration. The error is then 1e-5, and more where the curvature is small.
-constexpr double kConvergedPx = 2e-3;
+constexpr double kConvergedStepPx = 2e-3;
 constexpr double kMaxStep = 0.5;  // longest step, units of w
 // Limit of the smaller curvature relative to the spot's level, which is 0.25 without aberration.
 // Below the limit the zero is about to merge with a saddle. It is then pixels away from the
@@ -70,7 +70,7 @@ std::optional<PatchTracker::Found> LgTracker::find(Patch& patch, Vec2 start,
     if (length > kMaxStep * w) step = (kMaxStep * w / length) * step;
     at = at + step;
     if (norm(at - start) > capture_px()) return std::nullopt;
-    if (length > kConvergedPx) continue;
+    if (length > kConvergedStepPx) continue;
     if (h.det() <= 0.0 || sign * h.trace() <= 0.0) return std::nullopt;
     if (!patch.follow(at, spare_px(), scratch.samples)) return std::nullopt;
     const SpotCheck::Verdict verdict = check().look(patch, at);

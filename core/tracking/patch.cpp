@@ -43,7 +43,7 @@ struct Span {
 };
 
 /// Copies image pixels to floats and returns the darkest. Pixels outside the image repeat its edge.
-float load(const ImageView& image, const Target& to) {
+float load_or_repeat_edge(const ImageView& image, const Target& to) {
   const Span across(to.left, to.columns, image.width), down(to.top, to.rows, image.height);
   float darkest = std::numeric_limits<float>::max();
   const auto place = [](int at, int begin, int size) {
@@ -78,7 +78,7 @@ float load(const ImageView& image, const Target& to) {
 }
 
 float load_patch_pixels(const ImageView& image, const Target& to) {
-  if (!in_place(image) || !to.inside(image)) return load(image, to);
+  if (!in_place(image) || !to.inside(image)) return load_or_repeat_edge(image, to);
   const int bytes = bytes_in_place(image);
   const PixelRect rect{image.row<std::byte>(to.top) + std::ptrdiff_t(to.left) * bytes,
                        image.stride_bytes, to.columns, to.rows};

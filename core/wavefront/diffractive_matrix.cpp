@@ -14,7 +14,7 @@ namespace ovws {
 namespace {
 
 constexpr float kPeak = 60000.0F;  // DN of 16 bit: rounding shifts no spot by more than 1e-5 px
-constexpr int kMinSpots = 3;
+constexpr int kMinTrackedSpots = 3;
 
 /// Image of the last propagation in DN of 16 bit, scaled so that the brightest pixel is kPeak.
 Image<std::uint16_t> image_of(const Image<std::complex<float>>& far) {
@@ -80,7 +80,7 @@ Result<ModeOperator> diffractive_operator(SensorField& field,
     made.flat_px.push_back(found ? Vec2{flat[2 * Eigen::Index(i)], flat[2 * Eigen::Index(i) + 1]}
                                  : Vec2{NAN, NAN});
   }
-  if (always_found < kMinSpots) {
+  if (always_found < kMinTrackedSpots) {
     return fail(Errc::refused, "tracking",
                 "the tracker finds only " + std::to_string(always_found) + " of " +
                     std::to_string(spots_px.size()) +

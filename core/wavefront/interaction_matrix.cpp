@@ -10,7 +10,7 @@ namespace ovws {
 namespace {
 
 constexpr double kMaxNoise = 0.1;  // largest noise, share of a column's signal
-constexpr std::size_t kMinSpots = 3;
+constexpr std::size_t kMinMatrixSpots = 3;
 constexpr double kModelError = 0.2;  // relative error of a displacement taken from the model
 
 bool found(const SpotMeans& spots, std::size_t i) {
@@ -52,7 +52,7 @@ void follow_model(const SpotMeans& resting, const Eigen::Vector2d& px_per_wave, 
   poke.plus.standard_error_px[i] = poke.minus.standard_error_px[i] = {error_px, error_px};
 }
 
-std::string listed(const std::vector<int>& numbers) {
+std::string listed_numbers(const std::vector<int>& numbers) {
   constexpr std::size_t kMaxListed = 8;
   std::string text;
   for (std::size_t i = 0; i < std::min(kMaxListed, numbers.size()); ++i) {
@@ -224,8 +224,8 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_
   for (const PushPull& poke : run.modes) {
     const std::vector<int> gone = lost_by(poke, run.before);
     if (double(gone.size()) > kMaxLostByMode * double(resting.size())) {
-      matrix.dropped.push_back(
-          {poke.j, "its images lose the spots " + listed(gone) + ": lower amplitude_waves"});
+      matrix.dropped.push_back({poke.j, "its images lose the spots " + listed_numbers(gone) +
+                                            ": lower amplitude_waves"});
       continue;
     }
     for (const int i : gone) lost[std::size_t(i)] = true;
@@ -239,7 +239,7 @@ Result<InteractionMatrix> interaction_matrix(const PushPullRun& run, double max_
       spots.push_back(i);
     }
   }
-  if (spots.size() < kMinSpots) {
+  if (spots.size() < kMinMatrixSpots) {
     return fail(Errc::refused, "",
                 "only " + std::to_string(spots.size()) +
                     " spots are found in every image: check the exposure and the region of "
@@ -265,10 +265,10 @@ Result<InteractionMatrix> interaction_matrix(const std::vector<int>& modes_j,
     if (slopes.middleRows(2 * i, 2).isZero(0.0F)) matrix.lost_spots.push_back(int(i));
   }
   const std::size_t found = std::size_t(spots) - matrix.lost_spots.size();
-  if (found < kMinSpots) {
+  if (found < kMinMatrixSpots) {
     return fail(Errc::refused, "matrix",
                 "only " + std::to_string(found) + " spots move, and at least " +
-                    std::to_string(kMinSpots) +
+                    std::to_string(kMinMatrixSpots) +
                     " are needed: check the light and the region of interest");
   }
   for (std::size_t k = 0; k < modes_j.size(); ++k) {

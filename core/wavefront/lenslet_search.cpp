@@ -17,7 +17,7 @@ namespace ovws {
 namespace {
 
 using Complex = std::complex<double>;
-using Index = std::pair<int, int>;
+using GridIndex = std::pair<int, int>;
 
 constexpr int kMaxSpots = kMaxSubapertures + kMaxSubapertures / 4;
 constexpr double kCapture = 0.35;  // of the pitch: largest distance from the expected place
@@ -37,7 +37,7 @@ Complex complex_of(Vec2 at) {
 struct Directions {
   int symmetry;  ///< directions of the nearest neighbours
   Complex second;
-  std::vector<Index> neighbours;
+  std::vector<GridIndex> neighbours;
 };
 Directions directions_of(Grid grid) {
   if (grid == Grid::square) return {4, {0.0, 1.0}, {{1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
@@ -84,7 +84,7 @@ class Nearest {
   int to(Vec2 at, int but = -1) const {
     int nearest = -1;
     double least = cell_px_;
-    const Index middle = cell_of(at);
+    const GridIndex middle = cell_of(at);
     for (int k = 0; k < 9; ++k) {
       const auto cell = cells_.find({middle.first + k % 3 - 1, middle.second + k / 3 - 1});
       if (cell == cells_.end()) continue;
@@ -99,12 +99,12 @@ class Nearest {
   }
 
  private:
-  Index cell_of(Vec2 at) const {
+  GridIndex cell_of(Vec2 at) const {
     return {int(std::floor(at.x / cell_px_)), int(std::floor(at.y / cell_px_))};
   }
   const std::vector<Spot>& spots_;
   double cell_px_;
-  std::map<Index, std::vector<int>> cells_;
+  std::map<GridIndex, std::vector<int>> cells_;
 };
 
 /// First direction of the lattice: its length is the median distance of nearest neighbours, its
@@ -132,11 +132,11 @@ FirstDirection first_direction(const std::vector<Spot>& spots, double reach_px, 
 }
 
 /// Affine map of rotation and scale: place = origin + step (a + b second).
-struct Fit {
+struct LatticeFit {
   Complex origin, step;
   double residual_px = 0.0;
 
-  Vec2 at(Index index, Complex second) const {
+  Vec2 at(GridIndex index, Complex second) const {
     const Complex place = origin + step * (double(index.first) + double(index.second) * second);
     return {place.real(), place.imag()};
   }
@@ -149,33 +149,33 @@ class Indexing {
 
   /// Numbers the spots from neighbour to neighbour, then those beyond gaps by the fitted lattice.
   void run() {
-    std::deque<Index> open{{0, 0}};
+    std::deque<GridIndex> open{{0, 0}};
     spot_at_[{0, 0}] = middle_spot();
     taken_.assign(spots_.size(), false);
     taken_[std::size_t(spot_at_[{0, 0}])] = true;
     while (!open.empty()) {
-      const Index from = open.front();
+      const GridIndex from = open.front();
       open.pop_front();
       const Complex at = complex_of(spots_[std::size_t(spot_at_[from])].at_px);
-      for (const Index& next : directions_.neighbours) {
-        const Index index{from.first + next.first, from.second + next.second};
+      for (const GridIndex& next : directions_.neighbours) {
+        const GridIndex index{from.first + next.first, from.second + next.second};
         if (!spot_at_.contains(index) && take(index, at + step_ * offset(next))) {
           open.push_back(index);
         }
       }
     }
-    const Fit found = fit();
+    const LatticeFit found = fit();
     for (std::size_t i = 0; i < spots_.size(); ++i) {
       if (taken_[i]) continue;
       const Complex place = (complex_of(spots_[i].at_px) - found.origin) / found.step;
       const double b = place.imag() / directions_.second.imag();
-      const Index index{int(std::lround(place.real() - b * directions_.second.real())),
-                        int(std::lround(b))};
+      const GridIndex index{int(std::lround(place.real() - b * directions_.second.real())),
+                            int(std::lround(b))};
       if (!spot_at_.contains(index)) take(index, found.origin + found.step * offset(index));
     }
   }
 
-  Fit fit() const {
+  LatticeFit fit() const {
     Complex mean_place = 0.0, mean_offset = 0.0;
     for (const auto& [index, spot] : spot_at_) {
       mean_place += complex_of(spots_[std::size_t(spot)].at_px) / double(spot_at_.size());
@@ -188,7 +188,7 @@ class Indexing {
       product += std::conj(off) * (complex_of(spots_[std::size_t(spot)].at_px) - mean_place);
       squares += std::norm(off);
     }
-    Fit fit{mean_place, squares > 0.0 ? product / squares : step_};
+    LatticeFit fit{mean_place, squares > 0.0 ? product / squares : step_};
     fit.origin -= fit.step * mean_offset;
     double sum = 0.0;
     for (const auto& [index, spot] : spot_at_) {
@@ -199,10 +199,10 @@ class Indexing {
     return fit;
   }
 
-  const std::map<Index, int>& spot_at() const { return spot_at_; }
+  const std::map<GridIndex, int>& spot_at() const { return spot_at_; }
 
  private:
-  Complex offset(const Index& index) const {
+  Complex offset(const GridIndex& index) const {
     return double(index.first) + double(index.second) * directions_.second;
   }
   /// The spot nearest the middle of all spots.
@@ -214,7 +214,7 @@ class Indexing {
         [&](const Spot& a, const Spot& b) { return norm(a.at_px - mean) < norm(b.at_px - mean); });
     return int(closest - spots_.begin());
   }
-  bool take(const Index& index, Complex expected) {
+  bool take(const GridIndex& index, Complex expected) {
     const Vec2 at{expected.real(), expected.imag()};
     const int spot = nearest_.to(at);
     if (spot < 0 || taken_[std::size_t(spot)]) return false;
@@ -228,14 +228,14 @@ class Indexing {
   const Directions& directions_;
   Nearest nearest_;
   Complex step_;
-  std::map<Index, int> spot_at_;
+  std::map<GridIndex, int> spot_at_;
   std::vector<bool> taken_;
 };
 
 /// All nodes of the smallest box of indices around the lit ones, with one more on each side.
 std::vector<LensletNode> nodes_of(const Indexing& indexing, const std::vector<Spot>& spots,
-                                  const Fit& fit, Complex second) {
-  Index least{0, 0}, most{0, 0};
+                                  const LatticeFit& fit, Complex second) {
+  GridIndex least{0, 0}, most{0, 0};
   for (const auto& [index, spot] : indexing.spot_at()) {
     least = {std::min(least.first, index.first), std::min(least.second, index.second)};
     most = {std::max(most.first, index.first), std::max(most.second, index.second)};
@@ -263,22 +263,22 @@ Result<void> check_pitch(double measured_px, const LensletSearch& search) {
 
 /// Dark nodes outside of the light: those that a path over dark nodes connects to the border.
 std::vector<Vec2> outside_px(const LensletMap& map) {
-  std::map<Index, const LensletNode*> dark;
-  Index least{std::numeric_limits<int>::max(), 0};
+  std::map<GridIndex, const LensletNode*> dark;
+  GridIndex least{std::numeric_limits<int>::max(), 0};
   for (const LensletNode& node : map.nodes) {
-    least = std::min(least, Index{node.a, node.b});
+    least = std::min(least, GridIndex{node.a, node.b});
     if (!node.lit) dark[{node.a, node.b}] = &node;
   }
-  std::deque<Index> open{least};  // a corner of the box, which is dark
+  std::deque<GridIndex> open{least};  // a corner of the box, which is dark
   std::vector<Vec2> outside;
   while (!open.empty()) {
-    const Index at = open.front();
+    const GridIndex at = open.front();
     open.pop_front();
     const auto found = dark.find(at);
     if (found == dark.end()) continue;
     outside.push_back(found->second->at_px);
     dark.erase(found);
-    for (const Index& next : directions_of(Grid::square).neighbours) {
+    for (const GridIndex& next : directions_of(Grid::square).neighbours) {
       open.emplace_back(at.first + next.first, at.second + next.second);
     }
   }
@@ -316,7 +316,7 @@ Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearc
                 "the spots do not form the lattice that is configured: correct sensor.grid, "
                 "sensor.charge or optics.focal_length_mm, or weaken the aberration of the light");
   }
-  const Fit fit = indexing.fit();
+  const LatticeFit fit = indexing.fit();
   LensletMap map;
   map.pitch_px = std::abs(fit.step);
   const double turn = 2.0 * std::numbers::pi / directions.symmetry;

@@ -10,14 +10,15 @@
 #include <queue>
 #include <utility>
 
+#include "core/base/angle.hpp"
 #include "core/optics/chirp_z.hpp"
 #include "core/optics/flatness.hpp"
 
 namespace ovws {
 namespace {
 
-using Complex = std::complex<float>;
-using Field = std::vector<Complex>;
+using ComplexFloat = std::complex<float>;
+using Field = std::vector<ComplexFloat>;
 
 constexpr int kDefocus = 4, kOblique = 3, kVertical = 5;
 constexpr double kStrength = 3.0, kWeaker = 2.0;  // waves RMS
@@ -53,17 +54,13 @@ struct Transforms {
   }
   /// The adjoint of `image`, divided by the number of pixels. Conjugates `pixels`.
   void adjoint(Field& pixels, Field& out) {
-    for (Complex& one : pixels) one = std::conj(one);
+    for (ComplexFloat& one : pixels) one = std::conj(one);
     to_cells.transform(pixels.data(), window, between.data(), window);
     to_cells.transform(between.data(), side, out.data(), side);
     const float scale = 1.0F / (float(window) * float(window));
-    for (Complex& one : out) one = scale * std::conj(one);
+    for (ComplexFloat& one : out) one = scale * std::conj(one);
   }
 };
-
-Complex phasor(double waves) {
-  return Complex(std::polar(1.0, 2.0 * std::numbers::pi * (waves - std::round(waves))));
-}
 
 float brightest(const std::vector<DiverseImage>& images) {
   std::vector<float> all;
@@ -165,7 +162,7 @@ struct PhaseRetrieval::Given {
         const Vec2 at = (2.0 / with.diameter_px_) * with.slm_px(k % with.side_, k / with.side_);
         double waves = 0.0;
         for (const Mode& mode : one.modes) waves += mode.waves * zernike(mode.j, at);
-        phasors.push_back(phasor(waves));
+        phasors.push_back(wrapped_phasor(waves));
       }
       shown.push_back(std::move(phasors));
       auto& amplitude = measured.emplace_back();
@@ -199,7 +196,8 @@ struct PhaseRetrieval::Iteration {
           (middle.x * (k % with.side_ - half) + middle.y * (k / with.side_ - half)) / with.window_;
       const Vec2 at = with.slm_px(k % with.side_, k / with.side_) - vortex;
       const double turn = circulation * std::atan2(at.y, at.x) / (2.0 * std::numbers::pi);
-      field.push_back(float(given.start) * with.pupil_[std::size_t(k)] * phasor(tilt + turn));
+      field.push_back(float(given.start) * with.pupil_[std::size_t(k)] *
+                      wrapped_phasor(tilt + turn));
     }
     ahead = field;
     cells.resize(field.size());
@@ -212,7 +210,7 @@ struct PhaseRetrieval::Iteration {
   }
 
   void step(const std::vector<float>& pupil) {
-    std::ranges::fill(gradient, Complex());
+    std::ranges::fill(gradient, ComplexFloat());
     double left = 0.0, all = 0.0;
     for (std::size_t i = 0; i < given.shown.size(); ++i) {
       const Field& shown = given.shown[i];
@@ -224,7 +222,7 @@ struct PhaseRetrieval::Iteration {
         const float miss = measured[k] - amplitude, w = weight[k];
         left += double(w * miss * miss);
         all += double(w * measured[k] * measured[k]);
-        pixels[k] = amplitude > 0.0F ? (w * miss / amplitude) * pixels[k] : Complex();
+        pixels[k] = amplitude > 0.0F ? (w * miss / amplitude) * pixels[k] : ComplexFloat();
       }
       transforms.adjoint(pixels, cells);
       for (std::size_t k = 0; k < cells.size(); ++k) {
@@ -237,7 +235,7 @@ struct PhaseRetrieval::Iteration {
     momentum = next;
     const float share = 1.0F / float(given.shown.size());
     for (std::size_t k = 0; k < field.size(); ++k) {
-      const Complex better = pupil[k] > 0.0F ? ahead[k] + share * gradient[k] : Complex();
+      const ComplexFloat better = pupil[k] > 0.0F ? ahead[k] + share * gradient[k] : ComplexFloat();
       ahead[k] = better + beyond * (better - field[k]);
       field[k] = better;
     }
@@ -281,7 +279,7 @@ Result<PhaseRetrieval::Found> PhaseRetrieval::retrieve(const std::vector<Diverse
   const double half = 0.5 * (side_ - 1);
   for (int k = 0; k < side_ * side_; ++k) {
     field[std::size_t(k)] *=
-        phasor(-(middle.x * (k % side_ - half) + middle.y * (k / side_ - half)) / window_);
+        wrapped_phasor(-(middle.x * (k % side_ - half) + middle.y * (k / side_ - half)) / window_);
   }
   double jumps = 0.0;
   const Image<float> waves = unwrapped(field, jumps);

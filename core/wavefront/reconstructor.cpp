@@ -12,14 +12,14 @@
 namespace ovws {
 namespace {
 
-constexpr double kMaxCondition = 1000.0;
+constexpr double kMaxModesCondition = 1000.0;
 /// Multiplications of one search for the worst spot, some milliseconds. One of so many spots hardly
 /// changes the modes.
 constexpr double kMaxOutlierWork = 4e6;
 
 /// Whether the condition number is below `most`. `squares`: squared singular values of the slopes,
 /// increasing.
-bool well_conditioned(const Eigen::VectorXd& squares, double most = kMaxCondition) {
+bool well_conditioned(const Eigen::VectorXd& squares, double most = kMaxModesCondition) {
   const Eigen::Index count = squares.size();
   return count > 0 && squares(0) * most * most > squares(count - 1);
 }

@@ -5,15 +5,15 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/median.hpp"
 #include "core/spots/position_fit.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr int kMinSights = 4;
-constexpr double kMaxCondition = 100.0;   // condition number of the offsets: infinite for a line
-constexpr double kMinSignificance = 8.0;  // times the robust spread of all smoothed pixels
-constexpr double kSigmaPerMedianDeviation = 1.4826;
+constexpr double kMaxOffsetsCondition = 100.0;  // condition number: infinite for a line
+constexpr double kMinSignificance = 8.0;        // times the robust spread of all smoothed pixels
 constexpr double kFullScale = 60000.0;
 
 /// Box filter: sums over squares of side 2 half + 1, by a summed-area table.
@@ -37,12 +37,6 @@ Image<float> box_sums(const Image<float>& in, int half) {
     }
   }
   return out;
-}
-
-float median_of(std::vector<float> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Centroid of the excess over half maximum, in the neighbourhood of the peak.
@@ -99,7 +93,7 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
     b.row(i) << s.at_px.x, s.at_px.y;
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  if (!(svd.singularValues()[0] < kMaxCondition * svd.singularValues()[2])) {
+  if (!(svd.singularValues()[0] < kMaxOffsetsCondition * svd.singularValues()[2])) {
     return fail(
         Errc::refused, "",
         "the spot was found on one line only, which does not determine the map: enlarge the "
@@ -127,10 +121,10 @@ std::optional<Vec2> spot_in(const Image<float>& light, const SpotModel& spots) {
   const Image<float> smoothed = box_sums(light, half);
   const auto brightest = std::max_element(smoothed.pixels.begin(), smoothed.pixels.end());
   const int at = int(brightest - smoothed.pixels.begin());
-  const float middle = median_of(smoothed.pixels);
+  const float middle = median(smoothed.pixels);
   std::vector<float> deviations;
   for (const float value : smoothed.pixels) deviations.push_back(std::abs(value - middle));
-  const double spread = kSigmaPerMedianDeviation * double(median_of(std::move(deviations)));
+  const double spread = kSigmaPerMedianDeviation * double(median(std::move(deviations)));
   if (!(double(*brightest - middle) > kMinSignificance * spread)) return std::nullopt;
   return middle_of_peak(smoothed, at % light.width, at / light.width, 2 * half, middle);
 }

@@ -3,7 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <complex>
-#include <numbers>
+
+#include "core/base/angle.hpp"
 
 namespace ovws {
 namespace {
@@ -13,7 +14,6 @@ using Eigen::Index;
 
 constexpr Index kCells = 64;  // across the pupil
 constexpr int kParts = 8;     // of a cell's side, for its lit share
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 constexpr double kCoreShift = 0.93;  // core's distance in lambda/D per pupil radius, flat wavefront
 constexpr int kMaxNewton = 50;
@@ -21,7 +21,7 @@ constexpr double kMaxStep = 0.3, kConverged = 1e-8, kMaxCore = 2.0;  // lambda/D
 
 /// exp(-2 pi i p q) for pixels p (rows) and cells q (columns).
 Eigen::MatrixXcd phasors(const Eigen::VectorXd& p, const Eigen::VectorXd& q) {
-  const Eigen::MatrixXd turns = -kTurn * p * q.transpose();
+  const Eigen::MatrixXd turns = -kTwoPi * p * q.transpose();
   return turns.unaryExpr([](double angle) { return std::polar(1.0, angle); });
 }
 
@@ -77,7 +77,7 @@ Eigen::MatrixXcd VortexField::pupil(const Eigen::VectorXd& coefficients, Vec2 ax
   for (Index k = 0; k < field.size(); ++k) {
     const double vortex = std::atan2(y_(k) - axis.y, x_(k) - axis.x);
     field(k) =
-        std::polar(amplitude_(k) * std::exp(ln[k]), kTurn * waves[k] + beam_.charge * vortex);
+        std::polar(amplitude_(k) * std::exp(ln[k]), kTwoPi * waves[k] + beam_.charge * vortex);
   }
   return field;
 }
@@ -88,7 +88,7 @@ Eigen::MatrixXcd VortexField::far(const Eigen::MatrixXcd& pupil, const Eigen::Ve
 }
 
 Eigen::MatrixXcd VortexField::derivative(const Eigen::MatrixXcd& pupil, Index k) const {
-  const Complex factor = k < phases_ ? Complex(0.0, kTurn) : Complex(1.0);
+  const Complex factor = k < phases_ ? Complex(0.0, kTwoPi) : Complex(1.0);
   const Eigen::Map<const Eigen::MatrixXd> mode(basis_.col(k).data(), kCells, kCells);
   return factor * pupil.cwiseProduct(mode.cast<Complex>());
 }
@@ -96,7 +96,7 @@ Eigen::MatrixXcd VortexField::derivative(const Eigen::MatrixXcd& pupil, Index k)
 std::array<Eigen::MatrixXcd, 2> VortexField::gradient(const Eigen::MatrixXcd& pupil,
                                                       const Eigen::VectorXd& x,
                                                       const Eigen::VectorXd& y) const {
-  const Complex factor(0.0, -kTurn);
+  const Complex factor(0.0, -kTwoPi);
   return {factor * far(pupil * qx_.cast<Complex>().asDiagonal(), x, y),
           factor * far(qy_.cast<Complex>().asDiagonal() * pupil, x, y)};
 }

@@ -94,9 +94,9 @@ Result<Window> window_of(const VortexImage& image, const VortexBeam& beam, Vec2 
 
 /// Unknowns: the coefficients of the field, then two tilts of each image, because the beam moves
 /// between images.
-class Fit {
+class WindowsFit {
  public:
-  Fit(const VortexBeam& beam, std::vector<Window> windows);
+  WindowsFit(const VortexBeam& beam, std::vector<Window> windows);
   /// Levenberg-Marquardt iterations. False: they do not converge.
   bool iterate();
   VortexPath result(Vec2 start_px) const;
@@ -125,7 +125,7 @@ class Fit {
   Normal normal_;
 };
 
-Fit::Fit(const VortexBeam& beam, std::vector<Window> windows)
+WindowsFit::WindowsFit(const VortexBeam& beam, std::vector<Window> windows)
     : field_(beam, kWavesJ, kAmplitudeJ), windows_(std::move(windows)) {
   const auto weight = [](double deviation) { return 1.0 / (deviation * deviation); };
   weights_ = VectorXd::Constant(own(windows_.size()), weight(kPriorMotion));
@@ -136,13 +136,13 @@ Fit::Fit(const VortexBeam& beam, std::vector<Window> windows)
   normal_ = normal(found_);
 }
 
-VectorXd Fit::of_image(const VectorXd& unknowns, std::size_t image) const {
+VectorXd WindowsFit::of_image(const VectorXd& unknowns, std::size_t image) const {
   VectorXd coefficients = unknowns.head(field_.coefficients());
   coefficients.head(kTilts) += unknowns.segment(own(image), kTilts);
   return coefficients;
 }
 
-Compared Fit::compare(const Window& window, const VectorXd& at) const {
+Compared WindowsFit::compare(const Window& window, const VectorXd& at) const {
   const Eigen::MatrixXcd pupil = field_.pupil(at, window.axis);
   const Eigen::MatrixXcd u = field_.far(pupil, window.x, window.y);
   const VectorXd shape = pick(u.cwiseAbs2(), window.cells);
@@ -160,7 +160,7 @@ Compared Fit::compare(const Window& window, const VectorXd& at) const {
   return out;
 }
 
-Fit::Normal Fit::normal(const VectorXd& unknowns) const {
+WindowsFit::Normal WindowsFit::normal(const VectorXd& unknowns) const {
   Normal sum;
   sum.matrix = weights_.asDiagonal();
   sum.gradient = -weights_.cwiseProduct(unknowns);
@@ -183,7 +183,7 @@ Fit::Normal Fit::normal(const VectorXd& unknowns) const {
   return sum;
 }
 
-bool Fit::iterate() {
+bool WindowsFit::iterate() {
   double damping = 1e-2;
   for (int k = 0; k < kMaxIterations; ++k) {
     MatrixXd damped = normal_.matrix;
@@ -208,7 +208,7 @@ bool Fit::iterate() {
   return false;
 }
 
-VortexPath Fit::result(Vec2 start_px) const {
+VortexPath WindowsFit::result(Vec2 start_px) const {
   VortexPath path;
   const auto images = Index(windows_.size());
   const Index unknowns = found_.size() + kFree * images;
@@ -258,7 +258,7 @@ Result<VortexPath> fit_vortex_path(std::span<const VortexImage> images, const Vo
     if (!window) return fail(window.error());
     windows.push_back(std::move(*window));
   }
-  Fit fit(beam, std::move(windows));
+  WindowsFit fit(beam, std::move(windows));
   if (!fit.iterate()) {
     return fail(Errc::refused, "",
                 "no wavefront explains the images of the vortex: check that nothing moves, and run "

@@ -4,14 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "drivers/aravis/gige_probe.hpp"
+
 namespace ovws {
 
 namespace {
-
-// GigE Vision bootstrap register "Control Channel Privilege", and its bits for exclusive access and
-// control access.
-constexpr guint64 kControlRegister = 0x0a00;
-constexpr guint32 kControlBits = 0x3;
 
 void on_control_lost(ArvDevice*, gpointer alive) {
   static_cast<std::atomic<bool>*>(alive)->store(false, std::memory_order_relaxed);

@@ -26,8 +26,8 @@ constexpr std::uint16_t kAccessDenied = 0x8006;
 constexpr std::size_t kHeaderBytes = 8;
 
 // GigE Vision bootstrap registers and the bits used in them.
-constexpr std::uint32_t kLinkSpeed = 0x0670, kControl = 0x0a00, kPacketSize = 0x0d04;
-constexpr std::uint32_t kControlBits = 0x3, kPacketSizeBits = 0xffff;
+constexpr std::uint32_t kLinkSpeed = 0x0670, kPacketSize = 0x0d04;
+constexpr std::uint32_t kPacketSizeBits = 0xffff;
 // Byte offsets of the texts in a discovery acknowledge, and its length.
 constexpr std::size_t kVendor = 0x48, kModel = 0x68, kSerial = 0xd8, kDiscoveryBytes = 0xf8;
 
@@ -142,7 +142,7 @@ Result<GigeAnswer> ask_gige_camera(const std::string& address) {
   answer.model = text_at(found->payload(), kModel, 32);
   answer.serial = text_at(found->payload(), kSerial, 16);
   std::uint16_t status = 0;
-  const auto control = gvcp.read(kControl, status);
+  const auto control = gvcp.read(kControlRegister, status);
   // Under exclusive access the camera denies reads to all other programs.
   answer.controlled = control ? (*control & kControlBits) != 0 : status == kAccessDenied;
   const auto size = gvcp.read(kPacketSize, status);

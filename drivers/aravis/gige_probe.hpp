@@ -2,6 +2,7 @@
 /// camera. Implements GVCP itself, because Aravis takes control of every device that it opens.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -15,6 +16,10 @@ struct GigeAnswer {
   std::optional<int> link_mbps;          ///< link speed of the camera's port, if reported
   std::optional<int> packet_size_bytes;  ///< current stream packet size, if reported
 };
+
+/// GigE Vision bootstrap register "Control Channel Privilege", and its bits for exclusive access
+/// and control access.
+inline constexpr std::uint32_t kControlRegister = 0x0a00, kControlBits = 0x3;
 
 /// Discovers the camera and reads its bootstrap registers; changes nothing. Errors, field
 /// "camera.id": Errc::unavailable after about 1 s if no camera answers at this address,

@@ -21,7 +21,7 @@ void read_optional(ObjectReader& r, const char* key, std::optional<double>& out)
   r.number(key, out.emplace(), 0.01, 1000.0);
 }
 
-void read(ObjectReader& r, PlateConfig& plate) {
+void read_plate(ObjectReader& r, PlateConfig& plate) {
   r.integer("levels", plate.levels, 0, 1024);
   r.number("depth", plate.depth, -4.0, 4.0);
   std::vector<double> shift{plate.shift_um.x, plate.shift_um.y};
@@ -70,7 +70,7 @@ void read_array(ObjectReader& r, ArrayConfig& array) {
   r.integer("rows", array.rows, 1, kMaxAcross);
   read_optional(r, "pupil_mm", array.pupil_mm);
   read_optional(r, "beam_diameter_mm", array.beam_diameter_mm);
-  r.object("plate", [&array](ObjectReader& in) { read(in, array.plate); });
+  r.object("plate", [&array](ObjectReader& in) { read_plate(in, array.plate); });
   r.number("reach_pitches", array.reach_pitches, 0.5, 4.0);
 }
 

@@ -3,12 +3,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/angle.hpp"
+
 namespace ovws::twin {
-namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-
-}  // namespace
 
 std::vector<Vec2> lenslet_centres(const ArrayConfig& array) {
   std::vector<Vec2> centres;

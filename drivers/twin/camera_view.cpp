@@ -3,7 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "core/base/angle.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -14,15 +15,13 @@ constexpr int kKernelSteps = 512;
 constexpr double kOversampling = 2.0;
 /// Kaiser window's beta (Kaiser, "Nonrecursive digital filter design using the I0-sinh window
 /// function", 1974) for a transition from 0.5 to 1.5 times the Nyquist frequency over 12 taps.
-constexpr double kKaiserBeta = 8.6;
+constexpr double kInterpolationBeta = 8.6;
 
 double windowed_sinc(double t) {
   const double reach = t / (kTaps / 2);
   if (std::abs(reach) >= 1.0) return 0.0;
-  const double angle = std::numbers::pi * t;
-  const double sinc = t == 0.0 ? 1.0 : std::sin(angle) / angle;
-  return sinc * std::cyl_bessel_i(0.0, kKaiserBeta * std::sqrt(1.0 - reach * reach)) /
-         std::cyl_bessel_i(0.0, kKaiserBeta);
+  return sinc(t) * std::cyl_bessel_i(0.0, kInterpolationBeta * std::sqrt(1.0 - reach * reach)) /
+         std::cyl_bessel_i(0.0, kInterpolationBeta);
 }
 
 template <class Taps>

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/angle.hpp"
 #include "core/optics/chirp_z.hpp"
 
 namespace ovws::twin {
@@ -22,10 +23,6 @@ constexpr double kAttenuationDb = 84.0;
 constexpr double kKaiserBeta = 0.1102 * (kAttenuationDb - 8.7);
 constexpr double kKaiserTaps = (kAttenuationDb - 8.0) / (2.285 * 2.0 * std::numbers::pi);
 static_assert(0.5 * kKaiserTaps * kMaxSpacing / (1.0 - 2.0 * kMaxHalfBand) < Decimator::kMaxReach);
-
-double sinc(double x) {
-  return x == 0.0 ? 1.0 : std::sin(std::numbers::pi * x) / (std::numbers::pi * x);
-}
 
 /// Spacing of the values, which makes 1 / (step spacing) a fast FFT length.
 double spacing_for(double half_band_cpp, double step_cpp) {

@@ -26,7 +26,6 @@ namespace {
 
 constexpr std::uint16_t kPort = 3956;  // fixed by GigE Vision
 constexpr auto kFarFieldTime = std::chrono::milliseconds(400);
-constexpr auto kDisplayTime = std::chrono::milliseconds(200);
 constexpr auto kMaxDisplayAge = std::chrono::milliseconds(5);  // then the display is queried again
 // Longest wait for a pulse in which no register is served.
 constexpr std::int64_t kLongestWaitNs = 20'000'000;

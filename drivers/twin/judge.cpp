@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/angle.hpp"
 #include "core/base/complex_product.hpp"
 #include "drivers/twin/wavefront_fit.hpp"
 
@@ -15,7 +16,7 @@ std::vector<Mode> tail(const std::vector<Mode>& modes, int first) {
   return {modes.begin() + first, modes.end()};
 }
 
-Eigen::VectorXd waves_of(const PupilBlocks& blocks, const std::vector<Mode>& modes) {
+Eigen::VectorXd sum_of(const PupilBlocks& blocks, const std::vector<Mode>& modes) {
   Eigen::VectorXd waves = Eigen::VectorXd::Zero(blocks.count());
   for (const Mode& mode : modes) waves += mode.waves * blocks.modes().col(mode.j);
   return waves;
@@ -33,7 +34,7 @@ double strehl(const PupilBlocks& blocks, std::vector<Mode> modes, const Eigen::V
   const Eigen::VectorXcd sums = blocks.sums(nullptr, modes);
   std::complex<double> sum = 0.0;
   for (Eigen::Index b = 0; b < sums.size(); ++b) {
-    sum += sums[b] * std::polar(1.0, 2.0 * std::numbers::pi * residual[b]);
+    sum += sums[b] * unit_phasor(residual[b]);
   }
   return std::norm(sum / blocks.weights().sum());
 }
@@ -77,8 +78,8 @@ std::optional<Verdict> Judge::judge(Pattern pattern, const Image<std::uint8_t>& 
   const std::complex<double> coherent =
       blocks.sums(&field, fit.modes).sum() / blocks.weights().sum();
   return Verdict{fit.modes,
-                 rms(blocks, waves_of(blocks, beyond_tilt) + fit.residual_waves),
-                 rms(blocks, waves_of(blocks, beyond_piston) + fit.residual_waves),
+                 rms(blocks, sum_of(blocks, beyond_tilt) + fit.residual_waves),
+                 rms(blocks, sum_of(blocks, beyond_piston) + fit.residual_waves),
                  strehl(blocks, beyond_tilt, fit.residual_waves),
                  strehl(blocks, beyond_piston, fit.residual_waves),
                  std::norm(coherent)};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/angle.hpp"
 #include "core/base/complex_product.hpp"
 #include "drivers/twin/array_layout.hpp"
 #include "drivers/twin/phasor_product.hpp"
@@ -28,10 +29,6 @@ double square_side_um(const ArrayConfig& array, const CameraMap& map) {
 /// Whether the lenslets are the squares themselves.
 bool fill_squares(const ArrayConfig& array, const CameraMap& map) {
   return array.shape == LensletShape::square && array.lattice == Grid::square && map.axis_aligned();
-}
-
-double sinc(double x) {
-  return x == 0.0 ? 1.0 : std::sin(kPi * x) / (kPi * x);
 }
 
 }  // namespace

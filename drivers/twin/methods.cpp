@@ -10,7 +10,6 @@
 namespace ovws::twin {
 namespace {
 
-constexpr auto kDisplayTime = std::chrono::milliseconds(200);
 const std::vector<std::string> kMethods{"twin.get", "twin.set", "twin.mirror", "twin.fault"};
 const std::vector<std::string> kPatterns{"sensor", "grating"};  // in the order of Pattern
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/base/angle.hpp"
 #include "core/base/complex_product.hpp"
 #include "core/optics/complex_matrices.hpp"
 #include "drivers/twin/phasor_product.hpp"
@@ -38,8 +38,7 @@ Line carrier(int count, double cpp) {
   Line phasors;
   for (int k = 0; k < count; ++k) {
     const double turns = cpp * (k - 0.5 * (count - 1));
-    phasors.push_back(std::complex<float>(
-        std::polar(1.0, -2.0 * std::numbers::pi * (turns - std::round(turns)))));
+    phasors.push_back(wrapped_phasor(-turns));
   }
   return phasors;
 }

@@ -10,7 +10,7 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kPointsAcross = 96;
-constexpr int kTaps = 6;
+constexpr int kLagrangeTaps = 6;
 /// Interpolation points before the grid point at or below a position.
 constexpr int kBefore = 2;
 
@@ -20,11 +20,12 @@ Eigen::MatrixXf between_columns(const Eigen::MatrixXf& points, double first, dou
   LineFilter filter;
   for (int k = 0; k < count; ++k) {
     const double at = first + k * step;
-    const int first_tap = std::clamp(int(std::floor(at)) - kBefore, 0, int(points.cols()) - kTaps);
-    std::array<float, kTaps> weights;
-    for (int tap = 0; tap < kTaps; ++tap) {
+    const int first_tap =
+        std::clamp(int(std::floor(at)) - kBefore, 0, int(points.cols()) - kLagrangeTaps);
+    std::array<float, kLagrangeTaps> weights;
+    for (int tap = 0; tap < kLagrangeTaps; ++tap) {
       double weight = 1.0;
-      for (int other = 0; other < kTaps; ++other) {
+      for (int other = 0; other < kLagrangeTaps; ++other) {
         if (other != tap) weight *= (at - first_tap - other) / (tap - other);
       }
       weights[std::size_t(tap)] = float(weight);
@@ -44,7 +45,7 @@ PupilScreen::PupilScreen(const Turbulence& turbulence, std::int64_t t_ns, Vec2 c
   const double radius = diameter_px / 2;
   const double before = radius + margin_px + kBefore * step_px_;
   first_px_ = centre_px - Vec2{before, before};
-  const int points = int((diameter_px + 2.0 * margin_px) / step_px_) + kTaps + 1;
+  const int points = int((diameter_px + 2.0 * margin_px) / step_px_) + kLagrangeTaps + 1;
   points_ =
       turbulence.sample((1.0 / radius) * (first_px_ - centre_px), step_px_ / radius, points, t_ns);
 }

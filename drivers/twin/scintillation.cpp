@@ -4,12 +4,13 @@
 #include <numbers>
 #include <random>
 
+#include "core/base/angle.hpp"
+
 namespace ovws::twin {
 
 Eigen::MatrixXf amplitude_screen(const ScintillationConfig& scintillation, const PupilLine& x,
                                  const PupilLine& y) {
   constexpr int kWaves = 400;
-  constexpr double kTwoPi = 2.0 * std::numbers::pi;
   // exp(2 chi) with a Gaussian chi has the variance exp(4 s^2) - 1, relative to its mean.
   const double s2 = std::log1p(scintillation.variance) / 4.0;
   // Gaussian frequencies of this deviation, cycles per radius, give the Gaussian correlation.

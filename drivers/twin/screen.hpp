@@ -1,6 +1,7 @@
 /// Screen reader: watches the SLM's output on the X server and passes each new image to the bench.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -13,6 +14,9 @@
 namespace ovws::twin {
 
 class XOutput;
+
+/// Time in which a display usually answers Screen::catch_up.
+constexpr auto kDisplayTime = std::chrono::milliseconds(200);
 
 struct ScreenStatus {
   bool shown = false;          ///< the output exists and is being read

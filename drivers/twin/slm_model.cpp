@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <vector>
 
+#include "core/base/angle.hpp"
 #include "core/base/complex_product.hpp"
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/phasors.hpp"
@@ -22,7 +22,6 @@ double slm_phase_waves(const SlmConfig& slm, int grey) {
 namespace {
 
 constexpr int kLevelOn = 128;  // the least grey level that turns a mirror on
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 std::complex<float> phasor(double waves) {
   const double angle = kTwoPi * (waves - std::floor(waves));

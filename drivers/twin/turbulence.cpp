@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/base/angle.hpp"
 #include "core/base/complex_product.hpp"
 #include "core/optics/wavefront_rows.hpp"
 #include "core/optics/zernike.hpp"
@@ -16,7 +17,6 @@ namespace {
 
 constexpr int kWaves = 300;
 constexpr int kRemoved = 3;  ///< modes that `tilt: false` takes out: j = 0, 1, 2
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 /// Bessel ratio 2 J_(n+1)(kappa) / kappa. `kappa`: spatial frequency, radians per pupil radius.
 double bessel_ratio(int n, double kappa) {

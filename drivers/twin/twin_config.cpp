@@ -35,7 +35,7 @@ void read_scale(ObjectReader& r, CameraGeometry& geometry) {
   geometry.centre_px = {centre[0], centre[1]};
 }
 
-void read(ObjectReader& r, CameraConfig& camera, CameraGeometry& geometry) {
+void read_camera(ObjectReader& r, CameraConfig& camera, CameraGeometry& geometry) {
   read_rotation(r, geometry);
   r.string("address", camera.address);
   r.string("serial", camera.serial);
@@ -46,7 +46,7 @@ void read(ObjectReader& r, CameraConfig& camera, CameraGeometry& geometry) {
   r.integer("sensor_height", camera.sensor_height, 64, 8192);
 }
 
-void read(ObjectReader& r, SlmConfig& slm) {
+void read_slm(ObjectReader& r, SlmConfig& slm) {
   r.string("display", slm.display);
   detail::decode_fields(r, slm.geometry);
   r.number("gamma", slm.gamma, 0.1, 10.0);
@@ -57,7 +57,7 @@ void read(ObjectReader& r, SlmConfig& slm) {
   r.number("settle_ms", slm.settle_ms, 0.0, 10'000.0);
 }
 
-void read(ObjectReader& r, OpticsConfig& optics, CameraGeometry& geometry) {
+void read_optics(ObjectReader& r, OpticsConfig& optics, CameraGeometry& geometry) {
   read_scale(r, geometry);
   using namespace limits;
   r.number("wavelength_nm", optics.wavelength_nm, kWavelengthNm.min, kWavelengthNm.max);
@@ -65,7 +65,7 @@ void read(ObjectReader& r, OpticsConfig& optics, CameraGeometry& geometry) {
   r.number("camera_pitch_um", optics.camera_pitch_um, kCameraPitchUm.min, kCameraPitchUm.max);
 }
 
-void read(ObjectReader& r, LightConfig& light, Truth& truth) {
+void read_light(ObjectReader& r, LightConfig& light, Truth& truth) {
   int shape = int(light.shape);
   r.choice("shape", shape, {"uniform", "gaussian"});
   light.shape = LightShape(shape);
@@ -73,7 +73,7 @@ void read(ObjectReader& r, LightConfig& light, Truth& truth) {
   r.number("peak_electrons", truth.peak_electrons, 0.0, 1e9);
 }
 
-void read(ObjectReader& r, PatternMode& dmd) {
+void read_dmd(ObjectReader& r, PatternMode& dmd) {
   int order = int(dmd.bit_order);
   r.integer("slots", dmd.patterns, 0, 24);
   if (dmd.patterns == 1) r.fault("slots", "must be 0 (video mode) or 2 to 24");
@@ -93,20 +93,20 @@ void read_mirror(ObjectReader& r, std::optional<MirrorConfig>& mirror) {
   });
 }
 
-void read(ObjectReader& r, Config& c) {
+void read_config(ObjectReader& r, Config& c) {
   int modulator = int(c.modulator);
   r.choice("modulator", modulator, {"slm", "fixed", "dmd"});
   c.modulator = Modulator(modulator);
-  r.object("dmd", [&](ObjectReader& in) { read(in, c.dmd); });
+  r.object("dmd", [&](ObjectReader& in) { read_dmd(in, c.dmd); });
   if (c.dmd.patterns > 0 && c.modulator != Modulator::dmd) {
     r.fault("dmd.slots", "needs \"modulator\": \"dmd\"");
   }
   r.object("array", [&](ObjectReader& in) { read_array(in, c.array); });
-  r.object("camera", [&](ObjectReader& in) { read(in, c.camera, c.truth.geometry); });
-  r.object("slm", [&](ObjectReader& in) { read(in, c.slm); });
-  r.object("optics", [&](ObjectReader& in) { read(in, c.optics, c.truth.geometry); });
+  r.object("camera", [&](ObjectReader& in) { read_camera(in, c.camera, c.truth.geometry); });
+  r.object("slm", [&](ObjectReader& in) { read_slm(in, c.slm); });
+  r.object("optics", [&](ObjectReader& in) { read_optics(in, c.optics, c.truth.geometry); });
   r.object("sensor", [&](ObjectReader& in) { detail::decode_fields(in, c.sensor); });
-  r.object("light", [&](ObjectReader& in) { read(in, c.light, c.truth); });
+  r.object("light", [&](ObjectReader& in) { read_light(in, c.light, c.truth); });
   r.object("detector", [&](ObjectReader& in) { read_detector(in, c.truth); });
   r.object("control", [&](ObjectReader& in) { in.string("endpoint", c.control_endpoint); });
   read_aberration(r, c.truth.aberration);
@@ -268,7 +268,7 @@ Result<Config> parse_config(const std::string& json_text) {
   if (!json) return fail(Errc::invalid, "", json.error().reason);
   Config config;
   ObjectReader reader(*json, "");
-  read(reader, config);
+  read_config(reader, config);
   if (auto done = reader.finish(); !done) return fail(done.error());
   if (config.modulator == Modulator::fixed) {
     config.slm.display.clear();

@@ -12,7 +12,7 @@ constexpr int kGradientFits = 3, kPhaseFits = 20;
 constexpr double kConvergedWaves = 1e-7;
 constexpr double kOutlierWaves = 0.4, kMaxOutlierShare = 0.01;
 
-double waves_of(std::complex<double> phasor) {
+double phase_waves(std::complex<double> phasor) {
   return std::arg(phasor) / (2.0 * std::numbers::pi);
 }
 
@@ -34,7 +34,7 @@ Eigen::VectorXd fit_gradients(const PupilBlocks& blocks, const Eigen::VectorXcd&
     const Eigen::Matrix<double, kFitted, 1> step =
         (blocks.modes().row(b) - blocks.modes().row(a)).tail<kFitted>();
     normal.selfadjointView<Eigen::Lower>().rankUpdate(step, std::abs(ratio));
-    rhs += std::abs(ratio) * waves_of(ratio) * step;
+    rhs += std::abs(ratio) * phase_waves(ratio) * step;
   }
   Eigen::VectorXd modes = Eigen::VectorXd::Zero(kModes);
   modes.tail<kFitted>() = normal.selfadjointView<Eigen::Lower>().llt().solve(rhs);
@@ -45,8 +45,8 @@ Eigen::VectorXd fit_gradients(const PupilBlocks& blocks, const Eigen::VectorXcd&
 Eigen::VectorXd phases(const Eigen::VectorXcd& sums) {
   const std::complex<double> mean = sums.sum();
   Eigen::VectorXd waves(sums.size());
-  for (Eigen::Index b = 0; b < sums.size(); ++b) waves[b] = waves_of(sums[b] * std::conj(mean));
-  return waves.array() + waves_of(mean);
+  for (Eigen::Index b = 0; b < sums.size(); ++b) waves[b] = phase_waves(sums[b] * std::conj(mean));
+  return waves.array() + phase_waves(mean);
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ namespace ovws {
 namespace {
 
 constexpr long kWaitMs = 50;
-constexpr int kLingerMs = 100;   // time for the last replies to be sent before the socket closes
-constexpr int kMaxPerTurn = 64;  // requests received before serving begins
+constexpr int kLingerMs = 100;  // time for the last replies to be sent before the socket closes
+constexpr int kMaxRequestsPerTurn = 64;  // requests received before serving begins
 constexpr auto kServeFor = std::chrono::milliseconds(10);  // time limit of one `serve`
 // Send queue without a limit, because ROUTER drops replies beyond a client's high-water mark, and
 // libzmq counts replies for a while after it has written them. ReplyBox limits the replies instead.
@@ -200,7 +200,7 @@ bool ControlServer::do_work() {
   impl_->wait();
   if (impl_->gate != nullptr) impl_->gate->parts().serve();
   bool worked = impl_->send_replies();
-  for (int k = 0; k < kMaxPerTurn && impl_->receive(); ++k) worked = true;
+  for (int k = 0; k < kMaxRequestsPerTurn && impl_->receive(); ++k) worked = true;
   worked = impl_->serve() || worked;
   return impl_->send_replies() || worked;
 }

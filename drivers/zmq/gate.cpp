@@ -16,7 +16,7 @@ constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
 constexpr const char* kRejectDomain = "ends";  // ZAP domain: how unknown keys are treated
 constexpr const char* kRetryDomain = "comes again";
 constexpr int kIoThreads = 3;  // one per socket, so that encrypting images delays no measurement
-constexpr int kMaxPerTurn = 64;
+constexpr int kMaxAnswersPerTurn = 64;
 constexpr int kHandshakeMs = 5000;  // a client refused with 300 stays in its handshake this long
 /// Monitor events of handshakes that fail before the ZAP request. A client without a key may
 /// disconnect when it sees that CURVE is required; libzmq reports this as ..._NO_DETAIL.
@@ -98,10 +98,10 @@ void Gate::Parts::add_to(std::vector<zmq_pollitem_t>& items) {
 }
 
 void Gate::Parts::serve() {
-  for (int k = 0; k < kMaxPerTurn && answer_one(); ++k) {
+  for (int k = 0; k < kMaxAnswersPerTurn && answer_one(); ++k) {
   }
   for (auto& monitor : monitors) {
-    for (int k = 0; k < kMaxPerTurn && note_one(monitor, calls); ++k) {
+    for (int k = 0; k < kMaxAnswersPerTurn && note_one(monitor, calls); ++k) {
     }
   }
 }

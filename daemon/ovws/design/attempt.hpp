@@ -1,14 +1,15 @@
 /// One attempt at a design: a fixed number of subapertures across the pupil.
 #pragma once
 
+#include "core/optics/lattice.hpp"
 #include "daemon/ovws/design/design.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
 
 namespace ovws::design {
 
-/// How fine a grating may be, in cycles per SLM pixel, including the slope of an aberration.
+/// How fine a grating may be, in cycles per SLM pixel, including the slope of an aberration; at
+/// most kNyquistCpp.
 constexpr double kComfortableCpp = 0.25;  ///< a period of 4 SLM pixels
-constexpr double kNyquistCpp = 0.5;
 
 /// Distances of neighbouring spots, lambda/d: those of spot_layout.hpp, and the one to aim at.
 inline double target_distance(int charge) {
