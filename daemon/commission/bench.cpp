@@ -22,7 +22,7 @@ constexpr double kImageTimeout_s = 8.0;
 constexpr double kStreamMargin_s = 0.05;  ///< from a frame's arrival to its image message
 
 /// Throws nothing, whatever the daemon sends.
-std::string text_at(const json& object, const char* key, const std::string& otherwise) {
+std::string text_or(const json& object, const char* key, const std::string& otherwise) {
   const auto found = object.find(key);
   return found != object.end() && found->is_string() ? found->get<std::string>() : otherwise;
 }
@@ -30,9 +30,9 @@ std::string text_at(const json& object, const char* key, const std::string& othe
 Error error_of(const cli::CallFailure& failure) {
   const auto found = failure.error.find("data");
   const json data = found != failure.error.end() ? *found : json();
-  const std::string message = text_at(failure.error, "message", "no reason given");
+  const std::string message = text_or(failure.error, "message", "no reason given");
   if (!failure.answered) return {Errc::unavailable, "", "the daemon does not answer: " + message};
-  return {Errc::refused, text_at(data, "field", ""), text_at(data, "reason", message)};
+  return {Errc::refused, text_or(data, "field", ""), text_or(data, "reason", message)};
 }
 
 Error cancelled_error() {

@@ -307,7 +307,7 @@ std::optional<bool> has_measured(const Look& look) {
   return has ? std::optional(true) : std::nullopt;
 }
 
-const std::array kSteps{
+const std::array kDeviceSteps{
     Step{"doctor", "This machine",
          "Checks configuration, devices, limits and clock, and proposes a repair for each fault.",
          has_measured, run_doctor, nullptr},
@@ -329,7 +329,7 @@ const std::array kSteps{
 }  // namespace
 
 std::span<const Step> device_steps() {
-  return kSteps;
+  return kDeviceSteps;
 }
 
 }  // namespace ovws::commission

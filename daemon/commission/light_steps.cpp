@@ -219,7 +219,7 @@ std::optional<bool> has_reference(const Look& look) {
   return has_measured_reference(look) ? std::optional(true) : std::nullopt;
 }
 
-const std::array kSteps{
+const std::array kLightSteps{
     Step{
         "spot", "Base spot",
         "Shows the base grating alone, and finds its spot, the zeroth order, and whether all spots "
@@ -246,7 +246,7 @@ const Step kBrightness{"brightness",
 }  // namespace
 
 std::span<const Step> light_steps() {
-  return kSteps;
+  return kLightSteps;
 }
 
 const Step& brightness_step() {

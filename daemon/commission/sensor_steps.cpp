@@ -273,7 +273,7 @@ Outcome run_save(Bench& bench, Memory&) {
                                            fmt::join(keys, ", ")));
 }
 
-const std::array kSteps{
+const std::array kSensorSteps{
     Step{"reference", "Reference", "Takes the wavefront from which coefficients count.",
          [](const Look& look) -> std::optional<bool> { return has_measured_reference(look); },
          run_reference,
@@ -306,7 +306,7 @@ const std::array kSteps{
 }  // namespace
 
 std::span<const Step> sensor_steps() {
-  return kSteps;
+  return kSensorSteps;
 }
 
 }  // namespace ovws::commission

@@ -247,7 +247,7 @@ Outcome run_flatness(Bench& bench, Memory& memory) {
   return outcome;
 }
 
-const std::array kSteps{
+const std::array kSlmSteps{
     Step{
         "registration", "Registration",
         "Measures how the camera is turned, mirrored and scaled relative to the SLM, by moving one "
@@ -298,7 +298,7 @@ const std::array kSteps{
 }  // namespace
 
 std::span<const Step> slm_steps() {
-  return kSteps;
+  return kSlmSteps;
 }
 
 }  // namespace ovws::commission

@@ -16,7 +16,7 @@
 namespace ovws {
 namespace {
 
-constexpr const char* kField = "path";
+constexpr const char* kPathField = "path";
 constexpr std::size_t kMaxFileBytes = 1 << 20;
 constexpr int kMaxDepth = 4;
 constexpr mode_t kOwnerOnly = 0600;
@@ -36,7 +36,7 @@ class Descriptor {
 };
 
 tl::unexpected<Error> key_error(Errc code, const std::string& path, const std::string& what) {
-  return fail(code, kField, path + ": " + what);
+  return fail(code, kPathField, path + ": " + what);
 }
 
 std::string credentials_folder() {

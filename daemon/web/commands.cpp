@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxDepth = 16;
+constexpr int kMaxCommandDepth = 16;
 constexpr std::array<std::string_view, 39> kMethods{"aberration.clear",
                                                     "aberration.set",
                                                     "calibration.clear",
@@ -55,7 +55,7 @@ constexpr std::array<std::string_view, 39> kMethods{"aberration.clear",
 }  // namespace
 
 tl::expected<Command, Refusal> parse_command(const std::string& body) {
-  const auto request = parse_strict_json(body, kMaxDepth, JsonComments::refused);
+  const auto request = parse_strict_json(body, kMaxCommandDepth, JsonComments::refused);
   if (!request || !request->is_object()) return tl::make_unexpected(Refusal::malformed);
   const json method = request->value("method", json());
   const json params = request->value("params", json::object());

@@ -8,7 +8,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxDepth = 4;
+constexpr int kMaxRequestDepth = 4;
 
 json error_json(const Error& error) {
   return {{"error",
@@ -37,7 +37,7 @@ std::string CommissionDesk::report(Right right) {
 }
 
 tl::expected<std::string, Refusal> CommissionDesk::act(const std::string& body) {
-  const auto request = parse_strict_json(body, kMaxDepth, JsonComments::refused);
+  const auto request = parse_strict_json(body, kMaxRequestDepth, JsonComments::refused);
   if (!request || !request->is_object()) return tl::make_unexpected(Refusal::malformed);
   for (const auto& [key, value] : request->items()) {
     const bool is_known = key == "action" || key == "step" || key == "offer";

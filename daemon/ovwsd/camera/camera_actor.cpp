@@ -18,7 +18,7 @@ constexpr std::int64_t kRetryNs = 1'000'000'000;
 constexpr double kPatienceS = 2.0;
 constexpr double kFirstFramePatienceS = 5.0;
 constexpr std::size_t kMaxFaultBytes = 1000;  // limit, because a reason may quote the camera
-constexpr auto kTurn = std::chrono::milliseconds(50);
+constexpr auto kMailboxWait = std::chrono::milliseconds(50);
 
 /// Cause of unusable frames: its counter, and a text with the remedy.
 struct Unusable {
@@ -59,7 +59,7 @@ CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
 CameraActor::~CameraActor() = default;
 
 bool CameraActor::do_work() {
-  const bool worked = mailbox_.run_one(kTurn);
+  const bool worked = mailbox_.run_one(kMailboxWait);
   if (lost_) {
     close_camera();
   } else if (!camera_) {

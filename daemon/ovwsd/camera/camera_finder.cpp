@@ -8,7 +8,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kTurn(50);
+constexpr std::chrono::milliseconds kMaxIdle(50);
 
 }  // namespace
 
@@ -33,7 +33,7 @@ bool CameraFinder::do_work() {
   std::vector<Listed> asked;
   {
     std::unique_lock lock(mutex_);
-    if (!asked_.wait_for(lock, kTurn, [this] { return !waiting_.empty(); })) return false;
+    if (!asked_.wait_for(lock, kMaxIdle, [this] { return !waiting_.empty(); })) return false;
     asked.swap(waiting_);
   }
   const std::vector<CameraListing> listed = list_cameras(config_());

@@ -75,7 +75,7 @@ void select_camera(Services& services, const CameraSelect& params, Reply<CameraR
   services.finder.find(params.id, select);  // a typing error does not disconnect the camera
 }
 
-constexpr std::array kRows{
+constexpr std::array kCameraRows{
     row<kCameraAutoExposure, start_exposure>(Role::control, Action::start_job),
     row<kCameraGet, get_camera>(Role::read, Action::read),
     row<kCameraGrab, grab>(Role::read, Action::grab),
@@ -88,7 +88,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::span<const MethodRow> camera_methods() {
-  return kRows;
+  return kCameraRows;
 }
 
 }  // namespace ovws

@@ -22,7 +22,7 @@ void clear_corrector(Services& services, Reply<KnownCorrector> reply) {
   get_corrector(services, std::move(reply));
 }
 
-constexpr std::array kRows{
+constexpr std::array kCorrectorRows{
     row<kCorrectorGet, get_corrector>(Role::read, Action::read),
     row<kCorrectorSet, set_corrector>(Role::control, Action::set_corrector),
     row<kCorrectorClear, clear_corrector>(Role::control, Action::set_corrector),
@@ -31,7 +31,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::span<const MethodRow> corrector_methods() {
-  return kRows;
+  return kCorrectorRows;
 }
 
 }  // namespace ovws

@@ -85,7 +85,7 @@ void gain_sweep(Services& services, GainSweepRun asked, Reply<JobNumber> reply) 
   start(services, run, reply);
 }
 
-void get(Services& services, Reply<KnownExperiment> reply) {
+void get_experiment(Services& services, Reply<KnownExperiment> reply) {
   reply(JsonOf<KnownExperiment>{services.experiments.result()});
 }
 
@@ -96,16 +96,16 @@ void get_cell(Services& services, const ExperimentCell& which, Reply<CellReport>
   });
 }
 
-constexpr std::array kRows{
+constexpr std::array kExperimentRows{
     row<kExperimentGainSweep, gain_sweep>(Role::control, Action::read),
-    row<kExperimentGet, get>(Role::read, Action::read),
+    row<kExperimentGet, get_experiment>(Role::read, Action::read),
     row<kExperimentCell, get_cell>(Role::read, Action::read),
 };
 
 }  // namespace
 
 std::span<const MethodRow> experiment_methods() {
-  return kRows;
+  return kExperimentRows;
 }
 
 }  // namespace ovws

@@ -99,8 +99,8 @@ CameraSet exposure_change(const CameraSettings& now, const PreparedLattice& want
 using Used = std::function<void(const Result<LatticeInUse>&)>;
 
 /// Changes the sensor. If that fails, the camera's settings `before` return before the answer.
-void show(Services& services, const PreparedLattice& lattice, const CameraSet& before,
-          const Used& done) {
+void show_lattice(Services& services, const PreparedLattice& lattice, const CameraSet& before,
+                  const Used& done) {
   const auto shown = [&services, name = lattice.name, before, done](const Result<SensorView>& now) {
     if (now) {
       return done(LatticeInUse{name, (*now)->subapertures,
@@ -118,7 +118,7 @@ void show(Services& services, const PreparedLattice& lattice, const CameraSet& b
 void expose_and_show(Services& services, const PreparedLattice& lattice, const Used& done) {
   const CameraSnapshot camera = services.camera.snapshot();
   const CameraSet change = exposure_change(camera.settings, lattice);
-  if (change.given().empty()) return show(services, lattice, {}, done);
+  if (change.given().empty()) return show_lattice(services, lattice, {}, done);
   CameraSet back;
   for (const auto member :
        {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {
@@ -128,7 +128,7 @@ void expose_and_show(Services& services, const PreparedLattice& lattice, const U
   services.camera.change(change,
                          [&services, lattice, back, done](const Result<CameraSnapshot>& set) {
                            if (!set) return done(fail(about_name(set.error())));
-                           show(services, lattice, back, done);
+                           show_lattice(services, lattice, back, done);
                          });
 }
 
@@ -147,7 +147,7 @@ void use(Services& services, const LatticeName& params, Reply<LatticeInUse> repl
   });
 }
 
-constexpr std::array kRows{
+constexpr std::array kLatticeRows{
     row<kLatticeList, list>(Role::read, Action::read),
     row<kLatticePrepare, prepare>(Role::control, Action::start_hologram_job),
     row<kLatticeRemove, remove>(Role::control, Action::record),
@@ -157,7 +157,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::span<const MethodRow> lattice_methods() {
-  return kRows;
+  return kLatticeRows;
 }
 
 }  // namespace ovws

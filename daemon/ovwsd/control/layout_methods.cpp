@@ -69,7 +69,7 @@ void advise(Services& services, const SensorAdvise& wanted, Reply<JobNumber> rep
       with_job_number(std::move(reply)), Holds::nothing);
 }
 
-constexpr std::array kRows{
+constexpr std::array kLayoutRows{
     row<kSensorAdvise, advise>(Role::control, Action::record),
     row<kSensorGet, get<sensor_of>>(Role::read, Action::read),
     row<kSensorSet, change_sensor>(Role::control, Action::set_sensor),
@@ -78,7 +78,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::span<const MethodRow> layout_methods() {
-  return kRows;
+  return kLayoutRows;
 }
 
 }  // namespace ovws

@@ -128,7 +128,7 @@ void delete_reference(Services& services, const ReferenceName& params, Reply<Ref
 // Saving and deleting change files only, whatever the bench is doing.
 constexpr Action kFilesOnly = Action::record;
 
-constexpr std::array kRows{
+constexpr std::array kReferenceRows{
     row<kReferenceTake, run_reference>(Role::control, Action::start_job),
     row<kReferenceGet, get<reference_of>>(Role::read, Action::read),
     row<kReferenceSet, use_model>(Role::control, Action::clear_reference),
@@ -144,7 +144,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::span<const MethodRow> reference_methods() {
-  return kRows;
+  return kReferenceRows;
 }
 
 }  // namespace ovws

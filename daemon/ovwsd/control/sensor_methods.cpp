@@ -318,7 +318,7 @@ void verify(Services& services, Reply<VerifyReport> reply) {
   });
 }
 
-constexpr std::array kRows{
+constexpr std::array kSensorRows{
     row<kAberrationGet, get<aberration_of>>(Role::read, Action::read),
     row<kAberrationSequence, show_sequence>(Role::control, Action::show_pattern),
     row<kAberrationSet, introduce>(Role::control, Action::set_aberration),
@@ -356,7 +356,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::span<const MethodRow> sensor_methods() {
-  return kRows;
+  return kSensorRows;
 }
 
 }  // namespace ovws

@@ -198,7 +198,7 @@ void list_recordings(Services& services, Reply<RecordingList> reply) {
   if (!asked) reply(asked.error());
 }
 
-constexpr std::array kRows{
+constexpr std::array kSystemRows{
     row<kConfigGet, get_config>(Role::read, Action::read),
     row<kConfigSave, save_config>(Role::control, Action::save_config),
     row<kJobGet, get_job>(Role::read, Action::read),
@@ -223,7 +223,7 @@ constexpr std::array kRows{
 }  // namespace
 
 std::span<const MethodRow> system_methods() {
-  return kRows;
+  return kSystemRows;
 }
 
 }  // namespace ovws

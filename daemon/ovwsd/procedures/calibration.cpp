@@ -52,7 +52,7 @@ Result<void> check_complete(const InteractionMatrix& matrix, bool all) {
 }
 
 /// Measurements of the pokes of all modes.
-struct Measured {
+struct MeasuredPokes {
   PushPullRun places;             ///< pokes of modes that spot positions determine
   std::vector<PokedSpots> cells;  ///< pokes of the modes `cells_j`; empty: positions only
   std::vector<int> cells_j;
@@ -63,7 +63,7 @@ struct Measured {
 
 /// Adds a poke to the shape pokes if it has pixels, and to the position pokes if spot positions
 /// determine its mode.
-void add(Poke poke, const ModeOperator& model, Measured& measured) {
+void add(Poke poke, const ModeOperator& model, MeasuredPokes& measured) {
   const int j = poke.places.j;
   if (poke.cells.plus.size() > 0) {
     measured.cells.push_back(std::move(poke.cells));
@@ -77,9 +77,9 @@ void add(Poke poke, const ModeOperator& model, Measured& measured) {
   measured.places.modes.push_back(std::move(poke.places));
 }
 
-Result<Measured> measure_all(Bench& bench, Pokes& pokes, const std::vector<int>& modes_j,
-                             double amplitude_waves, const ModeOperator& model) {
-  Measured measured;
+Result<MeasuredPokes> measure_all(Bench& bench, Pokes& pokes, const std::vector<int>& modes_j,
+                                  double amplitude_waves, const ModeOperator& model) {
+  MeasuredPokes measured;
   auto before = pokes.rest();
   if (!before) return fail(before.error());
   measured.places.before = std::move(before->places);
@@ -102,7 +102,8 @@ Result<Measured> measure_all(Bench& bench, Pokes& pokes, const std::vector<int>&
 
 /// Spot shapes of the modes of the matrix, followed by the modes that only shapes determine. Null:
 /// the spots were measured by positions.
-std::shared_ptr<const MeasuredShapes> shapes_of(const SpotMeter& meter, const Measured& measured,
+std::shared_ptr<const MeasuredShapes> shapes_of(const SpotMeter& meter,
+                                                const MeasuredPokes& measured,
                                                 const std::vector<int>& matrix_j,
                                                 const std::vector<int>& by_positions_j,
                                                 const std::vector<Mode>& shown) {

@@ -78,14 +78,15 @@ std::vector<Header> headers(const DaemonStore& store) {
   return all;
 }
 
-struct Measured {
+struct MeasuredCells {
   std::vector<json> references;  ///< one for each arm; null: not stored
   std::vector<json> cells;       ///< one for each cell, without image pixels; null: not stored
 };
 /// Results of this execution of the run, identified by t_begun_ns. Ignores files of earlier
 /// executions.
-Measured measured_in(const DaemonStore& store, const ExperimentRun& run) {
-  Measured kept{std::vector<json>(run.request.arms.size()), std::vector<json>(run.request.cells())};
+MeasuredCells measured_in(const DaemonStore& store, const ExperimentRun& run) {
+  MeasuredCells kept{std::vector<json>(run.request.arms.size()),
+                     std::vector<json>(run.request.cells())};
   store.load(kind_of(run), [&](StateItem item) {
     if (!item.content.is_object() || item.content.value(kStamp, json()) != run.t_begun_ns) return;
     item.content.erase(kStamp);

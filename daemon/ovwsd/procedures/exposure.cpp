@@ -18,7 +18,7 @@ constexpr double kClose = 0.05;          // relative deviation from the target t
 constexpr double kAcceptable = 0.1;      // the same after the last look
 constexpr double kNearest = 0.25;        // the same where the camera has no nearer setting
 constexpr double kMostlyDark = 0.5;      // share of the black level in the brightness: too much
-constexpr double kStep = 10.0;           // change of the exposure where brightness says nothing
+constexpr double kBlindFactor = 10.0;    // change of the exposure where brightness says nothing
 constexpr double kMaxRise = 30.0;        // of the exposure from one look to the next
 constexpr double kSame = 1.001;          // rounding of exposures
 constexpr double kEven = 0.25;           // of full scale: even light is not a black level
@@ -83,10 +83,10 @@ class ExposureSearch {
 
   /// Factor by which the exposure should change.
   double factor(const ExposureLook& look) const {
-    if (look.saturated()) return 1.0 / kStep;
-    if (!is_of_spots(look)) return kStep;
+    if (look.saturated()) return 1.0 / kBlindFactor;
+    if (!is_of_spots(look)) return kBlindFactor;
     const double wanted = asked_.target * look.full - look.dark;
-    return std::clamp(wanted / (look.brightest - look.dark), 1.0 / kStep, kMaxRise);
+    return std::clamp(wanted / (look.brightest - look.dark), 1.0 / kBlindFactor, kMaxRise);
   }
 
   /// The same, between the exposures that were found too long and too short at this gain: stray

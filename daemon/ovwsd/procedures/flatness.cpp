@@ -13,10 +13,8 @@ namespace ovws {
 namespace {
 
 constexpr int kMaxScans = 5;
-constexpr double kNoiseFactor = 2.0;  // converged below this many standard errors of the fit
-constexpr double kMinChange = 0.003;  // waves RMS: also converged below this change
-constexpr double kMaxChange = 0.01;   // waves RMS: a larger change is refused
-constexpr double kMaxResidual = 0.1;  // lambda/d RMS: limit of the fit residual
+constexpr double kMaxFlatnessChange = 0.01;  // waves RMS: a larger change is refused
+constexpr double kMaxScanResidual = 0.1;     // lambda/d RMS: limit of the fit residual
 
 /// Root sum square of the difference over the modes j >= kFirstSurfaceMode.
 double rms(const std::vector<int>& modes_j, const std::vector<double>& a,
@@ -42,7 +40,7 @@ void add_before(MeasuredFlatness& measured, const MeasuredFlatness& before) {
   }
 }
 
-Result<void> check_bench(const SensorSnapshot& now) {
+Result<void> check_before_scan(const SensorSnapshot& now) {
   if (auto able = can_scan(now); !able) return able;
   const auto& before = now.slm->flatness;
   if (before && before->pupil_diameter_px != now.sensor.pupil_diameter_px) {
@@ -55,17 +53,17 @@ Result<void> check_bench(const SensorSnapshot& now) {
   return {};
 }
 
-Result<void> check_result(const MeasuredFlatness& measured, const ScanFit::Found& last,
-                          double noise_waves, double lambda_d_px) {
-  if (last.residual_px > kMaxResidual * lambda_d_px) {
+Result<void> check_flatness(const MeasuredFlatness& measured, const ScanFit::Found& last,
+                            double noise_waves, double lambda_d_px) {
+  if (last.residual_px > kMaxScanResidual * lambda_d_px) {
     return fail(
         Errc::refused, "",
         fmt::format("no wavefront explains the spots' positions (residual {:.2f} px RMS): check "
                     "that nothing moves, and run registration.run",
                     last.residual_px));
   }
-  if (measured.residual_rms_waves <= kMaxChange) return {};
-  if (measured.residual_rms_waves < kNoiseFactor * noise_waves) {
+  if (measured.residual_rms_waves <= kMaxFlatnessChange) return {};
+  if (measured.residual_rms_waves < kConvergedSigmas * noise_waves) {
     return fail(
         Errc::refused, "camera.exposure_us",
         fmt::format("the spots are too weak (standard error of the modes {:.3f} waves RMS): "
@@ -82,7 +80,7 @@ Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, const SlmGeomet
                                                    int frames) {
   const SensorView view = bench.sensor();
   const SensorSnapshot& now = *view;
-  if (auto able = check_bench(now); !able) return fail(able.error());
+  if (auto able = check_before_scan(now); !able) return fail(able.error());
   PupilScan scanner(bench, slm, now, frames);
   const std::vector<double> none(scanner.modes_j().size(), 0.0);
   MeasuredFlatness measured;
@@ -97,9 +95,9 @@ Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, const SlmGeomet
     measured.residual_rms_waves = rms(scanner.modes_j(), last.waves, error);
     error = last.waves;
     noise = rms(scanner.modes_j(), last.standard_error, none);
-    if (measured.residual_rms_waves < std::max(kMinChange, kNoiseFactor * noise)) break;
+    if (measured.residual_rms_waves < std::max(kConvergedWaves, kConvergedSigmas * noise)) break;
   }
-  if (auto good = check_result(measured, last, noise, scanner.spot_lambda_d_px()); !good) {
+  if (auto good = check_flatness(measured, last, noise, scanner.spot_lambda_d_px()); !good) {
     return fail(good.error());
   }
   for (std::size_t k = 0; k < error.size(); ++k) {

@@ -5,6 +5,7 @@
 
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/procedures/probe_bench.hpp"
 #include "daemon/ovwsd/procedures/pupil_scan.hpp"
 #include "daemon/ovwsd/procedures/saturation.hpp"
 #include "daemon/ovwsd/procedures/vortex_bench.hpp"
@@ -15,17 +16,14 @@ namespace {
 constexpr int kCoarseRings = 2;       // 19 positions: modes up to radial order 4, to 0.1 wave
 constexpr double kCoarseShare = 0.4;  // of the job's progress
 constexpr int kMaxRounds = 5;
-constexpr int kLastMode = 14;  // of the result
+constexpr int kLastFocusMode = 14;  // of the result
 constexpr int kDefocus = 4;
-constexpr double kNoiseFactor = 2.0;   // converged below this many standard errors of the modes
-constexpr double kMinChange = 0.003;   // waves RMS: also converged below this change
-constexpr double kMaxChange = 0.02;    // waves RMS: a larger change is refused
-constexpr double kMaxResidual = 0.06;  // RMS of the pixels, of the brightest
-constexpr double kMinLambdaPx = 1.2;   // lit camera pixels per lambda/D
-constexpr double kRim = 1.5;           // lambda/d of the scan's spots, as of probe_spot
+constexpr double kMaxFocusChange = 0.02;    // waves RMS: a larger change is refused
+constexpr double kMaxImageResidual = 0.06;  // RMS of the pixels, of the brightest
+constexpr double kMinLambdaPx = 1.2;        // lit camera pixels per lambda/D
 
-Result<void> check_bench(const SensorSnapshot& now, const VortexBeam& beam, const Roi& roi,
-                         double scan_lambda_d_px) {
+Result<void> check_view(const SensorSnapshot& now, const VortexBeam& beam, const Roi& roi,
+                        double scan_lambda_d_px) {
   const double lambda_px = beam.lambda_d_px() / beam.lit.plane.step;
   if (lambda_px < kMinLambdaPx) {
     return fail(Errc::refused, "optics",
@@ -35,7 +33,7 @@ Result<void> check_bench(const SensorSnapshot& now, const VortexBeam& beam, cons
                             lambda_px, kMinLambdaPx));
   }
   const Vec2 base = base_spot_px(now.optics, roi.width, roi.height);
-  const double rim = std::max(kVortexWindow * beam.lambda_d_px(), kRim * scan_lambda_d_px);
+  const double rim = std::max(kVortexWindow * beam.lambda_d_px(), kProbeRim * scan_lambda_d_px);
   if (base.x >= rim && base.y >= rim && base.x <= roi.width - 1 - rim &&
       base.y <= roi.height - 1 - rim) {
     return {};
@@ -59,7 +57,7 @@ struct Rounds {
 std::vector<Mode> opposite(const std::vector<int>& modes_j, const std::vector<double>& waves) {
   std::vector<Mode> shown;
   for (std::size_t k = 0; k < waves.size(); ++k) {
-    if (modes_j[k] < kFirstSurfaceMode || modes_j[k] > kLastMode) continue;
+    if (modes_j[k] < kFirstSurfaceMode || modes_j[k] > kLastFocusMode) continue;
     shown.push_back({modes_j[k], -waves[k]});
   }
   return shown;
@@ -104,21 +102,22 @@ Result<Rounds> measure_rounds(Bench& bench, VortexBench& vortex, std::vector<Mod
     rounds.change = root_sum_square(found.waves);
     rounds.noise = root_sum_square(found.standard_error);
     ++rounds.done;
-    const bool converged = rounds.change < std::max(kMinChange, kNoiseFactor * rounds.noise);
+    const bool converged =
+        rounds.change < std::max(kConvergedWaves, kConvergedSigmas * rounds.noise);
     if (converged || rounds.done == kMaxRounds) return rounds;
     for (std::size_t k = 0; k < rounds.shown.size(); ++k) rounds.shown[k].waves -= found.waves[k];
   }
 }
 
-Result<void> check_result(const Rounds& rounds) {
-  if (rounds.last.residual > kMaxResidual) {
+Result<void> check_rounds(const Rounds& rounds) {
+  if (rounds.last.residual > kMaxImageResidual) {
     return fail(Errc::refused, "",
                 fmt::format("no wavefront explains the images of the vortex (residual {:.0f} % of "
                             "the brightest pixel): average more frames, check that nothing moves "
                             "and that no other light falls there, and run registration.run",
                             100.0 * rounds.last.residual));
   }
-  if (rounds.change < std::max(kMaxChange, kNoiseFactor * rounds.noise)) return {};
+  if (rounds.change < std::max(kMaxFocusChange, kConvergedSigmas * rounds.noise)) return {};
   return fail(Errc::refused, "",
               fmt::format("the rounds do not converge: after {} of them the modes still change by "
                           "{:.3f} waves RMS; check that nothing moves, and run registration.run",
@@ -171,7 +170,7 @@ Result<FocusReport> measure_focus(Bench& bench, const SlmGeometry& slm, int fram
     probe_px = scan.probe_diameter_px();
     const VortexBench vortex(bench, slm, now, frames, probe_px, {});
     const Roi roi = bench.camera().settings.roi;
-    if (auto able = check_bench(now, vortex.beam(), roi, scan.spot_lambda_d_px()); !able) {
+    if (auto able = check_view(now, vortex.beam(), roi, scan.spot_lambda_d_px()); !able) {
       return fail(able.error());
     }
     auto seen = scan.scan(std::vector<double>(scan.modes_j().size(), 0.0), 0.0, kCoarseShare);
@@ -182,7 +181,7 @@ Result<FocusReport> measure_focus(Bench& bench, const SlmGeometry& slm, int fram
   VortexBench vortex(bench, slm, now, frames, probe_px, coarse->middle_px);
   const auto rounds = measure_rounds(bench, vortex, shown, coarse->middle_px);
   if (!rounds) return fail(rounds.error());
-  if (auto good = check_result(*rounds); !good) return fail(good.error());
+  if (auto good = check_rounds(*rounds); !good) return fail(good.error());
   FocusReport report = report_of(*rounds, now, slm);
   report.frames = frames;
   report.exposure_us = bench.camera().settings.exposure_us;

@@ -20,14 +20,14 @@
 namespace ovws {
 namespace {
 
-constexpr double kImagesShare = 0.6;     // of the progress
-constexpr double kMaxMisfit = 0.2;       // relative RMS: a retrieval that failed leaves more
-constexpr double kMaxSaturated = 0.001;  // share of an image's pixels
-constexpr double kMinContrast = 10.0;    // brightest pixels above the background's noise
-constexpr double kBright = 0.999;        // quantile that counts as brightest
-constexpr double kMaxDifference = 0.02;  // waves RMS, of maps from both images of each pattern
-constexpr double kMaxImageMotion = 0.2;  // lambda/D, which adds 0.005 waves of error
-constexpr int kLastMode = 65;            // of radial order 10, as in flatness.run
+constexpr double kImagesShare = 0.6;       // of the progress
+constexpr double kMaxMisfit = 0.2;         // relative RMS: a retrieval that failed leaves more
+constexpr double kMaxSaturated = 0.001;    // share of an image's pixels
+constexpr double kMinSignificance = 10.0;  // brightest pixels above the background's noise
+constexpr double kBright = 0.999;          // quantile that counts as brightest
+constexpr double kMaxDifference = 0.02;    // waves RMS, of maps from both images of each pattern
+constexpr double kMaxImageMotion = 0.2;    // lambda/D, which adds 0.005 waves of error
+constexpr int kLastMapMode = 65;           // of radial order 10, as in flatness.run
 
 /// What all images of the job have in common.
 struct Setting {
@@ -40,7 +40,7 @@ struct Setting {
 };
 
 /// Sends the light outside the pupil, or all of it, out of the camera's sight.
-std::shared_ptr<Picture> picture_of(const Setting& s, bool dark, std::vector<Mode> modes) {
+std::shared_ptr<Picture> pattern_picture(const Setting& s, bool dark, std::vector<Mode> modes) {
   auto picture = std::make_shared<Picture>();
   picture->modes = std::move(modes);
   picture->waves = Image<float>(s.slm.width_px, s.slm.height_px);
@@ -59,7 +59,7 @@ std::shared_ptr<Picture> picture_of(const Setting& s, bool dark, std::vector<Mod
 
 /// The window of the mean image while the picture is shown, DN.
 Result<Image<float>> look(const Setting& s, bool dark, std::vector<Mode> modes = {}) {
-  const std::shared_ptr<const Picture> picture = picture_of(s, dark, std::move(modes));
+  const std::shared_ptr<const Picture> picture = pattern_picture(s, dark, std::move(modes));
   const Painter paint = [picture](const HologramRenderer& renderer, Image<std::uint8_t>& grey) {
     renderer.render_picture(*picture, grey);
   };
@@ -94,7 +94,7 @@ Result<void> check_image(const Image<float>& image, double noise_dn) {
   if (saturated > kMaxSaturated) return fail(saturated_spot());
   const auto bright = seen.begin() + std::ptrdiff_t(kBright * double(seen.size() - 1));
   std::ranges::nth_element(seen, bright);
-  if (double(*bright) > kMinContrast * noise_dn) return {};
+  if (double(*bright) > kMinSignificance * noise_dn) return {};
   return fail(Errc::refused, "camera.exposure_us",
               fmt::format("the brightest pixels of a pattern have {:.1f} DN, at a noise of {:.1f}: "
                           "increase the exposure, or check the laser and its beam",
@@ -186,14 +186,14 @@ Result<Setting> setting_of(Bench& bench, const SensorSnapshot& now, const SlmGeo
   return Setting{bench, now, slm, run, std::move(*retrieval), left, top};
 }
 
-/// Least-squares fit of the modes j = 1 .. kLastMode to a map.
+/// Least-squares fit of the modes j = 1 .. kLastMapMode to a map.
 Eigen::VectorXd modes_of(const Image<float>& map) {
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(kLastMode + 1, kLastMode + 1);
-  Eigen::VectorXd values = Eigen::VectorXd::Zero(kLastMode + 1), here(kLastMode + 1);
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(kLastMapMode + 1, kLastMapMode + 1);
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(kLastMapMode + 1), here(kLastMapMode + 1);
   for (int k = 0; k < map.width * map.height; ++k) {
     if (std::isnan(map.pixels[std::size_t(k)])) continue;
     const Vec2 at = cell_centre(map.width, k);
-    for (int j = 0; j <= kLastMode; ++j) here[j] = zernike(j, at);
+    for (int j = 0; j <= kLastMapMode; ++j) here[j] = zernike(j, at);
     sums.selfadjointView<Eigen::Lower>().rankUpdate(here);
     values += double(map.pixels[std::size_t(k)]) * here;
   }
@@ -204,7 +204,7 @@ Eigen::VectorXd modes_of(const Image<float>& map) {
 void split(const BenchMap& map, MeasuredFlatness& flatness) {
   const Eigen::VectorXd waves = modes_of(map.error), doubt = modes_of(map.half_difference);
   flatness.fine = map.error;
-  for (int j = kFirstSurfaceMode; j <= kLastMode; ++j) {
+  for (int j = kFirstSurfaceMode; j <= kLastMapMode; ++j) {
     flatness.modes.push_back({j, waves[j]});
     flatness.standard_error_waves.push_back(std::abs(doubt[j]));
   }

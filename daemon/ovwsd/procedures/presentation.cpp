@@ -17,7 +17,8 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kTurn(20);  // interval of checks for a stop of the job
+constexpr std::chrono::milliseconds kStopCheckInterval(
+    20);                                      // interval of checks for a stop of the job
 constexpr float kMaxPictureWaves = 16384.0F;  // beyond, the steps of float32 are 1/512 wave or more
 constexpr float kGreyLevels = 256.0F;
 
@@ -186,7 +187,8 @@ void Presentations::begin(std::function<void(const std::shared_ptr<Show>&)> orde
 Result<nlohmann::json> Presentations::run(Bench& bench, const std::shared_ptr<Show>& show) {
   show->bench = &bench;
   show->begin_lease();
-  while (!bench.stopped() && monotonic_ns() < show->ends_ns) (void)show->orders.run_one(kTurn);
+  while (!bench.stopped() && monotonic_ns() < show->ends_ns)
+    (void)show->orders.run_one(kStopCheckInterval);
   show->bench = nullptr;
   {
     const std::lock_guard lock(mutex_);

@@ -9,7 +9,6 @@
 namespace ovws {
 namespace {
 
-constexpr double kRim = 1.5;       // lambda/d: a spot closer to the edge is cut off
 constexpr double kFlooded = 0.02;  // saturated share of an image, in which a spot may be lost
 
 bool is_at_rim(const Image<float>& light, Vec2 at, double rim_px) {
@@ -66,7 +65,7 @@ Result<Image<float>> ProbeBench::light(const Probe& probe) {
 Result<std::optional<ProbeSpot>> probe_spot(const Image<float>& light, const SpotModel& spots) {
   const auto rough = spot_in(light, spots);
   if (!rough && is_flooded(light)) return fail(saturated_spot());
-  if (!rough || is_at_rim(light, *rough, kRim * spots.lambda_d_px)) {
+  if (!rough || is_at_rim(light, *rough, kProbeRim * spots.lambda_d_px)) {
     return std::optional<ProbeSpot>();
   }
   if (is_saturated(light, *rough, spots.lambda_d_px)) {

@@ -25,13 +25,16 @@ class ProbeBench {
   std::optional<Image<float>> without_;
 };
 
+constexpr int kMaxProbeCharge = 2;  ///< either sign
+constexpr double kProbeRim = 1.5;   ///< lambda/d: a spot closer to the edge is cut off
+
 struct ProbeSpot {
   Vec2 rough;                ///< centre of the intensity, camera pixels
   std::optional<Vec2> fine;  ///< position found by find_probe, camera pixels; none: not found
 };
 
 /// Finds the spot in an image of ProbeBench::light. None: no spot is above the noise, or the spot
-/// is closer than 1.5 lambda/d to the image's edge. Errors:
+/// is closer than kProbeRim to the image's edge. Errors:
 /// saturated_spot().
 Result<std::optional<ProbeSpot>> probe_spot(const Image<float>& light, const SpotModel& spots);
 

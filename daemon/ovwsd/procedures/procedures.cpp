@@ -10,7 +10,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kTurn(50);
+constexpr std::chrono::milliseconds kMaxIdle(50);
 
 }  // namespace
 
@@ -95,7 +95,7 @@ bool Procedures::do_work() {
   std::shared_ptr<Run> run;
   {
     std::unique_lock lock(mutex_);
-    if (!asked_.wait_for(lock, kTurn, [this] { return run_ && !begun_; })) return false;
+    if (!asked_.wait_for(lock, kMaxIdle, [this] { return run_ && !begun_; })) return false;
     begun_ = true;
     run = run_;
   }

@@ -9,6 +9,10 @@ namespace ovws {
 
 constexpr int kFirstSurfaceMode = 3;  ///< tilts (j = 1, 2) are not part of a surface
 
+/// Rounds of measuring and correcting have converged when the modes change by less than this, or
+/// than this many of their standard errors.
+constexpr double kConvergedWaves = 0.003, kConvergedSigmas = 2.0;
+
 /// Checks whether the light alone can be measured. Errc::refused: no registration, or a correction
 /// is active.
 Result<void> can_scan(const SensorSnapshot& now);

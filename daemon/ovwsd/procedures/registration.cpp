@@ -14,12 +14,10 @@
 namespace ovws {
 namespace {
 
-constexpr double kReach = 0.7;   // fraction of the field that the sensor's spots occupy
-constexpr double kMaxCpp = 0.5;  // Nyquist limit of the SLM
+constexpr double kReach = 0.7;  // fraction of the field that the sensor's spots occupy
 // Limits of the fit residual, lambda/d: for tracker positions and for intensity centres.
-constexpr double kMaxResidual = 0.02, kMaxRoughResidual = 0.1;
+constexpr double kMaxFineResidual = 0.02, kMaxRoughResidual = 0.1;
 constexpr std::size_t kMaxOutliers = 2;  // dropped positions, which may be ghosts
-constexpr int kMaxCharge = 2;            // of the probe
 constexpr double kMaxScaleError = 0.03;  // relative; if exceeded, locate the spots at the new scale
 
 /// Grating steps around the base grating, in units of the reach. Three steps are repeated at the
@@ -48,7 +46,7 @@ double reach_cpp(const Lattice& lattice, Vec2 base_cpp) {
     most = std::max(most, norm(s.frequency_cpp - base_cpp));
   }
   // Diagonal steps are longer by sqrt(2).
-  const double free = kMaxCpp - std::max(std::abs(base_cpp.x), std::abs(base_cpp.y));
+  const double free = kNyquistCpp - std::max(std::abs(base_cpp.x), std::abs(base_cpp.y));
   return std::min(kReach * most / std::sqrt(2.0), free);
 }
 
@@ -61,7 +59,8 @@ void darken_outside(const Disc& region, Image<float>& light) {
   }
 }
 
-Result<std::vector<Look>> look(Bench& bench, Vec2 base_cpp, double reach, int charge, int frames) {
+Result<std::vector<Look>> looks_at_steps(Bench& bench, Vec2 base_cpp, double reach, int charge,
+                                         int frames) {
   ProbeBench probes(bench, frames);
   std::vector<Look> looks;
   for (const Vec2 step : kSteps) {
@@ -126,7 +125,7 @@ Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
   if (sights->fine.size() < sights->rough.size()) {
     return fit_without_outliers(sights->rough, kMaxRoughResidual * spots.lambda_d_px);
   }
-  return fit_without_outliers(sights->fine, kMaxResidual * spots.lambda_d_px);
+  return fit_without_outliers(sights->fine, kMaxFineResidual * spots.lambda_d_px);
 }
 
 Result<Registration> registration_at_this_exposure(Bench& bench, const SlmGeometry& slm,
@@ -137,8 +136,8 @@ Result<Registration> registration_at_this_exposure(Bench& bench, const SlmGeomet
   const auto lattice = make_lattice(now.sensor, slm);
   if (!lattice) return fail(lattice.error());
   const Vec2 base_cpp = base_grating_cpp(now.sensor, slm);
-  const int charge = std::clamp(now.sensor.charge, -kMaxCharge, kMaxCharge);
-  const auto looks = look(bench, base_cpp, reach_cpp(*lattice, base_cpp), charge, frames);
+  const int charge = std::clamp(now.sensor.charge, -kMaxProbeCharge, kMaxProbeCharge);
+  const auto looks = looks_at_steps(bench, base_cpp, reach_cpp(*lattice, base_cpp), charge, frames);
   if (!looks) return fail(looks.error());
   SpotModel spots{charge, lambda_d_px(now.optics, slm, now.sensor),
                   lit_pixels(camera.pixel_format, now.optics.wavelength_nm)};

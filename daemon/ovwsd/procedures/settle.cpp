@@ -7,13 +7,13 @@
 
 #include "core/base/pixels.hpp"
 #include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/procedures/probe_bench.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr double kStep = 3.0;    // lambda/d to each side of the base spot
+constexpr double kAsideLambdaD = 3.0;  // lambda/d to each side of the base spot
 constexpr double kRadius = 1.5;  // lambda/d: half-width of the square whose intensity is averaged
-constexpr int kMaxCharge = 2;    // of a probe
 constexpr int kBefore = 3, kAfter = 24;  // least frames before and after each change
 constexpr int kMaxDisturbed = 2;         // moves, by frames that a busy machine delayed
 
@@ -31,7 +31,7 @@ ToAndFro to_and_fro(const SensorSnapshot& now, const SlmGeometry& slm, const Roi
   const Vec2 base_cpp = base_grating_cpp(now.sensor, slm);
   const Vec2 base_px = base_spot_px(now.optics, roi.width, roi.height);
   const double lambda_px = lambda_d_px(now.optics, slm, now.sensor);
-  const double aside = kStep * lambda_px / map.scale();
+  const double aside = kAsideLambdaD * lambda_px / map.scale();
   ToAndFro moves;
   for (std::size_t k = 0; k < 2; ++k) {
     const Vec2 offset{k == 0 ? -aside : aside, 0.0};
@@ -39,7 +39,7 @@ ToAndFro to_and_fro(const SensorSnapshot& now, const SlmGeometry& slm, const Roi
     moves.places_px[k] = base_px + map * offset;
   }
   moves.radius_px = kRadius * lambda_px;
-  moves.charge = std::clamp(now.sensor.charge, -kMaxCharge, kMaxCharge);
+  moves.charge = std::clamp(now.sensor.charge, -kMaxProbeCharge, kMaxProbeCharge);
   return moves;
 }
 
@@ -64,7 +64,7 @@ double mean_around(const ImageView& image, Vec2 place, double radius_px) {
   return count > 0 ? sum / count : 0.0;
 }
 
-Seen look_at(const FrameRecord& record, const ToAndFro& moves) {
+Seen seen_in(const FrameRecord& record, const ToAndFro& moves) {
   const GrabbedFrame& frame = record.frame;
   Seen seen{frame.t_device_ns, frame.t_arrival_mono_ns, record.exposure_us, {}};
   for (std::size_t k = 0; k < 2; ++k) {
@@ -106,7 +106,7 @@ Result<StepTime> watch_move(Bench& bench, const ToAndFro& moves, std::size_t pla
   std::vector<Seen> seen;
   auto watch = bench.watch([&](const FrameRecord& record) {
     if (!record.settings_known || seen.size() == kMaxFrames) return false;
-    seen.push_back(look_at(record, moves));
+    seen.push_back(seen_in(record, moves));
     return true;
   });
   if (auto some = bench.wait_watching(*watch, 0.0, kBefore); !some) return fail(some.error());

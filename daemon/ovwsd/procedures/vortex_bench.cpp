@@ -15,7 +15,7 @@ constexpr double kDarkest = 0.15, kLightest = 0.7;  // accepted
 constexpr double kDimmer = 0.6;                     // if only axes off the middle are saturated
 constexpr double kMinDepth = 0.02;                  // five grey levels
 constexpr double kVortexShare = 0.26;               // peak of a vortex, of that of a bright spot
-constexpr int kMaxLooks = 12;
+constexpr int kMaxVortexLooks = 12;
 
 Error too_dark() {
   return {Errc::refused, "camera.exposure_us",
@@ -100,7 +100,7 @@ Result<std::vector<VortexImage>> VortexBench::images(const std::vector<Mode>& sh
     first_factor_.reset();
   }
   const Probe probe{base_cpp_, beam_.charge, {}, beam_.pupil_diameter_px, shown};
-  for (int look = 0; look < kMaxLooks; ++look) {
+  for (int look = 0; look < kMaxVortexLooks; ++look) {
     auto images = try_images(probe, from, to);
     if (!images) return fail(images.error());
     if (*images) return std::move(**images);

@@ -39,7 +39,7 @@ json numbers(const std::vector<SensorField::LocalField>& fields) {
 
 /// Checks an operating point. Errc::invalid, field "path": its parts are inconsistent or out of
 /// range.
-Result<void> check(const OperatingPoint& point, std::size_t modes, std::size_t spots) {
+Result<void> check_point(const OperatingPoint& point, std::size_t modes, std::size_t spots) {
   const auto as_many = [spots](std::size_t count) { return count == 0 || count == spots; };
   const auto moderate = [](double waves) { return std::abs(waves) < kMaxWaves; };
   const auto known = [&](const Mode& mode) {
@@ -89,7 +89,7 @@ OperatingPoint point_from(const json& content) {
 }
 
 /// Checks that measured spots belong to the frames of a plan.
-Result<void> check(const MeasuredShapes& shapes, const MeasurementPlan& plan) {
+Result<void> check_shapes(const MeasuredShapes& shapes, const MeasurementPlan& plan) {
   if (shapes.modes_j == plan.modes_j && shapes.lit() == plan.spots.lit &&
       shapes.are_inside(plan.roi.width, plan.roi.height)) {
     return {};
@@ -157,7 +157,7 @@ Result<std::shared_ptr<const FrameFit>> PointReader::read(const json& content,
     if (auto used = use_model(content, plan); !used) return fail(used.error());
   }
   const std::size_t spots = calibrated ? shapes_->spots.size() : std::size_t(renderer_->spots());
-  if (auto fits = check(point, modes_j.size(), spots); !fits) return fail(fits.error());
+  if (auto fits = check_point(point, modes_j.size(), spots); !fits) return fail(fits.error());
   if (point.measured) {
     return std::make_shared<const FrameFit>(std::move(point), shapes_->spots, modes_j);
   }
@@ -180,7 +180,7 @@ Result<void> PointReader::use_shapes(const CalibrationText& text, const Measurem
     shapes_ = std::move(*shapes);
     shapes_sha256_ = text.sha256;
   }
-  return check(*shapes_, plan);
+  return check_shapes(*shapes_, plan);
 }
 
 /// Gives the renderer the deviations and the correction of a document, unless it has them.

@@ -46,8 +46,8 @@ SpotModel spot_model(const json& plan) {
 }
 
 /// Checks that the parts of a plan are consistent, and within the limits that later code requires.
-Result<void> check(const MeasurementPlan& plan, const json& rows,
-                   const std::vector<int>& position_modes_j) {
+Result<void> check_operator(const MeasurementPlan& plan, const json& rows,
+                            const std::vector<int>& position_modes_j) {
   const std::size_t spots = plan.predicted_px.size();
   const auto as_many = [&](const std::vector<Vec2>& all) {
     return all.empty() || all.size() == spots;
@@ -137,7 +137,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   const json op = json_of(documents_.at(from.at("operator").get<std::string>()));
   const auto position_modes_j = op.at("j").get<std::vector<int>>();
   plan->modes_j = from.value("modes_j", position_modes_j);
-  if (auto fits = check(*plan, op.at("px_per_wave"), position_modes_j); !fits) {
+  if (auto fits = check_operator(*plan, op.at("px_per_wave"), position_modes_j); !fits) {
     return fail(fits.error());
   }
   const json nuisance = op.value("nuisance_px", json::array());

@@ -4,14 +4,9 @@
 
 #include "core/pipeline/frame_rules.hpp"
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/sensor/validity_watch.hpp"
 
 namespace ovws {
-namespace {
-
-constexpr std::int64_t kMaxFrameAgeNs = 1'500'000'000;
-constexpr std::int64_t kAnnounceNs = 500'000'000;
-
-}  // namespace
 
 BeamWatch::BeamWatch(const std::vector<BeamConfig>& beams) {
   for (const BeamConfig& beam : beams) all_.emplace_back(beam.name);

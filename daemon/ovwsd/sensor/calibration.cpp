@@ -6,8 +6,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kScaleTolerance = 0.002;    // relative to px_per_cycle
-constexpr double kPositionTolerance = 0.25;  // lambda/d
+constexpr double kScaleTolerance = 0.002;  // relative to px_per_cycle
 
 bool same_registration(const CalibrationKey& a, const CalibrationKey& b) {
   const PxPerCycle &p = a.px_per_cycle, &q = b.px_per_cycle;

@@ -33,6 +33,9 @@ CalibrationKey calibration_key(const ReferenceKey& sensor, const OpticsConfig& c
                                const std::optional<Registration>& registration,
                                nlohmann::json camera);
 
+/// Spots closer than this count as at the same position, lambda/d.
+constexpr double kPositionTolerance = 0.25;
+
 /// Names of the fields in which the keys differ: "charge", "roi", "tracker", "registration",
 /// "camera", … Empty: a calibration with key `a` is valid for a sensor with key `b`. Registrations
 /// count as equal within the repeatability of registration.run: 0.2 % of the scale, and lambda/(4d)

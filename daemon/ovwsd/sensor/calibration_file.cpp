@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxSpots = 1 << 12;
+constexpr int kMaxCalibratedSpots = 1 << 12;
 
 /// Base64 of the column-major matrix as 32-bit floats. The conversion is exact, because
 /// interaction_matrix already rounds all values to floats.
@@ -84,9 +84,10 @@ Result<EncodedMatrices> read_fields(const json& content, Calibration& calibratio
            limits::kGivenPokeWaves.max);
   r.numbers("amplitudes_waves", matrix.amplitude_waves, 0, kMaxZernikeIndex, 0.0,
             limits::kGivenPokeWaves.max);
-  r.integer("spots", encoded.spots, 1, kMaxSpots);
+  r.integer("spots", encoded.spots, 1, kMaxCalibratedSpots);
   auto modes = integers(r, "modes_j", matrix.modes_j, kMaxZernikeIndex, 1, kMaxZernikeIndex);
-  auto lost = integers(r, "lost_spots", matrix.lost_spots, kMaxSpots, 0, kMaxSpots - 1);
+  auto lost =
+      integers(r, "lost_spots", matrix.lost_spots, kMaxCalibratedSpots, 0, kMaxCalibratedSpots - 1);
   r.objects("dropped", kMaxZernikeIndex, [&](ObjectReader& one, std::size_t) {
     DroppedMode dropped;
     one.integer("j", dropped.j, 1, kMaxZernikeIndex);

@@ -26,7 +26,7 @@ Result<void> check_modes(const std::vector<int>& given_j, const std::vector<int>
   return {};
 }
 
-Result<void> check_sizes(const CalibrationSet& given, int subapertures, std::size_t bytes) {
+Result<void> check_given_sizes(const CalibrationSet& given, int subapertures, std::size_t bytes) {
   const std::vector<int> due{2, 2 * subapertures, int(given.modes_j.size())};
   if (given.shape != due) {
     return fail(Errc::invalid, "shape",
@@ -76,7 +76,7 @@ SensorChange give_calibration(CalibrationSet given, std::string bytes) {
         slope_operator(state.renderer->lattice(), state.sensor, state.tracking,
                        px_per_cycle(optics_of(state, optics), optics.slm));
     if (auto good = check_modes(given.modes_j, model.modes_j); !good) return good;
-    if (auto good = check_sizes(given, int(model.slopes.rows() / 2), bytes.size()); !good) {
+    if (auto good = check_given_sizes(given, int(model.slopes.rows() / 2), bytes.size()); !good) {
       return good;
     }
     auto matrix = matrix_of(given, bytes);

@@ -11,8 +11,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kPositionTolerance = 0.25;  // lambda/d
-constexpr std::size_t kMaxImages = 8;        // mean images kept in memory: some MiB each
+constexpr std::size_t kMaxImages = 8;  // mean images kept in memory: some MiB each
 constexpr std::size_t kMaxCalibrations = 16;
 
 template <class T>

@@ -13,9 +13,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kKind = "saved-reference";
+constexpr const char* kReferenceKind = "saved-reference";
 
-tl::unexpected<Error> no_such(const std::string& name) {
+tl::unexpected<Error> no_such_reference(const std::string& name) {
   return fail(Errc::invalid, "name",
               "there is no saved reference \"" + name + "\"; reference.list lists them");
 }
@@ -34,7 +34,7 @@ json json_of_key(const ReferenceKey& key) {
 }  // namespace
 
 void NamedReferences::load() {
-  store_.load(kKind, [this](const StateItem& item) {
+  store_.load(kReferenceKind, [this](const StateItem& item) {
     auto reference = reference_from(item.content);
     if (reference) {
       all_[item.name] = without_image(std::move(*reference));
@@ -77,11 +77,11 @@ void NamedReferences::save(const std::string& name, std::shared_ptr<const Refere
                            Done done) {
   const auto asked = store_.request([this, name, reference = std::move(reference), done] {
     if (auto added = add(name, *reference); !added) return done(added);
-    store_.put(kKind, name, reference_content(*reference), DaemonStore::Older::stays,
+    store_.put(kReferenceKind, name, reference_content(*reference), DaemonStore::Older::stays,
                [this, name, done](const Result<std::string>& kept) {
                  if (kept) return done({});
                  forget(name);
-                 store_.drop(kKind, name, [](const Result<void>&) {});  // no later attempt
+                 store_.drop(kReferenceKind, name, [](const Result<void>&) {});  // no later attempt
                  done(fail(kept.error()));
                });
   });
@@ -90,19 +90,20 @@ void NamedReferences::save(const std::string& name, std::shared_ptr<const Refere
 
 void NamedReferences::find(const std::string& name, std::function<void(Result<Reference>)> done) {
   const auto asked = store_.request([this, name, done] {
-    const auto item = store_.find(kKind, name);
-    if (!item) return done(no_such(name));
+    const auto item = store_.find(kReferenceKind, name);
+    if (!item) return done(no_such_reference(name));
     done(reference_from(item->content));
   });
   if (!asked) done(fail(asked.error()));
 }
 
 void NamedReferences::remove(const std::string& name, Done done) {
-  if (!all().contains(name)) return done(no_such(name));
-  store_.drop(kKind, name, [this, name, done = std::move(done)](const Result<void>& dropped) {
-    if (dropped) forget(name);
-    done(dropped);
-  });
+  if (!all().contains(name)) return done(no_such_reference(name));
+  store_.drop(kReferenceKind, name,
+              [this, name, done = std::move(done)](const Result<void>& dropped) {
+                if (dropped) forget(name);
+                done(dropped);
+              });
 }
 
 std::string misfit(const Reference& reference, const SensorEdit& now) {

@@ -10,9 +10,9 @@
 namespace ovws {
 namespace {
 
-constexpr const char* kKind = "lattice";
+constexpr const char* kLatticeKind = "lattice";
 
-tl::unexpected<Error> no_such(const std::string& name) {
+tl::unexpected<Error> no_such_lattice(const std::string& name) {
   return fail(Errc::invalid, "name",
               "there is no prepared lattice \"" + name +
                   "\"; lattice.list lists them, and lattice.prepare prepares one");
@@ -36,13 +36,13 @@ Result<void> check_reference(const SensorEdit& edit) {
 }  // namespace
 
 void PreparedLattices::load() {
-  store_.load(kKind, [this](const StateItem& item) {
+  store_.load(kLatticeKind, [this](const StateItem& item) {
     auto lattice = decode<PreparedLattice>(item.content);
     if (lattice) {
       lattice->t_prepared_ns = item.content.value("t_prepared_ns", std::int64_t{});  // all digits
       all_[item.name] = std::move(*lattice);
     } else {
-      events_.emit(kKind, Severity::warning,
+      events_.emit(kLatticeKind, Severity::warning,
                    fmt::format("{} is not used, and left as it is: {} {}", item.path,
                                lattice.error().field, lattice.error().reason),
                    {{"path", item.path}, {"used", false}});
@@ -58,7 +58,7 @@ PreparedLattices::All PreparedLattices::all() const {
 Result<PreparedLattice> PreparedLattices::find(const std::string& name) const {
   const std::lock_guard lock(mutex_);
   const auto found = all_.find(name);
-  if (found == all_.end()) return no_such(name);
+  if (found == all_.end()) return no_such_lattice(name);
   return found->second;
 }
 
@@ -67,20 +67,21 @@ void PreparedLattices::keep(const PreparedLattice& lattice) {
     const std::lock_guard lock(mutex_);
     all_[lattice.name] = lattice;
   }
-  store_.put(kKind, lattice.name, to_json(lattice), DaemonStore::Older::set_aside,
-             store_.reporting(kKind, "the lattice " + lattice.name, lattice.t_prepared_ns,
+  store_.put(kLatticeKind, lattice.name, to_json(lattice), DaemonStore::Older::set_aside,
+             store_.reporting(kLatticeKind, "the lattice " + lattice.name, lattice.t_prepared_ns,
                               [](const std::string&) {}));
 }
 
 void PreparedLattices::remove(const std::string& name, std::function<void(Result<void>)> done) {
   if (auto found = find(name); !found) return done(fail(found.error()));
-  store_.drop(kKind, name, [this, name, done = std::move(done)](const Result<void>& dropped) {
-    if (dropped) {
-      const std::lock_guard lock(mutex_);
-      all_.erase(name);
-    }
-    done(dropped);
-  });
+  store_.drop(kLatticeKind, name,
+              [this, name, done = std::move(done)](const Result<void>& dropped) {
+                if (dropped) {
+                  const std::lock_guard lock(mutex_);
+                  all_.erase(name);
+                }
+                done(dropped);
+              });
 }
 
 SensorChange use_lattice(const PreparedLattice& lattice) {

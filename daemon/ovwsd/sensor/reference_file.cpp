@@ -14,8 +14,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMaxSpots = 1 << 12;
-constexpr int kMaxSide = 1 << 16;  // width and height of the mean image
+constexpr std::size_t kMaxReferenceSpots = 1 << 12;
+constexpr int kMaxImageSide = 1 << 16;  // width and height of the mean image
 
 tl::unexpected<Error> invalid(std::string field, std::string reason) {
   return fail(Errc::invalid, std::move(field), std::move(reason));
@@ -35,7 +35,8 @@ Result<std::vector<Vec2>> points_from(const json& content, const char* key, bool
   const auto value = [](const json& number) {
     return number.is_null() ? NAN : number.get<double>();
   };
-  if (!content.contains(key) || !content[key].is_array() || content[key].size() > kMaxSpots) {
+  if (!content.contains(key) || !content[key].is_array() ||
+      content[key].size() > kMaxReferenceSpots) {
     return invalid(key, "must be a list of positions");
   }
   std::vector<Vec2> points;
@@ -70,8 +71,8 @@ Result<std::shared_ptr<const ReferenceImage>> image_from(const json& content) {
   r.integer("frames", picture->frames, 1, ImageMean::kMaxFrames);
   if (!r.is_null("gain_db")) r.number("gain_db", gain_db, -1e3, 1e3);
   r.string("pixel_format", format);
-  r.integer("width", width, 1, kMaxSide);
-  r.integer("height", height, 1, kMaxSide);
+  r.integer("width", width, 1, kMaxImageSide);
+  r.integer("height", height, 1, kMaxImageSide);
   r.string("mean_dn", pixels);
   if (auto read = r.finish(); !read) return fail(read.error());
   const auto pixel_format = pixel_format_from_name(format);

@@ -18,7 +18,7 @@ std::optional<OriginRegistration> of_origin(const std::optional<Registration>& r
                             registration->px_per_cycle};
 }
 
-Result<std::optional<Registration>> registration_from(const json& content) {
+Result<std::optional<Registration>> origin_registration_from(const json& content) {
   if (content.is_null()) return std::nullopt;
   std::vector<double> base, map;
   ObjectReader r(content, "registration");
@@ -126,7 +126,7 @@ Result<ReferenceBench::Parsed> ReferenceBench::parse(const json& origin) {
   if (!modes) return fail(modes.error());
   auto introduced = ModesSet::decode({{"modes", origin.value("introduced", json::array())}});
   if (!introduced) return fail(introduced.error());
-  auto registration = registration_from(origin["registration"]);
+  auto registration = origin_registration_from(origin["registration"]);
   if (!registration) return fail(registration.error());
   const Roi& roi = config->camera.settings.roi;
   return Parsed{reference_key(config->sensor, config->tracking, roi),

@@ -16,7 +16,7 @@ HologramRequest request_of(const SensorState& state, std::uint64_t hologram_id,
   return {hologram_id, shown_epoch(state), state.pattern, std::move(levels), shows_sequence(state)};
 }
 
-constexpr auto kTurn = std::chrono::milliseconds(50);
+constexpr auto kMailboxWait = std::chrono::milliseconds(50);
 
 /// Whether `a` and `b` have the same reference and the same calibration.
 bool is_same(const Bound& a, const Bound& b) {
@@ -137,7 +137,7 @@ Result<void> SensorKeeper::begin() {
 }
 
 bool SensorKeeper::do_work() {
-  const bool worked = mailbox_.run_one(kTurn);
+  const bool worked = mailbox_.run_one(kMailboxWait);
   plans_.retire();
   return worked;
 }

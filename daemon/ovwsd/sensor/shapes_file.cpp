@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kMaxSide = 2080, kMaxPlace = 1 << 16;
+constexpr int kMaxWindowSide = 2080, kMaxPlace = 1 << 16;
 
 void demand(bool holds, const char* what) {
   if (!holds) throw std::runtime_error(what);
@@ -112,7 +112,8 @@ Result<MeasuredShapes> shapes_from(const json& content, int spots,
     shapes.modes_j = content.at("modes_j").get<std::vector<int>>();
     const auto& modes_j = shapes.modes_j;
     SpotWindow window{0, 0, content.at("side").get<int>(), content.at("bin").get<int>()};
-    demand(window.side >= kMinSide && window.side <= kMaxSide, "its windows have an invalid size");
+    demand(window.side >= kMinSide && window.side <= kMaxWindowSide,
+           "its windows have an invalid size");
     if (content.contains("lit")) window.lit = lit_from(content["lit"]);
     const int largest_bin = window.lit.plane.everything() ? 2 : 1;
     demand(window.lit.exist() && window.bin >= 1 && window.bin <= largest_bin,

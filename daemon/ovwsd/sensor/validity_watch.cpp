@@ -10,9 +10,6 @@
 namespace ovws {
 namespace {
 
-constexpr std::int64_t kMaxFrameAgeNs = 1'500'000'000;
-constexpr std::int64_t kAnnounceNs = 500'000'000;
-
 std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
   if (search.running || search.searches == 0) return "the image's wavefront is being searched";
   const double wait_s = 1e-9 * double(std::max<std::int64_t>(search.next_ns - now_ns, 0));

@@ -13,6 +13,11 @@
 
 namespace ovws {
 
+/// Without a settled frame for so long, nothing is known about the light.
+constexpr std::int64_t kMaxFrameAgeNs = 1'500'000'000;
+/// Frames must have been invalid for so long before an event says so.
+constexpr std::int64_t kAnnounceNs = 500'000'000;
+
 /// Progress of the wavefront search. Times are CLOCK_MONOTONIC.
 struct SearchProgress {
   bool running = false;

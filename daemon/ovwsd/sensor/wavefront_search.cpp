@@ -16,7 +16,7 @@
 namespace ovws {
 namespace {
 
-constexpr std::chrono::milliseconds kTurn(10);
+constexpr std::chrono::milliseconds kPollInterval(10);
 constexpr std::chrono::milliseconds kFramePatience(50);
 constexpr int kFrames = 3;  // frames for a search: two give the noise, the last is measured
 constexpr int kFewRenderings = 8, kManyRenderings = 12;  // per start: valid frame; invalid frame
@@ -186,7 +186,7 @@ bool WavefrontSearch::do_work() {
   if (!wanted || monotonic_ns() < next_ns_) {
     inbox_.forget();
     frames_.clear();
-    std::this_thread::sleep_for(kTurn);
+    std::this_thread::sleep_for(kPollInterval);
     return false;
   }
   const SensorView sensor = keeper_.snapshot();
@@ -213,7 +213,7 @@ bool WavefrontSearch::use_positions() {
   }
   inbox_.forget();
   frames_.clear();
-  std::this_thread::sleep_for(kTurn);
+  std::this_thread::sleep_for(kPollInterval);
   return false;
 }
 

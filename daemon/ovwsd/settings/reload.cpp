@@ -32,10 +32,6 @@ Error with_section(std::string section, Error error, const LoadedConfig& read) {
   return error;
 }
 
-std::string listed(const std::vector<std::string>& keys) {
-  return fmt::format("{}", fmt::join(keys, ", "));
-}
-
 /// Reads and checks the configuration. Catches exceptions, which would otherwise leave the sensor
 /// held forever.
 Result<LoadedConfig> read_again(const std::string& path) {
@@ -225,8 +221,8 @@ void Reloader::finish(const Reload& reload) {
 void Reloader::report(const Reload& reload) {
   const auto& [live, restart] = reload.keys;
   std::string text = "configuration reloaded: ";
-  text += live.empty() ? "no run-time setting has changed" : "applied " + listed(live);
-  if (!restart.empty()) text += "; a restart is needed for: " + listed(restart);
+  text += live.empty() ? "no run-time setting has changed" : "applied " + comma_list(live);
+  if (!restart.empty()) text += "; a restart is needed for: " + comma_list(restart);
   if (const std::string saved = describe_saved(reload.read); !saved.empty()) text += "; " + saved;
   const bool all_used = restart.empty() && reload.read.unused_reason.empty();
   end(all_used ? Severity::info : Severity::warning, std::move(text),

@@ -212,11 +212,11 @@ Result<void> check_ours(const std::string& overlay, const json& owner) {
                   overlay, there->file.is_null() ? "none" : json_text(there->file)));
 }
 
-std::string listed(const std::vector<std::string>& keys) {
+}  // namespace
+
+std::string comma_list(const std::vector<std::string>& keys) {
   return fmt::format("{}", fmt::join(keys, ", "));
 }
-
-}  // namespace
 
 bool is_service_config(const std::string& path) {
   return !path.empty() && is_same_file(path, kServicePath);
@@ -259,11 +259,12 @@ void set_aside_if_invalid(LoadedConfig& loaded) {
 std::string describe_saved(const LoadedConfig& loaded) {
   std::vector<std::string> parts;
   if (!loaded.saved.empty()) {
-    parts.push_back("saved values active: " + listed(loaded.saved) + " (" + *loaded.overlay + ")");
+    parts.push_back("saved values active: " + comma_list(loaded.saved) + " (" + *loaded.overlay +
+                    ")");
   }
   if (!loaded.edited.empty()) {
     parts.push_back("edited in the file since they were saved, the file's values are used: " +
-                    listed(loaded.edited));
+                    comma_list(loaded.edited));
   }
   if (!loaded.unused_reason.empty()) {
     parts.push_back("the saved values in " + *loaded.overlay +

@@ -42,6 +42,8 @@ Result<LoadedConfig> load_with_saved(const std::string& path,
 /// `unused_reason`. Blocks on the disk.
 void set_aside_if_invalid(LoadedConfig& loaded);
 
+std::string comma_list(const std::vector<std::string>& keys);  ///< "a, b, c"
+
 /// One line of text: which saved values are active, which are not, and why. Empty if none exist.
 std::string describe_saved(const LoadedConfig& loaded);
 
