@@ -10,6 +10,8 @@
 
 namespace ovws::cli {
 
+constexpr int kStreamQueue = 1000;  ///< messages, for a StreamFollower
+
 /// Subscriber that asks the daemon for the stream's endpoint. While no message arrives, it asks and
 /// subscribes again: a restarted daemon may use another endpoint, and libzmq does not retry a
 /// rejected connection. Use it from one thread at a time.

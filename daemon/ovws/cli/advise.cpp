@@ -58,7 +58,7 @@ Json json_of_advice(const design::Advice& advice) {
           {"config", Json::parse(dump_config(advice.config))}};
 }
 
-void print_json(const design::AdviceList& list) {
+void print_advice_json(const design::AdviceList& list) {
   Json best = Json::array(), unfit = Json::array();
   for (const design::Advice& advice : list.best_first) best.push_back(json_of_advice(advice));
   for (const design::Unfit& one : list.unfit) {
@@ -69,7 +69,7 @@ void print_json(const design::AdviceList& list) {
   print("{}\n", json_text(Json{{"best_first", best}, {"unfit", unfit}}));
 }
 
-void print_text(const design::AdviceList& list, int modes) {
+void print_advice(const design::AdviceList& list, int modes) {
   print("{:>6} {:>13} {:>7} {:>12} {:>9} {:>12} {:>12}  {}\n", "across", "subapertures", "charge",
         "exposure us", "peak e", "error waves", "worst mode", "limited by");
   for (std::size_t k = 0; k < std::min(kShown, list.best_first.size()); ++k) {
@@ -122,9 +122,9 @@ int advise_bench(const Common& common, const AdviseOptions& options) {
   light.longest_us = 1e6 / options.frame_rate_hz;
   const design::AdviceList list = design::advise(*bench, light, *config);
   if (common.json) {
-    print_json(list);
+    print_advice_json(list);
   } else if (!list.best_first.empty()) {
-    print_text(list, options.modes);
+    print_advice(list, options.modes);
   }
   if (!list.best_first.empty()) return kOk;
   if (!common.json) print_none(list, options);

@@ -18,14 +18,14 @@ namespace {
 using nlohmann::json;
 /// Space-separated words, keyed by "command", "command option", "command position", "method" or
 /// "method key". Sorted, so that the generated script is reproducible.
-using Words = std::map<std::string, std::string>;
+using WordLists = std::map<std::string, std::string>;
 
 struct Tables {
-  Words options;  ///< options of a command; command " " is ovws itself
-  Words valued;   ///< options that take a value
-  Words choices;  ///< values of an option, or of the k-th positional of a command
-  Words keys;     ///< keys of a method's params
-  Words values;   ///< named values of a params key
+  WordLists options;  ///< options of a command; command " " is ovws itself
+  WordLists valued;   ///< options that take a value
+  WordLists choices;  ///< values of an option, or of the k-th positional of a command
+  WordLists keys;     ///< keys of a method's params
+  WordLists values;   ///< named values of a params key
 };
 
 void append(std::string& words, const std::string& word) {
@@ -77,7 +77,7 @@ void add_method(Tables& tables, const std::string& method, const json& params) {
   }
 }
 
-std::string table(const char* name, const Words& words) {
+std::string table(const char* name, const WordLists& words) {
   std::string text = fmt::format("declare -gA {}=(\n", name);
   for (const auto& [key, value] : words) {
     if (!value.empty()) text += fmt::format("  [\"{}\"]=\"{}\"\n", key, value);

@@ -88,7 +88,7 @@ Result<void> write_config(const DesignOptions& options, const Config& config) {
   return replace_file(options.output, heading + dump_config(config));
 }
 
-Result<void> write_files(const DesignOptions& options, const Config& config) {
+Result<void> write_design(const DesignOptions& options, const Config& config) {
   if (auto usable = check_usable(config); !usable) return usable;
   if (auto written = write_config(options, config); !written) return written;
   if (options.farfield.empty()) return {};
@@ -114,7 +114,7 @@ int design_bench(const Common& common, const DesignOptions& options) {
   }
   const auto made = design::design(*bench, base);
   if (!made) return report_refusal(common, made.error());
-  if (auto written = write_files(options, made->config); !written) {
+  if (auto written = write_design(options, made->config); !written) {
     return report(common, written.error());
   }
   if (common.json) {

@@ -34,7 +34,7 @@ std::int64_t count(const Findings& found, Verdict verdict) {
   return std::ranges::count(found, verdict, &Finding::verdict);
 }
 
-void print_json(const Findings& found) {
+void print_findings_json(const Findings& found) {
   nlohmann::json findings = nlohmann::json::array();
   for (const Finding& one : found) {
     nlohmann::json fix;
@@ -53,7 +53,7 @@ void print_json(const Findings& found) {
   print("{}\n", json_text(document));
 }
 
-void print_text(const Findings& found) {
+void print_findings(const Findings& found) {
   for (const Finding& one : found) {
     print("{:<9} {:<21} {}\n", word_of(one.verdict).text, one.name, one.meaning);
     if (!one.fix.empty()) print("{:<9} {:<21}   fix: {}\n", "", "", one.fix);
@@ -66,7 +66,7 @@ void print_text(const Findings& found) {
   print("{}\n", summary);
 }
 
-doctor::DaemonFacts ask(Common common, const std::string& endpoint) {
+doctor::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
   common.endpoint = endpoint;
   doctor::DaemonFacts facts;
   facts.endpoint = endpoint;
@@ -88,15 +88,15 @@ doctor::DaemonFacts ask(Common common, const std::string& endpoint) {
 doctor::Findings examine_bench(const Common& common, const std::string& config_path,
                                const std::string& endpoint) {
   return doctor::examine(config_path, endpoint,
-                         [&common](const std::string& where) { return ask(common, where); });
+                         [&common](const std::string& where) { return ask_daemon(common, where); });
 }
 
 int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint) {
   const Findings found = examine_bench(common, config_path, endpoint);
   if (common.json) {
-    print_json(found);
+    print_findings_json(found);
   } else {
-    print_text(found);
+    print_findings(found);
   }
   return count(found, Verdict::fault) > 0 ? kError : kOk;
 }

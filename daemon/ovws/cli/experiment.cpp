@@ -28,17 +28,17 @@ namespace {
 using namespace std::chrono_literals;
 using nlohmann::json;
 
-constexpr auto kPollInterval = 300ms;
+constexpr auto kCellPollInterval = 300ms;
 constexpr int kStartTries = 10;  // a cancelled job may still be ending
 constexpr int kRefusedCode = -32000;
 
 /// Results of experiment.cell by number.
 using SweepCells = std::map<int, json>;
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t stop_asked = 0;
 
 void note_interrupt(int) {
-  interrupted = 1;
+  stop_asked = 1;
 }
 
 using Answer = tl::expected<json, CallFailure>;
@@ -48,8 +48,8 @@ Answer start(const Common& common, const json& params) {
     Answer answer = call(common, "experiment.gain_sweep", params);
     const bool busy =
         !answer && answer.error().answered && answer.error().error.value("code", 0) == kRefusedCode;
-    if (!busy || tries == kStartTries || interrupted != 0) return answer;
-    std::this_thread::sleep_for(kPollInterval);
+    if (!busy || tries == kStartTries || stop_asked != 0) return answer;
+    std::this_thread::sleep_for(kCellPollInterval);
   }
 }
 
@@ -121,7 +121,7 @@ class Fetched {
   SweepCells cells_;
 };
 
-void print_progress(const Common& common, const json& experiment) {
+void print_cells_done(const Common& common, const json& experiment) {
   if (common.json) return;
   std::string left = "";
   if (experiment.at("time_left_s").is_number()) {
@@ -138,7 +138,7 @@ Answer fetch(const Common& common, Fetched& fetched) {
   Answer experiment = call(common, "experiment.get", json::object());
   if (!experiment || !fetched.is_own(*experiment)) return experiment;
   for (const json& summary : experiment->at("cells")) {
-    if (fetched.has(summary) || interrupted != 0) continue;
+    if (fetched.has(summary) || stop_asked != 0) continue;
     Answer cell = call(common, "experiment.cell", {{"cell", summary.at("cell")}});
     if (!cell) return cell;
     if (!Fetched::is_same(*cell, summary)) break;  // another run has begun since
@@ -148,7 +148,7 @@ Answer fetch(const Common& common, Fetched& fetched) {
           CallFailure{true, {{"message", text_of(why)}, {"data", {{"field", why.field}}}}});
     }
   }
-  print_progress(common, *experiment);
+  print_cells_done(common, *experiment);
   return experiment;
 }
 
@@ -158,19 +158,19 @@ Answer follow(const Common& common, Fetched& fetched) {
   const json job{{"job", fetched.job()}};
   while (true) {
     Answer report = call(common, "job.get", job);
-    if (interrupted != 0) {
+    if (stop_asked != 0) {
       report = call(common, "job.cancel", job);
       if (!report) return report;
-      interrupted = 0;  // a second Ctrl-C stops the fetching
+      stop_asked = 0;  // a second Ctrl-C stops the fetching
     } else if (!report) {
       return report;
     }
     if (report->at("result").is_object()) fetched.set_run(report->at("result").at("run"));
-    if (Answer experiment = fetch(common, fetched); !experiment && interrupted == 0) {
+    if (Answer experiment = fetch(common, fetched); !experiment && stop_asked == 0) {
       return experiment;
     }
     if (report->at("state") != "running") return report;
-    std::this_thread::sleep_for(kPollInterval);
+    std::this_thread::sleep_for(kCellPollInterval);
   }
 }
 

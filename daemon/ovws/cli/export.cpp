@@ -71,7 +71,7 @@ Result<std::vector<int>> modes_of_plans(RecordingReader& reader) {
 }
 
 /// OSA/ANSI indices of the columns of a recording, as far as a frame has values in them.
-Result<std::vector<int>> modes_of(RecordingReader& reader) {
+Result<std::vector<int>> recorded_modes(RecordingReader& reader) {
   auto columns_j = reader.columns_j();
   if (!columns_j) return fail(columns_j.error());
   if (!*columns_j) return modes_of_plans(reader);
@@ -150,7 +150,7 @@ Result<void> replace(const fs::path& path,
 }
 
 Result<void> write_modes(RecordingReader& reader, std::ostream& out) {
-  const auto modes_j = modes_of(reader);
+  const auto modes_j = recorded_modes(reader);
   if (!modes_j) return fail(modes_j.error());
   std::string head;
   for (const Column& column : kColumns) head += std::string(column.name) + ',';
@@ -192,8 +192,8 @@ bool has_images(const RecordingReader& reader) {
 
 /// Writes the images as PNG: 8 bits, or 16 bits with the camera's values. Their names have the row
 /// of the frame, because a reopened camera counts its frames from the start again.
-Result<void> write_images(RecordingReader& reader, const std::string& prefix,
-                          std::vector<std::string>& files) {
+Result<void> export_images(RecordingReader& reader, const std::string& prefix,
+                           std::vector<std::string>& files) {
   const RecordingHeader& header = reader.header();
   const bool bytes = traits_of(header.format).layout == PixelLayout::bytes;
   std::vector<std::byte> pixels(reader.image_bytes());
@@ -217,7 +217,7 @@ Result<void> write_images(RecordingReader& reader, const std::string& prefix,
   return {};
 }
 
-Result<std::vector<std::string>> write_files(const ExportOptions& options) {
+Result<std::vector<std::string>> write_export(const ExportOptions& options) {
   auto reader = RecordingReader::open(options.path);
   if (!reader) return fail(reader.error());
   const std::string prefix =
@@ -242,7 +242,7 @@ Result<std::vector<std::string>> write_files(const ExportOptions& options) {
       return fail(written.error());
   }
   if (options.images) {
-    auto written = write_images(**reader, prefix, files);
+    auto written = export_images(**reader, prefix, files);
     if (!written) return fail(written.error());
   }
   return files;
@@ -251,7 +251,7 @@ Result<std::vector<std::string>> write_files(const ExportOptions& options) {
 }  // namespace
 
 int export_recording(const Common& common, const ExportOptions& options) {
-  const auto files = write_files(options);
+  const auto files = write_export(options);
   if (!files) return report(common, files.error());
   if (common.json) {
     print("{}\n", json_text(json{{"files", *files}}));

@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-Result<Config> config_of(const MeasureOptions& options) {
+Result<Config> measuring_config(const MeasureOptions& options) {
   auto config = load_config_and_masks(options.config_path);
   if (!config) return config;
   if (options.tracker == kFormerTracker) {
@@ -59,8 +59,8 @@ json spots_of(const Measured& measured) {
 
 /// One result line: a JSON object like the `wavefront` message. Fields that only a camera provides
 /// are null.
-json line_of(const std::string& file, const Config& config, const Measurement& measurement,
-             const Measured& measured) {
+json image_line(const std::string& file, const Config& config, const Measurement& measurement,
+                const Measured& measured) {
   WavefrontMessage message;
   message.charge = config.sensor.charge;
   message.tracker = tracker_name(config.tracking.tracker);
@@ -187,7 +187,7 @@ class ImageMeasurer {
     Instrument& instrument = instrument_for(image);
     if (!instrument.measurement) return fail(instrument.measurement.error());
     const Measured measured = instrument.measurement->measure(image);
-    json line = line_of(path, config_, *instrument.measurement, measured);
+    json line = image_line(path, config_, *instrument.measurement, measured);
     if (options_.refine) put_refined(line, measured, options_.spot_amplitudes);
     return line;
   }
@@ -259,7 +259,7 @@ int measure_images(const Common& common, const MeasureOptions& options) {
     report(common, *fault);
     return kUsage;
   }
-  const auto config = config_of(options);
+  const auto config = measuring_config(options);
   if (!config) return report(common, config.error());
   ImageMeasurer measurer(options, *config);
   if (auto read = measurer.read_reference(); !read) return report(common, read.error());

@@ -17,7 +17,7 @@
 namespace ovws::cli {
 namespace {
 
-Result<Config> config_of(const ImageOptions& options) {
+Result<Config> hologram_config(const ImageOptions& options) {
   auto config = load_config_and_masks(options.config_path);
   if (config && config->modulator == Modulator::fixed) {
     return fail(Errc::invalid, "modulator",
@@ -35,14 +35,14 @@ Result<void> write_png(const std::string& path, const Image<Pixel>& image) {
   return write_image(path, mat);
 }
 
-Result<std::vector<Mode>> modes_of(const ImageOptions& options) {
+Result<std::vector<Mode>> requested_modes(const ImageOptions& options) {
   return parse_modes(options.modes, options.norm == "unit" ? ZernikeNorm::unit : ZernikeNorm::rms);
 }
 
 /// Renders the hologram's grey levels with the requested modes. Fails if the SLM's pixels cannot
 /// sample the phase.
 Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const ImageOptions& options) {
-  const auto modes = modes_of(options);
+  const auto modes = requested_modes(options);
   if (!modes) return fail(modes.error());
   auto renderer = HologramRenderer::make(hologram);
   if (!renderer) return fail(renderer.error());
@@ -53,7 +53,7 @@ Result<Image<std::uint8_t>> render(const HologramConfig& hologram, const ImageOp
 }
 
 Result<void> make_hologram(const ImageOptions& options) {
-  const auto config = config_of(options);
+  const auto config = hologram_config(options);
   if (!config) return fail(config.error());
   const auto hologram = load_hologram_config(*config);
   if (!hologram) return fail(hologram.error());
@@ -66,7 +66,7 @@ Result<void> make_hologram(const ImageOptions& options) {
 /// the requested peak or total.
 Result<Image<float>> electrons(const Config& config, const FarFieldOptions& options,
                                double full_well_e) {
-  const auto modes = modes_of(options.picture);
+  const auto modes = requested_modes(options.picture);
   if (!modes) return fail(modes.error());
   const Roi& roi = config.camera.settings.roi;
   auto model =
@@ -116,7 +116,7 @@ Result<void> write_farfield(const Config& config, const FarFieldOptions& options
 }
 
 int save_farfield(const Common& common, const FarFieldOptions& options) {
-  const auto config = config_of(options.picture);
+  const auto config = hologram_config(options.picture);
   if (!config) return report(common, config.error());
   return finish(common, options.picture.output, write_farfield(*config, options));
 }

@@ -153,7 +153,7 @@ void add_keygen(CLI::App& app, const Common& common, int& status) {
 
 /// Why a text was refused; empty: it was not.
 template <class T>
-std::string reason_of(const Result<T>& read) {
+std::string why_refused(const Result<T>& read) {
   return read ? std::string() : read.error().reason;
 }
 
@@ -162,7 +162,7 @@ CLI::Option* add_shard(CLI::App& command, std::optional<Shard>& shard, const std
       .add_option_function<std::string>(
           "--shard", [&shard](const std::string& text) { shard = *parse_shard(text); }, help)
       ->type_name("i/N")
-      ->check([](const std::string& text) { return reason_of(parse_shard(text)); });
+      ->check([](const std::string& text) { return why_refused(parse_shard(text)); });
 }
 
 void add_refine_options(CLI::App& command, ReplayOptions& options) {
@@ -216,7 +216,7 @@ void add_replay(CLI::App& app, const Common& common, int& status) {
           ->expected(0, 1)
           ->type_name("[A:B]")
           ->check([](const std::string& text) {
-            const std::string wrong = text.empty() ? "" : reason_of(parse_range(text));
+            const std::string wrong = text.empty() ? "" : why_refused(parse_range(text));
             return wrong.empty() ? wrong : wrong + "; without a range, give it after the file";
           });
   add_shard(*command, options->shard,

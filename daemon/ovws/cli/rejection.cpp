@@ -1,6 +1,5 @@
 /// ovws study rejection: the closed loop's disturbance rejection on a daemon's bench.
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -8,6 +7,7 @@
 #include <thread>
 
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/rejection.hpp"
@@ -23,17 +23,14 @@ using namespace std::chrono_literals;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 using Answer = tl::expected<json, CallFailure>;
-using Measured = tl::expected<study::RejectionMeasured, CallFailure>;
+using MeasuredRejection = tl::expected<study::RejectionMeasured, CallFailure>;
 
-constexpr auto kPollInterval = 200ms;
 constexpr auto kStepsTimeout = 60s;
 constexpr int kRestoreTries = 3;  // a signal may interrupt a call
 constexpr int kFirstMode = 3;     // the study ignores piston and tilts
 
 constexpr int kMinFrames = 16;
 constexpr int kReceiveQueue = 10000;
-
-std::atomic<bool> interrupted{false};
 
 /// Failure found by this program, reported in the same way as an error of the daemon.
 CallFailure failure(std::string message) {
@@ -178,7 +175,7 @@ class Recorder {
   std::optional<std::int64_t> last_seq_;
 };
 
-void print_progress(const RecordTask& task, int frames, double seconds_left) {
+void print_time_left(const RecordTask& task, int frames, double seconds_left) {
   const int left = int(std::lround(std::fmax(0.0, seconds_left) + task.seconds_after));
   study::print_progress(fmt::format("loop {}: {} frames, {}:{:02} min left",
                                     task.loop_closed ? "closed" : "open", frames, left / 60,
@@ -187,7 +184,7 @@ void print_progress(const RecordTask& task, int frames, double seconds_left) {
 
 /// Records valid, settled frames with device time stamps, or with arrival times if the camera has
 /// no clock. Prints progress on stderr unless --json is set. Errors: the daemon fails;
-/// `interrupted`; too few frames; a change of the loop's state or of the sensor's modes.
+/// interrupted_failure; too few frames; a change of the loop's state or of the sensor's modes.
 tl::expected<study::RecordedLoop, CallFailure> record(const Common& common,
                                                       const RecordTask& task) {
   const auto endpoint = stream_endpoint(common, "endpoint");
@@ -200,9 +197,9 @@ tl::expected<study::RecordedLoop, CallFailure> record(const Common& common,
   };
   auto last_print = Clock::now() - 1h;
   while (seconds_left() > 0.0) {
-    if (interrupted) return tl::make_unexpected(interrupted_failure());
+    if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
     if (!common.json && Clock::now() - last_print > 500ms) {
-      print_progress(task, recorder.frames(), seconds_left());
+      print_time_left(task, recorder.frames(), seconds_left());
       last_print = Clock::now();
     }
     const auto message = stream->receive(100ms);
@@ -317,7 +314,7 @@ Answer wait_for_steps(const Common& common, int needed) {
   while (true) {
     Answer loop = closed_loop(common);
     if (!loop || loop->at("steps").get<int>() >= needed) return loop;
-    if (interrupted) return tl::make_unexpected(interrupted_failure());
+    if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
     if (Clock::now() > end) {
       return tl::make_unexpected(failure(
           fmt::format("the loop made only {} of its first {} steps in {} s: settled and valid "
@@ -341,7 +338,7 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
     auto recorded = record(common, task);
     const double took_s = std::chrono::duration<double>(Clock::now() - begun).count();
     const Answer after = closed_loop(common);  // its error says more than the stream's
-    if (!after && !interrupted) return tl::make_unexpected(after.error());
+    if (!after && !was_interrupted()) return tl::make_unexpected(after.error());
     if (!recorded) return tl::make_unexpected(recorded.error());
     law.closed = std::move(*recorded);
     law.loop = *after;
@@ -383,7 +380,7 @@ tl::expected<std::shared_ptr<const LoopModel>, CallFailure> identified(const Com
     if (state != "running") {
       return tl::make_unexpected(failure("loop.identify: " + json_text(now->at("error"))));
     }
-    if (interrupted) return tl::make_unexpected(interrupted_failure());
+    if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
     std::this_thread::sleep_for(kPollInterval);
   }
 }
@@ -401,7 +398,7 @@ tl::expected<std::vector<LoopSettings>, CallFailure> loops_of(const json& params
   return all;
 }
 
-Measured measure(const Common& common, const json& params, double seconds) {
+MeasuredRejection measure(const Common& common, const json& params, double seconds) {
   const auto loops = loops_of(params);
   if (!loops) return tl::make_unexpected(loops.error());
   if (const auto ready = check_bench(common); !ready) return tl::make_unexpected(ready.error());
@@ -447,9 +444,8 @@ Measured measure(const Common& common, const json& params, double seconds) {
 
 int run_rejection(const Common& common, const json& params, double seconds,
                   const std::filesystem::path& folder) {
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  std::signal(SIGTERM, [](int) { interrupted = true; });
-  const Measured measured = measure(common, params, seconds);
+  catch_interrupts({SIGINT, SIGTERM});
+  const MeasuredRejection measured = measure(common, params, seconds);
   if (!common.json) study::print_progress("");
   if (!measured) return report_failure(common, measured.error());
   const study::RejectionFound found = study::find_rejection(*measured);

@@ -47,7 +47,7 @@ json refined_content(const RefinedFrame& refined) {
   return out;
 }
 
-json line_of(const PlayedFrame& frame, std::size_t row, bool refine) {
+json frame_line(const PlayedFrame& frame, std::size_t row, bool refine) {
   json out{{"row", row},
            {"frame_id", frame.recorded.frame_id},
            {"t_arrival_ns", frame.recorded.t_arrival_ns},
@@ -169,7 +169,7 @@ Result<Selected> select(const ReplayOptions& options) {
   return out;
 }
 
-Result<fs::path> write_part(const ReplayOptions& options, Selected& selected) {
+Result<fs::path> write_replay_part(const ReplayOptions& options, Selected& selected) {
   PartHead head;
   head.part_of = kPartOfReplay;
   head.version = OVWS_VERSION;
@@ -183,7 +183,7 @@ Result<fs::path> write_part(const ReplayOptions& options, Selected& selected) {
   for (std::size_t row = selected.range.begin; row < selected.range.end; ++row) {
     const auto played = selected.player->step();
     if (!played) return fail(played.error());
-    part->add(row, json_text(line_of(**played, row, options.refine)));
+    part->add(row, json_text(frame_line(**played, row, options.refine)));
   }
   if (auto done = part->finish(); !done) return fail(done.error());
   return part->path();
@@ -196,7 +196,7 @@ int replay_recording(const Common& common, const ReplayOptions& options) {
   if (!selected) return report(common, selected.error());
   Player& player = *selected->player;
   if (!options.folder.empty()) {
-    const auto part = write_part(options, *selected);
+    const auto part = write_replay_part(options, *selected);
     return part ? report_file(common, *part) : report(common, part.error());
   }
   std::optional<std::int64_t> first_ns;
@@ -206,7 +206,7 @@ int replay_recording(const Common& common, const ReplayOptions& options) {
     const auto played = player.step();
     if (!played) return report(common, played.error());
     if (!*played) break;
-    const json line = line_of(**played, row, options.refine);
+    const json line = frame_line(**played, row, options.refine);
     tally.count(line);
     if (!first_ns) first_ns = (*played)->recorded.t_arrival_mono_ns;
     wait_for(**played, *first_ns, begun_ns, options.speed);

@@ -1,9 +1,7 @@
 #include "daemon/ovws/cli/request.hpp"
 
 #include <atomic>
-#include <chrono>
 #include <cmath>
-#include <csignal>
 #include <thread>
 
 #include "daemon/ovws/study/parallel.hpp"
@@ -17,7 +15,6 @@ namespace {
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPollInterval{200};
 constexpr double kLeastProgress = 0.05;  ///< with less, the time left is a guess
 
 std::atomic<bool> interrupted{false};
@@ -71,8 +68,8 @@ tl::expected<json, CallFailure> end_of_job(const Common& common, const json& job
 
 }  // namespace
 
-void catch_interrupts() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+void catch_interrupts(std::initializer_list<int> signals) {
+  for (const int signal : signals) {
     std::signal(signal, [](int) { interrupted.store(true); });
   }
 }

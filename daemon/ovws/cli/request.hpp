@@ -1,6 +1,9 @@
 /// Requests of subcommands: calls, waits for jobs, and prints what came back.
 #pragma once
 
+#include <chrono>
+#include <csignal>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -9,9 +12,11 @@
 
 namespace ovws::cli {
 
-/// From now on SIGINT and SIGTERM do not end the process; `was_interrupted` reports them.
-void catch_interrupts();
+/// From now on these signals do not end the process; `was_interrupted` reports them.
+void catch_interrupts(std::initializer_list<int> signals = {SIGINT, SIGTERM, SIGHUP});
 bool was_interrupted();
+
+constexpr std::chrono::milliseconds kPollInterval{200};  ///< of what a command waits for
 
 /// Calls a method. If it starts a job, waits for its end and returns the job's result or error, and
 /// shows progress and time left on a terminal (stderr). Ctrl-C cancels the job.

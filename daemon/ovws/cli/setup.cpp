@@ -32,7 +32,7 @@ using commission::StepReport;
 using commission::Wellness;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kPollInterval{100};
+constexpr std::chrono::milliseconds kStepPollInterval{100};
 constexpr double kPatience_s = 10.0;
 constexpr std::size_t kPictureColumns = 56;  ///< at most
 constexpr std::size_t kIndent = 2;
@@ -47,7 +47,7 @@ constexpr const char* kHelp =
     "  u      undo the step\n"
     "  q      quit; ovws setup goes on at the first step that is not known as done\n";
 
-const char* word_of(Wellness wellness) {
+const char* wellness_word(Wellness wellness) {
   switch (wellness) {
     case Wellness::good:
       return "good";
@@ -173,7 +173,7 @@ void Conversation::wait() {
       study::print_progress(running->text +
                             (percent > 0.0 ? fmt::format(": {:.0f} %", percent) : ""));
     }
-    std::this_thread::sleep_for(kPollInterval);
+    std::this_thread::sleep_for(kStepPollInterval);
   }
   study::print_progress("");
 }
@@ -218,8 +218,8 @@ void Conversation::show_picture(const StepReport& step) {
 void Conversation::show_result(const StepReport& step, double seconds) {
   show_picture(step);
   if (is_quiet_ || !step.verdict) return;
-  print_wrapped(fmt::format("  {}: {} ({})", word_of(step.verdict->wellness), step.verdict->text,
-                            time_text(std::round(10.0 * seconds) / 10.0)));
+  print_wrapped(fmt::format("  {}: {} ({})", wellness_word(step.verdict->wellness),
+                            step.verdict->text, time_text(std::round(10.0 * seconds) / 10.0)));
   if (!step.verdict->advice.empty()) print_wrapped("  " + step.verdict->advice);
   for (std::size_t k = 0; k < step.offers.size(); ++k) {
     print_wrapped(fmt::format("  {} {}", k + 1, step.offers[k].text));
@@ -232,7 +232,7 @@ void Conversation::show_others(const Report& earlier, const std::string& name) c
   for (std::size_t k = 0; !is_quiet_ && k < now.steps.size(); ++k) {
     const StepReport& step = now.steps[k];
     if (step.name == name || step.picture == earlier.steps[k].picture || !step.verdict) continue;
-    print_wrapped(fmt::format("  {}: {}: {}", step.title, word_of(step.verdict->wellness),
+    print_wrapped(fmt::format("  {}: {}: {}", step.title, wellness_word(step.verdict->wellness),
                               step.verdict->text));
   }
 }

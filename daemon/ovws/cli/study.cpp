@@ -39,7 +39,7 @@ study::Work work_of(const StudyOptions& options) {
 }
 
 /// Measures the items of one shard and writes them as a part.
-Result<std::filesystem::path> write_part(const StudyOptions& options, const Shard& shard) {
+Result<std::filesystem::path> write_study_part(const StudyOptions& options, const Shard& shard) {
   const study::Work work = work_of(options);
   std::vector<std::size_t> items;
   for (auto k = std::size_t(shard.number - 1); k < work.items; k += std::size_t(shard.of)) {
@@ -121,7 +121,7 @@ int study_command(const Common& common, const StudyOptions& options) {
   }
   if (on_a_bench) return bench_command(common, options);
   if (options.shard) {
-    const auto part = write_part(options, *options.shard);
+    const auto part = write_study_part(options, *options.shard);
     return part ? report_file(common, *part) : report(common, part.error());
   }
   const study::Work work = work_of(options);

@@ -20,8 +20,6 @@ namespace {
 using nlohmann::json;
 using Words = std::vector<std::string>;
 
-constexpr std::chrono::milliseconds kPollInterval{200};
-
 /// Calls a method, waits for its job, and prints the result. Returns an exit code.
 int act(const Common& common, const std::string& method, const json& params) {
   const auto answer = call_and_wait(common, method, params);

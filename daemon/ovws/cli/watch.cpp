@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -12,6 +11,7 @@
 
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/shared/client.hpp"
 #include "drivers/zmq/client.hpp"
@@ -108,8 +108,6 @@ void print_refined(const json& message) {
       message.at("duration_ms").get<double>(), full_scale);
 }
 
-std::atomic<bool> stop_requested{false};
-
 /// Prints one topic's messages on standard output.
 class Watch {
  public:
@@ -124,7 +122,7 @@ class Watch {
   /// Shows messages until the count, the timeout or a stop request. Returns the exit code.
   int run(Subscriber& stream) {
     auto last = Clock::now();  // arrival of the topic's last message
-    for (int shown = 0; !stop_requested && (options_.count == 0 || shown < options_.count);) {
+    for (int shown = 0; !was_interrupted() && (options_.count == 0 || shown < options_.count);) {
       const auto message = stream.receive(std::chrono::milliseconds(100));
       if (output_has_no_reader()) return kError;
       if (message && message->topic == options_.topic) last = Clock::now();
@@ -201,8 +199,7 @@ int watch(const Common& common, const WatchOptions& options) {
                            "camera's electrons per DN: ovws call refine.set enabled=true "
                            "electrons_per_dn=39.2"});
   }
-  std::signal(SIGINT, [](int) { stop_requested.store(true); });
-  std::signal(SIGTERM, [](int) { stop_requested.store(true); });
+  catch_interrupts({SIGINT, SIGTERM});
   return Watch(common, options, *status).run(*stream);
 }
 

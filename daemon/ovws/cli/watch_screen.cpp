@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/screen/page.hpp"
 #include "daemon/ovws/screen/terminal.hpp"
 #include "daemon/ovws/text/answer.hpp"
@@ -27,12 +27,9 @@ using screen::Clock;
 using screen::Key;
 
 constexpr std::chrono::milliseconds kPeriod{50};  ///< from one drawing to the next
-constexpr double kCallTimeoutS = 0.3;             ///< longest wait for a missing daemon
+constexpr double kMissingDaemonTimeoutS = 0.3;    ///< longest wait for a missing daemon
 constexpr double kActionTimeoutS = 3.0;           ///< longest wait for the answer to a key
-constexpr int kQueue = 1000;
 constexpr int kPage = 10;
-
-std::atomic<bool> stop_requested{false};
 
 /// Why the frame is not valid; empty if the messages lack the fields for an explanation.
 std::string reason_of(const screen::View& view) {
@@ -79,13 +76,13 @@ class WatchScreen {
   WatchScreen(const Common& common, screen::Terminal terminal)
       : common_(common),
         terminal_(std::move(terminal)),
-        stream_(common, "endpoint", {"wavefront", "spots", "status", "event"}, kQueue),
+        stream_(common, "endpoint", {"wavefront", "spots", "status", "event"}, kStreamQueue),
         gatherer_(Clock::now()) {
     common_.timeout_s = kActionTimeoutS;
   }
 
   int run() {
-    while (!stop_requested && !quit_) {
+    while (!was_interrupted() && !quit_) {
       if (output_has_no_reader()) return kError;
       gather(Clock::now() + kPeriod);
       for (Key key = terminal_.key(); key != Key::none && !quit_; key = terminal_.key())
@@ -175,13 +172,11 @@ int show_screen(Common common) {
   if (const auto there = stream_endpoint(common, "endpoint"); !there) {
     return report_failure(common, there.error());
   }
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
-    std::signal(signal, [](int) { stop_requested.store(true); });
-  }
+  catch_interrupts({SIGINT, SIGTERM, SIGHUP, SIGQUIT});
   auto terminal = screen::Terminal::open();
   if (!terminal) return report(common, terminal.error());
   try {
-    common.timeout_s = kCallTimeoutS;
+    common.timeout_s = kMissingDaemonTimeoutS;
     return WatchScreen(common, std::move(*terminal)).run();
   } catch (const std::exception& error) {  // the terminal is restored here
     return report(common, {Errc::internal, "watch", error.what()});

@@ -24,7 +24,7 @@ bool within(double value, limits::Numbers range) {
 }
 
 /// Rounds away from the present value, so that a change is rather too large than too small.
-double rounded(double value, double factor) {
+double rounded_away(double value, double factor) {
   return factor > 1.0 ? rounded_up(value) : rounded_down(value);
 }
 
@@ -48,7 +48,7 @@ std::optional<Change> nearest(const Config& base, Direction direction,
 std::optional<Change> another_lens(const Bench& bench, const Config& base) {
   return nearest(base, Direction::both, [&bench](double by) -> std::optional<Change> {
     Bench changed = bench;
-    changed.focal_length_mm = rounded(by * bench.focal_length_mm, by);
+    changed.focal_length_mm = rounded_away(by * bench.focal_length_mm, by);
     if (!within(changed.focal_length_mm, limits::kFocalLengthMm)) return std::nullopt;
     return Change{fmt::format("--focal-length {:g}", changed.focal_length_mm),
                   fmt::format("a lens of {:g} mm, or of {:g} mm and {:.3g} times the magnification",

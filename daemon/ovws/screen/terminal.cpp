@@ -54,16 +54,16 @@ short pair_of(Style style) {
 }
 
 Key meaning(int code) {
-  constexpr std::pair<int, Key> kKeys[]{{'q', Key::quit},          {'p', Key::pause},
-                                        {'?', Key::help},          {'h', Key::help},
-                                        {KEY_UP, Key::up},         {'k', Key::up},
-                                        {KEY_DOWN, Key::down},     {'j', Key::down},
-                                        {KEY_PPAGE, Key::page_up}, {KEY_NPAGE, Key::page_down},
-                                        {KEY_HOME, Key::home},     {KEY_END, Key::end},
-                                        {'r', Key::reference},     {'+', Key::longer},
-                                        {'-', Key::shorter},       {'l', Key::loop},
-                                        {'c', Key::clear},         {'y', Key::yes}};
-  for (const auto& [known, key] : kKeys) {
+  constexpr std::pair<int, Key> kKeyCodes[]{{'q', Key::quit},          {'p', Key::pause},
+                                            {'?', Key::help},          {'h', Key::help},
+                                            {KEY_UP, Key::up},         {'k', Key::up},
+                                            {KEY_DOWN, Key::down},     {'j', Key::down},
+                                            {KEY_PPAGE, Key::page_up}, {KEY_NPAGE, Key::page_down},
+                                            {KEY_HOME, Key::home},     {KEY_END, Key::end},
+                                            {'r', Key::reference},     {'+', Key::longer},
+                                            {'-', Key::shorter},       {'l', Key::loop},
+                                            {'c', Key::clear},         {'y', Key::yes}};
+  for (const auto& [known, key] : kKeyCodes) {
     if (code == known) return key;
   }
   return code == ERR ? Key::none : Key::other;

@@ -15,7 +15,6 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kGross = 0.5;  ///< lambda/d: a larger error counts as a wrong spot
 constexpr double kRandomRmsWaves = 0.5;
 constexpr int kLastRandom = 18;  // OSA index: random wavefronts have the modes j = 3 to 18
 
@@ -93,8 +92,8 @@ std::vector<Search> searches_of(const Settings& settings) {
 }
 
 /// `counts`: of each search, its scenes by SNR.
-Findings findings_of(const std::vector<Search>& searches, const std::vector<double>& snrs,
-                     const std::vector<Counts>& counts) {
+Findings acquisition_findings(const std::vector<Search>& searches, const std::vector<double>& snrs,
+                              const std::vector<Counts>& counts) {
   nlohmann::json summary{
       {"study", "acquisition"}, {"peak_e", kPeakE}, {"rows", nlohmann::json::array()}};
   Figure figure{"acquisition",
@@ -151,7 +150,9 @@ Work acquisition(const Settings& settings) {
         return acquire(*search.measurer, search.scenes[k / snrs.size()], snrs[k % snrs.size()],
                        seed + 1000 * k);
       },
-      [=](const std::vector<Counts>& counts) { return findings_of(*searches, snrs, counts); });
+      [=](const std::vector<Counts>& counts) {
+        return acquisition_findings(*searches, snrs, counts);
+      });
 }
 
 }  // namespace ovws::study

@@ -9,7 +9,6 @@ namespace ovws::study {
 namespace {
 
 constexpr int kCropHalfPx = 64;
-constexpr double kStartWithin = 0.3;  ///< lambda/d per axis: error of the start position
 
 Image<float> crop(const Image<float>& light, Vec2 centre, Vec2& at) {
   const int x0 = int(std::lround(centre.x)) - kCropHalfPx;

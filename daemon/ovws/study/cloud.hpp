@@ -31,7 +31,7 @@ struct Cloud {
   int lost = 0;
 };
 
-/// Tracks the spot in `realisations` noisy images. Starts lie within 0.3 lambda/d of the spot in
+/// Tracks the spot in `realisations` noisy images. Starts lie within kStartWithin of the spot in
 /// each axis. Each error is the difference from the noise-free result of the tracker with the same
 /// start. Thread-safe.
 Cloud cloud_of(const SpotBench& bench, double read_noise_e, int realisations, std::uint64_t seed);

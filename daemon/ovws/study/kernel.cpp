@@ -19,14 +19,14 @@ struct Beam {
 };
 
 /// Result for one beam, SNR and radius.
-struct Point {
+struct KernelPoint {
   Mean rms_px;
   int lost = 0;
   double bound_px = kUnknown;  ///< known for the first radius only, because all have the same
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Point, rms_px, lost, bound_px)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(KernelPoint, rms_px, lost, bound_px)
 
-struct Levels {
+struct KernelLevels {
   std::vector<double> snrs, radii;  ///< radii: units of lambda/d
   int realisations;
 };
@@ -42,7 +42,7 @@ struct Curve {
 
 /// Index of the best kernel radius. A radius that loses more than 1 % of the spots ranks last,
 /// because its error comes from the easy spots only.
-std::size_t best_of(const Curve& curve) {
+std::size_t best_radius(const Curve& curve) {
   const auto rank = [&](std::size_t r) {
     const Mean& rms_px = curve.rms_px[r];
     const bool loses = 100.0 * curve.lost[r] > double(rms_px.count) + curve.lost[r];
@@ -74,8 +74,8 @@ std::vector<Beam> beams_of(const std::vector<double>& radii) {
 
 /// Measures item k: one radius of one beam at one SNR. All radii see the same noise (common random
 /// numbers), so that curves differ only by the radius.
-Point measure(std::size_t k, const std::vector<Beam>& beams, const Levels& levels,
-              std::uint64_t seed) {
+KernelPoint kernel_point(std::size_t k, const std::vector<Beam>& beams, const KernelLevels& levels,
+                         std::uint64_t seed) {
   const std::size_t radii = levels.radii.size(), snrs = levels.snrs.size();
   const Beam& beam = beams[k / radii / snrs];
   const std::size_t s = k / radii % snrs;
@@ -88,8 +88,8 @@ Point measure(std::size_t k, const std::vector<Beam>& beams, const Levels& level
 }
 
 /// Curves of all beams and SNRs.
-std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& levels,
-                             const std::vector<Point>& points) {
+std::vector<Curve> curves_of(const std::vector<Beam>& beams, const KernelLevels& levels,
+                             const std::vector<KernelPoint>& points) {
   const std::size_t radii = levels.radii.size(), snrs = levels.snrs.size();
   std::vector<Curve> curves;
   for (std::size_t c = 0; c < beams.size() * snrs; ++c) {
@@ -105,7 +105,8 @@ std::vector<Curve> curves_of(const std::vector<Beam>& beams, const Levels& level
   return curves;
 }
 
-Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vector<double>& radii) {
+Figure kernel_figure(Light light, const std::vector<Curve>& curves,
+                     const std::vector<double>& radii) {
   Figure figure{
       light == Light::equal_peak ? "kernel" : "kernel-photons",
       fmt::format("lg at {}: error against kernel radius; dashed: bounds ({})", name_of(light),
@@ -131,7 +132,7 @@ Figure figure_of(Light light, const std::vector<Curve>& curves, const std::vecto
   return figure;
 }
 
-nlohmann::json row_of(const Curve& curve, std::size_t r, const std::vector<double>& radii) {
+nlohmann::json kernel_row(const Curve& curve, std::size_t r, const std::vector<double>& radii) {
   return {{"light", name_of(curve.beam->light)},
           {"charge", curve.beam->charge},
           {"snr", curve.snr},
@@ -142,7 +143,7 @@ nlohmann::json row_of(const Curve& curve, std::size_t r, const std::vector<doubl
           {"lost", curve.lost[r]}};
 }
 
-Findings findings_of(const std::vector<Curve>& curves, const Levels& levels) {
+Findings kernel_findings(const std::vector<Curve>& curves, const KernelLevels& levels) {
   nlohmann::json summary{{"study", "kernel"},
                          {"unit", "px RMS per axis"},
                          {"peak_e", kPeakE},
@@ -151,29 +152,29 @@ Findings findings_of(const std::vector<Curve>& curves, const Levels& levels) {
                          {"best", nlohmann::json::array()}};
   for (const Curve& curve : curves) {
     for (std::size_t r = 0; r < levels.radii.size(); ++r) {
-      summary["rows"].push_back(row_of(curve, r, levels.radii));
+      summary["rows"].push_back(kernel_row(curve, r, levels.radii));
     }
-    summary["best"].push_back(row_of(curve, best_of(curve), levels.radii));
+    summary["best"].push_back(kernel_row(curve, best_radius(curve), levels.radii));
   }
   return {std::move(summary),
-          {figure_of(Light::equal_peak, curves, levels.radii),
-           figure_of(Light::equal_photons, curves, levels.radii)}};
+          {kernel_figure(Light::equal_peak, curves, levels.radii),
+           kernel_figure(Light::equal_photons, curves, levels.radii)}};
 }
 
 }  // namespace
 
 Work kernel(const Settings& settings) {
-  const Levels levels =
+  const KernelLevels levels =
       settings.quick
-          ? Levels{{2.0, 5.0, 22.0}, {0.2, 0.3, 0.4, 0.6}, 100}
-          : Levels{
+          ? KernelLevels{{2.0, 5.0, 22.0}, {0.2, 0.3, 0.4, 0.6}, 100}
+          : KernelLevels{
                 {2.0, 5.0, 22.0}, {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.8, 1.0}, 400};
   const auto beams = std::make_shared<const std::vector<Beam>>(beams_of(levels.radii));
   return work_of(
       beams->size() * levels.snrs.size() * levels.radii.size(),
-      [=, seed = settings.seed](std::size_t k) { return measure(k, *beams, levels, seed); },
-      [=](const std::vector<Point>& points) {
-        return findings_of(curves_of(*beams, levels, points), levels);
+      [=, seed = settings.seed](std::size_t k) { return kernel_point(k, *beams, levels, seed); },
+      [=](const std::vector<KernelPoint>& points) {
+        return kernel_findings(curves_of(*beams, levels, points), levels);
       });
 }
 

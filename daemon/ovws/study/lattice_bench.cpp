@@ -16,7 +16,7 @@ constexpr int kCellHalfPx = 18;  // of the fixed cell: pitch of 6 lambda/d
 constexpr double kReadNoiseE = 5.0;
 constexpr int kHighestOrder = 8;  // 44 modes
 
-SensorConfig sensor_of(int across, int charge) {
+SensorConfig lattice_sensor(int across, int charge) {
   SensorConfig sensor;
   sensor.charge = charge;
   sensor.grid = Grid::square;
@@ -32,7 +32,7 @@ Wave flat_wave() {
 }  // namespace
 
 LatticeBench::LatticeBench(int across, const SpotMethod& method) : method_(method) {
-  const SensorConfig sensor = sensor_of(across, method.charge);
+  const SensorConfig sensor = lattice_sensor(across, method.charge);
   const Lattice lattice = value_of(make_lattice(sensor, {}));
   diameter_px_ = lattice.diameter_px;
   columns_ = int(std::ceil(std::sqrt(double(lattice.subapertures.size()))));

@@ -17,13 +17,13 @@ namespace {
 constexpr double kCloudNoiseE = 55.0;  ///< read noise of the point clouds
 
 /// The errors of one method at one read noise.
-struct Point {
+struct CloudPoint {
   Mean rms_px;
   double bound_px = kUnknown;
   int lost = 0;
   std::vector<double> x_px{}, y_px{};  ///< errors of each realisation, for the figure of clouds
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Point, rms_px, bound_px, lost, x_px, y_px)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CloudPoint, rms_px, bound_px, lost, x_px, y_px)
 
 /// Errors of every method at every x, which is a read noise or an SNR.
 struct Sweep {
@@ -37,7 +37,7 @@ struct Sweep {
   const SpotBench& bench_of(std::size_t k) const { return benches[k / all_x.size()]; }
   double x_of(std::size_t k) const { return all_x[k % all_x.size()]; }
   double read_noise_e(std::size_t k) const { return read_noise_e_of(x_of(k)); }
-  Point measure(std::size_t k) const {
+  CloudPoint measure(std::size_t k) const {
     const Cloud cloud = cloud_of(bench_of(k), read_noise_e(k), realisations, seed + 1000 * k);
     return {root_of(cloud.squares_px2), bound_px(bench_of(k), read_noise_e(k)), cloud.lost};
   }
@@ -45,7 +45,8 @@ struct Sweep {
 
 /// Adds one series per method at this light level. After the last method of each charge, adds the
 /// charge's Cramer-Rao bound.
-Figure figure_of(Figure figure, Light light, const Sweep& sweep, const std::vector<Point>& points) {
+Figure sweep_figure(Figure figure, Light light, const Sweep& sweep,
+                    const std::vector<CloudPoint>& points) {
   const std::vector<SpotBench>& benches = sweep.benches;
   for (std::size_t b = 0; b < benches.size(); ++b) {
     if (benches[b].light != light) continue;
@@ -65,7 +66,7 @@ Figure figure_of(Figure figure, Light light, const Sweep& sweep, const std::vect
   return figure;
 }
 
-nlohmann::json summary_of(const char* study, int realisations) {
+nlohmann::json study_summary(const char* study, int realisations) {
   return {{"study", study},
           {"unit", "px RMS per axis"},
           {"peak_e", kPeakE},
@@ -74,7 +75,7 @@ nlohmann::json summary_of(const char* study, int realisations) {
 }
 
 /// `clouds`: one for each bench at equal peak.
-Figure cloud_figure(const std::vector<SpotBench>& all, std::span<const Point> clouds) {
+Figure cloud_figure(const std::vector<SpotBench>& all, std::span<const CloudPoint> clouds) {
   Figure figure{
       "localisation-clouds",
       fmt::format("Position errors of one spot, read noise {} e, peak {} e", kCloudNoiseE, kPeakE),
@@ -88,10 +89,10 @@ Figure cloud_figure(const std::vector<SpotBench>& all, std::span<const Point> cl
 }
 
 /// `points`: those of the sweep, then the clouds.
-Findings localised(const Sweep& sweep, const std::vector<Point>& points) {
-  Findings found{summary_of("localisation", sweep.realisations), {}};
+Findings localised(const Sweep& sweep, const std::vector<CloudPoint>& points) {
+  Findings found{study_summary("localisation", sweep.realisations), {}};
   for (std::size_t k = 0; k < sweep.size(); ++k) {
-    const Point& point = points[k];
+    const CloudPoint& point = points[k];
     found.summary["rows"].push_back({{"light", name_of(sweep.bench_of(k).light)},
                                      {"method", sweep.bench_of(k).method.name},
                                      {"read_noise_e", sweep.read_noise_e(k)},
@@ -105,16 +106,16 @@ Findings localised(const Sweep& sweep, const std::vector<Point>& points) {
                   fmt::format("Localisation of one spot at {}", name_of(light)),
                   "read noise (electrons RMS)", "position error (px RMS per axis)"};
     figure.log_y = true;
-    found.figures.push_back(figure_of(std::move(figure), light, sweep, points));
+    found.figures.push_back(sweep_figure(std::move(figure), light, sweep, points));
   }
   found.figures.push_back(cloud_figure(sweep.benches, std::span(points).subspan(sweep.size())));
   return found;
 }
 
-Findings tracked(const Sweep& sweep, const std::vector<Point>& points) {
-  Findings found{summary_of("trackers", sweep.realisations), {}};
+Findings tracked(const Sweep& sweep, const std::vector<CloudPoint>& points) {
+  Findings found{study_summary("trackers", sweep.realisations), {}};
   for (std::size_t k = 0; k < sweep.size(); ++k) {
-    const Point& point = points[k];
+    const CloudPoint& point = points[k];
     found.summary["rows"].push_back({{"light", name_of(sweep.bench_of(k).light)},
                                      {"method", sweep.bench_of(k).method.name},
                                      {"snr", sweep.x_of(k)},
@@ -130,7 +131,7 @@ Findings tracked(const Sweep& sweep, const std::vector<Point>& points) {
                   fmt::format("Every tracker and its bound at {}", name_of(light)),
                   peak ? "peak SNR" : "peak SNR of the vortex", "position error (px RMS per axis)"};
     figure.log_x = figure.log_y = true;
-    found.figures.push_back(figure_of(std::move(figure), light, sweep, points));
+    found.figures.push_back(sweep_figure(std::move(figure), light, sweep, points));
   }
   return found;
 }
@@ -156,10 +157,11 @@ Work localisation(const Settings& settings) {
     if (k < sweep->size()) return sweep->measure(k);
     const SpotBench& bench = sweep->benches[k - sweep->size()];
     Cloud cloud = cloud_of(bench, kCloudNoiseE, sweep->realisations, sweep->seed);
-    return Point{{}, kUnknown, cloud.lost, std::move(cloud.x_px), std::move(cloud.y_px)};
+    return CloudPoint{{}, kUnknown, cloud.lost, std::move(cloud.x_px), std::move(cloud.y_px)};
   };
-  return work_of(sweep->size() + std::size_t(clouds), measure,
-                 [sweep](const std::vector<Point>& points) { return localised(*sweep, points); });
+  return work_of(
+      sweep->size() + std::size_t(clouds), measure,
+      [sweep](const std::vector<CloudPoint>& points) { return localised(*sweep, points); });
 }
 
 Work trackers(const Settings& settings) {
@@ -173,7 +175,7 @@ Work trackers(const Settings& settings) {
                                           .seed = settings.seed});
   return work_of(
       sweep->size(), [sweep](std::size_t k) { return sweep->measure(k); },
-      [sweep](const std::vector<Point>& points) { return tracked(*sweep, points); });
+      [sweep](const std::vector<CloudPoint>& points) { return tracked(*sweep, points); });
 }
 
 }  // namespace ovws::study

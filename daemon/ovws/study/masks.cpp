@@ -46,11 +46,10 @@ struct Candidate {
   double waves = 0.0;  ///< RMS of the mask over the subaperture; 0: the charge alone
 };
 
-constexpr std::array<int, 3> kModes{18, 27, 44};
-constexpr std::array<Budget, 2> kBudgets{Budget::peak, Budget::photons};
-constexpr std::size_t kMeasured = kModes.size() * kBudgets.size();
+constexpr std::array<int, 3> kMaskModes{18, 27, 44};
+constexpr std::size_t kMeasured = kMaskModes.size() * kBudgets.size();
 
-Geometry bench_of(const Candidate& candidate) {
+Geometry masked_geometry(const Candidate& candidate) {
   const Shape& shape = kShapes[candidate.shape];
   Geometry geometry = default_bench();
   geometry.sensor.charge = shape.charge;
@@ -81,9 +80,9 @@ std::vector<Candidate> candidates_of(bool quick) {
 /// Errors of a candidate for every number of modes at every light level, modes inside.
 std::vector<ModeErrors> measure_mask(const Candidate& candidate, int images, std::uint64_t seed) {
   std::vector<ModeErrors> errors;
-  const Geometry geometry = bench_of(candidate);
+  const Geometry geometry = masked_geometry(candidate);
   for (const Budget budget : kBudgets) {
-    for (const int modes : kModes) {
+    for (const int modes : kMaskModes) {
       errors.push_back(measure_modes(geometry, budget, modes, images, seed++));
     }
   }
@@ -92,8 +91,8 @@ std::vector<ModeErrors> measure_mask(const Candidate& candidate, int images, std
 
 using Errors = std::vector<std::vector<ModeErrors>>;
 
-nlohmann::json row_of(const Candidate& candidate, Budget budget, int modes,
-                      const ModeErrors& errors) {
+nlohmann::json mask_row(const Candidate& candidate, Budget budget, int modes,
+                        const ModeErrors& errors) {
   const Shape& shape = kShapes[candidate.shape];
   return {{"mask", shape.name},
           {"charge", shape.charge},
@@ -110,7 +109,7 @@ nlohmann::json row_of(const Candidate& candidate, Budget budget, int modes,
 }
 
 /// Index of the candidate with the smallest expected error by shapes.
-std::size_t best_of(const Errors& errors, std::size_t at) {
+std::size_t best_candidate(const Errors& errors, std::size_t at) {
   const auto expected = [at](const std::vector<ModeErrors>& one) {
     const double value = one[at].shapes_expected;
     return std::isfinite(value) ? value : std::numeric_limits<double>::infinity();
@@ -122,9 +121,9 @@ std::size_t best_of(const Errors& errors, std::size_t at) {
 }
 
 /// Figure for one number of modes at one light level: error by shapes and bound against strength.
-Figure figure_of(std::size_t at, const std::vector<Candidate>& candidates, const Errors& errors) {
-  const Budget budget = kBudgets[at / kModes.size()];
-  const int modes = kModes[at % kModes.size()];
+Figure mask_figure(std::size_t at, const std::vector<Candidate>& candidates, const Errors& errors) {
+  const Budget budget = kBudgets[at / kMaskModes.size()];
+  const int modes = kMaskModes[at % kMaskModes.size()];
   Figure figure{
       fmt::format("masks-{}{}", modes, budget == Budget::peak ? "" : "-photons"),
       fmt::format("19 subapertures, {} modes, flat wavefront, {}", modes, name_of(budget)),
@@ -143,7 +142,7 @@ Figure figure_of(std::size_t at, const std::vector<Candidate>& candidates, const
   return figure;
 }
 
-Findings findings_of(const std::vector<Candidate>& candidates, const Errors& errors) {
+Findings masks_findings(const std::vector<Candidate>& candidates, const Errors& errors) {
   Findings findings;
   findings.summary = {{"study", "masks"},
                       {"unit", "waves"},
@@ -153,14 +152,14 @@ Findings findings_of(const std::vector<Candidate>& candidates, const Errors& err
                       {"rows", nlohmann::json::array()},
                       {"best", nlohmann::json::array()}};
   for (std::size_t at = 0; at < kMeasured; ++at) {
-    const Budget budget = kBudgets[at / kModes.size()];
-    const int modes = kModes[at % kModes.size()];
+    const Budget budget = kBudgets[at / kMaskModes.size()];
+    const int modes = kMaskModes[at % kMaskModes.size()];
     const auto row = [&](std::size_t c) {
-      return row_of(candidates[c], budget, modes, errors[c][at]);
+      return mask_row(candidates[c], budget, modes, errors[c][at]);
     };
     for (std::size_t c = 0; c < candidates.size(); ++c) findings.summary["rows"].push_back(row(c));
-    findings.summary["best"].push_back(row(best_of(errors, at)));
-    findings.figures.push_back(figure_of(at, candidates, errors));
+    findings.summary["best"].push_back(row(best_candidate(errors, at)));
+    findings.figures.push_back(mask_figure(at, candidates, errors));
   }
   return findings;
 }
@@ -175,7 +174,7 @@ Work masks(const Settings& settings) {
       [candidates, images, seed = settings.seed](std::size_t k) {
         return measure_mask(candidates[k], images, seed + 1000 * k);
       },
-      [candidates](const Errors& errors) { return findings_of(candidates, errors); });
+      [candidates](const Errors& errors) { return masks_findings(candidates, errors); });
 }
 
 }  // namespace ovws::study

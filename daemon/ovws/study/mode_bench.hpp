@@ -2,6 +2,7 @@
 /// spots, and by their positions.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,7 @@ enum class Budget {
   peak,    ///< kPeakE in the brightest pixel: the camera's full well is the limit
   photons  ///< kPhotonsE in all spots together: the laser is the limit
 };
+constexpr std::array<Budget, 2> kBudgets{Budget::peak, Budget::photons};
 const char* name_of(Budget budget);
 
 constexpr double kPhotonsE = 19 * 20'000.0;

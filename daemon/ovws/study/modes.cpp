@@ -21,7 +21,7 @@ struct ModeCase {
 
 /// Bench with 19, 37 or 61 subapertures. The spots are as bright and as far apart (in lambda/d) as
 /// on the default bench; a smaller magnification keeps them in the image.
-Geometry bench_of(int subapertures, int charge) {
+Geometry unmasked_geometry(int subapertures, int charge) {
   Geometry geometry = default_bench();
   geometry.sensor.charge = charge;
   if (subapertures == 37) {
@@ -38,8 +38,7 @@ Geometry bench_of(int subapertures, int charge) {
   return geometry;
 }
 
-constexpr std::array<int, 4> kModes{18, 27, 35, 44};
-constexpr std::array<Budget, 2> kBudgets{Budget::peak, Budget::photons};
+constexpr std::array<int, 4> kModeCounts{18, 27, 35, 44};
 
 std::vector<ModeCase> cases_of(const Settings& settings) {
   std::vector<ModeCase> cases;
@@ -47,7 +46,7 @@ std::vector<ModeCase> cases_of(const Settings& settings) {
     for (const int charge : {1, 0, 2}) {
       if (settings.quick && (subapertures != 19 || charge == 2)) continue;
       for (const Budget budget : kBudgets) {
-        for (const int modes : kModes) cases.push_back({subapertures, charge, modes, budget});
+        for (const int modes : kModeCounts) cases.push_back({subapertures, charge, modes, budget});
       }
     }
   }
@@ -58,7 +57,7 @@ std::string sensor_name(int charge) {
   return charge == 0 ? "Shack-Hartmann" : charge == 1 ? "vortex" : "vortex of charge 2";
 }
 
-nlohmann::json row_of(const ModeCase& one, const ModeErrors& errors) {
+nlohmann::json mode_row(const ModeCase& one, const ModeErrors& errors) {
   return {{"subapertures", one.subapertures},
           {"charge", one.charge},
           {"modes", one.modes},
@@ -75,8 +74,8 @@ nlohmann::json row_of(const ModeCase& one, const ModeErrors& errors) {
 
 /// Figure of one lattice at one light level: errors by shapes and by positions for every charge,
 /// and the Cramer-Rao bound.
-Figure figure_of(int subapertures, Budget budget, const std::vector<ModeCase>& cases,
-                 const std::vector<ModeErrors>& errors) {
+Figure mode_figure(int subapertures, Budget budget, const std::vector<ModeCase>& cases,
+                   const std::vector<ModeErrors>& errors) {
   Figure figure{fmt::format("modes-{}{}", subapertures, budget == Budget::peak ? "" : "-photons"),
                 fmt::format("{} subapertures, flat wavefront, {}", subapertures, name_of(budget)),
                 "modes measured", "error without tilts (waves RMS)"};
@@ -101,8 +100,8 @@ Figure figure_of(int subapertures, Budget budget, const std::vector<ModeCase>& c
   return figure;
 }
 
-Findings findings_of(const std::vector<ModeCase>& cases, const std::vector<ModeErrors>& errors,
-                     bool quick) {
+Findings modes_findings(const std::vector<ModeCase>& cases, const std::vector<ModeErrors>& errors,
+                        bool quick) {
   Findings findings;
   findings.summary = {{"study", "modes"},
                       {"unit", "waves"},
@@ -111,12 +110,12 @@ Findings findings_of(const std::vector<ModeCase>& cases, const std::vector<ModeE
                       {"read_noise_e", kModesReadNoiseE},
                       {"rows", nlohmann::json::array()}};
   for (std::size_t k = 0; k < cases.size(); ++k) {
-    findings.summary["rows"].push_back(row_of(cases[k], errors[k]));
+    findings.summary["rows"].push_back(mode_row(cases[k], errors[k]));
   }
   for (const int subapertures : {19, 37, 61}) {
     if (quick && subapertures != 19) continue;
     for (const Budget budget : kBudgets) {
-      findings.figures.push_back(figure_of(subapertures, budget, cases, errors));
+      findings.figures.push_back(mode_figure(subapertures, budget, cases, errors));
     }
   }
   return findings;
@@ -131,11 +130,11 @@ Work modes(const Settings& settings) {
       cases.size(),
       [cases, images, seed = settings.seed](std::size_t k) {
         const ModeCase& one = cases[k];
-        return measure_modes(bench_of(one.subapertures, one.charge), one.budget, one.modes, images,
-                             seed + 1000 * k);
+        return measure_modes(unmasked_geometry(one.subapertures, one.charge), one.budget, one.modes,
+                             images, seed + 1000 * k);
       },
       [cases, quick = settings.quick](const std::vector<ModeErrors>& errors) {
-        return findings_of(cases, errors, quick);
+        return modes_findings(cases, errors, quick);
       });
 }
 

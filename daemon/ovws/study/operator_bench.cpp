@@ -12,11 +12,11 @@
 namespace ovws::study {
 namespace {
 
-constexpr int kRenderings = 6;  // of the spots, in the fit of all pixels
+constexpr int kFitRenderings = 6;  // of the spots, in the fit of all pixels
 // Index of the tracker's own slope operator among the operators; the fit starts at its result.
 constexpr std::size_t kOwn = 2;
 
-SensorConfig sensor_of(const OperatorTools& tools) {
+SensorConfig operator_sensor(const OperatorTools& tools) {
   SensorConfig sensor = tools.geometry.sensor;
   sensor.charge = tools.charge;
   return sensor;
@@ -33,7 +33,7 @@ OperatorTools::OperatorTools(int l)
       geometry(default_bench()),
       model(model_of(geometry, charge)),
       measurer(geometry, {"lg", charge, {TrackerKind::lg}}, model) {
-  const SensorConfig sensor = sensor_of(*this);
+  const SensorConfig sensor = operator_sensor(*this);
   for (const double radius : {kGradientTilt, charge == 0 ? kZernikeTilt : kVortexTilt,
                               tilt_radius(charge, measurer.method().tracking)}) {
     slopes.push_back(
@@ -67,7 +67,7 @@ Readings OperatorBench::read(const Image<float>& light_e, std::span<const Mode> 
   for (std::size_t k = 0; k < tools_.slopes.size(); ++k) {
     readings[k] = linear(tools_.slopes[k], fixes);
   }
-  readings[4] = fitted_waves(renderer_, exposure, read_noise_e, readings[kOwn], kRenderings);
+  readings[4] = fitted_waves(renderer_, exposure, read_noise_e, readings[kOwn], kFitRenderings);
   return readings;
 }
 

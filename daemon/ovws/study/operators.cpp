@@ -17,18 +17,18 @@ namespace {
 constexpr double kSnr = 22.0;
 
 /// A charge at one light level, with or without noise; noise-free only at equal peak.
-struct Case {
+struct OperatorCase {
   int charge;
   Light light;
   bool noisy;
 };
-constexpr std::array<Case, 5> kCases{{{1, Light::equal_peak, false},
-                                      {0, Light::equal_peak, false},
-                                      {1, Light::equal_peak, true},
-                                      {0, Light::equal_peak, true},
-                                      {0, Light::equal_photons, true}}};
+constexpr std::array<OperatorCase, 5> kOperatorCases{{{1, Light::equal_peak, false},
+                                                      {0, Light::equal_peak, false},
+                                                      {1, Light::equal_peak, true},
+                                                      {0, Light::equal_peak, true},
+                                                      {0, Light::equal_photons, true}}};
 
-struct Levels {
+struct OperatorLevels {
   std::vector<double> amplitudes;  ///< waves RMS; figures show the last one
   std::vector<int> modes_j;
   int realisations;
@@ -39,12 +39,12 @@ struct Levels {
 };
 
 /// Results for one case and one mode.
-struct Outcome {
+struct OperatorErrors {
   std::array<Mean, kOperatorCount> errors_waves;
   std::array<int, kOperatorCount> undetermined{};
   double bound_waves = 0.0;
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Outcome, errors_waves, undetermined, bound_waves)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OperatorErrors, errors_waves, undetermined, bound_waves)
 
 /// Sum of squares over all modes of measured minus true, waves^2.
 double square_error(const std::vector<double>& found, const std::vector<int>& modes_j, Mode truth) {
@@ -56,12 +56,13 @@ double square_error(const std::vector<double>& found, const std::vector<int>& mo
   return squares;
 }
 
-Outcome measure(OperatorBench& bench, const std::vector<int>& modes_j, const Case& one, Mode mode,
-                int realisations, std::uint64_t seed) {
+OperatorErrors operator_errors(OperatorBench& bench, const std::vector<int>& modes_j,
+                               const OperatorCase& one, Mode mode, int realisations,
+                               std::uint64_t seed) {
   const std::vector<Mode> modes{mode};
   const double read_noise_e = one.noisy ? read_noise_of_snr(kSnr) : 0.0;
   const Image<float> light_e = bench.light_e(modes, one.light);
-  Outcome outcome;
+  OperatorErrors outcome;
   if (one.noisy) outcome.bound_waves = bench.bound_waves(light_e, modes, read_noise_e);
   std::array<std::vector<double>, kOperatorCount> squares;
   for (int r = 0; r < (one.noisy ? realisations : 1); ++r) {
@@ -75,7 +76,7 @@ Outcome measure(OperatorBench& bench, const std::vector<int>& modes_j, const Cas
   return outcome;
 }
 
-Figure frame_of(const Case& one, double waves) {
+Figure frame_of(const OperatorCase& one, double waves) {
   const std::string mode = fmt::format("single modes at {} wave", waves);
   Figure figure;
   if (!one.noisy) {
@@ -98,15 +99,16 @@ Figure frame_of(const Case& one, double waves) {
   return figure;
 }
 
-Figure figure_of(std::size_t c, const Levels& levels, const std::vector<Outcome>& outcomes) {
-  const Case& one = kCases[c];
+Figure operator_figure(std::size_t c, const OperatorLevels& levels,
+                       const std::vector<OperatorErrors>& outcomes) {
+  const OperatorCase& one = kOperatorCases[c];
   Figure figure = frame_of(one, levels.amplitudes.back());
   const OperatorNames names = operator_names(one.charge);
   Series bound{"bound of all pixels", {}, {}, {}, Series::Style::line};
   for (std::size_t o = 0; o < kOperatorCount; ++o) {
     Series series{names[o], {}, {}, {}};
     for (std::size_t m = levels.modes() - levels.modes_j.size(); m < levels.modes(); ++m) {
-      const Outcome& outcome = outcomes[c * levels.modes() + m];
+      const OperatorErrors& outcome = outcomes[c * levels.modes() + m];
       series.x.push_back(levels.mode(m).j);
       series.y.push_back(outcome.errors_waves[o].value);
       if (one.noisy) series.error.push_back(outcome.errors_waves[o].standard_error);
@@ -119,10 +121,11 @@ Figure figure_of(std::size_t c, const Levels& levels, const std::vector<Outcome>
   return figure;
 }
 
-nlohmann::json rows_of(const Levels& levels, const std::vector<Outcome>& outcomes) {
+nlohmann::json operator_rows(const OperatorLevels& levels,
+                             const std::vector<OperatorErrors>& outcomes) {
   nlohmann::json rows = nlohmann::json::array();
   for (std::size_t k = 0; k < outcomes.size(); ++k) {
-    const Case& one = kCases[k / levels.modes()];
+    const OperatorCase& one = kOperatorCases[k / levels.modes()];
     const Mode mode = levels.mode(k % levels.modes());
     const OperatorNames names = operator_names(one.charge);
     for (std::size_t o = 0; o < kOperatorCount; ++o) {
@@ -141,40 +144,44 @@ nlohmann::json rows_of(const Levels& levels, const std::vector<Outcome>& outcome
   return rows;
 }
 
-Findings findings_of(const Levels& levels, const std::vector<Outcome>& outcomes) {
+Findings operators_findings(const OperatorLevels& levels,
+                            const std::vector<OperatorErrors>& outcomes) {
   nlohmann::json summary{{"study", "operators"},
                          {"unit", "waves, root sum square over all modes"},
                          {"snr", kSnr},
                          {"peak_e", kPeakE},
                          {"realisations", levels.realisations},
-                         {"rows", rows_of(levels, outcomes)}};
+                         {"rows", operator_rows(levels, outcomes)}};
   std::vector<Figure> figures;
-  for (std::size_t c = 0; c < kCases.size(); ++c) {
-    figures.push_back(figure_of(c, levels, outcomes));
+  for (std::size_t c = 0; c < kOperatorCases.size(); ++c) {
+    figures.push_back(operator_figure(c, levels, outcomes));
   }
   return {std::move(summary), std::move(figures)};
 }
 
 }  // namespace
 
-/// Its items: every mode for each case, in the order of kCases.
+/// Its items: every mode for each case, in the order of kOperatorCases.
 Work operators(const Settings& settings) {
-  const Levels levels =
+  const OperatorLevels levels =
       settings.quick
-          ? Levels{{0.3}, {3, 13}, 2}
-          : Levels{{0.1, 0.3}, {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18}, 4};
+          ? OperatorLevels{{0.3}, {3, 13}, 2}
+          : OperatorLevels{
+                {0.1, 0.3}, {3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18}, 4};
   const auto vortex = std::make_shared<const OperatorTools>(1);
   const auto bright = std::make_shared<const OperatorTools>(0);
   return work_of(
-      kCases.size() * levels.modes(),
+      kOperatorCases.size() * levels.modes(),
       [levels, vortex, bright, seed = settings.seed](std::size_t k) {
-        const Case& one = kCases[k / levels.modes()];
+        const OperatorCase& one = kOperatorCases[k / levels.modes()];
         const OperatorTools& with = one.charge == 0 ? *bright : *vortex;
         OperatorBench bench(with);
-        return measure(bench, with.modes_j(), one, levels.mode(k % levels.modes()),
-                       levels.realisations, seed + 1000 * k);
+        return operator_errors(bench, with.modes_j(), one, levels.mode(k % levels.modes()),
+                               levels.realisations, seed + 1000 * k);
       },
-      [levels](const std::vector<Outcome>& outcomes) { return findings_of(levels, outcomes); });
+      [levels](const std::vector<OperatorErrors>& outcomes) {
+        return operators_findings(levels, outcomes);
+      });
 }
 
 }  // namespace ovws::study

@@ -13,7 +13,6 @@ namespace ovws::study {
 namespace {
 
 constexpr double kLowestSnr = 5.0, kHighestSnr = 22.0;
-constexpr double kStartWithin = 0.3;  ///< lambda/d
 constexpr double kAgreePx = 0.01;
 
 /// Positions of one spot by both methods, px; NaN: not found.
@@ -41,14 +40,14 @@ Pair compare(const SpotBench& fast, const SpotBench& contour, std::uint64_t seed
   return {pair.snr, by_lg.x, by_lg.y, by_contour.x, by_contour.y};
 }
 
-nlohmann::json json_of(const Pair& pair) {
+nlohmann::json pair_json(const Pair& pair) {
   return {{"snr", pair.snr},
           {"lg", {pair.x, pair.y}},
           {"lg_contour", {pair.contour_x, pair.contour_y}},
           {"apart_px", pair.apart_px()}};
 }
 
-Findings findings_of(const std::vector<Pair>& pairs) {
+Findings oracle_findings(const std::vector<Pair>& pairs) {
   nlohmann::json summary{{"study", "oracle"},
                          {"spots", pairs.size()},
                          {"agree_px", kAgreePx},
@@ -59,7 +58,7 @@ Findings findings_of(const std::vector<Pair>& pairs) {
     if (!pair.both()) continue;
     ++both;
     apart.add(pair.snr, std::max(pair.apart_px(), 1e-7));
-    pair.apart_px() <= kAgreePx ? void(++agree) : summary["rows"].push_back(json_of(pair));
+    pair.apart_px() <= kAgreePx ? void(++agree) : summary["rows"].push_back(pair_json(pair));
   }
   summary["both_found"] = both;
   summary["agree"] = agree;
@@ -89,7 +88,7 @@ Work oracle(const Settings& settings) {
       [fast, contour, seed = settings.seed](std::size_t k) {
         return compare(fast, contour, seed + 1000 * k);
       },
-      findings_of);
+      oracle_findings);
 }
 
 }  // namespace ovws::study

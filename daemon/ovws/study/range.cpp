@@ -69,7 +69,6 @@ struct Reached {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Reached, climbs, geometry)
 
-constexpr double kGross = 0.5;   ///< lambda/d: a larger error counts as a wrong spot
 constexpr double kMargin = 1.0;  ///< lambda/d: the size of a vortex ring
 
 bool leaves(const std::vector<Vec2>& spots_px, double margin_px) {
@@ -220,7 +219,7 @@ Limit limited_by(const Climber& climber) {
       ->first;
 }
 
-nlohmann::json rows_of(const std::vector<Way>& ways) {
+nlohmann::json range_rows(const std::vector<Way>& ways) {
   nlohmann::json rows = nlohmann::json::array();
   for (const Light light : {Light::equal_peak, Light::equal_photons}) {
     for (const Way& way : ways) {
@@ -263,7 +262,7 @@ Series geometric_series(const char* name, double GeometricLimit::*limit,
   return series;
 }
 
-Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& steps) {
+Figure range_figure(Light light, const std::vector<Way>& ways, const ClimbSteps& steps) {
   Figure figure{light == Light::equal_peak ? "range" : "range-photons",
                 fmt::format("Largest amplitude with all spots found without history, peak SNR {}, "
                             "{} (tried up to {})",
@@ -284,8 +283,8 @@ Figure figure_of(Light light, const std::vector<Way>& ways, const ClimbSteps& st
   return figure;
 }
 
-Findings findings_of(std::vector<Way> ways, const ClimbSteps& steps,
-                     const std::vector<Reached>& results) {
+Findings range_findings(std::vector<Way> ways, const ClimbSteps& steps,
+                        const std::vector<Reached>& results) {
   for (std::size_t k = 0; k < ways.size(); ++k) {
     ways[k].climbers = all_climbers();
     for (std::size_t c = 0; c < ways[k].climbers.size(); ++c) {
@@ -299,10 +298,10 @@ Findings findings_of(std::vector<Way> ways, const ClimbSteps& steps,
                          {"step_waves", steps.step_waves},
                          {"most_waves", steps.max_waves},
                          {"realisations", steps.realisations},
-                         {"rows", rows_of(ways)}};
-  return {
-      std::move(summary),
-      {figure_of(Light::equal_peak, ways, steps), figure_of(Light::equal_photons, ways, steps)}};
+                         {"rows", range_rows(ways)}};
+  return {std::move(summary),
+          {range_figure(Light::equal_peak, ways, steps),
+           range_figure(Light::equal_photons, ways, steps)}};
 }
 
 }  // namespace
@@ -326,7 +325,7 @@ Work range(const Settings& settings) {
         return Reached{climb(way.j, way.sign, steps, seed + 1'000'000 * k),
                        geometric_limit(*geometric, way.j, way.sign, steps)};
       },
-      [=](const std::vector<Reached>& results) { return findings_of(ways, steps, results); });
+      [=](const std::vector<Reached>& results) { return range_findings(ways, steps, results); });
 }
 
 }  // namespace ovws::study

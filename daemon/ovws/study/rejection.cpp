@@ -48,7 +48,7 @@ Series line_of(const std::string& name, const Spectrum& spectrum) {
   return series;
 }
 
-json summary_of(const RecordedLoop& loop) {
+json loop_summary(const RecordedLoop& loop) {
   const auto& times = loop.recording.times_s;
   const int all = loop.received + loop.lost;
   return {{"rms_waves", rms_waves(loop.recording)},
@@ -227,7 +227,7 @@ json law_summary(const MeasuredLaw& measured, const FoundLaw& found) {
           {"delay_ms", 1e3 * found.timing.delay_s},
           {"noise_limit_waves", found.noise_limit_waves},
           {"noise_passed_waves", found.noise_passed_waves},
-          {"closed", summary_of(measured.closed)},
+          {"closed", loop_summary(measured.closed)},
           {"from_hz", found.rejection.front().hz},
           {"to_hz", found.rejection.back().hz},
           {"crossing_0_db_hz", crossing(found, 0.0)},
@@ -341,7 +341,7 @@ json rejection_summary(const RejectionMeasured& measured, const RejectionFound& 
   }
   return {{"study", "rejection"},
           {"modes_j", measured.modes_j},
-          {"open", summary_of(measured.open)},
+          {"open", loop_summary(measured.open)},
           {"uncorrected_modes_j", measured.open.uncorrected_j},
           {"noise_waves", found.noise_waves},
           {"segment_s", measured.segment_s},

@@ -27,7 +27,7 @@ constexpr std::array<SpotMethod, 3> kMethods{{{"bright, centroid of a fixed cell
                                               {"vortex, lg", 1, false}}};
 constexpr double kConfidence = 1.96;  ///< standard errors of a 95 % interval
 
-struct Levels {
+struct TurbulenceLevels {
   std::vector<double> rytov;
   int waves;  ///< of every strength
 };
@@ -119,8 +119,8 @@ struct Row {
   int undetermined;
 };
 
-Row row_of(std::size_t light, std::size_t lattice, std::size_t method, const Benches& benches,
-           const std::vector<Seen>& seen) {
+Row method_row(std::size_t light, std::size_t lattice, std::size_t method, const Benches& benches,
+               const std::vector<Seen>& seen) {
   const std::size_t bench = bench_at(lattice, method), at = light * benches.size() + bench;
   Row row{light, lattice, method, 0, {}, {}, 0.0, 0};
   const auto& counts = benches[bench]->mode_counts();
@@ -152,8 +152,8 @@ Mean reduction(const Row& one, const Row& other) {
   return found;
 }
 
-nlohmann::json json_of(const Row& row, double rytov, const Mean& index, const Benches& benches,
-                       const Row& finest) {
+nlohmann::json row_json(const Row& row, double rytov, const Mean& index, const Benches& benches,
+                        const Row& finest) {
   const Mean less = reduction(row, finest);
   return {{"rytov_variance", rytov},
           {"scintillation_index", index.value},
@@ -181,13 +181,13 @@ const Row& least(const std::vector<Row>& rows) {
 void add_rows(const std::vector<Row>& rows, double rytov, const Mean& index, const Benches& benches,
               nlohmann::json& summary) {
   const auto json = [&](const Row& row) {
-    return json_of(row, rytov, index, benches, rows.back());
+    return row_json(row, rytov, index, benches, rows.back());
   };
   for (const Row& row : rows) summary["rows"].push_back(json(row));
   summary["best"].push_back(json(least(rows)));
 }
 
-Figure figure_of(std::size_t light) {
+Figure rytov_figure(std::size_t light) {
   Figure figure{fmt::format("scintillation-{}", light == 0 ? "bright" : "dim"),
                 fmt::format("D/r0 = {:.0f}, {:.0f} electrons over the pupil, best number of modes",
                             kPupilsPerR0, kLightE[light]),
@@ -196,13 +196,14 @@ Figure figure_of(std::size_t light) {
   return figure;
 }
 
-Findings findings_of(const Levels& levels, const Benches& benches, const std::vector<Seen>& all) {
+Findings scintillation_findings(const TurbulenceLevels& levels, const Benches& benches,
+                                const std::vector<Seen>& all) {
   Findings findings;
   findings.summary = {{"study", "scintillation"},        {"unit", "rad^2"},
                       {"pupils_per_r0", kPupilsPerR0},   {"read_noise_e", 5.0},
                       {"rows", nlohmann::json::array()}, {"best", nlohmann::json::array()}};
   for (std::size_t light = 0; light < kLightE.size(); ++light) {
-    Figure figure = figure_of(light);
+    Figure figure = rytov_figure(light);
     for (std::size_t method = 0; method < kMethods.size(); ++method) {
       std::vector<Series> series(kAcross.size());
       for (std::size_t s = 0; s < levels.rytov.size(); ++s) {
@@ -212,7 +213,7 @@ Findings findings_of(const Levels& levels, const Benches& benches, const std::ve
         for (const Seen& one : seen) indices.push_back(one.index);
         std::vector<Row> rows;
         for (std::size_t lattice = 0; lattice < kAcross.size(); ++lattice) {
-          rows.push_back(row_of(light, lattice, method, benches, seen));
+          rows.push_back(method_row(light, lattice, method, benches, seen));
           series[lattice].name = fmt::format("{}, {}", kMethods[method].name,
                                              benches[bench_at(lattice, method)]->subapertures());
           series[lattice].add(levels.rytov[s], rows.back().mean);
@@ -226,7 +227,7 @@ Findings findings_of(const Levels& levels, const Benches& benches, const std::ve
   return findings;
 }
 
-std::shared_ptr<const Benches> benches() {
+std::shared_ptr<const Benches> lattice_benches() {
   auto all = std::make_shared<Benches>();
   for (const int across : kAcross) {
     for (const SpotMethod& method : kMethods) {
@@ -239,9 +240,10 @@ std::shared_ptr<const Benches> benches() {
 }  // namespace
 
 Work scintillation(const Settings& settings) {
-  const Levels levels =
-      settings.quick ? Levels{{0.0, 0.1, 1.0}, 8} : Levels{{0.0, 0.1, 0.3, 1.0, 2.0, 4.0}, 100};
-  const auto all = benches();
+  const TurbulenceLevels levels = settings.quick
+                                      ? TurbulenceLevels{{0.0, 0.1, 1.0}, 8}
+                                      : TurbulenceLevels{{0.0, 0.1, 0.3, 1.0, 2.0, 4.0}, 100};
+  const auto all = lattice_benches();
   const auto modes = std::make_shared<const Eigen::MatrixXf>(modes_at_pixels(44));
   return work_of(
       levels.rytov.size() * std::size_t(levels.waves),
@@ -251,7 +253,7 @@ Work scintillation(const Settings& settings) {
         return look_at(scintillated_wave({kPupilsPerR0, rytov}, seed + 1000 * wave), *all, *modes,
                        seed + 1000 * k);
       },
-      [=](const std::vector<Seen>& seen) { return findings_of(levels, *all, seen); });
+      [=](const std::vector<Seen>& seen) { return scintillation_findings(levels, *all, seen); });
 }
 
 }  // namespace ovws::study

@@ -7,7 +7,7 @@
 namespace ovws::study {
 namespace {
 
-constexpr int kRenderings = 14;
+constexpr int kSearchRenderings = 14;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ std::vector<SpotFix> Searcher::fitted(const Exposure& exposure, double read_nois
   const std::vector<double> flat(measurer_.modes_j().size(), 0.0);
   std::vector<std::vector<double>> starts{measurer_.modes(by_positions), flat};
   if (std::isnan(starts.front().front())) starts.erase(starts.begin());
-  const auto found = model_->templates(exposure.view(), noise, starts, {}, kRenderings);
+  const auto found = model_->templates(exposure.view(), noise, starts, {}, kSearchRenderings);
   if (found) return (*found)->measure(exposure.view()).spots;
   return std::vector<SpotFix>(by_positions.size());
 }

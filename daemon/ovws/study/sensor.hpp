@@ -16,7 +16,9 @@
 
 namespace ovws::study {
 
-constexpr int kImagePx = 512;  ///< width and height of the camera image
+constexpr int kImagePx = 512;         ///< width and height of the camera image
+constexpr double kStartWithin = 0.3;  ///< lambda/d per axis: error of predicted positions
+constexpr double kGross = 0.5;        ///< lambda/d: a larger error counts as a wrong spot
 
 /// Unwraps a result. A study's own configuration is always valid, so an error is a bug and thrown.
 template <class T>

@@ -17,25 +17,26 @@
 namespace ovws::study {
 namespace {
 
-constexpr double kQuickSnr = 5.0;     ///< in the quick study, `fit` runs at this SNR only
-constexpr int kRenderings = 3;        ///< renderings of the templates: the first and two refreshes
-constexpr double kStartWithin = 0.3;  ///< lambda/d per axis: error of the predicted positions
+constexpr double kQuickSnr = 5.0;  ///< in the quick study, `fit` runs at this SNR only
+constexpr int kTemplateRenderings =
+    3;  ///< renderings of the templates: the first and two refreshes
 
-struct Case {
+struct AberrationCase {
   const char* name;
   const char* title;
   int j;
   double unit_waves;  ///< unit amplitude, as the paper's 2 lambda
   std::vector<Mode> modes() const { return {{j, unit_waves / zernike_rms_factor(j)}}; }
 };
-constexpr std::array<Case, 2> kCases{{{"astigmatism", "oblique astigmatism, 2 waves", 3, 2.0},
-                                      {"defocus", "defocus, 2 waves", 4, 2.0}}};
+constexpr std::array<AberrationCase, 2> kAberrationCases{
+    {{"astigmatism", "oblique astigmatism, 2 waves", 3, 2.0},
+     {"defocus", "defocus, 2 waves", 4, 2.0}}};
 
 /// Second measuring step, which starts from the tracker's result.
 enum class Then { nothing, fit };
 
 struct Bench {
-  const Case* aberration;
+  const AberrationCase* aberration;
   Light light;
   Method method;
   Then then = Then::nothing;
@@ -44,14 +45,14 @@ struct Bench {
   std::vector<Vec2> at_px;
 };
 
-struct Outcome {
+struct PhaseVariances {
   std::vector<double> variances;  ///< rad^2, one per reconstructed instance
   int undetermined = 0;
   int lost = 0;                  ///< number of lost spots
   double bound_rad2 = 0.0;       ///< independent of the method; reported with `fit`
   double noise_free_rad2 = 0.0;  ///< residual variance without noise: the model's error
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Outcome, variances, undetermined, lost, bound_rad2,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PhaseVariances, variances, undetermined, lost, bound_rad2,
                                    noise_free_rad2)
 
 double residual_variance(const Measurer& measurer, const std::vector<double>& found,
@@ -68,8 +69,8 @@ std::vector<SpotFix> fixes_at(const std::vector<Vec2>& positions) {
   return fixes;
 }
 
-Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t seed) {
-  Outcome outcome;
+PhaseVariances phase_variances(const Bench& bench, double snr, int instances, std::uint64_t seed) {
+  PhaseVariances outcome;
   if (bench.then == Then::nothing) {
     outcome.noise_free_rad2 = residual_variance(
         *bench.measurer, bench.measurer->modes(fixes_at(bench.at_px)), bench.aberration->modes());
@@ -90,7 +91,8 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
     for (const SpotFix& fix : fixes) outcome.lost += fix.found() ? 0 : 1;
     auto found = bench.measurer->modes(fixes);
     if (renderer) {
-      found = fitted_waves(*renderer, exposure, read_noise_e, std::move(found), kRenderings);
+      found =
+          fitted_waves(*renderer, exposure, read_noise_e, std::move(found), kTemplateRenderings);
     }
     if (std::isnan(found.front())) {
       ++outcome.undetermined;
@@ -102,12 +104,12 @@ Outcome measure(const Bench& bench, double snr, int instances, std::uint64_t see
   return outcome;
 }
 
-std::vector<Bench> benches() {
+std::vector<Bench> aberration_benches() {
   const Geometry geometry = thousand_px_bench();
   const auto vortex = model_of(geometry, 1);
   const auto bright = model_of(geometry, 0);
   std::vector<Bench> all;
-  for (const Case& aberration : kCases) {
+  for (const AberrationCase& aberration : kAberrationCases) {
     for (const Light light : {Light::equal_peak, Light::equal_photons}) {
       for (const Method& method : all_methods()) {
         const bool fits = method.tracking.tracker == TrackerKind::fit;
@@ -138,8 +140,8 @@ nlohmann::json value_if(bool present, double value) {
   return present ? nlohmann::json(value) : nlohmann::json();
 }
 
-nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
-                      const Outcome& outcome) {
+nlohmann::json variance_row(const Bench& bench, double snr, const Mean& variance,
+                            const PhaseVariances& outcome) {
   return {{"aberration", bench.aberration->name},
           {"light", name_of(bench.light)},
           {"method", bench.method.name},
@@ -155,32 +157,32 @@ nlohmann::json row_of(const Bench& bench, double snr, const Mean& variance,
 
 /// Adds the series of one bench to its figure, and its rows to `summary`.
 void add_bench(const Bench& bench, const std::vector<double>& snrs,
-               std::span<const Outcome> outcomes, Figure& figure, nlohmann::json& summary) {
+               std::span<const PhaseVariances> outcomes, Figure& figure, nlohmann::json& summary) {
   Series series{bench.method.name, {}, {}, {}};
   for (std::size_t s = 0; s < snrs.size(); ++s) {
-    const Outcome& outcome = outcomes[s];
+    const PhaseVariances& outcome = outcomes[s];
     if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // SNR not measured
     const Mean variance = mean_of(outcome.variances);
     series.add(snrs[s], variance);
-    summary["rows"].push_back(row_of(bench, snrs[s], variance, outcome));
+    summary["rows"].push_back(variance_row(bench, snrs[s], variance, outcome));
   }
   figure.series.push_back(std::move(series));
   if (!bounded(bench)) return;
   Series bound{
       fmt::format("bound, charge {}", bench.method.charge), snrs, {}, {}, Series::Style::line};
-  for (const Outcome& outcome : outcomes) bound.y.push_back(outcome.bound_rad2);
+  for (const PhaseVariances& outcome : outcomes) bound.y.push_back(outcome.bound_rad2);
   figure.series.push_back(std::move(bound));
 }
 
-Findings findings_of(const std::vector<Bench>& all, const std::vector<double>& snrs, int instances,
-                     const std::vector<Outcome>& outcomes) {
+Findings wavefront_findings(const std::vector<Bench>& all, const std::vector<double>& snrs,
+                            int instances, const std::vector<PhaseVariances>& outcomes) {
   nlohmann::json summary{{"study", "wavefront"},
                          {"unit", "rad^2"},
                          {"peak_e", kPeakE},
                          {"instances", instances},
                          {"rows", nlohmann::json::array()}};
   std::vector<Figure> figures;
-  for (const Case& aberration : kCases) {
+  for (const AberrationCase& aberration : kAberrationCases) {
     for (const Light light : {Light::equal_peak, Light::equal_photons}) {
       Figure figure{std::string("wavefront-") + aberration.name +
                         (light == Light::equal_peak ? "" : "-photons"),
@@ -205,21 +207,22 @@ Work wavefront(const Settings& settings) {
       settings.quick ? std::vector<double>{2.0, 5.0, 22.0}
                      : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 18.0, 22.0};
   const int instances = settings.quick ? 30 : 100;
-  const auto all = std::make_shared<const std::vector<Bench>>(benches());
+  const auto all = std::make_shared<const std::vector<Bench>>(aberration_benches());
   const auto measure_one = [=](std::size_t k) {
     const Bench& bench = (*all)[k / snrs.size()];
     const double snr = snrs[k % snrs.size()];
-    if (bench.then != Then::nothing && settings.quick && snr != kQuickSnr) return Outcome{};
-    Outcome outcome = measure(bench, snr, instances, settings.seed + 1000 * k);
+    if (bench.then != Then::nothing && settings.quick && snr != kQuickSnr) return PhaseVariances{};
+    PhaseVariances outcome = phase_variances(bench, snr, instances, settings.seed + 1000 * k);
     if (!bounded(bench)) return outcome;
     outcome.bound_rad2 =
         wavefront_bound_rad2(thousand_px_bench(), bench.method.charge, bench.aberration->modes(),
                              bench.light_e, read_noise_of_snr(snr));
     return outcome;
   };
-  return work_of(all->size() * snrs.size(), measure_one, [=](const std::vector<Outcome>& outcomes) {
-    return findings_of(*all, snrs, instances, outcomes);
-  });
+  return work_of(all->size() * snrs.size(), measure_one,
+                 [=](const std::vector<PhaseVariances>& outcomes) {
+                   return wavefront_findings(*all, snrs, instances, outcomes);
+                 });
 }
 
 }  // namespace ovws::study

@@ -39,7 +39,7 @@ bool has_type(const json& schema, const char* type) {
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 
-bool is_number(const json& schema) {
+bool accepts_number(const json& schema) {
   return has_type(schema, "number") || has_type(schema, "integer");
 }
 
@@ -185,7 +185,8 @@ Result<json> value_of_any(const std::string& key, const json& schema, const json
   return first;
 }
 
-Result<void> put(json& params, const json& root, const std::string& key, const std::string& text) {
+Result<void> put_param(json& params, const json& root, const std::string& key,
+                       const std::string& text) {
   json* at = &params;
   json schema = root, as_given = root;
   std::size_t begin = 0;
@@ -241,7 +242,7 @@ Result<void> put_word(json& params, const json& root, const std::string& word) {
   }
   const auto equals = word.find('=');
   if (equals != std::string::npos && equals > 0) {
-    return put(params, root, word.substr(0, equals), word.substr(equals + 1));
+    return put_param(params, root, word.substr(0, equals), word.substr(equals + 1));
   }
   return mistake(word, "give KEY=VALUE, a JSON object, @FILE, or - for standard input");
 }
@@ -293,7 +294,7 @@ std::string expected_of(const json& schema) {
     text = "text";
   } else if (has_type(schema, "array")) {
     text = "a list";
-  } else if (is_number(schema)) {
+  } else if (accepts_number(schema)) {
     text = has_type(schema, "integer") ? "a whole number" : "a number";
     if (schema.contains("minimum") && schema.contains("maximum")) {
       text += fmt::format(" from {} to {}", schema.at("minimum").get<double>(),

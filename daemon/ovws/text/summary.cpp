@@ -36,14 +36,14 @@ std::string value_text(const json& value) {
   return text;
 }
 
-void put(std::vector<std::pair<std::string, std::string>>& lines, const std::string& prefix,
-         const json& object) {
+void put_lines(std::vector<std::pair<std::string, std::string>>& lines, const std::string& prefix,
+               const json& object) {
   for (const auto& [key, value] : object.items()) {
     if (value.is_null() || is_for_programs(key)) continue;
     if (value.is_structured() && value.empty()) continue;
     if (value == "") continue;
     if (value.is_object()) {
-      put(lines, prefix + key + ".", value);
+      put_lines(lines, prefix + key + ".", value);
     } else {
       lines.emplace_back(prefix + key, value_text(value));
     }
@@ -55,7 +55,7 @@ void put(std::vector<std::pair<std::string, std::string>>& lines, const std::str
 std::string summary_text(const json& result) {
   if (!result.is_object()) return value_text(result);
   std::vector<std::pair<std::string, std::string>> lines;
-  put(lines, "", result);
+  put_lines(lines, "", result);
   std::size_t width = 0;
   for (const auto& [key, value] : lines) width = std::max(width, key.size());
   std::string text;
