@@ -3,7 +3,9 @@
 namespace ovws::detail {
 
 template <class J>
-void put_field(J& out, const FieldInfo& field, J encoded) {
+void put_field(J& out, const FieldInfo& field, const Encoder<J>& encoder, const void* value) {
+  const bool nothing = (field.nullable || field.left_out) && encoder.is_nothing(value);
+  J encoded = nothing ? J() : encoder.encode(value);
   if (!field.left_out || !encoded.is_null()) out[field.key] = std::move(encoded);
 }
 
@@ -23,8 +25,8 @@ J parsed(const char* json) {
 }
 
 using Ordered = nlohmann::ordered_json;
-template void put_field(Json&, const FieldInfo&, Json);
-template void put_field(Ordered&, const FieldInfo&, Ordered);
+template void put_field(Json&, const FieldInfo&, const Encoder<Json>&, const void*);
+template void put_field(Ordered&, const FieldInfo&, const Encoder<Ordered>&, const void*);
 template Json number_or_null(double);
 template Ordered number_or_null(double);
 template Json point(const Vec2&);

@@ -92,9 +92,21 @@ struct Wire<JsonObject> {
 
 namespace detail {
 
-// Compiled once, because every field of every struct uses them. J: as in to_json.
+/// How a type is encoded. Fields are encoded through it, so that code is generated for each type
+/// and not for each field.
 template <class J>
-void put_field(J& out, const FieldInfo& field, J encoded);
+struct Encoder {
+  J (*encode)(const void* value);
+  bool (*is_nothing)(const void* value);
+};
+template <class J, class T>
+inline constexpr Encoder<J> kEncoder{
+    [](const void* value) { return J(to_json<J>(*static_cast<const T*>(value))); },
+    [](const void* value) { return is_nothing(*static_cast<const T*>(value)); }};
+
+// Compiled once. J: as in to_json.
+template <class J>
+void put_field(J& out, const FieldInfo& field, const Encoder<J>& encoder, const void* value);
 template <class J>
 J number_or_null(double value);
 template <class J>
@@ -108,8 +120,8 @@ J parsed(const char* json);
 template <class J, HasTable S>
 void put_fields(J& out, const S& from) {
   visit_fields(from, [&out](const FieldInfo& field, const auto& value) {
-    const bool nothing = (field.nullable || field.left_out) && detail::is_nothing(value);
-    detail::put_field(out, field, nothing ? J() : to_json<J>(value));
+    using T = std::remove_cvref_t<decltype(value)>;
+    detail::put_field(out, field, detail::kEncoder<J, T>, &value);
   });
 }
 

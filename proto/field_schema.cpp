@@ -69,11 +69,15 @@ Json schema_of_map(Json values, const FieldInfo& field) {
   return schema;
 }
 
-void put_field_schema(const SchemaParts& parts, const FieldInfo& field, Json schema, bool optional,
-                      std::optional<Json> initial, Json& properties, Json& required) {
+void put_field_schema(SchemaParts& parts, const FieldInfo& field, const Describer& describer,
+                      const void* initial, Json& properties, Json& required) {
+  Json schema = describer.schema(parts, field);
   const bool or_absent = parts.may_be_absent && std::string_view(field.absent) == "null";
-  if (!optional && (field.nullable || or_absent)) schema = with_null(std::move(schema));
-  if (initial && !field.required) schema["default"] = *std::move(initial);
+  if (!describer.optional && (field.nullable || or_absent)) schema = with_null(std::move(schema));
+  const bool has_default = parts.of == SchemaOf::params && !field.required && initial != nullptr;
+  if (has_default && !describer.encoder.is_nothing(initial)) {
+    schema["default"] = describer.encoder.encode(initial);
+  }
   schema["description"] = field.meaning;
   properties[field.key] = std::move(schema);
   const bool always = parts.of == SchemaOf::result && !field.left_out;

@@ -93,10 +93,19 @@ Json schema_of_value(SchemaParts& parts, const FieldInfo& field) {
 template <class S>
 void put_schema(SchemaParts& parts, Json& properties, Json& required);
 
-// Compiled once, because every field of every struct uses them.
-/// Adds the schema of one field. `initial`: its default value, if it has one.
-void put_field_schema(const SchemaParts& parts, const FieldInfo& field, Json schema, bool optional,
-                      std::optional<Json> initial, Json& properties, Json& required);
+/// How a type is described: its schema, and its encoding for the default value.
+struct Describer {
+  Json (*schema)(SchemaParts& parts, const FieldInfo& field);
+  Encoder<Json> encoder;
+  bool optional;
+};
+template <class T>
+inline constexpr Describer kDescriber{schema_of_value<T>, kEncoder<Json, T>, is_optional<T>};
+
+// Compiled once.
+/// Adds the schema of one field. `initial`: its default value; null: it has none.
+void put_field_schema(SchemaParts& parts, const FieldInfo& field, const Describer& describer,
+                      const void* initial, Json& properties, Json& required);
 void put_constant(const Constant& field, Json& properties, Json& required);
 Json object_of(Json properties, Json required);
 
@@ -104,13 +113,9 @@ template <class S, class Entry>
 void put_entry(SchemaParts& parts, const S& defaults, const Entry& entry, Json& properties,
                Json& required) {
   using Value = std::remove_cvref_t<decltype(entry.of(defaults))>;
-  std::optional<Json> initial;
-  if constexpr (requires { entry.member; }) {
-    const Value& value = defaults.*entry.member;
-    if (parts.of == SchemaOf::params && !is_nothing(value)) initial = to_json(value);
-  }
-  put_field_schema(parts, entry, schema_of_value<Value>(parts, entry), is_optional<Value>,
-                   std::move(initial), properties, required);
+  const void* initial = nullptr;
+  if constexpr (requires { entry.member; }) initial = &(defaults.*entry.member);
+  put_field_schema(parts, entry, kDescriber<Value>, initial, properties, required);
 }
 template <class S>
 void put_entry(SchemaParts&, const S&, const Constant& entry, Json& properties, Json& required) {
