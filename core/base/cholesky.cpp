@@ -4,7 +4,7 @@
 
 namespace ovws {
 
-bool factorise(Eigen::MatrixXd& a) {
+bool factorise(Eigen::Ref<Eigen::MatrixXd> a) {
   for (Eigen::Index j = 0; j < a.cols(); ++j) {
     const double before = a(j, j);
     for (Eigen::Index k = 0; k < j; ++k) a(j, j) -= a(j, k) * a(j, k);
@@ -19,7 +19,7 @@ bool factorise(Eigen::MatrixXd& a) {
   return true;
 }
 
-void invert_lower(Eigen::MatrixXd& l) {
+void invert_lower(Eigen::Ref<Eigen::MatrixXd> l) {
   for (Eigen::Index j = 0; j < l.cols(); ++j) {
     l(j, j) = 1.0 / l(j, j);
     for (Eigen::Index i = j + 1; i < l.rows(); ++i) {
@@ -30,7 +30,7 @@ void invert_lower(Eigen::MatrixXd& l) {
   }
 }
 
-bool invert_positive(Eigen::MatrixXd& a) {
+bool invert_positive(Eigen::Ref<Eigen::MatrixXd> a) {
   if (!factorise(a)) return false;
   invert_lower(a);
   // L^-T L^-1, lower triangle first: row i of the product needs only rows i and below of L^-1.
@@ -43,6 +43,22 @@ bool invert_positive(Eigen::MatrixXd& a) {
   }
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
     for (Eigen::Index j = 0; j < i; ++j) a(j, i) = a(i, j);
+  }
+  return true;
+}
+
+bool solve_positive(Eigen::Ref<Eigen::MatrixXd> a, Eigen::Ref<Eigen::MatrixXd> b) {
+  if (!factorise(a)) return false;
+  const Eigen::Index last = a.rows() - 1;
+  for (Eigen::Index c = 0; c < b.cols(); ++c) {
+    for (Eigen::Index i = 0; i <= last; ++i) {
+      for (Eigen::Index k = 0; k < i; ++k) b(i, c) -= a(i, k) * b(k, c);
+      b(i, c) /= a(i, i);
+    }
+    for (Eigen::Index i = last; i >= 0; --i) {
+      for (Eigen::Index k = i + 1; k <= last; ++k) b(i, c) -= a(k, i) * b(k, c);
+      b(i, c) /= a(i, i);
+    }
   }
   return true;
 }

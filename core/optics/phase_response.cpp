@@ -1,14 +1,12 @@
 #include "core/optics/phase_response.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "core/base/angle.hpp"
+#include "core/base/decompositions.hpp"
 
 namespace ovws {
 namespace {
@@ -56,7 +54,7 @@ Circle fit_circle(std::span<const GreyBeat> beats) {
     rows.row(k) << 2.0 * z.real(), 2.0 * z.imag(), 1.0;
     rhs[k] = std::norm(z);
   }
-  Eigen::Vector3d at = rows.colPivHouseholderQr().solve(rhs);
+  Eigen::Vector3d at = least_squares(rows, rhs);
   at[2] = std::sqrt(std::max(0.0, at[2] + at[0] * at[0] + at[1] * at[1]));
   for (int step = 0; step < 20; ++step) {
     for (Eigen::Index k = 0; k < n; ++k) {
@@ -65,7 +63,7 @@ Circle fit_circle(std::span<const GreyBeat> beats) {
       rows.row(k) << -z.real() / r, -z.imag() / r, -1.0;
       rhs[k] = r - at[2];
     }
-    const Eigen::Vector3d move = rows.colPivHouseholderQr().solve(rhs);
+    const Eigen::Vector3d move = least_squares(rows, rhs);
     at -= move;
     if (move.norm() < 1e-12 * at.norm()) break;
   }
@@ -194,7 +192,7 @@ Eigen::MatrixXd roughness_penalty(std::span<const GreyBeat> beats) {
     differences.row(k).segment(k, 4) << -1.0, 3.0, -3.0, 1.0;
     differences.row(k) *= std::pow(gap[k] / gap.maxCoeff(), 2.5);
   }
-  return differences.transpose() * differences;
+  return gram_matrix(differences);
 }
 
 struct Curve {
@@ -214,8 +212,7 @@ Curve whittaker_smooth(std::span<const GreyBeat> beats, const std::vector<double
       normal(beats[k].grey, beats[k].grey) += 1.0 / (noise_rad * noise_rad);
       rhs[beats[k].grey] += phases[k] / (noise_rad * noise_rad);
     }
-    const Eigen::LDLT<Eigen::MatrixXd> solved(normal);
-    curve.phases = solved.solve(rhs);
+    curve.phases = solve_symmetric(normal, rhs);
     double sum = 0.0;
     for (std::size_t k = 0; k < beats.size(); ++k) {
       sum += std::pow(curve.phases[beats[k].grey] - phases[k], 2);
@@ -223,7 +220,8 @@ Curve whittaker_smooth(std::span<const GreyBeat> beats, const std::vector<double
     curve.residual = std::sqrt(sum / double(beats.size()));
     const bool last = stiffness / 3.0 < kMinStiffness;
     if (curve.residual > noise_rad && !last) continue;
-    const Eigen::MatrixXd inverse = solved.solve(Eigen::MatrixXd::Identity(256, 256));
+    const Eigen::MatrixXd inverse =
+        solve_symmetric(normal, Eigen::MatrixXd(Eigen::MatrixXd::Identity(256, 256)));
     // If even the softest curve fits worse than the noise, scale the errors up to the residual.
     const double excess = std::max(1.0, curve.residual / noise_rad);
     // Variance of each level's phase difference from grey level 0.

@@ -1,12 +1,12 @@
 #include "core/optics/piece_moments.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/base/angle.hpp"
 #include "core/base/complex_product.hpp"
+#include "core/base/decompositions.hpp"
 #include "core/optics/complex_matrices.hpp"
 #include "core/optics/kolmogorov.hpp"
 
@@ -75,7 +75,8 @@ class PolynomialFit {
         }
       }
     }
-    fit_.compute(basis_);
+    const Eigen::Index count = basis_.rows();
+    fit_ = least_squares(basis_, Eigen::MatrixXd(Eigen::MatrixXd::Identity(count, count)));
   }
 
   struct Over {
@@ -93,7 +94,7 @@ class PolynomialFit {
         values(p, k) = modes_[k].waves * all[std::size_t(modes_[k].j)];
       }
     }
-    const Eigen::MatrixXd solved = fit_.solve(values);
+    const Eigen::MatrixXd solved = fit_ * values;
     return {solved.transpose().cast<float>(),
             (values - basis_ * solved).squaredNorm() / double(places_.size())};
   }
@@ -102,7 +103,7 @@ class PolynomialFit {
   std::vector<Mode> modes_;
   std::vector<Vec2> places_;
   Eigen::MatrixXd basis_;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> fit_;
+  Eigen::MatrixXd fit_;  ///< pseudo-inverse of basis_
 };
 
 }  // namespace

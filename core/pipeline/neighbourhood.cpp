@@ -1,9 +1,10 @@
 /// Affine least-squares displacement field, and the lattice's neighbour lists.
 #include "core/pipeline/neighbourhood.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
+
+#include "core/base/cholesky.hpp"
 
 namespace ovws {
 namespace {
@@ -62,7 +63,7 @@ DisplacementField Neighbourhood::fit(std::span<const SpotFix> spots) const OVWS_
   // Tikhonov damping: gradients that the found spots do not determine become zero.
   normal(1, 1) += 1e-6;
   normal(2, 2) += 1e-6;
-  field.affine_ = normal.ldlt().solve(rhs);
+  if (solve_positive(normal, rhs)) field.affine_ = rhs;
   return field;
 }
 

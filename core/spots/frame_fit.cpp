@@ -1,12 +1,12 @@
 #include "core/spots/frame_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/base/cholesky.hpp"
+#include "core/base/decompositions.hpp"
 
 namespace ovws {
 namespace {
@@ -73,10 +73,10 @@ FrameFit::FrameFit(OperatingPoint point, std::span<const RenderedSpot> rendered,
   const SpotWindow& window = spots_.spots().front().window;
   max_residual_px_ = kMaxResidualShare * window.width_px();
   px_error_ = std::sqrt(px_error_ / std::max(usable_spots, 1));
-  const Eigen::LLT<Eigen::MatrixXd> solver(normal_);
-  const bool determined = modes > 0 && solver.info() == Eigen::Success;
-  if (!determined || !(solver.rcond() > kMinNormalConditioning)) return;
-  inverse_ = solver.solve(Eigen::MatrixXd::Identity(modes, modes));
+  if (modes == 0) return;
+  const Cholesky factors(normal_);
+  if (!(factors.reciprocal_condition() > kMinNormalConditioning)) return;
+  inverse_ = factors.inverse();
   growth_ = Eigen::VectorXd::Ones(modes);
   if (in_air()) allow_for(higher);
 }

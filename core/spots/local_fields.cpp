@@ -1,11 +1,11 @@
 #include "core/spots/local_fields.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <tuple>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/median.hpp"
 #include "core/optics/piece_moments.hpp"
 
@@ -64,7 +64,7 @@ Eigen::VectorXd step_of(const Eigen::VectorXd& cells, const RenderedSpot& render
   const double ridge = 1.0 / (kUsual * kUsual);
   normal.diagonal().head(2 * kCount).array() += ridge;
   right.head(2 * kCount) -= ridge * now;
-  return normal.ldlt().solve(right).head(2 * kCount);
+  return solve_symmetric(normal, right).head(2 * kCount);
 }
 
 }  // namespace

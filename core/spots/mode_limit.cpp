@@ -1,12 +1,12 @@
 #include "core/spots/mode_limit.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "core/base/decompositions.hpp"
 #include "core/spots/spot_renderer.hpp"
 #include "core/spots/spot_templates.hpp"
 
@@ -38,12 +38,11 @@ Result<ModeErrors> mode_errors(const ModeBench& bench, int modes) {
     const Eigen::MatrixXd rows = bench.peak_e * pixels * spot.per_wave;
     normal.noalias() += rows.transpose() * rows;
   }
-  const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-  if (solver.info() != Eigen::Success || !(solver.rcond() > kConditioning)) {
+  const Cholesky factors(normal);
+  if (!(factors.reciprocal_condition() > kConditioning)) {
     return ModeErrors{modes, kNever, kNever, 0.0, light};
   }
-  const Eigen::VectorXd variances =
-      solver.solve(Eigen::MatrixXd::Identity(modes, modes)).diagonal();
+  const Eigen::VectorXd variances = factors.inverse().diagonal();
   return ModeErrors{modes, std::sqrt(variances.tail(std::max(modes - kTilts, 0)).sum()),
                     std::sqrt(variances.maxCoeff()), 1.0 / std::sqrt(normal(0, 0)), light};
 }

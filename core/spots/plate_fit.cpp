@@ -1,8 +1,5 @@
 #include "core/spots/plate_fit.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/decompositions.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/spots/measured_spots.hpp"
 #include "core/spots/spot_renderer.hpp"
@@ -80,12 +78,13 @@ Light light_of(const Eigen::MatrixXd& px_per_wave, const std::vector<Vec2>& disp
     known.push_back(2 * Eigen::Index(i) + 1);
   }
   Eigen::VectorXd right(Eigen::Index(known.size()));
+  Eigen::MatrixXd rows(right.size(), px_per_wave.cols());
   for (Eigen::Index k = 0; k < right.size(); ++k) {
     const Vec2 at = displaced_px[std::size_t(known[std::size_t(k)] / 2)];
     right(k) = k % 2 == 0 ? at.x : at.y;
+    rows.row(k) = px_per_wave.row(known[std::size_t(k)]);
   }
-  const Eigen::MatrixXd rows = px_per_wave(known, Eigen::all);
-  const Eigen::VectorXd waves = rows.completeOrthogonalDecomposition().solve(right);
+  const Eigen::VectorXd waves = least_squares(rows, right);
   const Eigen::VectorXd explained = px_per_wave * waves;
   Light light{{waves.begin(), waves.end()}, {}};
   for (std::size_t i = 0; i < displaced_px.size(); ++i) {
@@ -100,12 +99,12 @@ Light light_of(const Eigen::MatrixXd& px_per_wave, const std::vector<Vec2>& disp
 /// Normal equations of the plate, with the nuisances of each spot eliminated.
 struct Normal {
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-  Three right = Three::Zero();
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(3);
   double residual2 = 0.0, light2 = 0.0;
   int spots = 0;
   Eigen::Index cells = 0;
 
-  Three step() const { return matrix.ldlt().solve(right); }
+  Three step() const { return solve_symmetric(matrix, right); }
   double variance() const {
     return (residual2 - right.dot(step())) /
            double(std::max<Eigen::Index>(1, cells - kNuisances * spots));
@@ -217,12 +216,11 @@ class PlateIteration {
       by_plate.row(cell).setZero();
     }
     // Scaled by the level, so that derivatives of the light are of the image.
-    const Eigen::HouseholderQR<Eigen::MatrixXd> factors(own);
-    const Eigen::VectorXd solved = factors.solve(dn);
+    const Eigen::VectorXd solved = least_squares(own, dn);
     const double level = solved(0);
     if (!(level > 0.0)) return;
     const Eigen::VectorXd left = dn / level - own * (solved / level);
-    const Eigen::MatrixXd changes = by_plate - own * factors.solve(Eigen::MatrixXd(by_plate));
+    const Eigen::MatrixXd changes = by_plate - own * least_squares(own, Eigen::MatrixXd(by_plate));
     sum.matrix += changes.transpose() * changes;
     sum.right += changes.transpose() * left;
     sum.residual2 += left.squaredNorm();
@@ -273,7 +271,7 @@ Result<PlateFit> fit_plate(const Image<float>& mean_dn, const SensorConfig& sens
     if (k >= kFreeRounds) step *= 0.5;
     plate = PlateIteration::moved(plate, step);
     if (longest * kLongestDepth > kConverged) continue;
-    const Eigen::Matrix3d errors = normal->variance() * normal->matrix.inverse();
+    const Eigen::Matrix3d errors = normal->variance() * Cholesky(normal->matrix).inverse();
     PlateFit fit{plate,
                  std::sqrt(errors(0, 0)),
                  {std::sqrt(errors(1, 1)), std::sqrt(errors(2, 2))},

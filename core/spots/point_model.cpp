@@ -1,6 +1,5 @@
 #include "core/spots/point_model.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>

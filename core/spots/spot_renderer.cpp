@@ -1,6 +1,5 @@
 #include "core/spots/spot_renderer.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "core/base/complex_product.hpp"
+#include "core/base/decompositions.hpp"
 #include "core/optics/complex_matrices.hpp"
 #include "core/spots/spot_sums.hpp"
 
@@ -31,7 +31,7 @@ std::vector<Mode> smooth_over(const SpotRenderer& renderer, const std::vector<do
     normal += row * row.transpose();
     right += values[std::size_t(i)] * row;
   }
-  const Eigen::VectorXd solved = normal.ldlt().solve(right);
+  const Eigen::VectorXd solved = solve_symmetric(normal, right);
   std::vector<Mode> modes;
   for (int j = 0; j <= count; ++j) modes.push_back({j, solved(j)});
   return modes;

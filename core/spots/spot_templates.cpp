@@ -1,11 +1,11 @@
 #include "core/spots/spot_templates.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/cholesky.hpp"
+#include "core/base/decompositions.hpp"
 #include "core/spots/spot_sums.hpp"
 
 namespace ovws {
@@ -69,11 +69,7 @@ Weighted weighted(const RenderedSpot& spot, const CellLevel& level, const PixelN
   spot_of.used = 2 * spot_of.made.used >= spot_of.made.lit;
   if (!spot_of.used || estimates == 0) return spot_of;
   spot_of.modes = spot_of.basis.free(spot.per_wave);
-  const Eigen::Index count = spot_of.modes.cols();
-  Eigen::MatrixXd& products = spot_of.products;
-  products.setZero(count, count);
-  products.selfadjointView<Eigen::Lower>().rankUpdate(spot_of.modes.transpose());
-  products.triangularView<Eigen::StrictlyUpper>() = products.transpose();
+  spot_of.products = gram_matrix(spot_of.modes);
   return spot_of;
 }
 
@@ -91,8 +87,7 @@ Eigen::MatrixXd covariance_of(std::span<const Weighted> spots, std::span<const C
   const double most = information.size() > 0 ? information.diagonal().maxCoeff() : 0.0;
   if (!(most > 0.0)) return Eigen::MatrixXd::Identity(information.rows(), information.cols());
   information.diagonal().array() += kRidge * most;
-  return information.llt().solve(most *
-                                 Eigen::MatrixXd::Identity(information.rows(), information.cols()));
+  return most * Cholesky(information).inverse();
 }
 
 /// Chooses the estimates (leading singular vectors) and makes the template rows.
@@ -105,12 +100,11 @@ void finish(const RenderedSpot& spot, const Eigen::MatrixXd& covariance, int est
   Eigen::MatrixXd leading(spot.light.size(), count);
   if (count > 0) {
     // Singular vectors of modes * covariance, from its small square.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance * spot_of.products *
-                                                               covariance);
-    const Eigen::VectorXd values = eigen.eigenvalues().tail(count).cwiseMax(0.0).cwiseSqrt();
+    const SymmetricEigen eigen = symmetric_eigen(covariance * spot_of.products * covariance);
+    const Eigen::VectorXd values = eigen.values.tail(count).cwiseMax(0.0).cwiseSqrt();
     if (!(values.minCoeff() > 0.0)) return;
     const Eigen::MatrixXd worth =
-        covariance * eigen.eigenvectors().rightCols(count) * values.cwiseInverse().asDiagonal();
+        covariance * eigen.vectors.rightCols(count) * values.cwiseInverse().asDiagonal();
     leading.noalias() = modes * worth;
     made.per_wave.noalias() = worth.transpose() * spot_of.products;
   }
@@ -142,9 +136,11 @@ HigherErrors higher_errors(const SpotTemplates& spot, double level_dn, double hi
   if (spot.higher.size() == 0 || !(higher_waves > 0.0)) return {};
   HigherErrors errors{level_dn * higher_waves * spot.higher, 1.0, {}};
   errors.own += kUnlike * kUnlike * errors.shared.squaredNorm() / spot.estimates();
-  const auto one = Eigen::MatrixXd::Identity(spot.estimates(), spot.estimates());
-  const Eigen::MatrixXd covariance = errors.own * one + errors.shared * errors.shared.transpose();
-  errors.whitening = covariance.llt().matrixL().solve(Eigen::MatrixXd(one));
+  Eigen::MatrixXd factor = gram_matrix(errors.shared.transpose());  // of the covariance
+  factor.diagonal().array() += errors.own;
+  factorise(factor);
+  invert_lower(factor);
+  errors.whitening = factor.triangularView<Eigen::Lower>();
   return errors;
 }
 

@@ -1,11 +1,10 @@
 #include "core/spots/wavefront_fit.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/median.hpp"
 #include "core/base/pixels.hpp"
 
@@ -157,12 +156,9 @@ struct ModeSums {
 
   std::optional<WavefrontStep> solved() const {
     if (normal.size() == 0) return std::nullopt;
-    const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-    if (solver.info() != Eigen::Success || !(solver.rcond() > kMinModesConditioning)) {
-      return std::nullopt;
-    }
-    return WavefrontStep{solver.solve(right),
-                         solver.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()))};
+    const Cholesky factors(normal);
+    if (!(factors.reciprocal_condition() > kMinModesConditioning)) return std::nullopt;
+    return WavefrontStep{factors.solve(right), factors.inverse()};
   }
 };
 
@@ -234,9 +230,7 @@ Eigen::MatrixXd changes_of(const RenderedSpot& spot) {
     if (!spot.window.is_lit(c)) changes.row(c).setZero();
   }
   for (auto change : changes.colwise()) change.stableNormalize();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(changes.rows(), changes.cols());
-  solver.setThreshold(kMinChange).compute(changes);
-  return solver.householderQ() * Eigen::MatrixXd::Identity(changes.rows(), solver.rank());
+  return orthonormal_basis(changes, kMinChange);
 }
 
 PairNoise noise_between(const ImageView& one, const ImageView& other,
@@ -271,7 +265,6 @@ PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedS
 }
 
 PixelNoise noise_of(const ImageView& image, std::span<const RenderedSpot> rendered) {
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Eigen::Matrix3f kernel;
   kernel << 1, -2, 1, -2, 4, -2, 1, -2, 1;
   NoiseSums sums;
@@ -279,14 +272,15 @@ PixelNoise noise_of(const ImageView& image, std::span<const RenderedSpot> render
     SpotWindow window = spot.window;
     window.side *= std::exchange(window.bin, 1);
     const Eigen::VectorXf pixels = cells_of(image, window).cast<float>();
-    const Eigen::Map<const RowMajor> grid(pixels.data(), window.side, window.side);
     const double floor = dark_level(pixels, window);
     const Eigen::Index step = window.colour_step(), last = window.side - 1 - step;
     for (Eigen::Index c = 0; c < pixels.size(); ++c) {
       const Eigen::Index y = c / window.side, x = c % window.side;
       if (!window.is_lit(c) || std::min(x, y) < step || std::max(x, y) > last) continue;
-      const Eigen::Matrix3f around =
-          grid(Eigen::seqN(y - step, 3, step), Eigen::seqN(x - step, 3, step));
+      Eigen::Matrix3f around;
+      for (Eigen::Index k = 0; k < 9; ++k) {
+        around(k) = pixels(c + step * ((k / 3 - 1) * window.side + k % 3 - 1));
+      }
       const double left = double(around.cwiseProduct(kernel).sum());
       sums.add(double(around.mean()) - floor, left * left / double(kernel.squaredNorm()));
     }

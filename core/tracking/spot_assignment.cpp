@@ -1,12 +1,13 @@
 #include "core/tracking/spot_assignment.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
+
+#include "core/base/cholesky.hpp"
 
 namespace ovws {
 namespace {
@@ -22,7 +23,7 @@ constexpr double kFitSlack = 0.1;    // of the pitch: smaller residuals are neve
 constexpr double kMaxLinear = 0.75;
 constexpr double kNeighbour = 1.6;  // of the pitch: largest distance of two neighbours
 constexpr int kMinAffine = 4;       // matches needed to fit the linear part
-constexpr double kMinRcond = 0.01;
+constexpr double kMaxCondition = 100.0;
 constexpr int kFewStarts = 16;  // positions tried per seed with a first gradient
 // A few spots, in units of the root of the number of subapertures. A lattice shifted by a pitch
 // leaves about one such root unexplained; half of it does not make a shift more likely.
@@ -43,6 +44,11 @@ constexpr std::array<std::array<double, 4>, 6> kFirstLinear{{{-kFirst, 0.0, 0.0,
 
 Vec2 operator*(const std::array<double, 4>& linear, Vec2 p) {
   return {linear[0] * p.x + linear[1] * p.y, linear[2] * p.x + linear[3] * p.y};
+}
+
+/// 1-norm.
+double norm_of(const Eigen::Matrix3d& matrix) {
+  return matrix.cwiseAbs().colwise().sum().maxCoeff();
 }
 
 double nearest_distance(const std::vector<Vec2>& points, std::size_t i) {
@@ -332,9 +338,10 @@ bool SpotAssignment::fit_within(std::span<const Vec2> found, double limit) {
   const Vec2 moved{rhs(0, 0) / count, rhs(0, 1) / count};
   const Vec2 middle{normal(0, 1) / count, normal(0, 2) / count};
   field_.shift = moved - field_.linear * (pitch_ * middle);
-  const Eigen::LLT<Eigen::Matrix3d> llt(normal);
-  if (count < kMinAffine || llt.info() != Eigen::Success || llt.rcond() < kMinRcond) return true;
-  const Eigen::Matrix<double, 3, 2> a = llt.solve(rhs);
+  Eigen::Matrix3d inverse = normal;
+  if (count < kMinAffine || !invert_positive(inverse)) return true;
+  if (norm_of(normal) * norm_of(inverse) > kMaxCondition) return true;
+  const Eigen::Matrix<double, 3, 2> a = inverse * rhs;
   field_.shift = {a(0, 0), a(0, 1)};
   field_.linear = {a(1, 0) / pitch_, a(2, 0) / pitch_, a(1, 1) / pitch_, a(2, 1) / pitch_};
   return std::all_of(field_.linear.begin(), field_.linear.end(),

@@ -1,9 +1,9 @@
 #include "core/wavefront/interaction_matrix.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/decompositions.hpp"
 #include "core/wavefront/reconstructor.hpp"
 
 namespace ovws {
@@ -278,12 +278,6 @@ Result<InteractionMatrix> interaction_matrix(const std::vector<int>& modes_j,
     return fail(Errc::refused, "matrix", "j = " + std::to_string(modes_j[k]) + ": " + reason);
   }
   return matrix;
-}
-
-Eigen::VectorXd singular_values(const Eigen::MatrixXd& slopes) {
-  const Eigen::MatrixXd normal = slopes.transpose() * slopes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal, Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues().reverse().cwiseMax(0.0).cwiseSqrt();
 }
 
 double relative_noise(const InteractionMatrix& matrix, Eigen::Index k) {

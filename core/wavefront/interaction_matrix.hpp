@@ -98,8 +98,6 @@ std::vector<int> lost_by(const PushPull& poke, const SpotMeans& resting);
 void fill_lost(const SpotMeans& resting, const Eigen::Ref<const Eigen::VectorXd>& model,
                PushPull& poke);
 
-/// Singular values of `slopes`, largest first, camera pixels per RMS-normalised wave.
-Eigen::VectorXd singular_values(const Eigen::MatrixXd& slopes);
 /// Noise-to-signal ratio of column `k`: norm of its standard errors over its own norm.
 double relative_noise(const InteractionMatrix& matrix, Eigen::Index k);
 

@@ -1,12 +1,13 @@
 #include "core/wavefront/matrix_comparison.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <numeric>
 
+#include "core/base/decompositions.hpp"
 #include "core/optics/zernike.hpp"
 
 namespace ovws {
@@ -29,8 +30,20 @@ struct Pair {
   std::vector<int> all_modes_j;  ///< OSA indices of the columns of all_model
 };
 
+Eigen::MatrixXd picked(const Eigen::MatrixXd& all, const std::vector<Eigen::Index>& rows,
+                       const std::vector<Eigen::Index>& columns) {
+  Eigen::MatrixXd out(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
+  for (Eigen::Index c = 0; c < out.cols(); ++c) {
+    for (Eigen::Index r = 0; r < out.rows(); ++r) {
+      out(r, c) = all(rows[std::size_t(r)], columns[std::size_t(c)]);
+    }
+  }
+  return out;
+}
+
 Pair pair_of(const InteractionMatrix& measured, const ModeOperator& model) {
-  std::vector<Eigen::Index> rows, from, to;
+  std::vector<Eigen::Index> rows, from, to, all(model.modes_j.size());
+  std::iota(all.begin(), all.end(), 0);
   for (Eigen::Index i = 0; i < measured.spots(); ++i) {
     const auto& lost = measured.lost_spots;
     if (std::find(lost.begin(), lost.end(), int(i)) != lost.end()) continue;
@@ -45,10 +58,10 @@ Pair pair_of(const InteractionMatrix& measured, const ModeOperator& model) {
     from.push_back(Eigen::Index(k));
     to.push_back(at - model.modes_j.begin());
   }
-  pair.measured = measured.slopes(rows, from);
-  pair.error = measured.standard_error(rows, from);
-  pair.model = model.slopes(rows, to);
-  pair.all_model = model.slopes(rows, Eigen::all);
+  pair.measured = picked(measured.slopes, rows, from);
+  pair.error = picked(measured.standard_error, rows, from);
+  pair.model = picked(model.slopes, rows, to);
+  pair.all_model = picked(model.slopes, rows, all);
   pair.all_modes_j = model.modes_j;
   return pair;
 }
@@ -82,7 +95,8 @@ Eigen::Matrix2d best_map(const Pair& pair) {
       ss += weight * s * s.transpose();
     }
   }
-  return ms * ss.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd transposed = least_squares(ss, Eigen::MatrixXd(ms.transpose()));
+  return transposed.transpose();
 }
 
 bool explains(const Eigen::Matrix2d& map, const Pair& pair) {
@@ -157,7 +171,7 @@ Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
 }
 
 Finding judge_map(const Eigen::Matrix2d& map, const std::vector<ModeComparison>& modes) {
-  const double scale = std::sqrt(std::abs(map.determinant()));
+  const double scale = std::sqrt(std::abs(map(0, 0) * map(1, 1) - map(0, 1) * map(1, 0)));
   const Exchange* nearest = kExchanges.data();
   double best_similarity = -1e300;
   for (const Exchange& e : kExchanges) {

@@ -1,6 +1,5 @@
 #include "core/wavefront/phase_retrieval.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "core/base/angle.hpp"
+#include "core/base/decompositions.hpp"
 #include "core/optics/chirp_z.hpp"
 #include "core/optics/flatness.hpp"
 
@@ -366,7 +366,7 @@ Image<float> PhaseRetrieval::on_slm(const Image<float>& waves) const {
 
 void remove_tilts(Image<float>& waves) {
   Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d values = Eigen::Vector3d::Zero();
+  Eigen::VectorXd values = Eigen::VectorXd::Zero(3);
   const auto point = [&](std::size_t k) {
     return Eigen::Vector3d(1.0, double(k % std::size_t(waves.width)) - 0.5 * waves.width,
                            double(k / std::size_t(waves.width)) - 0.5 * waves.height);
@@ -376,7 +376,7 @@ void remove_tilts(Image<float>& waves) {
     sums += point(k) * point(k).transpose();
     values += double(waves.pixels[k]) * point(k);
   }
-  const Eigen::Vector3d plane = sums.ldlt().solve(values);
+  const Eigen::Vector3d plane = solve_symmetric(sums, values);
   for (std::size_t k = 0; k < waves.pixels.size(); ++k) {
     waves.pixels[k] -= float(plane.dot(point(k)));
   }

@@ -1,6 +1,5 @@
 #include "core/wavefront/reconstructor.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <utility>
 
 #include "core/base/cholesky.hpp"
+#include "core/base/decompositions.hpp"
 
 namespace ovws {
 namespace {
@@ -25,15 +25,13 @@ bool well_conditioned(const Eigen::VectorXd& squares, double most = kMaxModesCon
 }
 
 bool well_conditioned(const Eigen::MatrixXd& normal, Eigen::Index modes, double most) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal.topLeftCorner(modes, modes),
-                                                             Eigen::EigenvaluesOnly);
-  return well_conditioned(eigen.eigenvalues(), most);
+  return well_conditioned(symmetric_eigenvalues(normal.topLeftCorner(modes, modes)), most);
 }
 
 }  // namespace
 
 int determined_modes(const Eigen::MatrixXd& slopes, double max_condition) {
-  const Eigen::MatrixXd normal = slopes.transpose() * slopes;
+  const Eigen::MatrixXd normal = gram_matrix(slopes);
   Eigen::Index determined = 0;
   Eigen::Index too_many = std::min(slopes.rows(), slopes.cols()) + 1;
   if (well_conditioned(normal, too_many - 1, max_condition)) return int(too_many) - 1;
@@ -70,13 +68,12 @@ Reconstructor::Reconstructor(const Eigen::MatrixXd& slopes, std::vector<int> mod
     if (std::isnan(reference_px_[i].x)) columns_.middleRows(2 * i, 2).setZero();
   }
   if (2 * Eigen::Index(referenced_) < columns_.cols()) return;
-  normal_ = columns_.transpose() * columns_;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(normal_);
-  determined_ = well_conditioned(eigen.eigenvalues());
+  normal_ = gram_matrix(columns_);
+  const auto [values, vectors] = symmetric_eigen(normal_);
+  determined_ = well_conditioned(values);
   if (!determined_) return;
-  const auto& v = eigen.eigenvectors();
   inverse_ =
-      v * eigen.eigenvalues().cwiseInverse().asDiagonal() * v.transpose() * columns_.transpose();
+      vectors * values.cwiseInverse().asDiagonal() * vectors.transpose() * columns_.transpose();
   offset_ = inverse_ * reference;
   variances_ = inverse_.rowwise().squaredNorm();
   factor_ = normal_;

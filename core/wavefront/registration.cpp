@@ -1,10 +1,10 @@
 #include "core/wavefront/registration.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/median.hpp"
 #include "core/spots/position_fit.hpp"
 
@@ -92,17 +92,17 @@ Result<Registration> fit_registration(std::span<const ProbeSight> sights) {
     a.row(i) << 1.0, s.offset_cpp.x / scale, s.offset_cpp.y / scale;
     b.row(i) << s.at_px.x, s.at_px.y;
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  if (!(svd.singularValues()[0] < kMaxOffsetsCondition * svd.singularValues()[2])) {
+  const Eigen::VectorXd singular = singular_values(a);
+  if (!(singular[0] < kMaxOffsetsCondition * singular[2])) {
     return fail(
         Errc::refused, "",
         "the spot was found on one line only, which does not determine the map: enlarge the "
         "region of interest");
   }
-  const Eigen::MatrixXd x = svd.solve(b);
+  const Eigen::MatrixXd x = least_squares(a, b);
   const double squares = (a * x - b).squaredNorm();
   const double variance = n > 3 ? squares / (2.0 * double(n - 3)) : 0.0;
-  const Eigen::Matrix3d covariance = (a.transpose() * a).inverse();
+  const Eigen::Matrix3d covariance = Cholesky(gram_matrix(a)).inverse();
   const Vec2 by_u = (1.0 / scale) * errors_of(variance, covariance, 1);
   const Vec2 by_v = (1.0 / scale) * errors_of(variance, covariance, 2);
   Registration r;

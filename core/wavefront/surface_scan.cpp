@@ -1,10 +1,10 @@
 #include "core/wavefront/surface_scan.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "core/base/decompositions.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/wavefront/slope_model.hpp"
 
@@ -96,9 +96,9 @@ Result<ScanFit::Found> ScanFit::fit(const std::vector<std::optional<Vec2>>& at_p
   }
   const auto on_top = Eigen::Map<const Eigen::VectorXd>(shown.data(), Eigen::Index(shown.size()));
   const Eigen::VectorXd displacements = moved - slopes * on_top;
-  Eigen::MatrixXd normal = slopes.transpose() * slopes;
+  Eigen::MatrixXd normal = gram_matrix(slopes);
   normal.diagonal() += prior(modes_j_, slopes);
-  const Eigen::MatrixXd inverse = normal.ldlt().solve(slopes.transpose());
+  const Eigen::MatrixXd inverse = solve_symmetric(normal, Eigen::MatrixXd(slopes.transpose()));
   const Eigen::VectorXd waves = inverse * displacements;
   const double residual = (displacements - slopes * waves).norm();
   // Degrees of freedom: coordinates measured minus those used by the modes and the mean position.

@@ -1,6 +1,6 @@
 #include "core/wavefront/vortex_field.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <cmath>
 #include <complex>
 
@@ -112,8 +112,7 @@ std::optional<Vec2> VortexField::core(const Eigen::MatrixXcd& pupil, Vec2 axis, 
     const auto [by_x, by_y] = gradient(pupil, x, y);
     Eigen::Matrix2d jacobian;
     jacobian << by_x(0, 0).real(), by_y(0, 0).real(), by_x(0, 0).imag(), by_y(0, 0).imag();
-    const Eigen::Vector2d step =
-        -jacobian.partialPivLu().solve(Eigen::Vector2d(u.real(), u.imag()));
+    const Eigen::Vector2d step = -jacobian.inverse() * Eigen::Vector2d(u.real(), u.imag());
     const double length = step.norm() / scale_px;
     if (!std::isfinite(length)) return std::nullopt;
     const double part = std::min(1.0, kMaxStep / std::max(length, 1e-300));

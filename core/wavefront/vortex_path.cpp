@@ -1,10 +1,10 @@
 #include "core/wavefront/vortex_path.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/base/decompositions.hpp"
 #include "core/wavefront/vortex_field.hpp"
 
 namespace ovws {
@@ -49,7 +49,9 @@ struct Compared {
 };
 
 VectorXd pick(const MatrixXd& all, const std::vector<Index>& cells) {
-  return all.reshaped()(cells);
+  VectorXd picked(Index(cells.size()));
+  for (Index k = 0; k < picked.size(); ++k) picked[k] = all(cells[std::size_t(k)]);
+  return picked;
 }
 
 /// 2 Re(conj(u) du): the change of |u|^2 with that of u.
@@ -148,9 +150,8 @@ Compared WindowsFit::compare(const Window& window, const VectorXd& at) const {
   const VectorXd shape = pick(u.cwiseAbs2(), window.cells);
   MatrixXd free(shape.size(), kFree);
   free << shape, VectorXd::Ones(shape.size());
-  const Eigen::HouseholderQR<MatrixXd> qr(free);
-  const Eigen::Vector2d levels = qr.solve(window.light);
-  const MatrixXd taken = qr.householderQ() * MatrixXd::Identity(shape.size(), kFree);
+  const VectorXd levels = least_squares(free, window.light);
+  const MatrixXd taken = orthonormal_basis(free);
   Compared out{window.light - free * levels, MatrixXd(shape.size(), field_.coefficients())};
   for (Index k = 0; k < out.derivatives.cols(); ++k) {
     const auto du = field_.far(field_.derivative(pupil, k), window.x, window.y);
@@ -188,7 +189,7 @@ bool WindowsFit::iterate() {
   for (int k = 0; k < kMaxIterations; ++k) {
     MatrixXd damped = normal_.matrix;
     damped.diagonal() *= 1.0 + damping;
-    VectorXd step = damped.ldlt().solve(normal_.gradient);
+    VectorXd step = solve_symmetric(damped, normal_.gradient);
     const double largest = step.cwiseAbs().maxCoeff();
     if (!std::isfinite(largest)) return false;
     step *= std::min(1.0, kMaxStepWaves / std::max(largest, 1e-300));
@@ -213,7 +214,8 @@ VortexPath WindowsFit::result(Vec2 start_px) const {
   const auto images = Index(windows_.size());
   const Index unknowns = found_.size() + kFree * images;
   const double variance = normal_.squares / double(std::max<Index>(1, normal_.pixels - unknowns));
-  const MatrixXd covariance = variance / (kPixelError * kPixelError) * normal_.matrix.inverse();
+  const MatrixXd covariance =
+      variance / (kPixelError * kPixelError) * Cholesky(normal_.matrix).inverse();
   for (Index k = kTilts; k < Index(kWavesJ.size()); ++k) {
     path.modes.push_back({kWavesJ[std::size_t(k)], found_[k]});
     path.standard_error.push_back(std::sqrt(covariance(k, k)));

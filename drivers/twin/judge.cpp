@@ -1,6 +1,5 @@
 #include "drivers/twin/judge.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <numbers>
 

@@ -1,8 +1,9 @@
 #include "drivers/twin/wavefront_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <numbers>
+
+#include "core/base/decompositions.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -26,18 +27,16 @@ std::vector<Mode> modes_of(const Eigen::VectorXd& waves) {
 /// neighbouring blocks.
 Eigen::VectorXd fit_gradients(const PupilBlocks& blocks, const Eigen::VectorXcd& sums) {
   constexpr int kFitted = kModes - 1;
-  using Matrix = Eigen::Matrix<double, kFitted, kFitted>;
-  Matrix normal = 1e-12 * Matrix::Identity();
-  Eigen::Matrix<double, kFitted, 1> rhs = Eigen::Matrix<double, kFitted, 1>::Zero();
+  Eigen::MatrixXd normal = 1e-12 * Eigen::MatrixXd::Identity(kFitted, kFitted);
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(kFitted);
   for (const auto& [a, b] : blocks.neighbours()) {
     const std::complex<double> ratio = std::conj(sums[a]) * sums[b];
-    const Eigen::Matrix<double, kFitted, 1> step =
-        (blocks.modes().row(b) - blocks.modes().row(a)).tail<kFitted>();
+    const Eigen::VectorXd step = (blocks.modes().row(b) - blocks.modes().row(a)).tail(kFitted);
     normal.selfadjointView<Eigen::Lower>().rankUpdate(step, std::abs(ratio));
     rhs += std::abs(ratio) * phase_waves(ratio) * step;
   }
   Eigen::VectorXd modes = Eigen::VectorXd::Zero(kModes);
-  modes.tail<kFitted>() = normal.selfadjointView<Eigen::Lower>().llt().solve(rhs);
+  modes.tail(kFitted) = Cholesky(normal).solve(rhs);
   return modes;
 }
 
@@ -54,7 +53,7 @@ Eigen::VectorXd phases(const Eigen::VectorXcd& sums) {
 WavefrontFit fit_wavefront(const PupilBlocks& blocks, const Image<std::complex<float>>& field) {
   const Eigen::MatrixXd& modes = blocks.modes();
   const Eigen::MatrixXd weighted = blocks.weights().asDiagonal() * modes;
-  const Eigen::LLT<Eigen::MatrixXd> normal(modes.transpose() * weighted);
+  const Cholesky normal(modes.transpose() * weighted);
   Eigen::VectorXd estimate = Eigen::VectorXd::Zero(kModes);
   for (int n = 0; n < kGradientFits; ++n) {
     estimate += fit_gradients(blocks, blocks.sums(&field, modes_of(estimate)));

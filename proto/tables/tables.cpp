@@ -3,6 +3,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "core/base/decompositions.hpp"
 #include "proto/rpc.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/job.hpp"

@@ -1,6 +1,5 @@
 #include "daemon/ovws/study/mode_bench.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
@@ -8,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/decompositions.hpp"
 #include "core/spots/wavefront_fit.hpp"
 #include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/wavefront_bound.hpp"
@@ -80,9 +80,9 @@ std::optional<WavefrontStep> step_from_positions(const SpotPass& pass,
     normal += moved.transpose() * weight * moved;
     right += moved.transpose() * weight * at;
   }
-  const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-  if (solver.info() != Eigen::Success || !(solver.rcond() > kConditioning)) return std::nullopt;
-  return WavefrontStep{solver.solve(right), solver.solve(Eigen::MatrixXd::Identity(modes, modes))};
+  const Cholesky factors(normal);
+  if (!(factors.reciprocal_condition() > kConditioning)) return std::nullopt;
+  return WavefrontStep{factors.solve(right), factors.inverse()};
 }
 
 void take(const std::optional<WavefrontStep>& step, std::vector<double>& squares,

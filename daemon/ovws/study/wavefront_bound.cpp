@@ -1,10 +1,10 @@
 #include "daemon/ovws/study/wavefront_bound.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/base/decompositions.hpp"
 #include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 
@@ -63,9 +63,11 @@ Eigen::MatrixXd pixel_covariance(SpotRenderer& renderer, std::span<const Mode> m
         (cells_of(light_e, spot.window).array() + pixels * read_noise * read_noise).matrix();
     fisher += per_unknown.transpose() * variance.cwiseInverse().asDiagonal() * per_unknown;
   }
-  const Eigen::LLT<Eigen::MatrixXd> solver(fisher);
-  if (solver.info() != Eigen::Success) return Eigen::MatrixXd::Constant(count, count, kUnknown);
-  return solver.solve(Eigen::MatrixXd::Identity(count + 2, count + 2)).topLeftCorner(count, count);
+  const Cholesky factors(fisher);
+  if (factors.reciprocal_condition() == 0.0) {
+    return Eigen::MatrixXd::Constant(count, count, kUnknown);
+  }
+  return factors.inverse().topLeftCorner(count, count);
 }
 
 double wavefront_bound_rad2(const Geometry& geometry, int charge, std::span<const Mode> modes,

@@ -2,13 +2,13 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <utility>
 
+#include "core/base/decompositions.hpp"
 #include "core/optics/flatness.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
@@ -197,7 +197,7 @@ Eigen::VectorXd modes_of(const Image<float>& map) {
     sums.selfadjointView<Eigen::Lower>().rankUpdate(here);
     values += double(map.pixels[std::size_t(k)]) * here;
   }
-  return sums.selfadjointView<Eigen::Lower>().ldlt().solve(values);
+  return solve_symmetric(sums, values);
 }
 
 /// Modes of the map, with the rest that they leave.

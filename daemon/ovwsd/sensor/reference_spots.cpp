@@ -2,9 +2,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 
+#include "core/base/decompositions.hpp"
 #include "core/wavefront/reconstructor.hpp"
 
 namespace ovws {
@@ -14,7 +14,7 @@ namespace {
 /// determine all modes.
 Eigen::VectorXd noise_of_modes(const Eigen::MatrixXd& slopes) {
   if (determined_modes(slopes) != int(slopes.cols())) return {};
-  return (slopes.transpose() * slopes).inverse().diagonal().cwiseSqrt();
+  return Cholesky(gram_matrix(slopes)).inverse().diagonal().cwiseSqrt();
 }
 
 struct Growth {
@@ -68,7 +68,7 @@ void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
   std::vector<bool> found(model_px.size(), true);
   for (const int i : lost) found[std::size_t(i)] = false;
   Eigen::Matrix3d normal = 1e-9 * Eigen::Matrix3d::Identity();
-  Eigen::Matrix<double, 3, 2> rhs = Eigen::Matrix<double, 3, 2>::Zero();
+  Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(3, 2);
   const auto basis = [&](std::size_t i) {
     return Eigen::Vector3d(1.0, 1e-2 * model_px[i].x, 1e-2 * model_px[i].y);
   };
@@ -78,7 +78,7 @@ void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,
     normal += basis(i) * basis(i).transpose();
     rhs += basis(i) * Eigen::RowVector2d(moved.x, moved.y);
   }
-  const Eigen::Matrix<double, 3, 2> map = normal.ldlt().solve(rhs);
+  const Eigen::MatrixXd map = solve_symmetric(normal, rhs);
   for (const int spot : lost) {
     const auto i = std::size_t(spot);
     const Eigen::RowVector2d moved = basis(i).transpose() * map;

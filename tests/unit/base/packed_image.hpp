@@ -1,8 +1,11 @@
 /// Packs images into every pixel format, bit by bit after the formats' definitions.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/base/image.hpp"
@@ -20,5 +23,10 @@ ImageView packed_view(const std::vector<std::byte>& bytes, int width, int height
 
 /// Uniformly distributed pixels over the format's range; the same seed gives the same image.
 Image<std::uint16_t> random_image(int width, int height, PixelFormat format, unsigned seed);
+
+/// Name of a case of a suite of pixel formats.
+inline std::string format_name(const testing::TestParamInfo<PixelFormat>& of) {
+  return std::string(pixel_format_name(of.param));
+}
 
 }  // namespace ovws::test

@@ -91,12 +91,8 @@ std::vector<PixelFormat> formats(bool words_only) {
   return some;
 }
 
-std::string name_of(const testing::TestParamInfo<PixelFormat>& given) {
-  return std::string(pixel_format_name(given.param));
-}
-
-INSTANTIATE_TEST_SUITE_P(All, Pixels, testing::ValuesIn(formats(false)), name_of);
-INSTANTIATE_TEST_SUITE_P(All, PixelWords, testing::ValuesIn(formats(true)), name_of);
+INSTANTIATE_TEST_SUITE_P(All, Pixels, testing::ValuesIn(formats(false)), test::format_name);
+INSTANTIATE_TEST_SUITE_P(All, PixelWords, testing::ValuesIn(formats(true)), test::format_name);
 
 }  // namespace
 }  // namespace ovws

@@ -90,13 +90,9 @@ constexpr PixelFormat kWords[] = {PixelFormat::mono10, PixelFormat::mono12, Pixe
 constexpr PixelFormat kOthers[] = {PixelFormat::mono8, PixelFormat::mono10p, PixelFormat::mono12p,
                                    PixelFormat::mono10_packed, PixelFormat::mono12_packed};
 
-std::string name_of(const testing::TestParamInfo<PixelFormat>& given) {
-  return std::string(pixel_format_name(given.param));
-}
-
-INSTANTIATE_TEST_SUITE_P(Words, Unpack, testing::ValuesIn(kWords), name_of);
-INSTANTIATE_TEST_SUITE_P(Words, UnpackWords, testing::ValuesIn(kWords), name_of);
-INSTANTIATE_TEST_SUITE_P(Others, Unpack, testing::ValuesIn(kOthers), name_of);
+INSTANTIATE_TEST_SUITE_P(Words, Unpack, testing::ValuesIn(kWords), test::format_name);
+INSTANTIATE_TEST_SUITE_P(Words, UnpackWords, testing::ValuesIn(kWords), test::format_name);
+INSTANTIATE_TEST_SUITE_P(Others, Unpack, testing::ValuesIn(kOthers), test::format_name);
 
 }  // namespace
 }  // namespace ovws

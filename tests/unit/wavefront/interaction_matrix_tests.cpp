@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/decompositions.hpp"
 #include "core/wavefront/reconstructor.hpp"
 #include "tests/unit/wavefront/push_pull_bench.hpp"
 
