@@ -81,13 +81,13 @@ class ObjectWriter {
 
 }  // namespace
 
-void encode(const WavefrontMessage& message, std::string& json) {
-  ObjectWriter(json).write(message);
+void encode(const WavefrontMessage& message, std::string& text) {
+  ObjectWriter(text).write(message);
 }
 
-std::span<const std::byte> encode(const SpotsMessage& message, std::string& json,
+std::span<const std::byte> encode(const SpotsMessage& message, std::string& text,
                                   std::vector<std::byte>& scratch) {
-  ObjectWriter(json).write(message);
+  ObjectWriter(text).write(message);
 
   scratch.resize(message.spots.size() * 6 * sizeof(float));
   const Vec2 unknown{std::nan(""), std::nan("")};
@@ -102,15 +102,15 @@ std::span<const std::byte> encode(const SpotsMessage& message, std::string& json
   return scratch;
 }
 
-std::span<const std::byte> encode(const CorrectorMessage& message, std::string& json) {
-  ObjectWriter(json).write(message);
+std::span<const std::byte> encode(const CorrectorMessage& message, std::string& text) {
+  ObjectWriter(text).write(message);
   return std::as_bytes(message.commands);
 }
 
-std::span<const std::byte> encode(const ImageMessage& message, std::string& json,
+std::span<const std::byte> encode(const ImageMessage& message, std::string& text,
                                   std::vector<std::byte>& scratch) {
   const ImageView& image = message.image;
-  ObjectWriter(json).write(message);
+  ObjectWriter(text).write(message);
   const bool bytes = traits_of(image.format).layout == PixelLayout::bytes;
 
   const std::size_t line = std::size_t(image.width) * (bytes ? 1 : 2);
@@ -127,9 +127,9 @@ std::span<const std::byte> encode(const ImageMessage& message, std::string& json
   return scratch;
 }
 
-std::span<const std::byte> encode(const PhaseMessage& message, std::string& json) {
+std::span<const std::byte> encode(const PhaseMessage& message, std::string& text) {
   const Image<float>& waves = *message.waves;
-  ObjectWriter(json).write(message);
+  ObjectWriter(text).write(message);
   return std::as_bytes(std::span(waves.pixels));
 }
 

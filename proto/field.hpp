@@ -110,8 +110,8 @@ struct Described : FieldInfo {
   constexpr Self among(NamesOf all) const {
     return with([=](Self& f) { f.names = all; });
   }
-  constexpr Self if_absent(const char* json) const {
-    return with([=](Self& f) { f.absent = json; });
+  constexpr Self if_absent(const char* value) const {
+    return with([=](Self& f) { f.absent = value; });
   }
 
  protected:

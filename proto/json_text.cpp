@@ -4,14 +4,12 @@
 
 namespace ovws {
 
-using nlohmann::json;
-
-std::string json_text(const json& value, int indent) {
-  return value.dump(indent, ' ', false, json::error_handler_t::replace);
+std::string json_text(const nlohmann::json& value, int indent) {
+  return value.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-json json_of(std::string_view text) {
-  return json::parse(text.begin(), text.end(), nullptr, false);
+nlohmann::json json_of(std::string_view text) {
+  return nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
 }
 
 }  // namespace ovws

@@ -45,8 +45,8 @@ std::string suggestion(const std::string& nearest, const std::vector<std::string
 
 }  // namespace
 
-ObjectReader::ObjectReader(const json& json, std::string path)
-    : json_(json), path_(std::move(path)) {
+ObjectReader::ObjectReader(const json& object, std::string path)
+    : json_(object), path_(std::move(path)) {
   if (!json_.is_object()) {
     error_ = Error{Errc::invalid, path_, "must be an object, not " + described(json_)};
   }

@@ -233,24 +233,25 @@ void handle_rpc(std::string_view bytes, std::string binary, const RpcDispatch& d
     send(error_frame(code, std::move(reason)), nullptr);
   };
   if (bytes.size() > kMaxRequestBytes) return send(oversize_reply(), nullptr);
-  const auto json = parse_strict_json(bytes, kMaxRequestDepth, JsonComments::refused);
-  if (!json) {
-    return refuse(json.error().malformed ? RpcCode::parse : RpcCode::request, json.error().reason);
+  const auto request = parse_strict_json(bytes, kMaxRequestDepth, JsonComments::refused);
+  if (!request) {
+    return refuse(request.error().malformed ? RpcCode::parse : RpcCode::request,
+                  request.error().reason);
   }
-  if (!json->is_array()) {
+  if (!request->is_array()) {
     auto collector = std::make_shared<ReplyCollector>(1, false, std::move(send));
-    return run_call(*json, std::move(binary),
+    return run_call(*request, std::move(binary),
                     std::make_shared<PendingCall>(std::move(collector), 0), dispatch);
   }
   if (!binary.empty()) return refuse(RpcCode::request, no_binary_in_batch().error().message);
-  if (json->empty()) return refuse(RpcCode::request, "a batch must hold at least one request");
-  if (json->size() > kMaxBatchMembers) {
+  if (request->empty()) return refuse(RpcCode::request, "a batch must hold at least one request");
+  if (request->size() > kMaxBatchMembers) {
     return refuse(RpcCode::request,
                   "a batch may hold at most " + std::to_string(kMaxBatchMembers) + " requests");
   }
-  auto collector = std::make_shared<ReplyCollector>(json->size(), true, std::move(send));
-  for (std::size_t k = 0; k < json->size(); ++k) {
-    run_call((*json)[k], {}, std::make_shared<PendingCall>(collector, k), dispatch);
+  auto collector = std::make_shared<ReplyCollector>(request->size(), true, std::move(send));
+  for (std::size_t k = 0; k < request->size(); ++k) {
+    run_call((*request)[k], {}, std::make_shared<PendingCall>(collector, k), dispatch);
   }
 }
 

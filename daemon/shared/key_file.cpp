@@ -103,10 +103,10 @@ Result<KeyFile> load_key_file(const std::string& path) {
       "group or others can read this secret key: chmod 600 it, or, if another user may have read "
       "it, make a new one with ovws keygen");
   if (!text) return fail(text.error());
-  const auto json = parse_strict_json(*text, kMaxDepth, JsonComments::refused);
-  if (!json) return key_error(Errc::invalid, path, "is not a key file made by ovws keygen");
+  const auto parsed = parse_strict_json(*text, kMaxDepth, JsonComments::refused);
+  if (!parsed) return key_error(Errc::invalid, path, "is not a key file made by ovws keygen");
   KeyFile keys;
-  ObjectReader reader(*json, "");
+  ObjectReader reader(*parsed, "");
   reader.require("public_key");
   reader.require("secret_key");
   reader.string("public_key", keys.pair.public_key);
@@ -120,10 +120,10 @@ Result<KeyFile> load_key_file(const std::string& path) {
 }
 
 Result<void> write_key_file(const std::string& path, const KeyFile& keys, bool replace) {
-  nlohmann::ordered_json json{{"public_key", keys.pair.public_key},
-                              {"secret_key", keys.pair.secret_key}};
-  if (!keys.server_key.empty()) json["server_key"] = keys.server_key;
-  const std::string text = json.dump(2) + "\n";
+  nlohmann::ordered_json content{{"public_key", keys.pair.public_key},
+                                 {"secret_key", keys.pair.secret_key}};
+  if (!keys.server_key.empty()) content["server_key"] = keys.server_key;
+  const std::string text = content.dump(2) + "\n";
   if (replace) return replace_secret_file(path, text);
   const Descriptor file(
       ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, kOwnerOnly));

@@ -15,12 +15,12 @@ void append_length(std::string& bytes, std::size_t length) {
 
 }  // namespace
 
-std::string framed(std::string_view json, std::span<const std::byte> binary) {
+std::string framed(std::string_view text, std::span<const std::byte> binary) {
   std::string bytes;
-  bytes.reserve(2 * sizeof(std::uint32_t) + json.size() + binary.size());
-  append_length(bytes, json.size());
+  bytes.reserve(2 * sizeof(std::uint32_t) + text.size() + binary.size());
+  append_length(bytes, text.size());
   append_length(bytes, binary.size());
-  bytes.append(json);
+  bytes.append(text);
   bytes.append(reinterpret_cast<const char*>(binary.data()), binary.size());
   return bytes;
 }

@@ -180,11 +180,11 @@ const Row& least(const std::vector<Row>& rows) {
 /// Adds the lattices of one method at one light level and strength, the finest last.
 void add_rows(const std::vector<Row>& rows, double rytov, const Mean& index, const Benches& benches,
               nlohmann::json& summary) {
-  const auto json = [&](const Row& row) {
+  const auto compared = [&](const Row& row) {
     return row_json(row, rytov, index, benches, rows.back());
   };
-  for (const Row& row : rows) summary["rows"].push_back(json(row));
-  summary["best"].push_back(json(least(rows)));
+  for (const Row& row : rows) summary["rows"].push_back(compared(row));
+  summary["best"].push_back(compared(least(rows)));
 }
 
 Figure rytov_figure(std::size_t light) {
