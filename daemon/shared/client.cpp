@@ -2,7 +2,6 @@
 
 #include <netdb.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <string_view>
 
@@ -36,17 +35,6 @@ bool may_exist(std::string host) {
   const int failure = getaddrinfo(host.c_str(), nullptr, nullptr, &found);
   if (failure == 0) freeaddrinfo(found);
   return failure != EAI_NONAME;
-}
-
-/// Empty for "tcp://HOST:PORT" and "ipc://PATH", otherwise an error text. ZeroMQ accepts further
-/// forms, but the daemon uses only these two.
-std::string check_endpoint(const std::string& endpoint) {
-  const std::string host = host_of(endpoint);
-  if (endpoint_fault(endpoint)) {
-    return endpoint + " is not an endpoint: use tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
-  }
-  if (host.empty() || may_exist(host)) return {};
-  return endpoint + ": there is no host \"" + host + "\"";
 }
 
 tl::unexpected<CallFailure> no_answer(const std::string& why) {
@@ -109,6 +97,15 @@ tl::expected<json, CallFailure> result_of(json& answer) {
 
 }  // namespace
 
+std::string check_endpoint(const std::string& endpoint) {
+  const std::string host = host_of(endpoint);
+  if (endpoint_fault(endpoint)) {
+    return endpoint + " is not an endpoint: use tcp://HOST:PORT, e.g. tcp://127.0.0.1:7702";
+  }
+  if (host.empty() || may_exist(host)) return {};
+  return endpoint + ": there is no host \"" + host + "\"";
+}
+
 tl::expected<json, CallFailure> call(const Common& common, const std::string& method,
                                      const json& params) {
   auto answer = ask(common, request_of(1, method, params));
@@ -138,19 +135,6 @@ tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,
     results[id.get<std::size_t>()] = std::move(*result);
   }
   return results;
-}
-
-void add_connection_options(CLI::App& app, Common& common) {
-  app.add_option("--endpoint", common.endpoint, "control endpoint of the daemon")
-      ->capture_default_str()
-      ->check(CLI::Validator(check_endpoint, ""));
-  app.add_option("--key", common.key_path,
-                 "key file of this client, made by ovws keygen, for a daemon that requires keys "
-                 "(default: the service's credential ovws.key, if systemd provides one)")
-      ->envname("OVWS_KEY");
-  app.add_option("--server-key", common.server_key,
-                 "public key of the daemon (default: server_key in the key file)")
-      ->envname("OVWS_SERVER_KEY");
 }
 
 int report_failure(const Common& common, const CallFailure& failure) {

@@ -11,10 +11,6 @@
 #include "core/base/result.hpp"
 #include "drivers/zmq/client.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace ovws::cli {
 
 // Exit codes.
@@ -53,8 +49,9 @@ tl::expected<nlohmann::json, CallFailure> call(const Common& common, const std::
 tl::expected<std::vector<nlohmann::json>, CallFailure> call_all(
     const Common& common, const std::vector<std::string>& methods);
 
-/// Adds --endpoint, --key and --server-key.
-void add_connection_options(CLI::App& app, Common& common);
+/// Empty for "tcp://HOST:PORT" and "ipc://PATH", otherwise an error text. ZeroMQ accepts further
+/// forms, but the daemon uses only these two.
+std::string check_endpoint(const std::string& endpoint);
 
 /// Prints the failure on stderr (as JSON on stdout with --json); returns kError or kNoDaemon.
 int report_failure(const Common& common, const CallFailure& failure);

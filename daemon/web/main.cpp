@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "daemon/shared/client.hpp"
+#include "daemon/shared/connection_options.hpp"
 #include "daemon/shared/log.hpp"
 #include "daemon/shared/service_notify.hpp"
 #include "daemon/web/feeds.hpp"
@@ -18,6 +19,7 @@
 namespace ovws::web {
 namespace {
 
+constexpr double kAnswerTimeoutS = 10.0;  ///< a camera may take seconds to change
 constexpr double kPollTimeoutS = 2.0;
 constexpr unsigned kExitTimeoutS = 1;
 
@@ -68,6 +70,25 @@ int serve(Options options) {
   commission.end();  // a running step restores what it has changed
   limit_exit_time();
   return cli::kOk;
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.set_version_flag("--version", OVWS_VERSION);
+  options.common.timeout_s = kAnswerTimeoutS;
+  cli::add_connection_options(app, options.common);
+  app.add_option("--listen", options.listen, "address and port of the page")->capture_default_str();
+  app.add_flag("--control", options.control,
+               "also make a link for control; without it pages are for viewing only");
+  app.add_option(
+      "--links", options.links_path,
+      "file (mode 0600) that keeps the links over a restart (default: make and print new "
+      "links at each start)");
+  app.add_option(
+      "--allow-host", options.more_hosts,
+      "further HOST or HOST:PORT by which browsers reach this page, e.g. a proxy's name");
+  app.add_flag("--cleartext", options.cleartext,
+               "allow an address that other machines can reach, although others on the network can "
+               "read the links' tokens");
 }
 
 }  // namespace

@@ -5,8 +5,6 @@
 namespace ovws::web {
 namespace {
 
-constexpr double kAnswerTimeoutS = 10.0;  ///< a camera may take seconds to change
-
 std::string without_brackets(const std::string& address) {
   return address.starts_with('[') ? address.substr(1, address.size() - 2) : address;
 }
@@ -17,25 +15,6 @@ std::vector<std::string> Options::hosts() const {
   std::vector<std::string> hosts{listen, "localhost:" + std::to_string(port)};
   hosts.insert(hosts.end(), more_hosts.begin(), more_hosts.end());
   return hosts;
-}
-
-void add_options(CLI::App& app, Options& options) {
-  app.set_version_flag("--version", OVWS_VERSION);
-  options.common.timeout_s = kAnswerTimeoutS;
-  cli::add_connection_options(app, options.common);
-  app.add_option("--listen", options.listen, "address and port of the page")->capture_default_str();
-  app.add_flag("--control", options.control,
-               "also make a link for control; without it pages are for viewing only");
-  app.add_option(
-      "--links", options.links_path,
-      "file (mode 0600) that keeps the links over a restart (default: make and print new "
-      "links at each start)");
-  app.add_option(
-      "--allow-host", options.more_hosts,
-      "further HOST or HOST:PORT by which browsers reach this page, e.g. a proxy's name");
-  app.add_flag("--cleartext", options.cleartext,
-               "allow an address that other machines can reach, although others on the network can "
-               "read the links' tokens");
 }
 
 Result<void> check_options(Options& options) {

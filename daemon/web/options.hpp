@@ -1,7 +1,6 @@
 /// The command line of ovws-web.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
@@ -25,8 +24,6 @@ struct Options {
   /// All accepted values of the Host header.
   std::vector<std::string> hosts() const;
 };
-
-void add_options(CLI::App& app, Options& options);
 
 /// Parses and checks `listen`. Errors: Errc::invalid, field "--listen", also for an address that
 /// other machines can reach, unless `cleartext` is set.

@@ -12,6 +12,7 @@
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/text/wrap.hpp"
 #include "daemon/shared/client.hpp"
+#include "daemon/shared/connection_options.hpp"
 #include "proto/reader.hpp"
 
 namespace ovws::cli {
