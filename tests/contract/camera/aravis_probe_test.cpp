@@ -5,36 +5,27 @@
 #include "drivers/aravis/camera_link.hpp"
 #include "drivers/aravis/gige_probe.hpp"
 #include "drivers/aravis/listing.hpp"
-#include "tests/contract/camera/child_process.hpp"
+#include "tests/contract/camera/fake_camera.hpp"
 
 namespace ovws::testing {
 namespace {
 
-constexpr const char* kAddress = "127.0.0.1";
-
-std::unique_ptr<ChildProcess> plug_in() {
-  auto device = std::make_unique<ChildProcess>(
-      std::vector<std::string>{OVWS_FAKE_GIGE_CAMERA, kAddress, OVWS_SFNC_CAMERA_XML, "0"});
-  EXPECT_EQ(device->read_line(), "ready");
-  return device;
-}
-
 TEST(AravisCamera, ProbingReportsWhetherAnotherProgramControlsItAndTakesNoControl) {
-  const auto device = plug_in();
+  const auto device = start_fake_camera(OVWS_SFNC_CAMERA_XML);
   for (int i = 0; i < 2; ++i) {
-    const auto before = ask_gige_camera(kAddress);
+    const auto before = ask_gige_camera(kFakeCameraAddress);
     ASSERT_TRUE(before) << before.error().reason;
     EXPECT_EQ(before->vendor, "Aravis");
     EXPECT_EQ(before->serial, "OVWS7");
     EXPECT_FALSE(before->controlled);
   }
   AravisConfig config;
-  config.id = kAddress;
+  config.id = kFakeCameraAddress;
   config.packet_size_bytes = 1400;
   auto camera = open_aravis_camera(config);
   ASSERT_TRUE(camera) << camera.error().reason;
   ASSERT_TRUE((*camera)->start());
-  const auto meanwhile = ask_gige_camera(kAddress);
+  const auto meanwhile = ask_gige_camera(kFakeCameraAddress);
   ASSERT_TRUE(meanwhile);
   EXPECT_TRUE(meanwhile->controlled);
   EXPECT_EQ(meanwhile->packet_size_bytes, 1400);
@@ -44,7 +35,7 @@ TEST(AravisCamera, ProbingReportsWhetherAnotherProgramControlsItAndTakesNoContro
   ASSERT_EQ((*camera)->grab(frame, std::chrono::seconds(5)), GrabStatus::frame);
   (*camera)->release(frame.slot);
   camera->reset();
-  EXPECT_FALSE(ask_gige_camera(kAddress)->controlled);
+  EXPECT_FALSE(ask_gige_camera(kFakeCameraAddress)->controlled);
 }
 
 TEST(AravisCamera, ProbingWhereNoCameraIsSaysSo) {
@@ -58,7 +49,7 @@ TEST(AravisCamera, ProbingWhereNoCameraIsSaysSo) {
 
 TEST(AravisCamera, IsListedWithItsAddressAndFoundByIdAndSerialNumber) {
   EXPECT_TRUE(list_cameras().empty());
-  const auto device = plug_in();
+  const auto device = start_fake_camera(OVWS_SFNC_CAMERA_XML);
   const auto cameras = list_cameras();
   ASSERT_EQ(cameras.size(), 1U);
   EXPECT_EQ(names_of(cameras), "Aravis-Fake-OVWS7 at 127.0.0.1");
@@ -70,10 +61,10 @@ TEST(AravisCamera, IsListedWithItsAddressAndFoundByIdAndSerialNumber) {
 }
 
 TEST(AravisCamera, TheWayToItIsAnInterfaceOfThisMachine) {
-  const auto path = path_to(kAddress);
+  const auto path = path_to(kFakeCameraAddress);
   ASSERT_TRUE(path) << path.error().reason;
   EXPECT_EQ(path->interface, "lo");
-  EXPECT_EQ(path->own_address, kAddress);
+  EXPECT_EQ(path->own_address, kFakeCameraAddress);
   EXPECT_TRUE(path->same_network);
   EXPECT_GE(path->mtu_bytes, 576);
   EXPECT_FALSE(path->link_mbps);

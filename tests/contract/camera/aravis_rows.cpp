@@ -8,13 +8,11 @@
 
 #include "drivers/aravis/aravis_camera.hpp"
 #include "tests/contract/camera/camera_contract.hpp"
-#include "tests/contract/camera/child_process.hpp"
+#include "tests/contract/camera/fake_camera.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws::testing {
 namespace {
-
-constexpr const char* kAddress = "127.0.0.1";
 
 /// A GenICam description and its mapping of settings to registers.
 struct Description {
@@ -27,7 +25,7 @@ class AravisBench final : public CameraBench {
  public:
   explicit AravisBench(const Description& description) : description_(description) { plug_in(); }
 
-  Result<std::unique_ptr<Camera>> open() override { return open_by(kAddress); }
+  Result<std::unique_ptr<Camera>> open() override { return open_by(kFakeCameraAddress); }
   static Result<std::unique_ptr<Camera>> open_by(const std::string& id) {
     AravisConfig config;
     config.id = id;
@@ -65,7 +63,7 @@ class AravisBench final : public CameraBench {
   void freeze() override { device_->send_signal(SIGSTOP); }
   void thaw() override { device_->send_signal(SIGCONT); }
   void crash_a_client() override {
-    ChildProcess client({OVWS_ARAVIS_CLIENT, kAddress});
+    ChildProcess client({OVWS_ARAVIS_CLIENT, kFakeCameraAddress});
     if (client.read_line() != "streaming") throw std::runtime_error("the client does not stream");
   }
   bool lose_packets() override {
@@ -87,9 +85,7 @@ class AravisBench final : public CameraBench {
 
  private:
   void plug_in(const char* lost_packet_ratio) {
-    device_ = std::make_unique<ChildProcess>(std::vector<std::string>{
-        OVWS_FAKE_GIGE_CAMERA, kAddress, description_.xml, lost_packet_ratio});
-    if (device_->read_line() != "ready") throw std::runtime_error("the camera is not ready");
+    device_ = start_fake_camera(description_.xml, lost_packet_ratio);
   }
   double read(unsigned address) {
     device_->write_line("read " + std::to_string(address));
@@ -122,10 +118,10 @@ INSTANTIATE_TEST_SUITE_P(Aravis, CameraLossContract, ::testing::Values(kTodaysNa
 
 TEST(AravisCamera, OpensByAddressByIdAndBySerialNumber) {
   const auto bench = todays_names();
-  for (const char* id : {kAddress, "Aravis-Fake-OVWS7", "OVWS7"}) {
+  for (const char* id : {kFakeCameraAddress, "Aravis-Fake-OVWS7", "OVWS7"}) {
     auto camera = AravisBench::open_by(id);
     ASSERT_TRUE(camera) << id << ": " << camera.error().reason;
-    EXPECT_EQ((*camera)->info().address, kAddress);
+    EXPECT_EQ((*camera)->info().address, kFakeCameraAddress);
     EXPECT_EQ((*camera)->info().serial, "OVWS7");
   }
 }
@@ -224,8 +220,8 @@ TEST(AravisCamera, AWrongConfigurationIsInvalid) {
     EXPECT_EQ(camera.error().field, field) << camera.error().reason;
   };
   refused({.id = ""}, "camera.id");
-  refused({.id = kAddress, .buffers = 1}, "camera.buffers");
-  refused({.id = kAddress, .packet_size_bytes = 100}, "camera.packet_size_bytes");
+  refused({.id = kFakeCameraAddress, .buffers = 1}, "camera.buffers");
+  refused({.id = kFakeCameraAddress, .packet_size_bytes = 100}, "camera.packet_size_bytes");
 }
 
 }  // namespace

@@ -254,16 +254,13 @@ TEST_P(CameraContract, APixelFormatThatItLacksIsRefusedWithThoseThatItHas) {
   ASSERT_TRUE(limits);
   std::vector<std::string> names;
   for (PixelFormat has : limits->pixel_formats) names.emplace_back(pixel_format_name(has));
-  int lacking = 0;
   for (PixelFormat format : {PixelFormat::mono8, PixelFormat::mono10, PixelFormat::mono12,
                              PixelFormat::mono14, PixelFormat::mono16}) {
     if (std::count(limits->pixel_formats.begin(), limits->pixel_formats.end(), format)) continue;
-    ++lacking;
     CameraSettings wanted = bench_->settings();
     wanted.pixel_format = format;
     expect_refused(*camera, wanted, "camera.pixel_format", names);
   }
-  if (lacking == 0) GTEST_SKIP() << "this camera has every format";
 }
 
 TEST(AStreamingCamera, ChangesWhatWasAskedAndOfTimesWhatGoesWithIt) {

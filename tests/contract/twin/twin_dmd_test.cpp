@@ -7,12 +7,10 @@
 
 #include "core/optics/hologram.hpp"
 #include "drivers/twin/bench_model.hpp"
-#include "drivers/twin/twin_config.hpp"
+#include "tests/contract/twin/model_case.hpp"
 
 namespace ovws::twin {
 namespace {
-
-constexpr Roi kWindow{.x = 0, .y = 0, .width = 512, .height = 512};
 
 /// Camera image of the default bench with an SLM or a DMD, each with its own hologram.
 Image<float> seen(Modulator modulator) {

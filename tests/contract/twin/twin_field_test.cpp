@@ -7,18 +7,12 @@
 #include "core/optics/hologram.hpp"
 #include "drivers/twin/bench_model.hpp"
 #include "drivers/twin/camera_map.hpp"
+#include "tests/contract/twin/model_case.hpp"
 
 namespace ovws::twin {
 namespace {
 
-constexpr std::int64_t kNow = 1'800'000'000'123'456'789;
-const Roi kWindow{0, 0, 512, 512};
-
-Config bench(const std::string& json = "{}") {
-  return parse_config(json).value();
-}
-
-Image<std::uint8_t> hologram(double defocus_waves = 0.0) {
+Image<std::uint8_t> defocused_hologram(double defocus_waves = 0.0) {
   Image<std::uint8_t> grey;
   HologramRenderer::make({})->render(HologramKind::sensor, std::vector<Mode>{{4, defocus_waves}},
                                      grey);
@@ -35,7 +29,7 @@ Image<std::uint8_t> rough_beside_pupil(Image<std::uint8_t> grey) {
 
 /// Largest difference from the far field of the whole SLM, in units of its peak.
 double error_in_air(const Config& config, const Turbulence& air) {
-  const Image<std::uint8_t> grey = rough_beside_pupil(hologram());
+  const Image<std::uint8_t> grey = rough_beside_pupil(defocused_hologram());
   BenchModel model(config);
   model.set_window(kWindow, config.truth.geometry);
   model.set_turbulence(&air, kNow);
@@ -56,9 +50,9 @@ double error_in_air(const Config& config, const Turbulence& air) {
 
 TEST(BenchModel, TurbulenceActsOnTheFieldOfThePupil) {
   // The two interpolate the turbulence between other points.
-  EXPECT_LT(error_in_air(bench(), Turbulence({.rms_waves = 0.1})), 3e-4);
-  EXPECT_LT(error_in_air(bench(), Turbulence({.rms_waves = 0.5, .seed = 3})), 1e-3);
-  EXPECT_LT(error_in_air(bench(R"({"light": {"diameter_px": 450}})"), Turbulence({})), 3e-4);
+  EXPECT_LT(error_in_air(config_of(), Turbulence({.rms_waves = 0.1})), 3e-4);
+  EXPECT_LT(error_in_air(config_of(), Turbulence({.rms_waves = 0.5, .seed = 3})), 1e-3);
+  EXPECT_LT(error_in_air(config_of(R"({"light": {"diameter_px": 450}})"), Turbulence({})), 3e-4);
 }
 
 TEST(BenchModel, WhatWasSeenBeforeLeavesNoTrace) {
@@ -66,12 +60,12 @@ TEST(BenchModel, WhatWasSeenBeforeLeavesNoTrace) {
   const std::vector<Mode> defocus{{4, 0.1}};
   const std::vector<Shade> shade{{{300.0, 300.0}, 90.0, 0.5}};
   const Roi elsewhere{64, 32, 256, 384};
-  const Image<std::uint8_t> flat = hologram(), bent = hologram(0.3);
-  BenchModel used(bench());
+  const Image<std::uint8_t> flat = defocused_hologram(), bent = defocused_hologram(0.3);
+  BenchModel used(config_of());
   // Compares with a model that has seen nothing else.
   const auto check = [&](const Image<std::uint8_t>& grey, const Roi& window, bool lit,
                          const Turbulence* turbulence, const char* step) {
-    BenchModel fresh(bench());
+    BenchModel fresh(config_of());
     if (lit) fresh.set_light({defocus, shade});
     fresh.set_window(window, {});
     fresh.set_turbulence(turbulence, kNow);

@@ -7,18 +7,14 @@
 #include <numbers>
 #include <random>
 
+#include "core/base/angle.hpp"
 #include "core/optics/hologram.hpp"
 #include "drivers/twin/bench_model.hpp"
 #include "drivers/twin/camera_map.hpp"
+#include "tests/contract/twin/model_case.hpp"
 
 namespace ovws::twin {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-
-Config bench(const std::string& json = "{}") {
-  return parse_config(json).value();
-}
 
 Image<std::uint8_t> random_greys() {
   Image<std::uint8_t> grey(1280, 768);
@@ -76,7 +72,7 @@ std::string text_of(const CameraGeometry& g) {
 /// Maximum error at `count` random pixels, in units of the field's peak.
 double field_error(const CameraGeometry& geometry, const Image<std::uint8_t>& grey, const Roi& roi,
                    int count) {
-  const Config config = bench();
+  const Config config = config_of();
   BenchModel model(config);
   model.set_window(roi, geometry);
   const auto start = std::chrono::steady_clock::now();
@@ -104,7 +100,7 @@ double field_error(const CameraGeometry& geometry, const Image<std::uint8_t>& gr
 
 TEST(CameraMap, TurnsFromXTowardsYAndMirrorsFirst) {
   for (const CameraGeometry& g : geometries()) {
-    const CameraMap map = camera_map(bench(), g);
+    const CameraMap map = camera_map(config_of(), g);
     for (const Vec2 u : {Vec2{0.0, 0.0}, Vec2{0.03, -0.01}, Vec2{-0.002, 0.05}}) {
       const Vec2 px = map.pixel(map.base_cpp + u);
       EXPECT_LT(norm(px - defined_px(g, u)), 1e-9) << text_of(g);
@@ -112,7 +108,7 @@ TEST(CameraMap, TurnsFromXTowardsYAndMirrorsFirst) {
     }
   }
   // Rotated by 90 degrees, a shift to the right becomes a shift down.
-  EXPECT_EQ(camera_map(bench(), {90.0}).of_x, (Vec2{0.0, 1.0}));
+  EXPECT_EQ(camera_map(config_of(), {90.0}).of_x, (Vec2{0.0, 1.0}));
 }
 
 TEST(CameraView, FieldEqualsTheFourierSumHoweverTheCameraStands) {
@@ -180,7 +176,7 @@ TEST(BenchModel, ATiltMovesTheSpotToWhereTheDefinitionSays) {
   // Z2 = 2 x and Z1 = 2 y over the pupil's radius of 384 pixels.
   const Vec2 slope_cpp{2.0 * 0.8 / 384.0, -2.0 * 0.5 / 384.0};
   for (const CameraGeometry& g : geometries()) {
-    Config config = bench(R"({"sensor": {"charge": 0}})");
+    Config config = config_of(R"({"sensor": {"charge": 0}})");
     config.truth.geometry = g;
     config.truth.aberration = tilts;
     BenchModel model(config);
@@ -195,7 +191,7 @@ TEST(BenchModel, ATiltMovesTheSpotToWhereTheDefinitionSays) {
 }
 
 TEST(TwinConfig, GeometryIsReadStrictly) {
-  const Config config = bench(R"({"camera": {"rotation_deg": -3.5, "mirror": "y"},
+  const Config config = config_of(R"({"camera": {"rotation_deg": -3.5, "mirror": "y"},
                                   "optics": {"magnification": 1.05, "centre_px": [10, 20]}})");
   EXPECT_EQ(config.truth.geometry, (CameraGeometry{-3.5, Mirror::y, 1.05, {10.0, 20.0}}));
   EXPECT_EQ(parse_config(R"({"camera": {"mirror": "z"}})").error().field, "camera.mirror");

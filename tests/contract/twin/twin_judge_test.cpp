@@ -8,15 +8,12 @@
 
 #include "core/optics/hologram.hpp"
 #include "drivers/twin/judge.hpp"
+#include "tests/contract/twin/model_case.hpp"
 
 namespace ovws::twin {
 namespace {
 
 using Modes = std::vector<Mode>;
-
-Config bench(const std::string& json = "{}") {
-  return parse_config(json).value();
-}
 
 /// The daemon's hologram of the pattern with these modes added.
 Image<std::uint8_t> shown(const Config& config, Pattern pattern, const Modes& modes = {}) {
@@ -40,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(Judge, BothPatterns, ::testing::Values(Pattern::sensor,
                          });
 
 TEST_P(BothPatterns, APerfectBenchIsPerfect) {
-  const Config config = bench();
+  const Config config = config_of();
   const auto verdict = Judge(config).judge(GetParam(), shown(config, GetParam()), {}, nullptr, 0);
   ASSERT_TRUE(verdict);
   EXPECT_LT(verdict->rms_with_tilt_waves, 0.001);
@@ -49,7 +46,7 @@ TEST_P(BothPatterns, APerfectBenchIsPerfect) {
 }
 
 TEST_P(BothPatterns, AnAberrationAndItsExactOppositeLeaveNothing) {
-  const Config config = bench();
+  const Config config = config_of();
   const Modes hidden{{3, 0.2}, {7, -0.15}, {12, 0.1}, {1, 0.12}};  // 0.3 wave RMS
   const auto verdict = Judge(config).judge(GetParam(), shown(config, GetParam(), opposite(hidden)),
                                            {hidden, {}}, nullptr, 0);
@@ -59,7 +56,7 @@ TEST_P(BothPatterns, AnAberrationAndItsExactOppositeLeaveNothing) {
 }
 
 TEST_P(BothPatterns, FindsAWavefrontOfManyWaves) {
-  const Config config = bench();
+  const Config config = config_of();
   const Modes hidden{{1, 1.5}, {2, -2.0}, {4, 1.2}, {5, -0.8}, {8, 0.5}, {17, 0.2}};
   const auto start = std::chrono::steady_clock::now();
   const auto verdict =
@@ -75,7 +72,7 @@ TEST_P(BothPatterns, FindsAWavefrontOfManyWaves) {
 }
 
 TEST_P(BothPatterns, SaysSoWhereThereIsNoWavefront) {
-  const Config config = bench();
+  const Config config = config_of();
   Image<std::uint8_t> grey(1280, 768);
   std::mt19937 random(2);
   for (std::uint8_t& pixel : grey.pixels) pixel = std::uint8_t(random());
@@ -83,14 +80,14 @@ TEST_P(BothPatterns, SaysSoWhereThereIsNoWavefront) {
 }
 
 TEST(Judge, SaysSoWhereTheOtherPatternIsShown) {
-  const Config config = bench();
+  const Config config = config_of();
   Judge judge(config);
   EXPECT_FALSE(judge.judge(Pattern::sensor, shown(config, Pattern::grating), {}, nullptr, 0));
   EXPECT_FALSE(judge.judge(Pattern::grating, shown(config, Pattern::sensor), {}, nullptr, 0));
 }
 
 TEST_P(BothPatterns, APoorSlmIsNotTakenForAWavefront) {
-  const Config config = bench(R"({"slm": {"gamma": 1.3, "depth_waves": 0.9}})");
+  const Config config = config_of(R"({"slm": {"gamma": 1.3, "depth_waves": 0.9}})");
   const auto verdict = Judge(config).judge(GetParam(), shown(config, GetParam()), {}, nullptr, 0);
   ASSERT_TRUE(verdict);
   EXPECT_LT(verdict->first_order, 0.97);
@@ -102,8 +99,7 @@ TEST_P(BothPatterns, APoorSlmIsNotTakenForAWavefront) {
 }
 
 TEST_P(BothPatterns, TurbulenceIsPartOfTheWavefront) {
-  const Config config = bench();
-  constexpr std::int64_t kNow = 1'800'000'000'123'456'789;
+  const Config config = config_of();
   const Turbulence air({.rms_waves = 0.08, .outer_scale_pupils = 5.0});
   const auto verdict = Judge(config).judge(GetParam(), shown(config, GetParam()), {}, &air, kNow);
   ASSERT_TRUE(verdict);
@@ -115,7 +111,7 @@ TEST_P(BothPatterns, TurbulenceIsPartOfTheWavefront) {
 }
 
 TEST(Judge, StrehlOfAstigmatismIsThatOfMarechal) {
-  const Config config = bench();
+  const Config config = config_of();
   const auto verdict = Judge(config).judge(Pattern::grating, shown(config, Pattern::grating),
                                            {{{3, 0.1}}, {}}, nullptr, 0);
   ASSERT_TRUE(verdict);
@@ -127,7 +123,7 @@ TEST(Judge, StrehlOfAstigmatismIsThatOfMarechal) {
 }
 
 TEST(Judge, DistinguishesTiltFromTheRest) {
-  const Config config = bench();
+  const Config config = config_of();
   const auto verdict = Judge(config).judge(Pattern::grating, shown(config, Pattern::grating),
                                            {{{2, 0.25}}, {}}, nullptr, 0);
   ASSERT_TRUE(verdict);
@@ -140,7 +136,7 @@ TEST(Judge, DistinguishesTiltFromTheRest) {
 }
 
 TEST_P(BothPatterns, FirstOrderIsTheEfficiencyOfTheSlm) {
-  const Config config = bench(R"({"slm": {"depth_waves": 0.7}})");
+  const Config config = config_of(R"({"slm": {"depth_waves": 0.7}})");
   const Modes hidden{{4, 0.3}};
   const auto verdict =
       Judge(config).judge(GetParam(), shown(config, GetParam()), {hidden, {}}, nullptr, 0);
@@ -152,7 +148,7 @@ TEST_P(BothPatterns, FirstOrderIsTheEfficiencyOfTheSlm) {
 }
 
 TEST(Judge, FlatnessErrorIsInTheWavefrontAsTheTruthSays) {
-  const Config config = bench(R"({"slm": {"flatness_rms_waves": 0.4, "flatness_seed": 3}})");
+  const Config config = config_of(R"({"slm": {"flatness_rms_waves": 0.4, "flatness_seed": 3}})");
   Judge judge(config);
   const auto flatness = judge.flatness_modes();
   ASSERT_TRUE(flatness);
@@ -165,13 +161,13 @@ TEST(Judge, FlatnessErrorIsInTheWavefrontAsTheTruthSays) {
     power += std::pow((*flatness)[std::size_t(j)].waves, 2);
   }
   EXPECT_GT(std::sqrt(power), 0.2);
-  const auto none = Judge(bench()).flatness_modes();
+  const auto none = Judge(config_of()).flatness_modes();
   ASSERT_TRUE(none);
   for (const Mode& mode : *none) EXPECT_NEAR(mode.waves, 0.0, 1e-4);
 }
 
 TEST(Judge, JudgesASmallPupilAndABeamThatIsNotUniform) {
-  const Config config = bench(R"({"sensor": {"pupil_diameter_px": 301},
+  const Config config = config_of(R"({"sensor": {"pupil_diameter_px": 301},
                                   "light": {"shape": "gaussian", "diameter_px": 400}})");
   const Turbulence air({.rms_waves = 0.05, .tilt = false});
   for (const Pattern pattern : {Pattern::sensor, Pattern::grating}) {
@@ -184,7 +180,8 @@ TEST(Judge, JudgesASmallPupilAndABeamThatIsNotUniform) {
 }
 
 TEST(Judge, LutIsThatOfTheSlm) {
-  const auto lut = Judge::lut_waves(bench(R"({"slm": {"gamma": 2.0, "depth_waves": 1.2}})").slm);
+  const auto lut =
+      Judge::lut_waves(config_of(R"({"slm": {"gamma": 2.0, "depth_waves": 1.2}})").slm);
   EXPECT_EQ(lut[0], 0.0);
   EXPECT_NEAR(lut[128], 0.3, 1e-12);
 }

@@ -6,7 +6,6 @@
 #include <complex>
 #include <memory>
 #include <numbers>
-#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <thread>
@@ -17,16 +16,10 @@
 #include "drivers/twin/deformable_mirror.hpp"
 #include "drivers/twin/scintillation.hpp"
 #include "drivers/twin/slm_model.hpp"
-#include "drivers/twin/twin_config.hpp"
+#include "tests/contract/twin/model_case.hpp"
 
 namespace ovws::twin {
 namespace {
-
-Config config_of(const std::string& json) {
-  const auto config = parse_config(json);
-  if (!config) throw std::runtime_error(text_of(config.error()));
-  return *config;
-}
 
 std::vector<double> poke(std::size_t actuators, std::size_t which, double waves) {
   std::vector<double> commands(actuators);

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <numbers>
 #include <numeric>
-#include <stdexcept>
 #include <thread>
 
 #include "core/optics/hologram.hpp"
@@ -15,7 +14,7 @@
 #include "drivers/twin/faults.hpp"
 #include "drivers/twin/frame_source.hpp"
 #include "drivers/twin/pixel_packing.hpp"
-#include "drivers/twin/twin_config.hpp"
+#include "tests/contract/twin/model_case.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -23,18 +22,12 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-Image<std::uint8_t> hologram(const SensorConfig& sensor) {
+Image<std::uint8_t> sensor_hologram(const SensorConfig& sensor) {
   HologramConfig config;
   config.sensor = sensor;
   Image<std::uint8_t> grey;
   HologramRenderer::make(config)->render(HologramKind::sensor, {}, grey);
   return grey;
-}
-
-Config config_of(const std::string& json) {
-  auto config = parse_config(json);
-  if (!config) throw std::runtime_error(config.error().field + ": " + config.error().reason);
-  return *config;
 }
 
 /// Centroid of the pixels brighter than half of the brightest one.
@@ -116,7 +109,7 @@ TEST(BenchModel, OneVortexAloneIsAsBrightAsTheUnitSays) {
   BenchModel model(config);
   // The vortex alone: outside the base subaperture a grating deflects the light.
   Image<std::uint8_t> grey(1280, 768);
-  const Image<std::uint8_t> all = hologram(config.sensor);
+  const Image<std::uint8_t> all = sensor_hologram(config.sensor);
   for (int y = 0; y < 768; ++y) {
     for (int x = 0; x < 1280; ++x) {
       const bool inside = std::hypot(x - 639.5, y - 383.5) < 76.8;
@@ -134,7 +127,7 @@ TEST(BenchModel, AHiddenTiltMovesTheBrightSpotRightAndDownAsTheTruthSays) {
   Config config = config_of(R"({"sensor": {"charge": 0}})");
   BenchModel model(config);
   model.set_window({224, 224, 64, 64}, {});
-  const Image<std::uint8_t> grey = hologram(config.sensor);
+  const Image<std::uint8_t> grey = sensor_hologram(config.sensor);
   const std::vector<Mode> tilts{{2, 0.8}, {1, 0.5}};  // dW/dx and dW/dy, both positive
   model.set_light({tilts, {}});
   config.truth.aberration = tilts;
@@ -151,7 +144,7 @@ TEST(BenchModel, AShadeTakesItsShareOfTheLightOfTheSubapertureBehindIt) {
   ASSERT_EQ(config.truth.shades.size(), 1U);
   BenchModel model(config);
   model.set_window({240, 240, 32, 32}, {});  // the middle subaperture's spot
-  const Image<std::uint8_t> grey = hologram(config.sensor);
+  const Image<std::uint8_t> grey = sensor_hologram(config.sensor);
   const auto light = [&] {
     const Image<float> image = model.intensity(grey);
     return std::accumulate(image.pixels.begin(), image.pixels.end(), 0.0);
@@ -164,7 +157,7 @@ TEST(BenchModel, AShadeTakesItsShareOfTheLightOfTheSubapertureBehindIt) {
 TEST(BenchModel, ATooShallowSlmLeavesLightBehind) {
   const Config config = config_of(R"({"slm": {"depth_waves": 0.7}, "sensor": {"charge": 0}})");
   const Config perfect = config_of(R"({"sensor": {"charge": 0}})");
-  const Image<std::uint8_t> grey = hologram(config.sensor);
+  const Image<std::uint8_t> grey = sensor_hologram(config.sensor);
   const auto peak = [&grey](const Config& c) {
     BenchModel model(c);
     model.set_window({224, 224, 64, 64}, {});
@@ -194,7 +187,7 @@ class RunningBench : public ::testing::Test {
 
   static constexpr Roi kWindow{192, 192, 128, 128};
   const Config config = config_of("{}");
-  const Image<std::uint8_t> picture = hologram(config.sensor);
+  const Image<std::uint8_t> picture = sensor_hologram(config.sensor);
   std::stop_source stop;
   Bench bench{config};
   std::jthread worker{[this](const std::stop_token& token) { bench.work(token); }};

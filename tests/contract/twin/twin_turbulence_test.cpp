@@ -13,12 +13,11 @@
 #include "drivers/twin/bench_model.hpp"
 #include "drivers/twin/slm_model.hpp"
 #include "drivers/twin/turbulence.hpp"
-#include "drivers/twin/twin_config.hpp"
+#include "tests/contract/twin/model_case.hpp"
 
 namespace ovws::twin {
 namespace {
 
-constexpr std::int64_t kNow = 1'800'000'000'123'456'789;
 constexpr std::int64_t kSecond = 1'000'000'000;
 
 /// Points of a square grid that lie in the pupil, in pupil radii.

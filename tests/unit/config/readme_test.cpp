@@ -15,7 +15,7 @@
 namespace ovws {
 namespace {
 
-using Range = std::optional<std::pair<double, double>>;
+using NumberRange = std::optional<std::pair<double, double>>;
 
 struct Row {
   std::string preset;  ///< JSON
@@ -58,14 +58,14 @@ std::map<std::string, Row> documented(const Json& defaults) {
 }
 
 /// "µs, 0.1 to 60 000 000".
-Range range_in(const std::string& text) {
+NumberRange range_in(const std::string& text) {
   static const std::regex kRange("(-?[0-9][0-9 .e]*) to (-?[0-9][0-9 .e]*)");
   std::smatch found;
   if (!std::regex_search(text, found, kRange)) return std::nullopt;
   return std::pair(std::stod(without(found[1], " ")), std::stod(without(found[2], " ")));
 }
 
-Range range_of(const Json& schema) {
+NumberRange range_of(const Json& schema) {
   const Json& number = schema.contains("items") ? schema["items"] : schema;
   if (!number.contains("minimum")) return std::nullopt;
   return std::pair(number["minimum"].get<double>(), number["maximum"].get<double>());

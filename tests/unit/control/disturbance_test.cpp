@@ -10,7 +10,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kFrame = 1.0 / 200.0;
+using test::kFrame;
 
 /// Spectrum of a minute of frames, with noise.
 Spectrum spectrum_of(const Disturbance& of) {

@@ -10,7 +10,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kStep = 1.0 / 60.0;
+using test::kStep;
 
 TEST(Integrator, LeavesAPowerOfOneMinusGain) {
   Integrator law(0.3, 0.0, 0.0);

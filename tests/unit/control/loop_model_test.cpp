@@ -4,12 +4,15 @@
 
 #include "core/control/loop_laws.hpp"
 #include "core/control/step_times.hpp"
+#include "tests/support/time.hpp"
 #include "tests/unit/control/simulated_loop.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr double kFrame = 1.0 / 200.0, kStep = 1.0 / 60.0;
+using test::kFrame;
+using test::kStep;
+
 constexpr LoopTiming kTiming{kStep, kStep};
 
 DisturbanceSeries series_of(const std::vector<Disturbance>& modes, int frames) {
@@ -126,7 +129,7 @@ TEST(CheckModel, RefusesALawWithTooSmallAMargin) {
 }
 
 TEST(RecentTime, IsThatOfTheStatedShareOfTheSteps) {
-  constexpr std::int64_t kMs = 1'000'000;
+  using test::kMs;
   RecentTime time;
   EXPECT_EQ(time.ns(0.5), 0);
   time.add(300'000 * kMs);

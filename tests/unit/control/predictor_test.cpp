@@ -9,7 +9,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kStep = 1.0 / 60.0;
+using test::kStep;
 
 Disturbance air(double noise_waves) {
   return {{{0.5, 1.0, 0.05}, {1.5, 0.3, 0.02}}, noise_waves};

@@ -18,7 +18,8 @@
 
 namespace ovws::test {
 
-constexpr double kNoLimit = 1e9;  // waves
+constexpr double kNoLimit = 1e9;                            // waves
+constexpr double kFrame = 1.0 / 200.0, kStep = 1.0 / 60.0;  // seconds
 
 /// Delays of a loop in steps, which follow each other in turn.
 using Delays = std::vector<int>;

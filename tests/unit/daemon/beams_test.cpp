@@ -11,7 +11,7 @@
 namespace ovws {
 namespace {
 
-Config bench(std::vector<BeamConfig> beams) {
+Config bench_with(std::vector<BeamConfig> beams) {
   Config config;
   config.camera.settings.roi = {0, 0, 512, 1344};
   config.optics.centre_px = Vec2{255.5, 255.5};
@@ -20,34 +20,34 @@ Config bench(std::vector<BeamConfig> beams) {
 }
 
 /// The refusal's field and reason; empty if it is accepted.
-std::string refusal(const Config& config) {
+std::string beams_refusal(const Config& config) {
   const auto lattice = make_lattice(config.sensor, config.slm.geometry);
   const auto checked = check_beams(spot_bench(config, *lattice), config.beams);
   return checked ? "" : checked.error().field + ": " + checked.error().reason;
 }
 
 TEST(Beams, InRegionsOfTheirOwnAreAccepted) {
-  EXPECT_EQ(refusal(bench({})), "");
-  EXPECT_EQ(refusal(bench({{"b", {0, 420}}, {"c", {10, 840}}})), "");
+  EXPECT_EQ(beams_refusal(bench_with({})), "");
+  EXPECT_EQ(beams_refusal(bench_with({{"b", {0, 420}}, {"c", {10, 840}}})), "");
 }
 
 TEST(Beams, ThatOverlapAreRefusedWithADistanceThatWorks) {
-  const std::string near_main = refusal(bench({{"b", {0, 200}}}));
+  const std::string near_main = beams_refusal(bench_with({{"b", {0, 200}}}));
   EXPECT_TRUE(near_main.starts_with("beams[0].offset_px: ")) << near_main;
   EXPECT_NE(near_main.find("overlap those of the main source"), std::string::npos) << near_main;
   std::smatch found;
   ASSERT_TRUE(std::regex_search(near_main, found, std::regex("at least ([0-9]+) px")));
   const double least_px = std::stod(found[1]);
-  EXPECT_EQ(refusal(bench({{"b", {0, least_px}}})), "");
-  EXPECT_NE(refusal(bench({{"b", {0, least_px - 2}}})), "");
+  EXPECT_EQ(beams_refusal(bench_with({{"b", {0, least_px}}})), "");
+  EXPECT_NE(beams_refusal(bench_with({{"b", {0, least_px - 2}}})), "");
 
-  const std::string near_b = refusal(bench({{"b", {0, 420}}, {"c", {0, 700}}}));
+  const std::string near_b = beams_refusal(bench_with({{"b", {0, 420}}, {"c", {0, 700}}}));
   EXPECT_TRUE(near_b.starts_with("beams[1].offset_px: ")) << near_b;
   EXPECT_NE(near_b.find("overlap those of the source b"), std::string::npos) << near_b;
 }
 
 TEST(Beams, OutsideTheCamerasRegionAreRefused) {
-  const std::string outside = refusal(bench({{"b", {0, 1200}}}));
+  const std::string outside = beams_refusal(bench_with({{"b", {0, 1200}}}));
   EXPECT_TRUE(outside.starts_with("beams[0].offset_px: ")) << outside;
   EXPECT_NE(outside.find("outside the camera's region"), std::string::npos) << outside;
 }

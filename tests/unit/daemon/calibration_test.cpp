@@ -11,25 +11,15 @@
 #include "daemon/ovwsd/sensor/knowledge.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "tests/support/own_folder.hpp"
+#include "tests/unit/daemon/small_bench.hpp"
 
 namespace ovws {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-const CameraInfo kCamera{"Ovws", "Twin", "TWIN0001", "127.0.0.1"};
-
-/// A small bench, quick to render.
-Config small_bench() {
-  Config config;
-  config.slm.geometry = {160, 96, 19.0};
-  config.sensor.pupil_diameter_px = 96.0;
-  config.sensor.subapertures_across = 3;
-  config.sensor.grooves = {20.0, 4.0};
-  config.camera.settings.roi = {16, 8, 32, 24};
-  return config;
-}
+using test::hologram_of;
+using test::kCamera;
 
 Registration turned(double base_x_px = 20.0) {
   Registration registration;
@@ -77,12 +67,6 @@ class Calibrations : public testing::Test {
     KeptCalibrations kept;
     Knowledge known;
   };
-  static HologramConfig hologram_of(const Config& config) {
-    HologramConfig hologram;
-    hologram.slm = config.slm.geometry;
-    hologram.sensor = config.sensor;
-    return hologram;
-  }
   std::unique_ptr<Started> started(const Config& config) const {
     return std::make_unique<Started>(config, folder_);
   }
@@ -129,7 +113,7 @@ class Calibrations : public testing::Test {
   }
 
   const std::string folder_ = own_folder("calibrations");
-  const Config config_ = small_bench();
+  const Config config_ = test::small_bench();
 };
 
 TEST_F(Calibrations, OfTheTrackerThatFitReplacesAreRefusedByName) {

@@ -13,7 +13,7 @@ namespace {
 
 const std::vector<int> kModes{1, 2, 3};
 
-std::string bytes_of(const std::vector<float>& values) {
+std::string float_bytes(const std::vector<float>& values) {
   std::string bytes(sizeof(float) * values.size(), '\0');
   std::memcpy(bytes.data(), values.data(), bytes.size());
   return bytes;
@@ -56,17 +56,17 @@ const std::vector<float> kMatrix{1, 2, 3, 0, 0, -0.5F};
 
 TEST_F(CorrectorTest, GivesTheMatrixTimesTheModesOfTheFrame) {
   EXPECT_TRUE(commands().empty()) << "no matrix";
-  ASSERT_TRUE(corrector_.set({{2, 3}}, bytes_of(kMatrix), kModes));
+  ASSERT_TRUE(corrector_.set({{2, 3}}, float_bytes(kMatrix), kModes));
   EXPECT_EQ(commands(), (std::vector<float>{4.5F, -1.0F}));
   EXPECT_EQ(commands(), (std::vector<float>{4.5F, -1.0F})) << "nothing is integrated";
-  ASSERT_TRUE(corrector_.set({{1, 3}}, bytes_of({0, 1, 0}), kModes));
+  ASSERT_TRUE(corrector_.set({{1, 3}}, float_bytes({0, 1, 0}), kModes));
   EXPECT_EQ(commands(), (std::vector<float>{-1.0F})) << "the last matrix counts";
   corrector_.clear();
   EXPECT_TRUE(commands().empty());
 }
 
 TEST_F(CorrectorTest, GivesNothingForFramesThatAreNotValidOrHaveOtherModes) {
-  ASSERT_TRUE(corrector_.set({{2, 3}}, bytes_of(kMatrix), kModes));
+  ASSERT_TRUE(corrector_.set({{2, 3}}, float_bytes(kMatrix), kModes));
   record_.valid = false;
   EXPECT_TRUE(commands().empty());
   record_.valid = true;
@@ -77,12 +77,12 @@ TEST_F(CorrectorTest, GivesNothingForFramesThatAreNotValidOrHaveOtherModes) {
 }
 
 TEST_F(CorrectorTest, RefusesWhatDoesNotFitAndKeepsTheMatrixOfBefore) {
-  ASSERT_TRUE(corrector_.set({{2, 3}}, bytes_of(kMatrix), kModes));
-  EXPECT_EQ(refused_field({2, 4}, bytes_of(std::vector<float>(8))), "shape");
-  EXPECT_EQ(refused_field({2, 3}, bytes_of(kMatrix) + "x"), "matrix");
+  ASSERT_TRUE(corrector_.set({{2, 3}}, float_bytes(kMatrix), kModes));
+  EXPECT_EQ(refused_field({2, 4}, float_bytes(std::vector<float>(8))), "shape");
+  EXPECT_EQ(refused_field({2, 3}, float_bytes(kMatrix) + "x"), "matrix");
   EXPECT_EQ(refused_field({2, 3}, ""), "matrix");
-  EXPECT_EQ(refused_field({2, 3}, bytes_of({1, 2, 3, 4, NAN, 6})), "matrix");
-  EXPECT_EQ(refused_field({2, 3}, bytes_of({1, 2, INFINITY, 4, 5, 6})), "matrix");
+  EXPECT_EQ(refused_field({2, 3}, float_bytes({1, 2, 3, 4, NAN, 6})), "matrix");
+  EXPECT_EQ(refused_field({2, 3}, float_bytes({1, 2, INFINITY, 4, 5, 6})), "matrix");
   EXPECT_EQ(corrector_.report(kModes).matrix, 1);
   EXPECT_EQ(commands(), (std::vector<float>{4.5F, -1.0F}));
 }
@@ -102,7 +102,7 @@ TEST_F(CorrectorTest, TakesTheLargestMatrix) {
 TEST_F(CorrectorTest, ReportsWhyThereAreNoCommands) {
   EXPECT_NE(corrector_.report(kModes).reason.find("corrector.set"), std::string::npos);
   EXPECT_FALSE(corrector_.report(kModes).matrix);
-  ASSERT_TRUE(corrector_.set({{2, 3}}, bytes_of(kMatrix), kModes));
+  ASSERT_TRUE(corrector_.set({{2, 3}}, float_bytes(kMatrix), kModes));
   const KnownCorrector known = corrector_.report(kModes);
   EXPECT_EQ(known.reason, "");
   EXPECT_EQ(known.actuators, 2);
@@ -115,7 +115,7 @@ TEST_F(CorrectorTest, AnEventTellsWhenTheModesChangeAndWhenTheyAreAsBefore) {
   corrector_.sensor_changed({1, 2});
   EXPECT_EQ(event(), "") << "without a matrix";
   corrector_.sensor_changed(kModes);
-  ASSERT_TRUE(corrector_.set({{2, 3}}, bytes_of(kMatrix), kModes));
+  ASSERT_TRUE(corrector_.set({{2, 3}}, float_bytes(kMatrix), kModes));
   EXPECT_NE(event().find("2 actuators"), std::string::npos);
   corrector_.sensor_changed(kModes);
   EXPECT_EQ(event(), "");

@@ -3,17 +3,16 @@
 #include "daemon/ovwsd/store/daemon_store.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <future>
 #include <thread>
 
 #include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "tests/support/file_limit.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {
@@ -158,23 +157,6 @@ TEST_F(Store, ARemovedFolderIsCreatedAgain) {
   EXPECT_FALSE(store_.report().reason);
 }
 
-/// Limits the size of this process's files, so that writes beyond it fail.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t bytes) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit now{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &now);
-  }
-  ~FileLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
-
- private:
-  rlimit before_{};
-};
-
 TEST_F(Store, AnOutdatedItemIsNotLoadedByARestart) {
   Answers first, second;
   put("a", 1, first);
@@ -185,7 +167,7 @@ TEST_F(Store, AnOutdatedItemIsNotLoadedByARestart) {
     return found ? found->content["value"] : json();
   };
   {
-    const FileLimit limit(16);
+    const test::FileLimit limit(16);
     store_.put("kind", "a", {{"value", 2}}, DaemonStore::Older::set_aside, second.tried());
     EXPECT_EQ(second.refused, 1);
     EXPECT_EQ(found_by_restart(), json());
@@ -201,7 +183,7 @@ TEST_F(Store, WhatIsDroppedIsNotWrittenAfterAll) {
   Answers a;
   bool dropped = false;
   {
-    const FileLimit limit(16);
+    const test::FileLimit limit(16);
     put("a", 1, a);
     ASSERT_EQ(a.refused, 1);
     store_.drop("kind", "a", [&](const Result<void>& done) { dropped = done.has_value(); });

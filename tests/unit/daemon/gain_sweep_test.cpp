@@ -15,26 +15,14 @@
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "tests/support/own_folder.hpp"
+#include "tests/unit/daemon/sweep_frame.hpp"
 
 namespace ovws {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-SeriesFrame frame_at(const std::vector<Vec2>& places) {
-  SeriesFrame frame;
-  for (const Vec2 p : places) {
-    SpotFix spot;
-    spot.x = float(p.x);
-    spot.y = float(p.y);
-    spot.level = 10.0F;
-    spot.noise = 2.0F;
-    spot.peak = 20.0F;
-    frame.spots.push_back(spot);
-  }
-  return frame;
-}
+using test::frame_at;
 
 TEST(MeanPositions, LeaveOutWhatIsRarelyFound) {
   std::vector<SeriesFrame> frames(3, frame_at({{1, 2}, {5, 5}}));

@@ -9,33 +9,15 @@
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "tests/support/own_folder.hpp"
+#include "tests/unit/daemon/small_bench.hpp"
 
 namespace ovws {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-const CameraInfo kCamera{"Ovws", "Twin", "TWIN0001", "127.0.0.1"};
-
-/// A small bench, quick to render.
-Config small_bench() {
-  Config config;
-  config.slm.geometry = {160, 96, 19.0};
-  config.sensor.pupil_diameter_px = 96.0;
-  config.sensor.subapertures_across = 3;
-  config.sensor.grooves = {20.0, 4.0};
-  config.sensor.spacing = 0.25;
-  config.camera.settings.roi = {16, 8, 32, 24};
-  return config;
-}
-
-HologramConfig hologram_of(const Config& config) {
-  HologramConfig hologram;
-  hologram.slm = config.slm.geometry;
-  hologram.sensor = config.sensor;
-  return hologram;
-}
+using test::hologram_of;
+using test::kCamera;
 
 class KeptReferencesTest : public testing::Test {
  protected:
@@ -100,7 +82,7 @@ class KeptReferencesTest : public testing::Test {
   }
 
   const std::string folder_ = own_folder("reference_archive");
-  const Config config_ = small_bench();
+  const Config config_ = test::small_bench();
 };
 
 TEST_F(KeptReferencesTest, AReferenceIsFoundAgainBitForBit) {

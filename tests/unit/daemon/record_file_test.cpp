@@ -2,15 +2,14 @@
 #include "drivers/record/record_file.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 
 #include "daemon/ovwsd/record/frame_store.hpp"
 #include "drivers/replay/recording_reader.hpp"
+#include "tests/support/file_limit.hpp"
 #include "tests/support/own_folder.hpp"
 
 namespace ovws {
@@ -23,24 +22,6 @@ RecordingHeader small_header() {
   header.width = header.height = kSide;
   return header;
 }
-
-/// Limits the size of this process's files: writes beyond it fail as on a full disk.
-class FileLimit {
- public:
-  explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit now{bytes, before_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &now);
-  }
-  ~FileLimit() {
-    setrlimit(RLIMIT_FSIZE, &before_);
-    (void)std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  void (*handler_)(int);
-  rlimit before_{};
-};
 
 Result<void> add_one(RecordFile& file, int number) {
   const std::vector<std::byte> pixels(kSide * kSide, std::byte(number));
@@ -88,7 +69,7 @@ TEST_P(RecordFileLimit, AfterAWriteThatFailedNothingIsAddedAndAllBeforeCanBeRead
   {
     auto file = RecordFile::create(path, small_header());
     ASSERT_TRUE(file) << file.error().reason;
-    const FileLimit limit((*file)->bytes() + rlim_t(GetParam()));
+    const test::FileLimit limit((*file)->bytes() + rlim_t(GetParam()));
     while (flushed < 100 && add_one(**file, flushed + 1)) ++flushed;
     ASSERT_LT(flushed, 100);
     EXPECT_FALSE((*file)->add_document("plan", std::string(64, 'a'), "{}"));
@@ -140,7 +121,7 @@ TEST(RecordFile, OneThatCannotBeBegunLeavesNothing) {
   const std::string path = own_folder("record_file_begin") + ".h5";
   std::filesystem::remove(path);
   {
-    const FileLimit limit(500);
+    const test::FileLimit limit(500);
     const auto file = RecordFile::create(path, small_header());
     ASSERT_FALSE(file);
     EXPECT_EQ(file.error().field, "path");

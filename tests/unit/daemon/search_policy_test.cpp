@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/time.hpp"
+
 namespace ovws {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 
 /// Runs the policy for `ms` milliseconds, polled every 10 ms; each search takes `takes_ms`.
 struct Clock {

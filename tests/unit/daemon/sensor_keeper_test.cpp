@@ -13,6 +13,7 @@
 
 #include "daemon/ovwsd/devices/driver_table.hpp"
 #include "tests/support/own_folder.hpp"
+#include "tests/unit/daemon/small_bench.hpp"
 
 namespace ovws {
 namespace {
@@ -63,14 +64,10 @@ Result<std::unique_ptr<Camera>> open_camera(const CameraConfig&) {
 
 namespace {
 
-/// A small bench, quick to render.
-Config small_bench() {
-  Config config;
-  config.slm.geometry = {160, 96, 19.0};
+/// The small bench, seen by a camera that all of its spots reach.
+Config seen_bench() {
+  Config config = test::small_bench();
   config.slm.settle_ms = 0.0;
-  config.sensor.pupil_diameter_px = 96.0;
-  config.sensor.subapertures_across = 3;
-  config.sensor.grooves = {20.0, 4.0};
   config.sensor.spacing = 0.47;
   config.camera.settings.roi = {0, 0, 656, 816};
   return config;
@@ -152,7 +149,7 @@ class Keeper : public testing::Test {
   };
   Screen screen_;
   const std::string folder_ = own_folder("sensor_keeper");
-  Config config_ = small_bench();
+  Config config_ = seen_bench();
   std::atomic<bool> running_{true};
   std::unique_ptr<Parts> parts_;
   std::thread display_;

@@ -12,7 +12,7 @@
 namespace ovws {
 namespace {
 
-Config bench(int charge, TrackerKind tracker, int across = 5, double spacing = 0.25) {
+Config bench_of(int charge, TrackerKind tracker, int across = 5, double spacing = 0.25) {
   Config config;
   config.sensor.charge = charge;
   config.sensor.subapertures_across = across;
@@ -22,7 +22,7 @@ Config bench(int charge, TrackerKind tracker, int across = 5, double spacing = 0
 }
 
 /// The refusal's field and reason; empty if it is accepted.
-std::string refusal(const Config& config) {
+std::string layout_refusal(const Config& config) {
   const auto seen = check_sees_spots(config);
   return seen ? "" : seen.error().field + ": " + seen.error().reason;
 }
@@ -40,14 +40,14 @@ Roi region_named(const std::string& text) {
 }
 
 TEST(SpotLayout, BenchesThatWereMeasuredToWorkAreAccepted) {
-  EXPECT_EQ(refusal(Config{}), "");
-  EXPECT_EQ(refusal(bench(0, TrackerKind::fit)), "");
-  EXPECT_EQ(refusal(bench(-1, TrackerKind::fit)), "");
-  EXPECT_EQ(refusal(bench(2, TrackerKind::fit)), "");
-  EXPECT_EQ(refusal(bench(3, TrackerKind::lg)), "");
-  EXPECT_EQ(refusal(bench(0, TrackerKind::thresholded, 7)), "");
-  EXPECT_EQ(refusal(bench(1, TrackerKind::lg, 7)), "");
-  EXPECT_EQ(refusal(bench(1, TrackerKind::lg, 4)), "");
+  EXPECT_EQ(layout_refusal(Config{}), "");
+  EXPECT_EQ(layout_refusal(bench_of(0, TrackerKind::fit)), "");
+  EXPECT_EQ(layout_refusal(bench_of(-1, TrackerKind::fit)), "");
+  EXPECT_EQ(layout_refusal(bench_of(2, TrackerKind::fit)), "");
+  EXPECT_EQ(layout_refusal(bench_of(3, TrackerKind::lg)), "");
+  EXPECT_EQ(layout_refusal(bench_of(0, TrackerKind::thresholded, 7)), "");
+  EXPECT_EQ(layout_refusal(bench_of(1, TrackerKind::lg, 7)), "");
+  EXPECT_EQ(layout_refusal(bench_of(1, TrackerKind::lg, 4)), "");
 }
 
 Config lenslets(double focal_length_mm, double pupil_mm, int roi_px) {
@@ -62,39 +62,40 @@ Config lenslets(double focal_length_mm, double pupil_mm, int roi_px) {
 }
 
 TEST(SpotLayout, ARefusalOfLensletsNamesTheirKeysWithValuesThatWork) {
-  EXPECT_EQ(refusal(lenslets(10.0, 5.0, 1024)), "");
-  const std::string near = refusal(lenslets(50.0, 5.0, 1024));
+  EXPECT_EQ(layout_refusal(lenslets(10.0, 5.0, 1024)), "");
+  const std::string near = layout_refusal(lenslets(50.0, 5.0, 1024));
   EXPECT_TRUE(near.starts_with("optics.focal_length_mm: neighbouring spots are ")) << near;
-  EXPECT_EQ(refusal(lenslets(number_after(near, "at most"), 5.0, 1024)), "");
-  const std::string outside = refusal(lenslets(10.0, 5.0, 512));
+  EXPECT_EQ(layout_refusal(lenslets(number_after(near, "at most"), 5.0, 1024)), "");
+  const std::string outside = layout_refusal(lenslets(10.0, 5.0, 512));
   EXPECT_TRUE(outside.starts_with("camera.roi: ")) << outside;
-  EXPECT_EQ(refusal(lenslets(10.0, number_after(outside, "array.pupil_mm to"), 512)), "");
+  EXPECT_EQ(layout_refusal(lenslets(10.0, number_after(outside, "array.pupil_mm to"), 512)), "");
 }
 
 TEST(SpotLayout, SpotsThatATrackerCannotSeparateAreRefusedWithValuesThatWork) {
   Config large_slm;
   large_slm.slm.geometry = {3840, 2160, 3.74};
   for (Config config :
-       {bench(1, TrackerKind::lg, 9), bench(7, TrackerKind::lg), large_slm,
-        bench(2, TrackerKind::lg, 7), bench(3, TrackerKind::lg, 7, 0.31),
-        bench(3, TrackerKind::lg, 5, 0.16), bench(0, TrackerKind::centroid, 5, 0.09)}) {
-    const std::string reason = refusal(config);
+       {bench_of(1, TrackerKind::lg, 9), bench_of(7, TrackerKind::lg), large_slm,
+        bench_of(2, TrackerKind::lg, 7), bench_of(3, TrackerKind::lg, 7, 0.31),
+        bench_of(3, TrackerKind::lg, 5, 0.16), bench_of(0, TrackerKind::centroid, 5, 0.09)}) {
+    const std::string reason = layout_refusal(config);
     SCOPED_TRACE(reason);
     ASSERT_TRUE(reason.starts_with("sensor.spacing: neighbouring spots are "));
     EXPECT_NE(reason.find(" to "), std::string::npos);
     if (const double fewer = number_after(reason, "sensor.subapertures_across to"); fewer > 0) {
       Config other = config;
       other.sensor.subapertures_across = int(fewer);
-      EXPECT_FALSE(refusal(other).starts_with("sensor.spacing")) << refusal(other);
+      EXPECT_FALSE(layout_refusal(other).starts_with("sensor.spacing")) << layout_refusal(other);
     }
     const double spacing = number_after(reason, "sensor.spacing to");
     if (spacing == 0.0) continue;  // its region would contain the zeroth order
     config.sensor.spacing = spacing;
     if (reason.find("camera.roi") != std::string::npos) {
-      EXPECT_TRUE(refusal(config).empty() || refusal(config).starts_with("camera.roi"));
+      EXPECT_TRUE(layout_refusal(config).empty() ||
+                  layout_refusal(config).starts_with("camera.roi"));
       config.camera.settings.roi = region_named(reason);
     }
-    EXPECT_EQ(refusal(config), "");
+    EXPECT_EQ(layout_refusal(config), "");
   }
 }
 
@@ -105,33 +106,33 @@ TEST(SpotLayout, SpotsOutsideTheRegionAreRefusedWithValuesThatWork) {
   Config small_region;
   small_region.camera.settings.roi = {0, 0, 512, 192};
   for (const Config& config : {long_lens, small_region}) {
-    const std::string reason = refusal(config);
+    const std::string reason = layout_refusal(config);
     SCOPED_TRACE(reason);
     ASSERT_TRUE(reason.starts_with("camera.roi: "));
     Config larger = config;
     larger.camera.settings.roi = region_named(reason);
-    EXPECT_EQ(refusal(larger), "");
+    EXPECT_EQ(layout_refusal(larger), "");
     Config other = config;
     if (const double closer = number_after(reason, "sensor.spacing to"); closer > 0.0) {
       other.sensor.spacing = closer;
     } else {
       other.optics.focal_length_mm = number_after(reason, "optics.focal_length_mm to");
     }
-    EXPECT_EQ(refusal(other), "");
+    EXPECT_EQ(layout_refusal(other), "");
   }
 }
 
 TEST(SpotLayout, AFewSpotsOutsideAreNoFaultIfTheOthersDetermineTheModes) {
   Config config;
   config.camera.settings.roi.width = 240;  // the middle row's ends touch the edge
-  EXPECT_EQ(refusal(config), "");
+  EXPECT_EQ(layout_refusal(config), "");
   config.optics.centre_px = Vec2{20.0, 20.0};
-  EXPECT_TRUE(refusal(config).starts_with("camera.roi: ")) << refusal(config);
-  EXPECT_NE(refusal(config).find("optics.centre_px"), std::string::npos);
+  EXPECT_TRUE(layout_refusal(config).starts_with("camera.roi: ")) << layout_refusal(config);
+  EXPECT_NE(layout_refusal(config).find("optics.centre_px"), std::string::npos);
 }
 
 Config with_modes(int charge, int mode_count, int estimates = 8) {
-  Config config = bench(charge, TrackerKind::fit);
+  Config config = bench_of(charge, TrackerKind::fit);
   config.tracking.mode_count = mode_count;
   config.tracking.estimates = estimates;
   return config;
@@ -140,35 +141,36 @@ Config with_modes(int charge, int mode_count, int estimates = 8) {
 TEST(SpotLayout, AsManyModesAsTheSpotsDetermineAreAccepted) {
   for (const Config& config :
        {with_modes(1, 18), with_modes(1, 44), with_modes(2, 44), with_modes(0, 20)}) {
-    EXPECT_EQ(refusal(config), "");
+    EXPECT_EQ(layout_refusal(config), "");
   }
 }
 
 TEST(SpotLayout, MoreModesThanTheSpotsDetermineAreRefusedWithTheNumberThatIsPossible) {
   for (Config config :
        {with_modes(1, 65), with_modes(0, 44), with_modes(1, 44, 2), with_modes(1, 230)}) {
-    const std::string reason = refusal(config);
+    const std::string reason = layout_refusal(config);
     SCOPED_TRACE(reason);
     ASSERT_TRUE(reason.starts_with("tracking.mode_count: 19 "));
     const int possible = int(number_after(reason, "each determine"));
     ASSERT_GE(possible, 18);
     EXPECT_GT(number_after(reason, "error together is"), 0.0);
     config.tracking.mode_count = possible;
-    EXPECT_EQ(refusal(config), "");
+    EXPECT_EQ(layout_refusal(config), "");
     config.tracking.mode_count = possible + 1;
-    EXPECT_NE(refusal(config), "");
+    EXPECT_NE(layout_refusal(config), "");
   }
 }
 
 TEST(SpotLayout, ModesThatOnlyShapesDetermineNeedTheTrackerFit) {
   Config config = with_modes(1, 44);
   config.tracking.tracker = TrackerKind::lg;
-  EXPECT_TRUE(refusal(config).starts_with("tracking.mode_count: positions")) << refusal(config);
-  EXPECT_NE(refusal(with_modes(1, 9)), "");
+  EXPECT_TRUE(layout_refusal(config).starts_with("tracking.mode_count: positions"))
+      << layout_refusal(config);
+  EXPECT_NE(layout_refusal(with_modes(1, 9)), "");
 }
 
 TEST(SpotLayout, TheZerothOrderInTheRegionIsToldWithGroovesThatMoveItOut) {
-  Config config = bench(1, TrackerKind::lg);
+  Config config = bench_of(1, TrackerKind::lg);
   EXPECT_TRUE(check_zeroth_order(config));
   config.sensor.grooves = {100.0, 20.0};  // the zeroth order is 151 px to the left of the spots
   const auto refused = check_zeroth_order(config);

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/time.hpp"
+
 namespace ovws {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
 
 /// A display of 100 Hz with a refresh at 1000 ms; a hologram is ready 2 ms after its step, 3 ms to
 /// be safe.

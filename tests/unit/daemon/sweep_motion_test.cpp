@@ -4,14 +4,10 @@
 
 #include <cmath>
 
+#include "tests/unit/daemon/sweep_frame.hpp"
+
 namespace ovws {
 namespace {
-
-SeriesFrame frame_at(const std::vector<Vec2>& places) {
-  SeriesFrame frame;
-  for (const Vec2 p : places) frame.spots.push_back({float(p.x), float(p.y), 10.0F, 2.0F});
-  return frame;
-}
 
 /// Frames of spots at `places`, displaced alternately by +-`scatter_px` along both axes.
 std::vector<SeriesFrame> scattered(std::vector<Vec2> places, int frames, double scatter_px) {
@@ -20,7 +16,7 @@ std::vector<SeriesFrame> scattered(std::vector<Vec2> places, int frames, double 
     const double off_px = k % 2 == 0 ? scatter_px : -scatter_px;
     std::vector<Vec2> now = places;
     for (Vec2& place : now) place = place + Vec2{off_px, off_px};
-    series.push_back(frame_at(now));
+    series.push_back(test::frame_at(now));
   }
   return series;
 }

@@ -7,22 +7,17 @@
 #include <complex>
 #include <numbers>
 
-#include "core/optics/hologram.hpp"
+#include "tests/unit/optics/rendered.hpp"
 
 namespace ovws {
 namespace {
+
+using test::rendered;
 
 HologramConfig with(DmdConfig dmd) {
   HologramConfig config;
   config.dmd = std::move(dmd);
   return config;
-}
-
-Image<std::uint8_t> rendered(const HologramConfig& config, HologramKind kind,
-                             std::vector<Mode> modes = {}) {
-  Image<std::uint8_t> grey;
-  HologramRenderer::make(config).value().render(kind, modes, grey);
-  return grey;
 }
 
 /// Whether a pixel lies in subaperture `s` of the default sensor, less than `radii` from its

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
+#include "core/base/angle.hpp"
 #include "core/optics/chirp_z.hpp"
 #include "core/optics/hologram.hpp"
 
@@ -14,7 +14,6 @@ namespace ovws {
 namespace {
 
 using Complex = std::complex<float>;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 Image<Complex> random_field(const SlmGeometry& slm) {
   std::mt19937 random(11);

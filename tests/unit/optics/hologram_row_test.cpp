@@ -48,14 +48,14 @@ std::vector<Mode> random_modes(int last, double most, unsigned seed) {
 }
 
 /// A grid with the pupil in its middle.
-struct Grid {
+struct SlmGrid {
   int width, height;
   double diameter;
   Vec2 centre() const { return {0.5 * (width - 1), 0.5 * (height - 1)}; }
 };
 
 /// Phase of row y, all columns.
-std::vector<std::uint16_t> phase_of_row(const Grid& grid, std::span<const Mode> modes, int y) {
+std::vector<std::uint16_t> phase_of_row(const SlmGrid& grid, std::span<const Mode> modes, int y) {
   const WavefrontRows rows(modes, grid.centre(), grid.diameter);
   const int right = int(std::ceil(grid.centre().x)), left = int(std::floor(grid.centre().x));
   std::vector<double> x(std::size_t(grid.width) + kSparePixels);
@@ -77,7 +77,7 @@ struct Outcome {
 };
 
 /// Requires that a pixel that differs takes the tie's other side.
-Outcome compare(const Grid& grid, std::span<const Mode> modes) {
+Outcome compare(const SlmGrid& grid, std::span<const Mode> modes) {
   const long double radius = 0.5L * grid.diameter;
   Outcome outcome;
   for (int y = 0; y < grid.height; y += 1 + grid.height / 40) {
@@ -99,8 +99,9 @@ Outcome compare(const Grid& grid, std::span<const Mode> modes) {
 }
 
 TEST(MirroredPhases, RoundToTheNearestStepButNextToATie) {
-  for (const Grid& grid : {Grid{1280, 768, 768}, Grid{1919, 1080, 1080}, Grid{3840, 2160, 2160},
-                           Grid{641, 479, 300}, Grid{33, 20, 20}, Grid{1, 300, 300}}) {
+  for (const SlmGrid& grid :
+       {SlmGrid{1280, 768, 768}, SlmGrid{1919, 1080, 1080}, SlmGrid{3840, 2160, 2160},
+        SlmGrid{641, 479, 300}, SlmGrid{33, 20, 20}, SlmGrid{1, 300, 300}}) {
     for (unsigned seed = 0; seed < 3; ++seed) {
       const Outcome outcome = compare(grid, random_modes(18, 1.0, seed));
       EXPECT_LT(outcome.worst, kPhaseError) << grid.width;
@@ -143,7 +144,7 @@ TEST(MirroredPhases, AreTheSameForEveryInstructionSet) {
   for (const int last : {0, 1, 2, 5, 18, 44, kMaxZernikeIndex}) {
     const auto modes = random_modes(last, 2.0, 11);
     for (const int width : {1, 2, 33, 640, 1279, 1280}) {
-      const Grid grid{width, 768, 768};
+      const SlmGrid grid{width, 768, 768};
       const auto fastest = phase_of_row(grid, modes, 300);
       test::with_every_target([&] { EXPECT_EQ(phase_of_row(grid, modes, 300), fastest) << last; });
     }

@@ -8,8 +8,12 @@
 #include <numbers>
 #include <random>
 
+#include "tests/unit/optics/rendered.hpp"
+
 namespace ovws {
 namespace {
+
+using test::rendered;
 
 /// The stated rule, written out: to the nearest 1/65536 wave (a tie to the even one), and of that
 /// the top 8 bits.
@@ -22,13 +26,6 @@ std::uint8_t step_of(std::int64_t phase) {
 
 HologramRenderer renderer_of(const HologramConfig& config) {
   return HologramRenderer::make(config).value();
-}
-
-Image<std::uint8_t> rendered(const HologramConfig& config, HologramKind kind,
-                             std::vector<Mode> modes = {}) {
-  Image<std::uint8_t> grey;
-  renderer_of(config).render(kind, modes, grey);
-  return grey;
 }
 
 /// The modes at an SLM pixel; 0 outside the default pupil.

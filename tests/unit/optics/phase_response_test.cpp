@@ -9,14 +9,13 @@
 #include <random>
 #include <vector>
 
+#include "core/base/angle.hpp"
 #include "core/optics/detector.hpp"
 #include "core/optics/far_field.hpp"
 #include "core/optics/grey_fringe.hpp"
 
 namespace ovws {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 using Phases = std::array<double, 256>;
 

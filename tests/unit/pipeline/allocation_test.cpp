@@ -7,12 +7,12 @@
 namespace ovws::test {
 namespace {
 
-struct Case {
+struct AllocationCase {
   int workers = 0;
   int tracker = -1;  ///< TrackerKind, -1: the test's own
 };
 
-class Allocation : public ::testing::TestWithParam<Case> {};
+class Allocation : public ::testing::TestWithParam<AllocationCase> {};
 
 TEST(AllocGuard, SeesAnAllocation) {
   AllocGuard guard;
@@ -20,7 +20,7 @@ TEST(AllocGuard, SeesAnAllocation) {
   EXPECT_GE(guard.allocations(), 2U);
 }
 
-std::unique_ptr<MeasurementPlan> plan_for(const Case& what, const SpotBench& bench,
+std::unique_ptr<MeasurementPlan> plan_for(const AllocationCase& what, const SpotBench& bench,
                                           std::uint64_t id) {
   auto plan = bench.plan(id);
   if (what.tracker >= 0) {
@@ -57,11 +57,14 @@ TEST_P(Allocation, OfEveryStageIsNoneWhateverIsInTheImage) {
   EXPECT_GT(rig.count(Counter::acquisitions), 1U);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    InlineAndThreaded, Allocation,
-    ::testing::Values(Case{0, -1}, Case{1, -1}, Case{3, -1}, Case{0, int(TrackerKind::centroid)},
-                      Case{0, int(TrackerKind::thresholded)}, Case{2, int(TrackerKind::weighted)},
-                      Case{2, int(TrackerKind::lg)}, Case{2, int(TrackerKind::fit)}));
+INSTANTIATE_TEST_SUITE_P(InlineAndThreaded, Allocation,
+                         ::testing::Values(AllocationCase{0, -1}, AllocationCase{1, -1},
+                                           AllocationCase{3, -1},
+                                           AllocationCase{0, int(TrackerKind::centroid)},
+                                           AllocationCase{0, int(TrackerKind::thresholded)},
+                                           AllocationCase{2, int(TrackerKind::weighted)},
+                                           AllocationCase{2, int(TrackerKind::lg)},
+                                           AllocationCase{2, int(TrackerKind::fit)}));
 
 }  // namespace
 }  // namespace ovws::test

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/time.hpp"
+
 namespace ovws {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
+
 constexpr std::int64_t kDeviceZero = 7'000'000 * kMs;  // the two clocks have nothing in common
 constexpr std::int64_t kTransfer = 2 * kMs;
 

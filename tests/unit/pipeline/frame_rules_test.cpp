@@ -6,10 +6,13 @@
 #include <cmath>
 #include <vector>
 
+#include "tests/support/time.hpp"
+
 namespace ovws {
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;
+using test::kMs;
+
 constexpr std::uint64_t kEpoch = 7;
 
 /// Hologram 4 stood from 100 ms on; at 200 ms hologram 5 was presented, settled at 230 ms.

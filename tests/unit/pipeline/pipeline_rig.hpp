@@ -10,12 +10,11 @@
 #include <vector>
 
 #include "core/pipeline/pipeline.hpp"
+#include "tests/support/time.hpp"
 #include "tests/unit/pipeline/scripted_camera.hpp"
 #include "tests/unit/pipeline/spot_bench.hpp"
 
 namespace ovws::test {
-
-constexpr std::int64_t kMs = 1'000'000;
 
 /// Hologram 1 of sensor epoch 1 has stood since 1 ms; exposure 1 ms, 0 dB; no frame period, so no
 /// deadline. Frame n arrives at 1000 ms + 10 ms n.

@@ -6,13 +6,13 @@
 namespace ovws::test {
 namespace {
 
-struct Case {
+struct RealTrackerCase {
   TrackerKind tracker;
   int charge;
   const char* name;
 };
 
-class RealTracker : public ::testing::TestWithParam<Case> {
+class RealTracker : public ::testing::TestWithParam<RealTrackerCase> {
  protected:
   RealTracker() : bench_(GetParam().charge) {
     auto plan = bench_.plan(1);
@@ -82,12 +82,13 @@ TEST_P(RealTracker, ClaimsNothingInABlackImage) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Trackers, RealTracker,
-                         ::testing::Values(Case{TrackerKind::lg, 1, "lg_charge_1"},
-                                           Case{TrackerKind::lg, 0, "lg_charge_0"},
-                                           Case{TrackerKind::thresholded, 0, "thresholded"},
-                                           Case{TrackerKind::weighted, 0, "weighted"},
-                                           Case{TrackerKind::fit, 1, "fit_charge_1"},
-                                           Case{TrackerKind::fit, 0, "fit_charge_0"}),
+                         ::testing::Values(RealTrackerCase{TrackerKind::lg, 1, "lg_charge_1"},
+                                           RealTrackerCase{TrackerKind::lg, 0, "lg_charge_0"},
+                                           RealTrackerCase{TrackerKind::thresholded, 0,
+                                                           "thresholded"},
+                                           RealTrackerCase{TrackerKind::weighted, 0, "weighted"},
+                                           RealTrackerCase{TrackerKind::fit, 1, "fit_charge_1"},
+                                           RealTrackerCase{TrackerKind::fit, 0, "fit_charge_0"}),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace

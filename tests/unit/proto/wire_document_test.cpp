@@ -21,8 +21,8 @@ std::vector<Json> rpc_lines() {
     if (line.rfind("```", 0) == 0) {
       inside = line == "```json";
     } else if (inside) {
-      Json json = Json::parse(line);
-      if (json.contains("jsonrpc")) lines.push_back(std::move(json));
+      Json message = Json::parse(line);
+      if (message.contains("jsonrpc")) lines.push_back(std::move(message));
     }
   }
   return lines;

@@ -5,17 +5,13 @@
 
 #include <cmath>
 
-#include "daemon/shared/schemas/schemas.hpp"
+#include "tests/unit/screen/example.hpp"
 #include "tests/unit/screen/row.hpp"
 
 namespace ovws::screen {
 namespace {
 
 using nlohmann::json;
-
-json example(const std::string& topic) {
-  return schema("stream." + topic).at("examples").at(0);
-}
 
 View bench() {
   View view;

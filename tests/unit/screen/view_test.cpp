@@ -6,17 +6,13 @@
 #include <cmath>
 #include <cstring>
 
-#include "daemon/shared/schemas/schemas.hpp"
+#include "tests/unit/screen/example.hpp"
 
 namespace ovws::screen {
 namespace {
 
 using nlohmann::json;
 using namespace std::chrono_literals;
-
-json example(const std::string& topic) {
-  return schema("stream." + topic).at("examples").at(0);
-}
 
 class GathererTest : public testing::Test {
  protected:

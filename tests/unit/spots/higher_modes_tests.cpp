@@ -9,7 +9,7 @@ namespace ovws {
 namespace {
 
 constexpr double kBrightE = 2000.0;
-constexpr int kModes = 44, kLastOfAir = kMaxZernikeIndex, kRenderings = 12;
+constexpr int kMeasuredModes = 44, kLastOfAir = kMaxZernikeIndex, kRenderings = 12;
 const PixelNoise kNoise{kReadNoiseE * kReadNoiseE + 1.0 / 12.0, 1.0};
 
 class HigherModes : public Templates {
@@ -95,7 +95,8 @@ TEST_F(HigherModes, AirIsMeasuredWithTheErrorThatTheyCause) {
 
 /// From starts 0.5 wave away some searches end where the spots contradict each other.
 TEST_F(HigherModes, ExcuseNoOtherWavefront) {
-  for (const auto& [modes, peak_e] : {std::pair(kModes, kBrightE), {kModes, 100.0}, {18, 100.0}}) {
+  for (const auto& [modes, peak_e] :
+       {std::pair(kMeasuredModes, kBrightE), {kMeasuredModes, 100.0}, {18, 100.0}}) {
     PointModel spots = model(modes);
     int found = 0;
     for (unsigned seed = 1; seed <= 10; ++seed) {
@@ -118,14 +119,14 @@ TEST_F(HigherModes, ExcuseNoOtherWavefront) {
 
 /// A plan for air finds no other wavefront credible.
 TEST_F(HigherModes, DescribeNoOtherWavefront) {
-  PointModel spots = model(kModes);
+  PointModel spots = model(kMeasuredModes);
   const auto image = exposed(light(1, air(0.03, 1), kBrightE), kReadNoiseE, 1);
-  const auto fit =
-      spots.templates(view(image), kNoise, std::vector<Waves>{Waves(kModes, 0.0)}, {}, kRenderings);
+  const auto fit = spots.templates(view(image), kNoise,
+                                   std::vector<Waves>{Waves(kMeasuredModes, 0.0)}, {}, kRenderings);
   ASSERT_TRUE(fit) << fit.error().reason;
   ASSERT_GT((*fit)->point().higher_waves, 0.0);
   for (unsigned seed = 1; seed <= 8; ++seed) {
-    const Waves other = random(kModes, seed % 2 == 0 ? 0.1 : 0.3, seed);
+    const Waves other = random(kMeasuredModes, seed % 2 == 0 ? 0.1 : 0.3, seed);
     const double peak_e = seed % 4 < 2 ? kBrightE : 0.5 * kBrightE;
     const auto frame = measured(**fit, view(exposed(light(1, other, peak_e), kReadNoiseE, seed)));
     EXPECT_TRUE(!frame.fitted.credible || error(frame.waves, other) < 0.1) << seed;

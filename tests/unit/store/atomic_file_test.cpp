@@ -1,12 +1,11 @@
 #include "daemon/shared/atomic_file.hpp"
+#include "tests/support/file_limit.hpp"
 #include "tests/support/own_folder.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cerrno>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -17,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string content_of(const std::string& path) {
+std::string text_in(const std::string& path) {
   std::ostringstream text;
   text << std::ifstream(path).rdbuf();
   return text.str();
@@ -33,7 +32,7 @@ class AtomicFile : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   void expect_old_and_nothing_else() const {
-    EXPECT_EQ(content_of(path_), "old");
+    EXPECT_EQ(text_in(path_), "old");
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
   }
 
@@ -71,7 +70,7 @@ int failing(int) {
 TEST_F(AtomicFile, TheNewContentReplacesTheOldWhole) {
   ASSERT_TRUE(replace_file(path_, "old, and longer"));
   ASSERT_TRUE(replace_file(path_, "new"));
-  EXPECT_EQ(content_of(path_), "new");
+  EXPECT_EQ(text_in(path_), "new");
 }
 
 TEST_F(AtomicFile, TheContentIsOnTheDiskBeforeTheNameIsAndTheNameBeforeItReturns) {
@@ -84,7 +83,7 @@ TEST_F(AtomicFile, TheContentIsOnTheDiskBeforeTheNameIsAndTheNameBeforeItReturns
                                        "fsync " + temporary, "rename " + temporary + " config.json",
                                        "fsync " + fs::path(folder_).filename().string()};
   EXPECT_EQ(calls_seen, order);
-  EXPECT_EQ(content_of(path_), "new");
+  EXPECT_EQ(text_in(path_), "new");
   calls_seen.clear();
   ASSERT_TRUE(remove_file(path_, kRecorder));
   EXPECT_EQ(calls_seen, std::vector<std::string>{"fsync " + fs::path(folder_).filename().string()});
@@ -97,7 +96,7 @@ TEST_F(AtomicFile, ALinkIsFollowedAndPermissionsStay) {
   fs::create_symlink(path_, folder_ + "/link");
   ASSERT_TRUE(replace_file(folder_ + "/link", "new"));
   EXPECT_TRUE(fs::is_symlink(folder_ + "/link"));
-  EXPECT_EQ(content_of(path_), "new");
+  EXPECT_EQ(text_in(path_), "new");
   EXPECT_EQ(fs::status(path_).permissions(), fs::perms::owner_read | fs::perms::owner_write);
 }
 
@@ -110,13 +109,10 @@ TEST_F(AtomicFile, AFolderThatIsNotThereIsAnErrorWithThePathAndTheWayOut) {
 }
 
 TEST_F(AtomicFile, AWriteThatFailsHalfwayLeavesTheOldFileAndNothingElse) {
-  rlimit before{};
-  getrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, SIG_IGN);
-  const rlimit small{4096, before.rlim_max};
-  setrlimit(RLIMIT_FSIZE, &small);
-  const auto stored = replace_file(path_, std::string(100000, 'x'));
-  setrlimit(RLIMIT_FSIZE, &before);
+  const auto stored = [&] {
+    const test::FileLimit limit(4096);
+    return replace_file(path_, std::string(100000, 'x'));
+  }();
   ASSERT_FALSE(stored);
   EXPECT_NE(stored.error().reason.find("free some space"), std::string::npos)
       << stored.error().reason;
@@ -154,7 +150,7 @@ TEST_F(AtomicFile, OnlyWhatWritersLeftBehindIsRemoved) {
   std::ofstream(folder_ + "/twin.json.a1B2c3.ovws-tmp") << "half";
   EXPECT_EQ(remove_leftovers(folder_), 2);
   for (const std::string& name : kept) EXPECT_TRUE(fs::exists(folder_ + name)) << name;
-  EXPECT_EQ(content_of(path_), "old");
+  EXPECT_EQ(text_in(path_), "old");
   EXPECT_EQ(remove_leftovers("/nowhere/at/all"), 0);
 }
 
@@ -174,7 +170,7 @@ TEST_F(AtomicFile, OfASecretIsNobodyElsesFromTheBeginning) {
   ASSERT_TRUE(replaced) << replaced.error().reason;
   EXPECT_EQ(mode_when_written, 0600U);
   EXPECT_EQ(unsigned(fs::status(path_).permissions()), 0600U);
-  EXPECT_EQ(content_of(path_), "secret");
+  EXPECT_EQ(text_in(path_), "secret");
 }
 
 TEST_F(AtomicFile, OfASecretKeepsItsOwnerAndAStricterMode) {

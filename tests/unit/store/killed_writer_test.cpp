@@ -28,15 +28,15 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int kKills = 200;
-constexpr std::size_t kValues = 1 << 16;  // 350 kB of text
+constexpr std::size_t kValueCount = 1 << 16;  // 350 kB of text
 
-json content_of(int step) {
-  const std::vector<float> values(kValues, float(step));
+json content_at(int step) {
+  const std::vector<float> values(kValueCount, float(step));
   return {{"step", step}, {"values", base64_of(values)}};
 }
 
 bool consistent(const json& content) {
-  return content == content_of(content["step"].get<int>());
+  return content == content_at(content["step"].get<int>());
 }
 
 std::string config_of(int step) {
@@ -60,7 +60,7 @@ struct Report {
       const Report reported{step, finished};
       if (::write(pipe_fd, &reported, sizeof reported) != sizeof reported) _exit(2);
     };
-    const json content = content_of(step);
+    const json content = content_at(step);
     const std::string config = config_of(step);
     say(false);
     bool done = false;

@@ -6,6 +6,7 @@
 
 #include "daemon/ovws/text/params.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
+#include "tests/unit/text/expect_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -22,10 +23,6 @@ json description() {
     }
   }
   return all;
-}
-
-void expect_text(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
 TEST(Description, TheListIsGrouped) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/shared/schemas/schemas.hpp"
+#include "tests/unit/text/expect_text.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -20,10 +21,6 @@ std::string refusal(const char* method, const std::string& word) {
   const auto got = params_of(schema(method).at("params"), {word});
   EXPECT_FALSE(got) << word;
   return got ? "" : text_of(got.error());
-}
-
-void expect_text(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text;
 }
 
 TEST(Params, DotsNestAndTheSchemaGivesTheType) {

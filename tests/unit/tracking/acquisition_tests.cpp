@@ -33,12 +33,12 @@ TEST(SpotKinds, AreMadeUnlessAllSpotsAreLikeTheModel) {
   EXPECT_EQ(kinds_of({2, -2, 2})->model(0).charge, 2);
 }
 
-struct Method {
+struct AcquisitionCase {
   int charge;
   TrackerKind tracker;
 };
 
-class Acquire : public testing::TestWithParam<Method> {
+class Acquire : public testing::TestWithParam<AcquisitionCase> {
  protected:
   Acquire()
       : bench_(test::sensor_bench(GetParam().charge)),
@@ -166,16 +166,18 @@ TEST_P(Acquire, DoesNotAllocate) {
   EXPECT_EQ(found, 18);
 }
 
-std::string method_name(const testing::TestParamInfo<Method>& info) {
+std::string acquisition_name(const testing::TestParamInfo<AcquisitionCase>& info) {
   const int charge = info.param.charge;
   return std::string(tracker_name(info.param.tracker)) + (charge < 0 ? "_minus_" : "_") +
          std::to_string(std::abs(charge));
 }
 INSTANTIATE_TEST_SUITE_P(Methods, Acquire,
-                         testing::Values(Method{1, TrackerKind::lg}, Method{-1, TrackerKind::lg},
-                                         Method{2, TrackerKind::lg}, Method{0, TrackerKind::lg},
-                                         Method{0, TrackerKind::thresholded}),
-                         method_name);
+                         testing::Values(AcquisitionCase{1, TrackerKind::lg},
+                                         AcquisitionCase{-1, TrackerKind::lg},
+                                         AcquisitionCase{2, TrackerKind::lg},
+                                         AcquisitionCase{0, TrackerKind::lg},
+                                         AcquisitionCase{0, TrackerKind::thresholded}),
+                         acquisition_name);
 
 }  // namespace
 }  // namespace ovws

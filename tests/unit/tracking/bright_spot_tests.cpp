@@ -9,10 +9,11 @@
 namespace ovws {
 namespace {
 
+using test::kLambdaD;
 using test::SpotImage;
 
 SpotFix track(TrackerKind kind, const Image<std::uint8_t>& image, Vec2 start) {
-  const auto tracker = make_tracker({kind, 0.5}, {0, 12.55}).value();
+  const auto tracker = make_tracker({kind, 0.5}, {0, kLambdaD}).value();
   auto scratch = tracker->make_scratch();
   return tracker->track(view_of(image), start, scratch);
 }
@@ -72,7 +73,7 @@ TEST(BrightSpot, IsNotAVortexAndTheOtherWayRound) {
        {TrackerKind::thresholded, TrackerKind::weighted, TrackerKind::centroid, TrackerKind::lg}) {
     EXPECT_FALSE(track(kind, ring, {64, 60}).found()) << tracker_name(kind);
   }
-  const auto lg = make_tracker({TrackerKind::lg, 0.4}, {1, 12.55}).value();
+  const auto lg = make_tracker({TrackerKind::lg, 0.4}, {1, kLambdaD}).value();
   auto scratch = lg->make_scratch();
   const auto image = spot({64, 60}, 0.0).mono8();
   for (int k = 0; k < 12; ++k) {

@@ -20,9 +20,8 @@
 namespace ovws {
 namespace {
 
+using test::kLambdaD;
 using test::SpotImage;
-
-constexpr double kLambdaD = 12.55;
 
 /// An image packed in a pixel format, and a view of it.
 struct Packed {

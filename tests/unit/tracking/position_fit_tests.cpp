@@ -17,8 +17,9 @@
 namespace ovws {
 namespace {
 
+using test::kLambdaD;
+
 constexpr int kPositions = 12, kRealisations = 12;
-constexpr double kLambdaD = 12.55;
 const std::vector<double> kSnr{2.0, 3.0, 4.5, 9.0, 22.0};
 
 struct Errors {

@@ -10,9 +10,11 @@
 
 namespace ovws::test {
 
+constexpr double kLambdaD = 12.55;  // camera pixels
+
 struct SpotImage {
   int width = 128, height = 120;
-  double lambda_d_px = 12.55;
+  double lambda_d_px = kLambdaD;
   double pedestal_dn = 0.0;
   Image<float> light;  ///< mean DN, without the pedestal
 

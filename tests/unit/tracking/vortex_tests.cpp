@@ -11,8 +11,8 @@
 namespace ovws {
 namespace {
 
+using test::kLambdaD;
 using test::SpotImage;
-constexpr double kLambdaD = 12.55;
 
 struct Tracker {
   std::unique_ptr<const SpotTracker> method;

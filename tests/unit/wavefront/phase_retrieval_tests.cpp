@@ -16,8 +16,8 @@
 namespace ovws {
 namespace {
 
-constexpr int kSide = 192, kCells = 48;
-constexpr double kScale = 2.6 * kSide;  // camera pixels per cycle per SLM pixel
+constexpr int kPupilSide = 192, kCells = 48;
+constexpr double kScale = 2.6 * kPupilSide;  // camera pixels per cycle per SLM pixel
 constexpr double kBrightestElectrons = 8000.0;
 
 /// Waves at a point, pupil radii: two gratings of 4 and 7 periods over the pupil, and coma.
@@ -26,21 +26,21 @@ double smooth_surface(Vec2 at) {
          0.1 * std::cos(2.0 * std::numbers::pi * (2.1 * at.x - 2.8 * at.y)) + 0.1 * zernike(8, at);
 }
 
-using Surface = std::function<double(Vec2)>;
+using PupilSurface = std::function<double(Vec2)>;
 
-Image<float> image_of(const std::vector<Mode>& modes, int pixels, const Surface& surface) {
-  Image<std::complex<float>> field(kSide, kSide), far;
-  for (int k = 0; k < kSide * kSide; ++k) {
-    const Vec2 at = cell_centre(kSide, k);
+Image<float> image_of(const std::vector<Mode>& modes, int pixels, const PupilSurface& surface) {
+  Image<std::complex<float>> field(kPupilSide, kPupilSide), far;
+  for (int k = 0; k < kPupilSide * kPupilSide; ++k) {
+    const Vec2 at = cell_centre(kPupilSide, k);
     if (norm(at) > 1.0) continue;
     double waves = surface(at);
     for (const Mode& mode : modes) waves += mode.waves * zernike(mode.j, at);
     const double gaussian = std::exp(-0.4 * (at.x * at.x + at.y * at.y));
-    field.at(k % kSide, k / kSide) =
+    field.at(k % kPupilSide, k / kPupilSide) =
         std::complex<float>(std::polar(gaussian, 2.0 * std::numbers::pi * waves));
   }
   const double first = -0.5 * (pixels - 1) / kScale;
-  FarField({kSide, kSide, 19.0}, {pixels, pixels, {first, first}, 1.0 / kScale})
+  FarField({kPupilSide, kPupilSide, 19.0}, {pixels, pixels, {first, first}, 1.0 / kScale})
       .propagate(field, far);
   Image<float> image(pixels, pixels);
   for (std::size_t k = 0; k < far.pixels.size(); ++k) image.pixels[k] = std::norm(far.pixels[k]);
@@ -56,8 +56,8 @@ void expose(Image<float>& image, float brightest, std::mt19937& random) {
   }
 }
 
-std::vector<DiverseImage> images_of(const PhaseRetrieval& retrieval, unsigned seed,
-                                    const Surface& surface = smooth_surface) {
+std::vector<DiverseImage> diverse_images(const PhaseRetrieval& retrieval, unsigned seed,
+                                         const PupilSurface& surface = smooth_surface) {
   std::vector<DiverseImage> images;
   for (const auto& modes : diversity_patterns(6, kCells)) {
     images.push_back({modes, image_of(modes, retrieval.window_px(), surface)});
@@ -71,7 +71,7 @@ std::vector<DiverseImage> images_of(const PhaseRetrieval& retrieval, unsigned se
   return images;
 }
 
-Image<float> truth() {
+Image<float> true_waves() {
   Image<float> waves(kCells, kCells);
   for (int k = 0; k < kCells * kCells; ++k) {
     const Vec2 at = cell_centre(kCells, k);
@@ -83,7 +83,7 @@ Image<float> truth() {
 }
 
 double error_of(Image<float> found) {
-  const Image<float> real = truth();
+  const Image<float> real = true_waves();
   for (std::size_t k = 0; k < found.pixels.size(); ++k) found.pixels[k] -= real.pixels[k];
   return rms_of(found);
 }
@@ -101,13 +101,13 @@ std::vector<DiverseImage> mirrored(std::vector<DiverseImage> images) {
 const auto kGoOn = [] { return false; };
 
 TEST(PhaseRetrieval, FindsAFineSurfaceFromNoisy8BitImages) {
-  const auto retrieval = PhaseRetrieval::make(kScale, kSide, kCells);
+  const auto retrieval = PhaseRetrieval::make(kScale, kPupilSide, kCells);
   ASSERT_TRUE(retrieval);
-  const auto one = retrieval->retrieve(images_of(*retrieval, 1), false, kGoOn);
-  const auto other = retrieval->retrieve(images_of(*retrieval, 2), false, kGoOn);
+  const auto one = retrieval->retrieve(diverse_images(*retrieval, 1), false, kGoOn);
+  const auto other = retrieval->retrieve(diverse_images(*retrieval, 2), false, kGoOn);
   ASSERT_TRUE(one && other);
   EXPECT_FALSE(one->singularity || other->singularity);
-  EXPECT_GT(rms_of(truth()), 0.15);
+  EXPECT_GT(rms_of(true_waves()), 0.15);
   EXPECT_LT(error_of(one->waves), 0.012);
   EXPECT_LT(one->misfit, 0.1);
   // The surface has no structure finer than 7 periods over the pupil.
@@ -117,9 +117,9 @@ TEST(PhaseRetrieval, FindsAFineSurfaceFromNoisy8BitImages) {
 }
 
 TEST(PhaseRetrieval, MirroredCameraAndUnknownPixels) {
-  const auto retrieval = PhaseRetrieval::make({0.0, kScale, kScale, 0.0}, kSide, kCells);
+  const auto retrieval = PhaseRetrieval::make({0.0, kScale, kScale, 0.0}, kPupilSide, kCells);
   ASSERT_TRUE(retrieval);
-  auto images = mirrored(images_of(*retrieval, 1));
+  auto images = mirrored(diverse_images(*retrieval, 1));
   for (auto& one : images) {
     for (int k = 0; k < 10; ++k) {
       one.intensity.at(20 + k, 30) = std::numeric_limits<float>::quiet_NaN();
@@ -131,9 +131,9 @@ TEST(PhaseRetrieval, MirroredCameraAndUnknownPixels) {
 }
 
 TEST(PhaseRetrieval, ImagesOfNothingLeaveALargeMisfitOrJumps) {
-  const auto retrieval = PhaseRetrieval::make(kScale, kSide, kCells);
+  const auto retrieval = PhaseRetrieval::make(kScale, kPupilSide, kCells);
   ASSERT_TRUE(retrieval);
-  auto images = images_of(*retrieval, 1);
+  auto images = diverse_images(*retrieval, 1);
   std::ranges::rotate(images[0].intensity.pixels,
                       images[0].intensity.pixels.begin() + 40 * retrieval->window_px());
   std::swap(images[1].intensity, images[4].intensity);
@@ -144,11 +144,11 @@ TEST(PhaseRetrieval, ImagesOfNothingLeaveALargeMisfitOrJumps) {
 
 /// Also of light that is flat otherwise, whose images hardly differ from those without a vortex.
 TEST(PhaseRetrieval, FindsThePlaceOfAVortex) {
-  const auto retrieval = PhaseRetrieval::make({0.0, kScale, kScale, 0.0}, kSide, kCells);
+  const auto retrieval = PhaseRetrieval::make({0.0, kScale, kScale, 0.0}, kPupilSide, kCells);
   ASSERT_TRUE(retrieval);
   for (const double rough : {0.0, 1.0}) {
     for (const Vec2 place : {Vec2{0.0, 0.05}, Vec2{0.3, -0.6}, Vec2{-0.9, 0.1}}) {
-      const auto images = images_of(*retrieval, 1, [&](Vec2 at) {
+      const auto images = diverse_images(*retrieval, 1, [&](Vec2 at) {
         const Vec2 from = at - place;
         return rough * smooth_surface(at) + std::atan2(from.y, from.x) / (2.0 * std::numbers::pi);
       });
@@ -161,9 +161,9 @@ TEST(PhaseRetrieval, FindsThePlaceOfAVortex) {
 }
 
 TEST(PhaseRetrieval, TooCoarseAFarFieldAndAStop) {
-  EXPECT_EQ(PhaseRetrieval::make(1.9 * kSide, kSide, kCells).error().field, "optics");
-  const auto retrieval = PhaseRetrieval::make(kScale, kSide, kCells);
-  EXPECT_FALSE(retrieval->retrieve(images_of(*retrieval, 1), true, [] { return true; }));
+  EXPECT_EQ(PhaseRetrieval::make(1.9 * kPupilSide, kPupilSide, kCells).error().field, "optics");
+  const auto retrieval = PhaseRetrieval::make(kScale, kPupilSide, kCells);
+  EXPECT_FALSE(retrieval->retrieve(diverse_images(*retrieval, 1), true, [] { return true; }));
 }
 
 }  // namespace

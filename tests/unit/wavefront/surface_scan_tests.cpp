@@ -14,12 +14,12 @@ namespace ovws {
 namespace {
 
 constexpr double kPupil = 768.0, kProbe = 0.14 * kPupil;
-const PxPerCycle kTurned(1100.0, 1580.0, 1600.0, -1090.0);  // and mirrored
+const PxPerCycle kTurnedScan(1100.0, 1580.0, 1600.0, -1090.0);  // and mirrored
 
-using Surface = std::function<double(Vec2)>;  // waves at SLM pixels from the pupil's centre
+using SlmSurface = std::function<double(Vec2)>;  // waves at SLM pixels from the pupil's centre
 
 /// A sum of cosines of up to `cycles` over the pupil, like the twin's flatness error.
-Surface waves_of(unsigned seed, double cycles, double rms_waves) {
+SlmSurface random_surface(unsigned seed, double cycles, double rms_waves) {
   constexpr int kWaves = 8;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> part(0.0, 1.0);
@@ -53,7 +53,7 @@ void for_each_pixel(Vec2 centre, double diameter, double step,
 }
 
 /// Positions of a bright spot's core: the best-fitting plane over the aperture (Z-tilt).
-std::vector<std::optional<Vec2>> places(const ScanGrid& grid, const Surface& surface,
+std::vector<std::optional<Vec2>> places(const ScanGrid& grid, const SlmSurface& surface,
                                         const PxPerCycle& map) {
   std::vector<std::optional<Vec2>> at;
   for (const Vec2 centre : grid.centres_px) {
@@ -69,7 +69,7 @@ std::vector<std::optional<Vec2>> places(const ScanGrid& grid, const Surface& sur
   return at;
 }
 
-std::vector<double> truth(const Surface& surface, const std::vector<int>& modes_j) {
+std::vector<double> modes_of(const SlmSurface& surface, const std::vector<int>& modes_j) {
   std::vector<double> waves(modes_j.size(), 0.0);
   int pixels = 0;
   for_each_pixel({}, kPupil, 4.0, [&](Vec2 pixel) {
@@ -90,33 +90,33 @@ double worst(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 TEST(SurfaceScan, FindsTheModesOfASurfaceThatIsFinerThanTheLattice) {
-  const ScanFit fit(scan_grid(kPupil, kProbe), kTurned);
+  const ScanFit fit(scan_grid(kPupil, kProbe), kTurnedScan);
   for (unsigned seed = 1; seed <= 6; ++seed) {
-    const Surface surface = waves_of(seed, 2.5, 0.3);
+    const SlmSurface surface = random_surface(seed, 2.5, 0.3);
     const std::vector<double> none(fit.modes_j().size(), 0.0);
-    const auto found = fit.fit(places(fit.grid(), surface, kTurned), none);
+    const auto found = fit.fit(places(fit.grid(), surface, kTurnedScan), none);
     ASSERT_TRUE(found);
-    EXPECT_LT(worst(found->waves, truth(surface, fit.modes_j())), 0.004) << seed;
+    EXPECT_LT(worst(found->waves, modes_of(surface, fit.modes_j())), 0.004) << seed;
     EXPECT_LT(found->residual_px, 0.6) << seed;
   }
 }
 
 TEST(SurfaceScan, TakesOffWhatWasShown) {
-  const ScanFit fit(scan_grid(kPupil, kProbe), kTurned);
-  const Surface surface = waves_of(3, 1.5, 0.2);
+  const ScanFit fit(scan_grid(kPupil, kProbe), kTurnedScan);
+  const SlmSurface surface = random_surface(3, 1.5, 0.2);
   const std::vector<double> none(fit.modes_j().size(), 0.0);
-  const auto first = fit.fit(places(fit.grid(), surface, kTurned), none);
+  const auto first = fit.fit(places(fit.grid(), surface, kTurnedScan), none);
   ASSERT_TRUE(first);
   std::vector<double> opposite = first->waves;
   for (double& wave : opposite) wave = -wave;
-  const Surface left = [&](Vec2 at) {
+  const SlmSurface left = [&](Vec2 at) {
     double waves = surface(at);
     for (std::size_t k = 0; k < opposite.size(); ++k) {
       waves += opposite[k] * zernike(fit.modes_j()[k], (2.0 / kPupil) * at);
     }
     return waves;
   };
-  const auto second = fit.fit(places(fit.grid(), left, kTurned), opposite);
+  const auto second = fit.fit(places(fit.grid(), left, kTurnedScan), opposite);
   ASSERT_TRUE(second);
   EXPECT_LT(worst(second->waves, first->waves), 0.002);
 }
@@ -124,10 +124,10 @@ TEST(SurfaceScan, TakesOffWhatWasShown) {
 TEST(SurfaceScan, KnowsHowWellItKnows) {
   constexpr double kNoisePx = 0.2;
   constexpr int kTimes = 100;
-  const ScanFit fit(scan_grid(kPupil, kProbe), kTurned);
+  const ScanFit fit(scan_grid(kPupil, kProbe), kTurnedScan);
   const std::vector<double> none(fit.modes_j().size(), 0.0);
   const auto still = places(
-      fit.grid(), [](Vec2) { return 0.0; }, kTurned);
+      fit.grid(), [](Vec2) { return 0.0; }, kTurnedScan);
   std::mt19937 random(5);
   std::normal_distribution<double> noise(0.0, kNoisePx);
   double error = 0.0, estimated = 0.0;
@@ -145,15 +145,15 @@ TEST(SurfaceScan, KnowsHowWellItKnows) {
 }
 
 TEST(SurfaceScan, DoesWithoutASpotAndNotWithoutMany) {
-  const ScanFit fit(scan_grid(kPupil, kProbe), kTurned);
-  const Surface surface = waves_of(2, 1.5, 0.2);
+  const ScanFit fit(scan_grid(kPupil, kProbe), kTurnedScan);
+  const SlmSurface surface = random_surface(2, 1.5, 0.2);
   const std::vector<double> none(fit.modes_j().size(), 0.0);
-  auto at = places(fit.grid(), surface, kTurned);
+  auto at = places(fit.grid(), surface, kTurnedScan);
   at[7].reset();
   at[40].reset();
   const auto found = fit.fit(at, none);
   ASSERT_TRUE(found);
-  EXPECT_LT(worst(found->waves, truth(surface, fit.modes_j())), 0.006);
+  EXPECT_LT(worst(found->waves, modes_of(surface, fit.modes_j())), 0.006);
   for (std::size_t k = 0; k < at.size(); k += 5) at[k].reset();
   const auto refused = fit.fit(at, none);
   ASSERT_FALSE(refused);

@@ -16,10 +16,10 @@ namespace {
 using Complex = std::complex<double>;
 using Amplitude = std::function<double(Vec2)>;  // at a place in pupil radii
 
-constexpr int kSide = 41;  // of the images, camera pixels
+constexpr int kImageSide = 41;  // of the images, camera pixels
 constexpr Vec2 kMiddle{19.7, 20.4};
-const PxPerCycle kTurned(120.0, 215.0, 215.0, -120.0);  // and mirrored
-const VortexBeam kBeam{kTurned, 96.0, 1, {}};           // lambda/D = 2.56 px
+const PxPerCycle kTurnedImage(120.0, 215.0, 215.0, -120.0);  // and mirrored
+const VortexBeam kBeam{kTurnedImage, 96.0, 1, {}};           // lambda/D = 2.56 px
 
 double uniform(Vec2 /*at*/) {
   return 1.0;
@@ -62,14 +62,14 @@ Complex field_at(const VortexBeam& beam, const std::vector<Source>& all, Vec2 px
 }
 
 /// Images at all axes; the brightest pixel has `peak_dn`, above a background of 2.
-std::vector<VortexImage> images_of(const VortexBeam& beam, std::span<const Mode> modes,
-                                   double peak_dn, const Amplitude& amplitude = uniform) {
+std::vector<VortexImage> vortex_images(const VortexBeam& beam, std::span<const Mode> modes,
+                                       double peak_dn, const Amplitude& amplitude = uniform) {
   std::vector<VortexImage> images;
   for (const Vec2 axis : vortex_axes()) {
-    Image<float> light(kSide, kSide, 0.0F);
+    Image<float> light(kImageSide, kImageSide, 0.0F);
     const auto from = sources(beam, modes, axis, amplitude);
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
+    for (int y = 0; y < kImageSide; ++y) {
+      for (int x = 0; x < kImageSide; ++x) {
         if (norm(Vec2{double(x), double(y)} - kMiddle) > 9.5) continue;
         light.at(x, y) = float(std::norm(field_at(beam, from, {double(x), double(y)})));
       }
@@ -81,7 +81,7 @@ std::vector<VortexImage> images_of(const VortexBeam& beam, std::span<const Mode>
   return images;
 }
 
-double waves_of(std::span<const Mode> modes, int j) {
+double mode_waves(std::span<const Mode> modes, int j) {
   const auto found = std::ranges::find(modes, j, &Mode::j);
   return found == modes.end() ? 0.0 : found->waves;
 }
@@ -90,7 +90,7 @@ double waves_of(std::span<const Mode> modes, int j) {
 double largest_error(const VortexPath& path, std::span<const Mode> truth) {
   double largest = 0.0;
   for (const int j : {3, 4, 5, 7, 8, 12}) {
-    largest = std::max(largest, std::abs(waves_of(path.modes, j) - waves_of(truth, j)));
+    largest = std::max(largest, std::abs(mode_waves(path.modes, j) - mode_waves(truth, j)));
   }
   return largest;
 }
@@ -99,7 +99,7 @@ TEST(VortexPath, FindsThePrimaryAberrationsWithATurnedAndMirroredCamera) {
   for (const double defocus : {-0.1, 0.0, 0.1}) {
     const std::vector<Mode> modes{{3, 0.04}, {4, defocus}, {5, -0.03}, {7, 0.03}, {8, -0.04}};
     const auto path =
-        fit_vortex_path(images_of(kBeam, modes, 200.0), kBeam, kMiddle + Vec2{0.8, -0.6});
+        fit_vortex_path(vortex_images(kBeam, modes, 200.0), kBeam, kMiddle + Vec2{0.8, -0.6});
     ASSERT_TRUE(path) << path.error().reason;
     EXPECT_LT(largest_error(*path, modes), 0.002) << defocus;
     EXPECT_LT(norm(path->middle_px - kMiddle), 0.02) << defocus;
@@ -110,12 +110,12 @@ TEST(VortexPath, FindsThePrimaryAberrationsWithATurnedAndMirroredCamera) {
 TEST(VortexPath, IsNotMisledByUnevenLightAndHigherOrders) {
   const std::vector<Mode> modes{{4, 0.05},  {6, 0.04},  {11, 0.03},
                                 {12, 0.04}, {17, 0.03}, {24, 0.03}};
-  const auto path = fit_vortex_path(images_of(kBeam, modes, 200.0,
-                                              [](Vec2 at) {
-                                                return (1.0 + 0.2 * at.x) *
-                                                       std::exp(-0.4 * (at.x * at.x + at.y * at.y));
-                                              }),
-                                    kBeam, kMiddle);
+  const auto path = fit_vortex_path(
+      vortex_images(kBeam, modes, 200.0,
+                    [](Vec2 at) {
+                      return (1.0 + 0.2 * at.x) * std::exp(-0.4 * (at.x * at.x + at.y * at.y));
+                    }),
+      kBeam, kMiddle);
   ASSERT_TRUE(path) << path.error().reason;
   EXPECT_LT(largest_error(*path, modes), 0.005);
 }
@@ -125,7 +125,7 @@ TEST(VortexPath, HasTheDarkCoresOfTheImages) {
     VortexBeam beam = kBeam;
     beam.charge = charge;
     const std::vector<Mode> modes{{4, 0.08}, {8, 0.03}};
-    const auto path = fit_vortex_path(images_of(beam, modes, 200.0), beam, kMiddle);
+    const auto path = fit_vortex_path(vortex_images(beam, modes, 200.0), beam, kMiddle);
     ASSERT_TRUE(path) << path.error().reason;
     EXPECT_LT(largest_error(*path, modes), 0.002) << charge;
     const double bright =
@@ -148,7 +148,7 @@ TEST(VortexPath, IsTurnedByDefocusOnly) {
   const Vec2 axis = vortex_axes()[1];
   for (const double defocus : {-0.05, 0.0, 0.05}) {
     const std::vector<Mode> modes{{4, defocus}};
-    const auto path = fit_vortex_path(images_of(beam, modes, 200.0), beam, kMiddle);
+    const auto path = fit_vortex_path(vortex_images(beam, modes, 200.0), beam, kMiddle);
     ASSERT_TRUE(path) << path.error().reason;
     const Vec2 moved = *path->cores_px[1] - kMiddle;
     const double turn =
@@ -164,7 +164,7 @@ TEST(VortexPath, IsNotMisledByABeamThatMovesBetweenTheImages) {
     std::vector<Mode> modes = still;
     modes.push_back({1, 0.2 * std::sin(2.0 * double(k))});
     modes.push_back({2, 0.2 * std::cos(3.0 * double(k))});
-    images.push_back(images_of(kBeam, modes, 200.0)[k]);
+    images.push_back(vortex_images(kBeam, modes, 200.0)[k]);
   }
   const auto path = fit_vortex_path(images, kBeam, kMiddle);
   ASSERT_TRUE(path) << path.error().reason;
@@ -174,7 +174,7 @@ TEST(VortexPath, IsNotMisledByABeamThatMovesBetweenTheImages) {
 
 TEST(VortexPath, HasHonestStandardErrors) {
   const std::vector<Mode> modes{{4, 0.03}, {3, 0.02}};
-  const auto clean = images_of(kBeam, modes, 100.0);
+  const auto clean = vortex_images(kBeam, modes, 100.0);
   std::mt19937 random(1);
   std::normal_distribution<float> noise(0.0F, 3.0F);
   constexpr int kRuns = 24;
@@ -188,7 +188,7 @@ TEST(VortexPath, HasHonestStandardErrors) {
     const auto path = fit_vortex_path(noisy, kBeam, kMiddle);
     ASSERT_TRUE(path) << path.error().reason;
     for (std::size_t k = 0; k < 6; ++k) {  // up to coma
-      const double error = path->modes[k].waves - waves_of(modes, path->modes[k].j);
+      const double error = path->modes[k].waves - mode_waves(modes, path->modes[k].j);
       squares += error * error / (path->standard_error[k] * path->standard_error[k]);
       ++count;
     }
@@ -201,10 +201,10 @@ TEST(VortexPath, UsesThePixelsThatTheLaserReaches) {
   VortexBeam beam = kBeam;
   beam.lit.plane = {2, 1, 0};
   const std::vector<Mode> modes{{4, -0.06}, {7, 0.03}};
-  auto images = images_of(beam, modes, 200.0);
+  auto images = vortex_images(beam, modes, 200.0);
   for (VortexImage& image : images) {
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
+    for (int y = 0; y < kImageSide; ++y) {
+      for (int x = 0; x < kImageSide; ++x) {
         if (!beam.lit.has(x, y)) image.light.at(x, y) = 77.0F;
       }
     }
@@ -215,7 +215,7 @@ TEST(VortexPath, UsesThePixelsThatTheLaserReaches) {
 }
 
 TEST(VortexPath, RefusesImagesWithoutTheVortex) {
-  auto images = images_of(kBeam, {}, 200.0);
+  auto images = vortex_images(kBeam, {}, 200.0);
   const auto beside = fit_vortex_path(images, kBeam, {-20.0, 5.0});
   ASSERT_FALSE(beside);
   EXPECT_EQ(beside.error().field, "camera.roi");

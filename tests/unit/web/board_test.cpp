@@ -40,8 +40,8 @@ TEST(BoardTest, ASlowReaderCostsNoMoreThanWhatIsKept) {
 
 TEST(FramedTest, SaysBothLengths) {
   const std::array<std::byte, 3> binary{std::byte{7}, std::byte{8}, std::byte{9}};
-  const std::string json(300, 'j');
-  const std::string bytes = framed(json, binary);
+  const std::string text(300, 'j');
+  const std::string bytes = framed(text, binary);
   EXPECT_EQ(bytes.size(), 8U + 300U + 3U);
   EXPECT_EQ(bytes.substr(0, 8), std::string("\x2c\x01\x00\x00\x03\x00\x00\x00", 8));
   EXPECT_EQ(bytes.substr(308), "\x07\x08\x09");
