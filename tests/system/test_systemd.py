@@ -14,7 +14,7 @@ import urllib.request
 
 import thread_holder
 import user_manager
-from case import Client, bench_module, wait_for
+from case import Client, bench_module, main, wait_for
 
 UNIT, METRICS_UNIT = "ovwsd.service", "ovws-metrics.service"
 ROOT = pathlib.Path("/run/ovws-root")  # installed here: a unit with PrivateTmp does not see /tmp
@@ -57,7 +57,6 @@ class Systemd(unittest.TestCase):
                 (folder / "test.conf").write_text(drop_in.format(**paths))
             cls.manager.start()
         except user_manager.NoManager as why:
-            print(f"\nskipped: {why}", flush=True)
             raise unittest.SkipTest(str(why)) from why
 
     @classmethod
@@ -189,5 +188,4 @@ class Systemd(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    bench_module.own_network()
-    unittest.main(verbosity=2)
+    main()
