@@ -254,6 +254,16 @@ class Bench:
                     pass
         raise daemon.failure(f"not ready in {timeout} s")
 
+    def keep_only(self, *names):
+        """Stops all programs but these, in reverse order, and removes all files but theirs."""
+        for process in reversed(self._processes[:]):
+            if process.name not in names:
+                self._processes.remove(process)
+                process.stop()
+        for path in self.directory.iterdir():
+            if not path.name.startswith((*names, "twin.json")):
+                shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
+
     def close(self):
         """Stops all programs of this bench in reverse order, and removes its own folder."""
         while self._processes:

@@ -34,6 +34,7 @@ class Cluster(BenchCase):
 
     @classmethod
     def setUpClass(cls):
+        super().setUpClass()
         folder = tempfile.TemporaryDirectory(prefix="ovws-cluster-")
         cls.addClassCleanup(folder.cleanup)
         cls.folder = pathlib.Path(folder.name)
@@ -137,7 +138,7 @@ class Cluster(BenchCase):
         self.assertEqual(sorted(part["part"] for part in facts["parts"]), [f"part-{number}-of-{shards}.jsonl" for number in range(1, shards + 1)])
         self.assertTrue(all(part["host"] and "--shard" in part["command"] for part in facts["parts"]), facts)
 
-    @unittest.skipIf(SNAKEMAKE is None, "skipped: apt-get install snakemake")
+    @unittest.skipIf(SNAKEMAKE is None, "apt-get install snakemake")
     def test_a_workflow_that_was_killed_ends_with_the_same(self):
         run = self.folder / "killed"
         first = self.snakemake(run, "local", 7)
@@ -155,9 +156,9 @@ class Cluster(BenchCase):
         self.assertGreaterEqual(len(kept), len(finished) - 2, "finished parts are computed once")
         self.assertEqual(list(run.glob("*/parts/.*.tmp")), [])
 
-    @unittest.skipIf(SNAKEMAKE is None, "skipped: apt-get install snakemake")
-    @unittest.skipIf(slurm.missing(), "skipped: apt-get install --no-install-recommends slurmctld slurmd slurm-client munge")
-    @unittest.skipIf(os.geteuid() != 0, "skipped: Slurm's programs need root")
+    @unittest.skipIf(SNAKEMAKE is None, "apt-get install snakemake")
+    @unittest.skipIf(slurm.missing(), "apt-get install --no-install-recommends slurmctld slurmd slurm-client munge")
+    @unittest.skipIf(os.geteuid() != 0, "Slurm's programs need root")
     def test_a_slurm_cluster(self):
         cluster = slurm.Slurm(self.folder / "slurm")
         self.addCleanup(cluster.close)
