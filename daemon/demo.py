@@ -134,7 +134,6 @@ class Demo:
         self.heading(status)
         self.step("no aberration", {}, None, self.measure()[1])
         self.step("Z(2,-2) = 0.5 wave", {3: 0.5}, *self.measure(**self.aberrate(2, -2, 0.5)))
-        self.pictures("astigmatism")
         self.step("Z(2,0) = 0.3 wave", {4: 0.3}, *self.measure(**self.aberrate(2, 0, 0.3)))
         self.client.call("aberration.clear")
         self.show_bright_spots()
@@ -144,7 +143,6 @@ class Demo:
         self.step("gain 12 dB, Z(2,0)", {4: 0.3}, *self.measure(**wanted))
         self.set_camera(gain_db=0.0, exposure_us=EXPOSURE_US)
         self.client.call("aberration.clear")
-        print("\nimages: " + "\n        ".join(self.written))
         lost = self.client.call("system.status")["counters"]["frames_lost"]
         print(f"\novws demo: {self.frames} frames shown, {lost} lost, {self.saturated} saturated, "
               f"largest error {self.worst_error:.4f} wave")
@@ -154,8 +152,21 @@ class Demo:
         self.client.call("sensor.set", {"charge": 0, "tracker": "thresholded"})
         self.take_reference()
         self.step("Shack-Hartmann (charge 0), Z(2,0)", {4: 0.3}, *self.measure(**self.aberrate(2, 0, 0.3)))
-        self.pictures("shack-hartmann")
         self.set_camera(exposure_us=EXPOSURE_US)
+
+    def draw(self):
+        """Writes the images of two of the states again, from the references taken before."""
+        self.client.call("sensor.set", {"tracker": "fit"})
+        self.measure(**self.aberrate(2, -2, 0.5))
+        self.pictures("astigmatism")
+        self.set_camera(exposure_us=SHORT_EXPOSURE_US)
+        self.client.call("sensor.set", {"charge": 0, "tracker": "thresholded"})
+        self.measure(**self.aberrate(2, 0, 0.3))
+        self.pictures("shack-hartmann")
+        self.client.call("sensor.set", {"charge": 1, "tracker": "lg"})
+        self.set_camera(exposure_us=EXPOSURE_US)
+        self.client.call("aberration.clear")
+        print("\nimages: " + "\n        ".join(self.written))
 
 
 def live_row(message):
@@ -168,6 +179,7 @@ def live_row(message):
 def main():
     parser = argparse.ArgumentParser(prog="daemon/demo", description=__doc__.splitlines()[0])
     parser.add_argument("--keep", action="store_true", help="keep running until Ctrl-C")
+    parser.add_argument("--make", action="store_true", help="build programs of the build folder before they are used")
     parser.add_argument("--build", type=Path, default=ROOT / "build" / "release", help="build folder")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="folder for the images (default: build/demo)")
     arguments = parser.parse_args()
@@ -179,8 +191,12 @@ def main():
             bench.start_twin({"mirror": {"actuators_across": 9}})
             recordings = arguments.out.resolve() / "recordings"
             bench.start_daemon({"state": {"directory": str(bench.directory / "state")}, "record": {"directory": str(recordings)}})
-            Demo(bench, arguments.out.resolve()).run()
+            demo = Demo(bench, arguments.out.resolve())
+            demo.run()
+            build(arguments, "ovws")
+            demo.draw()
             if arguments.keep:
+                build(arguments, "ovws-web")
                 print(f"\nlive page: {start_page(bench)}\n"
                       f"running: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C stops it\n"
                       f"to check it: DISPLAY={bench.display} {name_of_ovws(bench)} doctor --config {bench.directory / 'ovwsd.json'}", flush=True)
@@ -192,6 +208,12 @@ def main():
         print(f"ovws demo: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def build(arguments, program):
+    if arguments.make:
+        print(f"\nbuilding {program}", flush=True)
+        subprocess.run(["cmake", "--build", arguments.build, "--target", program], check=True, stdout=subprocess.DEVNULL)
 
 
 def start_page(bench):
