@@ -164,16 +164,14 @@ class SimulatedCamera final : public Camera {
 };
 
 GrabStatus SimulatedCamera::grab(GrabbedFrame& out, std::chrono::microseconds timeout) {
-  CameraSettings settings;
-  {
-    const std::lock_guard lock(mutex_);
-    settings = settings_;
-  }
   const std::int64_t wait_ns = next_ns_ - monotonic_ns();
   if (wait_ns > 0)
     std::this_thread::sleep_for(
         std::min<std::chrono::nanoseconds>(timeout, std::chrono::nanoseconds(wait_ns)));
   if (monotonic_ns() < next_ns_) return GrabStatus::timeout;
+  // A change of the settings is done before an exposure begins, or when it has ended.
+  const std::lock_guard lock(mutex_);
+  const CameraSettings& settings = settings_;
   next_ns_ = std::max(next_ns_, monotonic_ns()) + std::int64_t(1e9 / settings.frame_rate_hz);
   for (std::size_t slot = 0; slot < buffers_.size(); ++slot) {
     Buffer& buffer = buffers_[slot];
