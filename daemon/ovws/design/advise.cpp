@@ -59,7 +59,8 @@ std::optional<Unfit> too_dim(const Advice& advice, const Light& light) {
   return unfit;
 }
 
-tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Light& light) {
+tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Light& light,
+                                       const std::function<bool()>& stopped) {
   const auto unfit = [&config](std::string reason) {
     return tl::make_unexpected(
         Unfit{config.sensor.subapertures_across, config.sensor.charge, std::move(reason)});
@@ -68,6 +69,7 @@ tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Li
   const double peak_limit_e = kFill * light.full_well_e;
   const auto scale = errors_at(config, modes, light, peak_limit_e);
   if (!scale) return unfit(text_of(scale.error()));
+  if (stopped()) return unfit("stopped");
   Advice advice;
   advice.subapertures_across = config.sensor.subapertures_across;
   advice.subapertures = int(lattice->subapertures.size());
@@ -111,7 +113,8 @@ AdviceList advise(const Bench& bench, const Light& light, const Config& base,
         all.unfit.push_back({across, charge, config.error().reason, 0.0});
         continue;
       }
-      auto advice = advice_for(*config, *bench.modes, light);
+      if (stopped()) return all;
+      auto advice = advice_for(*config, *bench.modes, light, stopped);
       if (!advice) {
         all.unfit.push_back(std::move(advice.error()));
         continue;
