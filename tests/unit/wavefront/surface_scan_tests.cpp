@@ -122,14 +122,14 @@ TEST(SurfaceScan, TakesOffWhatWasShown) {
 }
 
 TEST(SurfaceScan, KnowsHowWellItKnows) {
-  constexpr double kNoisePx = 0.2;
+  constexpr double kScanNoisePx = 0.2;
   constexpr int kTimes = 100;
   const ScanFit fit(scan_grid(kPupil, kProbe), kTurnedScan);
   const std::vector<double> none(fit.modes_j().size(), 0.0);
   const auto still = places(
       fit.grid(), [](Vec2) { return 0.0; }, kTurnedScan);
   std::mt19937 random(5);
-  std::normal_distribution<double> noise(0.0, kNoisePx);
+  std::normal_distribution<double> noise(0.0, kScanNoisePx);
   double error = 0.0, estimated = 0.0;
   for (int i = 0; i < kTimes; ++i) {
     auto at = still;
