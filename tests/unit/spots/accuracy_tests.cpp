@@ -289,24 +289,38 @@ class Paper {
   }
 
   /// RMS-normalised Zernike polynomial, by its sum over powers of the radius.
-  static double polynomial(int j, double x, double y) {
-    int n = 0;
-    while ((n + 1) * (n + 2) / 2 <= j) ++n;
-    const int m = 2 * j - n * (n + 2), k = std::abs(m);
-    const double radius = std::hypot(x, y), angle = std::atan2(y, x);
-    double sum = 0.0;
-    for (int s = 0; s <= (n - k) / 2; ++s) {
-      const double sign = s % 2 == 0 ? 1.0 : -1.0;
-      sum += sign * std::tgamma(n - s + 1.0) * std::pow(radius, n - 2 * s) /
-             (std::tgamma(s + 1.0) * std::tgamma((n + k) / 2 - s + 1.0) *
-              std::tgamma((n - k) / 2 - s + 1.0));
+  class Polynomial {
+   public:
+    explicit Polynomial(int j) {
+      while ((n_ + 1) * (n_ + 2) / 2 <= j) ++n_;
+      m_ = 2 * j - n_ * (n_ + 2);
+      const int k = std::abs(m_);
+      const double norm = std::sqrt((m_ == 0 ? 1.0 : 2.0) * (n_ + 1));
+      for (int s = 0; s <= (n_ - k) / 2; ++s) {
+        const double sign = s % 2 == 0 ? 1.0 : -1.0;
+        factors_.push_back(norm * sign * std::tgamma(n_ - s + 1.0) /
+                           (std::tgamma(s + 1.0) * std::tgamma((n_ + k) / 2 - s + 1.0) *
+                            std::tgamma((n_ - k) / 2 - s + 1.0)));
+      }
     }
-    const double norm = std::sqrt((m == 0 ? 1.0 : 2.0) * (n + 1));
-    return norm * sum * (m < 0 ? std::sin(k * angle) : std::cos(k * angle));
-  }
+    double operator()(double radius, double angle) const {
+      double sum = 0.0, power = std::pow(radius, std::abs(m_));
+      for (auto factor = factors_.rbegin(); factor != factors_.rend(); ++factor) {
+        sum += *factor * power;
+        power *= radius * radius;
+      }
+      return sum * (m_ < 0 ? std::sin(-m_ * angle) : std::cos(m_ * angle));
+    }
+
+   private:
+    int n_ = 0, m_ = 0;
+    std::vector<double> factors_;  // of radius^n, radius^(n-2) …
+  };
 
   static Eigen::MatrixXcd field_of(int charge, const std::vector<double>& waves) {
     constexpr double kD = double(kPupilPx) / kAcross, kSpacing = 0.25;
+    std::vector<Polynomial> modes;
+    for (std::size_t k = 0; k < waves.size(); ++k) modes.emplace_back(int(k) + 1);
     Eigen::MatrixXcd field = Eigen::MatrixXcd::Ones(kRows, kColumns);
     for (int q = -2; q <= 2; ++q) {
       for (int p = -2; p <= 2; ++p) {
@@ -320,9 +334,9 @@ class Paper {
             double cycles = charge * std::atan2(from_y, from_x) / (2.0 * std::numbers::pi) +
                             (200.0 + kSpacing * centre_x) / kColumns * x +
                             (20.0 + kSpacing * centre_y) / kRows * y;
-            for (std::size_t k = 0; k < waves.size(); ++k) {
-              cycles += waves[k] * polynomial(int(k) + 1, 2.0 * x / kPupilPx, 2.0 * y / kPupilPx);
-            }
+            const double radius = 2.0 * std::hypot(x, y) / kPupilPx, angle = std::atan2(y, x);
+            for (std::size_t k = 0; k < waves.size(); ++k)
+              cycles += waves[k] * modes[k](radius, angle);
             field(r, c) = turned(cycles);
           }
         }

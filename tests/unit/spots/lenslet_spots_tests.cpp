@@ -1,6 +1,7 @@
 /// Rendered spots of a lenslet array against Fresnel's integral.
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -11,8 +12,8 @@
 namespace ovws {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
+constexpr int kWidth = 192, kHeight = 180;
 
 /// 5 x 5 lenslets of 30 pixels, lambda/pitch 4 pixels, in an image of 192 x 180 pixels.
 struct ArrayCase {
@@ -35,10 +36,10 @@ struct ArrayCase {
     optics.centre_px = Vec2{95.3, 90.1};
   }
 
-  double phase_waves(Vec2 at, const std::vector<double>& with) const {
+  double phase_waves(Vec2 at) const {
     double sum = 0.0;
     for (std::size_t k = 0; k < modes_j.size(); ++k) {
-      sum += with[k] * zernike(modes_j[k], (2.0 / sensor.pupil_diameter_px) * at);
+      sum += waves[k] * zernike(modes_j[k], (2.0 / sensor.pupil_diameter_px) * at);
     }
     return sum;
   }
@@ -53,29 +54,38 @@ struct ArrayCase {
   bool covers(Vec2 from_centre) const {
     return sensor.lenslets.shape == LensletShape::square || norm(from_centre) <= 15.0;
   }
-  /// Field at a place on the camera from the pupil's centre: each lenslet is a lens of its own, and
-  /// Fresnel's integral takes its light to the camera. lambda f = px_per_cycle in square pixels.
-  Complex field(Vec2 x, const std::vector<double>& with) const {
+  /// Light of every camera pixel: each lenslet is a lens of its own, and Fresnel's integral takes
+  /// its light to the camera. Of the kernel exp(i pi |x - r|^2 / lambda f), |x|^2 only turns the
+  /// whole field, |r|^2 belongs to the lenslet, and x . r is a product of rows and columns.
+  /// lambda f = px_per_cycle in square pixels.
+  Eigen::MatrixXd light(int width, int height) const {
     constexpr int kSamples = 60;
     const double lambda_f = sensor.lenslets.px_per_cycle;
-    Complex sum = 0.0;
+    const auto sample = [](int k) { return 30.0 * ((k + 0.5) / kSamples - 0.5); };
+    const auto kernel = [&](double centre, int size, double middle_px) -> Eigen::MatrixXcd {
+      return Eigen::MatrixXcd::NullaryExpr(size, kSamples, [&](auto pixel, auto k) {
+        const double place = double(pixel) - middle_px;
+        return std::polar(1.0, -2.0 * kPi * place * (centre + sample(int(k))) / lambda_f);
+      });
+    };
+    Eigen::MatrixXcd far = Eigen::MatrixXcd::Zero(height, width), near(kSamples, kSamples);
     for (const Vec2 centre : sensor.lenslets.centres_px) {
-      for (int k = 0; k < kSamples * kSamples; ++k) {
-        const Vec2 off{30.0 * ((k % kSamples + 0.5) / kSamples - 0.5),
-                       30.0 * ((k / kSamples + 0.5) / kSamples - 0.5)};
-        if (!covers(off)) continue;
-        const Vec2 r = centre + off;
-        const double lens = -(off.x * off.x + off.y * off.y) / (2.0 * lambda_f);
-        const double away = norm(x - r);
-        sum += std::polar(1.0, 2.0 * kPi *
-                                   (phase_waves(r, with) + plate_waves(off) + lens +
-                                    away * away / (2.0 * lambda_f)));
+      for (int row = 0; row < kSamples; ++row) {
+        for (int column = 0; column < kSamples; ++column) {
+          const Vec2 off{sample(column), sample(row)}, r = centre + off;
+          const double lens = -std::pow(norm(off), 2) / (2.0 * lambda_f);
+          const double waves_here =
+              phase_waves(r) + plate_waves(off) + lens + std::pow(norm(r), 2) / (2.0 * lambda_f);
+          near(row, column) = covers(off) ? std::polar(1.0, 2.0 * kPi * waves_here) : 0.0;
+        }
       }
+      far += kernel(centre.y, height, optics.centre_px->y) * near *
+             kernel(centre.x, width, optics.centre_px->x).transpose();
     }
-    return sum;
+    return far.cwiseAbs2();
   }
   SpotRenderer renderer() const {
-    return SpotRenderer::make(sensor, slm, optics, 192, 180, modes_j, {}).value();
+    return SpotRenderer::make(sensor, slm, optics, kWidth, kHeight, modes_j, {}).value();
   }
 };
 
@@ -90,9 +100,9 @@ Difference difference_of(const ArrayCase& array) {
   EXPECT_TRUE(is_inside(spot) && spot.window.bin == 1);
   double product = 0.0, squares = 0.0, peak = 0.0;
   std::vector<std::pair<double, double>> pixels;  // expected, rendered
+  const Eigen::MatrixXd light = array.light(kWidth, kHeight);
   each_pixel(spot.window, [&](Eigen::Index cell, int x, int y) {
-    const Vec2 at = Vec2{double(x), double(y)} - *array.optics.centre_px;
-    pixels.emplace_back(std::norm(array.field(at, array.waves)), double(spot.light(cell)));
+    pixels.emplace_back(light(y, x), double(spot.light(cell)));
     product += pixels.back().first * pixels.back().second;
     squares += pixels.back().second * pixels.back().second;
     peak = std::max(peak, pixels.back().first);
