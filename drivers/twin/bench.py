@@ -30,6 +30,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
+PATIENCE_S = 60.0  # with a program that starts on a busy machine
 X_LOCK, X_SOCKET = "/tmp/.X{}-lock", "/tmp/.X11-unix/X{}"
 
 
@@ -147,7 +148,7 @@ class Process:
                 raise self.failure(f"no line '{start} …' within {timeout} s")
             time.sleep(0.02)
 
-    def stop(self, timeout=5.0):
+    def stop(self, timeout=30.0):
         """Sends SIGTERM, and SIGKILL after `timeout` seconds. Returns the exit status."""
         if self.alive():
             self.popen.terminate()
@@ -200,7 +201,7 @@ class Bench:
         self._processes.remove(process)
         return process.stop()
 
-    def start_display(self, number=None, timeout=20.0, slm_size=(1280, 768)):
+    def start_display(self, number=None, timeout=PATIENCE_S, slm_size=(1280, 768)):
         """Starts an X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (the SLM, `slm_size`
         pixels), on a free display number unless one is given. Sets `display`."""
         # Not the wrapper /usr/bin/Xorg: it may refuse users who are not at the console.
@@ -224,7 +225,7 @@ class Bench:
                 raise error
         raise BenchError("every X display number is taken")
 
-    def start_twin(self, config=None, arguments=(), timeout=10.0):
+    def start_twin(self, config=None, arguments=(), timeout=PATIENCE_S):
         """Starts the twin with these keys of its configuration. Returns when its camera and control
         socket answer."""
         path = self._write("twin.json", config or {})
@@ -234,7 +235,7 @@ class Bench:
         twin.wait_for_line("ready", timeout)
         return twin
 
-    def start_daemon(self, config=None, timeout=15.0):
+    def start_daemon(self, config=None, timeout=PATIENCE_S):
         """Starts the daemon with these keys of its configuration. Returns when it has reported
         readiness by sd_notify; this function stands in for the service manager."""
         path = self._write("ovwsd.json", config or {})

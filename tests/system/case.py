@@ -16,7 +16,7 @@ import bench as bench_module  # noqa: E402
 bench_module.python_client()
 from ovws_client import Client, ClientError, Stream  # noqa: E402
 
-__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "main", "merged", "own_mounts", "wait_for"]
+__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "PATIENCE_S", "Stream", "ROOT", "main", "merged", "own_mounts", "wait_for"]
 
 
 def own_mounts():
@@ -27,7 +27,10 @@ def own_mounts():
     subprocess.run(["mount", "--make-rprivate", "/"], check=True)
 
 
-def wait_for(condition, timeout_s=10.0, what="the condition"):
+PATIENCE_S = 60.0  # of a wait that ends as soon as what it waits for is there
+
+
+def wait_for(condition, timeout_s=PATIENCE_S, what="the condition"):
     """Polls condition() and returns its first true value; fails after `timeout_s`. A condition that waits by itself, such as
     for a message, is asked again at once."""
     end, in_time = time.monotonic() + timeout_s, True
@@ -213,23 +216,23 @@ class BenchCase(unittest.TestCase):
         if "status" not in topics:
             stream._socket.unsubscribe("status")
 
-    def wait_until(self, state, timeout_s=20.0):
+    def wait_until(self, state, timeout_s=PATIENCE_S):
         return wait_for(lambda: (status := self.call("system.status"))["state"] == state and status, timeout_s, f"state {state}")
 
-    def run_job(self, method, params, timeout_s=30.0):
+    def run_job(self, method, params, timeout_s=2 * PATIENCE_S):
         job = self.call(method, params)["job"]
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, timeout_s, method)
         self.assertEqual(ended["state"], "done", ended)
         return ended
 
-    def recorded_frames(self, count, timeout_s=20.0):
+    def recorded_frames(self, count, timeout_s=PATIENCE_S):
         """Waits until the recording has at least `count` frames; record.get reports them four times a second."""
         return wait_for(lambda: (report := self.call("record.get"))["frames"] >= count and report, timeout_s, f"a recording of {count} frames")
 
     def take_reference(self, frames=50, **params):
         return self.run_job("reference.take", {"frames": frames} | params)
 
-    def fitted_frames(self, stream, count, timeout_s=20.0):
+    def fitted_frames(self, stream, count, timeout_s=PATIENCE_S):
         """The next `count` settled and valid messages in a row that templates measured."""
         frames, end = [], time.monotonic() + timeout_s
         while len(frames) < count:
@@ -238,7 +241,7 @@ class BenchCase(unittest.TestCase):
             frames = [*frames, frame] if frame["sigma"][0] is not None else []
         return frames
 
-    def settled_frames(self, stream, count, hologram_id=None, timeout_s=10.0):
+    def settled_frames(self, stream, count, hologram_id=None, timeout_s=PATIENCE_S):
         """The next `count` settled and valid messages, of hologram `hologram_id` if it is given."""
         frames = []
         end = time.monotonic() + timeout_s
