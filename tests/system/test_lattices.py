@@ -3,8 +3,10 @@ import os
 import statistics
 import subprocess
 import time
+from pathlib import Path
 
-from case import ROOT, BenchCase, Client, bench_module, main, wait_for
+import thread_holder
+from case import PATIENCE_S, ROOT, BenchCase, Client, bench_module, main, wait_for
 
 TWIN = "tcp://127.0.0.1:7790"
 HIDDEN = {3: 0.06, 4: -0.05, 5: 0.03}  # waves: modes that every lattice here determines
@@ -47,18 +49,18 @@ class Lattices(BenchCase):
         return sensor, camera["exposure_us"], camera["gain_db"], self.call("aberration.get")["modes"], self.call("correction.get")["modes"]
 
     def switch(self, name, stream):
-        """Uses a lattice; returns its first valid frame, the time to it in ms, and the number of frames that were not valid."""
+        """Uses a lattice; returns its first valid frame, and the number of frames before it that were not valid."""
         stream.drain()
-        begun, lost = time.monotonic(), 0
+        lost = 0
         used = self.call("lattice.use", {"name": name})
-        for message in iter(lambda: stream.next(5.0), None):
+        for message in iter(lambda: stream.next(PATIENCE_S), None):
             if message["hologram_id"] == used["hologram_id"] and message["valid"]:
-                return message, 1e3 * (time.monotonic() - begun), lost
+                return message, lost
             lost += not message["valid"]
         self.fail("no valid frame")
 
     def check_truth(self, stream, name, hidden):
-        frames = self.settled_frames(stream, 40, self.call("sensor.get")["hologram_id"], timeout_s=30.0)[20:]
+        frames = self.settled_frames(stream, 40, self.call("sensor.get")["hologram_id"])[20:]
         error = statistics.median(sum((value - hidden.get(j, 0.0)) ** 2 for j, value in zip(frame["j"], frame["coefficients"]) if j > 2) ** 0.5 for frame in frames)
         print(f"\n  {name}: {frames[-1]['tracked']} spots, {len(frames[-1]['j'])} modes, error {error:.5f} wave")
         self.assertLess(error, BOUND_WAVES)
@@ -74,16 +76,15 @@ class Lattices(BenchCase):
                          {"fine": (True, True, None), "coarse": (False, True, None)})
         stream = self.stream("wavefront")
         self.hide(HIDDEN)
-        times_ms, losts = [], []
+        losts = []
         for name in ("coarse", "fine") * 3:
-            frame, ms, lost = self.switch(name, stream)
-            times_ms.append(ms)
+            frame, lost = self.switch(name, stream)
             losts.append(lost)
             self.assertEqual(frame["tracked"], self.listed()[name]["subapertures"])
             self.assertTrue(self.listed()[name]["in_use"])
             self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], self.listed()[name]["exposure_us"])
             self.assertEqual(self.sensor()[4], before[4])
-        print(f"\n  switch: {statistics.median(times_ms):.0f} ms to the first valid frame, {statistics.median(losts)} frames not valid")
+        print(f"\n  switch: {statistics.median(losts)} frames not valid")
         for name in ("coarse", "fine"):
             self.switch(name, stream)
             self.check_truth(stream, name, HIDDEN)
@@ -141,7 +142,7 @@ class Lattices(BenchCase):
         self.call("camera.set", {"gain_db": 1.0})
         told = []
         while not told or told[-1]["data"]["stale"] != ["gain_db"]:
-            event = events.next(5.0)
+            event = events.next(PATIENCE_S)
             self.assertIsNotNone(event, told)
             if event["topic"] == "event" and "stale" in (event["data"] or {}):
                 told.append(event)
@@ -157,22 +158,26 @@ class Lattices(BenchCase):
         self.switch("fine", stream)
         for _ in range(5):
             self.assertIn("lattice.prepare", str(self.refused("lattice.use", {"name": "coarse"})))
-        frames = [stream.next(5.0) for _ in range(30)]
+        frames = [stream.next(PATIENCE_S) for _ in range(30)]
         self.assertEqual({frame["exposure_us"] for frame in frames}, {exposure_us["fine"]})
 
     def test_a_mode_count_is_checked_once(self):
-        """The check renders spots in the thread that shows the loop's holograms: sensor.set takes as long."""
-        checked_s = self.seconds("sensor.set", {"mode_count": 30})
-        self.prepare({"name": "fine"}, {"name": "more", "sensor": {"mode_count": 40}}, {"name": "coarse", "sensor": COARSE | {"mode_count": None}})
-        listed_s = min(self.seconds("lattice.list") for _ in range(5))
-        used_s = min(self.seconds("lattice.use", {"name": name}) for _ in range(3) for name in ("fine", "more"))
-        print(f"\n  checked {checked_s:.3f} s, listed {listed_s:.3f} s, used {used_s:.3f} s")
-        self.assertLess(max(listed_s, used_s), 0.3 * checked_s)
+        """The check renders spots in the thread that shows the loop's holograms. What the thread computes, in CPU time, tells it apart:
+        sensor.set checks."""
+        thread = thread_holder.thread_id(self.bench.process("ovwsd").pid, "prepare")
+        schedstat = Path(f"/proc/{thread}/schedstat")
 
-    def seconds(self, method, params=None):
-        begun = time.monotonic()
-        self.call(method, params)
-        return time.monotonic() - begun
+        def cpu_ms(method, params=None):
+            before = int(schedstat.read_text().split()[0])
+            self.call(method, params)
+            return 1e-6 * (int(schedstat.read_text().split()[0]) - before)
+
+        checked_ms = cpu_ms("sensor.set", {"mode_count": 30})
+        self.prepare({"name": "fine"}, {"name": "more", "sensor": {"mode_count": 40}}, {"name": "coarse", "sensor": COARSE | {"mode_count": None}})
+        listed_ms = [cpu_ms("lattice.list") for _ in range(5)]
+        used_ms = [cpu_ms("lattice.use", {"name": name}) for _ in range(3) for name in ("fine", "more")]
+        print(f"\n  CPU time: checked {checked_ms:.1f} ms, listed {listed_ms}, used {used_ms}")
+        self.assertLess(max(min(listed_ms), min(used_ms)), 0.3 * checked_ms)
 
     def test_an_aberration_or_an_operator_that_the_job_replaces_does_not_hinder_it(self):
         self.call("sensor.set", {"tracker": "lg"})
@@ -187,9 +192,9 @@ class Lattices(BenchCase):
         self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.05}]})
         before = self.sensor()
         job = self.call("lattice.prepare", {"lattices": [{"name": "coarse", "sensor": COARSE}, {"name": "slow"}], "frames": 500})["job"]
-        wait_for(lambda: "coarse" in self.listed(), 60.0, "the first lattice")
+        wait_for(lambda: "coarse" in self.listed(), what="the first lattice")
         self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
-        wait_for(lambda: self.call("system.status")["state"] == "running", 10.0, "the end of the job")
+        wait_for(lambda: self.call("system.status")["state"] == "running", what="the end of the job")
         self.assertEqual(self.sensor(), before)
         self.assertEqual({name: one["usable"] for name, one in self.listed().items()}, {"coarse": True})
 
@@ -197,7 +202,7 @@ class Lattices(BenchCase):
         before = self.sensor()
         self.twin.call("twin.set", {"peak_electrons": 1e-3})
         job = self.call("lattice.prepare", {"lattices": [{"name": "dark", "sensor": COARSE}]})["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0, "the end of the job")
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the end of the job")
         print(f"\n  {ended['error']}")
         self.assertEqual(ended["state"], "failed")
         self.assertIn("lattice dark", ended["error"]["message"])
@@ -223,16 +228,16 @@ class Lattices(BenchCase):
         self.addCleanup(example.stdout.close)
         self.addCleanup(example.wait)
         self.addCleanup(example.kill)
-        wait_for(lambda: self.listed().get("coarse"), 60.0, "the prepared lattices")
+        wait_for(lambda: self.listed().get("coarse"), 2 * PATIENCE_S, "the prepared lattices")
         seeds = iter(range(1, 10**6))
 
         def flicker():
             self.scintillate(next(seeds))
             time.sleep(0.25)  # the twin renders each screen
             return self.listed()["coarse"]["in_use"]
-        wait_for(flicker, 60.0, "the coarse lattice")
+        wait_for(flicker, 2 * PATIENCE_S, "the coarse lattice")
         self.scintillate(None)
-        wait_for(lambda: self.listed()["fine"]["in_use"], 60.0, "the fine lattice")
+        wait_for(lambda: self.listed()["fine"]["in_use"], 2 * PATIENCE_S, "the fine lattice")
         lines = [example.stdout.readline() for _ in range(2)]
         print("\n ", *lines)
         self.assertRegex("".join(lines), "lattice coarse\n.*lattice fine\n")
