@@ -8,7 +8,6 @@ import re
 import shutil
 import signal
 import subprocess
-import time
 import unittest
 import urllib.request
 
@@ -61,7 +60,7 @@ class Systemd(unittest.TestCase):
 
     @classmethod
     def install(cls):
-        done = subprocess.run(["cmake", "--install", os.environ["OVWS_BUILD"], "--prefix", "/usr"], capture_output=True, text=True, timeout=120,
+        done = subprocess.run(["cmake", "--install", os.environ["OVWS_BUILD"], "--prefix", "/usr"], capture_output=True, text=True, timeout=600,
                               env=os.environ | {"DESTDIR": str(ROOT)})
         assert done.returncode == 0, done.stderr
         user_manager.own_users(ROOT / "usr/lib/sysusers.d/ovws.conf")
@@ -104,11 +103,8 @@ class Systemd(unittest.TestCase):
         wait_for(lambda: self.show("ActiveState") == "active", what="active again")
         self.assertEqual((self.pid(), self.show("NRestarts")), (pid, "0"))
         CONFIG.write_text("{}")
-        asked = time.monotonic()
         self.manager.systemctl("stop", UNIT)
-        took_s = time.monotonic() - asked
-        print(f"  stopped in {took_s:.2f} s")
-        self.assertLess(took_s, 2.0)
+        # By itself: after TimeoutStopSec the manager would have killed it.
         self.assertEqual((self.show("ActiveState"), self.show("Result")), ("inactive", "success"))
         print(re.sub("^", "  ", self.log()[-400:], flags=re.M))
 
@@ -128,7 +124,7 @@ class Systemd(unittest.TestCase):
     def test_it_comes_back_after_a_kill(self):
         pid = self.pid()
         os.kill(pid, signal.SIGKILL)
-        wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", 20.0, "the restart")
+        wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", what="the restart")
         self.assertEqual(self.show("NRestarts"), "1")
 
     def keygen(self, path, *more):
@@ -143,7 +139,7 @@ class Systemd(unittest.TestCase):
         def up_is_scraped():
             with contextlib.suppress(OSError), urllib.request.urlopen("http://127.0.0.1:7705/metrics", timeout=5) as page:
                 return f"\novws_up {up}\n" in page.read().decode()
-        wait_for(up_is_scraped, 20.0, f"ovws_up {up}")
+        wait_for(up_is_scraped, what=f"ovws_up {up}")
 
     def test_the_metrics_take_their_key_from_systemd(self):
         self.start_metrics()  # no key exists yet
@@ -162,29 +158,31 @@ class Systemd(unittest.TestCase):
         self.start_metrics()
         self.wait_for_metrics(1)
 
-    def hang(self, name, longest_turn_s):
-        """Holds a thread; checks that the log names it, and that the watchdog kills and restarts the service."""
+    def hang(self, name):
+        """Holds a thread; checks that the log names it, and that the watchdog, which is notified no more, kills and restarts the service."""
         pid, seen = self.pid(), len(self.log())
-        began = time.monotonic()
         with thread_holder.held(pid, name) as ended:
-            wait_for(lambda: f"thread {name} has not run for" in self.log()[seen:], longest_turn_s + 15.0, f"the log's word on {name}")
-            reported_s = time.monotonic() - began
+            wait_for(lambda: f"thread {name} has not run for" in self.log()[seen:], what=f"the log's word on {name}")
             self.assertEqual(self.pid(), pid, "reported before the watchdog acts")
-            wait_for(ended, 30.0, "the watchdog")
-            killed_s = time.monotonic() - began
-        wait_for(lambda: self.show("Result") == "watchdog", 5.0, "the manager's word on why")
-        wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", 30.0, "the restart")
-        print(f"\n  {name}: reported after {reported_s:.1f} s, ended after {killed_s:.1f} s")
-        # The last keep-alive was sent at the latest when the log reported the thread.
-        self.assertLess(killed_s - reported_s, self.watchdog_s + 5.0)
+            notified = []  # times of the last notification
+
+            def watched_end():
+                now = self.manager.show(UNIT, "MainPID", "WatchdogTimestampMonotonic")
+                if int(now["MainPID"]) == pid and now["WatchdogTimestampMonotonic"] not in ("0", *notified):
+                    notified.append(now["WatchdogTimestampMonotonic"])
+                return ended()
+            wait_for(watched_end, what="the watchdog")
+        self.assertLessEqual(len(notified), 2, "one may have been on its way")
+        wait_for(lambda: self.show("Result") == "watchdog", what="the manager's word on why")
+        wait_for(lambda: self.pid() not in (0, pid) and self.show("ActiveState") == "active", what="the restart")
 
     def test_a_hanging_acquire_thread_ends_in_a_restart(self):
-        self.hang("acquire", 2.0)
+        self.hang("acquire")
 
     @unittest.skipUnless(os.environ.get("OVWS_HANG_ALL"), "takes long: set OVWS_HANG_ALL=1 to hang control and prepare, too, whose turns may take 5 s and 30 s")
     def test_hanging_control_and_prepare_threads_end_in_a_restart(self):
-        self.hang("control", 5.0)
-        self.hang("prepare", 30.0)
+        self.hang("control")
+        self.hang("prepare")
 
 
 if __name__ == "__main__":

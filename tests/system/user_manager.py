@@ -95,7 +95,7 @@ class Manager:
     def start(self):
         self.popen = subprocess.Popen(["/usr/lib/systemd/systemd", "--user"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                       stderr=subprocess.DEVNULL, env=self.environment, preexec_fn=self._enter)
-        end = time.monotonic() + 20.0
+        end = time.monotonic() + 120.0
         while self.popen.poll() is None and time.monotonic() < end:
             if self.systemctl("list-units").returncode == 0:
                 (RUNTIME / "systemd/notify").chmod(0o777)  # as the system manager's: for services of other users
@@ -107,7 +107,7 @@ class Manager:
         for folder in self._cgroups:
             (folder / "cgroup.procs").write_text(str(os.getpid()))
 
-    def systemctl(self, *arguments, timeout=30.0):
+    def systemctl(self, *arguments, timeout=120.0):
         return subprocess.run(["systemctl", "--user", "--no-pager", "--full", *arguments], env=self.environment, stdin=subprocess.DEVNULL,
                               capture_output=True, text=True, timeout=timeout)
 
