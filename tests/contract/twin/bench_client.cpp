@@ -13,6 +13,8 @@
 namespace ovws {
 namespace {
 
+/// With a frame or a reply, which a busy machine delays.
+constexpr std::chrono::seconds kPatience{60};
 constexpr char kControl[] = "tcp://127.0.0.1:7790";
 
 template <class T>
@@ -65,7 +67,7 @@ void BenchClient::show(const SensorConfig& sensor, const std::vector<Mode>& mode
 TakenFrame BenchClient::grab() {
   GrabbedFrame frame;
   // Incomplete and duplicate frames are skipped.
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  const auto give_up = std::chrono::steady_clock::now() + kPatience;
   while (std::chrono::steady_clock::now() < give_up) {
     if (camera_->grab(frame, std::chrono::milliseconds(100)) != GrabStatus::frame) continue;
     TakenFrame taken{{frame.image.width, frame.image.height}, frame.frame_id, frame.t_device_ns};
@@ -76,7 +78,7 @@ TakenFrame BenchClient::grab() {
     camera_->release(frame.slot);
     return taken;
   }
-  throw std::runtime_error("no frame came within 20 s");
+  throw std::runtime_error("no frame came within a minute");
 }
 
 TakenFrame BenchClient::newer_frame() {
@@ -101,7 +103,7 @@ Image<float> BenchClient::mean_frame(int frames) {
 nlohmann::json BenchClient::call(const std::string& method, const nlohmann::json& params) {
   nlohmann::json request{{"jsonrpc", "2.0"}, {"id", 1}, {"method", method}};
   if (!params.is_null()) request["params"] = params;
-  const std::string reply = must(control_.request(request.dump(), std::chrono::seconds(20)));
+  const std::string reply = must(control_.request(request.dump(), kPatience));
   nlohmann::json answer = nlohmann::json::parse(reply);
   return answer.contains("result") ? answer["result"] : answer;
 }

