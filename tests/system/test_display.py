@@ -5,10 +5,9 @@ import signal
 import subprocess
 import time
 
-from case import BenchCase, main, wait_for
+from case import PATIENCE_S, BenchCase, main, wait_for
 
 MODE, WAVES = 3, 0.2
-PATIENCE_S = 15.0
 
 
 class WindowOnTop:
@@ -46,24 +45,23 @@ class DisplayFaults(BenchCase):
     def check_measures(self):
         """Checks that new frames measure the introduced aberration."""
         self.frames.drain()
-        found = self.settled_frames(self.frames, 10, timeout_s=PATIENCE_S)
+        found = self.settled_frames(self.frames, 10)
         read = [frame["coefficients"][frame["j"].index(MODE)] for frame in found]
         self.assertLess(abs(sum(read) / len(read) - WAVES), 0.02)
 
     def check_fault(self, *words):
         """Checks that status and an event report the fault, that no frame is valid, and that the daemon runs."""
-        status = wait_for(lambda: (now := self.call("system.status"))["slm"]["fault"] and now, PATIENCE_S, "the fault")
+        status = wait_for(lambda: (now := self.call("system.status"))["slm"]["fault"] and now, what="the fault")
         print("\n ", status["slm"]["fault"])
         for word in words:
             self.assertIn(word, status["slm"]["fault"])
-        wait_for(lambda: (event := self.events.next(1.0)) and event["kind"] == "slm" and event["severity"] == "error", PATIENCE_S, "the event")
-        self.frames.drain()
-        seen = [frame for _ in range(20) if (frame := self.frames.next(0.5))]
-        self.assertTrue(seen)
-        self.assertFalse(any(frame["valid"] or frame["settled"] for frame in seen))
+        event = wait_for(lambda: (event := self.events.next(1.0)) and event["kind"] == "slm" and event["severity"] == "error" and event, what="the event")
+        for _ in range(20):
+            frame = wait_for(lambda: (frame := self.frames.next(1.0)) and frame["t_device_ns"] > event["t_ns"] and frame, what="a frame exposed after it")
+            self.assertFalse(frame["valid"] or frame["settled"])
 
     def check_over(self):
-        wait_for(lambda: (now := self.call("system.status"))["state"] == "running" and not now["slm"]["fault"], PATIENCE_S, "the end of the fault")
+        wait_for(lambda: (now := self.call("system.status"))["state"] == "running" and not now["slm"]["fault"], what="the end of the fault")
         self.check_measures()
         self.assertEqual(self.bench.process("ovwsd").pid, self.pid)
         self.assertTrue(self.bench.process("ovwsd").alive())
@@ -96,20 +94,18 @@ class DisplayFaults(BenchCase):
             daemon = self.bench.process("ovwsd").popen
             os.kill(server, signal.SIGSTOP)
             time.sleep(delay_s)
-            begun = time.monotonic()
             daemon.terminate()
-            self.assertEqual(daemon.wait(10.0), 0)
-            self.assertLess(time.monotonic() - begun, 3.0)  # 1.8 s on a quiet machine
+            self.assertEqual(daemon.wait(PATIENCE_S), 0)  # how soon: tests/bench/service
             os.kill(server, signal.SIGCONT)
             self.bench.stop("ovwsd")
             self.client.close()
             self.start_daemon()
-            self.wait_until("running", 20.0)
+            self.wait_until("running")
 
     def test_a_window_on_top_is_reported_and_covered(self):
         before = self.call("system.status")["counters"]["display_faults"]
         window = WindowOnTop(self.bench.display)
-        event = wait_for(lambda: (found := self.events.next(1.0)) and "letter" in found["text"] and found, PATIENCE_S, "the event")
+        event = wait_for(lambda: (found := self.events.next(1.0)) and "letter" in found["text"] and found, what="the event")
         print("\n ", event["text"])
         self.assertEqual((event["kind"], event["severity"]), ("slm", "error"))
         self.check_over()  # now the SLM's window is on top

@@ -5,10 +5,9 @@ import re
 import signal
 import socket
 import subprocess
-import time
 import unittest
 
-from case import BenchCase, bench_module, main
+from case import PATIENCE_S, BenchCase, bench_module, main
 
 # With the libraries of Debian 12 the service locks 106 MiB of them whole, and 141 MiB in all; a display driver may add its own.
 MAX_LOCKED_WHOLE_MIB, MAX_LOCKED_MIB = 130, 180
@@ -31,25 +30,18 @@ class Service(unittest.TestCase):
         self.addCleanup(self.daemon.stderr.close)
         self.addCleanup(self.daemon.kill)
 
-    def messages(self, seconds):
-        """(time, line) of each notification within `seconds`."""
-        received, end = [], time.monotonic() + seconds
-        while (left := end - time.monotonic()) > 0:
-            self.notify.settimeout(left)
-            try:
-                data = self.notify.recv(65536).decode()
-            except TimeoutError:
-                break
-            received += [(time.monotonic(), line) for line in data.splitlines()]
-        return received
+    def messages(self, until):
+        """The lines of the notifications, from now until until(lines) is true."""
+        lines = []
+        self.notify.settimeout(PATIENCE_S)
+        while not until(lines):
+            lines += self.notify.recv(65536).decode().splitlines()
+        return lines
 
-    def test_ready_status_watchdog_and_a_quick_end(self):
-        self.start(WATCHDOG_USEC="3000000")
-        received = []
-        while not any(line == "READY=1" for _, line in received):
-            received += self.messages(0.5)
-        received += self.messages(6.0)
-        lines = [line for _, line in received]
+    def test_ready_status_watchdog_and_an_orderly_end(self):
+        """How soon it ends, and how regularly it notifies the watchdog, is printed by tests/bench/service."""
+        self.start(WATCHDOG_USEC="600000")  # notified three times in this interval
+        lines = self.messages(lambda lines: "READY=1" in lines and lines.count("WATCHDOG=1") >= 6)
         self.assertEqual(lines.count("READY=1"), 1)
         status = [line for line in lines if line.startswith("STATUS=")]
         print("\n ", status[-1])
@@ -57,22 +49,16 @@ class Service(unittest.TestCase):
         opened = [os.readlink(fd) for fd in pathlib.Path(f"/proc/{self.daemon.pid}/fd").iterdir()]
         if os.access("/dev/cpu_dma_latency", os.W_OK):
             self.assertIn("/dev/cpu_dma_latency", opened, "held while it runs")
-        fed = [t for t, line in received if line == "WATCHDOG=1"]
-        self.assertGreaterEqual(len(fed), 4)
-        self.assertLess(max(b - a for a, b in zip(fed, fed[1:])), 3.0, "fed within each watchdog interval")
-        asked = time.monotonic()
         self.daemon.send_signal(signal.SIGTERM)
-        self.assertEqual(self.daemon.wait(5.0), 0)
-        took_s = time.monotonic() - asked
-        print(f"  ended {took_s:.2f} s after SIGTERM")
-        self.assertLess(took_s, 5.0)
-        self.assertIn("STOPPING=1", [line for _, line in self.messages(0.2)])
+        self.assertEqual(self.daemon.wait(PATIENCE_S), 0)
+        self.assertEqual(self.messages(lambda lines: "STOPPING=1" in lines).count("READY=1"), 0)
 
     def test_log_for_the_journal_carries_priorities(self):
         self.start(JOURNAL_STREAM="1:1")
-        self.messages(1.5)
+        lines = self.messages(lambda lines: "READY=1" in lines and any(line.startswith("STATUS=") for line in lines))
+        self.assertNotIn("WATCHDOG=1", lines)  # no manager asks for it
         self.daemon.terminate()
-        self.daemon.wait(5.0)
+        self.daemon.wait(PATIENCE_S)
         lines = self.daemon.stderr.read().splitlines()
         self.assertTrue(lines)
         for line in lines:
