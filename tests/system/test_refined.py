@@ -1,7 +1,7 @@
 """Refined frames beside the fast estimate: labelled with their frame, refused with a reason, and in uneven light."""
 import signal
 import statistics
-import time
+import subprocess
 
 from case import main, wait_for
 from refined_case import CAMERA, FITS, MODES, PATIENCE_S, RefinedCase, errors, root_sum_square
@@ -33,6 +33,35 @@ class Refined(RefinedCase):
         print(f"  {peak_e:.0f} electrons at 0 dB and 500 us, {message['peak_e']:.0f} at 3 dB and 300 us; chi2 {message['chi2_per_pixel']:.2f}")
         self.assertTrue(message["valid"], message)
         self.assertAlmostEqual(message["peak_e"] / peak_e, 0.6, delta=0.06)
+
+    def test_it_is_right_to_what_it_says(self):
+        """How many frames a second are refined, and the latency of the fast stream beside it, are printed by tests/bench/refined_rate."""
+        self.call("sensor.set", {"tracker": "lg"})  # a fast estimate without templates, which fit all pixels, too
+        self.take_reference()
+        fast = self.stream("wavefront")
+        before = self.call("system.status")["counters"]
+        self.assertEqual(self.enable(rate_hz=5.0)["pixel_format"], "Mono8")
+        hologram_id = self.call("aberration.set", {"modes": MODES})["hologram_id"]
+        tracked = self.settled_frames(fast, 50, hologram_id)
+        # Mean over the frames for each j: the bias of the fast estimate, without its noise.
+        fast_errors = [statistics.fmean(error) for error in zip(*map(errors, tracked))]
+        found = self.of_hologram(hologram_id, FITS)
+        after = self.call("system.status")
+        for message in found:
+            worst = max(map(abs, errors(message)))
+            print(f"\n  frame {message['frame_id']}: worst mode {worst:.4f}, all {root_sum_square(errors(message)):.4f} wave, largest sigma"
+                  f" {max(message['sigma']):.5f}, chi2 {message['chi2_per_pixel']:.2f}, {message['iterations']} iterations")
+            self.assertEqual(message["against"], "reference")
+            self.assertLess(worst, 0.01)
+            self.assertLess(root_sum_square(errors(message)), root_sum_square(fast_errors))
+            self.assertTrue(all(0.0 < sigma < 0.01 for sigma in message["sigma"]))
+        print(f"  fast estimate: worst mode {max(map(abs, fast_errors)):.4f}, all {root_sum_square(fast_errors):.4f} wave\n  status:", after["refine"])
+        for counter in ("frames_dropped", "messages_dropped"):  # the frame path does not wait for a fit
+            self.assertEqual(after["counters"][counter], before[counter], counter)
+        self.assertGreaterEqual(after["refine"]["done"], FITS)
+        self.assertEqual(after["refine"]["refused"], 0)
+        text = subprocess.run([self.bench.programs / "ovws", "watch", "refined", "-n", "1"], capture_output=True, text=True, timeout=PATIENCE_S).stdout
+        self.assertIn("oblique astigmatism", text)
 
     def test_what_cannot_be_is_refused_with_its_field(self):
         before = self.call("refine.get")
@@ -70,18 +99,14 @@ class Refined(RefinedCase):
         self.call("slm.show", {"pattern": "flat"})
         wait_for(lambda: "no settled and valid frame" in str(self.call("system.status")["refine"]["reason"]), PATIENCE_S)
 
-    def test_it_is_configured_saved_and_ends_in_time(self):
+    def test_it_is_configured_saved_and_ends_in_the_middle_of_a_fit(self):
         self.enable(rate_hz=20.0)
         self.call("config.save")
         self.assertEqual(self.call("config.get")["refine"]["electrons_per_dn"], CAMERA["electrons_per_dn"])
         wait_for(lambda: self.call("system.status")["refine"]["state"] == "refining", PATIENCE_S)
         daemon = self.bench.process("ovwsd")
-        asked = time.monotonic()
         daemon.popen.send_signal(signal.SIGTERM)
-        self.assertEqual(daemon.popen.wait(10.0), 0)
-        took_s = time.monotonic() - asked
-        print(f"\n  ended {took_s:.2f} s after SIGTERM, in the middle of a fit")
-        self.assertLess(took_s, 3.0)
+        self.assertEqual(daemon.popen.wait(PATIENCE_S), 0)  # how soon: tests/bench/service
         print("  log:", self.bench.log("ovwsd").splitlines()[-1])
 
 
