@@ -1,63 +1,67 @@
-"""The daemon measures the settle time of its SLM, compared with the twin's truth."""
+"""The daemon measures the settle time of its SLM: longer for a slower SLM, and its proposals are long enough for the twin's.
+
+How near the measured time is to the true one is printed by tests/bench/settle.
+"""
 from case import main, wait_for
 from slm_case import SlmCase
 
 
 class Settling(SlmCase):
+    small = True
     daemon_config = {"stream": {"image_rate_hz": 0}, "slm": {"settle_ms": 100}}
     twin_config = {"noise": "pool", "slm": {"settle_ms": 10}}
 
     def check(self, truth_ms):
-        found = self.run_job("slm.settle", {"repetitions": 8}, 60.0)["result"]
+        found = self.run_job("slm.settle", {"repetitions": 8})["result"]
         print(f"\n  settles in {truth_ms} ms: p50 {found['p50_ms']:.1f}, max {found['max_ms']:.1f}, worst {found['worst_ms']:.1f}, {found['outliers']} outliers, not before {found['least_ms']:.1f}, "
               f"resolution {found['resolution_ms']:.1f} ms, proposed {found['proposed_settle_ms']} ms")
-        # The first settled exposure starts after the true time, the previous one before it; 5 ms tolerance for late time stamps.
-        self.assertGreater(found["p50_ms"], truth_ms - 5.0)
-        self.assertLess(found["p50_ms"], truth_ms + found["resolution_ms"] + 5.0)
-        self.assertLess(found["resolution_ms"], 20.0)  # two frames
         self.assertGreaterEqual(found["proposed_settle_ms"], truth_ms)
         self.assertTrue(found["long_enough"])
         self.assertEqual(found["reason"] is None, found["worst_ms"] <= 100.0)
+        self.assertLessEqual(found["p50_ms"], found["max_ms"])
         self.assertLessEqual(found["max_ms"], found["worst_ms"])
         self.assertEqual(found["outliers"] > 0, found["worst_ms"] > found["max_ms"])
         self.assertEqual(found["configured_settle_ms"], 100.0)
+        return found["p50_ms"]
+
+    def renew_twin(self, settle_ms):
+        before = self.call("system.status")["counters"]["camera_reconnects"]
+        self.start_twin(slm={"settle_ms": settle_ms})
+        wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > before, what="the new camera")
+        self.wait_until("running")
 
     def test_is_what_the_camera_sees(self):
-        self.check(10.0)
-        self.bench.stop("ovws-twin")
-        self.bench.start_twin({"noise": "pool", "slm": {"settle_ms": 60}})
-        self.wait_until("running")
-        self.check(60.0)
+        short_ms = self.check(10.0)
+        self.renew_twin(60)
+        self.assertGreater(self.check(60.0), short_ms)
         self.check_too_short()
         self.check_lost_display()
 
     def check_too_short(self):
         """The SLM takes longer than slm.settle_ms."""
-        self.bench.stop("ovws-twin")
-        self.bench.start_twin({"noise": "pool", "slm": {"settle_ms": 250}})
-        self.wait_until("running")
-        found = self.run_job("slm.settle", {"repetitions": 5, "watch_ms": 700}, 60.0)["result"]
+        self.renew_twin(250)
+        found = self.run_job("slm.settle", {"repetitions": 3, "watch_ms": 700})["result"]
         self.assertFalse(found["long_enough"])
         self.assertIn(f"set slm.settle_ms to {found['proposed_settle_ms']:.0f}", found["reason"])
         self.assertGreaterEqual(found["proposed_settle_ms"], 250.0)
-        self.assertIn("raise watch_ms", self.failure("slm.settle", {"repetitions": 5, "watch_ms": 100}))
-        self.assertIn("slm.settle_ms", self.failure("lut.run", {"frames": 1}))
+        self.assertIn("raise watch_ms", self.failure("slm.settle", {"repetitions": 40, "watch_ms": 100}))
+        self.assertIn("slm.settle_ms", self.failure("lut.run", {"levels": 9, "frames": 1}))
 
     def check_lost_display(self):
         """The X server ends during a job."""
         display = int(self.bench.display[1:])
-        for method, params in (("slm.settle", {"repetitions": 100, "watch_ms": 600}), ("lut.run", {"levels": 256, "frames": 20})):
+        for method, params in (("slm.settle", {"repetitions": 100, "watch_ms": 600}), ("lut.run", {"levels": 256, "frames": 3})):
             with self.subTest(method):
                 first = self.call("system.status")["slm"]["hologram_id"]
                 job = self.call(method, params)["job"]
-                wait_for(lambda: self.call("system.status")["slm"]["hologram_id"] >= first + 2, 30.0, "the middle of it")
+                wait_for(lambda: self.call("system.status")["slm"]["hologram_id"] >= first + 2, what="the middle of it")
                 self.bench.stop("xorg")
-                ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 40.0)
+                ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="its end")
                 self.assertEqual(ended["state"], "failed", ended)
                 print(f"\n  {method}: {ended['error']['message']}")
                 self.assertIn("display was lost in the middle of the job", ended["error"]["message"])
                 self.assertIn("start it again when", ended["error"]["message"])
-                self.bench.start_display(display)
+                self.start_display(display)
                 self.wait_until("running")
 
 
