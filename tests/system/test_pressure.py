@@ -7,9 +7,10 @@ import resource
 import signal
 import subprocess
 import sys
+import time
 import unittest
 
-from case import BenchCase, ClientError, main, wait_for
+from case import PATIENCE_S, BenchCase, ClientError, main, wait_for
 from memory_group import MemoryGroup, NoGroup
 
 # With autogroup scheduling, the nice value of the session counts.
@@ -25,7 +26,8 @@ while True:
     while time.monotonic() < end: pass
     time.sleep(0.0006)
 """
-STATUS_MESSAGES = 6  # about as many seconds
+STATUS_MESSAGES = 4  # about as many seconds
+IN_A_ROW = 100  # frames without a gap
 FRAME_PATH = ("acquire", "track", "reconstruct", "publish")
 MORE_BYTES = 2 << 20
 
@@ -49,8 +51,14 @@ class PressureCase(BenchCase):
     def missed(self):
         return self.call("system.status")["counters"]["deadline_missed"]
 
-    def published_hz(self):
-        return self.call("system.status")["rates"]["published_hz"]
+    def frames_in_a_row(self):
+        """Waits until settled and valid frames come without a gap."""
+        stream, row = self.stream("wavefront"), 0
+        end = time.monotonic() + 2 * PATIENCE_S
+        while row < IN_A_ROW:
+            self.assertLess(time.monotonic(), end, f"only {row} frames in a row")
+            frame = self.settled_frames(stream, 1)[0]
+            row = row + 1 if frame["gap"] == 0 else 0
 
     def start_hog(self, code):
         hog = subprocess.Popen([sys.executable, "-c", code], start_new_session=True)
@@ -59,21 +67,21 @@ class PressureCase(BenchCase):
         return hog
 
     def assert_as_before(self):
-        wait_for(lambda: self.published_hz() > 80.0, 20.0, "the old rate")
         self.take_reference(20)
+        self.frames_in_a_row()
         self.assertEqual(self.call("system.status")["state"], "running")
 
     def press(self, start_hogs):
         """Checks that status continues under load, that nothing ends, and that the daemon recovers.
 
         Prints missed deadlines, whose number depends on the machine; their counting is tested in tests/unit/pipeline."""
-        self.client.timeout_s = 20.0
+        self.client.timeout_s = 2 * PATIENCE_S
         status = self.stream("status")
         self.take_reference(20)
         before = self.missed()
         hogs = start_hogs()
         status.drain()
-        pressed = [wait_for(lambda: status.next(1.0), 40.0, "status under pressure") for _ in range(STATUS_MESSAGES)]
+        pressed = [wait_for(lambda: status.next(1.0), 2 * PATIENCE_S, "status under pressure") for _ in range(STATUS_MESSAGES)]
         for hog in hogs:
             hog.kill()
             hog.wait()
@@ -81,7 +89,7 @@ class PressureCase(BenchCase):
         print(f"\n  deadlines missed: {before} before, {counts[-1] - before} under pressure")
         self.assertEqual(counts, sorted(counts))
         self.assertTrue(self.bench.process("ovwsd").alive())
-        self.wait_until("running", 30.0)
+        self.wait_until("running")
         self.assert_as_before()
 
 
@@ -147,7 +155,7 @@ class Memory(PressureCase):
         if self.group is None:
             self.skipTest(self.why)
         self.take_reference(20)
-        self.settled_frames(self.stream("wavefront"), 100, timeout_s=20.0)
+        self.settled_frames(self.stream("wavefront"), 100)
         usage = self.group.usage()
         self.group.limit(usage + MORE_BYTES)
         print(f"\n  {usage >> 20} MiB, and {MORE_BYTES >> 20} more allowed")
@@ -155,8 +163,8 @@ class Memory(PressureCase):
     def test_a_cgroup_without_room(self):
         """Frames continue, because their memory is allocated and locked."""
         self.in_the_group()
-        self.settled_frames(self.stream("wavefront"), 200, timeout_s=20.0)
-        wait_for(lambda: self.published_hz() > 80.0, 20.0, "80 frames/s")
+        self.settled_frames(self.stream("wavefront"), 200)
+        self.frames_in_a_row()
         self.group.lift()
         self.assert_as_before()
 
@@ -166,12 +174,12 @@ class Memory(PressureCase):
         self.client.timeout_s = 1.0
         with contextlib.suppress(ClientError):
             self.call("sensor.set", {"operator": "diffractive"})
-        wait_for(lambda: not self.bench.process("ovwsd").alive(), 30.0, "its end")
+        wait_for(lambda: not self.bench.process("ovwsd").alive(), what="its end")
         self.assertEqual(self.bench.stop("ovwsd"), -signal.SIGKILL)
         self.group.lift()
         self.client.close()
         PressureCase.start_daemon(self)
-        self.wait_until("running", 30.0)
+        self.wait_until("running")
         self.assertEqual(self.call("reference.get"), before)
         self.assert_as_before()
 
@@ -181,9 +189,8 @@ class Memory(PressureCase):
         size = int(re.search(r"VmSize:\s+(\d+)", pathlib.Path(f"/proc/{pid}/status").read_text()).group(1)) * 1024
         unlimited = resource.prlimit(pid, resource.RLIMIT_AS)
         resource.prlimit(pid, resource.RLIMIT_AS, (size, unlimited[1]))
-        stream = self.stream("wavefront")
-        self.settled_frames(stream, 200, timeout_s=20.0)
-        wait_for(lambda: self.published_hz() > 80.0, 20.0, "80 frames/s")
+        self.settled_frames(self.stream("wavefront"), 200)
+        self.frames_in_a_row()
         resource.prlimit(pid, resource.RLIMIT_AS, unlimited)
         self.assert_as_before()
 
