@@ -183,7 +183,7 @@ class Lattices(BenchCase):
         self.call("sensor.set", {"tracker": "lg"})
         self.call("aberration.set", {"modes": [{"j": 4, "waves": STEEP_WAVES}]})
         steep = {"name": "steep", "sensor": COARSE | STEEP | {"operator": "measured"}}
-        self.assertEqual([one["calibrated"] for one in self.prepare(steep, calibrate=True)], [True])
+        self.assertEqual([one["calibrated"] for one in self.prepare(steep, calibrate=True, frames=8)], [True])
         self.assertIn("too steep", self.listed()["steep"]["reason"])
         self.call("aberration.clear")
         self.call("lattice.use", {"name": "steep"})
@@ -191,7 +191,7 @@ class Lattices(BenchCase):
     def test_a_cancelled_job_leaves_the_sensor_and_what_it_has_finished(self):
         self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.05}]})
         before = self.sensor()
-        job = self.call("lattice.prepare", {"lattices": [{"name": "coarse", "sensor": COARSE}, {"name": "slow"}], "frames": 500})["job"]
+        job = self.call("lattice.prepare", {"lattices": [{"name": "coarse", "sensor": COARSE}, {"name": "slow"}], "frames": 300})["job"]
         wait_for(lambda: "coarse" in self.listed(), what="the first lattice")
         self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
         wait_for(lambda: self.call("system.status")["state"] == "running", what="the end of the job")
@@ -211,7 +211,7 @@ class Lattices(BenchCase):
     def test_each_lattice_has_its_calibration(self):
         self.call("sensor.set", {"tracker": "lg"})
         before = self.sensor()
-        self.prepare({"name": "fine"}, {"name": "coarse", "sensor": COARSE}, calibrate=True)
+        self.prepare({"name": "fine"}, {"name": "coarse", "sensor": COARSE}, calibrate=True, frames=8)
         self.assertEqual(self.sensor()[1:], before[1:])
         stream = self.stream("wavefront")
         self.hide({3: 0.02, 4: -0.015})
