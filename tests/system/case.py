@@ -14,9 +14,19 @@ sys.path.insert(0, str(ROOT / "drivers" / "twin"))
 import bench as bench_module  # noqa: E402
 
 bench_module.python_client()
-from ovws_client import Client, ClientError, Stream  # noqa: E402
+import ovws_client  # noqa: E402
+from ovws_client import ClientError, Stream  # noqa: E402
 
-__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "PATIENCE_S", "Stream", "ROOT", "main", "merged", "own_mounts", "wait_for"]
+__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "TWIN", "main", "merged", "own_mounts", "wait_for"]
+
+PATIENCE_S = 60.0  # limit of each wait for an event; a wait returns as soon as the event comes
+
+
+class Client(ovws_client.Client):
+    """A client whose time-out allows for a loaded machine."""
+
+    def __init__(self, endpoint=ovws_client.wire.CONTROL, timeout_s=20.0, *keys, **more):
+        super().__init__(endpoint, timeout_s, *keys, **more)
 
 
 def own_mounts():
@@ -25,9 +35,6 @@ def own_mounts():
     if ctypes.CDLL(None, use_errno=True).unshare(clone_newns) != 0:
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
     subprocess.run(["mount", "--make-rprivate", "/"], check=True)
-
-
-PATIENCE_S = 60.0  # of a wait that ends as soon as what it waits for is there
 
 
 def wait_for(condition, timeout_s=PATIENCE_S, what="the condition"):
@@ -93,7 +100,7 @@ class SharedBench:
             return running
         if running:
             self._bench.stop("ovws-twin")
-        started = self._bench.start_twin(config)
+        started = self._bench.start_twin(config, timeout=PATIENCE_S)
         with Client(TWIN) as twin:
             self._twin = started, config, twin.call("twin.get")
         self._display = self._display_report()
@@ -186,7 +193,7 @@ class BenchCase(unittest.TestCase):
     def start_display(self, number=None):
         if number is None and self.bench.process("xorg"):
             return self.bench.display
-        return self.bench.start_display(number, **({"slm_size": SMALL_SIZE} if self.small else {}))
+        return self.bench.start_display(number, PATIENCE_S, **({"slm_size": SMALL_SIZE} if self.small else {}))
 
     def start_twin(self, **more):
         config = merged(SMALL_TWIN if self.small else {}, {"noise": "pool"} | self.twin_config)
@@ -194,7 +201,7 @@ class BenchCase(unittest.TestCase):
 
     def start_daemon(self, **more):
         config = merged(SMALL_DAEMON if self.small else {}, self.daemon_config)
-        self.bench.start_daemon(merged(config, more))
+        self.bench.start_daemon(merged(config, more), timeout=PATIENCE_S)
         self.client = Client()
         self.addCleanup(self.client.close)
 
@@ -219,7 +226,7 @@ class BenchCase(unittest.TestCase):
     def wait_until(self, state, timeout_s=PATIENCE_S):
         return wait_for(lambda: (status := self.call("system.status"))["state"] == state and status, timeout_s, f"state {state}")
 
-    def run_job(self, method, params, timeout_s=2 * PATIENCE_S):
+    def run_job(self, method, params, timeout_s=120.0):
         job = self.call(method, params)["job"]
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, timeout_s, method)
         self.assertEqual(ended["state"], "done", ended)
