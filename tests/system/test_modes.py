@@ -1,6 +1,8 @@
-"""The stream measures an introduced aberration correctly: all modes, both signs, both kinds of sensor."""
+"""The stream measures an introduced aberration correctly: all modes, both signs, both kinds of sensor.
+
+How soon the first settled frame comes is printed by tests/bench/settle.
+"""
 import statistics
-import time
 
 from case import BenchCase, main
 
@@ -17,18 +19,16 @@ class Modes(BenchCase):
     daemon_config = {"stream": {"image_rate_hz": 0}}
 
     def measure(self, stream, j, waves):
-        """Sets one mode; returns the mean coefficients and the time until the first settled frame, s."""
+        """Sets one mode; returns the mean coefficients."""
         stream.drain()
-        asked = time.monotonic()
         answer = self.call("aberration.set", {"modes": [{"j": j, "waves": waves}]})
         first = self.settled_frames(stream, 1, answer["hologram_id"])[0]
-        took_s = time.monotonic() - asked
         frames = [first] + self.settled_frames(stream, FRAMES - 1, answer["hologram_id"])
         for frame in frames:
             if frame["tracked"] < LEAST_TRACKED:
                 print("lost spots:", {key: frame[key] for key in ("frame_id", "hologram_id", "tracked", "fit_residual_px", "latency_us")})
         self.tracked = sorted(frame["tracked"] for frame in frames)[1]  # seen once: 17 spots in one frame of ten; the cause is unknown
-        return {k: statistics.fmean(f["coefficients"][i] for f in frames) for i, k in enumerate(first["j"])}, took_s
+        return {k: statistics.fmean(f["coefficients"][i] for f in frames) for i, k in enumerate(first["j"])}
 
     def check_all_modes(self, charge, tracker, others_waves=OTHERS_WAVES):
         self.call("aberration.clear")
@@ -37,17 +37,15 @@ class Modes(BenchCase):
         self.take_reference()
         stream = self.stream("wavefront")
         cases = [(j, sign * 0.2) for j in range(3, 15) for sign in (1, -1)] + [(3, 0.5)]
-        print(f"\ncharge {charge}, {tracker}:   j  asked   found   largest other  spots  answer (ms)")
-        failures, times_s = [], []
+        print(f"\ncharge {charge}, {tracker}:   j  asked   found   largest other  spots")
+        failures = []
         for j, waves in cases:
-            found, took_s = self.measure(stream, j, waves)
+            found = self.measure(stream, j, waves)
             other_j, other = max(((k, v) for k, v in found.items() if k != j), key=lambda item: abs(item[1]))
-            print(f"{'':>{len(tracker) + 11}} {j:4d} {waves:+6.2f} {found[j]:+8.4f}   {other:+8.4f} (j={other_j:2d})  {self.tracked:2d}/19  {1e3 * took_s:6.0f}")
-            times_s.append(took_s)
+            print(f"{'':>{len(tracker) + 11}} {j:4d} {waves:+6.2f} {found[j]:+8.4f}   {other:+8.4f} (j={other_j:2d})  {self.tracked:2d}/19")
             if not (within(waves, found[j]) and abs(other) < others_waves and self.tracked >= LEAST_TRACKED):
                 failures.append((j, waves, found[j], other_j, other))
         self.assertEqual(failures, [])
-        self.assertLess(statistics.median(times_s), 1.0)  # a busy machine delays some
 
     def test_vortices_with_lg(self):
         self.check_all_modes(1, "lg")
