@@ -103,7 +103,7 @@ class Web(WebCase):
             except OSError:
                 pass
         self.assertLess(sent, 10 << 20)
-        wait_for(lambda: self.ask("GET", "/")[0] == 200, 5.0, "an answer after all that")
+        wait_for(lambda: self.ask("GET", "/")[0] == 200, what="an answer after all that")
         self.assertTrue(self.web.alive())
 
     def test_silent_connections_keep_nobody_out(self):
@@ -127,7 +127,7 @@ class Web(WebCase):
         with self.assertRaises(ConnectionError):
             self.ask("GET", "/")
         calls[-1].close()
-        wait_for(lambda: not unread(CLOSE_WAIT), 1.0, "the end of the connection that was left")
+        wait_for(lambda: not unread(CLOSE_WAIT), what="the end of the connection that was left")
         self.assertEqual(self.ask("GET", "/")[0], 200)
 
     def test_numbers_are_those_of_the_stream_and_of_now(self):
@@ -160,16 +160,15 @@ class Web(WebCase):
     def test_a_browser_that_was_not_there_gets_what_was(self):
         self.take_reference()
         self.trend_bins(3)
-        began = time.monotonic()
+        came_ns = time.time_ns()
         bins, events = [], []
         for message, _ in self.messages():
             bins += [message] if message["schema"] == "ovws.web.trend/1" else []
             events += [message] if message["schema"] == "ovws.event/1" else []
             if message["schema"] == "ovws.web.health/1":
                 break
-        self.assertLess(time.monotonic() - began, 1.0)
-        self.assertGreaterEqual(len(bins), 3)
-        self.assertTrue(any("reference.take" in event["text"] for event in events))
+        self.assertGreaterEqual(sum(one["t_ns"] < came_ns for one in bins), 3)
+        self.assertTrue(any("reference.take" in event["text"] and event["t_ns"] < came_ns for event in events))
 
     def test_one_slow_browser_harms_nobody(self):
         slow = socket.create_connection((HOST, PORT))
@@ -269,9 +268,10 @@ class Web(WebCase):
         calls = [self.send_command("reference.get") for _ in range(50)]
         for connection in calls[:25]:
             connection.close()
-        began = time.monotonic()
-        self.assertEqual(self.bench.stop("ovws-web"), 0)
-        self.assertLess(time.monotonic() - began, 2.0)
+        self.assertEqual(self.bench.stop("ovws-web"), 0)  # bench.stop kills what does not end
+        for connection in calls[25:]:  # neither the daemon's answer nor that it gave none in time
+            with self.assertRaises(ConnectionError):
+                connection.getresponse()
 
     def test_the_call_of_a_browser_that_left_is_not_made(self):
         daemon = self.hold_daemon()
@@ -282,7 +282,7 @@ class Web(WebCase):
         wait_for(lambda: unread(ESTABLISHED) == 55 * [0], what="51 calls that wait")
         for connection in left:
             connection.close()
-        wait_for(lambda: not unread(CLOSE_WAIT), 1.0, "the end of the connections that were left")
+        wait_for(lambda: not unread(CLOSE_WAIT), what="the end of the connections that were left")
         self.assertEqual(self.ask("GET", "/")[0], 200)
         os.kill(daemon, signal.SIGCONT)
         for connection in (*under_way, stays):
