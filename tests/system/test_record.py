@@ -8,10 +8,8 @@ import json
 import os
 import random
 import re
-import statistics
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy
@@ -63,11 +61,11 @@ class Record(RecordCase):
                 self.call("record.start", {"name": "references", "pictures_every": 0})
             for _ in range(12):
                 self.take_reference(10)
-            self.fitted_frames(stream, 5)  # the templates' model takes memory, too
+            self.fitted_frames(stream, 5, 300.0)  # the templates' model takes memory, too, and a background thread makes it
             before_mib = self.resident_mib()
             for _ in range(40):
                 self.take_reference(10)
-            self.fitted_frames(stream, 5)
+            self.fitted_frames(stream, 5, 300.0)
             self.assertLess(self.resident_mib() - before_mib, 15.0, f"recording: {recording}")
 
     def test_what_was_published_is_in_the_file(self):
@@ -220,34 +218,25 @@ class Record(RecordCase):
         self.record("another", 20)
         self.check_whole(self.open("another"))
 
-    def test_a_kill_leaves_all_but_the_last_second(self):
+    def test_a_kill_leaves_all_that_was_reported(self):
+        """How much is lacking is printed by tests/bench/record_rate."""
         random.seed(5)
-        lacking_s, frames = [], 0
         for k in range(KILLS):
             self.call("record.start", {"name": f"killed-{k}"})
-            begun = time.time()
-            time.sleep(random.uniform(0.3, 2.5))
+            self.recorded_frames(random.randint(10, 150))
+            reported = self.call("record.get")["frames"]
             self.bench.process("ovwsd").popen.kill()
-            killed = time.time()
             self.bench.stop("ovwsd")
             run = self.open(f"killed-{k}")
             self.assertEqual(run.summary["ended"], 0)
-            if len(run.frames):
-                self.check_whole(run)
-                for row in (0, len(run.frames) // 2, len(run.frames) - 1):
-                    self.assertEqual(run.picture(row).shape, (512, 512))
-                frames += len(run.frames)
-                last = int(run.frames["t_arrival_ns"][-1]) * 1e-9
-            else:
-                last = begun
-            lacking_s.append(killed - last)
+            print(f"\n  {len(run.frames)} frames are there, {reported} were reported")
+            self.assertGreaterEqual(len(run.frames), reported)
+            self.check_whole(run)
+            for row in (0, len(run.frames) // 2, len(run.frames) - 1):
+                self.assertEqual(run.picture(row).shape, (512, 512))
             self.client.close()
             self.start_daemon()
             self.wait_until("running")
-        median_s, worst_s = statistics.median(lacking_s), max(lacking_s)
-        print(f"\n  {KILLS} kills: {median_s:.2f} s are lacking, at most {worst_s:.2f} s, {frames} frames are there")
-        self.assertLess(median_s, 1.0)
-        self.assertLess(worst_s, 3.0)  # the writing thread of a busy machine waits for a processor
 
 
 class RecordDisk(RecordCase):
@@ -263,7 +252,7 @@ class RecordDisk(RecordCase):
 
     def ended(self, name):
         """Waits for the recording's end and returns its report; checks that the file is complete and frames continue."""
-        report = wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and now, 20.0, "the end")
+        report = wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and now, what="the end")
         recording = self.open(name)
         self.check_whole(recording)
         self.assertEqual(len(recording.frames), report["frames"])
