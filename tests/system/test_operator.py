@@ -2,7 +2,8 @@
 import statistics
 import time
 
-from case import BenchCase, main, wait_for
+from case import TWIN, BenchCase, Client, main, wait_for
+from losses import Account
 
 SHOWN = [(3, 0.05), (7, -0.05), (12, 0.05)]
 FRAMES = 50
