@@ -5,7 +5,9 @@ import time
 from case import TWIN, BenchCase, Client, main, wait_for
 from losses import Account
 
-SHOWN = [(3, 0.05), (7, -0.05), (12, 0.05)]
+# The error is not noise: it grows with the square of the mode, because the matrix is linear.
+SHOWN = [(3, 0.04), (7, -0.04), (12, 0.04)]
+LARGEST_ERROR = 0.04  # of the mode that is shown
 FRAMES = 50
 
 
@@ -26,13 +28,16 @@ class Operator(BenchCase):
 
     def errors(self, name):
         errors = {j: self.error(j, waves) for j, waves in SHOWN}
-        print(f"\n  {name}: error of all modes at 0.05 wave " + ", ".join(f"{error:.5f} (j = {j})" for j, error in errors.items()))
+        print(f"\n  {name}: error of all modes at 0.04 wave " + ", ".join(f"{error:.5f} (j = {j})" for j, error in errors.items()))
         self.call("aberration.clear")
         return errors
 
     def test_it_is_made_beside_the_measurement_and_reads_small_modes_better(self):
         self.assertEqual(self.in_use(), ("diffractive", "diffractive", None))  # the configuration's
         events = self.stream("event")
+        twin = Client(TWIN)
+        self.addCleanup(twin.close)
+        account = Account(self.client, twin, self.stream("wavefront"))
         self.take_reference()
         events.drain()
         diffractive = self.errors("diffractive")
@@ -40,8 +45,10 @@ class Operator(BenchCase):
         self.assertEqual((applied["operator"], self.in_use()), ("slopes", ("slopes", "slopes", None)))
         self.assertTrue(self.call("system.status")["sensor"]["referenced"])  # both operators use the same reference
         slopes = self.errors("slopes")
-        for j, error in diffractive.items():
-            self.assertLess(error, 0.002)
+        account.hear()
+        for j, waves in SHOWN:
+            error = diffractive[j]
+            self.assertLess(error, LARGEST_ERROR * abs(waves))
             self.assertLess(error, slopes[j])
         self.assertLess(sum(diffractive.values()), 0.5 * sum(slopes.values()))
         self.assertEqual(self.call("sensor.set", {"operator": "diffractive"})["applied"]["operator"], "diffractive")
@@ -52,13 +59,14 @@ class Operator(BenchCase):
             print(f"  {other}: {time.monotonic() - started:.2f} s")
             self.assertEqual(self.in_use(), ("diffractive", "diffractive", None))
         self.assertEqual(self.call("sensor.get")["operator_in_force"], "diffractive")
-        said = []
-        while (event := events.next(0.5)) is not None:
-            if event["kind"] == "sensor" and "operator" in (event["data"] or {}):
-                said.append(event["data"]["operator"])
+        job, said, data = self.take_reference()["job"], [], {}  # its last event comes after all others
+        while (data.get("job"), data.get("state")) != (job, "done"):
+            event = wait_for(lambda: events.next(1.0), what="the end of the reference")
+            data = event["data"] or {}
+            if event["kind"] == "sensor" and "operator" in data:
+                said.append(data["operator"])
         self.assertEqual(said, ["slopes", "diffractive"])
-        counters = self.call("system.status")["counters"]  # a busy machine may lose packets
-        self.assertLessEqual(counters["frames_lost"], 0.1 * counters["frames_grabbed"])
+        account.check(self)
 
     def test_an_unknown_operator_is_refused_and_the_rest_saved(self):
         before = self.call("sensor.get")
@@ -67,7 +75,7 @@ class Operator(BenchCase):
         self.assertEqual(self.call("config.get")["tracking"]["operator"], "diffractive")
         # A region without spots: the reason is reported, and the slopes stay active.
         self.call("camera.set", {"roi": {"x": 0, "y": 0, "width": 64, "height": 64}})
-        reason = wait_for(lambda: (now := self.in_use())[1] == "slopes" and "finds only" in (now[2] or "") and now[2], 30.0)
+        reason = wait_for(lambda: (now := self.in_use())[1] == "slopes" and "finds only" in (now[2] or "") and now[2])
         print(f"\n  without spots: {reason}")
 
 
