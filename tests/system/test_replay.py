@@ -123,7 +123,7 @@ class Replay(BenchCase):
         return recording
 
     def replay(self, path, *arguments, **more):
-        return subprocess.run([self.bench.programs / "ovws", "--json", "replay", path, *arguments], capture_output=True, text=True, timeout=60, **more)
+        return subprocess.run([self.bench.programs / "ovws", "--json", "replay", path, *arguments], capture_output=True, text=True, timeout=300, **more)
 
     def replayed(self, name, *arguments):
         done = self.replay(self.path(name), *arguments)
@@ -135,15 +135,36 @@ class Replay(BenchCase):
         self.take_reference(20)
         self.fitted_frames(self.stream("wavefront"), 1)
 
+    def start_recording(self, name):
+        self.late_before = self.call("system.status")["counters"]["frames_late"]
+        self.call("record.start", {"name": name})
+
+    def stop_recording(self, name):
+        """Returns the number of images that a busy machine had no time for. All others are in the file, as many as there are frames."""
+        lacking = self.call("record.stop")["pictures_dropped"]
+        frames = self.open(name).frames
+        self.assertEqual((frames["picture"] < 0).sum(), lacking)
+        self.assertEqual(frames["picture_dropped"].sum(), lacking)
+        return lacking
+
+    def check_late(self, frames):
+        """Checks that all frames of a scene that does not change are valid, but for the late ones of a busy machine."""
+        self.assertEqual(list(frames["valid"]), list(frames["settled"]))
+        late = self.call("system.status")["counters"]["frames_late"] - self.late_before
+        self.assertLessEqual((frames["valid"] == 0).sum(), late)
+        self.assertTrue(frames["valid"].any())
+
     def test_the_same_numbers_come_out_bit_for_bit(self):
         self.wait_for_templates()
-        self.call("record.start", {"name": "still"})
+        self.start_recording("still")
         self.recorded_frames(100)
-        lacking = self.call("record.stop")["pictures_dropped"]  # a busy machine may have dropped some
+        lacking = self.stop_recording("still")
         still = self.replayed("still")
-        self.assertGreater(still["frames"], 50)
+        self.assertGreaterEqual(still["frames"], 100)
         self.assertEqual((still["replayed"], still["same"]), (still["frames"] - lacking,) * 2, still)
-        self.assertGreater(still["valid"], 0.5 * still["frames"], still)  # a busy machine makes some late
+        frames = self.open("still").frames
+        self.assertEqual(still["valid"], ((frames["valid"] == 1) & (frames["picture"] >= 0)).sum(), still)
+        self.check_late(frames)
         self.assertIsNone(still["first_difference"])
         if lacking == 0:
             self.assertIsNone(still["first_not_replayed"])
@@ -190,8 +211,7 @@ class Replay(BenchCase):
         self.call("camera.set", {"exposure_us": 500.0})
         self.take_reference(10, allow_aberration=True)
         self.settled_frames(stream, 10)
-        lacking = self.call("record.stop")["pictures_dropped"]  # a busy machine may be too slow for one
-        self.assertLess(lacking, 20)
+        lacking = self.stop_recording("changes")
         changes = self.replayed("changes")
         print("\n ", changes, len(list(self.open("changes").documents("plan"))), "plans")
         self.assertEqual(changes["same"], changes["frames"] - lacking)
@@ -220,13 +240,13 @@ class Replay(BenchCase):
         self.wait_until("running")
         self.assertEqual(self.call("camera.get")["info"]["serial"], "TWIN0001")
         same, last = [], None
-        for message in self.settled_frames(stream, 60, timeout_s=20.0):
+        while len(same) < 30:
+            message = self.settled_frames(stream, 1)[0]
             number = message["frame_id"]
             if number in then and number - 1 in then and last == number - 1:  # after a lost or late frame the search starts elsewhere
                 same.append(list(then[number]) == [numpy.float32(c) for c in message["coefficients"]])
             last = number
         print(f"\n  {sum(same)} of {len(same)} the same bit for bit")
-        self.assertGreater(len(same), 20)
         self.assertTrue(all(same[5:]), same)  # the first frames follow an acquisition
         self.call("camera.set", {"frame_rate_hz": 300})
         wait_for(lambda: self.call("system.status")["rates"]["grabbed_hz"] > 150, what="a faster pace")
@@ -234,15 +254,16 @@ class Replay(BenchCase):
 
     def test_other_programs_read_it(self):
         self.wait_for_templates()
-        self.call("record.start", {"name": "out"})
+        self.start_recording("out")
         self.recorded_frames(50)
-        self.call("record.stop")
+        self.stop_recording("out")
+        self.check_late(self.open("out").frames)
         run, folder = self.open("out"), self.bench.directory
         coefficients = run.coefficients().copy()
         coefficients[run.frames["valid"] == 0] = numpy.nan  # frames that were late, on a busy machine
         sigma_waves = numpy.where(run.frames["valid"][:, None] == 1, run.sigma_waves(), numpy.nan)
         for known in (coefficients, sigma_waves):
-            self.assertGreater(numpy.isfinite(known[:, 2]).sum(), 0.5 * len(run.frames))
+            self.assertEqual(list(numpy.isfinite(known[:, 2])), list(run.frames["valid"] == 1))
         self.export("out", "--npz", folder / "out.npz", "--fits", folder / "out.fits", "--pictures")
         made = self.export_csv("out", "--csv", "--spots", "--images")
         self.assertEqual(made[:2], ["out.csv", "out-spots.csv"])
@@ -320,7 +341,7 @@ class Replay(BenchCase):
             wait_for(lambda: (m := stream.next(1.0)) and m["settled"] and m["hologram_id"] == hologram_id, what=f"a frame with {params}")
 
     def run_export(self, name, *arguments, **more):
-        done = subprocess.run([self.bench.programs / "ovws", "export", self.path(name) if isinstance(name, str) else name, *arguments], capture_output=True, text=True, timeout=60,
+        done = subprocess.run([self.bench.programs / "ovws", "export", self.path(name) if isinstance(name, str) else name, *arguments], capture_output=True, text=True, timeout=300,
                               cwd=self.bench.directory, **more)
         return done.returncode, done.stdout + done.stderr
 
@@ -335,7 +356,7 @@ class Replay(BenchCase):
 
     def export(self, name, *arguments, status=0):
         done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=bench_module.find_programs().parent / "python",
-                              capture_output=True, text=True, timeout=60)
+                              capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, status, done.stderr)
         return done
 
@@ -379,19 +400,16 @@ class Replay(BenchCase):
 
     def test_a_plan_of_another_region_is_reported_at_once(self):
         self.call("record.start", {"name": "region"})
-        self.recorded_frames(21)
+        self.recorded_frames(70)  # with 5 s for each, as it once was, the replay exceeds its time-out
         self.call("record.stop")
         plans = [place for place in places(next(self.open("region").documents("plan"))) if place[-1] == "width" and "roi" in place]
         other = self.bench.directory / "region.h5"
         shutil.copy(self.path("region"), other)
         change_document(other, "plan", plans[0], 320)
-        begun = time.monotonic()
         done = self.replay(other)
         report = json.loads(done.stdout.splitlines()[-1])
         self.assertEqual((done.returncode, report["replayed"]), (1, 0), report)
         self.assertRegex(report["first_not_replayed"], "its plan is for an image of 320 x .*; the recording's are")
-        print(f"\n  {report['frames']} frames in {time.monotonic() - begun:.1f} s")
-        self.assertLess(time.monotonic() - begun, 30.0, "one frame that no plan measures took 5 s")
 
     def test_export_of_a_damaged_recording_says_what_is_damaged(self):
         self.call("record.start", {"name": "whole"})
