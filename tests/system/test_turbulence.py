@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 
-from case import BenchCase, Client, main, wait_for
+from case import TWIN, BenchCase, Client, main, wait_for
 
 SECONDS = float(os.environ.get("OVWS_TURBULENCE_S", "21"))  # of each recording, open and closed
 AIR = {"rms_waves": 0.12, "speed_pupils_per_s": 0.15, "outer_scale_pupils": 4, "seed": 5, "tilt": False}
@@ -16,16 +16,16 @@ LOOP = {"law": "integrator", "gain": 0.5, "patience_s": 10, "modes": MODES}
 
 class Turbulence(BenchCase):
     twin_config = {"noise": "pool"}
-    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 10}}
+    daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 10}}  # the band of 0.2 to 0.4 Hz is judged from 4 steps/s on
 
     def setUp(self):
         super().setUp()
         self.folder = self.bench.directory / "rejection"
-        self.twin = Client("tcp://127.0.0.1:7790")
+        self.twin = Client(TWIN)
         self.addCleanup(self.twin.close)
 
     def study(self, seconds):
-        study = subprocess.Popen([self.bench.programs / "ovws", "--timeout", "10", "study", "rejection", "-o", self.folder, "--seconds", str(seconds),
+        study = subprocess.Popen([self.bench.programs / "ovws", "--timeout", "60", "study", "rejection", "-o", self.folder, "--seconds", str(seconds),
                                   "--params", json.dumps(LOOP)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(study.stdout.close)
         self.addCleanup(study.kill)
@@ -57,12 +57,11 @@ class Turbulence(BenchCase):
                 self.assertLess(band["rejection_db"], min(expected_db + 5.0, -0.5))
             judged += 1
         print(f"  {judged} bands are far enough below {steps_hz:.1f} steps/s")
-        if judged == 0:
-            self.assertGreaterEqual(steps_hz, 1.0, "too few steps to measure anything")
+        self.assertGreaterEqual(judged, 1, f"no band is far enough below {steps_hz:.1f} steps/s")
 
     def test_rejection_by_frequency(self):
         refused = self.study(5)
-        self.assertIn("reference.take", refused.communicate(timeout=20)[0])
+        self.assertIn("reference.take", refused.communicate(timeout=300)[0])
         self.assertEqual(refused.returncode, 1)
         self.take_reference(20)
         self.twin.call("twin.set", {"turbulence": AIR})
@@ -73,7 +72,7 @@ class Turbulence(BenchCase):
         self.call("correction.clear")
         study = self.study(SECONDS)
         frames = self.frames_with_truth(self.stream("wavefront"), study)
-        output, _ = study.communicate(timeout=SECONDS + 90)
+        output, _ = study.communicate(timeout=2 * SECONDS + 300)
         print("\n" + output.rpartition("\r")[2])
         self.assertEqual(study.returncode, 0, output)
         loop = self.call("loop.get")
@@ -98,9 +97,9 @@ class Turbulence(BenchCase):
 
     def stopped_when_closed(self):
         study = self.study(10)
-        wait_for(lambda: self.call("loop.get")["steps"] > 2 or study.poll() is not None, 60.0, "two steps")
+        wait_for(lambda: self.call("loop.get")["steps"] > 2 or study.poll() is not None, what="two steps")
         study.send_signal(signal.SIGINT)
-        output, _ = study.communicate(timeout=20)
+        output, _ = study.communicate(timeout=300)
         self.assertEqual(study.returncode, 1, output)
         self.assertIn("interrupted; the loop is open, and the correction is restored", output)
         self.assertFalse(self.call("loop.get")["closed"])
