@@ -1,4 +1,6 @@
 """A bench with its live page, and a headless browser."""
+import atexit
+import fcntl
 import http.client
 import json
 import os
@@ -26,14 +28,14 @@ class WebCase(BenchCase):
     def start_web(self, *more):
         """Starts ovws-web and reads its links by name."""
         self.web = self.bench.start("ovws-web", [self.bench.programs / "ovws-web", *self.web_arguments, *more])
-        self.web.wait_for_line("ready", 10.0)
+        self.web.wait_for_line("ready", 60.0)
         lines = (self.bench.directory / "ovws-web.out").read_text().splitlines()
         self.links = dict(line.split() for line in lines)
         self.tokens = {name: link.partition("#")[2] for name, link in self.links.items()}
 
     def ask(self, method, path, body=None, token=None, host=ADDRESS, headers=None):
         """(status, headers, bytes) of one request, sent without corrections by the HTTP library."""
-        connection = http.client.HTTPConnection(HOST, PORT, timeout=10)
+        connection = http.client.HTTPConnection(HOST, PORT, timeout=60)
         self.addCleanup(connection.close)
         connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
         all_headers = {"Host": host} | ({"Authorization": f"Bearer {token}"} if token else {}) | (headers or {})
@@ -56,7 +58,7 @@ class WebCase(BenchCase):
 
     def messages(self, token=None):
         """Yields the stream's messages: (JSON, binary)."""
-        connection = http.client.HTTPConnection(HOST, PORT, timeout=10)
+        connection = http.client.HTTPConnection(HOST, PORT, timeout=60)
         self.addCleanup(connection.close)
         connection.request("GET", "/stream", headers={"Authorization": f"Bearer {token or self.tokens['look']}"})
         reply = connection.getresponse()
@@ -75,14 +77,21 @@ class WebCase(BenchCase):
 
 
 class Browser:
-    """Headless Chromium with one page, driven by Playwright."""
+    """A page of headless Chromium, driven by Playwright. All tests of a script share one Chromium."""
+
+    process = None
+    opened = 0
 
     def __init__(self, packages):
-        script = pathlib.Path(__file__).with_name("browser.mjs")
-        self.process = subprocess.Popen(["node", script, packages], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        if not Browser.process:
+            script = pathlib.Path(__file__).with_name("browser.mjs")
+            Browser.process = subprocess.Popen(["node", script, packages], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+            atexit.register(Browser.end)
+        Browser.opened += 1
+        self.page = Browser.opened
 
     def ask(self, what, **given):
-        self.process.stdin.write(json.dumps({"what": what, **given}) + "\n")
+        self.process.stdin.write(json.dumps({"what": what, "page": self.page, **given}) + "\n")
         self.process.stdin.flush()
         answer = json.loads(self.process.stdout.readline())
         if "error" in answer:
@@ -140,18 +149,25 @@ class Browser:
         return wait_for(lambda: (text := self.text(selector)) is not None and condition(text) and text, timeout_s, selector)
 
     def close(self):
-        self.process.stdin.close()
-        self.process.wait(10.0)
-        self.process.stdout.close()
+        self.ask("close")
+
+    @staticmethod
+    def end():
+        Browser.process.stdin.close()
+        Browser.process.wait(60.0)
+        Browser.process.stdout.close()
 
 
 def browser_packages():
     """The folder with Playwright and axe-core from npm, cached beside the build; none without npm or network."""
     folder = pathlib.Path(os.environ["OVWS_BUILD"]) / "browser"
-    if not all((folder / "node_modules" / package.split("@")[0]).exists() for package in PACKAGES):
-        folder.mkdir(exist_ok=True)
+    folder.mkdir(exist_ok=True)
+    with open(folder / "lock", "w") as lock:  # several tests may start at once
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if all((folder / "node_modules" / package.split("@")[0]).exists() for package in PACKAGES):
+            return folder
         try:
-            subprocess.run(["npm", "install", "--prefix", folder, "--ignore-scripts", "--no-audit", "--no-fund", *PACKAGES], check=True, capture_output=True, timeout=60)
+            subprocess.run(["npm", "install", "--prefix", folder, "--ignore-scripts", "--no-audit", "--no-fund", *PACKAGES], check=True, capture_output=True, timeout=300)
         except (OSError, subprocess.SubprocessError):
             return None
     return folder
