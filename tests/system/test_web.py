@@ -2,14 +2,13 @@
 import http.client
 import json
 import os
+import select
 import signal
 import socket
-import statistics
-import time
+import subprocess
 import zlib
 from io import BytesIO
 from pathlib import Path
-from statistics import median
 
 import numpy
 from PIL import Image
@@ -17,16 +16,7 @@ from PIL import Image
 from case import main, wait_for
 from web_case import ADDRESS, HOST, PORT, Refused, WebCase
 
-CURRENT_MS = 100  # at the median: a single stall is the machine's, a backlog makes all messages old
-
-
-def age_ms(message):
-    return (time.time_ns() - message["t_arrival_ns"]) / 1e6
-
-
-def cpu_s(pid):
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+CURRENT = 10  # frames; the server sends a browser at most 30 messages a second, and the camera 100 frames
 
 
 ESTABLISHED, CLOSE_WAIT = "01", "08"
@@ -40,14 +30,21 @@ def unread(state):
 
 class Web(WebCase):
     def wavefronts(self, count):
-        """`count` wavefront messages of the stream, each with its age on arrival."""
-        found = []
-        for message, _ in self.messages():
-            if message["schema"] == "ovws.wavefront/1":
-                found.append((message, age_ms(message)))
-            if len(found) == count:
-                return found
-        return found
+        """The next wavefront messages of a new stream."""
+        return [next(m for m, _ in stream if m["schema"] == "ovws.wavefront/1") for stream in [self.messages()] for _ in range(count)]
+
+    def check_current(self, count):
+        """Checks that a browser's messages are those of now: one of `count` is at most CURRENT frames older than the daemon's newest. A
+        single stall is the machine's; messages that queue up make all of them old."""
+        frames, stream, behind = self.stream("wavefront"), self.messages(), []
+        newest = wait_for(lambda: frames.next(1.0), what="a frame")["seq"]
+        for _ in range(count):
+            found = next(message for message, _ in stream if message["schema"] == "ovws.wavefront/1")
+            while (message := frames.next(0.0)) is not None:
+                newest = message["seq"]
+            behind.append(newest - found["seq"])
+        print(f"\n  a browser's messages are {sorted(behind)[len(behind) // 2]} frames old at the median, at least {min(behind)}")
+        self.assertLessEqual(min(behind), CURRENT)
 
     def test_what_is_refused_is_counted_and_logged(self):
         look, control = self.tokens["look"], self.tokens["control"]
@@ -84,7 +81,7 @@ class Web(WebCase):
 
     def test_noise_and_greed_end_nothing(self):
         for noise in (b"\x00\xff" * 5000, b"GET / HTTP/1.1\r\n" + b"x: y\r\n" * 100000, b"GET " + b"/" * 100000, b"\r\n" * 10):
-            with socket.create_connection((HOST, PORT), timeout=10) as raw:
+            with socket.create_connection((HOST, PORT), timeout=60) as raw:
                 try:
                     raw.sendall(noise)
                     raw.shutdown(socket.SHUT_WR)
@@ -95,7 +92,7 @@ class Web(WebCase):
         for connection in silent:
             connection.close()
         sent = 0
-        with socket.create_connection((HOST, PORT), timeout=10) as raw:  # sends a body of 10 MiB
+        with socket.create_connection((HOST, PORT), timeout=60) as raw:  # sends a body of 10 MiB
             raw.sendall(b"POST /rpc HTTP/1.1\r\nHost: %s\r\nContent-Length: %d\r\n\r\n" % (ADDRESS.encode(), 10 << 20))
             try:
                 while sent < 10 << 20:
@@ -128,19 +125,19 @@ class Web(WebCase):
             self.ask("GET", "/")
         calls[-1].close()
         wait_for(lambda: not unread(CLOSE_WAIT), what="the end of the connection that was left")
+        self.assertEqual(self.answered(calls[:-1]), [])
         self.assertEqual(self.ask("GET", "/")[0], 200)
 
     def test_numbers_are_those_of_the_stream_and_of_now(self):
         self.take_reference()
-        frames = self.stream("wavefront")
-        found = self.wavefronts(60)[20:]
-        direct = {}
-        while (message := frames.next(0.1)) is not None and message["seq"] <= found[-1][0]["seq"]:
+        frames, direct = self.stream("wavefront"), {}
+        wait_for(lambda: frames.next(1.0), what="a frame")
+        found = self.wavefronts(40)
+        while (message := wait_for(lambda: frames.next(1.0), what="a frame"))["seq"] <= found[-1]["seq"]:
             direct[message["seq"]] = message
-        self.assertEqual(direct[found[-1][0]["seq"]], found[-1][0] | {"topic": "wavefront"})
-        ages = [age for _, age in found]
-        print(f"\n  age of a wavefront in a client: median {median(ages):.0f} ms, worst {max(ages):.0f} ms")
-        self.assertLess(median(ages), CURRENT_MS)
+        for message in found[1:]:  # the first one may be from before
+            self.assertEqual(direct[message["seq"]], message | {"topic": "wavefront"})
+        self.check_current(40)
         pair = {}
         for message, binary in self.messages():
             if message["schema"] in ("ovws.image/1", "ovws.spots/1"):
@@ -150,25 +147,21 @@ class Web(WebCase):
         image, pixels = pair["ovws.image/1"]
         self.assertEqual(len(pixels), image["shape"][0] * image["shape"][1])
 
-    def trend_bins(self, count):
-        """Waits until ovws-web has this many bins of the trend that are older than its latest health message."""
-        schemas = (message["schema"] for message, _ in self.messages())
-        for _ in range(count):
-            next(schema for schema in schemas if schema == "ovws.web.trend/1")
-        next(schema for schema in schemas if schema == "ovws.web.health/1")
-
     def test_a_browser_that_was_not_there_gets_what_was(self):
         self.take_reference()
-        self.trend_bins(3)
-        came_ns = time.time_ns()
-        bins, events = [], []
+        bins = []
         for message, _ in self.messages():
             bins += [message] if message["schema"] == "ovws.web.trend/1" else []
-            events += [message] if message["schema"] == "ovws.event/1" else []
-            if message["schema"] == "ovws.web.health/1":
+            if len(bins) == 3:
                 break
-        self.assertGreaterEqual(sum(one["t_ns"] < came_ns for one in bins), 3)
-        self.assertTrue(any("reference.take" in event["text"] and event["t_ns"] < came_ns for event in events))
+        got = []
+        for message, _ in self.messages():
+            got.append(message)
+            if message["schema"] == "ovws.web.trend/1" and message not in bins:
+                break  # the first one after those that were there
+        for one in bins:
+            self.assertIn(one, got)
+        self.assertTrue(any(message["schema"] == "ovws.event/1" and "reference.take" in message["text"] for message in got))
 
     def test_one_slow_browser_harms_nobody(self):
         slow = socket.create_connection((HOST, PORT))
@@ -178,13 +171,13 @@ class Web(WebCase):
         sent, others = 0, self.messages()
         while sent < 4 << 20:
             sent += len(next(others)[1])
-        self.assertLess(median(age for _, age in self.wavefronts(40)[10:]), CURRENT_MS)
+        self.check_current(40)
         # Stopped, the server adds nothing while the rest is read.
         server = self.bench.process("ovws-web").pid
         self.addCleanup(os.kill, server, signal.SIGCONT)
         os.kill(server, signal.SIGSTOP)
         kept = 0
-        slow.settimeout(0.05)
+        slow.settimeout(1.0)
         try:
             while data := slow.recv(1 << 16):
                 kept += len(data)
@@ -196,18 +189,30 @@ class Web(WebCase):
         self.assertLess(kept, sent // 2)
         self.assertEqual(self.call("system.status")["counters"]["messages_dropped"], 0)
 
-    def test_the_daemon_hardly_notices_a_browser(self):
-        daemon = self.bench.process("ovwsd").pid
-        spent = {"alone": [], "watched": []}
-        for name in 5 * ("alone", "watched"):
-            stream = self.messages() if name == "watched" else None
-            before, begun = cpu_s(daemon), time.monotonic()
-            while time.monotonic() < begun + 1.0:
-                next(stream) if stream else time.sleep(0.1)
-            spent[name].append((cpu_s(daemon) - before) / (time.monotonic() - begun))
-        alone, watched = (statistics.median(spent[name]) for name in ("alone", "watched"))
-        print(f"\n  the daemon: {100 * alone:.1f} % of a core alone, {100 * watched:.1f} % with a browser")
-        self.assertLess(watched - alone, 0.05)
+    def daemon_serves(self, streams):
+        """Connections to the daemon's streams, and requests in five seconds, while these browsers read."""
+        statuses, requests = self.stream("status"), []
+        while len(requests) < 6:
+            for stream in streams:
+                next(stream)
+            if (message := statuses.next(0.0)) is not None:
+                requests.append(message["counters"]["requests"])
+        listed = subprocess.run(["ss", "-Htn", "state", "established", "( sport = :7701 or sport = :7703 )"], capture_output=True, text=True, check=True)
+        statuses.close()
+        return len(listed.stdout.splitlines()), requests[-1] - requests[0]
+
+    def test_further_browsers_cost_the_daemon_nothing(self):
+        """What the first one costs: tests/bench/browser_cost."""
+        streams = [self.messages()]
+        self.health(lambda message: message["browsers"] >= 1)
+        connections, requests = self.daemon_serves(streams)
+        streams += [self.messages() for _ in range(7)]
+        more_connections, more_requests = self.daemon_serves(streams)
+        self.health(lambda message: message["browsers"] >= 8)
+        print(f"\n  one browser: {connections} connections, {requests} requests in 5 s; eight: {more_connections}, {more_requests}")
+        self.assertEqual(more_connections, connections)
+        self.assertGreater(requests, 0)
+        self.assertLess(more_requests, 2 * requests + 4)
 
     def test_commands_and_the_daemons_own_refusals(self):
         applied = self.command("camera.set", {"gain_db": 6})["result"]["applied"]
@@ -253,9 +258,13 @@ class Web(WebCase):
         os.waitid(os.P_PID, pid, os.WSTOPPED)  # waits until all threads have stopped
         return pid
 
+    def answered(self, connections):
+        """Those with an answer. The server answers after ten seconds if the daemon does not."""
+        return select.select([connection.sock for connection in connections], [], [], 0)[0]
+
     def send_command(self, method, params=None):
         """Sends a command without reading the reply; returns the connection."""
-        connection = http.client.HTTPConnection(HOST, PORT, timeout=15)
+        connection = http.client.HTTPConnection(HOST, PORT, timeout=60)
         self.addCleanup(connection.close)
         body = json.dumps({"method": method, "params": params or {}})
         connection.request("POST", "/rpc", body, {"Authorization": f"Bearer {self.tokens['control']}"})
@@ -268,8 +277,10 @@ class Web(WebCase):
         calls = [self.send_command("reference.get") for _ in range(50)]
         for connection in calls[:25]:
             connection.close()
-        self.assertEqual(self.bench.stop("ovws-web"), 0)  # bench.stop kills what does not end
-        for connection in calls[25:]:  # neither the daemon's answer nor that it gave none in time
+        server = self.bench.process("ovws-web").popen
+        server.terminate()
+        self.assertEqual(server.wait(300.0), 0)
+        for connection in calls[25:]:  # it did not wait for the daemon, of which it would tell after ten seconds
             with self.assertRaises(ConnectionError):
                 connection.getresponse()
 
@@ -283,6 +294,7 @@ class Web(WebCase):
         for connection in left:
             connection.close()
         wait_for(lambda: not unread(CLOSE_WAIT), what="the end of the connections that were left")
+        self.assertEqual(self.answered(under_way), [])
         self.assertEqual(self.ask("GET", "/")[0], 200)
         os.kill(daemon, signal.SIGCONT)
         for connection in (*under_way, stays):
@@ -293,7 +305,7 @@ class Web(WebCase):
     def test_links_are_kept_in_a_file(self):
         self.bench.stop("ovws-web")
         path = self.bench.directory / "links"
-        self.bench.start("ovws-web", [self.bench.programs / "ovws-web", "--links", path]).wait_for_line("ready", 5.0)
+        self.bench.start("ovws-web", [self.bench.programs / "ovws-web", "--links", path]).wait_for_line("ready", 60.0)
         name, link = path.read_text().split()
         self.assertEqual((name, path.stat().st_mode & 0o777), ("look", 0o600))
         self.assertNotIn(link, (self.bench.directory / "ovws-web.out").read_text())
@@ -304,7 +316,7 @@ class Web(WebCase):
         self.bench.stop("ovws-web")
         for arguments in (["--listen", "0.0.0.0:7704"], ["--listen", "nonsense"], ["--listen", "127.0.0.1:7702"]):
             process = self.bench.start("wrong", [self.bench.programs / "ovws-web", *arguments])
-            self.assertEqual(process.popen.wait(5.0), 1, arguments)
+            self.assertEqual(process.popen.wait(300.0), 1, arguments)
             self.assertIn("--listen", process.log_path.read_text())
 
 

@@ -144,18 +144,14 @@ class Browser:
     def text(self, selector):
         return self.run("return document.querySelector(arguments[0]).textContent", selector)
 
-    def wait_text(self, selector, condition, timeout_s=30.0):
+    def wait_text(self, selector, condition, timeout_s=60.0):
         """Waits until the element's text fulfils the condition; returns the text."""
         return wait_for(lambda: (text := self.text(selector)) is not None and condition(text) and text, timeout_s, selector)
 
     def close(self):
-        self.ask("close")
-
-    @staticmethod
-    def end():
-        Browser.process.stdin.close()
-        Browser.process.wait(60.0)
-        Browser.process.stdout.close()
+        self.process.stdin.close()
+        self.process.wait(300.0)
+        self.process.stdout.close()
 
 
 def browser_packages():
