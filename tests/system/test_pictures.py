@@ -70,6 +70,7 @@ class Pictures(PictureCase):
         self.assertTrue(self.call("slm.verify")["equal"])
 
     def test_the_sensor_returns_when_the_client_is_killed(self):
+        """How soon after its lease: tests/bench/service."""
         self.take_reference(10)
         frames, events = self.stream("wavefront"), self.stream("event")
         code = ("import sys, time, numpy as np; from ovws_client import Client, Presentation\n"
