@@ -1,6 +1,7 @@
+/// The body of fmt's formatting is compiled once, in libfmt, and not again in every file that logs:
+/// half of the time of a small file. Only among the precompiled headers.
 #pragma once
-/// The body of fmt's formatting is compiled once, in libfmt, and not again in every file that writes
-/// to the log: half of the time of a small file. Only among the precompiled headers.
+
 #include <fmt/format.h>
 
 #if FMT_VERSION < 110000  // later versions do this themselves

@@ -130,6 +130,8 @@ class Procedures(PanelCase):
 
 
 class LoopSettings(PanelCase):
+    daemon_config = PanelCase.daemon_config | {"camera": {"frame_rate_hz": 100.0}}
+
     def test_the_loop_closes_with_its_settings(self):
         browser = self.browser
         browser.choose("#loop select", "integrator")

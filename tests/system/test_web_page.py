@@ -170,10 +170,10 @@ class Page(WebCase):
         self.open()
         helps = "return [...document.querySelectorAll('#bar .help')].map((e) => e.textContent).join(' ')"
         shown = wait_for(lambda: "dB" in (text := self.browser.run(helps)) and text, what="the ranges")
-        self.assertIn("10.0 to 10\u202f000 \u00b5s, at 100 frames/s", shown)
+        self.assertIn("10.0 to 33\u202f333 \u00b5s, at 30.0 frames/s", shown)
         self.assertIn("0 to 48.0 dB", shown)
-        self.type("Exposure", "31620")
-        self.assertEqual(self.error_of("Exposure"), "31620 \u00b5s is outside 10.0 to 10000 \u00b5s")
+        self.type("Exposure", "41620")
+        self.assertEqual(self.error_of("Exposure"), "41620 \u00b5s is outside 10.0 to 33333 \u00b5s")
         self.type("Gain", "1000")
         self.assertEqual(self.error_of("Gain"), "1000 dB is outside 0 to 48.0 dB")
         self.type("Gain", "1")

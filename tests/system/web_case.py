@@ -7,10 +7,11 @@ import os
 import pathlib
 import subprocess
 
-from case import BenchCase, wait_for
+from case import BenchCase, merged, wait_for
 
 HOST, PORT = "127.0.0.1", 7704
 ADDRESS = f"{HOST}:{PORT}"
+PAGE_RATE = {"camera": {"frame_rate_hz": 30.0}}  # more than a page shows is only work
 PACKAGES = ("playwright-core@1.65.1", "axe-core@4.10.2")
 
 
@@ -24,6 +25,9 @@ class WebCase(BenchCase):
     def start(self):
         super().start()
         self.start_web()
+
+    def start_daemon(self, **more):
+        super().start_daemon(**merged(PAGE_RATE, merged(self.daemon_config, more)))
 
     def start_web(self, *more):
         """Starts ovws-web and reads its links by name."""
@@ -149,9 +153,13 @@ class Browser:
         return wait_for(lambda: (text := self.text(selector)) is not None and condition(text) and text, timeout_s, selector)
 
     def close(self):
-        self.process.stdin.close()
-        self.process.wait(300.0)
-        self.process.stdout.close()
+        self.ask("close")
+
+    @staticmethod
+    def end():
+        Browser.process.stdin.close()
+        Browser.process.wait(300.0)
+        Browser.process.stdout.close()
 
 
 def browser_packages():
