@@ -1,6 +1,6 @@
-"""Subscribes to change events of a Tango device and prints each as JSON: tango_events.py DEVICE SECONDS ATTRIBUTE...
+"""Subscribes to change events of a Tango device and prints each as JSON: tango_events.py DEVICE ATTRIBUTE...
 
-Then it prints "subscribed" on standard error, and collects for that many seconds.
+Then it prints "subscribed" on standard error, and collects until its standard input ends.
 
 A process of its own: a client of PyTango 9.3 can crash after ten seconds if the device is in no database.
 """
@@ -8,13 +8,12 @@ import json
 import os
 import sys
 import threading
-import time
 
 import tango
 
 
 def main():
-    device, seconds, *names = sys.argv[1:]
+    device, *names = sys.argv[1:]
     proxy, lock = tango.DeviceProxy(device), threading.Lock()
 
     def pushed(event):
@@ -28,7 +27,7 @@ def main():
     for name in names:
         proxy.subscribe_event(name, tango.EventType.CHANGE_EVENT, pushed)
     print("subscribed", file=sys.stderr, flush=True)
-    time.sleep(float(seconds))
+    sys.stdin.read()
     os._exit(0)
 
 
