@@ -7,6 +7,7 @@ import time
 from case import BenchCase, Client, main, wait_for
 from terminal import Terminal
 
+DRAWINGS = 40
 LEFT_BY_THE_PAGE = b"\x1b[?1049l"  # xterm: leave the alternate screen
 
 
@@ -16,9 +17,9 @@ class Watch(BenchCase):
         self.addCleanup(terminal.close)
         return terminal
 
-    def wait_for_text(self, terminal, pattern, timeout_s=10.0):
+    def wait_for_text(self, terminal, pattern):
         try:
-            return wait_for(lambda: re.search(pattern, terminal.text()), timeout_s)
+            return wait_for(lambda: re.search(pattern, terminal.text()))
         except AssertionError:
             self.fail(f"no {pattern} on\n{terminal.text()}")
 
@@ -34,7 +35,7 @@ class Watch(BenchCase):
         self.wait_for_text(terminal, "PAUSED")
         shown = terminal.rows()
         frame_id = int(re.match(r"frame (\d+) ", shown[1])[1])
-        message = wait_for(lambda: (m := stream.next(1.0)) and m["frame_id"] == frame_id and m, 10.0, f"frame {frame_id} in the stream")
+        message = wait_for(lambda: (m := stream.next(1.0)) and m["frame_id"] == frame_id and m, what=f"frame {frame_id} in the stream")
         self.assertIn(f"spots {message['tracked']}/{message['subapertures']}", shown[1])
         self.assertIn(f"latency {message['latency_us']:.0f} us", shown[1])
         self.assertIn(f"RMS {message['rms_waves']:.4f} wave", shown[2])
@@ -86,14 +87,18 @@ class Watch(BenchCase):
         self.assertNotIn("✕", signs)
 
     def check_pace(self, terminal):
+        """Checks that drawings follow each other at 20 a second at most, however many frames there are."""
         self.call("camera.set", {"frame_rate_hz": 200})
         begin = time.monotonic()
-        time.sleep(2.0)
-        came = [t for t in terminal.writes if t >= begin]
-        drawn = 1 + sum(after - before > 0.01 for before, after in zip(came, came[1:]))  # one drawing may arrive in pieces
-        print(f"\n  drawn {drawn / 2.0:.0f} times a second")
-        self.assertLessEqual(drawn, 2 * 22)
-        self.assertGreaterEqual(drawn, 2 * 8)
+
+        def drawings():
+            """Times of the drawings, each of which may arrive in pieces."""
+            came = [t for t in terminal.writes if t >= begin]
+            return came[:1] + [after for before, after in zip(came, came[1:]) if after - before > 0.02]
+        drawn = wait_for(lambda: len(times := drawings()) > DRAWINGS and times, what=f"{DRAWINGS} drawings")
+        rate_hz = (len(drawn) - 1) / (drawn[-1] - drawn[0])
+        print(f"\n  drawn {rate_hz:.0f} times a second")
+        self.assertLessEqual(rate_hz, 22)
 
     def test_lost_spots_and_losses_are_shown(self):
         self.take_reference(30)
@@ -189,7 +194,7 @@ class Watch(BenchCase):
                 wait_for(lambda: b"quit" in terminal.raw, what="the page")
                 self.assertNotEqual(terminal.modes(), terminal.modes_before)
                 terminal.press(key) if key else terminal.process.send_signal(sent)
-                self.assertEqual(terminal.process.wait(5.0), code)
+                self.assertEqual(terminal.process.wait(300.0), code)
                 self.assertEqual(terminal.modes(), terminal.modes_before)
                 wait_for(lambda: LEFT_BY_THE_PAGE in terminal.raw, what="the old page")
                 self.assertIn(b"\x1b[?25h", terminal.raw[terminal.raw.rindex(LEFT_BY_THE_PAGE) - 60:], "the cursor is seen again")
@@ -209,7 +214,7 @@ class Watch(BenchCase):
         shell.press("q")
         wait_for(lambda: LEFT_BY_THE_PAGE in shell.raw[before:], what="the old page")
         shell.press("exit\n")
-        shell.process.wait(5.0)
+        shell.process.wait(300.0)
 
     def test_colours_only_where_they_are_wanted(self):
         self.take_reference(10)
@@ -232,7 +237,7 @@ class Watch(BenchCase):
                 self.assertEqual(terminal.modes(), terminal.modes_before)
         self.bench.stop("ovwsd")
         terminal = self.open("--timeout", "0.3", TERM="xterm-256color")
-        self.assertEqual(terminal.process.wait(10.0), 3)
+        self.assertEqual(terminal.process.wait(300.0), 3)
         self.assertNotIn(b"\x1b[?1049h", terminal.raw, "it never took the terminal")
 
 
