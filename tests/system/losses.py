@@ -31,14 +31,19 @@ class Account:
         return sum(counters[name] for name in COUNTERS)
 
     def _begin(self):
-        """Takes the next message as the first one. The counters must be the same before and after it."""
+        """Takes the next message as the first one; returns it if the twin still remembers its frame, and the counters are the same before and
+        after it."""
         self._ask()
+        if self._newest is None:
+            return None  # the twin has not sent a frame yet
         before = self.counted()
         self._stream.drain()
         first = self._stream.next(1.0)
         self.messages = [first] if first else []
         self._counted_before = before
-        return first and self.counted() == before
+        same = self.counted() == before
+        self._ask()
+        return first if first and same and first["t_device_ns"] in self.sent else None
 
     def _ask(self):
         """Takes what the twin reports of the frames since the last question: at most MOST_REPORTED at once."""
