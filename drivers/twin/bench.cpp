@@ -190,10 +190,13 @@ std::vector<FrameTruth> Bench::frame_truths(std::optional<int> after) const {
   const std::lock_guard lock(mutex_);
   const auto newest = frame_truths_.end();
   if (!after) return {newest - std::ptrdiff_t(std::min(frame_truths_.size(), kLastTruths)), newest};
-  const auto first = std::find_if(frame_truths_.begin(), newest, [after](const FrameTruth& frame) {
+  const auto is_later = [after](const FrameTruth& frame) {
     const int later = (int(frame.frame_id) - *after + kFrameIds) % kFrameIds;
     return later > 0 && later <= kFrameIds / 2;
-  });
+  };
+  // From the newest backwards: frame numbers start again when a camera is plugged in.
+  const auto first =
+      std::find_if_not(frame_truths_.rbegin(), frame_truths_.rend(), is_later).base();
   return {first, first + std::min(newest - first, std::ptrdiff_t(kTruthsAfter))};
 }
 

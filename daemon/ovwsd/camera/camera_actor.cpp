@@ -236,21 +236,27 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   return deps_.pipeline.attach(*camera_);
 }
 
-/// Disconnects the camera and publishes the fault. do_work later reopens it as a new object.
+/// Disconnects the camera and publishes the fault, which no frame of this camera follows. do_work
+/// later reopens it as a new object.
 void CameraActor::lose(const Error& why) {
   lost_ = true;
   limits_.reset();
+  const bool detached = deps_.pipeline.detach().has_value();
   publish_absent(why);
-  close_camera();
+  if (detached) destroy_camera();  // which takes seconds if the camera does not answer
 }
 
 /// Destroys the camera. Returns false if the frame path still holds its frames: try again later.
 bool CameraActor::close_camera() {
   if (!deps_.pipeline.detach()) return false;
+  destroy_camera();
+  return true;
+}
+
+void CameraActor::destroy_camera() {
   camera_->stop();
   camera_.reset();
   lost_ = false;
-  return true;
 }
 
 /// Frame watchdog: disconnects a silent camera, which Aravis notices only after about 5 s, and

@@ -91,6 +91,7 @@ class CameraActor : public Agent {
   Result<void> start_stream(const CameraSettings& wanted);
   void lose(const Error& why);
   bool close_camera();
+  void destroy_camera();
   void refresh_limits();
   double silent_s(std::int64_t last_ns) const;
   double frame_timeout_s() const;

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -25,6 +26,7 @@ struct Device {
   std::atomic<bool> loses_power{false};   ///< at the next set
   std::atomic<bool> absent{false};        ///< cannot be opened
   std::atomic<GrabStatus> sends{GrabStatus::incomplete};
+  std::atomic<int> grabs{0};
 };
 Device* device = nullptr;
 
@@ -60,6 +62,7 @@ class RefusingCamera final : public Camera {
   int buffer_count() const override { return 1; }
   /// Reports that the camera is alive, without a usable frame.
   GrabStatus grab(GrabbedFrame& /*out*/, std::chrono::microseconds /*timeout*/) override {
+    ++device->grabs;
     std::this_thread::sleep_for(2ms);
     return device->sends;
   }
@@ -76,10 +79,12 @@ class CameraActorTest : public testing::Test {
   CameraActorTest() {
     device = &device_;
     config_.settings.gain_db = 3.0;
-    actor_.emplace(
-        config_,
-        CameraActorDeps{pipeline_, settings_, counters_, events_, [] { return Result<void>{}; },
-                        [](const CameraSnapshot& /*now*/) {}, [this] { return may_select_; }});
+    actor_.emplace(config_, CameraActorDeps{pipeline_, settings_, counters_, events_,
+                                            [] { return Result<void>{}; },
+                                            [this](const CameraSnapshot& now) {
+                                              if (on_change_) on_change_(now);
+                                            },
+                                            [this] { return may_select_; }});
     frame_path_ = std::thread([this] {
       while (!ended_) pipeline_.acquisition().do_work();
     });
@@ -135,6 +140,7 @@ class CameraActorTest : public testing::Test {
   LatestValue<AppliedSettings> settings_;
   Pipeline pipeline_{PipelineConfig{}, {counters_, shown_, settings_}};
   Result<void> may_select_;
+  std::function<void(const CameraSnapshot&)> on_change_;
   std::optional<CameraActor> actor_;
   std::atomic<bool> ended_{false};
   std::thread frame_path_;
@@ -224,6 +230,21 @@ TEST_F(CameraActorTest, GainOfALostCameraIsAskedForWhenThereIsOne) {
   for (int turn = 0; turn < 200 && !actor_->snapshot().connected; ++turn) actor_->do_work();
   ASSERT_TRUE(actor_->snapshot().connected);
   EXPECT_EQ(device_.asked->gain_db, 3.0);
+}
+
+TEST_F(CameraActorTest, NothingIsGrabbedFromACameraThatWasReportedAsLost) {
+  std::optional<int> then, later;
+  on_change_ = [&](const CameraSnapshot& now) {
+    if (now.connected || then) return;
+    then = device_.grabs.load();
+    std::this_thread::sleep_for(50ms);
+    later = device_.grabs.load();
+  };
+  device_.alive = false;
+  actor_->do_work();
+  on_change_ = nullptr;
+  ASSERT_TRUE(then);
+  EXPECT_EQ(then, later);
 }
 
 TEST_F(CameraActorTest, CameraThatLostPowerDuringASetIsOpenedAgainWithAllThatWasAsked) {
