@@ -68,14 +68,14 @@ class Slurm:
             self.processes.append(subprocess.Popen([program, *arguments], env=self.env, stdin=subprocess.DEVNULL, stdout=log, stderr=log))
 
     def run(self, *command):
-        return subprocess.run(command, env=self.env, capture_output=True, text=True, timeout=30).stdout
+        return subprocess.run(command, env=self.env, capture_output=True, text=True, timeout=300).stdout
 
     def close(self):
         self.run("scancel", "--quiet", "--state=PENDING,RUNNING", "--partition=all")
         for process in reversed(self.processes):  # munged last
             process.terminate()
             try:
-                process.wait(10.0)
+                process.wait(60.0)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()

@@ -124,7 +124,7 @@ class Refusals(unittest.TestCase):
         with Bench() as bench:
             path = bench.directory / "ovwsd.json"
             path.write_text(config if isinstance(config, str) else json.dumps(config))
-            done = subprocess.run([bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=20)
+            done = subprocess.run([bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=300)
         print("\n ", done.stderr.strip())
         return done
 

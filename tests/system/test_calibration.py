@@ -128,7 +128,7 @@ class Rules(CalibrationCase):
         self.assertEqual((requested, active), ("measured", "slopes"))
         self.assertRegex(reason, f"was measured with another {field}: run calibration.run")
         self.assertEqual(self.call("calibration.get")["calibrated"], False)
-        status = subprocess.run([self.bench.programs / "ovws", "status"], capture_output=True, text=True, timeout=30)
+        status = subprocess.run([self.bench.programs / "ovws", "status"], capture_output=True, text=True, timeout=300)
         self.assertIn(f"operator_reason: {reason}\n", status.stdout)
 
     def test_it_is_used_with_what_it_was_measured_with_only(self):

@@ -100,7 +100,7 @@ class Demo(unittest.TestCase):
                     self.addCleanup(client.close)
                     self.assertTrue(client.call("system.status" if port == 7702 else "twin.get"))
             for port in (7701, 7703):
-                with socket.create_connection(("127.0.0.1", port), timeout=20.0):
+                with socket.create_connection(("127.0.0.1", port), timeout=300):
                     pass
             demo.send_signal(signal.SIGINT)
             self.assertEqual(demo.wait(300.0), 0)

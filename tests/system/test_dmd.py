@@ -77,7 +77,7 @@ class BadConfiguration(unittest.TestCase):
         with bench_module.Bench() as bench:
             path = bench.directory / "bad.json"
             path.write_text(json.dumps(config))
-            ended = subprocess.run([bench_module.find_programs() / "ovwsd", "--config", path], capture_output=True, text=True, timeout=20)
+            ended = subprocess.run([bench_module.find_programs() / "ovwsd", "--config", path], capture_output=True, text=True, timeout=300)
         self.assertNotEqual(ended.returncode, 0)
         return ended.stderr
 

@@ -41,7 +41,7 @@ class MaskCase(BenchCase):
         self.take_reference(30)
         stream = self.stream("wavefront")
         shown = self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in MODES.items()]})
-        self.settled_frames(stream, 1, shown["hologram_id"], timeout_s=30.0)
+        self.settled_frames(stream, 1, shown["hologram_id"], timeout_s=120.0)
         frames = wait_for(lambda: self.complete_frames(stream, fitted), 30.0, f"{what}: frames with all spots")
         error = statistics.median(sum((value - MODES.get(j, 0.0)) ** 2 for j, value in zip(frame["j"], frame["coefficients"])) ** 0.5
                                   for frame in frames)

@@ -37,7 +37,7 @@ class PageModules(unittest.TestCase):
     @classmethod
     def end(cls):
         cls.node.stdin.close()
-        cls.node.wait(10.0)
+        cls.node.wait(60.0)
         cls.node.stdout.close()
 
     def run_js(self, module, body, **values):

@@ -12,7 +12,7 @@ class ReferenceNames(BenchCase):
 
     def start_daemon(self, **more):
         super().start_daemon(**more)
-        self.client = Client(timeout_s=30.0)  # files are written, on a busy machine
+        self.client = Client(timeout_s=120.0)  # files are written, on a busy machine
         self.addCleanup(self.client.close)
 
     def names(self):
@@ -58,7 +58,7 @@ class ReferenceNames(BenchCase):
         self.call("reference.clear")
         loaded = self.call("reference.load", {"name": "first"})
         self.assertEqual((loaded["positions_px"], loaded["origin"]), (first["positions_px"], first["origin"]))
-        self.settled_frames(self.stream("wavefront"), 5, timeout_s=30.0)
+        self.settled_frames(self.stream("wavefront"), 5, timeout_s=120.0)
 
     def check_bounds(self):
         for name in ("", "A", "a b", "../x", "x" * 65):

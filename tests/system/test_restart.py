@@ -232,7 +232,7 @@ class Restart(BenchCase):
                 kept = self.kept()
             except ClientError as error:
                 self.assertIsNone(error.code, error)  # no reply; not an error reply
-                self.assertTrue(end.wait(5.0))
+                self.assertTrue(end.wait(60.0))
                 return kept, action
 
     def check_found(self, old, now, action, log):
@@ -267,7 +267,7 @@ class Restart(BenchCase):
             found_new += self.check_found(old, now, action, log)
             interrupted["configuration" if isinstance(action, float) else action] += 1
             if now["reference"]:
-                self.assertTrue(self.settled_frames(self.stream("wavefront"), 1, timeout_s=30.0))
+                self.assertTrue(self.settled_frames(self.stream("wavefront"), 1, timeout_s=120.0))
             old = now
         self.assertEqual([p.name for p in self.bench.directory.glob("**/*.ovws-tmp")], [])
         print(f"\n  {KILLS} kills, {found_new} of them found the new one of what was interrupted: {dict(interrupted)}")

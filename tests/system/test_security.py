@@ -220,7 +220,7 @@ class Secured(BenchCase):
     def test_the_command_line_says_what_is_missing(self):
         def ovws(*arguments, **env):
             return subprocess.run([self.bench.programs / "ovws", "--timeout", "5", *arguments, "status"], capture_output=True, text=True,
-                                  timeout=30, env=os.environ | env)
+                                  timeout=300, env=os.environ | env)
 
         good = ovws("--key", self.folder / "guest.json", "--server-key", self.server_key)
         self.assertEqual(good.returncode, 0, good.stderr)
@@ -258,12 +258,12 @@ class Files(BenchCase):
         self.folder = self.bench.directory
 
     def ovws(self, *arguments):
-        return subprocess.run([self.bench.programs / "ovws", *arguments], capture_output=True, text=True, timeout=30, cwd=self.folder)
+        return subprocess.run([self.bench.programs / "ovws", *arguments], capture_output=True, text=True, timeout=300, cwd=self.folder)
 
     def complaint(self, config, *arguments):
         path = self.folder / "checked.json"
         path.write_text(json.dumps(config))
-        done = subprocess.run([self.bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=30)
+        done = subprocess.run([self.bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=300)
         self.assertEqual(done.returncode, 1, done.stderr)
         print("\n  ", done.stderr.strip()[-300:])
         return done.stderr
