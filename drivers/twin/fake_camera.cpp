@@ -17,7 +17,7 @@
 namespace ovws::twin {
 namespace {
 
-constexpr auto kWatchPeriod = std::chrono::milliseconds(1);
+constexpr auto kWatchPeriod = std::chrono::milliseconds(5);
 constexpr auto kBetweenPlugs = std::chrono::milliseconds(200);
 
 /// The GenICam description as an in-memory file (memfd), because Aravis reads it from a file.

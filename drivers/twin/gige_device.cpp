@@ -169,12 +169,14 @@ void GigeDevice::run_free(ArvBuffer* buffer, const CameraSettings& settings) {
   write(kRegisterResultingPeriod10Ns, 100 * period_us);
   send_frame(buffer, settings);
   period_ns_ = std::int64_t(period_us) * 1000;
+  // Aravis sends a frame at every multiple of the period.
+  end_next_poll_at((utc_ns() / period_ns_ + 1) * period_ns_);
 }
 
 /// One frame for each pulse of the DMD. A pulse that comes during an exposure is missed. Without
 /// pulses the camera sends nothing.
 void GigeDevice::run_triggered(ArvBuffer* buffer, const CameraSettings& settings) {
-  // Aravis calls `fill` again when its thread has polled once; timed_poll ends that.
+  // Aravis calls `fill` again when its thread has polled once.
   write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, 1);
   period_ns_ = std::numeric_limits<std::int64_t>::max() / 2;  // nothing to nudge
   const auto& clock = deps_.bench.clock();

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <ctime>
-#include <utility>
 
 #include "core/port/clock.hpp"
 
@@ -30,8 +29,9 @@ extern "C" gint g_poll(GPollFD* fds, guint count, gint timeout_ms) {
   static const Poll poll_of_glib = reinterpret_cast<Poll>(dlsym(RTLD_NEXT, "g_poll"));
   if (poll_end_ns == 0) return poll_of_glib(fds, count, timeout_ms);
   constexpr std::int64_t kSecond = 1'000'000'000;
-  const std::int64_t wait_ns =
-      std::max<std::int64_t>(0, std::exchange(poll_end_ns, 0) - ovws::utc_ns());
+  const std::int64_t wait_ns = std::max<std::int64_t>(0, poll_end_ns - ovws::utc_ns());
   const timespec wait{wait_ns / kSecond, wait_ns % kSecond};
-  return ppoll(reinterpret_cast<pollfd*>(fds), count, &wait, nullptr);
+  const int ready = ppoll(reinterpret_cast<pollfd*>(fds), count, &wait, nullptr);
+  if (ready == 0) poll_end_ns = 0;
+  return ready;
 }

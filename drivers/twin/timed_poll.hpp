@@ -6,7 +6,7 @@
 
 namespace ovws::twin {
 
-/// Ends the next g_poll of this thread at this time (UTC) at the latest, whatever its timeout is.
+/// Ends the g_polls of this thread before this time (UTC) then, whatever their timeouts are.
 void end_next_poll_at(std::int64_t utc_ns);
 
 }  // namespace ovws::twin
