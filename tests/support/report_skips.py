@@ -7,15 +7,14 @@ import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
-UNITTEST = re.compile(r"^(\w+) \([^)]*\)(?:\n.*)? \.\.\. skipped '(.*)'$", re.MULTILINE)
-UNITTEST_CLASS = re.compile(r"^setUpClass \(([^)]*)\) \.\.\. skipped '(.*)'$", re.MULTILINE)
+UNITTEST = re.compile(r"^(\w+) \([^)]*\)(?:\n.*)? \.\.\. skipped ([\"'])(.*)\2$", re.MULTILINE)
+UNITTEST_CLASS = re.compile(r"^setUpClass \(([^)]*)\) \.\.\. skipped ([\"'])(.*)\2$", re.MULTILINE)
 GTEST = re.compile(r": Skipped\n(.*)\n*\[  SKIPPED \] ([\w./]+) \(")
 
 
 def skipped_cases(output):
     """(test case, reason) of each skipped case in the output of one test program."""
-    cases = [match.groups() for match in UNITTEST.finditer(output)]
-    cases += [match.groups() for match in UNITTEST_CLASS.finditer(output)]
+    cases = [match.group(1, 3) for pattern in (UNITTEST, UNITTEST_CLASS) for match in pattern.finditer(output)]
     cases += [match.groups()[::-1] for match in GTEST.finditer(output)]
     return list(dict.fromkeys(cases))
 
