@@ -60,7 +60,7 @@ class GoodBench(CheckCase):
         code, report = self.check(*QUICK)
         self.assertEqual(code, 1)
         self.assertIn("--open-loop", report["error"]["message"])
-        running = subprocess.Popen(self.command(*QUICK, "--open-loop"), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        running = subprocess.Popen(self.command("--open-loop"), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(running.kill)
         self.addCleanup(running.stdout.close)
         wait_for(lambda: any(mode["waves"] > 0.09 for mode in self.call("aberration.get")["modes"]), 60, "a poke")

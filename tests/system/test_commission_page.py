@@ -137,7 +137,7 @@ class Controls(CommissionCase):
 
     def check_what_a_view_only_link_shows(self):
         self.open("look")
-        self.assertIn("View only", self.browser.text("#why"))
+        self.browser.wait_text("#why", lambda text: "View only" in text)
         self.assertIn("skipped", self.browser.run(WHERE)["states"])
         self.choose("Settle time")
         self.assertFalse(self.browser.run(WHERE)["can"])

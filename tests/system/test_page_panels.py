@@ -73,7 +73,8 @@ class Procedures(PanelCase):
         self.assertEqual(self.browser.run("return document.querySelectorAll('#procedures button:not(.fold)').length"), 0)
 
     def test_each_is_run_cancelled_and_cleared(self):
-        self.assertEqual(self.browser.run("return [...document.querySelectorAll('.procedure .result')].filter((p) => p.textContent.startsWith('None')).length"), 4)
+        none = "return [...document.querySelectorAll('.procedure .result')].filter((p) => p.textContent.startsWith('None')).length"
+        wait_for(lambda: self.browser.run(none) == 4, what="four procedures without results")
         self.run_it("registration", Frames_per_image="2")
         text = self.result("registration", lambda text: text.startswith("The camera sees"))
         known = self.call("registration.get")
