@@ -151,7 +151,8 @@ class Server(BridgeCase):
         limited.wait_for(lambda events: len(events.received) > 25, "25 events at the limited rate")
         for events in (fast, limited):
             events.end()
-        seq = [event["value"] for event in fast.of("seq")][1:]
+        seq = [event["value"] for event in fast.of("seq")]
+        seq = (list(dict.fromkeys(seq[:4])) + seq[4:])[1:]  # a subscription reads a value, which may come as an event, too
         self.assertEqual(set(np.diff(seq)), {1}, "no frame is missing")
         valid = []
         while not valid or valid[-1][0] < seq[-1]:

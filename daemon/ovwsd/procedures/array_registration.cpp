@@ -75,9 +75,14 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
   const LensletPupil pupil = lenslet_pupil(*map, pupil_px);
   Registration found;
   found.array = array_of(*map, pupil, config);
-  if (found.array.empty()) {
+  if (found.array.empty() && pupil_px) {
     return fail(Errc::refused, "camera",
                 "no lit lenslet lies inside the pupil: enlarge the light, or set array.pupil_mm");
+  }
+  if (found.array.empty()) {  // the pupil was sought among the lit lenslets
+    return fail(Errc::refused, "sensor.grid",
+                "no lit lenslets adjoin in the lattice that is configured: correct sensor.grid, or "
+                "enlarge the light");
   }
   warn_of_dark_pupil(bench, found.array, config.sensor.grid);
   const double error_px = map->residual_px / std::sqrt(double(map->lit()));
