@@ -36,8 +36,8 @@ struct ModeErrors {
 /// Renders the spots, some 20 ms on the default bench. Errors: those of SpotRenderer::make.
 Result<ModeErrors> mode_errors(const ModeBench& bench, int modes);
 
-/// Finds the largest number of modes that are determined, at most `below`, by bisection in one
-/// rendering. Errors: those of SpotRenderer::make.
+/// Finds the largest number of modes that are determined, at most `below` (at least 1), by
+/// bisection in one rendering. Errors: those of SpotRenderer::make.
 Result<ModeErrors> most_modes(const ModeBench& bench, int below);
 
 }  // namespace ovws

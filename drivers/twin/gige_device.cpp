@@ -170,7 +170,7 @@ void GigeDevice::run_free(ArvBuffer* buffer, const CameraSettings& settings) {
   send_frame(buffer, settings);
   period_ns_ = std::int64_t(period_us) * 1000;
   // Aravis sends a frame at every multiple of the period.
-  end_next_poll_at((utc_ns() / period_ns_ + 1) * period_ns_);
+  end_polls_at((utc_ns() / period_ns_ + 1) * period_ns_);
 }
 
 /// One frame for each pulse of the DMD. A pulse that comes during an exposure is missed. Without
@@ -182,7 +182,7 @@ void GigeDevice::run_triggered(ArvBuffer* buffer, const CameraSettings& settings
   const auto& clock = deps_.bench.clock();
   if (!clock || !wait_for_pulse(*clock)) {
     lose_packets(FrameFate::drop);  // of what Aravis sends now; it has no frame number
-    return end_next_poll_at(utc_ns() + kLongestWaitNs);
+    return end_polls_at(utc_ns() + kLongestWaitNs);
   }
   const std::int64_t pulse = next_pulse_, t_ns = clock->time_of(pulse);
   next_pulse_ = clock->last_pulse_in(t_ns, settings.exposure_us) + 1;
@@ -190,7 +190,7 @@ void GigeDevice::run_triggered(ArvBuffer* buffer, const CameraSettings& settings
   write(kRegisterResultingPeriod10Ns, std::uint32_t(std::min(period_ns / 10.0, 4e9)));
   arv_buffer_set_timestamp(buffer, std::uint64_t(t_ns));
   send_frame(buffer, settings);
-  end_next_poll_at(std::min(clock->time_of(next_pulse_), utc_ns() + kLongestWaitNs));
+  end_polls_at(std::min(clock->time_of(next_pulse_), utc_ns() + kLongestWaitNs));
 }
 
 /// Waits for pulse number next_pulse_. False if it comes later than in kLongestWaitNs. If this

@@ -16,7 +16,7 @@ thread_local std::int64_t poll_end_ns = 0;  // 0: none
 
 }  // namespace
 
-void end_next_poll_at(std::int64_t utc_ns) {
+void end_polls_at(std::int64_t utc_ns) {
   poll_end_ns = utc_ns;
 }
 

@@ -6,7 +6,8 @@
 
 namespace ovws::twin {
 
-/// Ends the g_polls of this thread before this time (UTC) then, whatever their timeouts are.
-void end_next_poll_at(std::int64_t utc_ns);
+/// Until this time (UTC), each g_poll of this thread ends then at the latest and, without an event,
+/// not before, whatever its timeout is.
+void end_polls_at(std::int64_t utc_ns);
 
 }  // namespace ovws::twin

@@ -19,7 +19,7 @@ from ovws_client import ClientError, Stream  # noqa: E402
 
 __all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "TWIN", "main", "merged", "own_mounts", "wait_for"]
 
-PATIENCE_S = 60.0  # limit of each wait for an event; a wait returns as soon as the event comes
+PATIENCE_S = bench_module.PATIENCE_S  # limit of each wait for an event; a wait returns as soon as the event comes
 
 
 class Client(ovws_client.Client):
@@ -100,7 +100,7 @@ class SharedBench:
             return running
         if running:
             self._bench.stop("ovws-twin")
-        started = self._bench.start_twin(config, timeout=PATIENCE_S)
+        started = self._bench.start_twin(config)
         with Client(TWIN) as twin:
             self._twin = started, config, twin.call("twin.get")
         self._display = self._display_report()
@@ -193,7 +193,7 @@ class BenchCase(unittest.TestCase):
     def start_display(self, number=None):
         if number is None and self.bench.process("xorg"):
             return self.bench.display
-        return self.bench.start_display(number, PATIENCE_S, **({"slm_size": SMALL_SIZE} if self.small else {}))
+        return self.bench.start_display(number, **({"slm_size": SMALL_SIZE} if self.small else {}))
 
     def start_twin(self, **more):
         config = merged(SMALL_TWIN if self.small else {}, {"noise": "pool"} | self.twin_config)
@@ -201,7 +201,7 @@ class BenchCase(unittest.TestCase):
 
     def start_daemon(self, **more):
         config = merged(SMALL_DAEMON if self.small else {}, self.daemon_config)
-        self.bench.start_daemon(merged(config, more), timeout=PATIENCE_S)
+        self.bench.start_daemon(merged(config, more))
         self.client = Client()
         self.addCleanup(self.client.close)
 

@@ -16,7 +16,7 @@ from PIL import Image
 from case import main, wait_for
 from web_case import ADDRESS, HOST, PORT, Refused, WebCase
 
-CURRENT = 10  # frames; the server sends a browser at most 30 messages a second, and the camera 100 frames
+CURRENT = 10  # frames of the 30 a second
 
 
 ESTABLISHED, CLOSE_WAIT = "01", "08"
