@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 UNIT = "usr/lib/systemd/system/{}.service"
-FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "usr/bin/ovws-web", "etc/ovws/ovwsd.json",
+FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "usr/bin/ovws-web", "usr/lib/ovws/ovws-image-codecs.so", "etc/ovws/ovwsd.json",
          UNIT.format("ovwsd"), UNIT.format("ovws-web"), UNIT.format("ovws-metrics"), "usr/share/doc/ovws/config/grafana/ovws.json",
          "usr/share/doc/ovws/config/cluster/Snakefile",
          "usr/share/man/man1/ovws.1", "usr/share/man/man1/ovws-twin.1", "usr/share/man/man8/ovwsd.8", "usr/share/man/man5/ovwsd.json.5",
@@ -56,10 +56,25 @@ class Install(unittest.TestCase):
                 self.assertRegex(said, r"__stack_chk_fail")
                 self.assertRegex(said, r"__\w+_chk@GLIBC")
 
-    def test_the_daemon_links_no_image_library_for_one_file(self):
-        libraries = re.findall(r"^\s*(lib\S+)", run("ldd", self.root / "usr/bin/ovwsd").stdout, re.M)
-        print("\n ", len(libraries), "shared libraries")
-        self.assertEqual([name for name in libraries if re.match(r"lib(opencv|gdal|tiff|jpeg)", name)], [])  # libcurl comes with HDF5
+    def test_a_program_starts_without_the_libraries_of_image_formats(self):
+        for name in ("ovwsd", "ovws", "ovws-web", "ovws-twin"):
+            libraries = re.findall(r"^\s*(lib\S+)", run("ldd", self.root / "usr/bin" / name).stdout, re.M)
+            print(f"\n  {name}: {len(libraries)} shared libraries")
+            self.assertEqual([library for library in libraries if re.match(r"lib(opencv_imgcodecs|gdal|tiff|jpeg)", library)], [])
+
+    def test_the_installed_command_finds_its_image_formats(self):
+        image = self.root / "hologram.tiff"
+        done = run(self.root / "usr/bin/ovws", "hologram", "-o", image)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(image.read_bytes()[:2], b"II")
+        image.unlink()
+        codecs = self.root / "usr/lib/ovws/ovws-image-codecs.so"
+        hidden = codecs.rename(codecs.with_suffix(".hidden"))
+        self.addCleanup(hidden.rename, codecs)
+        done = run(self.root / "usr/bin/ovws", "hologram", "-o", image)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("ovws-image-codecs.so", done.stderr)
+        self.assertFalse(image.exists())
 
     def test_the_documents_links_resolve(self):
         self.assertGreater(len(GUIDES), 10)

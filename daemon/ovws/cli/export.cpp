@@ -138,13 +138,13 @@ Result<void> replace(const fs::path& path,
                      const std::function<Result<void>(std::ostream&)>& write) {
   const fs::path part = path.string() + ".part";
   std::ofstream out(part);
-  if (!out) return cannot_write(path, why_not_opened(path, errno));
+  if (!out) return fail(cannot_write(path, why_not_opened(path, errno)));
   auto written = write(out);
   out.close();
-  if (written && !out) written = cannot_write(path, "check the free disk space");
+  if (written && !out) written = fail(cannot_write(path, "check the free disk space"));
   std::error_code failed;
   if (written) fs::rename(part, path, failed);
-  if (failed) written = cannot_write(path, failed.message());
+  if (failed) written = fail(cannot_write(path, failed.message()));
   if (!written) fs::remove(part, failed);
   return written;
 }

@@ -8,6 +8,7 @@
 #include "core/spots/spot_fit.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/ovws/cli/measurement.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/shared/slm_files.hpp"

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/pipeline/frame_rules.hpp"
 #include "core/pipeline/position_modes.hpp"
@@ -24,17 +22,6 @@ std::vector<double> known(std::span<const float> coefficients) {
   std::replace_if(
       waves.begin(), waves.end(), [](double one) { return !std::isfinite(one); }, 0.0);
   return waves;
-}
-
-Error unreadable(const std::string& path, const std::string& why) {
-  return {Errc::invalid, "image", path + " " + why};
-}
-
-template <class T>
-Image<T> pixels_of(const cv::Mat& mat) {
-  Image<T> image(mat.cols, mat.rows);
-  for (int y = 0; y < mat.rows; ++y) std::copy_n(mat.ptr<T>(y), mat.cols, image.row(y));
-  return image;
 }
 
 Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const ImageView& like,
@@ -82,33 +69,6 @@ std::string missing(const Measured& measured) {
 }
 
 }  // namespace
-
-ImageView Picture::view() const {
-  return narrow.pixels.empty() ? view_of(wide, PixelFormat::mono16) : view_of(narrow);
-}
-
-Result<Picture> read_image(const std::string& path) {
-  if (std::error_code none; !std::filesystem::exists(path, none)) {
-    return fail(unreadable(path, "does not exist"));
-  }
-  cv::Mat mat;
-  try {
-    mat = cv::imread(path, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    return fail(unreadable(path, "cannot be read: the size in its header is too large"));
-  }
-  if (mat.empty()) return fail(unreadable(path, "cannot be read as an image"));
-  Picture picture;
-  if (mat.type() == CV_8UC1) {
-    picture.narrow = pixels_of<std::uint8_t>(mat);
-  } else if (mat.type() == CV_16UC1) {
-    picture.wide = pixels_of<std::uint16_t>(mat);
-  } else {
-    return fail(unreadable(
-        path, "is not greyscale with 8 or 16 bits: convert it, e.g. to a greyscale TIFF"));
-  }
-  return picture;
-}
 
 Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan)
     : plan_(std::move(plan)),

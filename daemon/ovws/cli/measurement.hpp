@@ -18,16 +18,6 @@
 
 namespace ovws::cli {
 
-/// A greyscale image of 8 or 16 bits.
-struct Picture {
-  Image<std::uint8_t> narrow;
-  Image<std::uint16_t> wide;  ///< used for 16-bit images; else empty
-  ImageView view() const;
-};
-/// Reads a PNG, TIFF or PGM file. Errors (Errc::invalid, field "image"): unreadable, or not
-/// greyscale with 8 or 16 bits.
-Result<Picture> read_image(const std::string& path);
-
 /// The measurement of one image.
 struct Measured {
   std::vector<SpotFix> spots;  ///< one per subaperture
