@@ -44,13 +44,10 @@ bool LiveRefiner::do_work() {
   if (!settings.enabled || ending_) {
     inbox_.forget();
     waiting_since_ns_ = 0;
-    set_state("off", std::nullopt);
+    set_state("waiting", std::nullopt);
     std::this_thread::sleep_for(kTurn);
     return false;
   }
-  report_.change([](StatusMessage::RefinePart& report) {
-    if (report.state == "off") report.state = "waiting";
-  });
   const std::int64_t period_ns = std::int64_t(1e9 / settings.rate_hz);
   const std::int64_t left_ns = last_due_ns_ + period_ns - monotonic_ns();
   if (last_due_ns_ != 0 && left_ns > 0) {
@@ -134,6 +131,16 @@ void LiveRefiner::set_state(std::string state, std::optional<std::string> reason
     report.state = std::move(state);
     report.reason = std::move(reason);
   });
+}
+
+StatusMessage::RefinePart LiveRefiner::report() const {
+  StatusMessage::RefinePart report = report_.get();
+  if (!settings_.get().enabled) {
+    report.state = "off";
+  } else if (report.state == "off") {  // since the start: it has not had a turn
+    report.state = "waiting";
+  }
+  return report;
 }
 
 Result<RefineSetup> LiveRefiner::change(const RefineSet& change, PixelFormat format) {

@@ -34,7 +34,7 @@ class LiveRefiner : public Agent {
   /// settings is not published.
   Result<RefineSetup> change(const RefineSet& change, PixelFormat format);
   RefineSetup settings() const { return settings_.get(); }
-  StatusMessage::RefinePart report() const { return report_.get(); }
+  StatusMessage::RefinePart report() const;
   /// Stops starting new fits, before the thread ends.
   void end_soon() { ending_.store(true); }
 
