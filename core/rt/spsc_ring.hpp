@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <ctime>
 
 #include "core/base/realtime.hpp"
@@ -54,8 +55,10 @@ class SpscRing {
  private:
   static timespec after(std::chrono::microseconds timeout) {
     constexpr std::int64_t kSecond = 1'000'000'000;
-    const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(timeout).count();
-    return {std::time_t(until / kSecond), long(until % kSecond)};
+    timespec now{};  // the kernel's, which knows of no skipped time
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    const std::int64_t until_ns = now.tv_nsec + std::chrono::nanoseconds(timeout).count();
+    return {now.tv_sec + std::time_t(until_ns / kSecond), long(until_ns % kSecond)};
   }
 
   moodycamel::BlockingReaderWriterCircularBuffer<T> buffer_;

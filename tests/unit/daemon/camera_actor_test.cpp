@@ -11,6 +11,7 @@
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
+#include "tests/support/time.hpp"
 
 namespace ovws {
 namespace {
@@ -121,6 +122,13 @@ class CameraActorTest : public testing::Test {
     actor_->do_work();
     return answer.value_or(fail(Errc::internal, "", "no answer"));
   }
+  /// Lets the actor work, with simulated time between its turns.
+  void turns_until(const std::function<bool()>& condition) {
+    for (int turn = 0; turn < 400 && !condition(); ++turn) {
+      test::skip(500ms);
+      actor_->do_work();
+    }
+  }
   /// Takes the queued events whose data has this key.
   std::vector<EventMessage> events_with(const char* key) {
     std::vector<EventMessage> found;
@@ -227,7 +235,7 @@ TEST_F(CameraActorTest, GainOfALostCameraIsAskedForWhenThereIsOne) {
   EXPECT_TRUE(events_with("gain_db").empty());
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   device_.alive = true;
-  for (int turn = 0; turn < 200 && !actor_->snapshot().connected; ++turn) actor_->do_work();
+  turns_until([this] { return actor_->snapshot().connected; });
   ASSERT_TRUE(actor_->snapshot().connected);
   EXPECT_EQ(device_.asked->gain_db, 3.0);
 }
@@ -273,7 +281,7 @@ TEST_F(CameraActorTest, CameraThatLostPowerAndIsNotBackRefusesASetAndKeepsTheSet
   settings_.update();  // done by the frame path when a frame comes
   EXPECT_EQ(settings_.value().t_write_end_mono_ns, ShownHologram::kNever) << "its gain is unknown";
   device_.absent = false;
-  for (int turn = 0; turn < 200 && !actor_->snapshot().connected; ++turn) actor_->do_work();
+  turns_until([this] { return actor_->snapshot().connected; });
   ASSERT_TRUE(actor_->snapshot().connected);
   EXPECT_EQ(device_.asked->gain_db, 3.0);
 }
@@ -326,10 +334,7 @@ TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {
     actor_->do_work();
     device_.alive = true;
     std::vector<EventMessage> events;
-    for (int turn = 0; turn < 400 && events.empty(); ++turn) {
-      actor_->do_work();
-      events = events_with("counter");
-    }
+    turns_until([&] { return !(events = events_with("counter")).empty(); });
     ASSERT_EQ(events.size(), 1U);
     EXPECT_EQ(events[0].data["counter"], counter);
     EXPECT_EQ(events[0].kind, "camera");
@@ -348,7 +353,7 @@ TEST_F(CameraActorTest, CameraThatStopsWithinAFrameSendsNoFrames) {
   for (int turn = 0; turn < 2000 && incomplete() < 10; ++turn) std::this_thread::sleep_for(2ms);
   ASSERT_GE(incomplete(), 10U);
   device_.sends = GrabStatus::timeout;
-  for (int turn = 0; turn < 400 && actor_->snapshot().connected; ++turn) actor_->do_work();
+  turns_until([this] { return !actor_->snapshot().connected; });
   EXPECT_NE(actor_->snapshot().fault.find("sends no frames"), std::string::npos);
   EXPECT_TRUE(events_with("counter").empty());
 }

@@ -13,10 +13,12 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "tests/support/simulated_bench.hpp"
+#include "tests/support/time.hpp"
 
 namespace ovws {
 namespace {
@@ -65,9 +67,14 @@ class ClosedLoopTest : public testing::Test {
     for (int k = 0; k < 10'000 && !condition(); ++k) std::this_thread::sleep_for(1ms);
     return condition();
   }
-  /// Waits until the loop has opened by itself.
+  /// Lets half a second pass with each step until the loop has opened by itself.
   void expect_opens(const std::string& reason) {
-    ASSERT_TRUE(wait_for([&] { return !is_closed_; }));
+    auto steps = loop_.report().steps;
+    ASSERT_TRUE(wait_for([&] {
+      const auto now = loop_.report().steps;
+      if (now != std::exchange(steps, now)) test::skip(500ms);
+      return !is_closed_;
+    }));
     EXPECT_EQ(loop_.report().opened_because.substr(0, reason.size()), reason);
   }
   double correction_of(int j) {
@@ -218,23 +225,32 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
   twin::Truth dark = bench_.optics().truth();
   dark.peak_electrons = 1.0;
   bench_.optics().set_truth(dark);
-  ASSERT_TRUE(wait_for([&] { return !is_closed_; }));
+  ASSERT_TRUE(wait_for([&] {
+    test::skip(50ms);
+    return !is_closed_;
+  }));
   EXPECT_NE(loop_.report().opened_because.find("no usable frame came for 4 s"), std::string::npos)
       << loop_.report().opened_because;
 }
 
 TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileTheBenchIsNotConnected) {
   take_reference_frames();
-  ASSERT_TRUE(close({.patience_s = 0.5}));
+  ASSERT_TRUE(close({.patience_s = 4.0}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   has_bench_ = false;
   twin::Truth dark = bench_.optics().truth();
   dark.peak_electrons = 1.0;
   bench_.optics().set_truth(dark);
-  std::this_thread::sleep_for(2s);  // four times the patience: nothing may happen
+  for (int turn = 0; turn < 200; ++turn) {  // more than twice the patience: nothing may happen
+    test::skip(50ms);
+    std::this_thread::sleep_for(1ms);
+  }
   EXPECT_TRUE(is_closed_);
   has_bench_ = true;
-  ASSERT_TRUE(wait_for([&] { return !is_closed_; }));
+  ASSERT_TRUE(wait_for([&] {
+    test::skip(50ms);
+    return !is_closed_;
+  }));
 }
 
 }  // namespace
