@@ -11,7 +11,7 @@ import statistics
 import subprocess
 import threading
 
-from case import BenchCase, Client, ClientError, main, wait_for
+from case import TWIN, BenchCase, Client, ClientError, main, wait_for
 
 KILLS = int(os.environ.get("OVWS_KILLS", "4"))
 BY_DEFECT = re.compile(r"damaged|cut off|not written by the daemon|is empty")
@@ -26,14 +26,17 @@ class Restart(BenchCase):
         """The stored files except the saved settings."""
         return sorted(path for path in (self.bench.directory / "state").iterdir() if path.name != "config.json")
 
-    def new_client(self):
-        self.client.close()
-        self.client = Client(timeout_s=2.0)
-        self.addCleanup(self.client.close)
-
     def kill(self):
         self.bench.process("ovwsd").popen.kill()
+        self.ended()
+
+    def ended(self):
+        """Waits for the killed daemon's end, and frees its camera, which otherwise waits 3 s for its heartbeat (test_daemon_killed)."""
         self.bench.stop("ovwsd")
+        with Client(TWIN) as twin:
+            twin.call("twin.fault", {"kind": "unplug", "seconds": 60.0})
+            wait_for(lambda: not twin.call("twin.get")["camera"]["plugged"], what="the end of the connection")
+            twin.call("twin.fault", {"kind": "none"})
 
     def start_again(self, **more):
         """Restarts the daemon with its configuration, changed by these sections; returns its log."""
@@ -76,7 +79,7 @@ class Restart(BenchCase):
         self.assertAlmostEqual(shown[3], 0.1, delta=0.02)
 
     def test_the_registration_is_in_force_again_after_a_kill(self):
-        twin = Client("tcp://127.0.0.1:7790")
+        twin = Client(TWIN)
         self.addCleanup(twin.close)
         twin.call("twin.set", {"geometry": {"rotation_deg": 5.0}})
         self.run_job("registration.run", {}, 60.0)
@@ -134,7 +137,7 @@ class Restart(BenchCase):
         self.assertEqual(len(self.files()), 1)
 
     def test_one_of_a_camera_that_stands_askew_waits_for_its_registration(self):
-        twin = Client("tcp://127.0.0.1:7790")
+        twin = Client(TWIN)
         self.addCleanup(twin.close)
         twin.call("twin.set", {"geometry": {"rotation_deg": 33.0, "centre_px": [275.5, 245.5]}})
         self.run_job("registration.run", {}, 60.0)
@@ -225,6 +228,9 @@ class Restart(BenchCase):
 
     def churn(self, end, kept):
         """Takes, clears and saves until the daemon is killed; returns the state after the last finished step, and the interrupted step."""
+        self.client.close()
+        self.client = Client(timeout_s=2.0)  # soon knows that the daemon was killed
+        self.addCleanup(self.client.close)
         while True:
             action = random.choice(["reference", "calibration", "no reference", "no calibration", float(random.randrange(10))])
             try:
@@ -259,8 +265,8 @@ class Restart(BenchCase):
             killer.start()
             old, action = self.churn(end, old)
             killer.join()
-            self.bench.stop("ovwsd")
-            self.new_client()  # pending requests of the old client must not reach the next daemon
+            self.ended()
+            self.client.close()  # pending requests must not reach the next daemon
             log = self.start_again()
             self.assertNotRegex(log, BY_DEFECT)
             now = self.kept()

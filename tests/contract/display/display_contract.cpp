@@ -118,6 +118,7 @@ TEST(DisplayContract, TheWindowIsOnTopAndOutOfAWindowManagersReach) {
 }
 
 TEST(DisplayContract, ItStartsNoThreadAndLeavesSignalsToTheProgram) {
+  for (const int number : {SIGTERM, SIGINT}) ::signal(number, SIG_DFL);  // a shell may ignore some
   const long threads = process_status("Threads");
   const auto display = open_or_fail();
   ASSERT_NE(display, nullptr);
