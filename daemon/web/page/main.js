@@ -31,6 +31,8 @@ import { forgetErrors } from "./widgets.js";
 const dirty = new Set();
 const STALE_MS = 1500;
 const DESCRIBE_MS = 500;
+const NUMBERS_MS = 100; // faster than anyone reads; each time the browser lays out the page
+let numbersAt = -NUMBERS_MS;
 let wavefront = null;
 let status = null;
 let lastFrame = { wavefront: 0, image: 0 };
@@ -147,18 +149,24 @@ function describe() {
   else figures.takeAge(null);
 }
 
-function drawAll(now) {
-  if (dirty.has("wavefront") && wavefront) {
+function drawNumbers() {
+  if (dirty.delete("wavefront") && wavefront) {
     modes.showFrame();
     figures.takeWavefront(wavefront);
   }
-  if (dirty.has("camera")) camera.draw(now);
-  if (dirty.has("map")) map.draw();
-  if (dirty.has("trends")) {
+  if (dirty.delete("trends")) {
     trends.draw();
     modes.draw();
   }
-  dirty.clear();
+}
+
+function drawAll(now) {
+  if (now - numbersAt >= NUMBERS_MS && (dirty.has("wavefront") || dirty.has("trends"))) {
+    numbersAt = now;
+    drawNumbers();
+  }
+  if (dirty.delete("camera")) camera.draw(now);
+  if (dirty.delete("map")) map.draw();
   requestAnimationFrame(drawAll);
 }
 
