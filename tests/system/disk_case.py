@@ -30,7 +30,7 @@ class DiskCase(BenchCase):
         self.bench.stop("ovwsd")
         self.client.close()
         self.start_daemon()
-        self.wait_until("running", 30.0)
+        self.wait_until("running")
         return self.bench.log("ovwsd")
 
     def sweep(self, frames):

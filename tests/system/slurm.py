@@ -60,7 +60,7 @@ class Slurm:
         wait_for((self.folder / "munge" / "socket").exists, what="munged's socket")
         self.start("slurmctld", "-D", "-i")
         self.start("slurmd", "-D", "-N", host)
-        wait_for(lambda: "idle" in self.run("sinfo", "--noheader", "--format=%T"), 30.0, "an idle node")
+        wait_for(lambda: "idle" in self.run("sinfo", "--noheader", "--format=%T"), what="an idle node")
 
     def start(self, name, *arguments):
         with open(self.folder / f"{name}.log", "wb") as log:

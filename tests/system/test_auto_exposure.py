@@ -84,7 +84,7 @@ class AutoExposure(BenchCase):
         self.call("camera.set", {"frame_rate_hz": 4.0, "exposure_us": 20.0})  # each look takes most of a second
         before = self.call("camera.get")["settings"]
         job = self.call("camera.auto_exposure")["job"]
-        wait_for(lambda: self.call("camera.get")["settings"] != before, 10.0, "a changed exposure")
+        wait_for(lambda: self.call("camera.get")["settings"] != before, what="a changed exposure")
         self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
         self.assertEqual(self.call("camera.get")["settings"], before)
         self.call("camera.set", {"frame_rate_hz": rate})

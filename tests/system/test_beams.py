@@ -33,7 +33,7 @@ class Beams(BenchCase):
             {"offset_px": OFFSETS[name], "power": power[name], "aberration": modes[name]} for name in ("b", "c")]})
         time.sleep(0.3)
 
-    def newest(self, stream, timeout_s=10.0):
+    def newest(self, stream, timeout_s=60.0):
         """The newest message of every source, of one settled frame: one that arrived late is not."""
         stream.drain()
         frames, end = {}, time.monotonic() + timeout_s
@@ -48,11 +48,11 @@ class Beams(BenchCase):
         self.fail("no complete frame came")
 
     def all_valid(self, stream):
-        return wait_for(lambda: (now := self.newest(stream)) and all(m["valid"] for m in now.values()) and now, 20.0, "three valid sources")
+        return wait_for(lambda: (now := self.newest(stream)) and all(m["valid"] for m in now.values()) and now, what="three valid sources")
 
     def validity(self, stream):
         """Whether each source is valid in a settled frame: frames that come late are not settled."""
-        frame = wait_for(lambda: (now := self.newest(stream))[""]["settled"] and now, 20.0, "a settled frame")
+        frame = wait_for(lambda: (now := self.newest(stream))[""]["settled"] and now, what="a settled frame")
         return [frame[name]["valid"] for name in ("", "b", "c")]
 
     def assert_modes(self, message, hidden, within=0.012):
@@ -94,7 +94,7 @@ class Beams(BenchCase):
         self.twin.call("twin.set", {"sources": [{"offset_px": OFFSETS["b"]}, {"offset_px": [cut, 852.0], "power": 0.7}]})
         events = self.stream("event")
         self.assertEqual(self.take_reference()["result"]["lost_spots"], [])  # of the main source
-        told = wait_for(lambda: (event := events.next(1.0)) and event["topic"] == "event" and "lost_spots" in (event["data"] or {}) and event, 10.0, "the event")
+        told = wait_for(lambda: (event := events.next(1.0)) and event["topic"] == "event" and "lost_spots" in (event["data"] or {}) and event, what="the event")
         self.assertEqual((told["data"]["beam"], told["data"]["lost_spots"]), ("c", [11]))
         self.assertIn("of the source c", told["text"])
         self.assertEqual(self.take_reference(beam="c")["result"]["lost_spots"], [11])
@@ -124,7 +124,7 @@ class Beams(BenchCase):
         stream = self.stream("wavefront")
         self.take_reference()
         self.light({}, {"b": 1.0, "c": 0.0})
-        wait_for(lambda: not self.newest(stream)["c"]["valid"], 10.0, "c to be dark")
+        wait_for(lambda: not self.newest(stream)["c"]["valid"], what="c to be dark")
         shown = subprocess.run([self.bench.programs / "ovws", "--json", "snapshot", "-o", self.bench.directory / "snap"], capture_output=True, text=True, timeout=60)
         self.assertTrue(json.loads(shown.stdout)["valid"], shown.stderr)
 
@@ -141,7 +141,7 @@ class Beams(BenchCase):
         for b_px, valid in ((380.0, True), (356.0, False), (350.0, False), (338.0, False), (418.0, True)):
             self.twin.call("twin.set", {"sources": [{"offset_px": [3.0, b_px]}, {"offset_px": OFFSETS["c"], "power": 0.7}]})
             expected = [valid, valid, True]
-            wait_for(lambda: self.validity(stream) == expected, 20.0, f"validity at {b_px} px")
+            wait_for(lambda: self.validity(stream) == expected, what=f"validity at {b_px} px")
             for _ in range(5):
                 self.assertEqual(self.validity(stream), expected, b_px)
             if b_px == 350.0:
@@ -149,7 +149,7 @@ class Beams(BenchCase):
                 self.assertIn("too close to another source's", sensor["invalid"]["reason"])
                 self.assertIn("too close to those of the main source", sensor["beams"][0]["reason"])
                 self.assertIsNone(sensor["beams"][1]["reason"])
-                told = wait_for(lambda: (event := events.next(1.0)) and event["kind"] == "spots" and "beam" not in event["data"] and event, 10.0, "the event")
+                told = wait_for(lambda: (event := events.next(1.0)) and event["kind"] == "spots" and "beam" not in event["data"] and event, what="the event")
                 self.assertIn("too close to another source's", told["text"])
 
     def test_a_dark_source_disturbs_no_other(self):
@@ -157,12 +157,12 @@ class Beams(BenchCase):
         self.take_reference()
         self.all_valid(stream)
         self.light({}, {"b": 0.0, "c": 0.7})
-        wait_for(lambda: not self.newest(stream)["b"]["valid"], 10.0, "b to be dark")
+        wait_for(lambda: not self.newest(stream)["b"]["valid"], what="b to be dark")
         for _ in range(20):
             frame = self.newest(stream)
             self.assertEqual([frame[name]["valid"] for name in ("", "b", "c")], [True, False, True])
             self.assertEqual(frame["b"]["coefficients"][0], None)
-        told = wait_for(lambda: (event := events.next(1.0)) and event["data"].get("beam") == "b" and event, 10.0, "the event")
+        told = wait_for(lambda: (event := events.next(1.0)) and event["data"].get("beam") == "b" and event, what="the event")
         self.assertFalse(told["data"]["valid"])
         beams = self.call("system.status")["sensor"]["beams"]
         self.assertIn("spots are found", beams[0]["reason"])

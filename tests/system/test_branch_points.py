@@ -26,7 +26,7 @@ class BranchPoints(BenchCase):
 
     def frame(self, stream):
         stream.drain()
-        return wait_for(lambda: stream.next(1.0), 10.0)
+        return wait_for(lambda: stream.next(1.0))
 
     def test_a_frame_is_refused_with_the_place(self):
         stream, events = self.stream("wavefront"), self.stream("event")
@@ -35,7 +35,7 @@ class BranchPoints(BenchCase):
         self.assertEqual(self.frame(stream)["branch_points"], [])
         for x, y, charge in ((0.3, 0.1, 1), (-0.1, -0.25, -1)):
             self.light((x, y, charge))
-            frame = wait_for(lambda: (now := self.frame(stream))["branch_points"] and now, 10.0, "a branch point")
+            frame = wait_for(lambda: (now := self.frame(stream))["branch_points"] and now, what="a branch point")
             self.assertFalse(frame["valid"])
             at_x, at_y, sign = frame["branch_points"][0]
             self.assertEqual(sign, charge)
@@ -45,10 +45,10 @@ class BranchPoints(BenchCase):
                 self.assertFalse(self.frame(stream)["valid"])
             invalid = self.call("system.status")["sensor"]["invalid"]
             self.assertIn("branch point", invalid["reason"])
-        told = wait_for(lambda: (event := events.next(1.0)) and "branch_point" in event["data"] and event, 10.0, "the event")
+        told = wait_for(lambda: (event := events.next(1.0)) and "branch_point" in event["data"] and event, what="the event")
         self.assertIn("phase singularity", told["text"])
         self.light()
-        wait_for(lambda: (now := self.frame(stream))["valid"] and not now["branch_points"], 10.0, "a valid frame")
+        wait_for(lambda: (now := self.frame(stream))["valid"] and not now["branch_points"], what="a valid frame")
 
     def test_a_reference_is_refused_with_the_place(self):
         stream = self.stream("spots")
@@ -61,7 +61,7 @@ class BranchPoints(BenchCase):
                 error = self.failure("reference.take", {"frames": frames})
                 self.assertIn("a branch point (phase singularity) near", error)
                 self.assertIn("charge +1", error)
-        spots = wait_for(lambda: (now := self.frame(stream))["settled"] and now["tracked"] >= 16 and now, 10.0, "the spots")
+        spots = wait_for(lambda: (now := self.frame(stream))["settled"] and now["tracked"] >= 16 and now, what="the spots")
         rows = list(struct.iter_unpack("<6f", spots["binary"]))
         given = [value for row in rows for value in row[:2]] + [0.01] * len(rows) * 2
         with self.assertRaisesRegex(ClientError, "branch point"):
@@ -87,7 +87,7 @@ class BranchPoints(BenchCase):
             moved[mode["j"]] = moved.get(mode["j"], 0.0) - mode["waves"]
         print("  largest change of the correction", max(map(abs, moved.values()), default=0.0))
         self.light()
-        wait_for(lambda: self.frame(stream)["valid"], 10.0, "a valid frame")
+        wait_for(lambda: self.frame(stream)["valid"], what="a valid frame")
         self.assertLess(max(map(abs, moved.values()), default=0.0), 0.05)
 
 

@@ -166,9 +166,9 @@ class Cluster(BenchCase):
         cluster.run("scontrol", "update", "partitionname=all", "state=down")  # so that jobs wait
         workflow = self.snakemake(run, "slurm", 2, env=env)
         self.addCleanup(workflow.kill)
-        first = wait_for(lambda: len(jobs := cluster.run("squeue", "--noheader", "--format=%i").split()) == 4 and jobs, 30.0, "a job for each part")
+        first = wait_for(lambda: len(jobs := cluster.run("squeue", "--noheader", "--format=%i").split()) == 4 and jobs, what="a job for each part")
         cluster.run("scancel", first[0])
-        wait_for(lambda: set(cluster.run("squeue", "--noheader", "--format=%i").split()) - set(first), 30.0, "the lost job again")
+        wait_for(lambda: set(cluster.run("squeue", "--noheader", "--format=%i").split()) - set(first), what="the lost job again")
         cluster.run("scontrol", "update", "partitionname=all", "state=up")
         self.assertEqual(workflow.wait(90.0), 0, (self.folder / "snakemake.log").read_text()[-3000:])
         self.assert_results(run, 2)

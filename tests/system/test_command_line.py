@@ -349,7 +349,7 @@ class CommandLine(BenchCase):
             self.assertIn("NOT VALID: ", done.stderr)
             return done.stderr
 
-        wait_for(lambda: "NOT VALID: no reference" in said(), 30.0, "a frame that is not late")
+        wait_for(lambda: "NOT VALID: no reference" in said(), what="a frame that is not late")
         for name in ("camera", "phase"):  # the prefix is a folder
             self.assertTrue((self.bench.directory / f"ovws-{name}.png").exists())
 

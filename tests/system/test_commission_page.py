@@ -41,7 +41,7 @@ class CommissionCase(WebCase, SetupCase):
         """Does what starts something, and waits for what follows; returns what the page shows then."""
         before = self.browser.run(WHERE)
         action()
-        wait_for(lambda: self.browser.run(BUSY) or self.browser.run(WHERE) != before, 5.0, f"a change after {before}")
+        wait_for(lambda: self.browser.run(BUSY) or self.browser.run(WHERE) != before, what=f"a change after {before}")
         return self.idle()
 
     def click_until(self, title):

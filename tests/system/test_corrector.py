@@ -152,7 +152,7 @@ class Killed(CorrectorCase):
 
     def wait_for_residual(self, stream, waves):
         stream.drain()
-        wait_for(lambda: (m := stream.next(1.0)) and m["topic"] == "wavefront" and m["valid"] and m["rms_waves"] < waves, 15.0, f"{waves} wave RMS")
+        wait_for(lambda: (m := stream.next(1.0)) and m["topic"] == "wavefront" and m["valid"] and m["rms_waves"] < waves, what=f"{waves} wave RMS")
 
 
 class Calibration(CorrectorCase):

@@ -31,7 +31,7 @@ class DaemonKilled(BenchCase):
         stream = self.stream("wavefront")
         self.call("system.status")
         answers_s = time.monotonic() - began
-        wait_for(lambda: stream.next(0.1), 30.0, "a frame")
+        wait_for(lambda: stream.next(0.1), what="a frame")
         frame_s = time.monotonic() - began
         for _ in range(20):
             self.assertIsNotNone(stream.next(5.0), "the stream stands still")

@@ -146,7 +146,7 @@ class Real(BenchCase):
             shown = self.call("aberration.set", {"modes": [{"j": j, "waves": INTRODUCED_WAVES}]})
             self.settled_frames(stream, 1, shown["hologram_id"], timeout_s=120.0)
             # The first frames are measured by the former templates, until those about this wavefront are rendered.
-            found, errors, spots_found = wait_for(lambda j=j: self.within_bound(stream, j), 30.0, f"j = {j} within {BOUND_WAVES} wave")
+            found, errors, spots_found = wait_for(lambda j=j: self.within_bound(stream, j), what=f"j = {j} within {BOUND_WAVES} wave")
             worst = max(errors, key=lambda k: abs(errors[k]))
             print(f"  j={j:2d}: {found:+.4f}, largest error {errors[worst]:+.4f} (j={worst}), spots {spots_found}/{spots}")
             self.assertEqual(spots_found, spots)

@@ -19,7 +19,7 @@ class Devices(BenchCase):
 
     def frames_come(self):
         stream = self.stream("wavefront")
-        wait_for(lambda: (frame := stream.next(0.5)) and frame["settled"], 20.0, "a settled frame")
+        wait_for(lambda: (frame := stream.next(0.5)) and frame["settled"], what="a settled frame")
 
     def output(self):
         return self.call("system.status")["slm"]["info"]["output"]
@@ -72,7 +72,7 @@ class Devices(BenchCase):
             config = merged(merged(SMALL_DAEMON, self.daemon_config), {"slm": {"display": display, "settle_ms": 21.0, "allow_primary": True}})
             (self.bench.directory / "ovwsd.json").write_text(json.dumps(config))
             self.bench.process("ovwsd").popen.send_signal(signal.SIGHUP)
-            event = wait_for(lambda: (event := events.next(0.5)) and event["kind"] == "config" and event, 15.0, "the reload's end")
+            event = wait_for(lambda: (event := events.next(0.5)) and event["kind"] == "config" and event, what="the reload's end")
             self.assertEqual(event["data"]["reloaded"], reloaded, event)
             self.assertEqual(self.output(), "DUMMY1" if reloaded else "DUMMY0")
         self.assertIn("slm.display", event["data"]["applied"])

@@ -68,7 +68,7 @@ class DmdBench(BenchCase):
         def corrected():
             correction = {mode["j"]: mode["waves"] for mode in self.call("correction.get")["modes"]}
             return abs(correction.get(4, 0.0) - 0.15) < 0.004 and abs(correction.get(7, 0.0) + 0.06) < 0.004
-        wait_for(corrected, 20.0, "the correction")
+        wait_for(corrected, what="the correction")
 
 
 class BadConfiguration(unittest.TestCase):

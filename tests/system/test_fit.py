@@ -119,7 +119,7 @@ class Fit(BenchCase):
                 changed_ns = time.time_ns()
                 frames = []
                 while sum(map(is_fitted, frames)) < 20:
-                    frame = self.settled_frames(stream, 1, hologram_id, 20.0)[0]
+                    frame = self.settled_frames(stream, 1, hologram_id)[0]
                     if frame["valid"] and frame["t_device_ns"] > changed_ns:
                         frames.append(frame)
                 errors = [error(frame, modes) for frame in frames]

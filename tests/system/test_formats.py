@@ -64,9 +64,9 @@ class Formats(BenchCase):
     def test_a_colour_camera_is_registered_and_calibrated(self):
         """Also rotated: the first steps with the paper's camera."""
         self.bench.stop("ovws-twin")
-        self.wait_until("waiting_for_camera", 20.0)
+        self.wait_until("waiting_for_camera")
         self.bench.start_twin(STILL | {"camera": {"rotation_deg": 20.0}})
-        self.wait_until("running", 20.0)
+        self.wait_until("running")
         self.call("camera.set", {"pixel_format": "BayerRG8", "frame_rate_hz": 60.0})
         self.run_job("registration.run", {}, 60.0)
         self.assertAlmostEqual(self.call("registration.get")["rotation_deg"], 20.0, delta=0.01)
@@ -89,7 +89,7 @@ class Formats(BenchCase):
         self.call("camera.set", {"pixel_format": "Mono8"})
         twin.call("twin.set", {"left_justified": True})
         self.call("camera.set", {"pixel_format": "Mono12"})
-        wait_for(lambda: self.call("system.status")["counters"].get("frames_left_justified", 0) > 0, 10.0, "a frame known as left-justified")
+        wait_for(lambda: self.call("system.status")["counters"].get("frames_left_justified", 0) > 0, what="a frame known as left-justified")
         found = self.spots(spots)
         self.assertLess(float(numpy.abs(found.x_y_px - expected.x_y_px).max()), 0.001)
         self.assertEqual(found.saturated, 0.0)

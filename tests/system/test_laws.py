@@ -60,12 +60,12 @@ class Laws(BenchCase):
     def pauses(self):
         paused = self.call("loop.pause")
         self.assertTrue(paused["paused"])
-        wait_for(lambda: self.call("system.status")["loop"] == "paused", 5.0, "the status")
+        wait_for(lambda: self.call("system.status")["loop"] == "paused", what="the status")
         before = self.call("correction.get")["modes"]
         time.sleep(0.5)
         self.assertEqual(self.call("correction.get")["modes"], before)
         self.call("loop.pause", {"paused": False})
-        wait_for(lambda: self.steps() > paused["steps"], 10.0, "a step after the pause")
+        wait_for(lambda: self.steps() > paused["steps"], what="a step after the pause")
 
 
 if __name__ == "__main__":

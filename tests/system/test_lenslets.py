@@ -199,7 +199,7 @@ class Array(BenchCase):
 
     def fails(self, method, field):
         job = self.call(method, {})["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 30.0, method)
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what=method)
         self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", field), ended)
 
 

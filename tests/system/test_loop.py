@@ -58,12 +58,12 @@ class Loop(BenchCase):
                 self.turn_the_camera()
             self.hide(random_modes(seed, 0.5))
             self.call("loop.close", {"gain": 0.5, "patience_s": 10.0})
-            wait_for(lambda: self.steps() >= 20, 30.0, "20 steps")
+            wait_for(lambda: self.steps() >= 20, what="20 steps")
             left = self.true_residual()
             judged = self.twin.call("twin.get", {"judge": "sensor"})["wavefront"]
             print(f"\n  wavefront {seed}: after {self.steps()} steps {left:.4f} wave are left; the judge says {judged['rms_waves']}")
             self.assertLess(left, 0.01)
-            wait_for(lambda: self.true_residual() < 0.002, 5.0, "templates of the wavefront that is left")
+            wait_for(lambda: self.true_residual() < 0.002, what="templates of the wavefront that is left")
             worst = self.worst_residual()
             report = self.call("loop.open")
             self.call("correction.clear")
@@ -82,12 +82,12 @@ class Loop(BenchCase):
             self.hide([{"j": j, "waves": w} for j, w in enumerate(waves, 3)])
             began = time.monotonic()
             self.call("loop.close")
-            wait_for(lambda: self.true_residual() < 0.01 or not self.call("loop.get")["closed"], 20.0, "a residual below 0.01 wave")
+            wait_for(lambda: self.true_residual() < 0.01 or not self.call("loop.get")["closed"], what="a residual below 0.01 wave")
             report = self.call("loop.get")
             print(f"\n  {tracker}: below 0.01 wave after {time.monotonic() - began:.1f} s and {report['steps']} steps")
             self.assertTrue(report["closed"], report)
             self.assertLess(self.true_residual(), 0.01)
-            wait_for(lambda: (frame := frames.next(0.5)) and frame["valid"] and frame["tracker"] == tracker, 5.0, "frames of the tracker")
+            wait_for(lambda: (frame := frames.next(0.5)) and frame["valid"] and frame["tracker"] == tracker, what="frames of the tracker")
             self.call("loop.open")
             self.call("correction.clear")
 
@@ -118,7 +118,7 @@ class Loop(BenchCase):
         self.hide([{"j": 3, "waves": 5.0 / 6.0**0.5}])  # 5 waves at the pupil's edge
         aberrated = self.beam(pictures)
         self.call("loop.close", {"gain": 0.5, "patience_s": 10.0})
-        wait_for(lambda: self.steps() >= 20, 30.0, "20 steps")
+        wait_for(lambda: self.steps() >= 20, what="20 steps")
         self.call("loop.open")
         corrected = self.beam(pictures)
         self.hide([])
@@ -134,9 +134,9 @@ class Loop(BenchCase):
         """The beam of the pattern `grating`: its true Strehl ratio, and its brightest camera pixel without saturation."""
         hologram = self.call("slm.show", {"pattern": "grating"})["hologram_id"]
         self.twin.call("twin.set", {"peak_electrons": BEAM_ELECTRONS})
-        picture = wait_for(lambda: (m := pictures.next(0.5)) and m["hologram_id"] == hologram and m, 10.0)
+        picture = wait_for(lambda: (m := pictures.next(0.5)) and m["hologram_id"] == hologram and m)
         for _ in range(3):  # exposed after all had settled
-            picture = wait_for(lambda: (m := pictures.next(0.5)) and m["hologram_id"] == hologram and m, 10.0)
+            picture = wait_for(lambda: (m := pictures.next(0.5)) and m["hologram_id"] == hologram and m)
         if "OVWS_PICTURES" in os.environ:
             self.keep(picture, hologram)
         brightest = max(picture["binary"])
@@ -162,7 +162,7 @@ class Loop(BenchCase):
             with self.assertRaisesRegex(ClientError, "chrage: unknown key"):
                 self.call(method, {"chrage": 1})
         self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.2}, {"j": 7, "waves": 0.1}]})
-        wait_for(lambda: self.steps() >= 15, 30.0, "15 steps")
+        wait_for(lambda: self.steps() >= 15, what="15 steps")
         correction = {m["j"]: m["waves"] for m in self.call("loop.open")and self.call("correction.get")["modes"]}
         self.assertAlmostEqual(correction[4], 0.2, delta=0.01)
         self.assertNotIn(7, correction)
@@ -179,14 +179,14 @@ class Loop(BenchCase):
         events = self.stream("event")
         self.hide([{"j": 5, "waves": 0.4}])
         self.call("loop.close", {"limit_waves": 0.1, "patience_s": 2.0})
-        wait_for(lambda: not self.call("loop.get")["closed"], 20.0, "the loop to open at its limit")
+        wait_for(lambda: not self.call("loop.get")["closed"], what="the loop to open at its limit")
         self.assertIn("limit", self.call("loop.get")["opened_because"])
         self.call("loop.close", {"patience_s": 2.0})
         self.twin.call("twin.set", {"peak_electrons": 10.0})
-        wait_for(lambda: not self.call("loop.get")["closed"], 20.0, "the loop to open without spots")
+        wait_for(lambda: not self.call("loop.get")["closed"], what="the loop to open without spots")
         self.assertIn("usable", self.call("loop.get")["opened_because"])
         received = []
-        wait_for(lambda: (message := events.next(0.5)) and message.get("kind") == "loop" and (received.append(message), len(received))[1] >= 4, 10.0, "four events")
+        wait_for(lambda: (message := events.next(0.5)) and message.get("kind") == "loop" and (received.append(message), len(received))[1] >= 4, what="four events")
         self.assertEqual([m["severity"] for m in received], ["info", "warning", "info", "warning"])
 
 

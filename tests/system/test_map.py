@@ -118,7 +118,7 @@ class Fine(MapCase):
         self.assertIn("256 cells requires 720 x 720 pixels", self.failure("map.run", {"cells": 256}))
         job = self.call("map.run", {"frames": 100})["job"]
         self.call("job.cancel", {"job": job})
-        wait_for(lambda: self.call("job.get", {"job": job})["state"] == "cancelled", 10.0, "the job's end")
+        wait_for(lambda: self.call("job.get", {"job": job})["state"] == "cancelled", what="the job's end")
         self.take_reference(10)
         self.twin.call("twin.set", {"peak_electrons": 2})
         self.assertRegex(self.failure("map.run", {"frames": 1}), "increase the exposure|no wavefront explains")
@@ -130,7 +130,7 @@ class Fine(MapCase):
         self.assertLess(math.hypot(x - 0.5, y + 0.2), 0.1, error)
         self.twin.call("twin.set", {"branch_points": []})
         job = self.call("map.run", {"frames": 20})["job"]
-        wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.15, 30.0, "half of the first images")
+        wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.15, what="half of the first images")
         at = self.twin.call("twin.get")["geometry"]["centre_px"]
         self.twin.call("twin.set", {"geometry": {"centre_px": [at[0] + 3.0, at[1]]}})
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)

@@ -42,7 +42,7 @@ class MaskCase(BenchCase):
         stream = self.stream("wavefront")
         shown = self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in MODES.items()]})
         self.settled_frames(stream, 1, shown["hologram_id"], timeout_s=120.0)
-        frames = wait_for(lambda: self.complete_frames(stream, fitted), 30.0, f"{what}: frames with all spots")
+        frames = wait_for(lambda: self.complete_frames(stream, fitted), what=f"{what}: frames with all spots")
         error = statistics.median(sum((value - MODES.get(j, 0.0)) ** 2 for j, value in zip(frame["j"], frame["coefficients"])) ** 0.5
                                   for frame in frames)
         print(f"\n  {what}: error {error:.5f} wave")
@@ -97,7 +97,7 @@ class Charges(MaskCase):
                     self.check_measured(f"{tracker} {json.dumps(change)}", tracker == "fit")
         # The operator of the diffraction model finds each kind of spot with its own tracker, too.
         self.call("sensor.set", {"operator": "diffractive"})
-        wait_for(lambda: self.call("sensor.get")["operator_in_force"] == "diffractive", 20.0, "the operator")
+        wait_for(lambda: self.call("sensor.get")["operator_in_force"] == "diffractive", what="the operator")
 
 
 class ConfiguredCharges(MaskCase):

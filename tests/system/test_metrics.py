@@ -72,7 +72,7 @@ class Metrics(BenchCase):
         return done.stderr
 
     def scrape_when(self, condition, what):
-        return wait_for(lambda: condition(scrape := Scrape()) and scrape, 15.0, what)
+        return wait_for(lambda: condition(scrape := Scrape()) and scrape, what=what)
 
     def test_they_say_what_the_daemon_says(self):
         self.take_reference(30)

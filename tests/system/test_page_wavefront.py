@@ -251,7 +251,7 @@ class PageWavefront(WebCase):
         self.press("#trends", "sound")
         self.press("#trends", "notification")
         wait_for(lambda: self.browser.run("return [...document.querySelectorAll('#trends input[type=checkbox]')].map((c) => c.checked)") == [True, False], what="a refused notification")
-        wait_for(lambda: len(self.history()[1]) > 12, 30.0, "seven seconds of history")
+        wait_for(lambda: len(self.history()[1]) > 12, what="seven seconds of history")
         before = self.history()
         self.check_marks()
         self.check_cursor()

@@ -57,11 +57,11 @@ class Registration(BenchCase):
         self.take_reference(50)
         modes = {j: 0.05 for j in MODES}
         hologram = self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in modes.items()]})["hologram_id"]
-        wait_for(lambda: self.settled_frames(self.wavefronts, 1, hologram)[0]["sigma"][0] is not None, 20.0)
+        wait_for(lambda: self.settled_frames(self.wavefronts, 1, hologram)[0]["sigma"][0] is not None)
         fitted = self.settled_frames(self.wavefronts, 20, hologram)[-1]  # of templates about this wavefront
         self.call("refine.set", {"enabled": True, "electrons_per_dn": 10000 / 255, "read_noise_e": 5.0, "black_level_dn": 2.0})
         stream = self.stream("refined")
-        refined = wait_for(lambda: (found := stream.next(1.0)) and found["hologram_id"] == hologram and found["valid"] and found, 20.0)
+        refined = wait_for(lambda: (found := stream.next(1.0)) and found["hologram_id"] == hologram and found["valid"] and found)
         self.call("refine.set", {"enabled": False})
         for name, frame in (("fit", fitted), ("refined", refined)):
             errors = {j: abs(value - modes.get(j, 0.0)) for j, value in zip(frame["j"], frame["coefficients"])}
@@ -72,7 +72,7 @@ class Registration(BenchCase):
 
     def refused_while(self, spoil, why, progress=0.0):
         job = self.call("registration.run")["job"]
-        wait_for(lambda: self.call("job.get", {"job": job})["progress"] >= progress, 30.0, f"progress of {progress}")
+        wait_for(lambda: self.call("job.get", {"job": job})["progress"] >= progress, what=f"progress of {progress}")
         spoil()
         ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
         self.assertEqual(ended["state"], "failed", ended)

@@ -22,7 +22,7 @@ class Reload(BenchCase):
 
     def ended(self):
         """The event at the end of a reload."""
-        return wait_for(lambda: (event := self.events.next(0.5)) and event["kind"] == "config" and event, 15.0, "the reload's end")
+        return wait_for(lambda: (event := self.events.next(0.5)) and event["kind"] == "config" and event, what="the reload's end")
 
     def reload(self, config):
         self.signal(config)
@@ -48,7 +48,7 @@ class Reload(BenchCase):
         """Checks that settled frames of this hologram are published, with or without a reference."""
         stream = self.stream("wavefront")
         for _ in range(20):
-            wait_for(lambda: (frame := stream.next(0.5)) and frame["settled"] and frame["hologram_id"] == hologram, 10.0, "a settled frame")
+            wait_for(lambda: (frame := stream.next(0.5)) and frame["settled"] and frame["hologram_id"] == hologram, what="a settled frame")
 
     def test_what_can_change_live_does_and_the_rest_is_named(self):
         self.take_reference(20)
@@ -71,7 +71,7 @@ class Reload(BenchCase):
         self.assertEqual(status["slm"]["hologram_id"], hologram, "the hologram stays, and the aberration with it")
         self.assertEqual(len(self.call("aberration.get")["modes"]), 1)
         self.assert_frames(hologram)
-        images = wait_for(lambda: 0.0 < self.call("system.status")["rates"]["images_hz"] <= 4.0, 10.0, "the new image rate")
+        images = wait_for(lambda: 0.0 < self.call("system.status")["rates"]["images_hz"] <= 4.0, what="the new image rate")
         self.assertTrue(images)
         back = self.reload({"camera": {"gain_db": 0.0}, "state": {"directory": "state"}})
         self.assertEqual(back["data"]["restart"], [])
@@ -136,7 +136,7 @@ class Reload(BenchCase):
     def test_until_it_has_ended_no_job_begins_and_nobody_else_changes_the_sensor(self):
         self.twin.call("twin.fault", {"kind": "slow_registers", "delay_ms": 300, "seconds": 60})
         self.signal({"camera": {"gain_db": 2.0, "exposure_us": 1500.0, "roi": {"x": 16, "y": 16, "width": 480, "height": 480}}})
-        held = wait_for(lambda: self.error_of("aberration.set", {"modes": []}), 10.0, "the reload")
+        held = wait_for(lambda: self.error_of("aberration.set", {"modes": []}), what="the reload")
         self.assertIn("being reloaded", str(held))
         for method, params in (("reference.take", {"frames": 20}), ("calibration.run", {}), ("registration.run", {}), ("reference.clear", {}),
                                ("sensor.set", {"charge": 1}), ("slm.show", {"pattern": "flat"})):

@@ -41,14 +41,14 @@ class Restart(BenchCase):
     def start_again(self, **more):
         """Restarts the daemon with its configuration, changed by these sections; returns its log."""
         self.start_daemon(**more)
-        self.wait_until("running", 30.0)
+        self.wait_until("running")
         return self.bench.log("ovwsd")
 
     def reference_state(self):
         return self.call("system.status")["sensor"]["reference"]
 
     def means(self, hologram_id=None, count=30):
-        frames = self.settled_frames(self.stream("wavefront"), count, hologram_id, 30.0)
+        frames = self.settled_frames(self.stream("wavefront"), count, hologram_id)
         return dict(zip(frames[0]["j"], map(statistics.fmean, zip(*(frame["coefficients"] for frame in frames)))))
 
     def test_the_reference_is_in_force_again_after_a_kill(self):

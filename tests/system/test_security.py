@@ -243,7 +243,7 @@ class Secured(BenchCase):
         self.bench.start_twin({})
         roi = {"x": 0, "y": 0, "width": 1024, "height": 1024}
         self.bench.start_daemon(self.daemon_config | {"camera": {"roi": roi, "frame_rate_hz": 10.0, "transfer_ms": 100.0}})
-        self.wait_until("running", 30.0)
+        self.wait_until("running")
         pictures = self.subscribe("guest", "image", endpoint="tcp://127.0.0.1:7703")
         for _ in range(3):
             message = pictures.next(20.0)
@@ -349,7 +349,7 @@ class Files(BenchCase):
         self.assertIsNotNone(goes.next(10.0))
         for _ in range(3):  # the socket file is removed and recreated each time
             write("stays")
-            wait_for(lambda: goes.next(1.6) is None, 20.0, "the end of the stream")
+            wait_for(lambda: goes.next(1.6) is None, what="the end of the stream")
             self.assertIsNotNone(stays.next(10.0))
             write("stays", "goes")
             goes.close()
@@ -359,9 +359,9 @@ class Files(BenchCase):
         self.assertEqual(stat.S_IMODE((sockets / "numbers.socket").stat().st_mode), 0o660)
         sockets.rename(self.folder / "away")
         write("stays")
-        wait_for(lambda: f"{endpoint} cannot be bound again" in self.bench.log("ovwsd"), 20.0, "the line of the log")
+        wait_for(lambda: f"{endpoint} cannot be bound again" in self.bench.log("ovwsd"), what="the line of the log")
         (self.folder / "away").rename(sockets)
-        wait_for(lambda: f"the stream at {endpoint} is open again" in self.bench.log("ovwsd"), 20.0, "its end")
+        wait_for(lambda: f"the stream at {endpoint} is open again" in self.bench.log("ovwsd"), what="its end")
         self.assertIsNotNone(stays.next(10.0))
 
 

@@ -179,7 +179,7 @@ class CameraGone(SetupCase):
                  and self.call("system.status")["state"] == "running", what="an exposure that the step has set")
         self.twin.call("twin.fault", {"kind": "unplug", "seconds": 15})
         self.assertEqual(step.wait(60), 1)
-        wait_for(lambda: self.call("camera.get")["connected"], 20.0, "the camera")
+        wait_for(lambda: self.call("camera.get")["connected"], what="the camera")
         self.assertEqual(self.call("camera.get")["settings"], before)
         self.assertEqual(self.call("system.status")["slm"]["pattern"], "sensor")
 

@@ -24,7 +24,7 @@ class Shade(BenchCase):
         """The mean of each mode over frames exposed from now on, and the smallest number of spots."""
         since_ns = time.time_ns()
         stream.drain()
-        wait_for(lambda: (frame := stream.next(1.0)) is not None and frame["t_device_ns"] > since_ns, 10.0)
+        wait_for(lambda: (frame := stream.next(1.0)) is not None and frame["t_device_ns"] > since_ns)
         frames = self.settled_frames(stream, 20)
         means = [statistics.fmean(values) for values in zip(*(frame["coefficients"] for frame in frames))]
         return dict(zip(frames[0]["j"], means)), min(frame["tracked"] for frame in frames)

@@ -28,7 +28,7 @@ class Cancelled(SlmCase):
             with self.subTest(method):
                 first = self.shown()
                 job = self.call(method, params)["job"]
-                wait_for(lambda: self.shown() >= first + pictures, 30.0, "the middle of it")
+                wait_for(lambda: self.shown() >= first + pictures, what="the middle of it")
                 self.assertEqual(self.call("job.cancel", {"job": job})["state"], "cancelled")
                 self.wait_until("running")
                 self.assertEqual(self.all_of_it(), before)

@@ -107,7 +107,7 @@ class Standing(SlowDisk):
         self.bench.stop("ovwsd")
         self.client.close()
         self.start_daemon()
-        self.wait_until("running", 30.0)
+        self.wait_until("running")
         self.assertEqual(self.call("reference.get")["sha256"], after["sha256"])
         print(f"\n  the disk stood still for {STANDS_S:.0f} s: {status['counters']['frames_published'] - first['seq']} frames, "
               f"two calls took at most {slowest_s:.2f} s")

@@ -53,7 +53,7 @@ class Split(BenchCase):
         for modes in (*map(random_modes, (1, 2, 3)), {}):
             self.hide(modes)
             took_s, _ = self.frames_until_valid(stream, 20.0)
-            wait_for(lambda: all(frame["sigma"][0] is not None for frame in self.newest(stream, 5)), 20.0, "fitted frames")
+            wait_for(lambda: all(frame["sigma"][0] is not None for frame in self.newest(stream, 5)), what="fitted frames")
             frames = self.newest(stream)
             error = self.error(frames, modes)
             print(f"\n  {len(modes)} modes: valid after {took_s:.2f} s, {min(f['tracked'] for f in frames)} of 19 spots, error of all modes {error:.4f} wave")
@@ -73,7 +73,7 @@ class Split(BenchCase):
         self.assertEqual([frame["valid"] for frame in frames], [False] * 3)
         self.assertEqual({value for frame in frames for value in [*frame["coefficients"], frame["rms_waves"]]}, {None})
         self.assertGreater(min(residuals), 0.045 * 12.55)
-        said = wait_for(lambda: self.call("system.status")["sensor"]["invalid"], 20.0)
+        said = wait_for(lambda: self.call("system.status")["sensor"]["invalid"])
         self.assertIn("fit", said["action"])
         self.hide({})
         self.call("sensor.set", {"tracker": "fit"})
@@ -123,16 +123,16 @@ class Split(BenchCase):
         self.take_reference()
         events = self.stream("event")
         invalid = lambda: self.call("system.status")["sensor"]["invalid"]  # noqa: E731
-        wait_for(lambda: invalid() is None, 5.0)
+        wait_for(lambda: invalid() is None)
         self.twin.call("twin.set", {"peak_electrons": 0})
-        said = wait_for(lambda: (now := invalid()) is not None and now["searches"] > 0 and now, 10.0)
+        said = wait_for(lambda: (now := invalid()) is not None and now["searches"] > 0 and now)
         self.assertEqual(said["reason"], "0 of 19 spots are found")
         self.assertIn("searched", said["action"])
         event = self.event(events, False)
         self.assertEqual((event["severity"], event["data"]["tracked"]), ("warning", 0))
         self.twin.call("twin.set", {"peak_electrons": 6000})
         self.assertEqual(self.event(events, True)["severity"], "info")
-        wait_for(lambda: invalid() is None, 5.0)
+        wait_for(lambda: invalid() is None)
 
     def event(self, events, valid):
         end = time.monotonic() + 20.0

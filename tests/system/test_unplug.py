@@ -33,7 +33,7 @@ class Unplug(BenchCase):
                 wait_for(lambda: self.incomplete() > incomplete, what="an incomplete frame")
                 twin.call("twin.fault", {"kind": "unplug", "seconds": seconds})
                 plugged_ns = time.time_ns() + seconds * 1e9
-                frame = wait_for(lambda: (m := stream.next(1.0)) and m["t_arrival_ns"] > plugged_ns and m, 30.0, "frames")
+                frame = wait_for(lambda: (m := stream.next(1.0)) and m["t_arrival_ns"] > plugged_ns and m, what="frames")
                 print(f"\n  {seconds} s: frames again after {seconds + 1e-9 * (frame['t_arrival_ns'] - plugged_ns):.1f} s")
                 self.assertTrue(twin.call("twin.get")["camera"]["plugged"])
 
@@ -45,9 +45,9 @@ class Unplug(BenchCase):
         wait_for(lambda: self.call("loop.get")["steps"] > 3, what="steps")
         reconnects = self.call("system.status")["counters"]["camera_reconnects"]
         twin.call("twin.fault", {"kind": "unplug", "seconds": 0.5})
-        wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > reconnects, 30.0, "the reconnection")
+        wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > reconnects, what="the reconnection")
         steps = self.call("loop.get")["steps"]
-        wait_for(lambda: not self.call("loop.get")["closed"] or self.call("loop.get")["steps"] > steps + 3, 30.0, "steps again")
+        wait_for(lambda: not self.call("loop.get")["closed"] or self.call("loop.get")["steps"] > steps + 3, what="steps again")
         report = self.call("loop.get")
         self.call("loop.open")
         self.assertTrue(report["closed"], report)
@@ -69,7 +69,7 @@ class Unplug(BenchCase):
                 except ClientError as error:  # still disconnected: nothing was set
                     print(f"\n  {error}")
                 wait_for(lambda: twin.call("twin.get")["camera"]["plugged"], what="a camera that is back")
-                wait_for(lambda: self.call("camera.get")["connected"] and stream.next(0.5), 20.0, "frames")
+                wait_for(lambda: self.call("camera.get")["connected"] and stream.next(0.5), what="frames")
                 settings = self.call("camera.get")["settings"]
                 self.assertEqual({key: settings[key] for key in mine}, mine)
                 camera = twin.call("twin.get")["camera"]

@@ -136,7 +136,7 @@ class Completions(unittest.TestCase):
 def wait_on(condition, shell):
     """Like wait_for; on failure shows the terminal's content."""
     try:
-        wait_for(condition, 5.0)
+        wait_for(condition)
     except AssertionError:
         raise AssertionError(shell.text().rstrip()) from None
 
