@@ -1,5 +1,5 @@
-/// OpenCV's image formats as a module of their own. Its libraries load a hundred others, which
-/// takes four times as long as all the rest of `ovws`: only commands that need images load it.
+/// OpenCV's image formats as a module of their own, which only commands with images load: its
+/// libraries take longer to load than the rest of `ovws`.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -8,7 +8,7 @@
 
 namespace ovws::cli {
 
-/// What the module exports by the name kImageCodecs. Both functions may throw cv::Exception.
+/// What the module exports as `ovws_image_codecs`. Both functions may throw cv::Exception.
 struct ImageCodecs {
   /// Pixels of a file as they are, empty if it is not an image.
   cv::Mat (*read)(const std::string& path);
@@ -16,6 +16,5 @@ struct ImageCodecs {
   bool (*encode)(const std::string& extension, const cv::Mat& picture,
                  std::vector<unsigned char>& bytes);
 };
-inline constexpr char kImageCodecs[] = "ovws_image_codecs";
 
 }  // namespace ovws::cli

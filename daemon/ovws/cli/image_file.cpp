@@ -16,9 +16,14 @@ namespace {
 
 /// The module's functions, or why it cannot be loaded.
 tl::expected<const ImageCodecs*, std::string> image_codecs() {
-  static void* const module = dlopen(OVWS_IMAGE_CODECS, RTLD_NOW | RTLD_LOCAL);
-  if (module == nullptr) return tl::unexpected(std::string(dlerror()));
-  return static_cast<const ImageCodecs*>(dlsym(module, kImageCodecs));
+  using Loaded = tl::expected<const ImageCodecs*, std::string>;
+  static const auto loaded = []() -> Loaded {
+    void* const module = dlopen(OVWS_IMAGE_CODECS, RTLD_NOW | RTLD_LOCAL);
+    void* const codecs = module != nullptr ? dlsym(module, "ovws_image_codecs") : nullptr;
+    if (codecs == nullptr) return tl::unexpected(std::string(dlerror()));
+    return static_cast<const ImageCodecs*>(codecs);
+  }();
+  return loaded;
 }
 
 Error unreadable(const std::string& path, const std::string& why) {

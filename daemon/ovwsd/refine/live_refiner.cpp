@@ -37,7 +37,9 @@ LiveRefiner::LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics
       queue_(queue),
       model_(slm),
       inbox_(frames, can_be_refined),
-      settings_(settings) {}
+      settings_(settings) {
+  set_state("waiting", std::nullopt);
+}
 
 bool LiveRefiner::do_work() {
   const RefineSetup settings = settings_.get();
@@ -135,11 +137,7 @@ void LiveRefiner::set_state(std::string state, std::optional<std::string> reason
 
 StatusMessage::RefinePart LiveRefiner::report() const {
   StatusMessage::RefinePart report = report_.get();
-  if (!settings_.get().enabled) {
-    report.state = "off";
-  } else if (report.state == "off") {  // since the start: it has not had a turn
-    report.state = "waiting";
-  }
+  if (!settings_.get().enabled) report.state = "off";
   return report;
 }
 
