@@ -67,14 +67,15 @@ class Install(unittest.TestCase):
         done = run(self.root / "usr/bin/ovws", "hologram", "-o", image)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(image.read_bytes()[:2], b"II")
-        image.unlink()
         codecs = self.root / "usr/lib/ovws/ovws-image-codecs.so"
         hidden = codecs.rename(codecs.with_suffix(".hidden"))
         self.addCleanup(hidden.rename, codecs)
-        done = run(self.root / "usr/bin/ovws", "hologram", "-o", image)
+        done = run(self.root / "usr/bin/ovws", "hologram", "-o", self.root / "other.png")
         self.assertEqual(done.returncode, 1)
         self.assertIn("ovws-image-codecs.so", done.stderr)
-        self.assertFalse(image.exists())
+        self.assertFalse((self.root / "other.png").exists())
+        done = run(self.root / "usr/bin/ovws", "measure", "--model-reference", image, image)
+        self.assertEqual((done.returncode, done.stderr.count("ovws-image-codecs.so")), (1, 2), done.stderr)
 
     def test_the_documents_links_resolve(self):
         self.assertGreater(len(GUIDES), 10)
