@@ -10,7 +10,6 @@
 #include <ctime>
 
 #include "core/base/realtime.hpp"
-#include "core/port/clock.hpp"
 
 namespace ovws {
 

@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/port/clock.hpp"
+
 namespace ovws {
 namespace {
 
