@@ -7,7 +7,7 @@ import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
-UNITTEST = re.compile(r"^(\w+) \([^)]*\)(?:\n.*)? \.\.\. skipped ([\"'])(.*)\2$", re.MULTILINE)
+UNITTEST = re.compile(r"^(?!setUpClass)(\w+) \([^)]*\)(?:\n.*)? \.\.\. skipped ([\"'])(.*)\2$", re.MULTILINE)
 UNITTEST_CLASS = re.compile(r"^setUpClass \(([^)]*)\) \.\.\. skipped ([\"'])(.*)\2$", re.MULTILINE)
 GTEST = re.compile(r": Skipped\n(.*)\n*\[  SKIPPED \] ([\w./]+) \(")
 

@@ -1,0 +1,66 @@
+"""Every skipped case is listed with its reason: none is skipped in silence."""
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from xml.sax.saxutils import quoteattr, escape
+
+REPORT = Path(__file__).resolve().parents[1] / "support" / "report_skips.py"
+PYTHON_CASES = '''
+import unittest
+class Cases(unittest.TestCase):
+    @unittest.skip("no engine")
+    def test_decorated(self): pass
+    def test_documented(self):
+        """Has a line of its own in the output."""
+        self.skipTest("the reader's file is missing")
+    def test_same_reason(self): self.skipTest("no engine")
+    def test_passes(self): pass
+@unittest.skip("no p4p")
+class Whole(unittest.TestCase):
+    def test_a(self): pass
+class SetUp(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls): raise unittest.SkipTest("no display")
+    def test_b(self): pass
+unittest.main(verbosity=2)
+'''
+GTEST_OUTPUT = """[ RUN      ] Usb/Camera.IsUnplugged/0
+camera_test.cpp:12: Skipped
+No USB bus.
+
+[  SKIPPED ] Usb/Camera.IsUnplugged/0 (0 ms)
+[ RUN      ] Camera.IsFound
+[       OK ] Camera.IsFound (3 ms)
+"""
+
+
+def report_of(**outputs):
+    """What is said of programs with these outputs; of one without output, that it did not run."""
+    cases = [f"<testcase name={quoteattr(name)} status='{'run' if output else 'notrun'}'>"
+             f"<system-out>{escape(output)}</system-out></testcase>" for name, output in outputs.items()]
+    with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
+        file.write(f"<testsuite>{''.join(cases)}</testsuite>")
+        file.flush()
+        return subprocess.run([REPORT, file.name], capture_output=True, text=True, check=True).stdout.splitlines()
+
+
+class ReportSkips(unittest.TestCase):
+    def test_cases_of_python_are_listed_by_reason(self):
+        output = subprocess.run([sys.executable, "-c", PYTHON_CASES], stderr=subprocess.PIPE, text=True, check=True).stderr
+        self.assertEqual(report_of(cases=output), ["skipped: 5 test cases", "  cases: 1: no display", "  cases: 2: no engine",
+                                                   "  cases: 1: no p4p", "  cases: 1: the reader's file is missing"])
+
+    def test_cases_of_googletest_are_listed(self):
+        self.assertEqual(report_of(camera=GTEST_OUTPUT), ["skipped: 1 test cases", "  camera: 1: No USB bus."])
+
+    def test_a_program_that_did_not_run_is_listed(self):
+        self.assertEqual(report_of(absent="", present="OK"), ["skipped: 1 test cases", "  absent: 1: see its output"])
+
+    def test_nothing_skipped_is_said(self):
+        self.assertEqual(report_of(present="OK"), ["skipped: no test cases"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
