@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "drivers" / "twin"))
 
-from bench import Bench, BenchError, python_client  # noqa: E402
+from bench import PATIENCE_S, Bench, BenchError, python_client  # noqa: E402
 
 python_client()
 from ovws_client import Client, ClientError, Stream  # noqa: E402
@@ -42,8 +42,8 @@ class Demo:
 
     # Client calls -------------------------------------------------------------------------------------------------
 
-    def wait_until_running(self, timeout_s=20.0):
-        end = time.monotonic() + timeout_s
+    def wait_until_running(self):
+        end = time.monotonic() + PATIENCE_S
         while time.monotonic() < end:
             status = self.client.call("system.status")
             if status["state"] == "running":
@@ -67,8 +67,8 @@ class Demo:
         """Returns the time until the first frame, s, and FRAMES settled, valid frames that have these values (e.g. hologram_id)."""
         start, first, frames = time.monotonic(), None, []
         while len(frames) < FRAMES:
-            if time.monotonic() - start > 15.0:
-                raise ClientError(f"only {len(frames)} settled frames in 15 s")
+            if time.monotonic() - start > PATIENCE_S:
+                raise ClientError(f"only {len(frames)} settled frames in {PATIENCE_S:.0f} s")
             message = self.stream.next(timeout_s=1.0)
             if message is None or not message["settled"] or not message["valid"]:
                 continue
