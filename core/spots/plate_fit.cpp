@@ -216,11 +216,14 @@ class PlateIteration {
       by_plate.row(cell).setZero();
     }
     // Scaled by the level, so that derivatives of the light are of the image.
-    const Eigen::VectorXd solved = least_squares(own, dn);
+    Eigen::MatrixXd given(own.rows(), 1 + by_plate.cols());
+    given << dn, by_plate;
+    const Eigen::MatrixXd found = least_squares(own, given);
+    const Eigen::VectorXd solved = found.col(0);
     const double level = solved(0);
     if (!(level > 0.0)) return;
     const Eigen::VectorXd left = dn / level - own * (solved / level);
-    const Eigen::MatrixXd changes = by_plate - own * least_squares(own, Eigen::MatrixXd(by_plate));
+    const Eigen::MatrixXd changes = by_plate - own * found.rightCols(by_plate.cols());
     sum.matrix += changes.transpose() * changes;
     sum.right += changes.transpose() * left;
     sum.residual2 += left.squaredNorm();
@@ -271,7 +274,9 @@ Result<PlateFit> fit_plate(const Image<float>& mean_dn, const SensorConfig& sens
     if (k >= kFreeRounds) step *= 0.5;
     plate = PlateIteration::moved(plate, step);
     if (longest * kLongestDepth > kConverged) continue;
-    const Eigen::Matrix3d errors = normal->variance() * Cholesky(normal->matrix).inverse();
+    const Cholesky factors(normal->matrix);
+    if (!(factors.reciprocal_condition() > 0.0)) break;
+    const Eigen::Matrix3d errors = normal->variance() * factors.inverse();
     PlateFit fit{plate,
                  std::sqrt(errors(0, 0)),
                  {std::sqrt(errors(1, 1)), std::sqrt(errors(2, 2))},
