@@ -236,8 +236,8 @@ Result<void> CameraActor::start_stream(const CameraSettings& wanted) {
   return deps_.pipeline.attach(*camera_);
 }
 
-/// Disconnects the camera and publishes the fault, which no frame of this camera follows. do_work
-/// later reopens it as a new object.
+/// Disconnects the camera and publishes the fault, which no frame of this camera follows unless the
+/// frame path keeps it for longer than detach() waits. do_work later reopens it as a new object.
 void CameraActor::lose(const Error& why) {
   lost_ = true;
   limits_.reset();

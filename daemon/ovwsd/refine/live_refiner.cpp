@@ -137,7 +137,10 @@ void LiveRefiner::set_state(std::string state, std::optional<std::string> reason
 
 StatusMessage::RefinePart LiveRefiner::report() const {
   StatusMessage::RefinePart report = report_.get();
-  if (!settings_.get().enabled) report.state = "off";
+  if (!settings_.get().enabled) {
+    report.state = "off";
+    report.reason.reset();
+  }
   return report;
 }
 
