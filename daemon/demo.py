@@ -213,7 +213,9 @@ def main():
 def build(arguments, program):
     if arguments.make:
         print(f"\nbuilding {program}", flush=True)
-        subprocess.run(["cmake", "--build", arguments.build, "--target", program], check=True, stdout=subprocess.DEVNULL)
+        made = subprocess.run(["cmake", "--build", arguments.build, "--target", program], capture_output=True, text=True)
+        if made.returncode != 0:
+            raise BenchError(f"{program} was not built:\n{made.stdout}{made.stderr}")
 
 
 def start_page(bench):
