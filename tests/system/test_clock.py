@@ -46,7 +46,7 @@ class Clock(BenchCase):
         self.step(to_ns)
         after = [wait_for(lambda: stream.next(5.0), what="a frame after the step") for _ in range(120)]
         follows = [abs(frame["t_publish_ns"] - time.time_ns() - to_ns) < FAR_NS for frame in after]
-        self.assertTrue(follows[-1], "stamps follow the step")
+        self.assertTrue(all(follows[len(follows) // 2:]), "stamps follow the step")
         self.assertEqual(follows, sorted(follows), "but for frames already on their way")
         ids = [frame["seq"] for frame in frames + after]
         self.assertEqual(ids, list(range(ids[0], ids[0] + len(ids))), "none is missing in the stream")

@@ -15,6 +15,9 @@ class Settling(SlmCase):
         found = self.run_job("slm.settle", {"repetitions": 8})["result"]
         print(f"\n  settles in {truth_ms} ms: p50 {found['p50_ms']:.1f}, max {found['max_ms']:.1f}, worst {found['worst_ms']:.1f}, {found['outliers']} outliers, not before {found['least_ms']:.1f}, "
               f"resolution {found['resolution_ms']:.1f} ms, proposed {found['proposed_settle_ms']} ms")
+        # Between the true time, but for late time stamps, and the next frame; a busy machine shows the pattern late.
+        self.assertGreater(found["p50_ms"], truth_ms - 5.0)
+        self.assertLess(found["p50_ms"], truth_ms + found["resolution_ms"] + 100.0)
         self.assertGreaterEqual(found["proposed_settle_ms"], truth_ms)
         self.assertTrue(found["long_enough"])
         self.assertEqual(found["reason"] is None, found["worst_ms"] <= 100.0)

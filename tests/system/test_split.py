@@ -102,10 +102,11 @@ class Split(BenchCase):
             self.hide(random_modes(seed))
             alone_s = max(alone_s, self.frames_until_valid(stream, 20.0)[0])
         stay = max(70, int(150 * alone_s))  # frames, 100 a second
-        valid = count = 0
+        seen, valid, count = 0, 0, 0
         for seed in range(20, 32):
             self.hide(random_modes(seed))
             frames = self.newest(stream, stay)
+            seen += any(frame["valid"] for frame in frames)
             valid, count = valid + sum(frame["valid"] for frame in frames), count + len(frames)
         self.hide(random_modes(32))
         took_s, _ = self.frames_until_valid(stream, 20.0)
@@ -113,9 +114,9 @@ class Split(BenchCase):
         frames = self.newest(stream, 400)
         self.hide({})
         gone_s, frame = self.frames_until_valid(stream, 20.0)
-        print(f"\n  one search takes {alone_s:.2f} s; twelve wavefronts: {valid} of {count} frames valid; the next is after {took_s:.2f} s, error {error:.3f} wave; "
+        print(f"\n  one search takes {alone_s:.2f} s; twelve wavefronts: {seen} measured, {valid} of {count} frames valid; the next is after {took_s:.2f} s, error {error:.3f} wave; "
               f"when it has gone after {gone_s:.2f} s")
-        self.assertGreater(valid, 0, "no search ended before the next wavefront")  # 75 % on a quiet machine
+        self.assertGreaterEqual(seen, 3, "searches did not end before the next wavefront")  # all twelve, and 70 % of the frames, on a quiet machine
         self.assertLess(error, 0.06)
         self.assertLess(self.error([frame], {}), 0.05)
 

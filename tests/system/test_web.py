@@ -34,8 +34,8 @@ class Web(WebCase):
         return [next(m for m, _ in stream if m["schema"] == "ovws.wavefront/1") for stream in [self.messages()] for _ in range(count)]
 
     def check_current(self, count):
-        """Checks that a browser's messages are those of now: one of `count` is at most CURRENT frames older than the daemon's newest. A
-        single stall is the machine's; messages that queue up make all of them old."""
+        """Checks that a browser's messages are those of now: one of the last half of `count` is at most CURRENT frames older than the
+        daemon's newest. A single stall is the machine's; messages that queue up make all of them old but the first."""
         frames, stream, behind = self.stream("wavefront"), self.messages(), []
         newest = wait_for(lambda: frames.next(1.0), what="a frame")["seq"]
         for _ in range(count):
@@ -43,8 +43,9 @@ class Web(WebCase):
             while (message := frames.next(0.0)) is not None:
                 newest = message["seq"]
             behind.append(newest - found["seq"])
-        print(f"\n  a browser's messages are {sorted(behind)[len(behind) // 2]} frames old at the median, at least {min(behind)}")
-        self.assertLessEqual(min(behind), CURRENT)
+        late = sorted(behind[count // 2:])
+        print(f"\n  a browser's messages are {late[len(late) // 2]} frames old at the median, at least {late[0]}")
+        self.assertLessEqual(late[0], CURRENT)
 
     def test_what_is_refused_is_counted_and_logged(self):
         look, control = self.tokens["look"], self.tokens["control"]
