@@ -2,14 +2,13 @@
 import time
 
 import jsonschema
-from case import BenchCase
+from case import PATIENCE_S, BenchCase
 
 # The twin's camera: 10000 electrons are the full scale of 255 DN.
 CAMERA = {"electrons_per_dn": 10000 / 255, "read_noise_e": 5.0, "black_level_dn": 2.0}
 SHOWN = {3: 0.3, 8: 0.2}  # Z(2,-2) and Z(3,1)
 MODES = [{"n": 2, "m": -2, "waves": 0.3}, {"n": 3, "m": 1, "waves": 0.2}]
 FITS = 3
-PATIENCE_S = 60.0
 
 
 def errors(message):

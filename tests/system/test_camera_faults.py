@@ -2,11 +2,10 @@
 import json
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, wait_for
 
 RATE_HZ = 100.0
 SILENCE_S = 2.0  # without frames; then a camera with a short exposure counts as lost
-PATIENCE_S = 120.0
 OTHER_REQUESTS = (("system.status", {}), ("camera.get", {}), ("aberration.set", {"modes": []}), ("config.get", {}))
 
 
@@ -34,14 +33,14 @@ class CameraFaults(BenchCase):
             self.call(method, params)
 
     def next(self):
-        return wait_for(lambda: self.wavefront.next(5.0), PATIENCE_S, "a frame")
+        return wait_for(lambda: self.wavefront.next(5.0), what="a frame")
 
     def fault(self, counter, fault, least):
         """Injects the fault and waits for its counter; returns the increase of each counter."""
         self.wavefront.drain()
         first = self.next()["frame_id"]
         # The daemon looks for a missing number among 100 frames.
-        wait_for(lambda: self.next()["frame_id"] > first + 100, PATIENCE_S, "100 frames")
+        wait_for(lambda: self.next()["frame_id"] > first + 100, what="100 frames")
         before = self.counters()
         self.twin.call("twin.fault", fault)
         self.ask()
@@ -84,12 +83,12 @@ class CameraFaults(BenchCase):
         self.assertGreaterEqual(rose["frames_invalid"], rose["frames_late"])
         self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 150, "seconds": 3600.0})
         delayed_at_ns = time.time_ns()
-        message = wait_for(lambda: (m := self.next())["t_device_ns"] > delayed_at_ns and m, PATIENCE_S, "a frame exposed after that")
+        message = wait_for(lambda: (m := self.next())["t_device_ns"] > delayed_at_ns and m, what="a frame exposed after that")
         for _ in range(10):
             self.assertFalse(message["settled"] or message["valid"])
             self.assertEqual(set(message["coefficients"]), {None})
             message = self.next()
-        held_up_us = wait_for(lambda: (us := self.call("system.status")["latency"]["arrived"]["max_us"]) > 100e3 and us, PATIENCE_S, "the delay in the status")
+        held_up_us = wait_for(lambda: (us := self.call("system.status")["latency"]["arrived"]["max_us"]) > 100e3 and us, what="the delay in the status")
         self.assertLess(held_up_us, 10e6)
         self.twin.call("twin.fault", {"kind": "none"})
         self.settled_frames(self.wavefront, 20, timeout_s=PATIENCE_S)
@@ -99,7 +98,7 @@ class CameraFaults(BenchCase):
         before, heard = self.counters(), [self.next()]
         self.twin.call("twin.fault", fault)
         meanwhile()
-        wait_for(lambda: self.twin.call("twin.get")["fault"]["kind"] == "none", PATIENCE_S, "the end of the fault")
+        wait_for(lambda: self.twin.call("twin.get")["fault"]["kind"] == "none", what="the end of the fault")
         resumed_ns = time.time_ns()
         # Frames from before the fault may have waited.
         while heard[-1]["t_device_ns"] < resumed_ns or not heard[-1]["valid"]:
@@ -111,14 +110,15 @@ class CameraFaults(BenchCase):
     def test_frozen_for_less_than_a_camera_may_be_silent(self):
         rose, heard = self.through({"kind": "freeze", "seconds": 0.5}, self.ask)
         silent_s = max(1e-9 * (b["t_arrival_ns"] - a["t_arrival_ns"]) for a, b in zip(heard, heard[1:]))
-        if silent_s < SILENCE_S:  # it is longer only on a very busy machine
-            self.assertNotIn("camera_reconnects", rose)
-            for last, message in zip(heard, heard[1:]):
-                self.assertEqual(message["frame_id"], last["frame_id"] + 1 + message["gap"])
+        if silent_s >= SILENCE_S:
+            self.skipTest(f"the machine was so busy that no frame came for {silent_s:.1f} s")
+        self.assertNotIn("camera_reconnects", rose)
+        for last, message in zip(heard, heard[1:]):
+            self.assertEqual(message["frame_id"], last["frame_id"] + 1 + message["gap"])
 
     def test_frozen_until_it_is_lost_and_continued(self):
         def until_it_is_lost():
-            wait_for(lambda: self.ask() or not self.call("system.status")["camera"]["connected"], PATIENCE_S, "a lost camera")
+            wait_for(lambda: self.ask() or not self.call("system.status")["camera"]["connected"], what="a lost camera")
             self.ask()
             self.twin.call("twin.fault", {"kind": "none"})
 
@@ -131,7 +131,7 @@ class CameraFaults(BenchCase):
 
     def test_a_slow_camera_made_fast_is_given_the_time_it_had(self):
         self.call("camera.set", {"frame_rate_hz": 0.3})  # a period above SILENCE_S
-        wait_for(lambda: self.wavefront.drain() or self.call("system.status")["rates"]["grabbed_hz"] < 1.0, PATIENCE_S, "the end of the fast frames")
+        wait_for(lambda: self.wavefront.drain() or self.call("system.status")["rates"]["grabbed_hz"] < 1.0, what="the end of the fast frames")
         before = self.counters()["camera_reconnects"]
         self.next()
         self.call("camera.set", {"frame_rate_hz": RATE_HZ})  # the camera starts a frame when the previous one is due

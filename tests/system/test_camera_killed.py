@@ -8,14 +8,13 @@ import os
 import signal
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, wait_for
 
 CAMERA = {"gain_db": 3.0, "exposure_us": 1500.0, "frame_rate_hz": 80.0, "pixel_format": "Mono12",
           "roi": {"x": 8, "y": 16, "width": 488, "height": 480}}
 PERIOD_S = 1.0 / CAMERA["frame_rate_hz"]
 SILENCE_S = max(3.0 * PERIOD_S, 1e-6 * CAMERA["exposure_us"] + 2.0)  # then a camera counts as lost
 LONG_ABSENCE_S = float(os.environ.get("OVWS_ABSENCE_S", "4"))  # after it has counted as lost; Aravis, too, has given it up then
-PATIENCE_S = 120.0
 
 
 class CameraKilled(BenchCase):
@@ -28,12 +27,12 @@ class CameraKilled(BenchCase):
         self.heard = self.stream("wavefront", "event")  # one subscription: in the order in which they were published
 
     def next(self):
-        return wait_for(lambda: self.heard.next(5.0), PATIENCE_S, "a message")
+        return wait_for(lambda: self.heard.next(5.0), what="a message")
 
     def kill(self):
         """Returns the last frame of the camera that the daemon had published before."""
         self.heard.drain()
-        last = wait_for(lambda: (m := self.next())["topic"] == "wavefront" and m, PATIENCE_S, "a frame")
+        last = wait_for(lambda: (m := self.next())["topic"] == "wavefront" and m, what="a frame")
         os.kill(self.bench.process("ovws-twin").pid, signal.SIGKILL)
         self.bench.stop("ovws-twin")
         return last
@@ -106,7 +105,7 @@ class CameraKilled(BenchCase):
                     last = self.wait_for_fault(last)
                     self.stay_away(0.0 if absence == "until its detection" else LONG_ABSENCE_S)
                 self.come_back(last)
-                wait_for(lambda: self.call("system.status")["camera"]["connected"], PATIENCE_S, "a connected camera")
+                wait_for(lambda: self.call("system.status")["camera"]["connected"], what="a connected camera")
                 self.assertEqual(self.call("system.status")["counters"]["camera_reconnects"], reconnects + 1)
                 self.check_settings()
 

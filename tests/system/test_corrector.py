@@ -4,13 +4,12 @@ import subprocess
 import sys
 import time
 
-from case import ROOT, BenchCase, Client, ClientError, bench_module, main, wait_for
+from case import ROOT, TWIN, BenchCase, Client, ClientError, bench_module, main, wait_for
 
 import numpy as np
 
 from ovws_client import Corrector, MirrorLoop, calibrate_sensor, set_matrix
 
-TWIN = "tcp://127.0.0.1:7790"
 EXAMPLE = ROOT / "proto" / "python" / "examples" / "mirror_loop.py"
 PYTHON = bench_module.find_programs().parent / "python"
 

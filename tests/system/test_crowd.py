@@ -10,14 +10,13 @@ from pathlib import Path
 
 import zmq
 
-from case import BenchCase, main, wait_for
+from case import PATIENCE_S, BenchCase, main, wait_for
 
 FRAMES = int(os.environ.get("OVWS_CROWD_FRAMES", "300"))
 NEVER_READ, COME_AND_GO, AT_A_TIME = 100, 1000, 10
 FRAMES_A_READ = 30  # of the slow subscriber
 STREAMS, IMAGES = "tcp://127.0.0.1:7701", "tcp://127.0.0.1:7703"
 MOST_GROWTH_MIB = 64
-PATIENCE_S = 120.0
 
 
 class Crowd(BenchCase):
@@ -62,12 +61,12 @@ class Crowd(BenchCase):
 
     def hundred_that_never_read(self):
         crowd = [self.subscriber() for _ in range(NEVER_READ)] + [self.subscriber(IMAGES) for _ in range(NEVER_READ // 10)]
-        wait_for(lambda: self.descriptors() > NEVER_READ, PATIENCE_S, "their connections")
+        wait_for(lambda: self.descriptors() > NEVER_READ, what="their connections")
         self.watch(FRAMES)
         self.judge("100 that never read")
         for socket in crowd:
             socket.close(0)
-        wait_for(lambda: self.descriptors() < NEVER_READ, PATIENCE_S, "the end of their connections")
+        wait_for(lambda: self.descriptors() < NEVER_READ, what="the end of their connections")
 
     def one_that_reads_slowly(self):
         slow, numbers = self.subscriber(), []
@@ -97,7 +96,7 @@ class Crowd(BenchCase):
         self.watch(COME_AND_GO // AT_A_TIME, some)
         self.judge("1000 that come and go")
         self.assertEqual((len(heard), sum(heard)), (COME_AND_GO, COME_AND_GO))
-        wait_for(lambda: self.descriptors() <= descriptors, PATIENCE_S, "the end of their connections")
+        wait_for(lambda: self.descriptors() <= descriptors, what="the end of their connections")
 
     def test_what_they_lose_is_theirs_alone(self):
         self.take_reference(20)

@@ -1,7 +1,7 @@
 """Every pixel format of the camera, through the real link: the same light gives the same spots, also with colour filters."""
 import numpy
 
-from case import BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, wait_for
 from ovws_client import Image, Spots
 
 FORMATS = ["Mono10", "Mono10p", "Mono10Packed", "Mono12p", "Mono12Packed", "Mono14", "Mono16", "BayerRG10", "BayerGR10p",
@@ -9,7 +9,6 @@ FORMATS = ["Mono10", "Mono10p", "Mono10Packed", "Mono12p", "Mono12Packed", "Mono
 EXACT_PX = 0.01   # formats with sufficient bits
 COARSE_PX = 0.02  # 8-bit rounding; a colour camera uses a quarter of its pixels
 STILL = {"noise": "none"}
-PATIENCE_S = 60.0  # a search renders 44 modes; a busy machine has a fifth of a core for it
 
 
 class Formats(BenchCase):
@@ -108,7 +107,7 @@ class Formats(BenchCase):
             self.settled_frames(stream, 1, shown, PATIENCE_S)
             frame = self.fitted_frames(stream, 1, PATIENCE_S)[0]
             refined.drain()
-            fitted = wait_for(lambda: self.refined_of(refined, shown), PATIENCE_S, f"a refined frame of j = {j}")
+            fitted = wait_for(lambda: self.refined_of(refined, shown), what=f"a refined frame of j = {j}")
             for found in (frame, fitted):
                 self.assertEqual(len(found["j"]), 44)
                 worst = max(abs(c - (waves if i == j else 0.0)) for i, c in zip(found["j"], found["coefficients"]))

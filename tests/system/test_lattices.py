@@ -6,9 +6,8 @@ import time
 from pathlib import Path
 
 import thread_holder
-from case import PATIENCE_S, ROOT, BenchCase, Client, bench_module, main, wait_for
+from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, bench_module, main, wait_for
 
-TWIN = "tcp://127.0.0.1:7790"
 HIDDEN = {3: 0.06, 4: -0.05, 5: 0.03}  # waves: modes that every lattice here determines
 CORRECTION = {"modes": [{"j": 4, "waves": 0.02}]}
 BOUND_WAVES = 0.012
