@@ -228,11 +228,16 @@ class Lattices(BenchCase):
         self.addCleanup(example.wait)
         self.addCleanup(example.kill)
         wait_for(lambda: self.listed().get("coarse"), 2 * PATIENCE_S, "the prepared lattices")
-        seeds = iter(range(1, 10**6))
+        seeds, stream = iter(range(1, 10**6)), self.stream("wavefront")
 
         def flicker():
+            """Ten frames of a new screen. The twin sends none while it renders one, so that there must be a pause."""
             self.scintillate(next(seeds))
-            time.sleep(0.25)  # the twin renders each screen
+            begun_ns, seen = time.time_ns(), 0
+            while seen < 10:
+                message = wait_for(lambda: stream.next(1.0), what="a frame")
+                seen += message["t_device_ns"] > begun_ns
+            self.assertIsNone(example.poll(), "the example has ended")
             return self.listed()["coarse"]["in_use"]
         wait_for(flicker, 2 * PATIENCE_S, "the coarse lattice")
         self.scintillate(None)

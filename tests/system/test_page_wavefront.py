@@ -69,9 +69,16 @@ class PageWavefront(WebCase):
         self.browser.click(f"{panel} .tools >> text={text}")
 
     def freeze(self):
-        """Freezes the page; returns the coefficients of its frame in waves by j."""
-        self.press("#modes", "Freeze")
-        name, data = self.browser.download("#modes .tools button >> text=CSV")
+        """Freezes the page at a frame that templates measured; returns its coefficients in waves by j."""
+        def with_errors():
+            self.press("#modes", "Freeze")
+            found = self.browser.download("#modes .tools button >> text=CSV")
+            if all(row[5] for row in table(found[1])[1][1:]):
+                return found
+            self.press("#modes", "Freeze")  # the button shows live frames again
+            return None
+
+        name, data = wait_for(with_errors, what="a frame with standard errors")
         self.assertRegex(name, r"^ovws-coefficients-\d{8}-\d{6}\.csv$")
         facts, (head, *rows) = table(data)
         self.assertEqual(head, ["index_osa", "n", "m", "name", "coefficient_wave", "standard_error_wave"])
