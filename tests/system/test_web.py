@@ -230,15 +230,23 @@ class Web(WebCase):
                  ("slm.show", {"pattern": "grating"}), ("slm.show", {"pattern": "identify"})]
         for method, params in shown:
             with self.subTest(method=method, params=params):
-                hologram_id = self.call(method, params)["hologram_id"]
-                bench, _ = self.message("ovws.web.bench/1", lambda m: m["hologram"]["hologram_id"] == hologram_id)
-                verdict = self.call("slm.verify")
-                self.assertTrue(verdict["equal"])
-                self.assertEqual(bench["hologram"]["crc32"], verdict["crc32_shown"])
-                status, _, png = self.ask("GET", "/hologram.png", token=self.tokens["look"])
-                self.assertEqual(status, 200)
-                grey = numpy.asarray(Image.open(BytesIO(png)))
-                self.assertEqual((grey.shape, zlib.crc32(grey.tobytes())), ((768, 1280), verdict["crc32"]))
+                self.check_picture(self.call(method, params)["hologram_id"])
+        self.call("correction.clear")
+        self.call("aberration.set", {"modes": []})
+        for job in ("registration.run", "flatness.run"):
+            self.run_job(job, {"frames": 2})
+        self.check_picture(self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.37}]})["hologram_id"])
+
+    def check_picture(self, hologram_id):
+        """Checks that the page's picture and the picture on the SLM are that of the hologram, pixel by pixel."""
+        bench, _ = self.message("ovws.web.bench/1", lambda m: m["hologram"]["hologram_id"] == hologram_id)
+        verdict = self.call("slm.verify")
+        self.assertTrue(verdict["equal"])
+        self.assertEqual(bench["hologram"]["crc32"], verdict["crc32_shown"])
+        status, _, png = self.ask("GET", "/hologram.png", token=self.tokens["look"])
+        self.assertEqual(status, 200)
+        grey = numpy.asarray(Image.open(BytesIO(png)))
+        self.assertEqual((grey.shape, zlib.crc32(grey.tobytes())), ((768, 1280), verdict["crc32"]))
 
     def test_a_daemon_that_goes_and_comes_again(self):
         self.take_reference()
