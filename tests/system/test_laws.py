@@ -44,19 +44,21 @@ class Laws(BenchCase):
     def test_each_law_corrects_and_every_decision_can_be_repeated(self):
         self.identify()
         file = self.call("record.start", {"name": "laws", "pictures_every": 0})["file"]
+        steps = 0
         for law in LAWS:
             self.run_law(law)
             if law == "predictor":
                 self.pauses()
             report = self.call("loop.open", {"keep": False})
+            steps += report["steps"]
             print(f"\n  {law}: residual {report['residual_rms_waves']:.4f} wave after {report['steps']} steps", end="")
         self.call("record.stop")
         replay = subprocess.run([self.bench.programs / "ovws", "--json", "replay", file], capture_output=True, text=True)
         loop = json.loads(replay.stdout)["loop"]
         print(f"\n  {loop}")
         self.assertEqual((loop["runs"], loop["same"], loop["first_difference"]), (len(LAWS), loop["decisions"], None))
-        # All but those whose hologram no recorded frame shows: two of each run on a quiet machine.
-        self.assertGreaterEqual(loop["decisions"], len(LAWS) * STEPS // 2, loop)
+        # All but those whose hologram was replaced before a frame showed it: usually none.
+        self.assertGreaterEqual(loop["decisions"], steps - 2 * len(LAWS), loop)
 
     def pauses(self):
         paused = self.call("loop.pause")
