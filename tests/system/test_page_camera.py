@@ -1,5 +1,6 @@
 """The live page in a real browser: the bar of daily controls, the camera's panel, folding panels, and what a page without control shows."""
 import io
+import math
 import re
 import time
 
@@ -11,6 +12,8 @@ from web_case import ADDRESS, Browser, WebCase, browser_packages
 
 PANELS = "return [...document.querySelectorAll('main > section')].filter((s) => s.offsetHeight > 0).map((s) => s.id)"
 READOUT = re.compile(r"x (\d+), y (\d+)(?: \((\d+), (\d+) in the region\))?: (\d+) DN, ([\d.]+) % of full scale(.*)")
+# The slider's upper end; null while it cannot be moved.
+SLIDER_MAX = "const s = document.querySelector('#bar .wide input[type=range]:enabled'); return s && Number(s.max)"
 WHY = """const shown = (e) => e && e.offsetParent !== null && e.textContent !== "";
     return [...document.querySelectorAll(":is(button, input, select):disabled")].filter((e) => e.offsetParent !== null)
         .filter((e) => !e.title || !(e.getAttribute("aria-describedby") ?? "").split(" ").some((id) => shown(document.getElementById(id)) && document.getElementById(id).textContent === e.title))
@@ -105,6 +108,7 @@ class Bar(PageCase):
 
     def test_every_control_of_the_bar_acts_on_the_bench(self):
         browser = self.browser
+        wait_for(lambda: browser.run(SLIDER_MAX), what="a slider that can be moved")
         browser.run("""const slider = document.querySelector("#bar .wide input[type=range]");
             slider.value = "3.2"; slider.dispatchEvent(new Event("input", {bubbles: true}))""")
         wait_for(lambda: self.settings()["exposure_us"] == 1585.0, what="the slider's exposure")
@@ -226,6 +230,21 @@ class Bar(PageCase):
         self.browser.click("#camera-tools >> text=Region")
         self.assertGreater(self.browser.run("return document.querySelectorAll(':disabled').length"), 15)
         self.assertEqual(self.browser.run(WHY), [])
+
+    def test_a_page_that_does_not_know_the_limits_yet_waits_for_them(self):
+        for name in ("ovws-web", "ovwsd"):
+            self.bench.stop(name)
+        self.start_web()
+        self.browser.open("about:blank")
+        self.browser.open(self.links["control"])
+        self.browser.wait_text("#bar-why", lambda text: text == "Waiting for ovwsd.")
+        self.browser.wait_text("#role", lambda text: text == "control enabled")
+        self.assertEqual(self.browser.run("return document.querySelectorAll('#bar .field :is(button, input):enabled').length"), 0)
+        self.assertTrue(self.browser.run("return document.querySelector('#bench .controls').hidden"))
+        self.assertEqual(self.browser.run(WHY), [])
+        self.start_daemon()
+        self.assertAlmostEqual(wait_for(lambda: self.browser.run(SLIDER_MAX), what="a slider that can be moved"), math.log10(1e6 / 30), places=4)
+        self.assertFalse(self.browser.run("return document.querySelector('#bench .controls').hidden"))
 
 
 class Camera(PageCase):

@@ -136,7 +136,8 @@ function loopText(loop) {
 
 /** Why a control is disabled though the page may control: what the bench lacks for it. */
 function lacks() {
-  const camera = !status || status.camera.connected ? "" : "The camera is not connected.";
+  const connected = bench?.camera.limits && (!status || status.camera.connected); // its limits are null until it was connected once
+  const camera = connected ? "" : "The camera is not connected.";
   const job = status?.state === "job_running" ? "A job is running." : "";
   const reference = !status || status.sensor.referenced ? "" : "Needs a reference.";
   const closed = whyLoop();

@@ -49,6 +49,7 @@ function buildLoop(parent) {
 export function build(mayControl) {
   const parent = document.querySelector("#bench .controls");
   parent.replaceChildren();
+  parent.hidden = true; // until their limits are known
   controls = null;
   if (!mayControl) {
     parent.append(Object.assign(element("dl", "facts"), { id: "bench-facts" }));
@@ -104,6 +105,7 @@ export function takeBench(message) {
   const { camera, sensor, reference, loop } = message;
   const info = camera.info ? `${camera.info.vendor} ${camera.info.model}` : "no camera";
   setText(byId("bench-sub"), `${info}, ${sensor.subapertures} subapertures`);
+  document.querySelector("#bench .controls").hidden = false;
   if (controls) return showControls(message);
   const { settings } = camera;
   return showFacts(byId("bench-facts"), [

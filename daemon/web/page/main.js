@@ -36,7 +36,7 @@ let numbersAt = -NUMBERS_MS;
 let wavefront = null;
 let status = null;
 let lastFrame = { wavefront: 0, image: 0 };
-let newestBench = null;
+let newestBench = null; // without it the limits of controls are unknown
 let modeNames = "";
 let right = "look";
 const BACKLOG_MS = 1500; // after which the bins of the past have come
@@ -92,6 +92,7 @@ function whatRefusalsRestOn() {
 }
 
 function takeBench(message) {
+  const isFirst = newestBench === null;
   newestBench = message;
   rights.takeBench(message);
   const names = message.sensor.mode_names.map((mode) => mode.j).join();
@@ -105,6 +106,7 @@ function takeBench(message) {
   derived.takeBench(message);
   slm.takeBench(message, status?.slm.pattern);
   forgetErrors(whatRefusalsRestOn());
+  if (isFirst) takeState("");
 }
 
 function takeHealth({ findings, t_ns: sent, browsers, refused }) {
@@ -118,7 +120,8 @@ function takeHealth({ findings, t_ns: sent, browsers, refused }) {
 
 function takeState(reason) {
   if (reason) showFindings([{ wellness: "bad", text: reason }]);
-  rights.setLack(reason ? "Not connected to ovws-web." : "");
+  const waiting = newestBench ? "" : "Waiting for ovwsd.";
+  rights.setLack(reason ? "Not connected to ovws-web." : waiting);
   takeRight();
   document.body.classList.toggle("cut", reason !== "");
 }
