@@ -187,7 +187,9 @@ void add_completion(CLI::App& app) {
       "source <(ovws completion bash)");
   auto shell = std::make_shared<std::string>();
   command->add_option("shell", *shell, "shell")->required()->check(CLI::IsMember({"bash"}));
-  command->callback([&app] { print("{}", bash_completion(app)); });
+  command->callback([&app, shell] {
+    if (*shell == "bash") print("{}", bash_completion(app));
+  });
 }
 
 }  // namespace ovws::cli
