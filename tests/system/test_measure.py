@@ -2,6 +2,7 @@
 import json
 import os
 import random
+import resource
 import subprocess
 import tempfile
 import unittest
@@ -61,6 +62,14 @@ class Measure(unittest.TestCase):
             self.assert_mode(line, {3: 0.3})
             self.assertEqual(len(line["spots"]), 19)
             self.assertEqual(sorted(line["spots"][0]), ["i", "quality", "x", "y"])
+
+    def test_an_image_that_cannot_be_written_leaves_the_one_before(self):
+        path = self.farfield("flat.png")
+        before = path.read_bytes()
+        done = subprocess.run([OVWS, "farfield", "-o", path], capture_output=True, text=True, timeout=60,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)), restore_signals=False)
+        self.assertEqual((done.returncode, path.read_bytes(), os.listdir(self.folder)), (1, before, ["flat.png"]), done)
+        self.ovws("farfield", "-o", "/dev/null")
 
     def test_split_spots_are_measured(self):
         drawn = random.Random(2)

@@ -63,13 +63,21 @@ Result<void> write_image(const std::filesystem::path& path, const cv::Mat& pictu
   } catch (const cv::Exception&) {
     return fail(cannot_write(path, "there is no image format " + format));
   }
-  std::FILE* file = std::fopen(path.c_str(), "wb");
+  // A file is written beside it and renamed at the end: a failure leaves the old one as it was.
+  std::error_code ignored;
+  const auto kind = std::filesystem::symlink_status(path, ignored).type();
+  const bool is_file =
+      kind == std::filesystem::file_type::regular || kind == std::filesystem::file_type::not_found;
+  const std::string part = path.string() + (is_file ? ".part" : "");
+  std::FILE* file = std::fopen(part.c_str(), "wb");
   if (file == nullptr) return fail(cannot_write(path, why_not_opened(path, errno)));
   errno = 0;
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) return fail(cannot_write(path, std::strerror(errno)));
-  return {};
+  if (written && closed && (!is_file || std::rename(part.c_str(), path.c_str()) == 0)) return {};
+  const std::string why = std::strerror(errno);
+  if (is_file) std::remove(part.c_str());
+  return fail(cannot_write(path, why));
 }
 
 ImageView Picture::view() const {
