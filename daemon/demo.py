@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "drivers" / "twin"))
 
-from bench import PATIENCE_S, Bench, BenchError, python_client  # noqa: E402
+from bench import PATIENCE_S, Bench, BenchError, forget_environment, python_client  # noqa: E402
 
 python_client()
 from ovws_client import Client, ClientError, Stream  # noqa: E402
@@ -64,7 +64,8 @@ class Demo:
             raise ClientError(f"the reference failed: {report['error']}")
 
     def measure(self, **wanted):
-        """Returns the time until the first frame, s, and FRAMES settled, valid frames that have these values (e.g. hologram_id)."""
+        """Returns the time until the first frame, s, and FRAMES settled, valid frames that have these values (e.g. hologram_id). Of the
+        tracker fit those count that it has measured from all pixels: until its templates are ready, positions measure the frames."""
         start, first, frames = time.monotonic(), None, []
         while len(frames) < FRAMES:
             if time.monotonic() - start > PATIENCE_S:
@@ -75,6 +76,8 @@ class Demo:
             if any(message[key] != value for key, value in wanted.items()):
                 continue
             first = first or time.monotonic() - start
+            if message["tracker"] == "fit" and message["sigma"][0] is None:
+                continue
             frames.append(message)
             self.live("  " + live_row(message))
         self.live("")
@@ -137,7 +140,7 @@ class Demo:
         self.step("Z(2,0) = 0.3 wave", {4: 0.3}, *self.measure(**self.aberrate(2, 0, 0.3)))
         self.client.call("aberration.clear")
         self.show_bright_spots()
-        shown = self.client.call("sensor.set", {"charge": 1, "tracker": "lg"})
+        shown = self.client.call("sensor.set", {"charge": 1, "tracker": "fit"})
         self.step("vortices again, Z(2,0)", {4: 0.3}, *self.measure(hologram_id=shown["hologram_id"]))
         wanted = self.set_camera(gain_db=12.0, exposure_us=SHORT_EXPOSURE_US)
         self.step("gain 12 dB, Z(2,0)", {4: 0.3}, *self.measure(**wanted))
@@ -163,7 +166,7 @@ class Demo:
         self.client.call("sensor.set", {"charge": 0, "tracker": "thresholded"})
         self.measure(**self.aberrate(2, 0, 0.3))
         self.pictures("shack-hartmann")
-        self.client.call("sensor.set", {"charge": 1, "tracker": "lg"})
+        self.client.call("sensor.set", {"charge": 1, "tracker": "fit"})
         self.set_camera(exposure_us=EXPOSURE_US)
         self.client.call("aberration.clear")
         print("\nimages: " + "\n        ".join(self.written))
@@ -183,6 +186,7 @@ def main():
     parser.add_argument("--build", type=Path, default=ROOT / "build" / "release", help="build folder")
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "demo", help="folder for the images (default: build/demo)")
     arguments = parser.parse_args()
+    forget_environment()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     signal.signal(signal.SIGINT, signal.default_int_handler)  # shells start background jobs with SIGINT ignored
     try:
@@ -204,18 +208,26 @@ def main():
     except KeyboardInterrupt:
         print()
         return 130
-    except (BenchError, ClientError) as error:
-        print(f"ovws demo: {error}", file=sys.stderr)
+    except subprocess.CalledProcessError as error:  # it has said why
+        print(f"ovws demo: {error.cmd[0]} ended with status {error.returncode}", file=sys.stderr)
+        return 1
+    except BrokenPipeError:  # as from head
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except (BenchError, ClientError, OSError) as error:
+        another = "\nIs another demonstration running? There can be one at a time." if "in use" in str(error) else ""
+        print(f"ovws demo: {error}{another}", file=sys.stderr)
         return 1
     return 0
 
 
 def build(arguments, program):
     if arguments.make:
-        print(f"\nbuilding {program}", flush=True)
-        made = subprocess.run(["cmake", "--build", arguments.build, "--target", program], capture_output=True, text=True)
+        print(f"\nbuilding {program}, once: two minutes on two cores", flush=True)
+        # On a terminal the build shows how far it is.
+        made = subprocess.run(["cmake", "--build", arguments.build, "--target", program], capture_output=not TTY, text=True)
         if made.returncode != 0:
-            raise BenchError(f"{program} was not built:\n{made.stdout}{made.stderr}")
+            raise BenchError(f"{program} was not built:\n{made.stdout or ''}{made.stderr or ''}")
 
 
 def start_page(bench):
