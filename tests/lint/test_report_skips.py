@@ -26,13 +26,33 @@ class SetUp(unittest.TestCase):
     def test_b(self): pass
 unittest.main(verbosity=2)
 '''
+NOISY_CASES = '''
+import sys, unittest
+class Cases(unittest.TestCase):
+    def test_a(self):
+        print("a line of its own", file=sys.stderr)
+        self.skipTest("no engine")
+    def test_b(self):
+        for part in range(2):
+            with self.subTest(part):
+                self.skipTest("no part")
+unittest.main()
+'''
 GTEST_OUTPUT = """[ RUN      ] Usb/Camera.IsUnplugged/0
 camera_test.cpp:12: Skipped
-No USB bus.
+No USB bus,
+or no rights.
 
+what TearDown says
 [  SKIPPED ] Usb/Camera.IsUnplugged/0 (0 ms)
 [ RUN      ] Camera.IsFound
 [       OK ] Camera.IsFound (3 ms)
+[  SKIPPED ] Slow.IsFast
+[  SKIPPED ] 2 tests, listed below:
+[  SKIPPED ] Usb/Camera.IsUnplugged/0
+[  SKIPPED ] Slow.IsFast
+
+  YOU HAVE 1 DISABLED TEST
 """
 
 
@@ -52,8 +72,12 @@ class ReportSkips(unittest.TestCase):
         self.assertEqual(report_of(cases=output), ["skipped: 5 test cases", "  cases: 1: no display", "  cases: 2: no engine",
                                                    "  cases: 1: no p4p", "  cases: 1: the reader's file is missing"])
 
+    def test_cases_whose_lines_cannot_be_read_are_counted(self):
+        output = subprocess.run([sys.executable, "-c", NOISY_CASES], stderr=subprocess.PIPE, text=True, check=True).stderr
+        self.assertEqual(report_of(cases=output), ["skipped: 3 test cases", "  cases: 3: see its output"])
+
     def test_cases_of_googletest_are_listed(self):
-        self.assertEqual(report_of(camera=GTEST_OUTPUT), ["skipped: 1 test cases", "  camera: 1: No USB bus."])
+        self.assertEqual(report_of(camera=GTEST_OUTPUT), ["skipped: 3 test cases", "  camera: 2: No USB bus, or no rights.", "  camera: 1: disabled"])
 
     def test_a_program_that_did_not_run_is_listed(self):
         self.assertEqual(report_of(absent="", present="OK"), ["skipped: 1 test cases", "  absent: 1: see its output"])

@@ -2,6 +2,8 @@
 """Prints which test cases were skipped and why, from the JUnit file of a ctest run.
 
     tests/support/report_skips.py FILE
+
+The programs' own totals decide how many: a case whose line cannot be read is listed without its name.
 """
 import re
 import sys
@@ -9,21 +11,35 @@ import xml.etree.ElementTree as ElementTree
 
 UNITTEST = re.compile(r"^(?!setUpClass)(\w+) \([^)]*\)(?:\n.*)? \.\.\. skipped ([\"'])(.*)\2$", re.MULTILINE)
 UNITTEST_CLASS = re.compile(r"^setUpClass \(([^)]*)\) \.\.\. skipped ([\"'])(.*)\2$", re.MULTILINE)
-GTEST = re.compile(r": Skipped\n(.*)\n*\[  SKIPPED \] ([\w./]+) \(")
+UNITTEST_TOTAL = re.compile(r"^(?:OK|FAILED) \(.*\bskipped=(\d+)", re.MULTILINE)
+GTEST = re.compile(r"^\[  SKIPPED \] ([\w./]+)$", re.MULTILINE)  # in the list at the end
+GTEST_TOTAL = re.compile(r"^\[  SKIPPED \] (\d+) tests?, listed below", re.MULTILINE)
+GTEST_DISABLED = re.compile(r"^ +YOU HAVE (\d+) DISABLED TESTS?", re.MULTILINE)
+UNKNOWN = "see its output"
+
+
+def gtest_reason(case, output):
+    """What the case said of its skip; without that, what its suite said of all."""
+    own = re.search(rf"^\[ RUN      \] {re.escape(case)}$(.*?)^\[  SKIPPED \] {re.escape(case)} \(", output, re.MULTILINE | re.DOTALL)
+    said = re.search(r": Skipped\n(.*?)(?:\n\n|\n\[|\Z)", own[1] if own else output, re.DOTALL)
+    return " ".join(said[1].split()) if said else UNKNOWN
 
 
 def skipped_cases(output):
     """(test case, reason) of each skipped case in the output of one test program."""
     cases = [match.group(1, 3) for pattern in (UNITTEST, UNITTEST_CLASS) for match in pattern.finditer(output)]
-    cases += [match.groups()[::-1] for match in GTEST.finditer(output)]
-    return list(dict.fromkeys(cases))
+    cases += [(case, gtest_reason(case, output)) for case in GTEST.findall(output)]
+    cases += [(f"disabled {number}", "disabled") for count in GTEST_DISABLED.findall(output) for number in range(int(count))]
+    known = list(dict.fromkeys(cases))
+    total = sum(int(count) for pattern in (UNITTEST_TOTAL, GTEST_TOTAL, GTEST_DISABLED) for count in pattern.findall(output))
+    return known + [(f"unnamed {number}", UNKNOWN) for number in range(total - len(known))]
 
 
 def main():
     found = {}
     for test in ElementTree.parse(sys.argv[1]).iter("testcase"):
         output = test.findtext("system-out") or ""
-        for case, reason in skipped_cases(output) or ([("all", "see its output")] if test.get("status") == "notrun" else []):
+        for case, reason in skipped_cases(output) or ([("all", UNKNOWN)] if test.get("status") == "notrun" else []):
             found.setdefault((test.get("name"), reason), []).append(case)
     print(f"skipped: {sum(map(len, found.values())) or 'no'} test cases")
     for (test, reason), cases in sorted(found.items()):
