@@ -2,7 +2,6 @@
 
     OVWS_REQUESTS=1000000   number of random and mutated requests
 """
-import itertools
 import json
 import os
 import random
@@ -22,7 +21,7 @@ BATCHES = 40
 ENDPOINT, PORT, PORTS = "tcp://127.0.0.1:7702", 7702, (7701, 7702, 7703)
 MOST_GROWTH_MIB = 64
 MOST_ALLOCATOR_GROWTH_MIB = 5
-ANSWERED_WITHIN_S = 2.0
+BATCH = 100  # requests in it
 GREETING = b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL" + bytes(48)
 READY = b"\4\x19\5READY\x0bSocket-Type\0\0\0\6DEALER"[:2 + 0x19]
 VALUES = [None, True, False, 0, -1, 1, 3, 1e308, -0.0, 2**63, 0.5, "", "lg", "matched", "sensor", "Mono8", "\u2028\ud83d\ude00", [], {}, [1, 2], [[]],
@@ -87,9 +86,11 @@ class Hostile(BenchCase):
         self.addCleanup(client.close)
         asked = time.monotonic()
         self.assertEqual(client.call("system.status")["camera"]["connected"], True)
-        took_s = time.monotonic() - asked
-        self.assertLess(took_s, ANSWERED_WITHIN_S)
-        return took_s
+        return time.monotonic() - asked
+
+    def carried_out(self):
+        """Number of requests that the daemon has carried out."""
+        return self.call("system.status")["counters"]["requests"]
 
     def request(self, number):
         """A well-formed request of a random method, with params that may be wrong."""
@@ -161,7 +162,7 @@ class Hostile(BenchCase):
         for k in range(20):  # the others send a byte from time to time
             for connection in slow:
                 connection.sendall(GREETING[k:k + 1])
-            self.assertLess(self.check_others_are_answered(), ANSWERED_WITHIN_S)
+            self.check_others_are_answered()
         print(f"\n  330 connections that say nothing whole: memory +{self.resident_mib() - before:.1f} MiB")
         self.assertLess(self.resident_mib() - before, MOST_GROWTH_MIB)
 
@@ -195,11 +196,12 @@ class Hostile(BenchCase):
         return mute
 
     def test_batches_whose_replies_are_large_and_not_read(self):
-        before, mute, took_s, most_mib = self.resident_mib(), self.mute(), [], 0.0
+        before, mute, took_s, carried, most_mib = self.resident_mib(), self.mute(), [], [self.carried_out()], 0.0
         for batch in range(BATCHES):
-            mute.send(json.dumps([{"jsonrpc": "2.0", "id": f"{batch}.{n}", "method": "system.describe"} for n in range(100)]).encode())
+            mute.send(json.dumps([{"jsonrpc": "2.0", "id": f"{batch}.{n}", "method": "system.describe"} for n in range(BATCH)]).encode())
         for _ in range(20):
             took_s.append(self.check_others_are_answered())
+            carried.append(self.carried_out())
             most_mib = max(most_mib, self.resident_mib() - before)
         replies = {}
         for _ in range(BATCHES):
@@ -208,11 +210,12 @@ class Hostile(BenchCase):
             replies[answers[0]["id"].split(".")[0]] = answers
             took_s.append(self.check_others_are_answered())
             most_mib = max(most_mib, self.resident_mib() - before)
-        print(f"\n  {BATCHES} batches of 100 large replies: others answered in {statistics.median(took_s):.3f} s, at most {max(took_s):.3f} s;"
+        print(f"\n  {BATCHES} batches of 100 large replies: others answered in {statistics.median(took_s):.3f} s, at most {max(took_s):.3f} s, of {BATCHES} batches {(carried[1] - carried[0]) / BATCH:.1f} were carried out before;"
               f" memory at most +{most_mib:.1f} MiB")
         self.assertEqual(len(replies), BATCHES)
+        self.assertLess(carried[-1] - carried[0], 2 * 20 + BATCH, "who does not read gets no more carried out, and others do not wait for it")
         for batch, answers in replies.items():
-            self.assertEqual([answer["id"] for answer in answers], [f"{batch}.{n}" for n in range(100)])
+            self.assertEqual([answer["id"] for answer in answers], [f"{batch}.{n}" for n in range(BATCH)])
             refused = [answer["error"]["code"] for answer in answers if "error" in answer]
             self.assertEqual(refused, [-32000] * len(refused))
             self.assertLess(len(refused), 100)
