@@ -31,6 +31,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
 PATIENCE_S = 60.0  # with a program that starts on a busy machine
+CRASHES = {-signal.SIGSEGV, -signal.SIGABRT, -signal.SIGBUS, -signal.SIGFPE, -signal.SIGILL}
 X_LOCK, X_SOCKET = "/tmp/.X{}-lock", "/tmp/.X11-unix/X{}"
 
 
@@ -52,6 +53,14 @@ def find_programs(build=None):
 def python_client():
     """Makes `import ovws_client` find the package of the build in use, which contains generated code."""
     sys.path.insert(0, str(find_programs().parent / "python"))
+
+
+def forget_environment():
+    """Removes what would change the bench's programs and clients: keys of a daemon, and what a service manager gives its services."""
+    for name in ("OVWS_KEY", "OVWS_SERVER_KEY", "STATE_DIRECTORY", "RUNTIME_DIRECTORY", "CACHE_DIRECTORY", "LOGS_DIRECTORY",
+                 "CONFIGURATION_DIRECTORY", "CREDENTIALS_DIRECTORY", "NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID", "LISTEN_FDS",
+                 "LISTEN_PID", "LISTEN_FDNAMES"):
+        os.environ.pop(name, None)
 
 
 def own_network():
@@ -114,6 +123,7 @@ class Process:
 
     def __init__(self, name, command, directory, env=None, pass_fds=()):
         self.name = name
+        self._is_killed = False
         self.log_path = pathlib.Path(directory) / f"{name}.log"
         self._out_path = pathlib.Path(directory) / f"{name}.out"
         # A session of its own, so that Ctrl-C at the terminal stops the bench in order.
@@ -131,10 +141,16 @@ class Process:
         return self.popen.poll() is None
 
     def failure(self, what):
-        """A BenchError with what went wrong and the end of the log."""
+        """A BenchError with what went wrong, or that the program ended before, and the end of the log."""
         tail = self.log_path.read_text(errors="replace").splitlines()[-15:]
-        ended = "" if self.alive() else f" (it ended with status {self.popen.returncode})"
-        return BenchError("\n  ".join([f"{self.name}: {what}{ended}"] + tail))
+        why = what if self.alive() else f"ended with status {self.popen.returncode}"
+        return BenchError("\n  ".join([f"{self.name}: {why}"] + tail))
+
+    def crash(self):
+        """Why this ended program has crashed, or None."""
+        if self.popen.returncode in CRASHES:
+            return f"{self.name} crashed ({signal.Signals(-self.popen.returncode).name})"
+        return f"{self.name} did not end within its time and was killed" if self._is_killed else None
 
     def wait_for_line(self, start, timeout):
         """Waits for the first line on standard output that begins with `start`, and returns it."""
@@ -155,6 +171,7 @@ class Process:
             try:
                 self.popen.wait(timeout)
             except subprocess.TimeoutExpired:
+                self._is_killed = True
                 self.popen.kill()
                 self.popen.wait()
         return self.popen.returncode
@@ -169,6 +186,7 @@ class Bench:
         self.directory = pathlib.Path(directory or tempfile.mkdtemp(prefix="ovws-bench-"))
         self.directory.mkdir(parents=True, exist_ok=True)
         self.display = None
+        self.crashes = []  # what programs of the bench have crashed, in words
         self._processes = []
 
     def __enter__(self):
@@ -197,9 +215,15 @@ class Bench:
 
     def stop(self, name):
         """Stops one program of the bench, for tests of the consequences. Returns its exit status."""
-        process = self.process(name)
+        return self._end(self.process(name))
+
+    def _end(self, process, timeout=30.0):
+        """Stops a program and notes whether it crashed; returns its exit status."""
         self._processes.remove(process)
-        return process.stop()
+        status = process.stop(timeout)
+        if crash := process.crash():
+            self.crashes.append(crash)
+        return status
 
     def start_display(self, number=None, timeout=PATIENCE_S, slm_size=(1280, 768)):
         """Starts an X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (the SLM, `slm_size`
@@ -259,8 +283,7 @@ class Bench:
         """Stops all programs but these, in reverse order, and removes all files but theirs."""
         for process in reversed(self._processes[:]):
             if process.name not in names:
-                self._processes.remove(process)
-                process.stop()
+                self._end(process)
         for path in self.directory.iterdir():
             if not path.name.startswith((*names, "twin.json")):
                 shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
@@ -268,7 +291,7 @@ class Bench:
     def close(self):
         """Stops all programs of this bench in reverse order, and removes its own folder."""
         while self._processes:
-            self._processes.pop().stop()
+            self._end(self._processes[-1])
         if self._own_directory:
             shutil.rmtree(self.directory, ignore_errors=True)
 

@@ -7,6 +7,7 @@ import sys
 import time
 import unittest
 from pathlib import Path
+from types import MappingProxyType
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "drivers" / "twin"))
@@ -107,14 +108,17 @@ class SharedBench:
         return started
 
     def give_back(self):
-        """Stops what the test has started besides display and twin, and empties the folder."""
+        """Stops what the test has started besides display and twin, and empties the folder. Fails if a program has crashed."""
+        bench = self._bench
         try:
-            self._bench.keep_only("xorg", "ovws-twin")
-            if self._restored():
-                return
+            bench.keep_only("xorg", "ovws-twin")
+            restored = self._restored()
         except (ClientError, OSError, subprocess.SubprocessError):
-            pass
-        self.close()
+            restored = False
+        if not restored:
+            self.close()
+        crashes, bench.crashes = bench.crashes, []
+        assert not crashes, crashes
 
     def _restored(self):
         """Restores the twin. Returns whether display and twin are those of the start, and the display unchanged."""
@@ -153,8 +157,8 @@ class BenchCase(unittest.TestCase):
     The tests of a class share display and twin, which are put back as they were (SharedBench); each has a daemon of its own, with
     empty folders."""
 
-    twin_config = {}
-    daemon_config = {}
+    twin_config = MappingProxyType({})
+    daemon_config = MappingProxyType({})
     small = False  # use SMALL_SIZE instead of 1280 x 768
 
     @classmethod
@@ -164,6 +168,8 @@ class BenchCase(unittest.TestCase):
         cls.addClassCleanup(cls.shared_bench.close)
 
     def setUp(self):
+        environment = dict(os.environ)
+        self.addCleanup(lambda: (os.environ.clear(), os.environ.update(environment)))
         self.bench = self.shared_bench.take()
         self.addCleanup(self.shared_bench.give_back)
         self.addCleanup(self.report_failure)
@@ -270,8 +276,14 @@ class BenchCase(unittest.TestCase):
 
 
 def main():
-    """Runs the tests of the calling script. Exits with 77, which ctest shows as skipped, if all of them were skipped."""
+    """Runs the tests of the calling script. Exits with 77, which ctest shows as skipped, if all of them were skipped, and with 1 if there
+    are none."""
+    bench_module.forget_environment()
     bench_module.own_network()
     result = unittest.main(verbosity=2, exit=False).result
-    skipped = sum(isinstance(test, unittest.TestCase) for test, _ in result.skipped)  # classes are not among testsRun
+    # Classes are not among testsRun, and parts of tests (subTest) are not tests.
+    skipped = sum(isinstance(test, unittest.TestCase) and not hasattr(test, "test_case") for test, _ in result.skipped)
+    if not result.testsRun and not result.skipped:
+        print("no test ran", flush=True)
+        sys.exit(1)
     sys.exit(1 if not result.wasSuccessful() else 77 if result.skipped and result.testsRun == skipped else 0)

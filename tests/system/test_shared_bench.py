@@ -1,7 +1,11 @@
 """Between the tests of a class the shared display and twin are as at their start, whatever a test has done to them."""
+import os
+import signal
 import subprocess
+import sys
+import unittest
 
-from case import TWIN, BenchCase, Client, main, twin_settings
+from case import ROOT, TWIN, BenchCase, Client, main, twin_settings
 
 DISTURBED = {"aberration": [{"j": 4, "waves": 0.3}], "shades": [{"x_px": 640, "y_px": 384, "radius_px": 50}],
              "branch_points": [{"x": 0.1, "y": 0.2}], "sources": [{"offset_px": [0.0, 90.0]}], "peak_electrons": 500.0,
@@ -55,6 +59,34 @@ class SharedBenchIsRestored(BenchCase):
         subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", "--off"], check=True, capture_output=True)
         self.renew()
         self.assertEqual(self.facts(), before)
+
+    def test_a_program_that_crashes_fails_its_test(self):
+        for name, number in (("ovwsd", signal.SIGSEGV), ("ovws-twin", signal.SIGABRT)):
+            os.kill(self.bench.process(name).pid, number)
+        with self.assertRaisesRegex(AssertionError, r"ovwsd crashed \(SIGSEGV\).*ovws-twin crashed \(SIGABRT\)"):
+            self.renew()
+        self.bench = self.shared_bench.take()
+        self.start()
+
+    def test_the_environment_is_that_of_a_shell(self):
+        self.assertEqual({"STATE_DIRECTORY", "NOTIFY_SOCKET", "OVWS_KEY"} & os.environ.keys(), set())
+        with self.assertRaises(TypeError):
+            BenchCase.daemon_config["log"] = {}  # other classes have it, too
+
+
+class Skips(unittest.TestCase):
+    """The exit status of a script says whether its tests ran."""
+
+    def status(self, body):
+        code = f"import sys, unittest\nsys.path.insert(0, {str(ROOT / 'tests/system')!r})\nfrom case import main\nclass T(unittest.TestCase):\n{body}\nmain()\n"
+        return subprocess.run([sys.executable, "-c", code], capture_output=True).returncode
+
+    def test_of_none_of_some_and_of_all_skipped(self):
+        skip, run = " def test_{}(self): self.skipTest('no')\n", " def test_{}(self): pass\n"
+        parts = " def test_c(self):\n  for k in range(2):\n   with self.subTest(k): self.skipTest('no')\n"
+        for body, status in ((run.format("a"), 0), (run.format("a") + skip.format("b"), 0), (skip.format("b"), 77), (parts + run.format("a"), 0),
+                             (" def tset_a(self): pass\n", 1), (" def test_a(self): self.fail()\n", 1)):
+            self.assertEqual(self.status(body), status, body)
 
 
 if __name__ == "__main__":
