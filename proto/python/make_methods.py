@@ -5,7 +5,6 @@ ovws_client/mode_names.py.
     make_methods.py SCHEMAS MODE_NAMES PACKAGE     SCHEMAS and MODE_NAMES: the folder and the file written by write_schemas
 """
 import json
-import re
 import sys
 import textwrap
 from pathlib import Path

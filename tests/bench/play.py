@@ -12,7 +12,7 @@ sys.path.insert(0, str(ROOT / "drivers" / "twin"))
 import bench as bench_module  # noqa: E402
 
 bench_module.python_client()
-from ovws_client import Client, Refused, Stream  # noqa: E402
+from ovws_client import Client, Stream  # noqa: E402
 
 SENSOR_MODES, LOOP_MODES = range(3, 19), range(3, 15)
 

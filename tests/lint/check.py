@@ -1,12 +1,16 @@
 #!/usr/bin/python3
-"""Checks rules of the tree that the compiler does not: one-way includes, places of vendor headers, sizes, forbidden words, width of Markdown.
+"""Checks rules of the tree that the compiler does not: one-way includes, places of vendor headers, sizes, forbidden words, width of Markdown,
+and names of Python that are not defined or not used.
 
     tests/lint/check.py [root]      prints each violation as file:line: rule, and exits 1 if there is any
 """
+import ast
 import re
 import subprocess
 import sys
 from pathlib import Path
+
+from pyflakes.checker import Checker
 
 ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[2]).resolve()
 
@@ -176,6 +180,13 @@ def too_wide(lines):
             yield number
 
 
+def wrong_names(name, lines):
+    """What pyflakes finds in a Python file, but on lines with noqa: (line, text)."""
+    for message in Checker(ast.parse("\n".join(lines)), name).messages:
+        if "# noqa" not in lines[message.lineno - 1]:
+            yield message.lineno, message.message % message.message_args
+
+
 def main():
     found, homes = [], {}
     code = [n for n in tracked(*CODE) if room_of(n) in MAY_INCLUDE]
@@ -193,6 +204,8 @@ def main():
         lines = path.read_text(errors="replace").splitlines()
         if path.suffix in {".hpp", ".cpp", ".inc", ".py", ".js", ".css"} and len(lines) > MOST_LINES:
             found.append(f"{name}:1: {len(lines)} lines, at most {MOST_LINES}")
+        if path.suffix == ".py":
+            found += [f"{name}:{number}: {rule}" for number, rule in wrong_names(name, lines)]
         if name.startswith("tests/lint/"):
             continue
         for number, line in enumerate(lines, 1):

@@ -55,7 +55,7 @@ class Commands(CorrectorCase):
         self.assertIsNone(self.call("corrector.get")["matrix"], "the client sets it again")
 
     def commands_belong_to_the_modes(self, stream, matrix, number):
-        commands, compared, latency_us, order = {}, 0, [], []
+        commands, compared = {}, 0
         while compared < 50:
             message = stream.next(5.0)
             self.assertIsNotNone(message, "a frame")

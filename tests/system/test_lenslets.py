@@ -3,7 +3,6 @@ import json
 import math
 import signal
 import subprocess
-import unittest
 
 from case import BenchCase, ClientError, bench_module, main, merged, wait_for
 

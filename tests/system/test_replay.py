@@ -14,7 +14,7 @@ import h5py
 import numpy
 import PIL.Image
 from astropy.io import fits
-from case import ROOT, BenchCase, bench_module, main, wait_for
+from case import BenchCase, bench_module, main, wait_for
 from ovws_client import export
 from ovws_client.recording import Recording
 

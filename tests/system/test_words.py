@@ -7,7 +7,7 @@ import re
 import subprocess
 import unittest
 
-from case import ROOT, bench_module, wait_for
+from case import bench_module, wait_for
 from terminal import Terminal
 
 BUILD = pathlib.Path(os.environ.get("OVWS_BUILD", ""))
