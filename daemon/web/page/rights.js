@@ -6,7 +6,7 @@ let closed = false;
 
 export const setRight = (given) => (right = given);
 
-/** `reason`: why the connection is cut; empty if it is not. */
+/** `reason`: why nothing can be changed yet or any more; empty if it can. */
 export const setLack = (reason) => (lack = reason);
 
 /** Why nothing can be changed; empty if it can. */
