@@ -77,7 +77,7 @@ class ReportSkips(unittest.TestCase):
         self.assertEqual(report_of(cases=output), ["skipped: 3 test cases", "  cases: 3: see its output"])
 
     def test_cases_of_googletest_are_listed(self):
-        self.assertEqual(report_of(camera=GTEST_OUTPUT), ["skipped: 3 test cases", "  camera: 2: No USB bus, or no rights.", "  camera: 1: disabled"])
+        self.assertEqual(report_of(camera=GTEST_OUTPUT), ["skipped: 3 test cases", "  camera: 1: No USB bus, or no rights.", "  camera: 1: disabled", "  camera: 1: see its output"])
 
     def test_a_program_that_did_not_run_is_listed(self):
         self.assertEqual(report_of(absent="", present="OK"), ["skipped: 1 test cases", "  absent: 1: see its output"])

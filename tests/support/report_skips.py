@@ -19,10 +19,10 @@ UNKNOWN = "see its output"
 
 
 def gtest_reason(case, output):
-    """What the case said of its skip; without that, what its suite said of all."""
+    """What the case said of its skip."""
     own = re.search(rf"^\[ RUN      \] {re.escape(case)}$(.*?)^\[  SKIPPED \] {re.escape(case)} \(", output, re.MULTILINE | re.DOTALL)
-    said = re.search(r": Skipped\n(.*?)(?:\n\n|\n\[|\Z)", own[1] if own else output, re.DOTALL)
-    return " ".join(said[1].split()) if said else UNKNOWN
+    said = re.search(r": Skipped\n(.*?)(?:\n\n|\Z)", own[1] if own else "", re.DOTALL)
+    return " ".join(said[1].split()) if said and said[1].strip() else UNKNOWN
 
 
 def skipped_cases(output):
