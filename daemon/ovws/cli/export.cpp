@@ -133,22 +133,6 @@ std::string cells(const std::vector<float>& waves, std::size_t columns, bool val
   return text;
 }
 
-/// Writes a file beside it and renames that at the end: a failure leaves the old file as it was.
-Result<void> replace(const fs::path& path,
-                     const std::function<Result<void>(std::ostream&)>& write) {
-  const fs::path part = path.string() + ".part";
-  std::ofstream out(part);
-  if (!out) return fail(cannot_write(path, why_not_opened(path, errno)));
-  auto written = write(out);
-  out.close();
-  if (written && !out) written = fail(cannot_write(path, "check the free disk space"));
-  std::error_code failed;
-  if (written) fs::rename(part, path, failed);
-  if (failed) written = fail(cannot_write(path, failed.message()));
-  if (!written) fs::remove(part, failed);
-  return written;
-}
-
 Result<void> write_modes(RecordingReader& reader, std::ostream& out) {
   const auto modes_j = recorded_modes(reader);
   if (!modes_j) return fail(modes_j.error());
@@ -233,12 +217,12 @@ Result<std::vector<std::string>> write_export(const ExportOptions& options) {
   std::vector<std::string> files;
   if (options.csv || (!options.spots && !options.images)) {
     files.push_back(prefix + ".csv");
-    if (auto written = replace(files.back(), write(write_modes)); !written)
+    if (auto written = write_output(files.back(), write(write_modes)); !written)
       return fail(written.error());
   }
   if (options.spots) {
     files.push_back(prefix + "-spots.csv");
-    if (auto written = replace(files.back(), write(write_spots)); !written)
+    if (auto written = write_output(files.back(), write(write_spots)); !written)
       return fail(written.error());
   }
   if (options.images) {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -13,6 +13,8 @@
 
 namespace ovws::cli {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// The module's functions, or why it cannot be loaded.
 tl::expected<const ImageCodecs*, std::string> image_codecs() {
@@ -37,22 +39,42 @@ Image<T> pixels_of(const cv::Mat& mat) {
   return image;
 }
 
-}  // namespace
-
-Error cannot_write(const std::filesystem::path& path, const std::string& why) {
+Error cannot_write(const fs::path& path, const std::string& why) {
   return {Errc::unavailable, "output", path.string() + " cannot be written: " + why};
 }
 
-std::string why_not_opened(const std::filesystem::path& path, int error_number) {
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+/// Why a file could not be opened: its folder is missing, or the system's error text.
+std::string why_not_opened(const fs::path& path, int error_number) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
   std::error_code ignored;
-  if (!std::filesystem::exists(folder, ignored)) {
-    return "the folder " + folder.string() + " does not exist";
-  }
+  if (!fs::exists(folder, ignored)) return "the folder " + folder.string() + " does not exist";
   return std::string(std::strerror(error_number)) + " (the folder " + folder.string() + " exists)";
 }
 
-Result<void> write_image(const std::filesystem::path& path, const cv::Mat& picture) {
+}  // namespace
+
+Result<void> write_output(const fs::path& path,
+                          const std::function<Result<void>(std::ostream&)>& write) {
+  std::error_code failed;
+  const auto kind = fs::status(path, failed).type();
+  const bool is_file = kind == fs::file_type::regular || kind == fs::file_type::not_found;
+  const fs::path whole = kind == fs::file_type::regular ? fs::canonical(path, failed) : path;
+  const fs::path part = whole.string() + (is_file ? ".part" : "");
+  std::ofstream out(part, std::ios::binary);
+  if (!out) return fail(cannot_write(path, why_not_opened(path, errno)));
+  errno = 0;
+  auto written = write(out);
+  out.close();
+  if (written && !out)
+    written = fail(cannot_write(path, errno != 0 ? std::strerror(errno) : "is its disk full?"));
+  if (!is_file) return written;
+  if (written) fs::rename(part, whole, failed);
+  if (written && failed) written = fail(cannot_write(path, failed.message()));
+  if (!written) fs::remove(part, failed);
+  return written;
+}
+
+Result<void> write_image(const fs::path& path, const cv::Mat& picture) {
   const auto codecs = image_codecs();
   if (!codecs) return fail(cannot_write(path, codecs.error()));
   std::vector<unsigned char> bytes;
@@ -63,21 +85,10 @@ Result<void> write_image(const std::filesystem::path& path, const cv::Mat& pictu
   } catch (const cv::Exception&) {
     return fail(cannot_write(path, "there is no image format " + format));
   }
-  // A file is written beside it and renamed at the end: a failure leaves the old one as it was.
-  std::error_code ignored;
-  const auto kind = std::filesystem::symlink_status(path, ignored).type();
-  const bool is_file =
-      kind == std::filesystem::file_type::regular || kind == std::filesystem::file_type::not_found;
-  const std::string part = path.string() + (is_file ? ".part" : "");
-  std::FILE* file = std::fopen(part.c_str(), "wb");
-  if (file == nullptr) return fail(cannot_write(path, why_not_opened(path, errno)));
-  errno = 0;
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  const bool closed = std::fclose(file) == 0;
-  if (written && closed && (!is_file || std::rename(part.c_str(), path.c_str()) == 0)) return {};
-  const std::string why = std::strerror(errno);
-  if (is_file) std::remove(part.c_str());
-  return fail(cannot_write(path, why));
+  return write_output(path, [&bytes](std::ostream& out) -> Result<void> {
+    out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    return {};
+  });
 }
 
 ImageView Picture::view() const {
@@ -85,7 +96,7 @@ ImageView Picture::view() const {
 }
 
 Result<Picture> read_image(const std::string& path) {
-  if (std::error_code none; !std::filesystem::exists(path, none)) {
+  if (std::error_code none; !fs::exists(path, none)) {
     return fail(unreadable(path, "does not exist"));
   }
   const auto codecs = image_codecs();

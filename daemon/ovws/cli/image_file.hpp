@@ -1,9 +1,10 @@
-/// Image files: reads and writes them, and says why a file could not be written. Also maps phases
-/// to colours.
+/// Files that commands read and write: images, and output of any kind. Also maps phases to colours.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <opencv2/core.hpp>
+#include <ostream>
 #include <string>
 
 #include "core/base/image.hpp"
@@ -11,10 +12,11 @@
 
 namespace ovws::cli {
 
-Error cannot_write(const std::filesystem::path& path, const std::string& why);
-
-/// Why a file could not be opened: its folder is missing, or the system's error text.
-std::string why_not_opened(const std::filesystem::path& path, int error_number);
+/// Writes a file by `write`, beside it, and renames that at the end: a failure leaves the old file
+/// as it was. Follows a symbolic link. What is not a file, such as a pipe, is written itself.
+/// Errors: those of `write`; Errc::unavailable, field "output".
+Result<void> write_output(const std::filesystem::path& path,
+                          const std::function<Result<void>(std::ostream&)>& write);
 
 /// Writes the image in the format of the file name's extension, or as PNG if it has no extension.
 /// Errors: Errc::unavailable, field "output".
