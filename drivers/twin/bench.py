@@ -31,7 +31,7 @@ import time
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
 PATIENCE_S = 60.0  # with a program that starts on a busy machine
-CRASHES = {-signal.SIGSEGV, -signal.SIGABRT, -signal.SIGBUS, -signal.SIGFPE, -signal.SIGILL}
+STOPS = {signal.SIGTERM, signal.SIGKILL, signal.SIGINT, signal.SIGHUP}  # other signals end a program that crashes
 X_LOCK, X_SOCKET = "/tmp/.X{}-lock", "/tmp/.X11-unix/X{}"
 
 
@@ -59,7 +59,7 @@ def forget_environment():
     """Removes what would change the bench's programs and clients: keys of a daemon, and what a service manager gives its services."""
     for name in ("OVWS_KEY", "OVWS_SERVER_KEY", "STATE_DIRECTORY", "RUNTIME_DIRECTORY", "CACHE_DIRECTORY", "LOGS_DIRECTORY",
                  "CONFIGURATION_DIRECTORY", "CREDENTIALS_DIRECTORY", "NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID", "LISTEN_FDS",
-                 "LISTEN_PID", "LISTEN_FDNAMES"):
+                 "LISTEN_PID", "LISTEN_FDNAMES", "JOURNAL_STREAM"):
         os.environ.pop(name, None)
 
 
@@ -142,15 +142,18 @@ class Process:
 
     def failure(self, what):
         """A BenchError with what went wrong, or that the program ended before, and the end of the log."""
-        tail = self.log_path.read_text(errors="replace").splitlines()[-15:]
-        why = what if self.alive() else f"ended with status {self.popen.returncode}"
-        return BenchError("\n  ".join([f"{self.name}: {why}"] + tail))
+        return self._error(what if self.alive() else f"ended with status {self.popen.returncode}")
 
     def crash(self):
-        """Why this ended program has crashed, or None."""
-        if self.popen.returncode in CRASHES:
-            return f"{self.name} crashed ({signal.Signals(-self.popen.returncode).name})"
-        return f"{self.name} did not end within its time and was killed" if self._is_killed else None
+        """A BenchError if this ended program has crashed, or None."""
+        number = -self.popen.returncode
+        if self._is_killed:
+            return self._error("did not end within its time and was killed")
+        return self._error(f"crashed ({signal.strsignal(number)})") if number > 0 and number not in STOPS else None
+
+    def _error(self, what):
+        tail = self.log_path.read_text(errors="replace").splitlines()[-15:]
+        return BenchError("\n  ".join([f"{self.name}: {what}"] + tail))
 
     def wait_for_line(self, start, timeout):
         """Waits for the first line on standard output that begins with `start`, and returns it."""
@@ -186,7 +189,7 @@ class Bench:
         self.directory = pathlib.Path(directory or tempfile.mkdtemp(prefix="ovws-bench-"))
         self.directory.mkdir(parents=True, exist_ok=True)
         self.display = None
-        self.crashes = []  # what programs of the bench have crashed, in words
+        self._crashes = []
         self._processes = []
 
     def __enter__(self):
@@ -217,13 +220,19 @@ class Bench:
         """Stops one program of the bench, for tests of the consequences. Returns its exit status."""
         return self._end(self.process(name))
 
-    def _end(self, process, timeout=30.0):
+    def _end(self, process):
         """Stops a program and notes whether it crashed; returns its exit status."""
         self._processes.remove(process)
-        status = process.stop(timeout)
+        status = process.stop()
         if crash := process.crash():
-            self.crashes.append(crash)
+            self._crashes.append(crash)
         return status
+
+    def check(self):
+        """Raises a BenchError if programs of the bench that have been stopped had crashed."""
+        crashes, self._crashes = self._crashes, []
+        if crashes:
+            raise BenchError("\n".join(map(str, crashes)))
 
     def start_display(self, number=None, timeout=PATIENCE_S, slm_size=(1280, 768)):
         """Starts an X server with the outputs DUMMY0 (1920 x 1080) and DUMMY1 (the SLM, `slm_size`
@@ -289,11 +298,13 @@ class Bench:
                 shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
 
     def close(self):
-        """Stops all programs of this bench in reverse order, and removes its own folder."""
+        """Stops all programs of this bench in reverse order, and removes its own folder. Raises a BenchError if a program has
+        crashed."""
         while self._processes:
             self._end(self._processes[-1])
         if self._own_directory:
             shutil.rmtree(self.directory, ignore_errors=True)
+        self.check()
 
     def _environment(self):
         # Without an X server of the bench, its programs must not find the user's display.

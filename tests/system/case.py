@@ -108,17 +108,17 @@ class SharedBench:
         return started
 
     def give_back(self):
-        """Stops what the test has started besides display and twin, and empties the folder. Fails if a program has crashed."""
-        bench = self._bench
+        """Stops what the test has started besides display and twin, and empties the folder. Raises a BenchError if a program has
+        crashed."""
         try:
-            bench.keep_only("xorg", "ovws-twin")
+            self._bench.keep_only("xorg", "ovws-twin")
             restored = self._restored()
         except (ClientError, OSError, subprocess.SubprocessError):
             restored = False
-        if not restored:
+        if restored:
+            self._bench.check()
+        else:
             self.close()
-        crashes, bench.crashes = bench.crashes, []
-        assert not crashes, crashes
 
     def _restored(self):
         """Restores the twin. Returns whether display and twin are those of the start, and the display unchanged."""
@@ -143,9 +143,9 @@ class SharedBench:
         return [line for line in outputs.splitlines() if "connected" in line], saver
 
     def close(self):
-        if self._bench:
-            self._bench.close()
-        self._bench = self._twin = None
+        bench, self._bench, self._twin = self._bench, None, None
+        if bench:
+            bench.close()
 
 
 class BenchCase(unittest.TestCase):

@@ -5,7 +5,7 @@ import subprocess
 import sys
 import unittest
 
-from case import ROOT, TWIN, BenchCase, Client, main, twin_settings
+from case import ROOT, TWIN, BenchCase, Client, bench_module, main, twin_settings
 
 DISTURBED = {"aberration": [{"j": 4, "waves": 0.3}], "shades": [{"x_px": 640, "y_px": 384, "radius_px": 50}],
              "branch_points": [{"x": 0.1, "y": 0.2}], "sources": [{"offset_px": [0.0, 90.0]}], "peak_electrons": 500.0,
@@ -63,23 +63,33 @@ class SharedBenchIsRestored(BenchCase):
     def test_a_program_that_crashes_fails_its_test(self):
         for name, number in (("ovwsd", signal.SIGSEGV), ("ovws-twin", signal.SIGABRT)):
             os.kill(self.bench.process(name).pid, number)
-        with self.assertRaisesRegex(AssertionError, r"ovwsd crashed \(SIGSEGV\).*ovws-twin crashed \(SIGABRT\)"):
+        with self.assertRaisesRegex(bench_module.BenchError, r"(?s)ovwsd: crashed \(Segmentation fault\)\n.*running.*ovws-twin: crashed \(Aborted\)"):
             self.renew()
         self.bench = self.shared_bench.take()
         self.start()
 
-    def test_the_environment_is_that_of_a_shell(self):
-        self.assertEqual({"STATE_DIRECTORY", "NOTIFY_SOCKET", "OVWS_KEY"} & os.environ.keys(), set())
+    def test_a_crash_at_the_end_of_a_class_is_an_error(self):
+        os.kill(self.bench.process("ovws-twin").pid, signal.SIGTRAP)
+        with self.assertRaisesRegex(bench_module.BenchError, "ovws-twin: crashed"):
+            self.shared_bench.close()
+        self.bench = self.shared_bench.take()
+
+    def test_defaults_cannot_be_changed(self):
         with self.assertRaises(TypeError):
             BenchCase.daemon_config["log"] = {}  # other classes have it, too
 
 
-class Skips(unittest.TestCase):
-    """The exit status of a script says whether its tests ran."""
+class Script(unittest.TestCase):
+    """A script of tests: its exit status says whether they ran, and their environment is that of a shell."""
 
-    def status(self, body):
-        code = f"import sys, unittest\nsys.path.insert(0, {str(ROOT / 'tests/system')!r})\nfrom case import main\nclass T(unittest.TestCase):\n{body}\nmain()\n"
-        return subprocess.run([sys.executable, "-c", code], capture_output=True).returncode
+    def status(self, body, **environment):
+        code = f"import os, sys, unittest\nsys.path.insert(0, {str(ROOT / 'tests/system')!r})\nfrom case import main\nclass T(unittest.TestCase):\n{body}\nmain()\n"
+        return subprocess.run([sys.executable, "-c", code], capture_output=True, env=os.environ | environment).returncode
+
+    def test_a_services_environment_is_forgotten(self):
+        given = {"STATE_DIRECTORY": "/x", "NOTIFY_SOCKET": "/x", "OVWS_KEY": "x", "JOURNAL_STREAM": "8:1"}
+        body = f" def test_a(self): self.assertEqual({{*{list(given)}}} & os.environ.keys(), set())\n"
+        self.assertEqual(self.status(body, **given), 0)
 
     def test_of_none_of_some_and_of_all_skipped(self):
         skip, run = " def test_{}(self): self.skipTest('no')\n", " def test_{}(self): pass\n"
