@@ -3,7 +3,6 @@
 Run it by daemon/demo, which installs and builds what is missing.
 """
 import argparse
-import math
 import os
 import shutil
 import signal
@@ -205,6 +204,7 @@ def main():
                       f"running: control tcp://127.0.0.1:7702, streams 7701 and 7703, twin 7790; recordings in {recordings}; Ctrl-C stops it\n"
                       f"to check it: DISPLAY={bench.display} {name_of_ovws(bench)} doctor --config {bench.directory / 'ovwsd.json'}", flush=True)
                 wait_for_ctrl_c()
+        sys.stdout.flush()
     except KeyboardInterrupt:
         print()
         return 130
@@ -223,7 +223,8 @@ def main():
 
 def build(arguments, program):
     if arguments.make:
-        print(f"\nbuilding {program}, once: two minutes on two cores", flush=True)
+        if not (arguments.build / "bin" / program).exists():
+            print(f"\nbuilding {program}, once: two minutes on two cores", flush=True)
         # On a terminal the build shows how far it is.
         made = subprocess.run(["cmake", "--build", arguments.build, "--target", program], capture_output=not TTY, text=True)
         if made.returncode != 0:
