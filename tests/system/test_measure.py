@@ -69,6 +69,10 @@ class Measure(unittest.TestCase):
         done = subprocess.run([OVWS, "farfield", "-o", path], capture_output=True, text=True, timeout=60,
                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)), restore_signals=False)
         self.assertEqual((done.returncode, path.read_bytes(), os.listdir(self.folder)), (1, before, ["flat.png"]), done)
+        link = self.folder / "link.png"
+        link.symlink_to("flat.png")
+        self.ovws("farfield", "-o", link)
+        self.assertTrue(link.is_symlink() and not path.is_symlink())
         self.ovws("farfield", "-o", "/dev/null")
 
     def test_split_spots_are_measured(self):
