@@ -1,4 +1,4 @@
-"""Every skipped case is listed with its reason: none is skipped in silence."""
+"""Every skipped case is listed with its reason, and every failed one with its error."""
 import subprocess
 import sys
 import tempfile
@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 from xml.sax.saxutils import quoteattr, escape
 
-REPORT = Path(__file__).resolve().parents[1] / "support" / "report_skips.py"
+REPORT = Path(__file__).resolve().parents[1] / "support" / "report_cases.py"
 PYTHON_CASES = '''
 import unittest
 class Cases(unittest.TestCase):
@@ -26,6 +26,25 @@ class SetUp(unittest.TestCase):
     def test_b(self): pass
 unittest.main(verbosity=2)
 '''
+FAILING_CASES = '''
+import unittest
+def wait_for(what):
+    raise TimeoutError(f"{what} did not come true")
+class Cases(unittest.TestCase):
+    def test_a(self): self.assertLess(3, 2, "too many")
+    def test_b(self):
+        for part in range(2):
+            with self.subTest(part): wait_for(f"part {part}")
+    def test_c(self): raise KeyError
+unittest.main()
+'''
+GTEST_FAILURE = """[ RUN      ] Camera.IsFound
+../camera_test.cpp:12: Failure
+Expected equality of these values:
+  found
+    Which is: 0
+[  FAILED  ] Camera.IsFound (3 ms)
+"""
 NOISY_CASES = '''
 import sys, unittest
 class Cases(unittest.TestCase):
@@ -56,9 +75,9 @@ what TearDown says
 """
 
 
-def report_of(**outputs):
+def report_of(status="run", **outputs):
     """What is said of programs with these outputs; of one without output, that it did not run."""
-    cases = [f"<testcase name={quoteattr(name)} status='{'run' if output else 'notrun'}'>"
+    cases = [f"<testcase name={quoteattr(name)} status='{status if output else 'notrun'}'>"
              f"<system-out>{escape(output)}</system-out></testcase>" for name, output in outputs.items()]
     with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
         file.write(f"<testsuite>{''.join(cases)}</testsuite>")
@@ -66,7 +85,7 @@ def report_of(**outputs):
         return subprocess.run([REPORT, file.name], capture_output=True, text=True, check=True).stdout.splitlines()
 
 
-class ReportSkips(unittest.TestCase):
+class ReportCases(unittest.TestCase):
     def test_cases_of_python_are_listed_by_reason(self):
         output = subprocess.run([sys.executable, "-c", PYTHON_CASES], stderr=subprocess.PIPE, text=True, check=True).stderr
         self.assertEqual(report_of(cases=output), ["skipped: 5 test cases", "  cases: 1: no display", "  cases: 2: no engine",
@@ -84,6 +103,17 @@ class ReportSkips(unittest.TestCase):
 
     def test_nothing_skipped_is_said(self):
         self.assertEqual(report_of(present="OK"), ["skipped: no test cases"])
+
+    def test_errors_of_python_are_listed(self):
+        output = subprocess.run([sys.executable, "-c", FAILING_CASES], stderr=subprocess.PIPE, text=True).stderr
+        self.assertEqual(report_of("fail", cases=output), [
+            "skipped: no test cases", "failed:", "  cases: <string>:4: TimeoutError: part 0 did not come true", "  cases: <string>:4: TimeoutError: part 1 did not come true",
+            "  cases: <string>:10: KeyError", "  cases: <string>:6: AssertionError: 3 not less than 2 : too many"])
+        self.assertEqual(report_of(cases=output), ["skipped: no test cases"], "another run of it passed")
+
+    def test_errors_of_googletest_are_listed(self):
+        self.assertEqual(report_of("fail", camera=GTEST_FAILURE, killed="nothing"), [
+            "skipped: no test cases", "failed:", "  camera: camera_test.cpp:12: Expected equality of these values: found", "  killed: see its output"])
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Prints which test cases were skipped and why, from the JUnit file of a ctest run.
+"""Prints from the JUnit file of a ctest run which test cases were skipped and why, and the errors of those that failed.
 
-    tests/support/report_skips.py FILE
+    tests/support/report_cases.py FILE
 
 The programs' own totals decide how many: a case whose line cannot be read is listed without its name.
 """
@@ -15,6 +15,9 @@ UNITTEST_TOTAL = re.compile(r"^(?:OK|FAILED) \(.*\bskipped=(\d+)", re.MULTILINE)
 GTEST = re.compile(r"^\[  SKIPPED \] ([\w./]+)$", re.MULTILINE)  # in the list at the end
 GTEST_TOTAL = re.compile(r"^\[  SKIPPED \] (\d+) tests?, listed below", re.MULTILINE)
 GTEST_DISABLED = re.compile(r"^ +YOU HAVE (\d+) DISABLED TESTS?", re.MULTILINE)
+PYTHON_ERROR = re.compile(r'^  File "(?:.*/)?([^"/]+)", line (\d+), in \S+\n(?:    .*\n)*([A-Za-z_][\w.]*(?:: .*)?)$', re.MULTILINE)
+GTEST_ERROR = re.compile(r"^(?:.*/)?([^/\s]+):(\d+): Failure\n(.*(?:\n +.*)?)", re.MULTILINE)
+MOST_ERRORS, MOST_LETTERS = 5, 300  # of one program, of one error
 UNKNOWN = "see its output"
 
 
@@ -35,15 +38,25 @@ def skipped_cases(output):
     return known + [(f"unnamed {number}", UNKNOWN) for number in range(total - len(known))]
 
 
+def errors(output):
+    """What the cases of one test program failed of, with file and line."""
+    found = [f"{file}:{line}: {' '.join(said.split())[:MOST_LETTERS]}" for pattern in (PYTHON_ERROR, GTEST_ERROR) for file, line, said in pattern.findall(output)]
+    return list(dict.fromkeys(found))[:MOST_ERRORS] or [UNKNOWN]
+
+
 def main():
-    found = {}
+    found, failed = {}, []
     for test in ElementTree.parse(sys.argv[1]).iter("testcase"):
         output = test.findtext("system-out") or ""
+        if test.get("status") == "fail":
+            failed += [f"  {test.get('name')}: {error}" for error in errors(output)]
         for case, reason in skipped_cases(output) or ([("all", UNKNOWN)] if test.get("status") == "notrun" else []):
             found.setdefault((test.get("name"), reason), []).append(case)
     print(f"skipped: {sum(map(len, found.values())) or 'no'} test cases")
     for (test, reason), cases in sorted(found.items()):
         print(f"  {test}: {len(cases)}: {reason}")
+    if failed:
+        print("failed:", *failed, sep="\n")
 
 
 if __name__ == "__main__":
