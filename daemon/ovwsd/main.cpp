@@ -58,7 +58,7 @@ void prepare_descriptors() {
 
 /// Fixes malloc's mmap threshold, so that freed large blocks return to the system. Without it
 /// glibc's per-thread arenas, which are locked memory (mlockall), grow to 150 MiB after some
-/// minutes of mixed commands. With large blocks mapped one by one the arenas stay below 20 MiB.
+/// minutes of mixed commands. With large blocks mapped one by one the arenas stay at a third.
 /// Call once, before any thread is created.
 void set_malloc_thresholds() {
   constexpr int kLargeBytes = 128 << 10;  // glibc's initial value; setting it disables adaptation

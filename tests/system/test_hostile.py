@@ -21,7 +21,7 @@ CLIENTS = 64
 BATCHES = 40
 ENDPOINT, PORT, PORTS = "tcp://127.0.0.1:7702", 7702, (7701, 7702, 7703)
 MOST_GROWTH_MIB = 64
-MOST_ALLOCATOR_GROWTH_MIB = 5
+MOST_ALLOCATOR_MIB, MOST_ALLOCATOR_GROWTH_MIB = 70, 3  # with glibc's own thresholds 118 to 136, +5 to +18
 BATCH = 100  # requests in it
 GREETING = b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL" + bytes(48)
 READY = b"\4\x19\5READY\x0bSocket-Type\0\0\0\6DEALER"[:2 + 0x19]
@@ -237,24 +237,28 @@ class Hostile(BenchCase):
                 total_kib += int(fields[1])
         return total_kib / 1024
 
+    def mixed_commands(self, clients, changes, regions):
+        for number, change in enumerate(changes):
+            for client, (method, params) in zip(clients, (change, ("camera.set", {"roi": regions[number % 2]}), ("system.describe", {}))):
+                client.send(json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": params}).encode())
+            for client in clients:
+                self.assertTrue(client.poll(60000))
+                client.recv()
+        self.call("sensor.set", {"charge": 1, "tracker": "fit", "subapertures_across": 5})
+        self.fitted_frames(self.stream("wavefront"), 10)  # the same model each time
+
     def test_mixed_commands_of_three_clients_leave_the_allocator_small(self):
         clients = [self.dealer() for _ in range(3)]
         regions = [{"x": 0, "y": 0, "width": size, "height": size} for size in (480, 512)]
         changes = [("sensor.set", {"charge": charge, "tracker": tracker, "subapertures_across": across})
                    for charge, tracker, across in itertools.product((1, 0, 2), ("fit", "lg", "weighted"), (5, 3))]
-        self.fitted_frames(self.stream("wavefront"), 10)  # the templates' model is made
-        before = self.allocator_mib()
-        for number, change in enumerate(changes):
-            for client, (method, params) in zip(clients, (change, ("camera.set", {"roi": regions[number % 2]}), ("system.describe", {}))):
-                client.send(json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": params}).encode())
-            for client in clients:
-                self.assertTrue(client.poll(10000))
-                client.recv()
-        self.call("sensor.set", {"charge": 1, "tracker": "fit", "subapertures_across": 5})
-        self.fitted_frames(self.stream("wavefront"), 10)  # the same model as before
-        grown = self.allocator_mib() - before
-        print(f"\n  {len(changes)} commands of each of three clients: the allocator +{grown:.1f} MiB")
-        self.assertLess(grown, MOST_ALLOCATOR_GROWTH_MIB)
+        sizes_mib = []
+        for _ in range(3):
+            self.mixed_commands(clients, changes, regions)
+            sizes_mib.append(self.allocator_mib())
+        print(f"\n  {len(changes)} commands of each of three clients, three times: the allocator has {', '.join(f'{size:.1f}' for size in sizes_mib)} MiB")
+        self.assertLess(max(sizes_mib), MOST_ALLOCATOR_MIB)
+        self.assertLess(sizes_mib[-1] - sizes_mib[0], MOST_ALLOCATOR_GROWTH_MIB)
 
     def test_a_client_that_reads_no_replies(self):
         before, mute = self.resident_mib(), self.mute()
