@@ -245,6 +245,10 @@ class BenchCase(unittest.TestCase):
     def take_reference(self, frames=50, **params):
         return self.run_job("reference.take", {"frames": frames} | params)
 
+    def close_loop(self, **params):
+        """Closes a loop that does not open by itself because a busy machine gives no usable frame for some seconds."""
+        return self.call("loop.close", {"patience_s": PATIENCE_S} | params)
+
     def fitted_frames(self, stream, count, timeout_s=PATIENCE_S):
         """The next `count` settled and valid messages in a row that templates measured."""
         frames, end = [], time.monotonic() + timeout_s

@@ -75,7 +75,7 @@ class BranchPoints(BenchCase):
         stream = self.stream("wavefront")
         self.take_reference()
         self.settled_frames(stream, 5)
-        self.call("loop.close")
+        self.close_loop()
         time.sleep(1.0)
         before = self.call("correction.get")
         self.light((0.3, 0.1, 1))

@@ -56,7 +56,7 @@ class GoodBench(CheckCase):
         self.assert_closed_loop_is_refused_or_borrowed()
 
     def assert_closed_loop_is_refused_or_borrowed(self):
-        self.call("loop.close", {"gain": 0.3})
+        self.close_loop(gain=0.3)
         code, report = self.check(*QUICK)
         self.assertEqual(code, 1)
         self.assertIn("--open-loop", report["error"]["message"])

@@ -184,7 +184,7 @@ class CommandLine(BenchCase):
         self.assertRegex(self.ovws("status"), r"(?m)^loop +open$")
         self.assertNotIn("failed", self.ovws("status"))
         self.take_reference(10)
-        self.call("loop.close")
+        self.close_loop()
         wait_for(lambda: self.call("loop.get")["steps"] > 3, what="steps")
         self.assertRegex(self.ovws("status"), r"(?m)^loop +closed, \d+ steps, correction 0\.\d+ wave RMS, residual 0\.\d+ wave RMS$")
         self.call("loop.open")

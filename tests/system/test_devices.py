@@ -113,7 +113,7 @@ class Devices(BenchCase):
         self.wait_until("running")
         self.frames_come()
         self.take_reference(20)
-        self.call("loop.close")
+        self.close_loop()
         self.assertIn("loop", str(self.refused("camera.select", {"id": "127.0.0.1"})))
         self.assertIn("loop", str(self.refused("slm.set", {"settle_ms": 5.0})))
         self.call("loop.open")

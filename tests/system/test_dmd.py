@@ -63,7 +63,7 @@ class DmdBench(BenchCase):
         self.take_reference(50)
         self.run_job("calibration.run", {"frames": 10}, timeout_s=60.0)
         twin.call("twin.set", {"aberration": [{"j": 4, "waves": 0.15}, {"j": 7, "waves": -0.06}], "norm": "rms"})
-        self.call("loop.close", {"gain": 0.3})
+        self.close_loop(gain=0.3)
 
         def corrected():
             correction = {mode["j"]: mode["waves"] for mode in self.call("correction.get")["modes"]}

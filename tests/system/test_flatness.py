@@ -42,7 +42,7 @@ class Flatness(SlmCase):
         self.call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})
         self.assertIn("correction.clear", self.failure("flatness.run"))
         self.take_reference(10)
-        self.call("loop.close")
+        self.close_loop()
         self.assertEqual(self.refused("flatness.run").code, -32000)
         self.call("loop.open")
         self.assertFalse(self.call("flatness.clear")["measured"])

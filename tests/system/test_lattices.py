@@ -126,7 +126,7 @@ class Lattices(BenchCase):
         self.assertEqual((self.sensor(), self.listed()), (before, {}))
         self.take_reference(20)
         self.prepare_both()
-        self.call("loop.close")
+        self.close_loop()
         self.assertIn("loop", str(self.refused("lattice.use", {"name": "coarse"})))
         self.assertIn("loop", str(self.refused("lattice.prepare", {"lattices": [fine]})))
         self.assertTrue(self.call("loop.get")["closed"])

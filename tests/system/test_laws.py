@@ -38,7 +38,7 @@ class Laws(BenchCase):
         return model
 
     def run_law(self, law):
-        self.call("loop.close", {"law": law, "patience_s": 20})
+        self.close_loop(law=law)
         wait_for(lambda: self.steps() >= STEPS, 60.0, f"{STEPS} steps of {law}")
 
     def test_each_law_corrects_and_every_decision_can_be_repeated(self):

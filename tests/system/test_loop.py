@@ -57,7 +57,7 @@ class Loop(BenchCase):
             if seed == 2:
                 self.turn_the_camera()
             self.hide(random_modes(seed, 0.5))
-            self.call("loop.close", {"gain": 0.5, "patience_s": 10.0})
+            self.close_loop(gain=0.5)
             wait_for(lambda: self.steps() >= 20, what="20 steps")
             left = self.true_residual()
             judged = self.twin.call("twin.get", {"judge": "sensor"})["wavefront"]
@@ -72,7 +72,7 @@ class Loop(BenchCase):
             self.assertFalse(report["closed"])
 
     def test_closes_on_wavefronts_that_have_just_split_spots(self):
-        """The search for the wavefront continues while the loop is closed, and the loop's timeout restarts when it is found."""
+        """The search for the wavefront continues while the loop is closed."""
         frames = self.stream("wavefront")
         for tracker, waves in (("fit", SPLIT), ("fit", OVERLAPPING), ("lg", SPLIT), ("lg", OVERLAPPING)):
             if self.call("sensor.get")["tracker"] != tracker:
@@ -81,7 +81,7 @@ class Loop(BenchCase):
                 self.take_reference(20)
             self.hide([{"j": j, "waves": w} for j, w in enumerate(waves, 3)])
             began = time.monotonic()
-            self.call("loop.close")
+            self.close_loop()
             wait_for(lambda: self.true_residual() < 0.01 or not self.call("loop.get")["closed"], what="a residual below 0.01 wave")
             report = self.call("loop.get")
             print(f"\n  {tracker}: below 0.01 wave after {time.monotonic() - began:.1f} s and {report['steps']} steps")
@@ -106,7 +106,7 @@ class Loop(BenchCase):
             self.call("correction.clear")
             self.take_reference(100)
             self.hide(random_modes(3, 0.5))
-            self.call("loop.close", {"gain": 0.3, "patience_s": 10.0})
+            self.close_loop(gain=0.3)
             wait_for(lambda: self.steps() >= 20, 60.0, "20 steps")
             after_20, worst = self.true_residual(), self.worst_residual()
             report = self.call("loop.open")
@@ -117,7 +117,7 @@ class Loop(BenchCase):
         pictures = self.stream("image", endpoint="tcp://127.0.0.1:7703")
         self.hide([{"j": 3, "waves": 5.0 / 6.0**0.5}])  # 5 waves at the pupil's edge
         aberrated = self.beam(pictures)
-        self.call("loop.close", {"gain": 0.5, "patience_s": 10.0})
+        self.close_loop(gain=0.5)
         wait_for(lambda: self.steps() >= 20, what="20 steps")
         self.call("loop.open")
         corrected = self.beam(pictures)
@@ -152,7 +152,7 @@ class Loop(BenchCase):
             file.write(b"P5 %d %d 255\n" % (columns, rows) + picture["binary"])
 
     def test_the_state_says_what_may_not_be_done(self):
-        self.call("loop.close", {"gain": 0.3, "modes": [3, 4, 5], "patience_s": 10.0})
+        self.close_loop(gain=0.3, modes=[3, 4, 5])
         self.assertEqual(self.call("system.status")["loop"], "closed")
         for method, params in (("reference.take", {}), ("registration.run", {}), ("sensor.set", {"charge": 0}), ("loop.close", {}),
                                ("correction.clear", {}), ("slm.show", {"pattern": "grating"}), ("reference.clear", {})):

@@ -183,7 +183,7 @@ class Bar(PageCase):
 
     def test_a_correction_of_the_open_loop_is_shown_and_cleared(self):
         self.call("aberration.set", {"modes": [{"j": 8, "waves": 0.1}]})
-        self.call("loop.close")
+        self.close_loop()
         wait_for(lambda: self.call("loop.get")["correction_rms_waves"] > 0.08, what="a correction")
         title = "return [...document.querySelectorAll('#bar button')].find((b) => b.textContent === 'Clear').title"
         wait_for(lambda: self.browser.run(title) == "Clears the aberration", what="the title with the loop closed")
@@ -207,7 +207,7 @@ class Bar(PageCase):
     def test_what_a_closed_loop_excludes_is_disabled_and_says_why(self):
         self.call("camera.set", {"exposure_us": 1100.0})
         self.browser.wait_text("header", lambda text: "Take a new one" in text)
-        self.call("loop.close")
+        self.close_loop()
         self.browser.wait_text("#bar .fields", lambda text: "The loop is closed: open it first." in text)
         disabled = "return [...document.querySelectorAll('button:disabled, select:disabled')].filter((e) => e.offsetParent).map((e) => e.textContent)"
         names = self.browser.run(disabled)

@@ -158,7 +158,7 @@ class Pictures(PictureCase):
             self.assertNotEqual(slm.show(self.grey())["job"], job)  # the client begins another
         self.call("aberration.set", {"modes": []})  # at once: the presentation has ended with the block
         self.take_reference(10)
-        self.call("loop.close", {})
+        self.close_loop()
         self.assertIn("loop", str(self.refused_by(self.client, Presentation(self.client).show, self.grey())))
 
     def refused_by(self, client, call, *args):

@@ -124,7 +124,7 @@ class Reload(BenchCase):
 
     def test_a_job_and_the_closed_loop_refuse_it(self):
         self.take_reference(20)
-        self.call("loop.close", {"gain": 0.3})
+        self.close_loop(gain=0.3)
         self.assert_refused({"camera": {"gain_db": 2.0}}, "", "loop.open")
         self.call("loop.open")
         job = self.call("reference.take", {"frames": 100000})["job"]

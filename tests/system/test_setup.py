@@ -95,7 +95,7 @@ class FiveFaults(SetupCase):
     def check_that_the_loop_is_restored(self):
         """The step leaves a closed loop and an aberration as they were; a reference from the model is none that was taken."""
         self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.05}]})
-        self.call("loop.close", {"gain": 0.3})
+        self.close_loop(gain=0.3)
         self.assertIn("The loop is closed again, as before.", self.set_up("--yes", "loop"))
         loop = self.call("loop.get")
         self.assertEqual((loop["closed"], loop["gain"]), (True, 0.3))

@@ -11,7 +11,7 @@ SECONDS = float(os.environ.get("OVWS_TURBULENCE_S", "21"))  # of each recording,
 AIR = {"rms_waves": 0.12, "speed_pupils_per_s": 0.15, "outer_scale_pupils": 4, "seed": 5, "tilt": False}
 MODES = list(range(3, 10))
 READ = 0.045  # wave RMS of the error that the air's modes above the measured ones cause: 0.030 to 0.036 are usual
-LOOP = {"law": "integrator", "gain": 0.5, "patience_s": 10, "modes": MODES}
+LOOP = {"law": "integrator", "gain": 0.5, "patience_s": 60, "modes": MODES}
 
 
 class Turbulence(BenchCase):

@@ -40,7 +40,7 @@ class Unplug(BenchCase):
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
         self.take_reference(10)
-        self.call("loop.close", {"patience_s": 20.0})
+        self.close_loop()
         wait_for(lambda: self.call("loop.get")["steps"] > 3, what="steps")
         reconnects = self.call("system.status")["counters"]["camera_reconnects"]
         twin.call("twin.fault", {"kind": "unplug", "seconds": 0.5})
