@@ -21,12 +21,13 @@ from ovws_client import ClientError, Stream  # noqa: E402
 __all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "TWIN", "main", "merged", "own_mounts", "wait_for"]
 
 PATIENCE_S = 2 * bench_module.PATIENCE_S  # limit of each wait for an event; a wait returns as soon as the event comes
+JOB_PATIENCE_S = 300.0  # of a job, likewise
 
 
 class Client(ovws_client.Client):
     """A client whose time-out allows for a loaded machine."""
 
-    def __init__(self, endpoint=ovws_client.wire.CONTROL, timeout_s=20.0, *keys, **more):
+    def __init__(self, endpoint=ovws_client.wire.CONTROL, timeout_s=60.0, *keys, **more):
         super().__init__(endpoint, timeout_s, *keys, **more)
 
 
@@ -232,9 +233,9 @@ class BenchCase(unittest.TestCase):
     def wait_until(self, state, timeout_s=PATIENCE_S):
         return wait_for(lambda: (status := self.call("system.status"))["state"] == state and status, timeout_s, f"state {state}")
 
-    def run_job(self, method, params, timeout_s=120.0):
+    def run_job(self, method, params):
         job = self.call(method, params)["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, timeout_s, method)
+        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, JOB_PATIENCE_S, method)
         self.assertEqual(ended["state"], "done", ended)
         return ended
 

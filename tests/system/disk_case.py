@@ -35,7 +35,7 @@ class DiskCase(BenchCase):
 
     def sweep(self, frames):
         """Runs a gain sweep with `frames` frames per cell; returns experiment.get."""
-        self.run_job("experiment.gain_sweep", SWEEP | {"frames": frames}, 60.0)
+        self.run_job("experiment.gain_sweep", SWEEP | {"frames": frames})
         return self.call("experiment.get")
 
     def cells(self):
@@ -77,7 +77,7 @@ class DiskCase(BenchCase):
         for method, params, get in RUNS:
             with self.subTest(method):
                 events.drain()
-                self.run_job(method, params, 60.0)
+                self.run_job(method, params)
                 event = wait_for(lambda: (e := events.next(1.0)) and "will not survive a restart" in e["text"] and e, what=f"the event of {method}")
                 self.assertEqual(event["severity"], "error")
                 self.assertRegex(event["text"], why)
@@ -98,7 +98,7 @@ class DiskCase(BenchCase):
     def check(self, break_it, mend_it, why, sets_aside):
         """`sets_aside`: outdated files can be renamed, so that a restart does not load them."""
         for method, params, _ in RUNS:
-            self.run_job(method, params, 60.0)
+            self.run_job(method, params)
         self.sweep(3)
         self.call("config.save")
         before, cells, files = self.known(), self.cells(), self.files()
@@ -124,7 +124,7 @@ class DiskCase(BenchCase):
             self.assertIsNone(self.sweep(3 + 2)["not_kept_reason"])
             self.assertEqual(self.cells(), measured)  # stored now, not measured again
             for method, params, _ in RUNS:
-                self.run_job(method, params, 60.0)
+                self.run_job(method, params)
             self.call("config.save")
         self.assertIsNone(self.call("system.status")["store"]["reason"])
         after = self.known()

@@ -35,7 +35,7 @@ class CalibrationCase(BenchCase):
 
     def calibrate(self, **params):
         begun = time.monotonic()
-        found = self.run_job("calibration.run", params, 120.0)["result"]
+        found = self.run_job("calibration.run", params)["result"]
         self.assertEqual(self.call("calibration.get"), found)
         self.assertTrue(found["in_force"])
         factors = [mode["factor"] for mode in found["modes"]]
@@ -91,7 +91,7 @@ class Reading(CalibrationCase):
         print(f"\n  {rotation_deg} degrees, mirror {mirror}, {magnification}, base {centre_px}")
         self.twin.call("twin.set", {"geometry": {"rotation_deg": rotation_deg, "mirror": mirror, "magnification": magnification,
                                                  "centre_px": centre_px}})
-        self.run_job("registration.run", {}, 60.0)
+        self.run_job("registration.run", {})
         self.take_reference(20)
         found = self.calibrate(frames=10, **self.amplitude())
         self.assertEqual(([mode["j"] for mode in found["modes"]], found["dropped"], found["lost_spots"]), (list(range(1, 19)), [], []))
@@ -168,10 +168,10 @@ class Rules(CalibrationCase):
         self.call("sensor.set", {"operator": "measured"})
         self.assertEqual(self.in_use(), ("measured", "measured", None))
         # Measuring the same map again is the same registration; another magnification is a different one.
-        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.run_job("registration.run", {"frames": 3})
         self.assertEqual(self.in_use(), ("measured", "measured", None))
         self.twin.call("twin.set", {"geometry": {"magnification": 1.05}})
-        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.run_job("registration.run", {"frames": 3})
         self.expect_fallback("registration")
         self.call("registration.clear")
         self.twin.call("twin.set", {"geometry": {"magnification": 1.0}})

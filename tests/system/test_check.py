@@ -24,7 +24,7 @@ class CheckCase(BenchCase):
 
     def check(self, *words):
         """Exit code and the report as JSON."""
-        done = subprocess.run(self.command("--json", *words), capture_output=True, text=True, timeout=120)
+        done = subprocess.run(self.command("--json", *words), capture_output=True, text=True, timeout=300)
         self.assertTrue(done.stdout, done.stderr)
         return done.returncode, json.loads(done.stdout)
 

@@ -64,7 +64,7 @@ class Cluster(BenchCase):
         pass  # the bench has ended
 
     def ovws(self, *arguments, status=0):
-        done = subprocess.run([self.programs / "ovws", *map(str, arguments)], capture_output=True, text=True, timeout=60, cwd=self.folder)
+        done = subprocess.run([self.programs / "ovws", *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=self.folder)
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
@@ -142,7 +142,7 @@ class Cluster(BenchCase):
     def test_a_workflow_that_was_killed_ends_with_the_same(self):
         run = self.folder / "killed"
         first = self.snakemake(run, "local", 7)
-        wait_for(lambda: len(list(run.glob("*/parts/part-*.jsonl"))) >= 4, 60.0, "some parts")
+        wait_for(lambda: len(list(run.glob("*/parts/part-*.jsonl"))) >= 4, what="some parts")
         os.killpg(first.pid, signal.SIGKILL)  # Snakemake and what it started
         first.wait()
         finished = {path: path.stat().st_mtime_ns for path in run.glob("*/parts/part-*.jsonl")}
@@ -182,7 +182,7 @@ class Cluster(BenchCase):
                 print("\n  skipped:", command)
                 continue
             done = subprocess.run(["bash", "-c", command.replace("config/cluster", str(CLUSTER))], cwd=self.folder, env=self.env,
-                                  capture_output=True, text=True, timeout=120)
+                                  capture_output=True, text=True, timeout=300)
             self.assertEqual(done.returncode, 0, command + "\n" + done.stdout + done.stderr)
 
 

@@ -34,7 +34,7 @@ class Disk(DiskCase):
     def test_files_that_are_cut_off(self):
         random.seed(5)
         for method, params, _ in RUNS:
-            self.run_job(method, params, 60.0)
+            self.run_job(method, params)
         self.sweep(3)
         names = [name for name in sorted(self.files()) if "picture" not in name]  # images are read on demand
         self.assertEqual(len(names), 4 + 1 + 1 + 2, names)

@@ -53,15 +53,15 @@ class DmdBench(BenchCase):
     def test_the_flatness_is_measured_and_a_calibrated_loop_removes_an_aberration(self):
         twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(twin.close)
-        self.run_job("registration.run", {}, timeout_s=60.0)
-        self.run_job("flatness.run", {}, timeout_s=120.0)
+        self.run_job("registration.run", {})
+        self.run_job("flatness.run", {})
         true = twin.call("twin.get", {"judge": "grating"})["flatness_modes"]
         measured = {mode["j"]: mode["waves"] for mode in self.call("flatness.get")["modes"]}
         error = sum((measured.get(j, 0.0) - true[j]) ** 2 for j in range(3, 15)) ** 0.5
         print(f"\n  flatness of {sum(waves ** 2 for waves in true[3:15]) ** 0.5:.4f} wave: error {error:.4f}")
         self.assertLess(error, 0.004)
         self.take_reference(50)
-        self.run_job("calibration.run", {"frames": 10}, timeout_s=60.0)
+        self.run_job("calibration.run", {"frames": 10})
         twin.call("twin.set", {"aberration": [{"j": 4, "waves": 0.15}, {"j": 7, "waves": -0.06}], "norm": "rms"})
         self.close_loop(gain=0.3)
 

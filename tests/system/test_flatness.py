@@ -15,7 +15,7 @@ class Flatness(SlmCase):
     def measure(self):
         """Runs flatness.run on the current hologram; returns the truth and the result."""
         before = self.judge()
-        found = self.run_job("flatness.run", {"frames": 2}, 120.0)["result"]
+        found = self.run_job("flatness.run", {"frames": 2})["result"]
         after = self.judge()
         errors = {mode["j"]: mode["waves"] - before["flatness_modes"][mode["j"]] for mode in found["modes"]
                   if mode["j"] < 19}
@@ -33,7 +33,7 @@ class Flatness(SlmCase):
 
     def test_is_measured_kept_and_cleared(self):
         self.assertIn("registration.run first", self.failure("flatness.run"))
-        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.run_job("registration.run", {"frames": 3})
         found = self.measure()
         self.assertEqual(self.call("flatness.get"), found)
         self.restart()

@@ -67,10 +67,10 @@ class Formats(BenchCase):
         self.bench.start_twin(STILL | {"camera": {"rotation_deg": 20.0}})
         self.wait_until("running")
         self.call("camera.set", {"pixel_format": "BayerRG8", "frame_rate_hz": 60.0})
-        self.run_job("registration.run", {}, 60.0)
+        self.run_job("registration.run", {})
         self.assertAlmostEqual(self.call("registration.get")["rotation_deg"], 20.0, delta=0.01)
         self.take_reference(10)
-        self.run_job("calibration.run", {"modes": list(range(1, 10)), "frames": 5}, 60.0)
+        self.run_job("calibration.run", {"modes": list(range(1, 10)), "frames": 5})
         modes = [{"j": 3, "waves": 0.2}, {"j": 7, "waves": -0.1}]
         hologram_id = self.call("aberration.set", {"modes": modes})["hologram_id"]
         frames = self.settled_frames(self.stream("wavefront"), 10, hologram_id)

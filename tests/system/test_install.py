@@ -22,7 +22,7 @@ DOCUMENTS = ("README.md", "proto/RECORDING.md", "proto/WIRE.md", "proto/python/R
 
 
 def run(*command, **more):
-    return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=120, **more)
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=300, **more)
 
 
 class Install(unittest.TestCase):

@@ -33,7 +33,7 @@ class Lattices(BenchCase):
         self.twin.call("twin.set", {"scintillation": seed and {"variance": 0.8, "scale_pupils": 0.2, "seed": seed}})
 
     def prepare(self, *lattices, **more):
-        return self.run_job("lattice.prepare", {"lattices": list(lattices), "frames": 20} | more, timeout_s=120.0)["result"]["lattices"]
+        return self.run_job("lattice.prepare", {"lattices": list(lattices), "frames": 20} | more)["result"]["lattices"]
 
     def prepare_both(self):
         return self.prepare({"name": "fine"}, {"name": "coarse", "sensor": COARSE})

@@ -29,7 +29,7 @@ class Laws(BenchCase):
         with self.assertRaisesRegex(ClientError, "run loop.identify first"):
             self.call("loop.close", {"law": "predictor"})
         self.assertIsNone(self.call("loop.model")["model"])
-        job = self.run_job("loop.identify", {"seconds": 10}, 60.0)
+        job = self.run_job("loop.identify", {"seconds": 10})
         model = self.call("loop.model")["model"]
         self.assertEqual(job["result"]["model"], model)
         for mode in model["modes"]:
@@ -39,7 +39,7 @@ class Laws(BenchCase):
 
     def run_law(self, law):
         self.close_loop(law=law)
-        wait_for(lambda: self.steps() >= STEPS, 60.0, f"{STEPS} steps of {law}")
+        wait_for(lambda: self.steps() >= STEPS, what=f"{STEPS} steps of {law}")
 
     def test_each_law_corrects_and_every_decision_can_be_repeated(self):
         self.identify()

@@ -161,7 +161,7 @@ class Array(BenchCase):
         """Runs ovws on this bench; returns its exit code and all that it printed."""
         config = [] if arguments[0] == "check" else ["--config", "ovwsd.json"]
         ended = subprocess.run([bench_module.find_programs() / "ovws", *arguments, *config],
-                               capture_output=True, text=True, timeout=60, cwd=self.bench.directory)
+                               capture_output=True, text=True, timeout=300, cwd=self.bench.directory)
         return ended.returncode, ended.stdout + ended.stderr
 
     def test_commands_know_that_there_is_no_slm(self):

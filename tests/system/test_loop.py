@@ -48,7 +48,7 @@ class Loop(BenchCase):
     def turn_the_camera(self):
         self.hide([])
         self.twin.call("twin.set", {"geometry": {"rotation_deg": 33.0, "mirror": "x"}})
-        self.run_job("registration.run", {}, 60.0)
+        self.run_job("registration.run", {})
         self.take_reference(20)
 
     def test_a_static_aberration_is_gone_within_twenty_steps_and_stays_so(self):
@@ -107,7 +107,7 @@ class Loop(BenchCase):
             self.take_reference(100)
             self.hide(random_modes(3, 0.5))
             self.close_loop(gain=0.3)
-            wait_for(lambda: self.steps() >= 20, 60.0, "20 steps")
+            wait_for(lambda: self.steps() >= 20, what="20 steps")
             after_20, worst = self.true_residual(), self.worst_residual()
             report = self.call("loop.open")
             print(f"\n  {tracker}, SNR 5: after 20 steps {after_20:.4f}, then at most {worst:.4f} wave in {report['steps']} steps, {report['opened_because']}")

@@ -24,7 +24,7 @@ class LookUpTable(SlmCase):
         before, path = self.call("lut.get"), truth["lut_waves"]
         first_order = truth["wavefront"].get("first_order", math.nan)
         self.assertEqual((before["source"], before["measured"]), ("linear", False))
-        found = self.run_job("lut.run", {"levels": 17, "frames": 2}, 60.0)["result"]
+        found = self.run_job("lut.run", {"levels": 17, "frames": 2})["result"]
         self.assertEqual(self.call("lut.get"), found)
         after = self.judge()["wavefront"]["first_order"]
         curve = math.sqrt(sum((p - TWO_PI * w) ** 2 for p, w in zip(found["phase_rad"], path)) / 256)

@@ -75,7 +75,7 @@ class MapCase(SlmCase):
     def measure(self, params):
         """Runs map.run; returns its result and the map's error."""
         begin = time.monotonic()
-        found = self.run_job("map.run", params, 120.0)["result"]
+        found = self.run_job("map.run", params)["result"]
         took = time.monotonic() - begin
         error, truth = self.error(picture(found["map"]))
         print(f"\n  map: surface of {truth:.4f} waves RMS, error {error:.4f}, noise {found['standard_error_waves']:.4f}, misfit "
@@ -93,7 +93,7 @@ class Fine(MapCase):
 
     def test_finds_the_surface_and_applies_it(self):
         self.assertIn("registration.run first", self.failure("map.run"))
-        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.run_job("registration.run", {"frames": 3})
         before = self.judge()["wavefront"]["rms_waves"]
         found, _ = self.measure({"frames": 3, "apply": True})
         after = self.judge()["wavefront"]["rms_waves"]
@@ -112,7 +112,7 @@ class Fine(MapCase):
         self.assertLess(again["difference_rms_waves"], 0.01)
 
     def test_refuses_what_it_cannot_do(self):
-        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.run_job("registration.run", {"frames": 3})
         for params, field in (({"patterns": 3}, "patterns"), ({"cells": 300}, "cells"), ({"frames": 0}, "frames"), ({"apply": 1}, "apply")):
             self.assertIn(field, str(self.refused("map.run", params)))
         self.assertIn("256 cells requires 720 x 720 pixels", self.failure("map.run", {"cells": 256}))
@@ -145,7 +145,7 @@ class Colour(MapCase):
     daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 100, "pixel_format": "BayerRG8"}}
 
     def test_is_refused(self):
-        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.run_job("registration.run", {"frames": 3})
         self.assertIn("use a monochrome camera", self.failure("map.run"))
 
 
@@ -154,9 +154,9 @@ class Smooth(MapCase):
     twin_config = MapCase.twin_config | {"slm": {"flatness_rms_waves": 0.2, "flatness_cycles": 2.5, "flatness_seed": 3}}
 
     def test_agrees_with_flatness_run(self):
-        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.run_job("registration.run", {"frames": 3})
         begin = time.monotonic()
-        self.run_job("flatness.run", {"frames": 2}, 120.0)
+        self.run_job("flatness.run", {"frames": 2})
         took = time.monotonic() - begin
         found, error = self.measure({"frames": 3})
         by_modes, _ = self.error(picture(found["flatness"]))

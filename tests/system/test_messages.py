@@ -148,7 +148,7 @@ class Messages(BenchCase):
         self.checked_job("lut.run", {"levels": 9, "frames": 1}, "lut.get")
         call("lut.get")
         call("lut.clear")
-        self.run_job("registration.run", {"frames": 2}, 60.0)
+        self.run_job("registration.run", {"frames": 2})
         call("flatness.get")
         self.checked_job("focus.run", {"frames": 2})
         self.checked_job("map.run", {"patterns": 4, "cells": 64})

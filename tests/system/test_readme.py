@@ -60,7 +60,7 @@ class Readme(BenchCase):
     daemon_config = {"state": {"directory": "state"}}
 
     def run_here(self, command):
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=self.bench.directory)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=self.bench.directory)
         print("\n  $", shlex.join(map(str, command))[:100])
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout

@@ -76,7 +76,7 @@ class ReferenceNames(BenchCase):
 
     def check_verbs(self):
         def ovws(*words):
-            done = subprocess.run([self.bench.programs / "ovws", *words], capture_output=True, text=True, timeout=60)
+            done = subprocess.run([self.bench.programs / "ovws", *words], capture_output=True, text=True, timeout=300)
             return done.returncode, done.stdout + done.stderr
 
         self.assertEqual(ovws("reference", "save", "second")[0], 0)

@@ -29,7 +29,7 @@ class Registration(BenchCase):
 
     def check(self, rotation_deg, mirror, magnification, centre_px):
         self.place_camera(rotation_deg=rotation_deg, mirror=mirror, magnification=magnification, centre_px=centre_px)
-        found = self.run_job("registration.run", {}, 60.0)["result"]
+        found = self.run_job("registration.run", {})["result"]
         print(f"\n  {rotation_deg} degrees, mirror {mirror}, {magnification}, base {centre_px}: "
               f"{found['rotation_deg']:.3f} degrees, {found['mirrored']}, scale {found['scale_px_per_cycle']:.2f}, "
               f"base {found['base_px']}, left {found['residual_px']:.3f} px of {found['sights']} sights")

@@ -82,7 +82,7 @@ class Restart(BenchCase):
         twin = Client(TWIN)
         self.addCleanup(twin.close)
         twin.call("twin.set", {"geometry": {"rotation_deg": 5.0}})
-        self.run_job("registration.run", {}, 60.0)
+        self.run_job("registration.run", {})
         before = self.call("registration.get")
         self.take_reference(20)
         self.kill()
@@ -140,7 +140,7 @@ class Restart(BenchCase):
         twin = Client(TWIN)
         self.addCleanup(twin.close)
         twin.call("twin.set", {"geometry": {"rotation_deg": 33.0, "centre_px": [275.5, 245.5]}})
-        self.run_job("registration.run", {}, 60.0)
+        self.run_job("registration.run", {})
         self.take_reference(20)
         before = self.call("reference.get")
         self.assertEqual(before["origin"]["registration"]["t_taken_ns"], self.call("registration.get")["t_taken_ns"])
@@ -150,7 +150,7 @@ class Restart(BenchCase):
                 file.unlink()
         self.assertIn(before["sha256"], self.start_again())
         self.assertEqual(self.reference_state(), "none")
-        self.run_job("registration.run", {}, 60.0)
+        self.run_job("registration.run", {})
         self.assertEqual(self.call("reference.get"), before)
 
     def test_a_store_that_is_damaged_or_cannot_be_written_stops_nothing(self):

@@ -103,7 +103,7 @@ class Secured(BenchCase):
 
     def test_the_doctor_finds_a_daemon_at_all_addresses(self):
         done = subprocess.run([self.bench.programs / "ovws", "--json", "--key", self.folder / "boss.json", "--server-key", self.server_key,
-                               "doctor", "--config", self.folder / "ovwsd.json"], capture_output=True, text=True, timeout=60)
+                               "doctor", "--config", self.folder / "ovwsd.json"], capture_output=True, text=True, timeout=300)
         findings = {one["name"]: one for one in json.loads(done.stdout)["findings"]}
         self.assertEqual(findings["daemon.answer"]["verdict"], "ok", findings["daemon.answer"])
         self.assertIn("tcp://127.0.0.1:7702", findings["daemon.answer"]["meaning"])

@@ -18,7 +18,7 @@ class Cancelled(SlmCase):
         return self.call("system.status")["slm"]["hologram_id"]
 
     def test_leaves_everything_as_it_was(self):
-        self.run_job("registration.run", {"frames": 3}, 60.0)
+        self.run_job("registration.run", {"frames": 3})
         self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.1}]})
         self.take_reference(10, allow_aberration=True)
         before = self.all_of_it()
