@@ -107,13 +107,14 @@ class ReportCases(unittest.TestCase):
     def test_errors_of_python_are_listed(self):
         output = subprocess.run([sys.executable, "-c", FAILING_CASES], stderr=subprocess.PIPE, text=True).stderr
         self.assertEqual(report_of("fail", cases=output), [
-            "skipped: no test cases", "failed:", "  cases: <string>:4: TimeoutError: part 0 did not come true", "  cases: <string>:4: TimeoutError: part 1 did not come true",
-            "  cases: <string>:10: KeyError", "  cases: <string>:6: AssertionError: 3 not less than 2 : too many"])
+            "skipped: no test cases", "failed:", "  cases: test_b (<string>:9): TimeoutError: part 0 did not come true",
+            "  cases: test_b (<string>:9): TimeoutError: part 1 did not come true", "  cases: test_c (<string>:10): KeyError",
+            "  cases: test_a (<string>:6): AssertionError: 3 not less than 2 : too many"])
         self.assertEqual(report_of(cases=output), ["skipped: no test cases"], "another run of it passed")
 
     def test_errors_of_googletest_are_listed(self):
         self.assertEqual(report_of("fail", camera=GTEST_FAILURE, killed="nothing"), [
-            "skipped: no test cases", "failed:", "  camera: camera_test.cpp:12: Expected equality of these values: found", "  killed: see its output"])
+            "skipped: no test cases", "failed:", "  camera: Camera.IsFound (camera_test.cpp:12): Expected equality of these values: found", "  killed: failed: see its output"])
 
 
 if __name__ == "__main__":

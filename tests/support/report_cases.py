@@ -15,7 +15,10 @@ UNITTEST_TOTAL = re.compile(r"^(?:OK|FAILED) \(.*\bskipped=(\d+)", re.MULTILINE)
 GTEST = re.compile(r"^\[  SKIPPED \] ([\w./]+)$", re.MULTILINE)  # in the list at the end
 GTEST_TOTAL = re.compile(r"^\[  SKIPPED \] (\d+) tests?, listed below", re.MULTILINE)
 GTEST_DISABLED = re.compile(r"^ +YOU HAVE (\d+) DISABLED TESTS?", re.MULTILINE)
-PYTHON_ERROR = re.compile(r'^  File "(?:.*/)?([^"/]+)", line (\d+), in \S+\n(?:    .*\n)*([A-Za-z_][\w.]*(?:: .*)?)$', re.MULTILINE)
+UNITTEST_FAILED = re.compile(r"^(?:FAIL|ERROR): (\S+) .*?\n(.*?)(?=^={70}$|^Ran \d+ tests? in )", re.MULTILINE | re.DOTALL)
+TRACEBACK_PLACE = re.compile(r'^  File "(?:.*/)?([^"/]+)", line (\d+)', re.MULTILINE)
+TRACEBACK_ERROR = re.compile(r"^([A-Za-z_][\w.]*(?:: .*)?)$", re.MULTILINE)
+GTEST_FAILED = re.compile(r"^\[ RUN      \] (\S+)\n(.*?)^\[  FAILED  \] \1 \(", re.MULTILINE | re.DOTALL)
 GTEST_ERROR = re.compile(r"^(?:.*/)?([^/\s]+):(\d+): Failure\n(.*(?:\n +.*)?)", re.MULTILINE)
 MOST_ERRORS, MOST_LETTERS = 5, 300  # of one program, of one error
 UNKNOWN = "see its output"
@@ -38,10 +41,19 @@ def skipped_cases(output):
     return known + [(f"unnamed {number}", UNKNOWN) for number in range(total - len(known))]
 
 
-def errors(output):
-    """What the cases of one test program failed of, with file and line."""
-    found = [f"{file}:{line}: {' '.join(said.split())[:MOST_LETTERS]}" for pattern in (PYTHON_ERROR, GTEST_ERROR) for file, line, said in pattern.findall(output)]
-    return list(dict.fromkeys(found))[:MOST_ERRORS] or [UNKNOWN]
+def unittest_error(said):
+    """(file, line, text) of a traceback: where the test stood, and the error."""
+    last = said.rpartition("Traceback (most recent call last):\n")[2]
+    place, errors = TRACEBACK_PLACE.search(last), TRACEBACK_ERROR.findall(last)
+    return (*place.groups(), errors[0]) if place and errors else None
+
+
+def errors(output, reason):
+    """What the cases of one test program failed of, with file and line; without any, ctest's reason."""
+    found = [(case, unittest_error(said)) for case, said in UNITTEST_FAILED.findall(output)]
+    found += [(case, error) for case, said in GTEST_FAILED.findall(output) for error in GTEST_ERROR.findall(said)]
+    lines = [f"{case} ({error[0]}:{error[1]}): {' '.join(error[2].split())[:MOST_LETTERS]}" if error else f"{case}: {UNKNOWN}" for case, error in found]
+    return list(dict.fromkeys(lines))[:MOST_ERRORS] or [f"{reason or 'failed'}: {UNKNOWN}"]
 
 
 def main():
@@ -49,7 +61,7 @@ def main():
     for test in ElementTree.parse(sys.argv[1]).iter("testcase"):
         output = test.findtext("system-out") or ""
         if test.get("status") == "fail":
-            failed += [f"  {test.get('name')}: {error}" for error in errors(output)]
+            failed += [f"  {test.get('name')}: {error}" for error in errors(output, getattr(test.find("failure"), "attrib", {}).get("message"))]
         for case, reason in skipped_cases(output) or ([("all", UNKNOWN)] if test.get("status") == "notrun" else []):
             found.setdefault((test.get("name"), reason), []).append(case)
     print(f"skipped: {sum(map(len, found.values())) or 'no'} test cases")
