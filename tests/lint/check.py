@@ -181,9 +181,9 @@ def too_wide(lines):
 
 
 def wrong_names(name, lines):
-    """What pyflakes finds in a Python file, but on lines with noqa: (line, text)."""
+    """What pyflakes finds in a Python program, but on lines whose noqa is for names (F): (line, text)."""
     for message in Checker(ast.parse("\n".join(lines)), name).messages:
-        if "# noqa" not in lines[message.lineno - 1]:
+        if "# noqa: F" not in lines[message.lineno - 1]:
             yield message.lineno, message.message % message.message_args
 
 
@@ -204,7 +204,7 @@ def main():
         lines = path.read_text(errors="replace").splitlines()
         if path.suffix in {".hpp", ".cpp", ".inc", ".py", ".js", ".css"} and len(lines) > MOST_LINES:
             found.append(f"{name}:1: {len(lines)} lines, at most {MOST_LINES}")
-        if path.suffix == ".py":
+        if path.suffix == ".py" or (lines and re.match(r"#!.*\bpython3?$", lines[0])):
             found += [f"{name}:{number}: {rule}" for number, rule in wrong_names(name, lines)]
         if name.startswith("tests/lint/"):
             continue
