@@ -73,6 +73,10 @@ class Measure(unittest.TestCase):
         link.symlink_to("flat.png")
         self.ovws("farfield", "-o", link)
         self.assertTrue(link.is_symlink() and not path.is_symlink())
+        link.unlink()
+        link.symlink_to("new.png")
+        self.ovws("farfield", "-o", link)
+        self.assertTrue(link.is_symlink() and (self.folder / "new.png").is_file())
         self.ovws("farfield", "-o", "/dev/null")
 
     def test_split_spots_are_measured(self):

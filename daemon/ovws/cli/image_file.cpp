@@ -56,10 +56,9 @@ std::string why_not_opened(const fs::path& path, int error_number) {
 Result<void> write_output(const fs::path& path,
                           const std::function<Result<void>(std::ostream&)>& write) {
   std::error_code failed;
-  const auto kind = fs::status(path, failed).type();
+  const auto kind = fs::symlink_status(path, failed).type();
   const bool is_file = kind == fs::file_type::regular || kind == fs::file_type::not_found;
-  const fs::path whole = kind == fs::file_type::regular ? fs::canonical(path, failed) : path;
-  const fs::path part = whole.string() + (is_file ? ".part" : "");
+  const fs::path part = path.string() + (is_file ? ".part" : "");
   std::ofstream out(part, std::ios::binary);
   if (!out) return fail(cannot_write(path, why_not_opened(path, errno)));
   errno = 0;
@@ -68,7 +67,7 @@ Result<void> write_output(const fs::path& path,
   if (written && !out)
     written = fail(cannot_write(path, errno != 0 ? std::strerror(errno) : "is its disk full?"));
   if (!is_file) return written;
-  if (written) fs::rename(part, whole, failed);
+  if (written) fs::rename(part, path, failed);
   if (written && failed) written = fail(cannot_write(path, failed.message()));
   if (!written) fs::remove(part, failed);
   return written;

@@ -13,7 +13,7 @@
 namespace ovws::cli {
 
 /// Writes a file by `write`, beside it, and renames that at the end: a failure leaves the old file
-/// as it was. Follows a symbolic link. What is not a file, such as a pipe, is written itself.
+/// as it was. What is not a file, such as a pipe or a symbolic link, is written in place.
 /// Errors: those of `write`; Errc::unavailable, field "output".
 Result<void> write_output(const std::filesystem::path& path,
                           const std::function<Result<void>(std::ostream&)>& write);
