@@ -46,6 +46,11 @@ class ClosedLoopTest : public testing::Test {
     truth.aberration = std::move(aberration);
     bench_.optics().set_truth(truth);
   }
+  void switch_off_the_light() {
+    twin::Truth dark = bench_.optics().truth();
+    dark.peak_electrons = 1.0;
+    bench_.optics().set_truth(dark);
+  }
   Result<LoopReport> close(const LoopSettings& settings = {}) {
     return answer_of([&](auto reply) { loop_.close(settings, std::move(reply)); });
   }
@@ -86,9 +91,10 @@ class ClosedLoopTest : public testing::Test {
 
   test::SimulatedBench bench_;
   ClosedLoop loop_{{bench_.keeper(), bench_.slm(), bench_.events(),
-                    [this](bool closed) { is_closed_ = closed; }, [] { return std::int64_t{0}; },
+                    [this](bool closed) { is_closed_ = closed; }, [this] { return found_ns_.load(); },
                     [this] { return has_bench_.load(); },
                     [](const std::string&, const nlohmann::json&) {}}};
+  std::atomic<std::int64_t> found_ns_{0};  ///< when lost spots were found
   std::atomic<bool> has_bench_{true};
   std::atomic<bool> is_closed_{false};  ///< as on_change last said
   std::atomic<bool> end_{false};
@@ -222,9 +228,7 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
   ASSERT_TRUE(close({.patience_s = 4.0}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   ASSERT_TRUE(is_closed_);
-  twin::Truth dark = bench_.optics().truth();
-  dark.peak_electrons = 1.0;
-  bench_.optics().set_truth(dark);
+  switch_off_the_light();
   ASSERT_TRUE(wait_for([&] {
     test::skip(50ms);
     return !is_closed_;
@@ -233,14 +237,29 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
       << loop_.report().opened_because;
 }
 
+TEST_F(ClosedLoopTest, StaysClosedAsLongAsLostSpotsAreFound) {
+  take_reference_frames();
+  ASSERT_TRUE(close({.patience_s = 4.0}));
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
+  switch_off_the_light();
+  for (int turn = 0; turn < 200; ++turn) {  // more than twice the patience
+    found_ns_ = monotonic_ns();
+    test::skip(50ms);
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_TRUE(is_closed_);
+  ASSERT_TRUE(wait_for([&] {
+    test::skip(50ms);
+    return !is_closed_;
+  }));
+}
+
 TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileTheBenchIsNotConnected) {
   take_reference_frames();
   ASSERT_TRUE(close({.patience_s = 4.0}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   has_bench_ = false;
-  twin::Truth dark = bench_.optics().truth();
-  dark.peak_electrons = 1.0;
-  bench_.optics().set_truth(dark);
+  switch_off_the_light();
   for (int turn = 0; turn < 200; ++turn) {  // more than twice the patience: nothing may happen
     test::skip(50ms);
     std::this_thread::sleep_for(1ms);
