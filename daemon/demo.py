@@ -234,7 +234,7 @@ def build(arguments, program):
 def start_page(bench):
     """Starts the live page and returns its address, with control."""
     page = bench.start("ovws-web", [bench.programs / "ovws-web", "--control"])
-    page.wait_for_line("ready", 10.0)
+    page.wait_for_line("ready")
     links = dict(line.split() for line in (bench.directory / "ovws-web.out").read_text().splitlines())
     return links["control"]
 

@@ -155,7 +155,7 @@ class Process:
         tail = self.log_path.read_text(errors="replace").splitlines()[-15:]
         return BenchError("\n  ".join([f"{self.name}: {what}"] + tail))
 
-    def wait_for_line(self, start, timeout):
+    def wait_for_line(self, start, timeout=PATIENCE_S):
         """Waits for the first line on standard output that begins with `start`, and returns it."""
         deadline = time.monotonic() + timeout
         while True:
@@ -167,12 +167,12 @@ class Process:
                 raise self.failure(f"no line '{start} …' within {timeout} s")
             time.sleep(0.02)
 
-    def stop(self, timeout=30.0):
-        """Sends SIGTERM, and SIGKILL after `timeout` seconds. Returns the exit status."""
+    def stop(self):
+        """Sends SIGTERM, and SIGKILL after PATIENCE_S. Returns the exit status."""
         if self.alive():
             self.popen.terminate()
             try:
-                self.popen.wait(timeout)
+                self.popen.wait(PATIENCE_S)
             except subprocess.TimeoutExpired:
                 self._is_killed = True
                 self.popen.kill()

@@ -34,7 +34,7 @@ class BridgeCase(BenchCase):
     def start_bridge(self, module, *arguments, ready, name=None):
         """Starts python3 -m ovws_bridges.MODULE; returns when it has printed a line that begins with `ready`."""
         process = self.bench.start(name or module, [sys.executable, "-m", f"ovws_bridges.{module}", *arguments], env=environment())
-        process.wait_for_line(ready, 60.0)
+        process.wait_for_line(ready)
         return process
 
     def restart_daemon(self):

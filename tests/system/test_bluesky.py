@@ -121,7 +121,7 @@ class Device(BridgeCase):
         self.sensor.trigger().wait(60.0)
         alone, seen = self.connections(), []
         other = self.bench.start("other", [sys.executable, "-c", code], env=environment())
-        other.wait_for_line("ready", 20.0)
+        other.wait_for_line("ready")
         self.sensor.describe()
         self.sensor.subscribe(lambda readings: seen.append(readings["ovws-seq"]["value"]))
         self.assertGreater(self.connections(), alone)

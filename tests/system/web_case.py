@@ -32,7 +32,7 @@ class WebCase(BenchCase):
     def start_web(self, *more):
         """Starts ovws-web and reads its links by name."""
         self.web = self.bench.start("ovws-web", [self.bench.programs / "ovws-web", *self.web_arguments, *more])
-        self.web.wait_for_line("ready", 60.0)
+        self.web.wait_for_line("ready")
         lines = (self.bench.directory / "ovws-web.out").read_text().splitlines()
         self.links = dict(line.split() for line in lines)
         self.tokens = {name: link.partition("#")[2] for name, link in self.links.items()}
