@@ -21,7 +21,7 @@ from ovws_client import ClientError, Stream  # noqa: E402
 __all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "TWIN", "main", "merged", "own_mounts", "wait_for"]
 
 PATIENCE_S = 2 * bench_module.PATIENCE_S  # limit of each wait for an event; a wait returns as soon as the event comes
-JOB_PATIENCE_S = 300.0  # of a job, likewise
+PROGRAM_PATIENCE_S = 300.0  # of a program, and of a job, likewise
 
 
 class Client(ovws_client.Client):
@@ -128,7 +128,7 @@ class SharedBench:
         if not self._bench.process("xorg") or self._display_report() != self._display:
             return False
         before = self._twin[2]
-        with Client(TWIN, timeout_s=3.0) as twin:
+        with Client(TWIN) as twin:
             twin.call("twin.fault", {"kind": "none"})
             twin.call("twin.set", twin_settings(before))
             if before["mirror"]:
@@ -139,7 +139,7 @@ class SharedBench:
         """Outputs and screen saver of the X server."""
         if not self._bench.display:
             return None
-        outputs, saver = (subprocess.run([*command, "-display", self._bench.display], check=True, capture_output=True, timeout=3.0, text=True).stdout
+        outputs, saver = (subprocess.run([*command, "-display", self._bench.display], check=True, capture_output=True, timeout=PATIENCE_S, text=True).stdout
                           for command in (["xrandr"], ["xset", "q"]))
         return [line for line in outputs.splitlines() if "connected" in line], saver
 
@@ -233,11 +233,20 @@ class BenchCase(unittest.TestCase):
     def wait_until(self, state, timeout_s=PATIENCE_S):
         return wait_for(lambda: (status := self.call("system.status"))["state"] == state and status, timeout_s, f"state {state}")
 
+    def job_ended(self, job):
+        """Waits for a job's end; returns its report."""
+        return wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, PROGRAM_PATIENCE_S, "the job's end")
+
     def run_job(self, method, params):
-        job = self.call(method, params)["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, JOB_PATIENCE_S, method)
+        ended = self.job_ended(self.call(method, params)["job"])
         self.assertEqual(ended["state"], "done", ended)
         return ended
+
+    def failure(self, method, params=None):
+        """Runs a job that must fail; returns the message of its error."""
+        ended = self.job_ended(self.call(method, params)["job"])
+        self.assertEqual(ended["state"], "failed", ended)
+        return ended["error"]["message"]
 
     def recorded_frames(self, count, timeout_s=PATIENCE_S):
         """Waits until the recording has at least `count` frames; record.get reports them four times a second."""
@@ -246,8 +255,15 @@ class BenchCase(unittest.TestCase):
     def take_reference(self, frames=50, **params):
         return self.run_job("reference.take", {"frames": frames} | params)
 
+    def ovws_command(self, *words):
+        """The command line of `ovws` with these words, which waits for a busy machine's daemon unless they say how long."""
+        return [self.bench.programs / "ovws", *([] if "--timeout" in words else ["--timeout", str(PATIENCE_S)]), *map(str, words)]
+
+    def run_ovws(self, *words, **more):
+        return subprocess.run(self.ovws_command(*words), capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, **more)
+
     def close_loop(self, **params):
-        """Closes a loop that does not open by itself because a busy machine gives no usable frame for some seconds."""
+        """Closes a loop that does not open by itself for some seconds without a usable frame on a busy machine; nor at a limit, or while it grows."""
         return self.call("loop.close", {"patience_s": PATIENCE_S} | params)
 
     def fitted_frames(self, stream, count, timeout_s=PATIENCE_S):

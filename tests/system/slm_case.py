@@ -1,5 +1,5 @@
 """A bench whose SLM the daemon measures, compared with the twin's truth."""
-from case import BenchCase, Client, wait_for
+from case import BenchCase, Client
 
 
 class SlmCase(BenchCase):
@@ -17,13 +17,6 @@ class SlmCase(BenchCase):
 
     def judge(self, pattern="sensor"):
         return self.twin.call("twin.get", {"judge": pattern})
-
-    def failure(self, method, params=None):
-        """Runs a job that must fail; returns its error."""
-        job = self.call(method, params)["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
-        self.assertEqual(ended["state"], "failed", ended)
-        return ended["error"]["message"]
 
     def restart(self):
         self.bench.stop("ovwsd")

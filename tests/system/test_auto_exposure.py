@@ -1,6 +1,5 @@
 """camera.auto_exposure finds the exposure of the twin's camera, whatever the light is, or says what is wrong."""
 import json
-import subprocess
 
 from case import BenchCase, Client, main, wait_for
 
@@ -40,10 +39,10 @@ class AutoExposure(BenchCase):
     def full_scale(self):
         return {"Mono8": 255, "Mono12": 4095, "BayerRG12p": 4095}[self.call("camera.get")["settings"]["pixel_format"]]
 
-    def failure(self, **params):
+    def not_found(self, **params):
         before = self.call("camera.get")["settings"]
         job = self.call("camera.auto_exposure", params)["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        ended = self.job_ended(job)
         self.assertEqual(ended["state"], "failed", ended)
         self.assertEqual(self.call("camera.get")["settings"], before)
         print(f"\n  {ended['error']['data']['field']}: {ended['error']['message']}")
@@ -70,11 +69,11 @@ class AutoExposure(BenchCase):
 
     def test_what_is_wrong_is_said(self):
         self.light(0.0)
-        self.assertIn("laser is on", self.failure()["message"])
+        self.assertIn("laser is on", self.not_found()["message"])
         self.light(1.0)
-        self.assertIn("max_exposure_us", self.failure(max_exposure_us=100.0)["message"])
+        self.assertIn("max_exposure_us", self.not_found(max_exposure_us=100.0)["message"])
         self.light(10000.0)
-        self.assertIn("neutral-density", self.failure()["message"])
+        self.assertIn("neutral-density", self.not_found()["message"])
         self.light(1.0)
         self.check_cancelled()
         self.check_verb()
@@ -90,16 +89,13 @@ class AutoExposure(BenchCase):
         self.call("camera.set", {"frame_rate_hz": rate})
 
     def check_verb(self):
-        def ovws(*words):
-            return subprocess.run([self.bench.programs / "ovws", *words], capture_output=True, text=True, timeout=300)
-
-        said = ovws("exposure", "auto")
+        said = self.run_ovws("exposure", "auto")
         print("\n ", said.stdout)
         self.assertEqual(said.returncode, 0, said.stderr)
         self.assertRegex(said.stdout, r"^exposure [\d.]+ ms, gain 0 dB: the brightest pixels are at \d\d % of full scale, \d+ pixels\s+are\s+saturated\n$")
-        self.assertIn("brightest", json.loads(ovws("--json", "exposure", "auto").stdout))
+        self.assertIn("brightest", json.loads(self.run_ovws("--json", "exposure", "auto").stdout))
         self.light(0.0)
-        said = ovws("exposure", "auto")
+        said = self.run_ovws("exposure", "auto")
         self.assertEqual(said.returncode, 1)
         self.assertIn("no light reaches the camera", said.stderr)
 

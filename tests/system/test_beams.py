@@ -125,7 +125,7 @@ class Beams(BenchCase):
         self.take_reference()
         self.light({}, {"b": 1.0, "c": 0.0})
         wait_for(lambda: not self.newest(stream)["c"]["valid"], what="c to be dark")
-        shown = subprocess.run([self.bench.programs / "ovws", "--json", "snapshot", "-o", self.bench.directory / "snap"], capture_output=True, text=True, timeout=300)
+        shown = self.run_ovws("--json", "snapshot", "-o", self.bench.directory / "snap")
         self.assertTrue(json.loads(shown.stdout)["valid"], shown.stderr)
 
     def test_a_lattice_whose_sources_overlap_is_refused(self):

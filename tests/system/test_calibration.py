@@ -5,7 +5,6 @@
     OVWS_TRACKER=fit    tracker of both tests that measure modes
 """
 import os
-import subprocess
 import time
 
 from case import BenchCase, Client, main, wait_for
@@ -128,7 +127,7 @@ class Rules(CalibrationCase):
         self.assertEqual((requested, active), ("measured", "slopes"))
         self.assertRegex(reason, f"was measured with another {field}: run calibration.run")
         self.assertEqual(self.call("calibration.get")["calibrated"], False)
-        status = subprocess.run([self.bench.programs / "ovws", "status"], capture_output=True, text=True, timeout=300)
+        status = self.run_ovws("status")
         self.assertIn(f"operator_reason: {reason}\n", status.stdout)
 
     def test_it_is_used_with_what_it_was_measured_with_only(self):
@@ -192,7 +191,7 @@ class Rules(CalibrationCase):
         self.assertIn("does not show the sensor", self.refused("calibration.run").data["reason"])
         self.call("slm.show", {"pattern": "sensor"})
         job = self.call("calibration.run", {"modes": [3, 40]})["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report)
+        ended = self.job_ended(job)
         self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "modes"))
         self.assertIn("j = 1 to 18", ended["error"]["data"]["reason"])
         self.wait_until("running")
@@ -206,7 +205,7 @@ class Rules(CalibrationCase):
         job = self.call("calibration.run", {"modes": [3, 5], "frames": 10})["job"]
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.0, what="the first picture")
         self.twin.call("twin.set", {"geometry": {"centre_px": [258.5, 255.5]}})
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report)
+        ended = self.job_ended(job)
         self.assertEqual(ended["state"], "failed", ended)
         self.assertRegex(ended["error"]["data"]["reason"], "the spots have moved by [0-9.]+ px")
         self.twin.call("twin.fault", {"kind": "unplug", "seconds": 60})

@@ -20,7 +20,7 @@ class CheckCase(BenchCase):
         self.take_reference(30)
 
     def command(self, *words):
-        return [str(self.bench.programs / "ovws"), "check", *words]
+        return self.ovws_command("check", *words)
 
     def check(self, *words):
         """Exit code and the report as JSON."""

@@ -3,7 +3,7 @@ import json
 import signal
 import subprocess
 
-from case import SMALL_DAEMON, SMALL_TWIN, BenchCase, Client, main, merged, wait_for
+from case import SMALL_DAEMON, SMALL_TWIN, BenchCase, main, merged, wait_for
 
 OTHER = "127.0.0.2"
 
@@ -11,11 +11,6 @@ OTHER = "127.0.0.2"
 class Devices(BenchCase):
     small = True
     daemon_config = {"state": {"directory": "state"}}
-
-    def start_daemon(self, **more):
-        super().start_daemon(**more)
-        self.client = Client(timeout_s=120.0)  # cameras and displays are opened, on a busy machine
-        self.addCleanup(self.client.close)
 
     def frames_come(self):
         stream = self.stream("wavefront")
@@ -83,7 +78,7 @@ class Devices(BenchCase):
         path = self.bench._write("other.json", merged(SMALL_TWIN, {"noise": "pool"}))
         twin = self.bench.start("other-twin", [self.bench.programs / "ovws-twin", "--config", path, "--address", OTHER, "--control", "tcp://127.0.0.1:7791"],
                                 env=self.bench._environment())
-        twin.wait_for_line("ready", 10.0)
+        twin.wait_for_line("ready")
 
     def test_cameras(self):
         listed = self.call("camera.list")["cameras"]

@@ -32,7 +32,7 @@ class Experiment(BenchCase):
         self.addCleanup(self.twin.close)
 
     def study(self, params, *more):
-        return subprocess.Popen([self.bench.programs / "ovws", "study", "experiment", "-o", self.folder, "--params", json.dumps(params), *more],
+        return subprocess.Popen(self.ovws_command("study", "experiment", "-o", self.folder, "--params", json.dumps(params), *more),
                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
     def everything(self):
@@ -42,9 +42,6 @@ class Experiment(BenchCase):
 
     def cells_done(self):
         return self.call("experiment.get")["cells_done"]
-
-    def job_ended(self, job, timeout_s=300.0):
-        return wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, timeout_s, "the job's end")
 
     def hold_after(self, cells):
         """Lets the sweep finish this many cells at least, then takes its camera away, so that it cannot reach its end. `release` gives it back."""

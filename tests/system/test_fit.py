@@ -2,7 +2,6 @@
 import json
 import random
 import statistics
-import subprocess
 import time
 
 from case import BenchCase, Client, main
@@ -161,7 +160,7 @@ class Fit(BenchCase):
             self.fitted(stream, 40, self.show(modes))  # the first ones by the templates before
         self.call("record.stop")
         path = self.bench.directory / "recordings" / f"{name}.h5"
-        done = subprocess.run([self.bench.programs / "ovws", "--json", "replay", path], capture_output=True, text=True, timeout=300)
+        done = self.run_ovws("--json", "replay", path)
         replayed = json.loads(done.stdout)
         print(f"\n  {replayed}")
         self.assertEqual(replayed["same"], replayed["replayed"], done.stderr)

@@ -1,6 +1,5 @@
 """The daemon measures the aberrations of the whole pupil by one vortex, compared with what the twin hides."""
 import math
-import subprocess
 
 import numpy
 from case import main, wait_for
@@ -77,7 +76,7 @@ class Focus(SlmCase):
 
     def check_verb(self):
         self.hide(j4=-0.5)
-        said = subprocess.run([self.bench.programs / "ovws", "focus", "frames=2"], capture_output=True, text=True, timeout=300)
+        said = self.run_ovws("focus", "frames=2")
         print("\n ", said.stdout)
         self.assertEqual(said.returncode, 0, said.stderr)
         self.assertRegex(said.stdout, r"^the camera is 1\.6\d\d mm behind the focus: move it towards the lens by 1\.6\d\d mm\ndefocus -0\.\d+ wave RMS ")

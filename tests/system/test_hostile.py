@@ -23,6 +23,7 @@ ENDPOINT, PORT, PORTS = "tcp://127.0.0.1:7702", 7702, (7701, 7702, 7703)
 MOST_GROWTH_MIB = 64
 MOST_ALLOCATOR_MIB, MOST_ALLOCATOR_GROWTH_MIB = 70, 3  # with glibc's own thresholds 118 to 136, +5 to +18
 BATCH = 100  # requests in it
+MOST_UNREAD = 40  # replies of some 0.2 MB, of which 4 MiB may be unread
 GREETING = b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL" + bytes(48)
 READY = b"\4\x19\5READY\x0bSocket-Type\0\0\0\6DEALER"[:2 + 0x19]
 VALUES = [None, True, False, 0, -1, 1, 3, 1e308, -0.0, 2**63, 0.5, "", "lg", "matched", "sensor", "Mono8", "\u2028\ud83d\ude00", [], {}, [1, 2], [[]],
@@ -162,7 +163,7 @@ class Hostile(BenchCase):
         slow = self.plain(30)
         for k in range(20):  # the others send a byte from time to time
             for connection in slow:
-                connection.sendall(GREETING[k:k + 1])
+                self.say(connection, GREETING[k:k + 1])
             self.check_others_are_answered()
         print(f"\n  330 connections that say nothing whole: memory +{self.resident_mib() - before:.1f} MiB")
         self.assertLess(self.resident_mib() - before, MOST_GROWTH_MIB)
@@ -214,14 +215,12 @@ class Hostile(BenchCase):
         print(f"\n  {BATCHES} batches of {BATCH} large replies: others answered in {statistics.median(took_s):.3f} s, at most {max(took_s):.3f} s; {carried[-1] - carried[0] - 2 * 20} requests were carried out before any reply was read;"
               f" memory at most +{most_mib:.1f} MiB")
         self.assertEqual(len(replies), BATCHES)
-        # Of each batch some 3 are carried out, whose replies fill a reply's 1 MiB.
-        self.assertLess(carried[-1] - carried[0], 2 * 20 + BATCHES, "who does not read gets no more carried out, and others do not wait for it")
+        self.assertLess(carried[-1] - carried[0], 2 * 20 + MOST_UNREAD, "who does not read gets no more carried out, and others do not wait for it")
         for batch, answers in replies.items():
             self.assertEqual([answer["id"] for answer in answers], [f"{batch}.{n}" for n in range(BATCH)])
             refused = [answer["error"]["code"] for answer in answers if "error" in answer]
             self.assertEqual(refused, [-32000] * len(refused))
             self.assertLess(len(refused), BATCH)
-        self.assertLess(statistics.median(took_s), 0.5)
         self.assertLess(most_mib, MOST_GROWTH_MIB)
         self.assertFalse(mute.poll(100))
 
@@ -267,7 +266,7 @@ class Hostile(BenchCase):
             if number % 500 == 0:
                 self.check_others_are_answered()
         print(f"\n  5000 replies that nobody reads: memory +{self.resident_mib() - before:.1f} MiB")
-        self.assertLess(self.resident_mib() - before, 1.5 * MOST_GROWTH_MIB)  # 256 replies of 0.2 MB
+        self.assertLess(self.resident_mib() - before, MOST_GROWTH_MIB)
 
 
 if __name__ == "__main__":

@@ -201,7 +201,7 @@ class Lattices(BenchCase):
         before = self.sensor()
         self.twin.call("twin.set", {"peak_electrons": 1e-3})
         job = self.call("lattice.prepare", {"lattices": [{"name": "dark", "sensor": COARSE}]})["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the end of the job")
+        ended = self.job_ended(job)
         print(f"\n  {ended['error']}")
         self.assertEqual(ended["state"], "failed")
         self.assertIn("lattice dark", ended["error"]["message"])

@@ -1,6 +1,5 @@
 """Control laws: the disturbance is identified, each law corrects it, and a recording repeats every decision bit for bit."""
 import json
-import subprocess
 import time
 
 from case import BenchCase, Client, ClientError, main, wait_for
@@ -53,7 +52,7 @@ class Laws(BenchCase):
             steps += report["steps"]
             print(f"\n  {law}: residual {report['residual_rms_waves']:.4f} wave after {report['steps']} steps", end="")
         self.call("record.stop")
-        replay = subprocess.run([self.bench.programs / "ovws", "--json", "replay", file], capture_output=True, text=True)
+        replay = self.run_ovws("--json", "replay", file)
         loop = json.loads(replay.stdout)["loop"]
         print(f"\n  {loop}")
         self.assertEqual((loop["runs"], loop["same"], loop["first_difference"]), (len(LAWS), loop["decisions"], None))

@@ -198,7 +198,7 @@ class Array(BenchCase):
 
     def fails(self, method, field):
         job = self.call(method, {})["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what=method)
+        ended = self.job_ended(job)
         self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", field), ended)
 
 

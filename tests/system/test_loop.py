@@ -178,7 +178,7 @@ class Loop(BenchCase):
     def test_it_opens_by_itself(self):
         events = self.stream("event")
         self.hide([{"j": 5, "waves": 0.4}])
-        self.call("loop.close", {"limit_waves": 0.1, "patience_s": 2.0})
+        self.call("loop.close", {"limit_waves": 0.1, "patience_s": 10.0})
         wait_for(lambda: not self.call("loop.get")["closed"], what="the loop to open at its limit")
         self.assertIn("limit", self.call("loop.get")["opened_because"])
         self.call("loop.close", {"patience_s": 2.0})

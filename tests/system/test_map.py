@@ -133,7 +133,7 @@ class Fine(MapCase):
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.15, what="half of the first images")
         at = self.twin.call("twin.get")["geometry"]["centre_px"]
         self.twin.call("twin.set", {"geometry": {"centre_px": [at[0] + 3.0, at[1]]}})
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        ended = self.job_ended(job)
         self.assertIn("the image moved by", ended["error"]["message"])
         self.twin.call("twin.set", {"geometry": {"centre_px": at}})
         self.call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})

@@ -3,7 +3,7 @@ import json
 import struct
 
 import jsonschema
-from case import BenchCase, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, main, wait_for
 
 PICTURES = "tcp://127.0.0.1:7703"
 
@@ -32,7 +32,7 @@ class Messages(BenchCase):
     def checked_job(self, method, params, result_of=None):
         """Runs a job to its end; its result has the schema of the method `result_of`, if that is given."""
         job = self.checked_call(method, params)["job"]
-        ended = wait_for(lambda: (report := self.checked_call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        ended = wait_for(lambda: (report := self.checked_call("job.get", {"job": job}))["state"] != "running" and report, PROGRAM_PATIENCE_S, method)
         self.assertEqual(ended["state"], "done", ended)
         if result_of:
             self.check(self.description["methods"][result_of]["result"], ended["result"])

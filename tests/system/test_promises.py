@@ -50,7 +50,7 @@ class Promises(BenchCase):
         self.call("camera.set", {"exposure_us": 4000.0})
         wait_for(lambda: self.stream("spots").next(5.0)["saturated"] == 1.0, what="saturated spots")
         job = self.call("reference.take", {"frames": 20})["job"]
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the end")
+        ended = self.job_ended(job)
         self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "camera.exposure_us"))
         self.assertRegex(ended["error"]["data"]["reason"], r"^\d+ % of the spots are saturated.*lower the exposure or the gain$")
         self.call("camera.set", {"exposure_us": 2000.0})
@@ -74,7 +74,7 @@ class Promises(BenchCase):
         job = self.call("reference.take", {"frames": 400})["job"]
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.2, what="the middle of the frames")
         twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.2}]})
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the end")
+        ended = self.job_ended(job)
         self.assertEqual(ended["state"], "failed")
         self.assertRegex(ended["error"]["data"]["reason"], r"moved by \d\.\d\d px RMS from the first to the second half of the reference")
         self.assertFalse(self.call("reference.get")["taken"])

@@ -1,7 +1,6 @@
 """References saved by name, the list of recordings, and the preview of config.save."""
-import subprocess
 
-from case import BenchCase, Client, main
+from case import BenchCase, main
 
 NAMES = [f"r{k}" for k in range(31)]
 
@@ -9,11 +8,6 @@ NAMES = [f"r{k}" for k in range(31)]
 class ReferenceNames(BenchCase):
     small = True
     daemon_config = {"state": {"directory": "state"}, "record": {"directory": "recordings"}}
-
-    def start_daemon(self, **more):
-        super().start_daemon(**more)
-        self.client = Client(timeout_s=120.0)  # files are written, on a busy machine
-        self.addCleanup(self.client.close)
 
     def names(self):
         return {one["name"]: one for one in self.call("reference.list")["references"]}
@@ -76,7 +70,7 @@ class ReferenceNames(BenchCase):
 
     def check_verbs(self):
         def ovws(*words):
-            done = subprocess.run([self.bench.programs / "ovws", *words], capture_output=True, text=True, timeout=300)
+            done = self.run_ovws(*words)
             return done.returncode, done.stdout + done.stderr
 
         self.assertEqual(ovws("reference", "save", "second")[0], 0)

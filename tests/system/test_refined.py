@@ -1,7 +1,6 @@
 """Refined frames beside the fast estimate: labelled with their frame, refused with a reason, and in uneven light."""
 import signal
 import statistics
-import subprocess
 
 from case import main, wait_for
 from refined_case import CAMERA, FITS, MODES, PATIENCE_S, RefinedCase, errors, root_sum_square
@@ -60,7 +59,7 @@ class Refined(RefinedCase):
             self.assertEqual(after["counters"][counter], before[counter], counter)
         self.assertGreaterEqual(after["refine"]["done"], FITS)
         self.assertEqual(after["refine"]["refused"], 0)
-        text = subprocess.run([self.bench.programs / "ovws", "watch", "refined", "-n", "1"], capture_output=True, text=True, timeout=PATIENCE_S).stdout
+        text = self.run_ovws("watch", "refined", "-n", "1").stdout
         self.assertIn("oblique astigmatism", text)
 
     def test_what_cannot_be_is_refused_with_its_field(self):

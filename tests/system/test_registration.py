@@ -74,7 +74,7 @@ class Registration(BenchCase):
         job = self.call("registration.run")["job"]
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] >= progress, what=f"progress of {progress}")
         spoil()
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, 60.0)
+        ended = self.job_ended(job)
         self.assertEqual(ended["state"], "failed", ended)
         self.assertIn(why, ended["error"]["message"])
 

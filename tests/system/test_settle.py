@@ -59,7 +59,7 @@ class Settling(SlmCase):
                 job = self.call(method, params)["job"]
                 wait_for(lambda: self.call("system.status")["slm"]["hologram_id"] >= first + 2, what="the middle of it")
                 self.bench.stop("xorg")
-                ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="its end")
+                ended = self.job_ended(job)
                 self.assertEqual(ended["state"], "failed", ended)
                 print(f"\n  {method}: {ended['error']['message']}")
                 self.assertIn("display was lost in the middle of the job", ended["error"]["message"])

@@ -4,7 +4,7 @@ import os
 import random
 import subprocess
 
-from case import SMALL_SIZE, BenchCase, Client, main, wait_for
+from case import PROGRAM_PATIENCE_S, SMALL_SIZE, BenchCase, Client, main, wait_for
 from conversation import on, talk, transcript
 from terminal import Terminal
 
@@ -39,7 +39,7 @@ class SetupCase(BenchCase):
 
     def set_up(self, *arguments, answer=on, status=0):
         """Answers the questions of ovws setup; returns the transcript."""
-        command = [self.bench.programs / "ovws", "setup", "--config", self.bench.directory / "ovwsd.json", *arguments]
+        command = self.ovws_command("setup", "--config", self.bench.directory / "ovwsd.json", *arguments)
         terminal = Terminal(command, columns=200, DISPLAY=self.bench.display)
         self.addCleanup(terminal.close)
         ended = talk(terminal, answer)
@@ -47,7 +47,7 @@ class SetupCase(BenchCase):
         return transcript(terminal)
 
     def states(self):
-        done = subprocess.run([self.bench.programs / "ovws", "--json", "setup", "--list"], capture_output=True, text=True, check=True)
+        done = self.run_ovws("--json", "setup", "--list", check=True)
         document = json.loads(done.stdout)
         self.assertEqual(document["schema"], "ovws.commission/1")
         return {step["name"]: step["state"] for step in document["steps"]}
@@ -79,7 +79,7 @@ class FiveFaults(SetupCase):
         """Another commissioning finds what is done, and an undone step is the only measured one that is open."""
         states = self.states()
         self.assertEqual({name for name in states if states[name] != "done"}, {"loop", "save"})
-        listed = subprocess.run([self.bench.programs / "ovws", "setup", "--list"], capture_output=True, text=True, check=True).stdout
+        listed = self.run_ovws("setup", "--list", check=True).stdout
         self.assertRegex(listed, r"(?m)^done +doctor ")
         self.assertRegex(listed, r"(?m)^not recorded +save ")
         self.assertIn("the daemon keeps nothing that tells", listed)
@@ -172,13 +172,13 @@ class NoLight(SetupCase):
 class CameraGone(SetupCase):
     def test_exposure_and_pattern_are_restored_when_it_is_back(self):
         before = self.call("camera.get")["settings"]
-        command = [self.bench.programs / "ovws", "setup", "--yes", "spot"]
+        command = self.ovws_command("setup", "--yes", "spot")
         step = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         self.addCleanup(step.communicate)
         wait_for(lambda: self.call("camera.get")["settings"]["exposure_us"] < before["exposure_us"]
                  and self.call("system.status")["state"] == "running", what="an exposure that the step has set")
         self.twin.call("twin.fault", {"kind": "unplug", "seconds": 15})
-        self.assertEqual(step.wait(60), 1)
+        self.assertEqual(step.wait(PROGRAM_PATIENCE_S), 1)
         wait_for(lambda: self.call("camera.get")["connected"], what="the camera")
         self.assertEqual(self.call("camera.get")["settings"], before)
         self.assertEqual(self.call("system.status")["slm"]["pattern"], "sensor")

@@ -92,7 +92,7 @@ class Standing(SlowDisk):
         self.assertEqual((saved, self.call("job.get", {"job": job})["state"], self.call("reference.get")["sha256"]), ([], "running", None))
         self.assertRegex(reason, "the disk has not answered for [0-9]+ s: check it; items waiting to be written: 1$")
         self.speed(None)
-        ended = wait_for(lambda: (report := self.call("job.get", {"job": job}))["state"] != "running" and report, what="the job's end")
+        ended = self.job_ended(job)
         self.assertEqual(ended["state"], "done")
         wait_for(lambda: saved, what="the reply to config.save")
         after = self.call("reference.get")

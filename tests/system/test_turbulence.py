@@ -5,14 +5,14 @@ import os
 import signal
 import subprocess
 
-from case import TWIN, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, TWIN, BenchCase, Client, main, wait_for
 
 SECONDS = float(os.environ.get("OVWS_TURBULENCE_S", "21"))  # of each recording, open and closed
 AIR = {"rms_waves": 0.12, "speed_pupils_per_s": 0.15, "outer_scale_pupils": 4, "seed": 5, "tilt": False}
 MODES = list(range(3, 10))
 READ = 0.045  # wave RMS of the error that the air's modes above the measured ones cause: 0.030 to 0.036 are usual
 LEAST_STEPS_HZ = 4.0  # for the band of 0.2 to 0.4 Hz; a busy machine makes fewer
-LOOP = {"law": "integrator", "gain": 0.5, "patience_s": 60, "modes": MODES}
+LOOP = {"law": "integrator", "gain": 0.5, "patience_s": PATIENCE_S, "modes": MODES}
 
 
 class Turbulence(BenchCase):
@@ -26,8 +26,8 @@ class Turbulence(BenchCase):
         self.addCleanup(self.twin.close)
 
     def study(self, seconds):
-        study = subprocess.Popen([self.bench.programs / "ovws", "--timeout", "60", "study", "rejection", "-o", self.folder, "--seconds", str(seconds),
-                                  "--params", json.dumps(LOOP)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        study = subprocess.Popen(self.ovws_command("study", "rejection", "-o", self.folder, "--seconds", seconds, "--params", json.dumps(LOOP)),
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.addCleanup(study.stdout.close)
         self.addCleanup(study.kill)
         return study
@@ -58,8 +58,9 @@ class Turbulence(BenchCase):
                 self.assertLess(band["rejection_db"], min(expected_db + 5.0, -0.5))
             judged += 1
         print(f"  {judged} bands are far enough below {steps_hz:.1f} steps/s")
-        if steps_hz >= LEAST_STEPS_HZ:
-            self.assertGreaterEqual(judged, 1, f"no band is far enough below {steps_hz:.1f} steps/s")
+        if steps_hz < LEAST_STEPS_HZ:
+            self.skipTest(f"the machine is too busy: at {steps_hz:.1f} steps/s, below {LEAST_STEPS_HZ}, no band can be judged")
+        self.assertGreaterEqual(judged, 1, f"no band is far enough below {steps_hz:.1f} steps/s")
 
     def test_rejection_by_frequency(self):
         refused = self.study(5)
@@ -94,8 +95,8 @@ class Turbulence(BenchCase):
         self.assertEqual(summary["modes_j"], MODES)
         self.assertLess(error, min(READ, 0.8 * size))
         self.assertLess(abs(summary["open"]["rms_waves"] - size), error + 0.05 * size)
-        self.check_bands(law)
         self.assertLess(left, (0.6 if law["steps_hz"] >= 2.0 else 1.0) * size)  # with slower steps the air has moved on
+        self.check_bands(law)
 
     def stopped_when_closed(self):
         study = self.study(10)
