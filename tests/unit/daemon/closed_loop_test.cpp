@@ -91,8 +91,8 @@ class ClosedLoopTest : public testing::Test {
 
   test::SimulatedBench bench_;
   ClosedLoop loop_{{bench_.keeper(), bench_.slm(), bench_.events(),
-                    [this](bool closed) { is_closed_ = closed; }, [this] { return found_ns_.load(); },
-                    [this] { return has_bench_.load(); },
+                    [this](bool closed) { is_closed_ = closed; },
+                    [this] { return found_ns_.load(); }, [this] { return has_bench_.load(); },
                     [](const std::string&, const nlohmann::json&) {}}};
   std::atomic<std::int64_t> found_ns_{0};  ///< when lost spots were found
   std::atomic<bool> has_bench_{true};
