@@ -72,6 +72,21 @@ class ClosedLoopTest : public testing::Test {
     for (int k = 0; k < 10'000 && !condition(); ++k) std::this_thread::sleep_for(1ms);
     return condition();
   }
+  /// Lets 10 s pass, which is more than twice a patience of 4 s, and calls `each` every 50 ms of
+  /// it.
+  static void pass_twice_the_patience(const std::function<void()>& each) {
+    for (int turn = 0; turn < 200; ++turn) {
+      each();
+      test::skip(50ms);
+      std::this_thread::sleep_for(1ms);  // lets the loop's thread work
+    }
+  }
+  bool opens_by_itself() {
+    return wait_for([&] {
+      test::skip(50ms);
+      return !is_closed_.load();
+    });
+  }
   /// Lets half a second pass with each step until the loop has opened by itself.
   void expect_opens(const std::string& reason) {
     auto steps = loop_.report().steps;
@@ -229,10 +244,7 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   ASSERT_TRUE(is_closed_);
   switch_off_the_light();
-  ASSERT_TRUE(wait_for([&] {
-    test::skip(50ms);
-    return !is_closed_;
-  }));
+  ASSERT_TRUE(opens_by_itself());
   EXPECT_NE(loop_.report().opened_because.find("no usable frame came for 4 s"), std::string::npos)
       << loop_.report().opened_because;
 }
@@ -242,16 +254,9 @@ TEST_F(ClosedLoopTest, StaysClosedAsLongAsLostSpotsAreFound) {
   ASSERT_TRUE(close({.patience_s = 4.0}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   switch_off_the_light();
-  for (int turn = 0; turn < 200; ++turn) {  // more than twice the patience
-    found_ns_ = monotonic_ns();
-    test::skip(50ms);
-    std::this_thread::sleep_for(1ms);
-  }
+  pass_twice_the_patience([this] { found_ns_ = monotonic_ns(); });
   EXPECT_TRUE(is_closed_);
-  ASSERT_TRUE(wait_for([&] {
-    test::skip(50ms);
-    return !is_closed_;
-  }));
+  ASSERT_TRUE(opens_by_itself());
 }
 
 TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileTheBenchIsNotConnected) {
@@ -260,16 +265,10 @@ TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileTheBenchIsNotConnected) {
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   has_bench_ = false;
   switch_off_the_light();
-  for (int turn = 0; turn < 200; ++turn) {  // more than twice the patience: nothing may happen
-    test::skip(50ms);
-    std::this_thread::sleep_for(1ms);
-  }
+  pass_twice_the_patience([] {});
   EXPECT_TRUE(is_closed_);
   has_bench_ = true;
-  ASSERT_TRUE(wait_for([&] {
-    test::skip(50ms);
-    return !is_closed_;
-  }));
+  ASSERT_TRUE(opens_by_itself());
 }
 
 }  // namespace
