@@ -21,7 +21,7 @@ from ovws_client import ClientError, Stream  # noqa: E402
 __all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "TWIN", "main", "merged", "own_mounts", "wait_for"]
 
 PATIENCE_S = 2 * bench_module.PATIENCE_S  # limit of each wait for an event; a wait returns as soon as the event comes
-PROGRAM_PATIENCE_S = 300.0  # of a program, and of a job, likewise
+PROGRAM_PATIENCE_S = 300.0  # limit of each wait for the end of a program or a job
 
 
 class Client(ovws_client.Client):

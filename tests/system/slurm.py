@@ -6,7 +6,7 @@ import shutil
 import socket
 import subprocess
 
-from case import wait_for
+from case import PROGRAM_PATIENCE_S, wait_for
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 CONFIG = """\
@@ -68,7 +68,7 @@ class Slurm:
             self.processes.append(subprocess.Popen([program, *arguments], env=self.env, stdin=subprocess.DEVNULL, stdout=log, stderr=log))
 
     def run(self, *command):
-        return subprocess.run(command, env=self.env, capture_output=True, text=True, timeout=300).stdout
+        return subprocess.run(command, env=self.env, capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S).stdout
 
     def close(self):
         self.run("scancel", "--quiet", "--state=PENDING,RUNNING", "--partition=all")

@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from case import BenchCase, bench_module, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, bench_module, main, wait_for
 
 
 class Absent(BenchCase):
@@ -123,7 +123,7 @@ class Refusals(unittest.TestCase):
         with Bench() as bench:
             path = bench.directory / "ovwsd.json"
             path.write_text(config if isinstance(config, str) else json.dumps(config))
-            done = subprocess.run([bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=300)
+            done = subprocess.run([bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         print("\n ", done.stderr.strip())
         return done
 

@@ -4,7 +4,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from case import BenchCase, main
+from case import PROGRAM_PATIENCE_S, BenchCase, main
 
 LIGHT = {"modes": 18, "photo_electrons_per_s": 1e8, "longest_us": 2000}
 
@@ -18,7 +18,7 @@ class Advise(BenchCase):
         config = Path(folder.name) / "as_used.json"
         config.write_text(json.dumps(self.call("config.get")))
         offline = json.loads(subprocess.run([self.bench.programs / "ovws", "--json", "advise", "--modes", "18", "--photons", "1e8", "--frame-rate", "500",
-                                             "--config", config], capture_output=True, text=True, timeout=300, check=True).stdout)
+                                             "--config", config], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, check=True).stdout)
         for key in ("subapertures_across", "charge", "exposure_us", "error_waves"):
             self.assertAlmostEqual(best[key], offline["best_first"][0][key], places=6, msg=key)
         self.assertEqual(len(advice["best_first"]) + len(advice["unfit"]), 18)

@@ -4,7 +4,7 @@ import subprocess
 import time
 
 import numpy as np
-from case import BenchCase, Client, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
 
 from ovws_client import Subscription, Wavefront  # noqa: E402  (case finds it)
 
@@ -190,7 +190,7 @@ class Overlapping(BenchCase):
         config = self.bench.directory / "overlap.json"
         config.write_text(json.dumps({"camera": {"roi": {"x": 0, "y": 0, "width": 512, "height": 1024}},
                                       "optics": {"centre_px": [255.5, 255.5]}, "beams": beams}))
-        checked = subprocess.run([self.bench.programs / "ovwsd", "--config", config], capture_output=True, text=True, timeout=300)
+        checked = subprocess.run([self.bench.programs / "ovwsd", "--config", config], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertNotEqual(checked.returncode, 0)
         return checked.stderr + checked.stdout
 

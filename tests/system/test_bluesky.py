@@ -7,7 +7,7 @@ import time
 import unittest
 
 from bridge_case import RUN, BridgeCase, environment, has, reports
-from case import ROOT, main, wait_for
+from case import PROGRAM_PATIENCE_S, ROOT, main, wait_for
 
 import numpy as np
 
@@ -165,7 +165,7 @@ class Engine(BridgeCase):
     def test_the_code_of_the_guide(self):
         guide = (ROOT / "daemon" / "guide" / "bridges.md").read_text()
         code = next(block for block in guide.split("```python") if "RunEngine" in block).split("```")[0]
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300, env=environment())
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, env=environment())
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(done.stdout.count("event {"), 11)
 
@@ -178,7 +178,7 @@ class Engine(BridgeCase):
 
 class Rate(unittest.TestCase):
     def test_events_at_50_per_second_without_loss_or_growth(self):
-        done = subprocess.run([sys.executable, RUN, "20"], capture_output=True, text=True, timeout=300, env=environment())
+        done = subprocess.run([sys.executable, RUN, "20"], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, env=environment())
         print(done.stdout, done.stderr)
         self.assertEqual(done.returncode, 0)
         for report in reports(done.stdout)[:2]:

@@ -4,7 +4,7 @@ import signal
 import subprocess
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
 
 SENSOR = {"sensor": {"subapertures_across": 3}}  # few modes, so that a check is short
 QUICK = ("--quick", "--seconds", "3", "--no-loop")
@@ -24,7 +24,7 @@ class CheckCase(BenchCase):
 
     def check(self, *words):
         """Exit code and the report as JSON."""
-        done = subprocess.run(self.command("--json", *words), capture_output=True, text=True, timeout=300)
+        done = subprocess.run(self.command("--json", *words), capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertTrue(done.stdout, done.stderr)
         return done.returncode, json.loads(done.stdout)
 
@@ -79,7 +79,7 @@ class GoodBench(CheckCase):
         self.assertIn("ovws reference 100", report["error"]["message"])
         self.call("slm.show", {"pattern": "flat"})
         self.assertIn("pattern=sensor", self.check(*QUICK)[1]["error"]["message"])
-        done = subprocess.run(self.command("-o", "/nonexistent/report.html"), capture_output=True, text=True, timeout=300)
+        done = subprocess.run(self.command("-o", "/nonexistent/report.html"), capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(done.returncode, 1)
         self.assertIn("cannot be written", done.stderr)
 

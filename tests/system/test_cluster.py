@@ -11,7 +11,7 @@ import textwrap
 import unittest
 
 import slurm
-from case import ROOT, BenchCase, bench_module, main, wait_for
+from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, bench_module, main, wait_for
 
 CLUSTER = ROOT / "config" / "cluster"
 GUIDE = ROOT / "daemon" / "guide" / "cluster.md"
@@ -64,7 +64,7 @@ class Cluster(BenchCase):
         pass  # the bench has ended
 
     def ovws(self, *arguments, status=0):
-        done = subprocess.run([self.programs / "ovws", *map(str, arguments)], capture_output=True, text=True, timeout=300, cwd=self.folder)
+        done = subprocess.run([self.programs / "ovws", *map(str, arguments)], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, cwd=self.folder)
         self.assertEqual(done.returncode, status, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
@@ -182,7 +182,7 @@ class Cluster(BenchCase):
                 print("\n  skipped:", command)
                 continue
             done = subprocess.run(["bash", "-c", command.replace("config/cluster", str(CLUSTER))], cwd=self.folder, env=self.env,
-                                  capture_output=True, text=True, timeout=300)
+                                  capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
             self.assertEqual(done.returncode, 0, command + "\n" + done.stdout + done.stderr)
 
 

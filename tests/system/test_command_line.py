@@ -10,7 +10,7 @@ import threading
 
 import numpy
 import zmq
-from case import PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
 from PIL import Image
 from terminal import Terminal
 
@@ -203,11 +203,11 @@ class CommandLine(BenchCase):
 
     def test_progress_is_shown_on_a_terminal_only(self):
         command = self.ovws_command("call", "--wait", "reference.take", '{"frames": 300}')
-        done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         ours, its = pty.openpty()
         self.addCleanup(os.close, ours)
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=its, timeout=300)
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=its, timeout=PROGRAM_PATIENCE_S)
         os.close(its)
         shown = os.read(ours, 65536).decode()
         self.assertEqual((done.returncode, json.loads(done.stdout)["frames"]), (0, 300))
@@ -229,7 +229,7 @@ class CommandLine(BenchCase):
         self.assertIn("Subcommands:", self.ovws(code=2))
         self.assertIn("Subcommands:", self.shown(code=2, lines=200))
         self.assertIn('there is no host "no such host"', self.ovws("--endpoint", "tcp://no such host:7702", "status", code=2))
-        daemon = subprocess.run([self.bench.programs / "ovwsd", "--no-such-option"], capture_output=True, text=True, timeout=300)
+        daemon = subprocess.run([self.bench.programs / "ovwsd", "--no-such-option"], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(daemon.returncode, 2, daemon.stderr)
         self.ovws("status", "more", code=2)
         for timeout in ("nan", "-nan", "inf", "0", "soon"):
@@ -271,7 +271,7 @@ class CommandLine(BenchCase):
         for arguments in ("status", "describe", "call sensor.get", "watch", "watch spots", "snapshot -o shot", "--help", "--version"):
             for way in (">/dev/full", ">&-"):
                 with self.subTest(arguments + " " + way):
-                    done = subprocess.run(f"{program} {arguments} {way}", shell=True, stderr=subprocess.PIPE, text=True, timeout=300,
+                    done = subprocess.run(f"{program} {arguments} {way}", shell=True, stderr=subprocess.PIPE, text=True, timeout=PROGRAM_PATIENCE_S,
                                           cwd=self.bench.directory)
                     self.assertEqual(done.returncode, 1, done.stderr)
                     self.assertIn("ovws: standard output", done.stderr)

@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-from case import ROOT, TWIN, Client, Stream, main
+from case import PROGRAM_PATIENCE_S, ROOT, TWIN, Client, Stream, main
 from losses import COUNTERS, Account
 
 MEASUREMENTS, FRAMES = 6, 60  # lines of the table, and frames of each
@@ -34,7 +34,7 @@ class Demo(unittest.TestCase):
         self.marker = f"OVWS_DEMO_TEST={os.getpid()}"
         key, value = self.marker.split("=")
         return subprocess.run([sys.executable, ROOT / "daemon" / "demo.py", "--build", os.environ["OVWS_BUILD"], *arguments],
-                              capture_output=True, text=True, timeout=300, env=os.environ | {key: value})
+                              capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, env=os.environ | {key: value})
 
     def test_it_shows_the_aberrations_and_leaves_nothing(self):
         with tempfile.TemporaryDirectory() as out:
@@ -100,7 +100,7 @@ class Demo(unittest.TestCase):
                     self.addCleanup(client.close)
                     self.assertTrue(client.call("system.status" if port == 7702 else "twin.get"))
             for port in (7701, 7703):
-                with socket.create_connection(("127.0.0.1", port), timeout=300):
+                with socket.create_connection(("127.0.0.1", port), timeout=PROGRAM_PATIENCE_S):
                     pass
             demo.send_signal(signal.SIGINT)
             self.assertEqual(demo.wait(300.0), 0)

@@ -5,7 +5,7 @@ import statistics
 import subprocess
 import unittest
 
-from case import BenchCase, Client, bench_module, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, bench_module, main, wait_for
 from PIL import Image
 
 # (options, subapertures): an SLM, a camera and a lens that a lab may have.
@@ -30,7 +30,7 @@ FRAMES = 10
 def design(*arguments, programs=None):
     """The exit code and the JSON that `ovws design` prints."""
     ovws = (programs or bench_module.find_programs()) / "ovws"
-    done = subprocess.run([ovws, "--json", "design", *arguments], capture_output=True, text=True, timeout=300)
+    done = subprocess.run([ovws, "--json", "design", *arguments], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
     return done.returncode, json.loads(done.stdout)
 
 
@@ -66,7 +66,7 @@ class Impossible(unittest.TestCase):
 class Advice(unittest.TestCase):
     def advise(self, *arguments):
         ovws = bench_module.find_programs() / "ovws"
-        done = subprocess.run([ovws, "--json", "advise", *arguments], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([ovws, "--json", "advise", *arguments], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return json.loads(done.stdout)
 
@@ -88,7 +88,7 @@ class Advice(unittest.TestCase):
     def test_light_too_low_for_any_sensor_is_an_error(self):
         ovws = bench_module.find_programs() / "ovws"
         arguments = ("advise", "--modes", "18", "--photons")
-        done = subprocess.run([ovws, *arguments, "10"], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([ovws, *arguments, "10"], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn("the light is too low for any sensor", done.stderr)
         self.assertNotIn("best", done.stdout)
@@ -96,7 +96,7 @@ class Advice(unittest.TestCase):
         best = self.advise(*arguments[1:], f"{1.1 * needed}")["best_first"]
         self.assertGreater(best[0]["peak_e"], 5.0)
         self.assertLess(best[0]["error_waves"], 0.25)
-        done = subprocess.run([ovws, "--json", *arguments, f"{0.9 * needed}"], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([ovws, "--json", *arguments, f"{0.9 * needed}"], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual((done.returncode, json.loads(done.stdout)["best_first"]), (1, []))
 
 
@@ -111,7 +111,7 @@ class Real(BenchCase):
         for finding in made["findings"]:
             print("  limited by", finding["limit"], "-", finding["reason"])
         ovwsd = [self.bench.programs / "ovwsd", "--check-config", "--config", path]
-        self.assertEqual(subprocess.run(ovwsd, capture_output=True, timeout=300).returncode, 0)
+        self.assertEqual(subprocess.run(ovwsd, capture_output=True, timeout=PROGRAM_PATIENCE_S).returncode, 0)
         roi = made["config"]["camera"]["roi"]
         with Image.open(picture) as image:
             self.assertEqual(image.size, (roi["width"], roi["height"]))

@@ -3,7 +3,7 @@ import json
 import random
 import subprocess
 
-from case import main
+from case import PROGRAM_PATIENCE_S, main
 from disk_case import RUNS, DiskCase
 
 CUTS = 12
@@ -13,7 +13,7 @@ class Disk(DiskCase):
     def test_a_second_daemon_does_not_share_the_folder(self):
         before = self.files()
         second = subprocess.run([self.bench.programs / "ovwsd", "--config", "ovwsd.json"], cwd=self.bench.directory,
-                                capture_output=True, text=True, timeout=300)
+                                capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(second.returncode, 1, second.stderr)
         self.assertIn("another daemon uses", second.stdout + second.stderr)
         self.assertEqual(self.files(), before)

@@ -3,7 +3,7 @@ import json
 import subprocess
 import unittest
 
-from case import BenchCase, Client, bench_module, main, merged, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, bench_module, main, merged, wait_for
 
 DMD = {"modulator": "dmd"}
 # The first order has (1 / pi)^2 of an SLM's light: a brighter laser.
@@ -77,7 +77,7 @@ class BadConfiguration(unittest.TestCase):
         with bench_module.Bench() as bench:
             path = bench.directory / "bad.json"
             path.write_text(json.dumps(config))
-            ended = subprocess.run([bench_module.find_programs() / "ovwsd", "--config", path], capture_output=True, text=True, timeout=300)
+            ended = subprocess.run([bench_module.find_programs() / "ovwsd", "--config", path], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertNotEqual(ended.returncode, 0)
         return ended.stderr
 

@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 import screen
-from case import BenchCase, main, own_mounts, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, main, own_mounts, wait_for
 
 SLM = (1920, 0, 1280, 768)  # on the desktop
 VERDICTS = {"ok", "warning", "fault", "not_here"}
@@ -30,7 +30,7 @@ class DoctorCase(BenchCase):
         path.write_text(config if isinstance(config, str) else json.dumps(config or self.config()))
         file = ["--config", path] if named else []
         command = [*before, program or self.bench.programs / "ovws", "--timeout", str(self.timeout_s), "doctor", *file, *arguments]
-        return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=300, env=env or self.environment(),
+        return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, env=env or self.environment(),
                               cwd="/")
 
     def environment(self):
@@ -281,7 +281,7 @@ class Ill(DoctorCase):
             def examine(keys):
                 config.write_text(json.dumps({"state": {"directory": str(state)}} | keys))
                 done = subprocess.run([*limits, program, "--timeout", "0.5", "--json", "doctor", "-c", config], capture_output=True,
-                                      text=True, timeout=300, env=self.environment(), cwd="/")
+                                      text=True, timeout=PROGRAM_PATIENCE_S, env=self.environment(), cwd="/")
                 self.assertEqual(done.stderr, "")
                 return {one["name"]: one for one in json.loads(done.stdout)["findings"]}
 

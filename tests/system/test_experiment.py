@@ -12,7 +12,7 @@ import signal
 import subprocess
 import time
 
-from case import TWIN, BenchCase, Client, main, wait_for
+from case import PROGRAM_PATIENCE_S, TWIN, BenchCase, Client, main, wait_for
 
 LIGHT = {"light": {"peak_electrons": 250}, "detector": {"read_noise_e": 30}}
 SWEEP = {"gains_db": [10, 20, 40], "frames": 10, "reference_frames": 30,
@@ -63,7 +63,7 @@ class Experiment(BenchCase):
         self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.05}]})
         before = self.everything()
         study = self.study(SWEEP)
-        output, _ = study.communicate(timeout=300)
+        output, _ = study.communicate(timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(study.returncode, 0, output)
         print(re.sub(r".*\r", "", output))
         self.assertEqual(self.everything(), before)
@@ -107,7 +107,7 @@ class Experiment(BenchCase):
         self.assertEqual(self.call("camera.get")["settings"]["gain_db"], 3.0)
         findings = {path.name: path.read_bytes() for path in self.folder.iterdir()}
         study = self.study(QUICK)
-        output, _ = study.communicate(timeout=300)
+        output, _ = study.communicate(timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(study.returncode, 1, output)
         self.assertIn("saturated", output)
         self.assertEqual({path.name: path.read_bytes() for path in self.folder.iterdir()}, findings)
@@ -119,7 +119,7 @@ class Experiment(BenchCase):
         self.addCleanup(study.stdout.close)
         wait_for(lambda: self.cells_done() >= 2, what="two cells")
         study.send_signal(signal.SIGINT)
-        output, _ = study.communicate(timeout=300)
+        output, _ = study.communicate(timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(study.returncode, 1, output)
         self.assertIn("repeat the command to continue", output)
         self.assertEqual({path.name for path in self.folder.iterdir()}, {"cells.csv", "frames.csv", *others})
@@ -147,7 +147,7 @@ class Experiment(BenchCase):
         self.hold_after(len(killed) + 1)
         self.assertEqual(self.call("job.get", {"job": self.call("experiment.get")["job"]})["state"], "running")
         self.release()  # the sweep continues when the camera returns
-        output, _ = study.communicate(timeout=300)
+        output, _ = study.communicate(timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(study.returncode, 0, output)
         self.wait_until("running")
         kept = self.kept_cells()
@@ -161,7 +161,7 @@ class Experiment(BenchCase):
         written = {name: (self.folder / name).read_bytes() for name in ("cells.csv", "frames.csv")}
         begun = time.monotonic()  # complete: it ends at once
         study = self.study(QUICK)
-        output, _ = study.communicate(timeout=300)
+        output, _ = study.communicate(timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(study.returncode, 0, output)
         self.assertEqual(self.kept_cells(), kept)
         self.assertEqual({name: (self.folder / name).read_bytes() for name in written}, written)
@@ -227,7 +227,7 @@ class Experiment(BenchCase):
     def study_of_a_moved_bench(self, twin, move):
         twin.call("twin.set", move)
         study = self.study(QUICK)
-        output, _ = study.communicate(timeout=300)
+        output, _ = study.communicate(timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(study.returncode, 1, output)
         return output
 

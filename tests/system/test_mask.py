@@ -4,7 +4,7 @@ import math
 import statistics
 import subprocess
 
-from case import BenchCase, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, main, wait_for
 
 MODES = {3: 0.08, 4: -0.06, 7: 0.05, 12: 0.04}  # waves
 BOUND_WAVES = 0.006
@@ -123,7 +123,7 @@ class MaskFile(Mask):
         path, other = self.bench.directory / "checked.json", self.bench.directory / "other.txt"
         write_map(other, width, height)
         path.write_text(json.dumps({"sensor": {"mask": {"file": str(other)}}}))
-        done = subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", path], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", path], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         return done.returncode, done.stdout + done.stderr
 
     def test_wavefronts_are_measured_behind_masks_and_alternating_charges(self):
@@ -183,7 +183,7 @@ class MaskFiles(MaskCase):
         self.bench.stop("ovwsd")
         checked = self.bench.directory / "checked.json"
         checked.write_text(json.dumps({"sensor": {"mask": self.masks}}))
-        done = subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", checked], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", checked], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertIn("sensor.mask[1].file", done.stdout + done.stderr)
 
 

@@ -8,7 +8,7 @@ import signal
 import socket
 import subprocess
 
-from case import ROOT, BenchCase, main, wait_for
+from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, main, wait_for
 from prometheus_client.parser import text_string_to_metric_families
 
 ADDRESS = ("127.0.0.1", 7705)
@@ -67,7 +67,7 @@ class Metrics(BenchCase):
         return process
 
     def refused_command(self, *arguments):
-        done = subprocess.run([self.bench.programs / "ovws", "metrics", *arguments], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([self.bench.programs / "ovws", "metrics", *arguments], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(done.returncode, 1, done.stdout)
         return done.stderr
 

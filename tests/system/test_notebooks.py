@@ -29,9 +29,9 @@ class Notebooks(BenchCase):
         cls.addClassCleanup(folder.cleanup)
         cls.python = Path(folder.name, "bin", "python")
         # Debian's numpy, pyzmq and h5py stay visible; pip is Debian's, too.
-        checked([sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", folder.name], timeout=300)
+        checked([sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", folder.name], timeout=PROGRAM_PATIENCE_S)
         (wheel,) = (BUILD / "wheel").glob("*.whl")
-        checked([cls.python, "-m", "pip", "install", "--no-index", "--no-deps", wheel], timeout=300, env=os.environ | {"HOME": folder.name})
+        checked([cls.python, "-m", "pip", "install", "--no-index", "--no-deps", wheel], timeout=PROGRAM_PATIENCE_S, env=os.environ | {"HOME": folder.name})
         cls.site = next(Path(folder.name, "lib").glob("python3*/site-packages/ovws_client"))
 
     def run_notebook(self, name):
@@ -43,7 +43,7 @@ class Notebooks(BenchCase):
         return "\n".join(shown), json.loads(values)
 
     def test_first_light(self):
-        where = checked([self.python, "-c", "import ovws_client; print(ovws_client.__file__)"], timeout=300, cwd="/").stdout
+        where = checked([self.python, "-c", "import ovws_client; print(ovws_client.__file__)"], timeout=PROGRAM_PATIENCE_S, cwd="/").stdout
         self.assertEqual(where.strip(), str(self.site / "__init__.py"), "the installed one")
         shown, values = self.run_notebook("first_light.ipynb")
         self.assertIn("the daemon is running", shown)

@@ -10,7 +10,7 @@ import sys
 import textwrap
 import time
 
-from case import ROOT, BenchCase, bench_module, main
+from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, bench_module, main
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class Scripts(BenchCase):
     def run_here(self, command, path=PYTHON, **more):
         print("\n  $", shlex.join(map(str, command))[:120])
         env = os.environ | {"PYTHONPATH": str(path), "HOME": str(self.bench.directory), "MPLBACKEND": "Agg"}
-        done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=env, **more)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, env=env, **more)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         print(textwrap.indent(done.stdout[-400:], "    "))
         return done.stdout

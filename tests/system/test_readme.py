@@ -6,7 +6,7 @@ import sys
 import textwrap
 import unittest
 
-from case import ROOT, BenchCase, main
+from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, main
 
 # The commands build on each other in this order, as on a bench.
 GUIDES = [f"daemon/guide/{name}.md" for name in ("lattices", "optics", "refined", "live-page", "images", "command-line", "setup", "check", "bench")]
@@ -60,7 +60,7 @@ class Readme(BenchCase):
     daemon_config = {"state": {"directory": "state"}}
 
     def run_here(self, command):
-        done = subprocess.run(command, capture_output=True, text=True, timeout=300, cwd=self.bench.directory)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, cwd=self.bench.directory)
         print("\n  $", shlex.join(map(str, command))[:100])
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout

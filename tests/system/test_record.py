@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 import numpy
-from case import ROOT, BenchCase, main, own_mounts, wait_for
+from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, main, own_mounts, wait_for
 from ovws_client.recording import Recording
 
 KILLS = int(os.environ.get("OVWS_RECORD_KILLS", "3"))
@@ -137,7 +137,7 @@ class Record(RecordCase):
         self.take_reference(20)
         self.record("run-1", 20)
         (block,) = re.findall(r"^```python\n(.*?)^```$", (ROOT / "proto" / "RECORDING.md").read_text(), re.MULTILINE | re.DOTALL)
-        done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, timeout=300, cwd=self.bench.directory / "recordings")
+        done = subprocess.run([sys.executable, "-c", block], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, cwd=self.bench.directory / "recordings")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("'oblique astigmatism': ", done.stdout)
         self.assertRegex(done.stdout, r"\(\d+, 19\) spot")

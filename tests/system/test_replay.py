@@ -14,7 +14,7 @@ import h5py
 import numpy
 import PIL.Image
 from astropy.io import fits
-from case import BenchCase, bench_module, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, bench_module, main, wait_for
 from ovws_client import export
 from ovws_client.recording import Recording
 
@@ -123,7 +123,7 @@ class Replay(BenchCase):
         return recording
 
     def replay(self, path, *arguments, **more):
-        return subprocess.run([self.bench.programs / "ovws", "--json", "replay", path, *arguments], capture_output=True, text=True, timeout=300, **more)
+        return subprocess.run([self.bench.programs / "ovws", "--json", "replay", path, *arguments], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, **more)
 
     def replayed(self, name, *arguments):
         done = self.replay(self.path(name), *arguments)
@@ -341,7 +341,7 @@ class Replay(BenchCase):
             wait_for(lambda: (m := stream.next(1.0)) and m["settled"] and m["hologram_id"] == hologram_id, what=f"a frame with {params}")
 
     def run_export(self, name, *arguments, **more):
-        done = subprocess.run([self.bench.programs / "ovws", "export", self.path(name) if isinstance(name, str) else name, *arguments], capture_output=True, text=True, timeout=300,
+        done = subprocess.run([self.bench.programs / "ovws", "export", self.path(name) if isinstance(name, str) else name, *arguments], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S,
                               cwd=self.bench.directory, **more)
         return done.returncode, done.stdout + done.stderr
 
@@ -356,7 +356,7 @@ class Replay(BenchCase):
 
     def export(self, name, *arguments, status=0):
         done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=bench_module.find_programs().parent / "python",
-                              capture_output=True, text=True, timeout=300)
+                              capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(done.returncode, status, done.stderr)
         return done
 

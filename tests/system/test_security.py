@@ -6,7 +6,7 @@ import stat
 import subprocess
 import threading
 
-from case import BenchCase, Client, ClientError, Stream, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, ClientError, Stream, main, wait_for
 
 FORBIDDEN = -32003
 CONTROL_PORT = 7702
@@ -103,7 +103,7 @@ class Secured(BenchCase):
 
     def test_the_doctor_finds_a_daemon_at_all_addresses(self):
         done = subprocess.run([self.bench.programs / "ovws", "--json", "--key", self.folder / "boss.json", "--server-key", self.server_key,
-                               "doctor", "--config", self.folder / "ovwsd.json"], capture_output=True, text=True, timeout=300)
+                               "doctor", "--config", self.folder / "ovwsd.json"], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         findings = {one["name"]: one for one in json.loads(done.stdout)["findings"]}
         self.assertEqual(findings["daemon.answer"]["verdict"], "ok", findings["daemon.answer"])
         self.assertIn("tcp://127.0.0.1:7702", findings["daemon.answer"]["meaning"])
@@ -220,7 +220,7 @@ class Secured(BenchCase):
     def test_the_command_line_says_what_is_missing(self):
         def ovws(*arguments, **env):
             return subprocess.run([self.bench.programs / "ovws", "--timeout", "5", *arguments, "status"], capture_output=True, text=True,
-                                  timeout=300, env=os.environ | env)
+                                  timeout=PROGRAM_PATIENCE_S, env=os.environ | env)
 
         good = ovws("--key", self.folder / "guest.json", "--server-key", self.server_key)
         self.assertEqual(good.returncode, 0, good.stderr)
@@ -258,12 +258,12 @@ class Files(BenchCase):
         self.folder = self.bench.directory
 
     def ovws(self, *arguments):
-        return subprocess.run([self.bench.programs / "ovws", *arguments], capture_output=True, text=True, timeout=300, cwd=self.folder)
+        return subprocess.run([self.bench.programs / "ovws", *arguments], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, cwd=self.folder)
 
     def complaint(self, config, *arguments):
         path = self.folder / "checked.json"
         path.write_text(json.dumps(config))
-        done = subprocess.run([self.bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([self.bench.programs / "ovwsd", "--config", path, *arguments], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(done.returncode, 1, done.stderr)
         print("\n  ", done.stderr.strip()[-300:])
         return done.stderr

@@ -125,7 +125,7 @@ class NarrowRegion(SetupCase):
     def check_config(self):
         config = self.bench.directory / "as_used.json"
         config.write_text(json.dumps(self.call("config.get")))
-        return subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", config], capture_output=True, timeout=300).returncode
+        return subprocess.run([self.bench.programs / "ovwsd", "--check-config", "--config", config], capture_output=True, timeout=PROGRAM_PATIENCE_S).returncode
 
     def test_the_step_and_check_config_agree(self):
         self.assertEqual(self.check_config(), 0)

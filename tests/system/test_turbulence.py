@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 
-from case import PATIENCE_S, TWIN, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, TWIN, BenchCase, Client, main, wait_for
 
 SECONDS = float(os.environ.get("OVWS_TURBULENCE_S", "21"))  # of each recording, open and closed
 AIR = {"rms_waves": 0.12, "speed_pupils_per_s": 0.15, "outer_scale_pupils": 4, "seed": 5, "tilt": False}
@@ -64,7 +64,7 @@ class Turbulence(BenchCase):
 
     def test_rejection_by_frequency(self):
         refused = self.study(5)
-        self.assertIn("reference.take", refused.communicate(timeout=300)[0])
+        self.assertIn("reference.take", refused.communicate(timeout=PROGRAM_PATIENCE_S)[0])
         self.assertEqual(refused.returncode, 1)
         self.take_reference(20)
         self.twin.call("twin.set", {"turbulence": AIR})
@@ -102,7 +102,7 @@ class Turbulence(BenchCase):
         study = self.study(10)
         wait_for(lambda: self.call("loop.get")["steps"] > 2 or study.poll() is not None, what="two steps")
         study.send_signal(signal.SIGINT)
-        output, _ = study.communicate(timeout=300)
+        output, _ = study.communicate(timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(study.returncode, 1, output)
         self.assertIn("interrupted; the loop is open, and the correction is restored", output)
         self.assertFalse(self.call("loop.get")["closed"])

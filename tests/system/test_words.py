@@ -7,7 +7,7 @@ import re
 import subprocess
 import unittest
 
-from case import bench_module, wait_for
+from case import PROGRAM_PATIENCE_S, bench_module, wait_for
 from terminal import Terminal
 
 BUILD = pathlib.Path(os.environ.get("OVWS_BUILD", ""))
@@ -16,7 +16,7 @@ PAGES = ("ovws.1", "ovws-twin.1", "ovwsd.8", "ovwsd.json.5")
 
 
 def run(*command, **more):
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=300, **more)
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, **more)
     assert done.returncode == 0, done.stderr
     return done
 
@@ -46,7 +46,7 @@ class Pages(unittest.TestCase):
     def test_strict_readers_are_silent(self):
         for page in PAGES:
             with self.subTest(page):
-                lint = subprocess.run(["mandoc", "-Tlint", MADE / page], capture_output=True, text=True, timeout=300)
+                lint = subprocess.run(["mandoc", "-Tlint", MADE / page], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
                 self.assertEqual((lint.returncode, lint.stdout + lint.stderr), (0, ""))
                 self.assertEqual(run("groff", "-man", "-ww", "-Tutf8", "-z", MADE / page).stderr, "")
                 shown = run("man", "--warnings", "-l", MADE / page, env=os.environ | {"MANWIDTH": "80", "LC_ALL": "C.UTF-8"})

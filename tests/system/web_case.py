@@ -7,7 +7,7 @@ import os
 import pathlib
 import subprocess
 
-from case import BenchCase, merged, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, merged, wait_for
 
 HOST, PORT = "127.0.0.1", 7704
 ADDRESS = f"{HOST}:{PORT}"
@@ -171,7 +171,7 @@ def browser_packages():
         if all((folder / "node_modules" / package.split("@")[0]).exists() for package in PACKAGES):
             return folder
         try:
-            subprocess.run(["npm", "install", "--prefix", folder, "--ignore-scripts", "--no-audit", "--no-fund", *PACKAGES], check=True, capture_output=True, timeout=300)
+            subprocess.run(["npm", "install", "--prefix", folder, "--ignore-scripts", "--no-audit", "--no-fund", *PACKAGES], check=True, capture_output=True, timeout=PROGRAM_PATIENCE_S)
         except (OSError, subprocess.SubprocessError):
             return None
     return folder
