@@ -38,12 +38,23 @@ class Cases(unittest.TestCase):
     def test_c(self): raise KeyError
 unittest.main()
 '''
-GTEST_FAILURE = """[ RUN      ] Camera.IsFound
+GTEST_FAILURES = """/tests/camera_test.cpp:5: Failure
+Failed in SetUpTestSuite
+[ RUN      ] Camera.IsFound
 ../camera_test.cpp:12: Failure
 Expected equality of these values:
   found
     Which is: 0
 [  FAILED  ] Camera.IsFound (3 ms)
+[ RUN      ] Camera.IsOpened
+[       OK ] Camera.IsOpened (0 ms)
+[ RUN      ] All/Camera.IsRead/0
+camera_test.cpp:20: Failure
+Value of: read
+[  FAILED  ] All/Camera.IsRead/0, where GetParam() = 4 (0 ms)
+[ RUN      ] Camera.Crashes
+camera_test.cpp:30: Failure
+Value of: alive
 """
 NOISY_CASES = '''
 import sys, unittest
@@ -113,8 +124,11 @@ class ReportCases(unittest.TestCase):
         self.assertEqual(report_of(cases=output), ["skipped: no test cases"], "another run of it passed")
 
     def test_errors_of_googletest_are_listed(self):
-        self.assertEqual(report_of("fail", camera=GTEST_FAILURE, killed="nothing"), [
-            "skipped: no test cases", "failed:", "  camera: Camera.IsFound (camera_test.cpp:12): Expected equality of these values: found", "  killed: failed: see its output"])
+        self.assertEqual(report_of("fail", camera=GTEST_FAILURES, killed="nothing"), [
+            "skipped: no test cases", "failed:", "  camera: outside a case (camera_test.cpp:5): Failed in SetUpTestSuite",
+            "  camera: Camera.IsFound (camera_test.cpp:12): Expected equality of these values: found",
+            "  camera: All/Camera.IsRead/0 (camera_test.cpp:20): Value of: read", "  camera: Camera.Crashes (camera_test.cpp:30): Value of: alive",
+            "  killed: failed: see its output"])
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ GTEST_DISABLED = re.compile(r"^ +YOU HAVE (\d+) DISABLED TESTS?", re.MULTILINE)
 UNITTEST_FAILED = re.compile(r"^(?:FAIL|ERROR): (\S+) .*?\n(.*?)(?=^={70}$|^Ran \d+ tests? in )", re.MULTILINE | re.DOTALL)
 TRACEBACK_PLACE = re.compile(r'^  File "(?:.*/)?([^"/]+)", line (\d+)', re.MULTILINE)
 TRACEBACK_ERROR = re.compile(r"^([A-Za-z_][\w.]*(?:: .*)?)$", re.MULTILINE)
-GTEST_FAILED = re.compile(r"^\[ RUN      \] (\S+)\n(.*?)^\[  FAILED  \] \1 \(", re.MULTILINE | re.DOTALL)
+GTEST_CASES = re.compile(r"^\[ RUN      \] (\S+)$|^\[  (?:     OK|FAILED |SKIPPED) \] .*\)$", re.MULTILINE)  # begin and end of each
 GTEST_ERROR = re.compile(r"^(?:.*/)?([^/\s]+):(\d+): Failure\n(.*(?:\n +.*)?)", re.MULTILINE)
 MOST_ERRORS, MOST_LETTERS = 5, 300  # of one program, of one error
 UNKNOWN = "see its output"
@@ -48,10 +48,16 @@ def unittest_error(said):
     return (*place.groups(), errors[0]) if place and errors else None
 
 
+def gtest_errors(output):
+    """(test case, (file, line, text)) of each failure, also of a case that did not end, and of one outside the cases."""
+    parts = GTEST_CASES.split("\n" + output)  # what was said, the name of the case that begins or None, what was said, ...
+    return [(case or "outside a case", error) for case, said in zip([None, *parts[1::2]], parts[::2]) for error in GTEST_ERROR.findall(said)]
+
+
 def errors(output, reason):
     """What the cases of one test program failed of, with file and line; without any, ctest's reason."""
     found = [(case, unittest_error(said)) for case, said in UNITTEST_FAILED.findall(output)]
-    found += [(case, error) for case, said in GTEST_FAILED.findall(output) for error in GTEST_ERROR.findall(said)]
+    found += gtest_errors(output)
     lines = [f"{case} ({error[0]}:{error[1]}): {' '.join(error[2].split())[:MOST_LETTERS]}" if error else f"{case}: {UNKNOWN}" for case, error in found]
     return list(dict.fromkeys(lines))[:MOST_ERRORS] or [f"{reason or 'failed'}: {UNKNOWN}"]
 
