@@ -15,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/port/clock.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "tests/support/simulated_bench.hpp"
@@ -24,6 +25,8 @@ namespace ovws {
 namespace {
 
 using namespace std::chrono_literals;
+
+constexpr double kPatienceS = 4.0;
 
 class ClosedLoopTest : public testing::Test {
  protected:
@@ -72,13 +75,13 @@ class ClosedLoopTest : public testing::Test {
     for (int k = 0; k < 10'000 && !condition(); ++k) std::this_thread::sleep_for(1ms);
     return condition();
   }
-  /// Lets 10 s pass, which is more than twice a patience of 4 s, and calls `each` every 50 ms of
-  /// it.
-  static void pass_twice_the_patience(const std::function<void()>& each) {
-    for (int turn = 0; turn < 200; ++turn) {
-      each();
-      test::skip(50ms);
-      std::this_thread::sleep_for(1ms);  // lets the loop's thread work
+  /// Lets twice the patience pass, a second at a time, after each of which the loop looks at its
+  /// watch.
+  void pass_twice_the_patience() {
+    for (double passed_s = 0.0; passed_s < 2.0 * kPatienceS; ++passed_s) {
+      test::skip(1s);
+      const int turns = turns_;
+      ASSERT_TRUE(wait_for([&] { return turns_ >= turns + 2; }));  // one of them began after it
     }
   }
   bool opens_by_itself() {
@@ -105,13 +108,14 @@ class ClosedLoopTest : public testing::Test {
   }
 
   test::SimulatedBench bench_;
-  ClosedLoop loop_{{bench_.keeper(), bench_.slm(), bench_.events(),
-                    [this](bool closed) { is_closed_ = closed; },
-                    [this] { return found_ns_.load(); }, [this] { return has_bench_.load(); },
-                    [](const std::string&, const nlohmann::json&) {}}};
-  std::atomic<std::int64_t> found_ns_{0};  ///< when lost spots were found
+  ClosedLoop loop_{
+      {bench_.keeper(), bench_.slm(), bench_.events(), [this](bool closed) { is_closed_ = closed; },
+       [this] { return finds_ ? monotonic_ns() : 0; }, [this] { return has_bench_.load(); },
+       [](const std::string&, const nlohmann::json&) {}}};
+  std::atomic<bool> finds_{false};  ///< lost spots are found all the time
   std::atomic<bool> has_bench_{true};
   std::atomic<bool> is_closed_{false};  ///< as on_change last said
+  std::atomic<int> turns_{0};
   std::atomic<bool> end_{false};
 
  private:
@@ -121,7 +125,7 @@ class ClosedLoopTest : public testing::Test {
         return false;
       });
   std::thread thread_{[this] {
-    while (!end_) loop_.do_work();
+    for (; !end_; ++turns_) loop_.do_work();
     loop_.on_close();
   }};
 };
@@ -230,7 +234,7 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenTheResidualGrowsAndKeepsTheCorrection) {
   ASSERT_TRUE(close());
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 12; }));
   ASSERT_TRUE(open(true));  // the level of the next time is low from its first step on
-  ASSERT_TRUE(close({.gains = {{4, 0.0}}, .patience_s = 4.0}));
+  ASSERT_TRUE(close({.gains = {{4, 0.0}}, .patience_s = kPatienceS}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 15; }));
   hide({{3, -0.05}, {4, 0.2}});
   expect_opens("the residual was 3 times its previous level for 4 s");
@@ -240,7 +244,7 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenTheResidualGrowsAndKeepsTheCorrection) {
 
 TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
   take_reference_frames();
-  ASSERT_TRUE(close({.patience_s = 4.0}));
+  ASSERT_TRUE(close({.patience_s = kPatienceS}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   ASSERT_TRUE(is_closed_);
   switch_off_the_light();
@@ -251,22 +255,24 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
 
 TEST_F(ClosedLoopTest, StaysClosedAsLongAsLostSpotsAreFound) {
   take_reference_frames();
-  ASSERT_TRUE(close({.patience_s = 4.0}));
+  ASSERT_TRUE(close({.patience_s = kPatienceS}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   switch_off_the_light();
-  pass_twice_the_patience([this] { found_ns_ = monotonic_ns(); });
-  EXPECT_TRUE(is_closed_);
+  finds_ = true;
+  pass_twice_the_patience();
+  EXPECT_TRUE(is_closed_) << loop_.report().opened_because;
+  finds_ = false;
   ASSERT_TRUE(opens_by_itself());
 }
 
 TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileTheBenchIsNotConnected) {
   take_reference_frames();
-  ASSERT_TRUE(close({.patience_s = 4.0}));
+  ASSERT_TRUE(close({.patience_s = kPatienceS}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
   has_bench_ = false;
   switch_off_the_light();
-  pass_twice_the_patience([] {});
-  EXPECT_TRUE(is_closed_);
+  pass_twice_the_patience();
+  EXPECT_TRUE(is_closed_) << loop_.report().opened_because;
   has_bench_ = true;
   ASSERT_TRUE(opens_by_itself());
 }
