@@ -77,7 +77,8 @@ class Notebooks(BenchCase):
     def test_live(self):
         shown, values = self.run_notebook("live.ipynb")
         self.assertEqual(shown.count("<figure>"), 26, "an image and its 20 updates, a wavefront and its 4 updates")
-        self.assertGreater(values["valid"], 50, "of 100 frames; a busy machine makes some late")
+        self.assertEqual(values["valid"], values["settled"])
+        self.assertGreater(values["settled"], 0)
         self.assertGreater(values["duration_s"], 0.5, "100 frames, and those that a busy machine has lost, at 100 Hz")
 
 

@@ -223,9 +223,10 @@ class Recordings(PanelCase):
         file.unlink()
         browser.click(f"#recordings-table button[aria-label='Download {file.stem}']")
         browser.wait_text("#recordings-error", lambda text: f"no recording {file.stem}" in text)
-        self.record("second")
         self.press("Refresh", "#recordings")
-        browser.wait_text("#recordings-table tbody", lambda text: text.startswith("second") and file.stem not in text)
+        browser.wait_text("#recordings-sub", lambda text: text.startswith("No recordings in"))
+        self.record("second")
+        browser.wait_text("#recordings-table tbody", lambda text: text.startswith("second"))
         self.check_console()
 
 

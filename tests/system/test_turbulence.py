@@ -58,7 +58,7 @@ class Turbulence(BenchCase):
                 self.assertLess(band["rejection_db"], min(expected_db + 5.0, -0.5))
             judged += 1
         print(f"  {judged} bands are far enough below {steps_hz:.1f} steps/s")
-        if steps_hz < LEAST_STEPS_HZ:
+        if not judged and steps_hz < LEAST_STEPS_HZ:
             self.skipTest(f"the machine is too busy: at {steps_hz:.1f} steps/s, below {LEAST_STEPS_HZ}, no band can be judged")
         self.assertGreaterEqual(judged, 1, f"no band is far enough below {steps_hz:.1f} steps/s")
 
@@ -75,7 +75,7 @@ class Turbulence(BenchCase):
         self.call("correction.clear")
         study = self.study(SECONDS)
         frames = self.frames_with_truth(self.stream("wavefront"), study)
-        output, _ = study.communicate(timeout=2 * SECONDS + 300)
+        output, _ = study.communicate(timeout=2 * SECONDS + PROGRAM_PATIENCE_S)
         print("\n" + output.rpartition("\r")[2])
         self.assertEqual(study.returncode, 0, output)
         loop = self.call("loop.get")
