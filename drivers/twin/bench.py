@@ -30,7 +30,7 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parent.parent
-PATIENCE_S = 60.0  # with a program that starts on a busy machine
+PATIENCE_S = 60.0  # limit of each wait for a program's start or end
 STOPS = {signal.SIGTERM, signal.SIGKILL, signal.SIGINT, signal.SIGHUP}  # other signals end a program that crashes
 X_LOCK, X_SOCKET = "/tmp/.X{}-lock", "/tmp/.X11-unix/X{}"
 

@@ -18,16 +18,14 @@ bench_module.python_client()
 import ovws_client  # noqa: E402
 from ovws_client import ClientError, Stream  # noqa: E402
 
-__all__ = ["bench_module", "BenchCase", "Client", "ClientError", "Stream", "ROOT", "TWIN", "main", "merged", "own_mounts", "wait_for"]
-
 PATIENCE_S = 2 * bench_module.PATIENCE_S  # limit of each wait for an event; a wait returns as soon as the event comes
-PROGRAM_PATIENCE_S = 300.0  # limit of each wait for the end of a program or a job
+PROGRAM_PATIENCE_S = 300.0  # limit of each wait for the end of a program that ends by itself, or of a job
 
 
 class Client(ovws_client.Client):
     """A client whose time-out allows for a loaded machine."""
 
-    def __init__(self, endpoint=ovws_client.wire.CONTROL, timeout_s=60.0, *keys, **more):
+    def __init__(self, endpoint=ovws_client.wire.CONTROL, timeout_s=PATIENCE_S, *keys, **more):
         super().__init__(endpoint, timeout_s, *keys, **more)
 
 
@@ -263,7 +261,8 @@ class BenchCase(unittest.TestCase):
         return subprocess.run(self.ovws_command(*words), capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, **more)
 
     def close_loop(self, **params):
-        """Closes a loop that does not open by itself for some seconds without a usable frame on a busy machine; nor at a limit, or while it grows."""
+        """Closes the loop with a patience of PATIENCE_S, so that a busy machine cannot open it. It does not open at its limit or for a
+        growing residual within that time, either."""
         return self.call("loop.close", {"patience_s": PATIENCE_S} | params)
 
     def fitted_frames(self, stream, count, timeout_s=PATIENCE_S):

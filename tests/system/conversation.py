@@ -2,6 +2,8 @@
 import re
 import time
 
+from case import PROGRAM_PATIENCE_S
+
 QUESTION = re.compile(rb"^(?:\r\x1b\[K)*> (.*)\? help\r?$", re.M)  # on a terminal wide enough not to wrap it
 PICTURE = re.compile(r"[ .:\-=+*#%@]{40,}")
 
@@ -11,7 +13,7 @@ def on(question):
     return "q" if question.startswith("Enter repeats") else "\n"
 
 
-def talk(terminal, answer=on, timeout_s=300.0):
+def talk(terminal, answer=on, timeout_s=PROGRAM_PATIENCE_S):
     """Gives `answer(question)` to each question until the program ends. Returns its exit status."""
     answered, end = 0, time.monotonic() + timeout_s
     while terminal.process.poll() is None:

@@ -2,7 +2,7 @@
 import contextlib
 import subprocess
 
-from case import BenchCase, own_mounts, wait_for
+from case import PATIENCE_S, BenchCase, own_mounts, wait_for
 
 # One job for each kind of stored result, in order of dependency: method, params, and the method that reports whether it is stored.
 RUNS = (("registration.run", {"frames": 2}, None),
@@ -62,7 +62,7 @@ class DiskCase(BenchCase):
         yield
         end = self.call("system.status")["t_ns"]
         while last["t_publish_ns"] < end:
-            message = stream.next(5.0)
+            message = stream.next(PATIENCE_S)
             self.assertIsNotNone(message, "the stream stands still")
             self.assertEqual(message["seq"], last["seq"] + 1)
             self.assertLess(message["t_arrival_ns"] - last["t_arrival_ns"], 5e9)

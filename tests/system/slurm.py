@@ -75,7 +75,7 @@ class Slurm:
         for process in reversed(self.processes):  # munged last
             process.terminate()
             try:
-                process.wait(60.0)
+                process.wait(PROGRAM_PATIENCE_S)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()

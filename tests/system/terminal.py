@@ -14,9 +14,9 @@ import pyte
 
 
 class Terminal:
-    """Reads continuously, like a terminal. `raw` holds all bytes received; `writes` their times."""
+    """Reads continuously, like a terminal. `raw` holds all bytes received; `writes` their times. Standard output may lead elsewhere."""
 
-    def __init__(self, command, columns=80, lines=24, **environment):
+    def __init__(self, command, columns=80, lines=24, stdout=None, **environment):
         self.master, self.slave = pty.openpty()
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
@@ -26,7 +26,7 @@ class Terminal:
         self.modes_before = self.modes()
         env = {k: v for k, v in os.environ.items() if k not in ("LC_ALL", "LANG", "NO_COLOR")}
         self.process = subprocess.Popen(
-            [str(part) for part in command], stdin=self.slave, stdout=self.slave, stderr=self.slave, start_new_session=True,
+            [str(part) for part in command], stdin=self.slave, stdout=self.slave if stdout is None else stdout, stderr=self.slave, start_new_session=True,
             env=env | {"TERM": "linux", "LC_ALL": "C.UTF-8"} | environment, preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0))
         self._end = threading.Event()
         self._reader = threading.Thread(target=self._read)

@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from case import PROGRAM_PATIENCE_S, BenchCase, bench_module, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, bench_module, main, wait_for
 
 
 class Absent(BenchCase):
@@ -38,7 +38,7 @@ class Absent(BenchCase):
         self.assertTrue(status["slm"]["fault"])
         self.assertIn("display", str(self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})))
         self.assertEqual(self.call("aberration.get")["modes"], [])
-        frame = self.stream("wavefront").next(5.0)
+        frame = self.stream("wavefront").next(PATIENCE_S)
         self.assertFalse(frame["valid"] or frame["settled"])
         self.assertEqual(set(frame["coefficients"]), {None})
         self.bench.start_display(display)

@@ -33,7 +33,7 @@ class CameraFaults(BenchCase):
             self.call(method, params)
 
     def next(self):
-        return wait_for(lambda: self.wavefront.next(5.0), what="a frame")
+        return wait_for(lambda: self.wavefront.next(1.0), what="a frame")
 
     def fault(self, counter, fault, least):
         """Injects the fault and waits for its counter; returns the increase of each counter."""

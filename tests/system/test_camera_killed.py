@@ -27,7 +27,7 @@ class CameraKilled(BenchCase):
         self.heard = self.stream("wavefront", "event")  # one subscription: in the order in which they were published
 
     def next(self):
-        return wait_for(lambda: self.heard.next(5.0), what="a message")
+        return wait_for(lambda: self.heard.next(1.0), what="a message")
 
     def kill(self):
         """Returns the last frame of the camera that the daemon had published before."""

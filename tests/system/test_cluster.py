@@ -128,7 +128,7 @@ class Cluster(BenchCase):
     def complete(self, *arguments, **options):
         process = self.snakemake(*arguments, **options)
         self.addCleanup(process.kill)
-        self.assertEqual(process.wait(120.0), 0, (self.folder / "snakemake.log").read_text()[-3000:])
+        self.assertEqual(process.wait(PROGRAM_PATIENCE_S), 0, (self.folder / "snakemake.log").read_text()[-3000:])
 
     def assert_results(self, run, shards):
         study, replay = self.whole()
@@ -170,7 +170,7 @@ class Cluster(BenchCase):
         cluster.run("scancel", first[0])
         wait_for(lambda: set(cluster.run("squeue", "--noheader", "--format=%i").split()) - set(first), what="the lost job again")
         cluster.run("scontrol", "update", "partitionname=all", "state=up")
-        self.assertEqual(workflow.wait(90.0), 0, (self.folder / "snakemake.log").read_text()[-3000:])
+        self.assertEqual(workflow.wait(PROGRAM_PATIENCE_S), 0, (self.folder / "snakemake.log").read_text()[-3000:])
         self.assert_results(run, 2)
 
     def test_the_commands_of_the_guide(self):

@@ -4,7 +4,7 @@ import subprocess
 import sys
 import time
 
-from case import ROOT, TWIN, BenchCase, Client, ClientError, bench_module, main, wait_for
+from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, ClientError, bench_module, main, wait_for
 
 import numpy as np
 
@@ -149,9 +149,9 @@ class Killed(CorrectorCase):
         start[2], start[6], start[3] = 0.1, -0.05, 0.1  # the last is defocus, which came in between
         self.drive(start)
         loop = MirrorLoop(self.drive, modes, gain=0.3, start=start, matrix=number)
-        wait_for(lambda: loop.run(self.client, seconds=2.0) or self.residual(stream) < 0.01, what="0.01 wave RMS")
+        wait_for(lambda: loop.run(self.client, seconds=2.0, timeout_s=PATIENCE_S) or self.residual(stream) < 0.01, what="0.01 wave RMS")
         with self.client.subscribe(Corrector) as commands:
-            self.assertEqual(commands.next(5.0).matrix, number)
+            self.assertEqual(commands.next(PATIENCE_S).matrix, number)
 
     def residual(self, stream):
         """RMS of the next valid wavefront, waves."""

@@ -6,7 +6,7 @@ import os
 import statistics
 import time
 
-from case import BenchCase, main, wait_for
+from case import PATIENCE_S, BenchCase, main, wait_for
 
 TIMES = 20 if os.environ.get("OVWS_LONG_ABSENCE") else 5
 # 1 s on an idle machine. The camera stays under the killed daemon's control for 3 s (heartbeat timeout).
@@ -34,7 +34,7 @@ class DaemonKilled(BenchCase):
         wait_for(lambda: stream.next(0.1), what="a frame")
         frame_s = time.monotonic() - began
         for _ in range(20):
-            self.assertIsNotNone(stream.next(5.0), "the stream stands still")
+            self.assertIsNotNone(stream.next(PATIENCE_S), "the stream stands still")
         stream.close()
         return ready_s, answers_s, frame_s
 

@@ -103,7 +103,7 @@ class Demo(unittest.TestCase):
                 with socket.create_connection(("127.0.0.1", port), timeout=PROGRAM_PATIENCE_S):
                     pass
             demo.send_signal(signal.SIGINT)
-            self.assertEqual(demo.wait(300.0), 0)
+            self.assertEqual(demo.wait(PROGRAM_PATIENCE_S), 0)
         self.assertEqual(processes_of(marker), [])
 
     def test_a_taken_port_is_said(self):

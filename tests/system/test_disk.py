@@ -3,7 +3,7 @@ import json
 import random
 import subprocess
 
-from case import PROGRAM_PATIENCE_S, main
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, main
 from disk_case import RUNS, DiskCase
 
 CUTS = 12
@@ -48,7 +48,7 @@ class Disk(DiskCase):
                 self.assertIn(f"{path.name} is not used, and left as it is: it is ", log)
                 self.assertEqual(log.count("is not used, and left as it is"), 1, log)
                 self.assertEqual(path.read_bytes(), left)
-                self.assertIsNotNone(self.stream("wavefront").next(5.0))
+                self.assertIsNotNone(self.stream("wavefront").next(PATIENCE_S))
             path.write_bytes(whole)
         print(f"\n  {CUTS} files cut off: {json.dumps(names)}")
 

@@ -4,7 +4,7 @@ import random
 import statistics
 import time
 
-from case import BenchCase, Client, main
+from case import PATIENCE_S, BenchCase, Client, main
 from ovws_client.recording import Recording
 
 
@@ -88,7 +88,7 @@ class Fit(BenchCase):
         self.fitted(stream, 1, self.call("system.status")["slm"]["hologram_id"])
         squares, variances, valid = [], [], 0
         for _ in range(60):
-            frame = stream.next(5.0)
+            frame = stream.next(PATIENCE_S)
             valid += frame["valid"]
             if not frame["valid"]:
                 continue

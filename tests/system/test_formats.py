@@ -24,7 +24,7 @@ class Formats(BenchCase):
 
     def picture(self, images, name):
         while True:
-            message = images.next(5.0)
+            message = images.next(PATIENCE_S)
             self.assertIsNotNone(message, f"no image in {name}")
             if message["pixel_format"] == name:
                 return Image.of(message, message["binary"])

@@ -3,7 +3,7 @@ import json
 import subprocess
 
 import numpy
-from case import BenchCase, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, main, wait_for
 from PIL import Image
 from screen import grab
 
@@ -17,7 +17,8 @@ class Hologram(BenchCase):
 
     def expected(self, config, *arguments):
         path = self.bench.directory / "expected.png"
-        subprocess.run([self.bench.programs / "ovws", "hologram", "--config", config, "-o", path, *arguments], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([self.bench.programs / "ovws", "hologram", "--config", config, "-o", path, *arguments], check=True, stdout=subprocess.DEVNULL,
+                       timeout=PROGRAM_PATIENCE_S)
         with Image.open(path) as image:
             return numpy.asarray(image)
 

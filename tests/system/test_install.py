@@ -7,6 +7,8 @@ import subprocess
 import tempfile
 import unittest
 
+from case import PROGRAM_PATIENCE_S, ROOT
+
 UNIT = "usr/lib/systemd/system/{}.service"
 FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "usr/bin/ovws-web", "usr/lib/ovws/ovws-image-codecs.so", "etc/ovws/ovwsd.json",
          UNIT.format("ovwsd"), UNIT.format("ovws-web"), UNIT.format("ovws-metrics"), "usr/share/doc/ovws/config/grafana/ovws.json",
@@ -16,13 +18,12 @@ FILES = ("usr/bin/ovwsd", "usr/bin/ovws", "usr/bin/ovws-twin", "usr/bin/ovws-web
          "usr/lib/tmpfiles.d/ovws.conf", "usr/lib/udev/rules.d/70-ovws-camera.rules", "usr/share/doc/ovws/README.md",
          "usr/share/ovws/schema/stream.wavefront.json", "usr/share/ovws/python/ovws_client/__init__.py",
          "usr/share/ovws/python/ovws_client/py.typed", "usr/share/ovws/python/ovws_bridges/fields.py", "usr/share/ovws/python/ovws_client-0.1.0-py3-none-any.whl")
-ROOT = pathlib.Path(__file__).parents[2]
 GUIDES = tuple(str(path.relative_to(ROOT)) for path in sorted((ROOT / "daemon/guide").glob("*.md")))
 DOCUMENTS = ("README.md", "proto/RECORDING.md", "proto/WIRE.md", "proto/python/README.md", "config/README.md", "drivers/twin/README.md", *GUIDES)
 
 
 def run(*command, **more):
-    return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=300, **more)
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, **more)
 
 
 class Install(unittest.TestCase):

@@ -2,9 +2,8 @@
 import json
 import math
 import signal
-import subprocess
 
-from case import PROGRAM_PATIENCE_S, BenchCase, ClientError, bench_module, main, merged, wait_for
+from case import BenchCase, ClientError, main, merged, wait_for
 
 # A small part of a usual array: 13 x 11 lenslets of 150 um and 5.2 mm focal length on pixels of 5.3 um.
 OPTICS = {"wavelength_nm": 632.0, "focal_length_mm": 5.2, "camera_pitch_um": 5.3}
@@ -160,8 +159,7 @@ class Array(BenchCase):
     def ovws(self, *arguments):
         """Runs ovws on this bench; returns its exit code and all that it printed."""
         config = [] if arguments[0] == "check" else ["--config", "ovwsd.json"]
-        ended = subprocess.run([bench_module.find_programs() / "ovws", *arguments, *config],
-                               capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, cwd=self.bench.directory)
+        ended = self.run_ovws(*arguments, *config, cwd=self.bench.directory)
         return ended.returncode, ended.stdout + ended.stderr
 
     def test_commands_know_that_there_is_no_slm(self):

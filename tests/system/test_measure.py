@@ -11,7 +11,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-OVWS = Path(os.environ["OVWS_BUILD"]) / "bin" / "ovws"
+from case import PROGRAM_PATIENCE_S, bench_module
+
+OVWS = bench_module.find_programs() / "ovws"
 
 
 class Measure(unittest.TestCase):
@@ -21,7 +23,7 @@ class Measure(unittest.TestCase):
         self.folder = Path(folder.name)
 
     def ovws(self, *arguments, status=0):
-        done = subprocess.run([OVWS, "--json", *map(str, arguments)], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([OVWS, "--json", *map(str, arguments)], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         lines = [json.loads(line) for line in done.stdout.splitlines()]
         if status is None:
             status = int(any("error" in line for line in lines))
@@ -66,7 +68,7 @@ class Measure(unittest.TestCase):
     def test_an_image_that_cannot_be_written_leaves_the_one_before(self):
         path = self.farfield("flat.png")
         before = path.read_bytes()
-        done = subprocess.run([OVWS, "farfield", "-o", path], capture_output=True, text=True, timeout=300,
+        done = subprocess.run([OVWS, "farfield", "-o", path], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S,
                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)), restore_signals=False)
         self.assertEqual((done.returncode, path.read_bytes(), os.listdir(self.folder)), (1, before, ["flat.png"]), done)
         link = self.folder / "link.png"
@@ -176,7 +178,7 @@ class Measure(unittest.TestCase):
             self.assertLess(chi2, 1.3)
             found = np.asarray(line["refined"]["amplitudes"])
             self.assertLess(np.abs(found - amplitudes / np.sqrt(np.mean(amplitudes ** 2))).max(), 0.02)
-        done = subprocess.run([OVWS, "measure", "--model-reference", "--spot-amplitudes", image], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([OVWS, "measure", "--model-reference", "--spot-amplitudes", image], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         self.assertEqual(done.returncode, 2, done.stderr)
 
     def test_every_tracker_of_a_bright_spot(self):
@@ -212,7 +214,7 @@ class Measure(unittest.TestCase):
                     self.assert_not_refined(path)
 
     def assert_not_refined(self, path):
-        done = subprocess.run([OVWS, "--json", "measure", "--model-reference", "--refine", path], capture_output=True, text=True, timeout=300)
+        done = subprocess.run([OVWS, "--json", "measure", "--model-reference", "--refine", path], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
         for line in map(json.loads, done.stdout.splitlines()):
             self.assertFalse(line.get("valid", False), line)
 

@@ -3,7 +3,7 @@ import json
 import struct
 
 import jsonschema
-from case import PROGRAM_PATIENCE_S, BenchCase, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, main, wait_for
 
 PICTURES = "tcp://127.0.0.1:7703"
 
@@ -38,7 +38,7 @@ class Messages(BenchCase):
             self.check(self.description["methods"][result_of]["result"], ended["result"])
 
     def checked_message(self, stream, topic):
-        message = stream.next(5.0)
+        message = stream.next(PATIENCE_S)
         self.assertIsNotNone(message, topic)
         binary = message.pop("binary", None)
         self.assertEqual(message.pop("topic"), topic)
@@ -214,7 +214,7 @@ class Messages(BenchCase):
     def test_strict_json(self):
         stream = self.stream("wavefront")
         for _ in range(20):
-            message = stream.next(5.0)
+            message = stream.next(PATIENCE_S)
             self.assertIsNotNone(message)
             json.dumps(message, allow_nan=False)
 

@@ -149,7 +149,7 @@ class Metrics(BenchCase):
         self.assertEqual(set(gone.types), {"ovws_up"}, "nothing old looks new")
         self.bench.stop("ovwsd")
         first.send_signal(signal.SIGTERM)
-        self.assertEqual(first.wait(60.0), 0)
+        self.assertEqual(first.wait(PROGRAM_PATIENCE_S), 0)
         self.serve()  # a new exporter, which has never seen a daemon
         self.assertEqual(Scrape().value("ovws_up"), 0)
         self.start_daemon()

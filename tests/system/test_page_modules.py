@@ -9,7 +9,7 @@ import unittest
 
 import numpy
 
-from case import ROOT, bench_module
+from case import PROGRAM_PATIENCE_S, ROOT, bench_module
 
 bench_module.python_client()
 from ovws_client.zernike import MAX_J, orders, phase_map_waves, pupil_grid, zernike  # noqa: E402
@@ -37,7 +37,7 @@ class PageModules(unittest.TestCase):
     @classmethod
     def end(cls):
         cls.node.stdin.close()
-        cls.node.wait(60.0)
+        cls.node.wait(PROGRAM_PATIENCE_S)
         cls.node.stdout.close()
 
     def run_js(self, module, body, **values):

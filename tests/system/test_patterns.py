@@ -148,7 +148,7 @@ class Patterns(BenchCase):
         job = self.call("registration.run", {"frames": 40})["job"]
         wait_for(lambda: self.call("aberration.get")["patterns"] == [], what="the job's hologram")
         self.call("record.start", recording)
-        wait_for(lambda: self.call("job.get", {"job": job})["state"] != "running", what="the job's end")
+        self.job_ended(job)
         self.assertEqual(len(self.call("aberration.get")["patterns"]), len(PATTERNS))
         ended = wait_for(lambda: (now := self.call("record.get"))["state"] == "ended" and now, what="the recording's end")
         self.assertIn("sequence", ended["reason"])

@@ -4,7 +4,7 @@ import time
 
 import zmq
 
-from case import BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, wait_for
 
 HALF = {"x": 128, "y": 128, "width": 256, "height": 256}
 WHOLE = {"x": 0, "y": 0, "width": 512, "height": 512}
@@ -48,7 +48,7 @@ class Promises(BenchCase):
         self.take_reference(20)
         before = self.call("reference.get")
         self.call("camera.set", {"exposure_us": 4000.0})
-        wait_for(lambda: self.stream("spots").next(5.0)["saturated"] == 1.0, what="saturated spots")
+        wait_for(lambda: self.stream("spots").next(PATIENCE_S)["saturated"] == 1.0, what="saturated spots")
         job = self.call("reference.take", {"frames": 20})["job"]
         ended = self.job_ended(job)
         self.assertEqual((ended["state"], ended["error"]["data"]["field"]), ("failed", "camera.exposure_us"))
@@ -61,7 +61,7 @@ class Promises(BenchCase):
         self.addCleanup(twin.close)
         twin.call("twin.set", {"noise": "none"})
         self.call("camera.set", {"exposure_us": 2400.0})  # only the brightest spot saturates
-        wait_for(lambda: 0.0 < self.stream("spots").next(5.0)["saturated"] < 0.1, what="one saturated spot")
+        wait_for(lambda: 0.0 < self.stream("spots").next(PATIENCE_S)["saturated"] < 0.1, what="one saturated spot")
         events = self.stream("event")
         saturated = self.take_reference(20)["result"]["saturated_spots"]
         self.assertEqual(len(saturated), 1)
@@ -127,7 +127,7 @@ class Promises(BenchCase):
         self.run_job("reference.take", {"frames": 400})
         reported = []
         while not reported or reported[-1][0] == "running":
-            message = stream.next(10.0)
+            message = stream.next(PATIENCE_S)
             if message["kind"] == "job":
                 reported.append((message["data"]["state"], message["data"]["progress"]))
         self.assertEqual(reported, [("running", 0.0), ("running", 0.25), ("running", 0.5), ("running", 0.75), ("done", 1.0)])

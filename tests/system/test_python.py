@@ -10,7 +10,7 @@ import sys
 import textwrap
 import time
 
-from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, bench_module, main
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, BenchCase, bench_module, main
 
 import numpy as np
 
@@ -221,7 +221,7 @@ class Numbers(BenchCase):
         self.twin.call("twin.set", {"geometry": {"rotation_deg": 20.0, "mirror": "x"}})
         frames = self.stream("wavefront")
         for _ in range(100):  # by then the camera's usual delay is known, on a busy machine, too
-            frames.next(5.0)
+            frames.next(PATIENCE_S)
         self.run_job("registration.run", {"frames": 2})
         self.assertTrue(self.client.registration_get()["mirrored"])
         self.compare_lattice(1e-6)

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 import numpy
-from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, main, own_mounts, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, BenchCase, main, own_mounts, wait_for
 from ovws_client.recording import Recording
 
 KILLS = int(os.environ.get("OVWS_RECORD_KILLS", "3"))
@@ -80,7 +80,7 @@ class Record(RecordCase):
         published = {m["frame_id"]: m for m in self.settled_frames(numbers, 150)}
         shown = {}
         while len(shown) < 5:
-            message = pictures.next(2.0)
+            message = pictures.next(PATIENCE_S)
             shown[message["frame_id"]] = message["binary"]
         report = self.call("record.stop")
         self.assertEqual((report["state"], report["reason"], report["frames_dropped"]), ("ended", "stopped by record.stop", 0))

@@ -199,7 +199,9 @@ class Replay(BenchCase):
         stepped = self.replay(self.path("still"), "--step", input="\n\n")
         self.assertEqual(len(stepped.stdout.splitlines()), 4)  # three frames and the summary
 
-        self.call("record.start", {"name": "changes"})
+    def test_changes_come_out_bit_for_bit(self):
+        self.wait_for_templates()
+        self.start_recording("changes")
         stream = self.stream("wavefront")
         hologram_id = self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.15}]})["hologram_id"]
         self.settled_frames(stream, 10, hologram_id)

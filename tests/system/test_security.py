@@ -6,7 +6,7 @@ import stat
 import subprocess
 import threading
 
-from case import PROGRAM_PATIENCE_S, BenchCase, Client, ClientError, Stream, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, Client, ClientError, Stream, main, wait_for
 
 FORBIDDEN = -32003
 CONTROL_PORT = 7702
@@ -99,11 +99,10 @@ class Secured(BenchCase):
 
     def test_control_and_streams_for_who_has_a_key(self):
         self.assertEqual(self.call("system.status")["counters"]["clients_rejected"], 0)
-        self.assertIsNotNone(self.subscribe("guest", "status").next(10.0))
+        self.assertIsNotNone(self.subscribe("guest", "status").next(PATIENCE_S))
 
     def test_the_doctor_finds_a_daemon_at_all_addresses(self):
-        done = subprocess.run([self.bench.programs / "ovws", "--json", "--key", self.folder / "boss.json", "--server-key", self.server_key,
-                               "doctor", "--config", self.folder / "ovwsd.json"], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
+        done = self.run_ovws("--json", "--key", self.folder / "boss.json", "--server-key", self.server_key, "doctor", "--config", self.folder / "ovwsd.json")
         findings = {one["name"]: one for one in json.loads(done.stdout)["findings"]}
         self.assertEqual(findings["daemon.answer"]["verdict"], "ok", findings["daemon.answer"])
         self.assertIn("tcp://127.0.0.1:7702", findings["daemon.answer"]["meaning"])
@@ -190,7 +189,7 @@ class Secured(BenchCase):
         leaver.call("system.status")
         streams = {name: self.subscribe(name, "status") for name in ("leaver", "guest")}
         for stream in streams.values():
-            self.assertIsNotNone(stream.next(10.0))
+            self.assertIsNotNone(stream.next(PATIENCE_S))
         before = self.rejected()
         self.write_clients("boss", "guest")
         self.assertEqual(self.refusal_of(leaver).code, FORBIDDEN)
@@ -204,11 +203,11 @@ class Secured(BenchCase):
         self.assertIsNone(streams["leaver"].next(2.5))
         self.assert_shut_out(lambda: self.connect("leaver", timeout_s=1.0), "the withdrawn key")
         self.write_clients("boss", "guest", "leaver")
-        self.assertIsNotNone(streams["leaver"].next(10.0), "the same socket, once its key is known again")
+        self.assertIsNotNone(streams["leaver"].next(PATIENCE_S), "the same socket, once its key is known again")
 
     def test_a_file_of_clients_that_is_wrong_changes_nothing(self):
         events = self.subscribe("boss", "event", "status")
-        self.assertIsNotNone(events.next(10.0))
+        self.assertIsNotNone(events.next(PATIENCE_S))
         (self.folder / "clients.json").write_text('{"clients": [{"name": "boss"')
         found = wait_for(lambda: (m := events.next(0.2)) and m["topic"] == "event" and m["kind"] == "client" and m, what="the event")
         self.assertEqual(found["severity"], "error")
@@ -246,7 +245,7 @@ class Secured(BenchCase):
         self.wait_until("running")
         pictures = self.subscribe("guest", "image", endpoint="tcp://127.0.0.1:7703")
         for _ in range(3):
-            message = pictures.next(20.0)
+            message = pictures.next(PATIENCE_S)
             self.assertIsNotNone(message)
             self.assertEqual((message["shape"], len(message["binary"])), ([1024, 1024], 1 << 20))
 
@@ -345,24 +344,24 @@ class Files(BenchCase):
         stays, goes = (Stream(["status"], endpoint, self.folder / f"{n}.json", keys["daemon"]) for n in ("stays", "goes"))
         self.addCleanup(stays.close)
         self.addCleanup(goes.close)
-        self.assertIsNotNone(stays.next(10.0))
-        self.assertIsNotNone(goes.next(10.0))
+        self.assertIsNotNone(stays.next(PATIENCE_S))
+        self.assertIsNotNone(goes.next(PATIENCE_S))
         for _ in range(3):  # the socket file is removed and recreated each time
             write("stays")
             wait_for(lambda: goes.next(1.6) is None, what="the end of the stream")
-            self.assertIsNotNone(stays.next(10.0))
+            self.assertIsNotNone(stays.next(PATIENCE_S))
             write("stays", "goes")
             goes.close()
             goes = Stream(["status"], endpoint, self.folder / "goes.json", keys["daemon"])
             self.addCleanup(goes.close)
-            self.assertIsNotNone(goes.next(10.0))
+            self.assertIsNotNone(goes.next(PATIENCE_S))
         self.assertEqual(stat.S_IMODE((sockets / "numbers.socket").stat().st_mode), 0o660)
         sockets.rename(self.folder / "away")
         write("stays")
         wait_for(lambda: f"{endpoint} cannot be bound again" in self.bench.log("ovwsd"), what="the line of the log")
         (self.folder / "away").rename(sockets)
         wait_for(lambda: f"the stream at {endpoint} is open again" in self.bench.log("ovwsd"), what="its end")
-        self.assertIsNotNone(stays.next(10.0))
+        self.assertIsNotNone(stays.next(PATIENCE_S))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import threading
 import time
 
 import h5py
-from case import BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, wait_for
 
 STANDS_S = float(os.environ.get("OVWS_DISK_STANDS_S", "7"))  # longer than the watchdog allows a thread
 MIB = 1 << 20
@@ -131,7 +131,7 @@ class Recording(SlowDisk):
         sent = self.call("record.get")["frames"]
         frames = self.stream("wavefront")
         for _ in range(60):
-            self.assertIsNotNone(frames.next(5.0))
+            self.assertIsNotNone(frames.next(PATIENCE_S))
         return sent
 
     def test_its_end_is_written_when_the_daemon_stops(self):

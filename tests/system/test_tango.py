@@ -8,7 +8,7 @@ import time
 from itertools import groupby
 
 from bridge_case import BridgeCase, Path, environment
-from case import ROOT, main, wait_for
+from case import PROGRAM_PATIENCE_S, ROOT, main, wait_for
 
 import numpy as np
 import tango
@@ -44,7 +44,7 @@ class Events:
         if self._process.stdin.closed:
             return
         self._process.stdin.close()
-        self._process.wait(300.0)
+        self._process.wait(PROGRAM_PATIENCE_S)
         self._reader.join()
         self._process.stdout.close()
         self._process.stderr.close()

@@ -4,7 +4,7 @@ import re
 import signal
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
 from terminal import Terminal
 
 DRAWINGS = 40
@@ -194,7 +194,7 @@ class Watch(BenchCase):
                 wait_for(lambda: b"quit" in terminal.raw, what="the page")
                 self.assertNotEqual(terminal.modes(), terminal.modes_before)
                 terminal.press(key) if key else terminal.process.send_signal(sent)
-                self.assertEqual(terminal.process.wait(300.0), code)
+                self.assertEqual(terminal.process.wait(PROGRAM_PATIENCE_S), code)
                 self.assertEqual(terminal.modes(), terminal.modes_before)
                 wait_for(lambda: LEFT_BY_THE_PAGE in terminal.raw, what="the old page")
                 self.assertIn(b"\x1b[?25h", terminal.raw[terminal.raw.rindex(LEFT_BY_THE_PAGE) - 60:], "the cursor is seen again")
@@ -214,7 +214,7 @@ class Watch(BenchCase):
         shell.press("q")
         wait_for(lambda: LEFT_BY_THE_PAGE in shell.raw[before:], what="the old page")
         shell.press("exit\n")
-        shell.process.wait(300.0)
+        shell.process.wait(PROGRAM_PATIENCE_S)
 
     def test_colours_only_where_they_are_wanted(self):
         self.take_reference(10)
@@ -237,7 +237,7 @@ class Watch(BenchCase):
                 self.assertEqual(terminal.modes(), terminal.modes_before)
         self.bench.stop("ovwsd")
         terminal = self.open("--timeout", "0.3", TERM="xterm-256color")
-        self.assertEqual(terminal.process.wait(300.0), 3)
+        self.assertEqual(terminal.process.wait(PROGRAM_PATIENCE_S), 3)
         self.assertNotIn(b"\x1b[?1049h", terminal.raw, "it never took the terminal")
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy
 from PIL import Image
 
-from case import main, wait_for
+from case import PROGRAM_PATIENCE_S, main, wait_for
 from web_case import ADDRESS, HOST, PORT, Refused, WebCase
 
 CURRENT = 10  # frames of the 30 a second
@@ -290,7 +290,7 @@ class Web(WebCase):
             connection.close()
         server = self.bench.process("ovws-web").popen
         server.terminate()
-        self.assertEqual(server.wait(300.0), 0)
+        self.assertEqual(server.wait(PROGRAM_PATIENCE_S), 0)
         for connection in calls[25:]:  # it did not wait for the daemon, of which it would tell after ten seconds
             with self.assertRaises(ConnectionError):
                 connection.getresponse()
@@ -327,7 +327,7 @@ class Web(WebCase):
         self.bench.stop("ovws-web")
         for arguments in (["--listen", "0.0.0.0:7704"], ["--listen", "nonsense"], ["--listen", "127.0.0.1:7702"]):
             process = self.bench.start("wrong", [self.bench.programs / "ovws-web", *arguments])
-            self.assertEqual(process.popen.wait(300.0), 1, arguments)
+            self.assertEqual(process.popen.wait(PROGRAM_PATIENCE_S), 1, arguments)
             self.assertIn("--listen", process.log_path.read_text())
 
 

@@ -158,7 +158,7 @@ class Browser:
     @staticmethod
     def end():
         Browser.process.stdin.close()
-        Browser.process.wait(300.0)
+        Browser.process.wait(PROGRAM_PATIENCE_S)
         Browser.process.stdout.close()
 
 
