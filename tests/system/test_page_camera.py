@@ -57,13 +57,23 @@ class PageCase(WebCase):
         return left, top, width, height
 
     def readout(self):
-        text = self.browser.text("#camera-readout")
-        found = READOUT.fullmatch(text)
-        self.assertTrue(found, text)
-        return found
+        return wait_for(lambda: READOUT.fullmatch(self.browser.text("#camera-readout")), what="the value of a pixel")
+
+    def pixel(self):
+        """The position that the readout shows."""
+        return [int(self.readout()[k]) for k in (1, 2)]
 
     def zoom(self):
+        """What the page shows, CSS pixels per camera pixel; 0: the whole image."""
         return float(self.browser.run("return (document.querySelector('#camera-sub').textContent.match(/([\\d.]+) \u00d7$/) ?? [0, 0])[1]"))
+
+    def wheel(self, steps):
+        """Zooms in by turns of the wheel, one by one: a busy browser makes one of those that wait for it."""
+        for _ in range(steps):
+            before = self.zoom()
+            self.browser.mouse(("wheel", 0, -200))
+            wait_for(lambda: self.zoom() > before, what="a larger zoom")
+        return self.zoom()
 
 
 class Bar(PageCase):
@@ -271,22 +281,23 @@ class Camera(PageCase):
     def test_zoom_pan_and_the_value_of_a_pixel(self):
         browser = self.browser
         middle = self.canvas_at(0.5, 0.5)
-        browser.mouse(("move", *middle), *[("wheel", 0, -200)] * 4)
+        browser.mouse(("move", *middle))
         fitted = min(browser.box("#camera-canvas")[2:]) / 512
-        wheeled = wait_for(lambda: (now := self.zoom()) > 3.8 * fitted and now, what="a zoom by four steps of 1.4")
-        x, y = (int(self.readout()[k]) for k in (1, 2))
+        wheeled = self.wheel(4)
+        self.assertAlmostEqual(wheeled / fitted, 1.4 ** 4, delta=0.05)
+        x, y = self.pixel()
         self.assertTrue(250 <= x <= 262 and 250 <= y <= 262, (x, y))
         top = browser.box("#camera-canvas")[1]
         browser.drag(middle, (middle[0] - 200, middle[1] + 100))
         browser.mouse(("move", *middle))
-        moved = [int(self.readout()[k]) for k in (1, 2)]
-        self.assertAlmostEqual(moved[0] - x, 200 / wheeled, delta=3)  # both are rounded, and so is the zoom
+        wait_for(lambda: abs(self.pixel()[0] - x - 200 / wheeled) < 3, what="the pixel that the drag brought here")  # both are rounded, and so is the zoom
+        moved = self.pixel()
         lower = browser.box("#camera-canvas")[1] - top  # a remark above the image has appeared meanwhile
         self.assertAlmostEqual(y - moved[1], (100 + lower) / wheeled, delta=3)
         browser.mouse(("down",), ("up",), ("move", 5, 5))
-        wait_for(lambda: [int(self.readout()[k]) for k in (1, 2)] == moved, what="the marked pixel")
+        wait_for(lambda: self.pixel() == moved, what="the marked pixel")
         browser.press("Shift+ArrowRight")
-        wait_for(lambda: [int(self.readout()[k]) for k in (1, 2)] == [moved[0] + 1, moved[1]], what="the next pixel")
+        wait_for(lambda: self.pixel() == [moved[0] + 1, moved[1]], what="the next pixel")
         browser.press("Escape")
         browser.wait_text("#camera-readout", lambda text: "Point at the image" in text)
         browser.press("+")
@@ -395,8 +406,8 @@ class LargeCamera(PageCase):
         left, top, width, height = browser.box("#camera-canvas")
         browser.mouse(("move", left + width / 3, top + height / 3))
         self.assertEqual(self.readout()[7], ", mean of 2 \u00d7 2 pixels")
-        browser.mouse(*[("wheel", 0, -300)] * 6)
-        wait_for(lambda: READOUT.fullmatch(browser.text("#camera-readout"))[7] == "", what="a value of one pixel")
+        self.wheel(6)
+        wait_for(lambda: self.readout()[7] == "", what="a value of one pixel")
         wait_for(lambda: browser.run("return document.querySelector('#camera-badge').hidden"), what="no word about reduction")
         fetched = "return performance.getEntriesByType('resource').filter((e) => e.name.includes('/image?')).length"
         before = browser.run(fetched)
