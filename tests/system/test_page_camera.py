@@ -56,6 +56,12 @@ class PageCase(WebCase):
         self.assertTrue(left >= 0 and top >= 0 and left + width <= window[0] and top + height <= window[1], f"{selector}: {left, top, width, height} in {window}")
         return left, top, width, height
 
+    def canvas_at(self, x, y):
+        """Window position of a part of the canvas, once it shows an image."""
+        wait_for(lambda: self.browser.run("return document.querySelector('#camera-canvas').style.aspectRatio"), what="a drawn image")
+        left, top, width, height = self.browser.box("#camera-canvas")
+        return left + x * width, top + y * height
+
     def readout(self):
         return wait_for(lambda: READOUT.fullmatch(self.browser.text("#camera-readout")), what="the value of a pixel")
 
@@ -273,11 +279,6 @@ class Camera(PageCase):
             browser.press("Escape")
             self.assertLessEqual(browser.run("return document.documentElement.scrollWidth"), width)
 
-    def canvas_at(self, x, y):
-        """Window position of a part of the canvas."""
-        left, top, width, height = self.browser.box("#camera-canvas")
-        return left + x * width, top + y * height
-
     def test_zoom_pan_and_the_value_of_a_pixel(self):
         browser = self.browser
         middle = self.canvas_at(0.5, 0.5)
@@ -403,8 +404,7 @@ class LargeCamera(PageCase):
     def test_all_pixels_are_there_when_zoomed_in(self):
         browser = self.browser
         browser.wait_text("#camera-badge", lambda text: text == "reduced by 2; zoom in for all pixels")
-        left, top, width, height = browser.box("#camera-canvas")
-        browser.mouse(("move", left + width / 3, top + height / 3))
+        browser.mouse(("move", *self.canvas_at(1 / 3, 1 / 3)))
         self.assertEqual(self.readout()[7], ", mean of 2 \u00d7 2 pixels")
         self.wheel(6)
         wait_for(lambda: self.readout()[7] == "", what="a value of one pixel")
