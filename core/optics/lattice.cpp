@@ -5,7 +5,6 @@
 namespace ovws {
 namespace {
 
-constexpr std::size_t kMinSubapertures = 3;
 /// Relative tolerance, so that rounding does not drop a subaperture that touches the pupil's edge.
 constexpr double kTouch = 1e-9;
 

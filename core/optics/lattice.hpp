@@ -26,9 +26,9 @@ struct Lattice {
 /// entirely inside the pupil, or touch its edge from inside. The base subaperture is at the pupil's
 /// centre for every M (number across), so an even M leaves half a subaperture free at the edge.
 /// Errors (Errc::invalid, field "sensor.…" or "slm.width"): empty SLM; pupil larger than the SLM's
-/// height or width; fewer than 3 or more than kMaxSubapertures subapertures; a grating beyond the
-/// SLM's Nyquist limit of 0.5 cycles per pixel; masks that check_masks refuses; charges for
-/// another number of subapertures, or together with an alternate charge.
+/// height or width; fewer than kMinSubapertures or more than kMaxSubapertures subapertures; a
+/// grating beyond the SLM's Nyquist limit of 0.5 cycles per pixel; masks that check_masks refuses;
+/// charges for another number of subapertures, or together with an alternate charge.
 ///
 /// Charges: `sensor.charges`, one for each subaperture; or `sensor.charge`, and
 /// `sensor.alternate_charge` in every second subaperture: a checkerboard in a square grid, every
@@ -36,6 +36,7 @@ struct Lattice {
 /// base subaperture then has `sensor.charge`. All lenslets have `sensor.charge` and no mask.
 Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm);
 
+constexpr std::size_t kMinSubapertures = 3;
 constexpr int kMaxSubapertures = 2048;
 constexpr double kNyquistCpp = 0.5;  ///< limit of a grating, cycles per SLM pixel
 

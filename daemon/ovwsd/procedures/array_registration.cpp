@@ -75,6 +75,10 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
   const LensletPupil pupil = lenslet_pupil(*map, pupil_px);
   Registration found;
   found.array = array_of(*map, pupil, config);
+  // The few spots that are not saturated can look like an array.
+  if (bright && found.array.lenslets.centres_px.size() < kMinSubapertures) {
+    return fail(saturated_spot());
+  }
   if (found.array.empty() && pupil_px) {
     return fail(Errc::refused, "camera",
                 "no lit lenslet lies inside the pupil: enlarge the light, or set array.pupil_mm");
