@@ -43,7 +43,7 @@ class Settling(SlmCase):
     def check_too_short(self):
         """The SLM takes longer than slm.settle_ms."""
         self.renew_twin(250)
-        found = self.run_job("slm.settle", {"repetitions": 3, "watch_ms": 700})["result"]
+        found = self.run_job("slm.settle", {"repetitions": 3, "watch_ms": 2000})["result"]
         self.assertFalse(found["long_enough"])
         self.assertIn(f"set slm.settle_ms to {found['proposed_settle_ms']:.0f}", found["reason"])
         self.assertGreaterEqual(found["proposed_settle_ms"], 250.0)
