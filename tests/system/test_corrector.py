@@ -130,7 +130,7 @@ class Killed(CorrectorCase):
         open_waves = float(client.stdout.readline().split()[2])
         self.assertAlmostEqual(open_waves, 0.112, delta=0.02)
         stream = self.stream("wavefront", "corrector")
-        wait_for(lambda: self.residual(stream) < 0.01, what="0.01 wave RMS")
+        wait_for(lambda: all(self.residual(stream) < 0.01 for _ in range(5)), what="0.01 wave RMS")
         client.kill()
         client.wait()
         stands, events = self.shown(), self.stream("event")
@@ -140,7 +140,8 @@ class Killed(CorrectorCase):
         self.assertEqual(self.shown(), stands, "the mirror stays")
         self.assertGreater(max(map(abs, stands)), 0.05)
         self.assertGreater(sum(f["topic"] == "corrector" and f["valid"] for f in frames), 15, "commands go on")
-        self.assertLess(max(f["rms_waves"] for f in frames if f["valid"]), 0.02, "and so does the measurement")
+        measured = [f["rms_waves"] for f in frames if f["topic"] == "wavefront" and f["valid"]]
+        self.assertLess(max(measured) - min(measured), 0.01, "and so does the measurement")
         self.assertEqual([e for e in iter(lambda: events.next(0.0), None) if e["kind"] == "corrector"], [])
         # Another client corrects by the modes of the twin's hidden aberration; the mirror keeps what it shows.
         modes = len(self.call("sensor.get")["modes_j"])
