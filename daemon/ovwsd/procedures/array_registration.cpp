@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "core/wavefront/lenslet_search.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
@@ -20,24 +21,6 @@ FoundArray array_of(const LensletMap& map, const LensletPupil& pupil, const Conf
   const SensorConfig sensor =
       sensor_with(config, {magnification, map.rotation_deg, pupil.diameter_px, pupil.centres_px});
   return {sensor.lenslets, map.lit(), magnification, pupil.diameter_px, sensor.subapertures_across};
-}
-
-/// Number of lit lenslets with a saturated pixel near their centre.
-int saturated_lenslets(const Image<float>& mean_dn, const LensletMap& map) {
-  const int reach = int(0.3 * map.pitch_px);
-  int saturated = 0;
-  for (const LensletNode& node : map.nodes) {
-    if (!node.lit) continue;
-    bool found = false;
-    for (int y = int(node.at_px.y) - reach; y <= int(node.at_px.y) + reach; ++y) {
-      for (int x = int(node.at_px.x) - reach; x <= int(node.at_px.x) + reach; ++x) {
-        const bool inside = x >= 0 && y >= 0 && x < mean_dn.width && y < mean_dn.height;
-        found = found || (inside && !std::isfinite(mean_dn.at(x, y)));
-      }
-    }
-    saturated += found ? 1 : 0;
-  }
-  return saturated;
 }
 
 /// Emits a warning event if the lenslets in use fill much less than the pupil.
@@ -65,20 +48,15 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
   const SpotModel spots =
       spot_model(view->sensor, view->optics, config.slm.geometry, camera.pixel_format);
   const auto map = find_lenslets(*mean, {config.sensor.grid, pitch_px, spots});
-  const bool bright = std::any_of(mean->pixels.begin(), mean->pixels.end(),
-                                  [](float value) { return !std::isfinite(value); });
-  if (!map) return fail(bright ? saturated_spot() : map.error());
-  if (10 * saturated_lenslets(*mean, *map) > map->lit()) return fail(saturated_spot());
+  const int saturated = saturated_spots(*mean, pitch_px);
+  if (!map) return fail(saturated >= int(kMinSubapertures) ? saturated_spot() : map.error());
+  if (10 * saturated > map->lit()) return fail(saturated_spot());
   std::optional<double> pupil_px;
   if (config.array.pupil_mm)
     pupil_px = 1e3 * *config.array.pupil_mm / config.array.pitch_um * map->pitch_px;
   const LensletPupil pupil = lenslet_pupil(*map, pupil_px);
   Registration found;
   found.array = array_of(*map, pupil, config);
-  // The few spots that are not saturated can look like an array.
-  if (bright && found.array.lenslets.centres_px.size() < kMinSubapertures) {
-    return fail(saturated_spot());
-  }
   if (found.array.empty() && pupil_px) {
     return fail(Errc::refused, "camera",
                 "no lit lenslet lies inside the pupil: enlarge the light, or set array.pupil_mm");

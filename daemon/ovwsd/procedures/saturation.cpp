@@ -1,6 +1,9 @@
 #include "daemon/ovwsd/procedures/saturation.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
 
 namespace ovws {
 
@@ -11,6 +14,25 @@ Error saturated_spot() {
 
 bool is_saturated_spot(const Error& error) {
   return error.reason == saturated_spot().reason;
+}
+
+int saturated_spots(const Image<float>& mean_dn, double pitch_px) {
+  const double cell_px = std::max(1.0, 0.5 * pitch_px);  // neighbours of a spot's cell are its own
+  std::set<std::pair<int, int>> counted;
+  const auto is_counted = [&counted](int column, int row) {
+    for (int k = 0; k < 9; ++k) {
+      if (counted.contains({row + k / 3 - 1, column + k % 3 - 1})) return true;
+    }
+    return false;
+  };
+  for (int y = 0; y < mean_dn.height; ++y) {
+    for (int x = 0; x < mean_dn.width; ++x) {
+      if (std::isfinite(mean_dn.at(x, y))) continue;
+      const int column = int(x / cell_px), row = int(y / cell_px);
+      if (!is_counted(column, row)) counted.insert({row, column});
+    }
+  }
+  return int(counted.size());
 }
 
 Result<bool> change_exposure(Bench& bench, double factor) {

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "daemon/ovwsd/procedures/exposure_look.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/procedures/saturation.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "tests/support/simulated_bench.hpp"
 
@@ -240,6 +242,25 @@ TEST(ExposureLook, UsesTheFormatsFullScale) {
   settings.pixel_format = PixelFormat::mono12;
   const auto look = judge_exposure(image_with(7, 2000.0F), {7, 4.0, 6.0}, settings);
   EXPECT_NEAR(look.fraction(), 2002.0 / 4095.0, 0.001);
+}
+
+/// Image of 9 x 9 spots 28.3 px apart, whose middles of `width` x `width` pixels are saturated.
+Image<float> saturated_array(int width) {
+  Image<float> image(300, 280);
+  for (int spot = 0; spot < 81; ++spot) {
+    const int x = int(30.0 + 28.3 * (spot % 9)), y = int(20.0 + 28.3 * (spot / 9));
+    for (int k = 0; k < width * width; ++k) {
+      image.at(x + k % width, y + k / width) = std::numeric_limits<float>::infinity();
+    }
+  }
+  return image;
+}
+
+TEST(SaturatedSpots, AreCountedOnceEach) {
+  EXPECT_EQ(saturated_spots(saturated_array(0), 28.3), 0);
+  EXPECT_EQ(saturated_spots(saturated_array(1), 28.3), 81);
+  EXPECT_EQ(saturated_spots(saturated_array(8), 28.3), 81);
+  EXPECT_NEAR(saturated_spots(saturated_array(28), 28.3), 81, 20) << "all between them, too";
 }
 
 }  // namespace
