@@ -62,9 +62,8 @@ Result<void> check_pupil(const SensorConfig& sensor, const SlmGeometry& slm) {
 Result<void> check_count(std::size_t count) {
   if (count < kMinSubapertures) {
     return fail(Errc::invalid, "sensor.subapertures_across",
-                "only " + std::to_string(count) +
-                    " subapertures fit in the pupil, but at least 3 are required: increase the "
-                    "number across");
+                "only " + std::to_string(count) + " subapertures fit in the pupil, but at least " +
+                    std::to_string(kMinSubapertures) + " are required: increase the number across");
   }
   if (count > kMaxSubapertures) {
     return fail(Errc::invalid, "sensor.subapertures_across",
@@ -105,8 +104,8 @@ Result<Lattice> lattice_of(const SensorConfig& sensor) {
   if (lenslets.centres_px.size() < kMinSubapertures) {
     return fail(Errc::invalid, "sensor.lenslets",
                 "only " + std::to_string(lenslets.centres_px.size()) +
-                    " lenslets are in use, but at least 3 are required: enlarge the light's "
-                    "diameter or the camera's region");
+                    " lenslets are in use, but at least " + std::to_string(kMinSubapertures) +
+                    " are required: enlarge the light's diameter or the camera's region");
   }
   if (lenslets.centres_px.size() > kMaxSubapertures) {
     return fail(Errc::invalid, "sensor.lenslets",

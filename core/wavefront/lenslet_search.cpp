@@ -294,11 +294,12 @@ int LensletMap::lit() const {
 Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearch& search) {
   std::vector<Spot> spots = spots_in(mean_dn, search.spots);
   drop_dark(spots);
-  if (spots.size() < 3) {
+  if (spots.size() < kMinSubapertures) {
     return fail(Errc::refused, "camera",
-                std::to_string(spots.size()) +
-                    " lenslets are lit, but at least 3 are required: check that light reaches the "
-                    "array and that the camera is in its focal plane, and raise the exposure");
+                std::to_string(spots.size()) + " lenslets are lit, but at least " +
+                    std::to_string(kMinSubapertures) +
+                    " are required: check that light reaches the array and that the camera is in "
+                    "its focal plane, and raise the exposure");
   }
   if (spots.size() > std::size_t(kMaxSubapertures)) {
     return fail(Errc::refused, "camera.roi",

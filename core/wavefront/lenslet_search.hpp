@@ -44,9 +44,9 @@ struct LensletMap {
 /// Finds the array in a mean image (DN; not finite: saturated). The wavefront of the light may bend
 /// the lattice by a third of the pitch from one lenslet to the next.
 ///
-/// Errors (Errc::refused): field "camera", fewer than 3 spots; "camera.roi", more than
-/// kMaxSubapertures; "array.pitch_um", the spots are not
-/// as far apart as expected; "sensor.grid", they do not form the expected lattice.
+/// Errors (Errc::refused): field "camera", fewer than kMinSubapertures spots; "camera.roi", more
+/// than kMaxSubapertures; "array.pitch_um", the spots are not as far apart as expected;
+/// "sensor.grid", they do not form the expected lattice.
 Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearch& search);
 
 /// The circle on the array over which the modes are measured, and the lit lenslets inside.
