@@ -2,6 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <chrono>
+#include <thread>
+
 #include "proto/dark_image.hpp"
 
 namespace ovws::doctor {
@@ -9,6 +12,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kOpeningS = 5.0;
+constexpr std::chrono::milliseconds kAskAgain{500};
 constexpr const char* kNoAnswer = "no daemon answers";
 constexpr const char* kLog = "journalctl -u ovwsd -n 20";
 
@@ -92,7 +97,24 @@ Finding judge_light(const DaemonFacts& facts) {
                  "ovws exposure auto");
 }
 
+/// Whether this is the answer of a daemon that may still be opening its devices.
+bool is_opening(const DaemonFacts& facts) {
+  if (!facts.status) return false;
+  const std::string state = text_at(*facts.status, "/state");
+  return (state == "starting" || state.starts_with("waiting")) &&
+         facts.status->value("uptime_s", kOpeningS) < kOpeningS;
+}
+
 }  // namespace
+
+DaemonFacts ask_opened(const AskDaemon& ask, const std::string& endpoint) {
+  DaemonFacts facts = ask(endpoint);
+  while (is_opening(facts)) {
+    std::this_thread::sleep_for(kAskAgain);
+    facts = ask(endpoint);
+  }
+  return facts;
+}
 
 DaemonsCamera camera_of(const DaemonFacts& facts) {
   if (!facts.status) return DaemonsCamera::silent;

@@ -2,6 +2,7 @@
 /// fault and no dark image.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -20,6 +21,12 @@ struct DaemonFacts {
   bool asks_for_keys = false;            ///< clients need keys: the configuration sets a secret key
   std::string own_version;               ///< version of this program
 };
+
+/// Requests system.status and config.get from the daemon at this endpoint.
+using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
+/// The daemon's answer. One that waits for a camera or display is asked again until it has run for
+/// 5 s: it may be opening them, and then it controls a camera that it does not report.
+DaemonFacts ask_opened(const AskDaemon& ask, const std::string& endpoint);
 
 DaemonsCamera camera_of(const DaemonFacts& facts);
 /// Whether the daemon answered and has the SLM's output open.

@@ -21,7 +21,8 @@ void add(Findings& all, Findings more) {
 Findings examine(const std::string& path, const std::string& endpoint, const AskDaemon& ask) {
   ConfigurationFacts configuration = read_configuration(path);
   const Config file = configuration.config.value_or(Config{});
-  DaemonFacts daemon = ask(endpoint.empty() ? local_endpoint(file.control.endpoint) : endpoint);
+  DaemonFacts daemon =
+      ask_opened(ask, endpoint.empty() ? local_endpoint(file.control.endpoint) : endpoint);
   daemon.asks_for_keys = file.security.secret_key.has_value();
   const bool is_of_daemon =
       path.empty() && daemon.config && is_reached_from_here_only(daemon.endpoint);

@@ -2,16 +2,12 @@
 /// window, so that a running daemon is not disturbed.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "daemon/ovws/doctor/daemon_answer.hpp"
 #include "daemon/ovws/doctor/finding.hpp"
 
 namespace ovws::doctor {
-
-/// Requests system.status and config.get from the daemon at this endpoint.
-using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 
 /// Runs all checks; main thread, takes some seconds. Empty `path`: the settings that the
 /// daemon uses if it answers on this machine; else the service's configuration, or the defaults.

@@ -25,6 +25,28 @@ TEST(DoctorDaemon, AHealthyDaemonHasNoFinding) {
   EXPECT_EQ(camera_of(running()), DaemonsCamera::with);
 }
 
+TEST(DoctorDaemon, OneThatHasJustStartedIsAskedUntilItsDevicesAreOpen) {
+  int asked = 0;
+  const auto ask = [&](double opened_after_s) {
+    asked = 0;
+    return ask_opened(
+        [&](const std::string&) {
+          const double uptime_s = 3.0 + ++asked;
+          DaemonFacts facts = running();
+          (*facts.status)["uptime_s"] = uptime_s;
+          if (uptime_s < opened_after_s) (*facts.status)["state"] = "waiting_for_camera";
+          return facts;
+        },
+        "tcp://127.0.0.1:7702");
+  };
+  EXPECT_EQ(ask(0.0).status->at("state"), "running");
+  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(ask(4.5).status->at("state"), "running");
+  EXPECT_EQ(asked, 2);
+  EXPECT_EQ(ask(60.0).status->at("state"), "waiting_for_camera");
+  EXPECT_EQ(asked, 2) << "it has no camera";
+}
+
 TEST(DoctorDaemon, ADaemonThatDoesNotAnswerIsNoFault) {
   DaemonFacts facts;
   facts.why = "no reply within 3 s";
