@@ -87,7 +87,7 @@ class ClosedLoopTest : public testing::Test {
   bool opens_by_itself() {
     return wait_for([&] {
       test::skip(50ms);
-      return !is_closed_.load();
+      return !loop_.report().closed;
     });
   }
   /// Lets half a second pass with each step until the loop has opened by itself.
@@ -96,7 +96,7 @@ class ClosedLoopTest : public testing::Test {
     ASSERT_TRUE(wait_for([&] {
       const auto now = loop_.report().steps;
       if (now != std::exchange(steps, now)) test::skip(500ms);
-      return !is_closed_;
+      return !loop_.report().closed;
     }));
     EXPECT_EQ(loop_.report().opened_because.substr(0, reason.size()), reason);
   }
