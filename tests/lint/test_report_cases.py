@@ -124,11 +124,12 @@ class ReportCases(unittest.TestCase):
         self.assertEqual(report_of(cases=output), ["skipped: no test cases"], "another run of it passed")
 
     def test_errors_of_googletest_are_listed(self):
-        self.assertEqual(report_of("fail", camera=GTEST_FAILURES, killed="nothing"), [
+        killed = "[ RUN      ] Camera.IsFound\n[       OK ] Camera.IsFound (0 ms)\n[ RUN      ] Camera.IsOpened\nopening\n"
+        self.assertEqual(report_of("fail", camera=GTEST_FAILURES, killed=killed, unread="nothing"), [
             "skipped: no test cases", "failed:", "  camera: outside a case (camera_test.cpp:5): Failed in SetUpTestSuite",
             "  camera: Camera.IsFound (camera_test.cpp:12): Expected equality of these values: found",
             "  camera: All/Camera.IsRead/0 (camera_test.cpp:20): Value of: read", "  camera: Camera.Crashes (camera_test.cpp:30): Value of: alive",
-            "  killed: failed: see its output"])
+            "  killed: Camera.IsOpened: see its output", "  unread: failed: see its output"])
 
 
 if __name__ == "__main__":

@@ -51,7 +51,9 @@ def unittest_error(said):
 def gtest_errors(output):
     """(test case, (file, line, text)) of each failure, also of a case that did not end, and of one outside the cases."""
     parts = GTEST_CASES.split("\n" + output)  # what was said, the name of the case that begins or None, what was said, ...
-    return [(case or "outside a case", error) for case, said in zip([None, *parts[1::2]], parts[::2]) for error in GTEST_ERROR.findall(said)]
+    cases, texts = [None, *parts[1::2]], parts[::2]
+    found = [(case or "outside a case", error) for case, said in zip(cases, texts) for error in GTEST_ERROR.findall(said)]
+    return found + ([(cases[-1], None)] if cases[-1] and not GTEST_ERROR.search(texts[-1]) else [])  # killed without a word
 
 
 def errors(output, reason):
