@@ -19,7 +19,7 @@ import ovws_client  # noqa: E402
 from ovws_client import ClientError, Stream  # noqa: E402
 
 PATIENCE_S = 2 * bench_module.PATIENCE_S  # limit of each wait for an event; a wait returns as soon as the event comes
-PROGRAM_PATIENCE_S = 300.0  # limit of each wait for the end of a program that ends by itself, or of a job
+PROGRAM_PATIENCE_S = 300.0  # limit of each wait for the end of a program or a job
 
 
 class Client(ovws_client.Client):
@@ -49,6 +49,15 @@ def wait_for(condition, timeout_s=PATIENCE_S, what="the condition"):
             return value
         time.sleep(max(0.0, begun + 0.02 - time.monotonic()))
     raise AssertionError(f"{what} did not come true within {timeout_s} s")
+
+
+def next_message(stream):
+    return wait_for(lambda: stream.next(1.0), what="a message")
+
+
+def message_since(stream, at_ns):
+    """The next message of an image that was exposed after `at_ns`: those in transit are skipped."""
+    return wait_for(lambda: (message := next_message(stream))["t_device_ns"] > at_ns and message, what="an image exposed after the change")
 
 
 def merged(config, changes):

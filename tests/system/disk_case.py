@@ -2,7 +2,7 @@
 import contextlib
 import subprocess
 
-from case import PATIENCE_S, BenchCase, own_mounts, wait_for
+from case import PATIENCE_S, BenchCase, next_message, own_mounts, wait_for
 
 # One job for each kind of stored result, in order of dependency: method, params, and the method that reports whether it is stored.
 RUNS = (("registration.run", {"frames": 2}, None),
@@ -57,7 +57,7 @@ class DiskCase(BenchCase):
     def flowing(self):
         """Checks that every frame is published meanwhile, with none dropped."""
         stream = self.stream("wavefront")
-        first = last = wait_for(lambda: stream.next(1.0), what="a frame")
+        first = last = next_message(stream)
         dropped = self.call("system.status")["counters"]["frames_dropped"]
         yield
         end = self.call("system.status")["t_ns"]

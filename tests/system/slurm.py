@@ -6,7 +6,7 @@ import shutil
 import socket
 import subprocess
 
-from case import PROGRAM_PATIENCE_S, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, wait_for
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
 CONFIG = """\
@@ -75,7 +75,7 @@ class Slurm:
         for process in reversed(self.processes):  # munged last
             process.terminate()
             try:
-                process.wait(PROGRAM_PATIENCE_S)
+                process.wait(PATIENCE_S)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()

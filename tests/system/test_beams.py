@@ -4,7 +4,7 @@ import subprocess
 import time
 
 import numpy as np
-from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
 
 from ovws_client import Subscription, Wavefront  # noqa: E402  (case finds it)
 
@@ -24,6 +24,7 @@ class Beams(BenchCase):
         super().setUp()
         self.twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(self.twin.close)
+        self.changed_ns = 0
 
     def light(self, hidden, power=None):
         """Gives each source its aberration; `power`: of b and c."""
@@ -31,15 +32,15 @@ class Beams(BenchCase):
         modes = {name: [{"j": j, "waves": waves} for j, waves in hidden.get(name, {}).items()] for name in ("", "b", "c")}
         self.twin.call("twin.set", {"aberration": modes[""], "sources": [
             {"offset_px": OFFSETS[name], "power": power[name], "aberration": modes[name]} for name in ("b", "c")]})
-        time.sleep(0.3)
+        self.changed_ns = time.time_ns()
 
-    def newest(self, stream, timeout_s=60.0):
-        """The newest message of every source, of one settled frame: one that arrived late is not."""
+    def newest(self, stream):
+        """The newest message of every source, of one settled frame exposed after the last change: one that arrived late is not settled."""
         stream.drain()
-        frames, end = {}, time.monotonic() + timeout_s
+        frames, end = {}, time.monotonic() + PATIENCE_S
         while time.monotonic() < end:
             message = stream.next(0.5)
-            if message is None or message["topic"] not in TOPICS or not message["settled"]:
+            if message is None or message["topic"] not in TOPICS or not message["settled"] or message["t_device_ns"] <= self.changed_ns:
                 continue
             frame = frames.setdefault(message["frame_id"], {})
             frame[TOPICS[message["topic"]]] = message
@@ -75,12 +76,12 @@ class Beams(BenchCase):
                 self.assertAlmostEqual(found, true, delta=0.3)
         # A new reference of one source is that of no other.
         self.take_reference(beam="b")
-        time.sleep(0.3)
+        self.changed_ns = time.time_ns()
         frame = self.all_valid(stream)
         self.assert_modes(frame["b"], {})
         for name in ("", "c"):
             self.assert_modes(frame[name], HIDDEN[name])
-        with Subscription(Wavefront.of_beam("c"), timeout_s=5.0) as typed:
+        with Subscription(Wavefront.of_beam("c"), timeout_s=PATIENCE_S) as typed:
             message = next(typed)
             self.assertAlmostEqual(message.waves(7), HIDDEN["c"][7], delta=0.012)
         self.assertEqual(self.refused("reference.take", {"frames": 5, "beam": "d"}).field, "beam")

@@ -7,7 +7,7 @@ import time
 import unittest
 
 from bridge_case import RUN, BridgeCase, environment, has, reports
-from case import PROGRAM_PATIENCE_S, ROOT, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, main, wait_for
 
 import numpy as np
 
@@ -20,7 +20,7 @@ WITHOUT = "bluesky cannot be imported: it is not in Debian 12; its protocol's me
 class Device(BridgeCase):
     def setUp(self):
         super().setUp()
-        self.sensor = WavefrontSensor("ovws", timeout_s=10.0)
+        self.sensor = WavefrontSensor("ovws", timeout_s=PATIENCE_S)
         self.addCleanup(self.sensor.close)
 
     def reading(self):
@@ -32,8 +32,8 @@ class Device(BridgeCase):
         self.assertEqual((self.sensor.stage(), axis.stage()), ([self.sensor], [axis]))
         keys = self.sensor.describe() | axis.describe()
         for waves in (-0.1, 0.0, 0.1):
-            axis.set(waves).wait(60.0)
-            self.sensor.trigger().wait(60.0)
+            axis.set(waves).wait(PATIENCE_S)
+            self.sensor.trigger().wait(PATIENCE_S)
             readings = self.sensor.read() | axis.read()
             self.assertEqual(set(readings), set(keys))
             self.assertEqual(len(readings["ovws-coefficients"]["value"]), *keys["ovws-coefficients"]["shape"])
@@ -64,10 +64,10 @@ class Device(BridgeCase):
         self.sensor.link.add_listener(lambda message: isinstance(message, Wavefront) and frames.append(message))
         for value in (900.0, 1500.0):
             called_ns = time.time_ns()
-            self.sensor.exposure_us.set(value).wait(60.0)
+            self.sensor.exposure_us.set(value).wait(PATIENCE_S)
             self.assertEqual(frames[-1].exposure_us, value)
             self.assertGreater(frames[-1].t_arrival_ns - 1e3 * value, called_ns, "its exposure began after the call")
-        self.sensor.aberration.set({"horizontal coma": 0.1, "defocus": 0.05}).wait(60.0)
+        self.sensor.aberration.set({"horizontal coma": 0.1, "defocus": 0.05}).wait(PATIENCE_S)
         shown = self.call("aberration.get")
         self.assertTrue(frames[-1].settled)
         self.assertEqual(frames[-1].hologram_id, shown["hologram_id"])
@@ -98,13 +98,13 @@ class Device(BridgeCase):
         called = []
         action = self.sensor.trigger()
         action.add_callback(called.append)
-        action.wait(60.0)
+        action.wait(PATIENCE_S)
         wait_for(lambda: called == [action], what="the callback")
 
     def test_it_outlives_the_daemon(self):
         seen = []
         self.sensor.subscribe(seen.append)
-        self.sensor.trigger().wait(60.0)
+        self.sensor.trigger().wait(PATIENCE_S)
         self.bench.stop("ovwsd")
         self.assertIsInstance(self.sensor.exposure_us.set(700.0).exception(10.0), NoAnswer)
         self.assertIsInstance(self.sensor.trigger().exception(10.0), NoAnswer)
@@ -112,13 +112,13 @@ class Device(BridgeCase):
         self.restart_daemon()
         self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 2000.0, "what was given up is not carried out later")
         self.sensor.stage()
-        self.sensor.trigger().wait(60.0)
+        self.sensor.trigger().wait(PATIENCE_S)
         before = len(seen)
         wait_for(lambda: len(seen) > before, what="frames of the new daemon")
 
     def test_two_at_once_and_a_killed_one(self):
         code = "from ovws_bridges.bluesky import WavefrontSensor\ns = WavefrontSensor()\ns.subscribe(lambda r: None)\ns.trigger().wait(60.0)\nprint('ready', flush=True)\nimport time\ntime.sleep(600)"
-        self.sensor.trigger().wait(60.0)
+        self.sensor.trigger().wait(PATIENCE_S)
         alone, seen = self.connections(), []
         other = self.bench.start("other", [sys.executable, "-c", code], env=environment())
         other.wait_for_line("ready")
@@ -130,7 +130,7 @@ class Device(BridgeCase):
         wait_for(lambda: self.connections() == alone, what="the end of its connections")
         wait_for(lambda: len(seen) > 75, what="frames")
         self.assertEqual(set(np.diff(seen)), {1})
-        self.sensor.gain_db.set(1.0).wait(60.0)
+        self.sensor.gain_db.set(1.0).wait(PATIENCE_S)
 
 
 @unittest.skipUnless(has("bluesky"), WITHOUT)

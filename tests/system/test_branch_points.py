@@ -2,7 +2,7 @@
 import struct
 import time
 
-from case import BenchCase, Client, ClientError, main, wait_for
+from case import BenchCase, Client, ClientError, main, message_since, next_message, wait_for
 
 
 class BranchPoints(BenchCase):
@@ -13,13 +13,13 @@ class BranchPoints(BenchCase):
         self.twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(self.twin.close)
 
-    def light(self, *points):
+    def light(self, stream, *points):
         self.twin.call("twin.set", {"branch_points": [{"x": x, "y": y, "charge": charge} for x, y, charge in points]})
-        time.sleep(0.3)
+        message_since(stream, time.time_ns())
 
     def frame(self, stream):
         stream.drain()
-        return wait_for(lambda: stream.next(1.0))
+        return next_message(stream)
 
     def test_a_frame_is_refused_with_the_place(self):
         stream, events = self.stream("wavefront"), self.stream("event")
@@ -27,19 +27,19 @@ class BranchPoints(BenchCase):
         self.settled_frames(stream, 5)
         self.assertEqual(self.frame(stream)["branch_points"], [])
         for x, y, charge in ((0.3, 0.1, 1), (-0.1, -0.25, -1)):
-            self.light((x, y, charge))
+            self.light(stream, (x, y, charge))
             frame = wait_for(lambda: (now := self.frame(stream))["branch_points"] and now, what="a branch point")
             self.assertFalse(frame["valid"])
             at_x, at_y, sign = frame["branch_points"][0]
             self.assertEqual(sign, charge)
             self.assertLess(((at_x - x) ** 2 + (at_y - y) ** 2) ** 0.5, 0.4)
             for _ in range(300):  # no rendering of a smooth wavefront may make it valid
-                self.assertFalse(wait_for(lambda: stream.next(1.0), what="a frame")["valid"])
+                self.assertFalse(next_message(stream)["valid"])
             invalid = self.call("system.status")["sensor"]["invalid"]
             self.assertIn("branch point", invalid["reason"])
         told = wait_for(lambda: (event := events.next(1.0)) and "branch_point" in event["data"] and event, what="the event")
         self.assertIn("phase singularity", told["text"])
-        self.light()
+        self.light(stream)
         wait_for(lambda: (now := self.frame(stream))["valid"] and not now["branch_points"], what="a valid frame")
 
     def test_a_reference_is_refused_with_the_place(self):
@@ -48,7 +48,7 @@ class BranchPoints(BenchCase):
         before = self.call("reference.get")
         for tracker in ("fit", "lg"):
             self.call("sensor.set", {"tracker": tracker})
-            self.light((0.3, 0.1, 1))
+            self.light(stream, (0.3, 0.1, 1))
             for frames in (5, 1):
                 error = self.failure("reference.take", {"frames": frames})
                 self.assertIn("a branch point (phase singularity) near", error)
@@ -60,7 +60,7 @@ class BranchPoints(BenchCase):
             self.client.call("reference.give", {}, struct.pack(f"<{len(given)}f", *given))
         self.call("sensor.set", {"tracker": "fit"})
         self.assertEqual(self.call("reference.get"), before)
-        self.light()
+        self.light(stream)
         self.take_reference()
 
     def test_a_closed_loop_holds_its_correction(self):
@@ -70,13 +70,13 @@ class BranchPoints(BenchCase):
         self.close_loop()
         wait_for(lambda: self.call("loop.get")["steps"] > 3, what="steps")
         before = self.call("correction.get")
-        self.light((0.3, 0.1, 1))
-        for _ in range(2):  # the loop may still step for the first
-            wait_for(lambda: self.frame(stream)["branch_points"], what="a frame with the branch point")
-        steps = self.call("loop.get")["steps"]
-        for _ in range(200):
-            wait_for(lambda: stream.next(1.0), what="a frame")
-        self.assertEqual(self.call("loop.get")["steps"], steps)
+        self.light(stream, (0.3, 0.1, 1))
+
+        def holds():  # the loop may still step for frames from before
+            steps = self.call("loop.get")["steps"]
+            invalid = [not next_message(stream)["valid"] for _ in range(200)]
+            return all(invalid) and self.call("loop.get")["steps"] == steps
+        wait_for(holds, what="a loop that holds")
         print("\n ", self.call("system.status")["sensor"]["invalid"])
         held = self.call("correction.get")
         self.assertTrue(self.call("loop.get")["closed"])
@@ -84,7 +84,7 @@ class BranchPoints(BenchCase):
         for mode in before["modes"]:
             moved[mode["j"]] = moved.get(mode["j"], 0.0) - mode["waves"]
         print("  largest change of the correction", max(map(abs, moved.values()), default=0.0))
-        self.light()
+        self.light(stream)
         wait_for(lambda: self.frame(stream)["valid"], what="a valid frame")
         self.assertLess(max(map(abs, moved.values()), default=0.0), 0.05)
 

@@ -7,7 +7,7 @@
 import os
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import BenchCase, Client, main, message_since, wait_for
 
 FULL = os.environ.get("OVWS_CALIBRATION") == "full"
 ALL = tuple(range(3, 15))
@@ -59,7 +59,7 @@ class CalibrationCase(BenchCase):
     def means_since(self, changed_at_ns):
         """Mean coefficients of frames exposed after a change that the daemon does not know of; with `fit`, of those that templates measured."""
         stream = self.stream("wavefront")
-        wait_for(lambda: (message := stream.next(1.0)) and message["t_device_ns"] > changed_at_ns, what="a frame exposed after the change")
+        message_since(stream, changed_at_ns)
         next_frames = self.fitted_frames if self.call("sensor.get")["tracker"] == "fit" else self.settled_frames
         next_frames(stream, 5)  # the previous templates measured the first ones
         frames = next_frames(stream, 10)

@@ -2,7 +2,7 @@
 import json
 import time
 
-from case import PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, message_since, next_message, wait_for
 
 RATE_HZ = 100.0
 SILENCE_S = 2.0  # without frames; then a camera with a short exposure counts as lost
@@ -33,7 +33,7 @@ class CameraFaults(BenchCase):
             self.call(method, params)
 
     def next(self):
-        return wait_for(lambda: self.wavefront.next(1.0), what="a frame")
+        return next_message(self.wavefront)
 
     def fault(self, counter, fault, least):
         """Injects the fault and waits for its counter; returns the increase of each counter."""
@@ -82,8 +82,7 @@ class CameraFaults(BenchCase):
         self.assertGreaterEqual(rose["frames_unsettled"], rose["frames_late"])
         self.assertGreaterEqual(rose["frames_invalid"], rose["frames_late"])
         self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 150, "seconds": 3600.0})
-        delayed_at_ns = time.time_ns()
-        message = wait_for(lambda: (m := self.next())["t_device_ns"] > delayed_at_ns and m, what="a frame exposed after that")
+        message = message_since(self.wavefront, time.time_ns())
         for _ in range(10):
             self.assertFalse(message["settled"] or message["valid"])
             self.assertEqual(set(message["coefficients"]), {None})

@@ -8,7 +8,7 @@ import os
 import signal
 import time
 
-from case import PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, next_message, wait_for
 
 CAMERA = {"gain_db": 3.0, "exposure_us": 1500.0, "frame_rate_hz": 80.0, "pixel_format": "Mono12",
           "roi": {"x": 8, "y": 16, "width": 488, "height": 480}}
@@ -27,7 +27,7 @@ class CameraKilled(BenchCase):
         self.heard = self.stream("wavefront", "event")  # one subscription: in the order in which they were published
 
     def next(self):
-        return wait_for(lambda: self.heard.next(1.0), what="a message")
+        return next_message(self.heard)
 
     def kill(self):
         """Returns the last frame of the camera that the daemon had published before."""

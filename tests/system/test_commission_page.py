@@ -2,7 +2,7 @@
 import json
 import time
 
-from case import main, wait_for
+from case import PATIENCE_S, main, wait_for
 from test_setup import FAULTS, MOST_WAVES, TOO_LONG, SetupCase
 from web_case import ADDRESS, Browser, WebCase, browser_packages
 
@@ -29,7 +29,7 @@ class CommissionCase(WebCase, SetupCase):
         self.browser.wait_text("#title", lambda text: text[0].isdigit())
         self.idle()
 
-    def idle(self, timeout_s=120.0):
+    def idle(self, timeout_s=PATIENCE_S):
         """Waits until nothing runs; returns what the page shows."""
         return wait_for(lambda: not (shown := self.browser.run(WHERE))["busy"] and shown, timeout_s, "the end of the step")
 

@@ -4,7 +4,7 @@ import subprocess
 import sys
 import time
 
-from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, ClientError, bench_module, main, wait_for
+from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, ClientError, bench_module, main, message_since, next_message, wait_for
 
 import numpy as np
 
@@ -26,9 +26,6 @@ class CorrectorCase(BenchCase):
     def drive(self, waves, first_j=1):
         """A perfect mirror, whose actuators are the modes from `first_j` on."""
         self.twin.call("twin.set", {"aberration": [{"j": first_j + k, "waves": float(value)} for k, value in enumerate(waves)]})
-
-    def next(self, stream):
-        return wait_for(lambda: stream.next(1.0), what="a message")
 
     def refused_field(self, method, params, binary=None):
         with self.assertRaises(ClientError) as caught:
@@ -60,7 +57,7 @@ class Commands(CorrectorCase):
     def commands_belong_to_the_modes(self, stream, matrix, number):
         commands, compared = {}, 0
         while compared < 50:
-            message = self.next(stream)
+            message = next_message(stream)
             if message["topic"] == "corrector":
                 self.assertEqual((message["matrix"], message["shape"]), (number, [69] if message["valid"] else [0]))
                 commands[message["frame_id"]] = message
@@ -102,14 +99,14 @@ class Commands(CorrectorCase):
         warning = wait_for(lambda: (e := events.next(1.0)) and e["kind"] == "corrector" and e["severity"] == "warning" and e, what="the warning")
         self.assertIn("corrector.set", warning["text"])
         stream = self.stream("corrector")
-        self.assertFalse(self.next(stream)["valid"])
+        self.assertFalse(next_message(stream)["valid"])
         self.call("sensor.set", {"subapertures_across": before})
         self.assertTrue(self.call("corrector.get")["active"])
         wait_for(lambda: (message := stream.next(1.0)) and message["valid"], what="commands again")
         self.assertFalse(self.call("corrector.clear")["active"])
         both = self.stream("wavefront", "corrector")
-        older = {self.next(both)["frame_id"] for _ in range(2)}  # of the frame that was being measured, and of the next one
-        later = [message for message in (self.next(both) for _ in range(20)) if message["frame_id"] > max(older)]
+        older = {next_message(both)["frame_id"] for _ in range(2)}  # of the frame that was being measured, and of the next one
+        later = [message for message in (next_message(both) for _ in range(20)) if message["frame_id"] > max(older)]
         self.assertEqual({message["topic"] for message in later}, {"wavefront"})
 
 
@@ -133,10 +130,9 @@ class Killed(CorrectorCase):
         wait_for(lambda: all(self.residual(stream) < 0.01 for _ in range(5)), what="0.01 wave RMS")
         client.kill()
         client.wait()
-        stands, events = self.shown(), self.stream("event")
-        time.sleep(0.5)
-        stream.drain()
-        frames = [self.next(stream) for _ in range(40)]
+        stands, events = wait_for(lambda: (shown := self.shown()) == self.shown() and shown, what="the client's last command"), self.stream("event")
+        message_since(stream, time.time_ns())
+        frames = [next_message(stream) for _ in range(40)]
         self.assertEqual(self.shown(), stands, "the mirror stays")
         self.assertGreater(max(map(abs, stands)), 0.05)
         self.assertGreater(sum(f["topic"] == "corrector" and f["valid"] for f in frames), 15, "commands go on")

@@ -144,7 +144,7 @@ class Real(BenchCase):
         stream = self.stream("wavefront")
         for j in (3, 4, 7, 12, made["figures"]["modes"]):
             shown = self.call("aberration.set", {"modes": [{"j": j, "waves": INTRODUCED_WAVES}]})
-            self.settled_frames(stream, 1, shown["hologram_id"], timeout_s=120.0)
+            self.settled_frames(stream, 1, shown["hologram_id"])
             # The first frames are measured by the former templates, until those about this wavefront are rendered.
             found, errors, spots_found = wait_for(lambda j=j: self.within_bound(stream, j), what=f"j = {j} within {BOUND_WAVES} wave")
             worst = max(errors, key=lambda k: abs(errors[k]))
@@ -154,7 +154,7 @@ class Real(BenchCase):
     def within_bound(self, stream, j):
         """The mean of mode j, the errors of all modes and the least number of spots, once no error exceeds the bound."""
         stream.drain()
-        frames = self.fitted_frames(stream, FRAMES, timeout_s=120.0)
+        frames = self.fitted_frames(stream, FRAMES)
         found = {k: statistics.fmean(frame["coefficients"][i] for frame in frames) for i, k in enumerate(frames[0]["j"])}
         errors = {k: value - INTRODUCED_WAVES * (k == j) for k, value in found.items()}
         if max(map(abs, errors.values())) < BOUND_WAVES:

@@ -30,7 +30,7 @@ class Fit(BenchCase):
     def show(self, modes):
         return self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in modes.items()]})["hologram_id"]
 
-    def fitted(self, stream, count, hologram_id, timeout_s=60.0):
+    def fitted(self, stream, count, hologram_id, timeout_s=PATIENCE_S):
         """The next `count` fitted frames of this hologram, and the valid ones of it that came before."""
         end, before, found = time.monotonic() + timeout_s, [], []
         while len(found) < count:

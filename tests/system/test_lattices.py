@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import thread_holder
-from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, bench_module, main, wait_for
+from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, bench_module, main, next_message, wait_for
 
 HIDDEN = {3: 0.06, 4: -0.05, 5: 0.03}  # waves: modes that every lattice here determines
 CORRECTION = {"modes": [{"j": 4, "waves": 0.02}]}
@@ -235,7 +235,7 @@ class Lattices(BenchCase):
             self.scintillate(next(seeds))
             begun_ns, seen = time.time_ns(), 0
             while seen < 10:
-                message = wait_for(lambda: stream.next(1.0), what="a frame")
+                message = next_message(stream)
                 seen += message["t_device_ns"] > begun_ns
             self.assertIsNone(example.poll(), "the example has ended")
             return self.listed()["coarse"]["in_use"]

@@ -176,7 +176,7 @@ class Loop(BenchCase):
             self.call("loop.close", {"modes": [40]})
 
     def opens_by_itself(self, **params):
-        """Closes the loop, with a patience at which a busy machine may open it, too; returns why it has opened."""
+        """Closes the loop and returns why it has opened: with this patience a busy machine may open it for lack of frames, too."""
         self.call("loop.close", {"patience_s": 2.0} | params)
         wait_for(lambda: not self.call("loop.get")["closed"], what="the loop to open")
         return self.call("loop.get")["opened_because"]

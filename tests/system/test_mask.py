@@ -45,7 +45,7 @@ class MaskCase(BenchCase):
         self.take_reference(30)
         stream = self.stream("wavefront")
         shown = self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in MODES.items()]})
-        self.settled_frames(stream, 1, shown["hologram_id"], timeout_s=120.0)
+        self.settled_frames(stream, 1, shown["hologram_id"])
         bound = BOUND_WAVES if fitted else POSITIONS_BOUND_WAVES
         error = wait_for(lambda: (error := self.error_waves(stream, fitted)) < bound and error, what=f"{what}: an error below {bound} wave")
         print(f"\n  {what}: error {error:.5f} wave")

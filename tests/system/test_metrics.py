@@ -8,7 +8,7 @@ import signal
 import socket
 import subprocess
 
-from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, BenchCase, main, wait_for
 from prometheus_client.parser import text_string_to_metric_families
 
 ADDRESS = ("127.0.0.1", 7705)
@@ -18,7 +18,7 @@ WORDS = ("sum", "rate", "increase", "exp", "histogram_quantile", "by", "le", "st
 
 
 def get(path="/metrics"):
-    connection = http.client.HTTPConnection(*ADDRESS, timeout=60.0)
+    connection = http.client.HTTPConnection(*ADDRESS, timeout=PATIENCE_S)
     try:
         connection.request("GET", path)
         answer = connection.getresponse()
@@ -167,13 +167,13 @@ class Metrics(BenchCase):
         self.assertEqual(get("/")[0], 404)
         self.assertEqual(get("/../../etc/passwd")[0], 404)
         for sent in (b"\0" * 4096, b"GET " + b"/x" * 100000, b"GET /metrics HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n"):
-            with socket.create_connection(ADDRESS, timeout=5.0) as hostile:
+            with socket.create_connection(ADDRESS, timeout=PATIENCE_S) as hostile:
                 try:
                     hostile.sendall(sent)
                     hostile.recv(100)
                 except OSError:
                     pass
-        silent = [socket.create_connection(ADDRESS, timeout=5.0) for _ in range(20)]
+        silent = [socket.create_connection(ADDRESS, timeout=PATIENCE_S) for _ in range(20)]
         self.addCleanup(lambda: [one.close() for one in silent])
         self.scrape_when(lambda s: s.value("ovws_up") == 1, "an answer in spite of them")
         self.assertIsNone(process.poll())

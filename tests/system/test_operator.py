@@ -2,7 +2,7 @@
 import statistics
 import time
 
-from case import TWIN, BenchCase, Client, main, wait_for
+from case import TWIN, BenchCase, Client, main, next_message, wait_for
 from losses import Account
 
 # The error is not noise: it grows with the square of the mode, because the matrix is linear.
@@ -61,7 +61,7 @@ class Operator(BenchCase):
         self.assertEqual(self.call("sensor.get")["operator_in_force"], "diffractive")
         job, said, data = self.take_reference()["job"], [], {}  # its last event comes after all others
         while (data.get("job"), data.get("state")) != (job, "done"):
-            event = wait_for(lambda: events.next(1.0), what="the end of the reference")
+            event = next_message(events)
             data = event["data"] or {}
             if event["kind"] == "sensor" and "operator" in data:
                 said.append(data["operator"])

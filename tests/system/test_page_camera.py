@@ -74,7 +74,7 @@ class PageCase(WebCase):
         return float(self.browser.run("return (document.querySelector('#camera-sub').textContent.match(/([\\d.]+) \u00d7$/) ?? [0, 0])[1]"))
 
     def wheel(self, steps):
-        """Zooms in by turns of the wheel, one by one: a busy browser makes one of those that wait for it."""
+        """Zooms in by single turns of the wheel: a busy browser merges those that are queued."""
         for _ in range(steps):
             before = self.zoom()
             self.browser.mouse(("wheel", 0, -200))

@@ -1,7 +1,6 @@
 """The live page in a real browser: procedures, the loop's settings, what is saved, and recordings with their download."""
 import os
 import re
-import time
 from pathlib import Path
 
 from case import main, wait_for
@@ -199,7 +198,7 @@ class Saved(PanelCase):
 class Recordings(PanelCase):
     def record(self, name=None):
         self.call("record.start", {"name": name, "pictures_every": 0})
-        time.sleep(0.3)
+        wait_for(lambda: self.call("record.get")["frames"] > 20, what="recorded frames")
         return Path(self.call("record.stop")["file"])
 
     def test_a_recording_is_estimated_made_and_downloaded(self):
@@ -237,7 +236,7 @@ class Downloads(WebCase):
     def start(self):
         super().start()
         self.call("record.start", {"name": "run-1", "pictures_every": 1})
-        time.sleep(1.0)
+        wait_for(lambda: self.call("record.get")["pictures"] > 20, what="recorded images")
         self.file = Path(self.call("record.stop")["file"])
 
     def ticket(self, name="run-1", right="look"):

@@ -3,7 +3,7 @@ import time
 from itertools import dropwhile
 from random import Random
 
-from case import TWIN, BenchCase, Client, main, merged, wait_for
+from case import TWIN, BenchCase, Client, main, merged, next_message, wait_for
 from losses import Account
 
 SLOTS = 8  # at 60 Hz: 480 frames/s
@@ -45,7 +45,7 @@ class Patterns(BenchCase):
         wait_for(whole, what="a valid frame of every pattern")
 
     def next(self, stream, frames):
-        return [wait_for(lambda: stream.next(1.0), what="a frame") for _ in range(frames)]
+        return [next_message(stream) for _ in range(frames)]
 
     def pattern_in(self, slot):
         """The pattern of the sequence that slot `slot` shows; None: the mark."""

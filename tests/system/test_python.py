@@ -178,7 +178,7 @@ class Numbers(BenchCase):
     def test_every_kind_of_message(self):
         self.take_reference(20)
         found = {}
-        with Subscription(*KINDS, timeout_s=20.0) as stream:
+        with Subscription(*KINDS, timeout_s=PATIENCE_S) as stream:
             for message in self.for_a_while(stream):
                 if type(message) not in found and isinstance(message, ovws_client.Status):
                     self.client.reference_take(frames=5)  # causes events; a client that got a status has also subscribed to events
@@ -191,7 +191,7 @@ class Numbers(BenchCase):
         self.assertEqual((image.pixels.shape, image.pixels.dtype, image.pixels.flags.owndata), ((512, 512), np.uint8, False))
         self.wait_until("running")
         self.client.camera_set(pixel_format="Mono12")
-        with Subscription(ovws_client.Image, timeout_s=20.0) as stream:
+        with Subscription(ovws_client.Image, timeout_s=PATIENCE_S) as stream:
             deep = next(image for image in stream if image.pixel_format == "Mono12")
         self.assertEqual((deep.pixels.dtype, deep.significant_bits), (np.uint16, 12))
         self.assertLess(deep.pixels.max(), 1 << 12)
@@ -201,7 +201,7 @@ class Numbers(BenchCase):
         self.take_reference(20)
         self.client.aberration_set([{"n": 3, "m": 1, "waves": 0.2}, {"n": 2, "m": -2, "waves": 0.3}])
         frames = {}
-        with Subscription(ovws_client.Wavefront, ovws_client.Phase, timeout_s=20.0) as stream:
+        with Subscription(ovws_client.Wavefront, ovws_client.Phase, timeout_s=PATIENCE_S) as stream:
             for message in self.for_a_while(stream):
                 if isinstance(message, ovws_client.Wavefront):
                     frames[message.frame_id] = message
@@ -239,7 +239,7 @@ class Numbers(BenchCase):
 
     def test_asyncio(self):
         async def both():
-            async with AsyncClient() as client, AsyncSubscription(ovws_client.Wavefront, timeout_s=20.0) as stream:
+            async with AsyncClient() as client, AsyncSubscription(ovws_client.Wavefront, timeout_s=PATIENCE_S) as stream:
                 await client.wait_for_job(await client.reference_take(frames=20))
                 status, sensor, frame = await asyncio.gather(client.system_status(), client.sensor_get(), anext(stream))
                 with self.assertRaises(Refused) as caught:
@@ -326,9 +326,9 @@ class Keys(BenchCase):
             async with AsyncClient(timeout_s=timeout_s, **keys) as client, subscription as stream:
                 return (await client.system_status())["state"], (await anext(stream)).state
 
-        with Client(timeout_s=20.0, **self.keys) as client, Subscription(ovws_client.Status, timeout_s=20.0, **self.keys) as stream:
+        with Client(timeout_s=PATIENCE_S, **self.keys) as client, Subscription(ovws_client.Status, timeout_s=PATIENCE_S, **self.keys) as stream:
             self.assertEqual(client.system_status()["state"], next(stream).state)
-            with client.subscribe(ovws_client.Status, timeout_s=20.0) as again:
+            with client.subscribe(ovws_client.Status, timeout_s=PATIENCE_S) as again:
                 self.assertEqual(next(again).state, client.system_status()["state"])
             with self.assertRaises(Refused) as caught:
                 client.camera_set(gain_db=1.0)

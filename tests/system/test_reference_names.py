@@ -52,7 +52,7 @@ class ReferenceNames(BenchCase):
         self.call("reference.clear")
         loaded = self.call("reference.load", {"name": "first"})
         self.assertEqual((loaded["positions_px"], loaded["origin"]), (first["positions_px"], first["origin"]))
-        self.settled_frames(self.stream("wavefront"), 5, timeout_s=120.0)
+        self.settled_frames(self.stream("wavefront"), 5)
 
     def check_bounds(self):
         for name in ("", "A", "a b", "../x", "x" * 65):

@@ -11,7 +11,7 @@ import statistics
 import subprocess
 import threading
 
-from case import TWIN, BenchCase, Client, ClientError, main, wait_for
+from case import PATIENCE_S, TWIN, BenchCase, Client, ClientError, main, wait_for
 
 KILLS = int(os.environ.get("OVWS_KILLS", "4"))
 BY_DEFECT = re.compile(r"damaged|cut off|not written by the daemon|is empty")
@@ -238,7 +238,7 @@ class Restart(BenchCase):
                 kept = self.kept()
             except ClientError as error:
                 self.assertIsNone(error.code, error)  # no reply; not an error reply
-                self.assertTrue(end.wait(60.0))
+                self.assertTrue(end.wait(PATIENCE_S))
                 return kept, action
 
     def check_found(self, old, now, action, log):
@@ -273,7 +273,7 @@ class Restart(BenchCase):
             found_new += self.check_found(old, now, action, log)
             interrupted["configuration" if isinstance(action, float) else action] += 1
             if now["reference"]:
-                self.assertTrue(self.settled_frames(self.stream("wavefront"), 1, timeout_s=120.0))
+                self.assertTrue(self.settled_frames(self.stream("wavefront"), 1))
             old = now
         self.assertEqual([p.name for p in self.bench.directory.glob("**/*.ovws-tmp")], [])
         print(f"\n  {KILLS} kills, {found_new} of them found the new one of what was interrupted: {dict(interrupted)}")

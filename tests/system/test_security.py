@@ -68,7 +68,7 @@ class Secured(BenchCase):
         new.write_text(json.dumps({"clients": clients}))
         new.rename(self.folder / "clients.json")
 
-    def connect(self, name, server_key=None, endpoint="tcp://127.0.0.1:7702", timeout_s=10.0):
+    def connect(self, name, server_key=None, endpoint="tcp://127.0.0.1:7702", timeout_s=PATIENCE_S):
         client = Client(endpoint, timeout_s, self.folder / f"{name}.json", server_key or self.server_key)
         self.addCleanup(client.close)
         return client

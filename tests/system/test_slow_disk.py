@@ -10,7 +10,7 @@ import threading
 import time
 
 import h5py
-from case import PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, next_message, wait_for
 
 STANDS_S = float(os.environ.get("OVWS_DISK_STANDS_S", "7"))  # longer than the watchdog allows a thread
 MIB = 1 << 20
@@ -71,7 +71,7 @@ class Standing(SlowDisk):
         before = self.call("reference.get")
         self.assertIsNotNone(before["sha256"])
         frames, events = self.stream("wavefront"), self.stream("event")
-        first = wait_for(lambda: frames.next(1.0), what="a frame")
+        first = next_message(frames)
         dropped = self.call("system.status")["counters"]["frames_dropped"]
         self.call("camera.set", {"exposure_us": 1900.0})
         self.speed(0)

@@ -3,7 +3,7 @@ import random
 import statistics
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, wait_for
 from losses import Account
 
 RMS_WAVES = 0.5
@@ -33,7 +33,7 @@ class Split(BenchCase):
     def newest(self, stream, count=FRAMES):
         """Settled frames exposed after the last change of the hidden aberration; frames in transit are skipped."""
         stream.drain()
-        end, frames = time.monotonic() + 20.0, []
+        end, frames = time.monotonic() + PATIENCE_S, []
         while len(frames) < count and time.monotonic() < end:
             message = stream.next(1.0)
             if message is not None and message["settled"] and message["t_device_ns"] > self.hidden_at_ns:
@@ -136,7 +136,7 @@ class Split(BenchCase):
         wait_for(lambda: invalid() is None)
 
     def event(self, events, valid):
-        end = time.monotonic() + 20.0
+        end = time.monotonic() + PATIENCE_S
         while time.monotonic() < end:
             message = events.next(0.5)
             if message is not None and message["kind"] == "spots" and message["data"].get("valid") is valid:

@@ -8,7 +8,7 @@ import time
 from itertools import groupby
 
 from bridge_case import BridgeCase, Path, environment
-from case import PROGRAM_PATIENCE_S, ROOT, main, wait_for
+from case import PROGRAM_PATIENCE_S, ROOT, main, next_message, wait_for
 
 import numpy as np
 import tango
@@ -143,7 +143,7 @@ class Server(BridgeCase):
         slow = self.serve("slow", 45451, "--max-event-rate-hz", "10")
         wait_for(lambda: slow.state() == tango.DevState.ON, what="the second server")
         frames, lost = self.stream("wavefront"), self.call("system.status")["counters"]["frames_lost"]
-        wait_for(lambda: frames.next(1.0), what="a frame")
+        next_message(frames)
         fast, limited = self.events("seq", "coefficients"), self.events("seq", port=45451)
         fast.wait_for(lambda events: len(events.of("seq")) > 100, "100 events")
         self.call("reference.clear")
@@ -156,7 +156,7 @@ class Server(BridgeCase):
         self.assertEqual(set(np.diff(seq)), {1}, "no frame is missing")
         valid = []
         while not valid or valid[-1][0] < seq[-1]:
-            message = wait_for(lambda: frames.next(1.0), what="a frame")
+            message = next_message(frames)
             valid.append((message["seq"], "VALID" if message["valid"] else "INVALID"))
         qualities = [key for key, _ in groupby(event["quality"] for event in fast.of("coefficients"))]
         self.assertEqual(qualities, [key for key, _ in groupby(quality for number, quality in valid if number >= seq[0] - 1)])

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy
 from PIL import Image
 
-from case import PROGRAM_PATIENCE_S, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, main, next_message, wait_for
 from web_case import ADDRESS, HOST, PORT, Refused, WebCase
 
 CURRENT = 10  # frames of the 30 a second
@@ -38,7 +38,7 @@ class Web(WebCase):
         """Checks that a browser's messages are those of now: one of the last half of `count` is at most CURRENT frames older than the
         daemon's newest. A single stall is the machine's; messages that queue up make all of them old but the first."""
         frames, stream, behind = self.stream("wavefront"), self.messages(), []
-        newest = wait_for(lambda: frames.next(1.0), what="a frame")["seq"]
+        newest = next_message(frames)["seq"]
         for _ in range(count):
             found = next(message for message, _ in stream if message["schema"] == "ovws.wavefront/1")
             while (message := frames.next(0.0)) is not None:
@@ -83,7 +83,7 @@ class Web(WebCase):
 
     def test_noise_and_greed_end_nothing(self):
         for noise in (b"\x00\xff" * 5000, b"GET / HTTP/1.1\r\n" + b"x: y\r\n" * 100000, b"GET " + b"/" * 100000, b"\r\n" * 10):
-            with socket.create_connection((HOST, PORT), timeout=60) as raw:
+            with socket.create_connection((HOST, PORT), timeout=PATIENCE_S) as raw:
                 try:
                     raw.sendall(noise)
                     raw.shutdown(socket.SHUT_WR)
@@ -94,7 +94,7 @@ class Web(WebCase):
         for connection in silent:
             connection.close()
         sent = 0
-        with socket.create_connection((HOST, PORT), timeout=60) as raw:  # sends a body of 10 MiB
+        with socket.create_connection((HOST, PORT), timeout=PATIENCE_S) as raw:  # sends a body of 10 MiB
             raw.sendall(b"POST /rpc HTTP/1.1\r\nHost: %s\r\nContent-Length: %d\r\n\r\n" % (ADDRESS.encode(), 10 << 20))
             try:
                 while sent < 10 << 20:
@@ -133,10 +133,10 @@ class Web(WebCase):
     def test_numbers_are_those_of_the_stream_and_of_now(self):
         self.take_reference()
         frames, direct = self.stream("wavefront"), {}
-        first = wait_for(lambda: frames.next(1.0), what="a frame")["seq"]
+        first = next_message(frames)["seq"]
         later = (message for message, _ in self.messages() if message["schema"] == "ovws.wavefront/1" and message["seq"] > first)
         found = list(itertools.islice(later, 40))
-        while (message := wait_for(lambda: frames.next(1.0), what="a frame"))["seq"] <= found[-1]["seq"]:
+        while (message := next_message(frames))["seq"] <= found[-1]["seq"]:
             direct[message["seq"]] = message
         for message in found:
             self.assertEqual(direct[message["seq"]], message | {"topic": "wavefront"})
@@ -275,7 +275,7 @@ class Web(WebCase):
 
     def send_command(self, method, params=None):
         """Sends a command without reading the reply; returns the connection."""
-        connection = http.client.HTTPConnection(HOST, PORT, timeout=60)
+        connection = http.client.HTTPConnection(HOST, PORT, timeout=PATIENCE_S)
         self.addCleanup(connection.close)
         body = json.dumps({"method": method, "params": params or {}})
         connection.request("POST", "/rpc", body, {"Authorization": f"Bearer {self.tokens['control']}"})

@@ -1,7 +1,7 @@
 """Wrong input of every kind: one reply with a clear error each time, and no partial changes."""
 import json
 
-from case import BenchCase, Client, main
+from case import PATIENCE_S, BenchCase, Client, main
 
 PARSE, REQUEST, METHOD, PARAMS = -32700, -32600, -32601, -32602
 
@@ -29,7 +29,7 @@ class WrongInput(BenchCase):
             self.assertIn(str(word), str(error) + json.dumps(error.data))
 
     def raw(self, data):
-        client = Client(timeout_s=5.0)
+        client = Client(timeout_s=PATIENCE_S)
         self.addCleanup(client.close)
         return client.exchange(data)
 

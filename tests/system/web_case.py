@@ -7,7 +7,7 @@ import os
 import pathlib
 import subprocess
 
-from case import PROGRAM_PATIENCE_S, BenchCase, merged, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, merged, wait_for
 
 HOST, PORT = "127.0.0.1", 7704
 ADDRESS = f"{HOST}:{PORT}"
@@ -39,7 +39,7 @@ class WebCase(BenchCase):
 
     def ask(self, method, path, body=None, token=None, host=ADDRESS, headers=None):
         """(status, headers, bytes) of one request, sent without corrections by the HTTP library."""
-        connection = http.client.HTTPConnection(HOST, PORT, timeout=60)
+        connection = http.client.HTTPConnection(HOST, PORT, timeout=PATIENCE_S)
         self.addCleanup(connection.close)
         connection.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
         all_headers = {"Host": host} | ({"Authorization": f"Bearer {token}"} if token else {}) | (headers or {})
@@ -62,7 +62,7 @@ class WebCase(BenchCase):
 
     def messages(self, token=None):
         """Yields the stream's messages: (JSON, binary)."""
-        connection = http.client.HTTPConnection(HOST, PORT, timeout=60)
+        connection = http.client.HTTPConnection(HOST, PORT, timeout=PATIENCE_S)
         self.addCleanup(connection.close)
         connection.request("GET", "/stream", headers={"Authorization": f"Bearer {token or self.tokens['look']}"})
         reply = connection.getresponse()
@@ -148,7 +148,7 @@ class Browser:
     def text(self, selector):
         return self.run("return document.querySelector(arguments[0]).textContent", selector)
 
-    def wait_text(self, selector, condition, timeout_s=60.0):
+    def wait_text(self, selector, condition, timeout_s=PATIENCE_S):
         """Waits until the element's text fulfils the condition; returns the text."""
         return wait_for(lambda: (text := self.text(selector)) is not None and condition(text) and text, timeout_s, selector)
 
