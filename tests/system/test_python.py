@@ -277,9 +277,9 @@ class AtTheBench(BenchCase):
             self.client.aberration_set({"defocus": waves})
             mean = self.client.wavefront(frames=20)
             self.assertEqual((mean.frames, mean.hologram_id), (20, self.client.aberration_get()["hologram_id"]))
+            # On a busy machine positions measure all of these frames, until templates are rendered.
             self.assertAlmostEqual(mean.waves("defocus"), waves, delta=0.005)
-            self.assertLess(abs(mean.waves("defocus") - waves) - 0.004, 5 * mean.standard_error_waves[3])
-            self.assertGreater(mean.standard_error_waves[3], 0.0)
+            self.assertTrue(0.0 < mean.standard_error_waves[3] < 0.005, mean.standard_error_waves)
 
     def test_with_await_it_is_the_same(self):
         self.take_reference(50)
