@@ -14,6 +14,7 @@ using nlohmann::json;
 
 constexpr double kOpeningS = 5.0;
 constexpr std::chrono::milliseconds kAskAgain{500};
+constexpr int kMostAsked = 10;  // a daemon that crashes starts again and again
 constexpr const char* kNoAnswer = "no daemon answers";
 constexpr const char* kLog = "journalctl -u ovwsd -n 20";
 
@@ -99,17 +100,20 @@ Finding judge_light(const DaemonFacts& facts) {
 
 /// Whether this is the answer of a daemon that may still be opening its devices.
 bool is_opening(const DaemonFacts& facts) {
-  if (!facts.status) return false;
+  const json::json_pointer uptime("/uptime_s");
+  if (!facts.status || !facts.status->contains(uptime) || !facts.status->at(uptime).is_number()) {
+    return false;
+  }
   const std::string state = text_at(*facts.status, "/state");
   return (state == "starting" || state.starts_with("waiting")) &&
-         facts.status->value("uptime_s", kOpeningS) < kOpeningS;
+         facts.status->at(uptime).get<double>() < kOpeningS;
 }
 
 }  // namespace
 
 DaemonFacts ask_opened(const AskDaemon& ask, const std::string& endpoint) {
   DaemonFacts facts = ask(endpoint);
-  while (is_opening(facts)) {
+  for (int asked = 1; is_opening(facts) && asked < kMostAsked; ++asked) {
     std::this_thread::sleep_for(kAskAgain);
     facts = ask(endpoint);
   }

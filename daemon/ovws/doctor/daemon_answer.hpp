@@ -25,7 +25,8 @@ struct DaemonFacts {
 /// Requests system.status and config.get from the daemon at this endpoint.
 using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 /// The daemon's answer. One that waits for a camera or display is asked again until it has run for
-/// 5 s: it may be opening them, and then it controls a camera that it does not report.
+/// 5 s, ten times at most: it may be opening them, and then it controls a camera that it does not
+/// report.
 DaemonFacts ask_opened(const AskDaemon& ask, const std::string& endpoint);
 
 DaemonsCamera camera_of(const DaemonFacts& facts);

@@ -47,6 +47,18 @@ TEST(DoctorDaemon, OneThatHasJustStartedIsAskedUntilItsDevicesAreOpen) {
   EXPECT_EQ(asked, 2) << "it has no camera";
 }
 
+TEST(DoctorDaemon, OneThatStartsAgainAndAgainIsNotAskedForEver) {
+  int asked = 0;
+  const auto just_started = [&](const std::string&) {
+    ++asked;
+    DaemonFacts facts = running();
+    facts.status->update({{"state", "waiting_for_camera"}, {"uptime_s", 0.5}});
+    return facts;
+  };
+  EXPECT_EQ(ask_opened(just_started, "tcp://127.0.0.1:7702").status->at("uptime_s"), 0.5);
+  EXPECT_EQ(asked, 10);
+}
+
 TEST(DoctorDaemon, ADaemonThatDoesNotAnswerIsNoFault) {
   DaemonFacts facts;
   facts.why = "no reply within 3 s";
