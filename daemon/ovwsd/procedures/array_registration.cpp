@@ -1,7 +1,6 @@
 /// registration.run of a fixed array: lattice, pitch, rotation and lit lenslets from one image.
 #include <spdlog/fmt/fmt.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -48,8 +47,8 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
   const SpotModel spots =
       spot_model(view->sensor, view->optics, config.slm.geometry, camera.pixel_format);
   const auto map = find_lenslets(*mean, {config.sensor.grid, pitch_px, spots});
-  const int saturated = saturated_spots(*mean, pitch_px);
-  if (!map) return fail(saturated >= int(kMinSubapertures) ? saturated_spot() : map.error());
+  const int saturated = count_saturated_spots(*mean, pitch_px);
+  if (!map) return fail(saturated > 0 ? saturated_spot() : map.error());
   if (10 * saturated > map->lit()) return fail(saturated_spot());
   std::optional<double> pupil_px;
   if (config.array.pupil_mm)

@@ -2,10 +2,34 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
-#include <utility>
+#include <cstdint>
 
 namespace ovws {
+namespace {
+
+bool is_saturated(const Image<float>& image, int x, int y) {
+  return x >= 0 && y >= 0 && x < image.width && y < image.height && !std::isfinite(image.at(x, y));
+}
+
+/// Whether none of the eight pixels around this one is saturated.
+bool is_alone(const Image<float>& image, int x, int y) {
+  for (int k = 0; k < 9; ++k) {
+    if (k != 4 && is_saturated(image, x + k % 3 - 1, y + k / 3 - 1)) return false;
+  }
+  return true;
+}
+
+/// Marks the pixels within `reach` of this one, from its row on.
+void mark_below(Image<std::uint8_t>& image, int x, int y, int reach) {
+  for (int row = y; row <= std::min(y + reach, image.height - 1); ++row) {
+    const int across = int(std::sqrt(double(reach * reach - (row - y) * (row - y))));
+    for (int i = std::max(0, x - across); i <= std::min(x + across, image.width - 1); ++i) {
+      image.at(i, row) = 1;
+    }
+  }
+}
+
+}  // namespace
 
 Error saturated_spot() {
   return {Errc::refused, "camera.exposure_us",
@@ -16,23 +40,18 @@ bool is_saturated_spot(const Error& error) {
   return error.reason == saturated_spot().reason;
 }
 
-int saturated_spots(const Image<float>& mean_dn, double pitch_px) {
-  const double cell_px = std::max(1.0, 0.5 * pitch_px);  // neighbours of a spot's cell are its own
-  std::set<std::pair<int, int>> counted;
-  const auto is_counted = [&counted](int column, int row) {
-    for (int k = 0; k < 9; ++k) {
-      if (counted.contains({row + k / 3 - 1, column + k % 3 - 1})) return true;
-    }
-    return false;
-  };
+int count_saturated_spots(const Image<float>& mean_dn, double pitch_px) {
+  Image<std::uint8_t> counted(mean_dn.width, mean_dn.height);
+  int spots = 0;
   for (int y = 0; y < mean_dn.height; ++y) {
     for (int x = 0; x < mean_dn.width; ++x) {
-      if (std::isfinite(mean_dn.at(x, y))) continue;
-      const int column = int(x / cell_px), row = int(y / cell_px);
-      if (!is_counted(column, row)) counted.insert({row, column});
+      if (counted.at(x, y) != 0 || !is_saturated(mean_dn, x, y) || is_alone(mean_dn, x, y))
+        continue;
+      mark_below(counted, x, y, std::max(1, int(0.65 * pitch_px)));
+      ++spots;
     }
   }
-  return int(counted.size());
+  return spots;
 }
 
 Result<bool> change_exposure(Bench& bench, double factor) {

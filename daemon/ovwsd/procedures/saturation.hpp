@@ -10,9 +10,10 @@ namespace ovws {
 Error saturated_spot();
 bool is_saturated_spot(const Error& error);
 
-/// Number of spots with a saturated (not finite) pixel in a mean image of spots `pitch_px` apart,
-/// wherever they are. Of spots that are closer one may be left out.
-int saturated_spots(const Image<float>& mean_dn, double pitch_px);
+/// Number of saturated spots in a mean image of spots `pitch_px` apart, wherever they are: groups
+/// of saturated (not finite) pixels at most 0.65 pitches long. A saturated pixel without another
+/// one beside it is taken for a hot pixel.
+int count_saturated_spots(const Image<float>& mean_dn, double pitch_px);
 
 /// Changes the exposure by this factor for the rest of the job, within the camera's limits and the
 /// frame period. Returns false if it is there already. Errors: those of Bench::set_camera.

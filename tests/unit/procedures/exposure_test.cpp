@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <thread>
 
 #include "daemon/ovwsd/procedures/exposure_look.hpp"
@@ -244,11 +245,19 @@ TEST(ExposureLook, UsesTheFormatsFullScale) {
   EXPECT_NEAR(look.fraction(), 2002.0 / 4095.0, 0.001);
 }
 
-/// Image of 9 x 9 spots 28.3 px apart, whose middles of `width` x `width` pixels are saturated.
-Image<float> saturated_array(int width) {
-  Image<float> image(300, 280);
+constexpr double kPitchPx = 28.3;
+
+/// Image of 9 x 9 spots kPitchPx apart, whose middles of `width` x `width` pixels are saturated.
+/// Each row is `shift` pitches right of the one above, `row_px` apart; all are turned (rad).
+Image<float> saturated_array(int width, double first_px = 30.0, double shift = 0.0,
+                             double row_px = kPitchPx, double turned = 0.0) {
+  Image<float> image(700, 700);
+  const double c = std::cos(turned), s = std::sin(turned);
   for (int spot = 0; spot < 81; ++spot) {
-    const int x = int(30.0 + 28.3 * (spot % 9)), y = int(20.0 + 28.3 * (spot / 9));
+    const double right = kPitchPx * (spot % 9 + std::fmod(shift * (spot / 9), 1.0));
+    const double down = row_px * (spot / 9);
+    const int x = int(200.0 + first_px + c * right - s * down);
+    const int y = int(200.0 + first_px + s * right + c * down);
     for (int k = 0; k < width * width; ++k) {
       image.at(x + k % width, y + k / width) = std::numeric_limits<float>::infinity();
     }
@@ -257,10 +266,20 @@ Image<float> saturated_array(int width) {
 }
 
 TEST(SaturatedSpots, AreCountedOnceEach) {
-  EXPECT_EQ(saturated_spots(saturated_array(0), 28.3), 0);
-  EXPECT_EQ(saturated_spots(saturated_array(1), 28.3), 81);
-  EXPECT_EQ(saturated_spots(saturated_array(8), 28.3), 81);
-  EXPECT_NEAR(saturated_spots(saturated_array(28), 28.3), 81, 20) << "all between them, too";
+  for (const int width : {2, 8, 12}) {
+    for (const double first_px : {30.0, 37.0, 43.0, 50.5}) {
+      EXPECT_EQ(count_saturated_spots(saturated_array(width, first_px), kPitchPx), 81);
+    }
+    const auto hexagonal = saturated_array(width, 30.0, 0.5, std::sqrt(0.75) * kPitchPx);
+    EXPECT_EQ(count_saturated_spots(hexagonal, kPitchPx), 81);
+    const auto turned = saturated_array(width, 30.0, 0.0, kPitchPx, 0.25 * std::numbers::pi);
+    EXPECT_EQ(count_saturated_spots(turned, kPitchPx), 81);
+  }
+  EXPECT_EQ(count_saturated_spots(saturated_array(0), kPitchPx), 0);
+}
+
+TEST(SaturatedSpots, AreNotSinglePixels) {
+  EXPECT_EQ(count_saturated_spots(saturated_array(1), kPitchPx), 0) << "as hot pixels are";
 }
 
 }  // namespace
