@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <chrono>
 #include <thread>
 
 #include "proto/dark_image.hpp"
@@ -13,8 +12,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kOpeningS = 5.0;
-constexpr std::chrono::milliseconds kAskAgain{500};
-constexpr int kMostAsked = 10;  // a daemon that crashes starts again and again
+constexpr int kMostAsked = 12;  // a daemon that crashes starts again and again
 constexpr const char* kNoAnswer = "no daemon answers";
 constexpr const char* kLog = "journalctl -u ovwsd -n 20";
 
@@ -105,16 +103,18 @@ bool is_opening(const DaemonFacts& facts) {
     return false;
   }
   const std::string state = text_at(*facts.status, "/state");
-  return (state == "starting" || state.starts_with("waiting")) &&
-         facts.status->at(uptime).get<double>() < kOpeningS;
+  const bool waits = state == "starting" || state.starts_with("waiting") ||
+                     (state == "fault" && camera_of(facts) == DaemonsCamera::without);
+  return waits && facts.status->at(uptime).get<double>() < kOpeningS;
 }
 
 }  // namespace
 
-DaemonFacts ask_opened(const AskDaemon& ask, const std::string& endpoint) {
+DaemonFacts ask_opened(const AskDaemon& ask, const std::string& endpoint,
+                       std::chrono::milliseconds pause) {
   DaemonFacts facts = ask(endpoint);
   for (int asked = 1; is_opening(facts) && asked < kMostAsked; ++asked) {
-    std::this_thread::sleep_for(kAskAgain);
+    std::this_thread::sleep_for(pause);
     facts = ask(endpoint);
   }
   return facts;

@@ -5,6 +5,8 @@
 namespace ovws::doctor {
 namespace {
 
+const nlohmann::json kWaits{{"state", "waiting_for_camera"}};
+
 DaemonFacts running() {
   DaemonFacts facts;
   facts.endpoint = "tcp://127.0.0.1:7702";
@@ -27,17 +29,17 @@ TEST(DoctorDaemon, AHealthyDaemonHasNoFinding) {
 
 TEST(DoctorDaemon, OneThatHasJustStartedIsAskedUntilItsDevicesAreOpen) {
   int asked = 0;
-  const auto ask = [&](double opened_after_s) {
+  const auto ask = [&](double opened_after_s, const nlohmann::json& before = kWaits) {
     asked = 0;
     return ask_opened(
         [&](const std::string&) {
           const double uptime_s = 3.0 + ++asked;
           DaemonFacts facts = running();
           (*facts.status)["uptime_s"] = uptime_s;
-          if (uptime_s < opened_after_s) (*facts.status)["state"] = "waiting_for_camera";
+          if (uptime_s < opened_after_s) facts.status->merge_patch(before);
           return facts;
         },
-        "tcp://127.0.0.1:7702");
+        "tcp://127.0.0.1:7702", std::chrono::milliseconds(0));
   };
   EXPECT_EQ(ask(0.0).status->at("state"), "running");
   EXPECT_EQ(asked, 1);
@@ -45,6 +47,12 @@ TEST(DoctorDaemon, OneThatHasJustStartedIsAskedUntilItsDevicesAreOpen) {
   EXPECT_EQ(asked, 2);
   EXPECT_EQ(ask(60.0).status->at("state"), "waiting_for_camera");
   EXPECT_EQ(asked, 2) << "it has no camera";
+  EXPECT_EQ(ask(4.5, {{"state", "fault"}, {"camera", nullptr}}).status->at("state"), "running");
+  EXPECT_EQ(asked, 2) << "the output is at fault, the camera may be opening";
+  EXPECT_EQ(ask(4.5, {{"state", "fault"}}).status->at("state"), "fault");
+  EXPECT_EQ(asked, 1) << "it has a camera";
+  EXPECT_EQ(ask(4.5, {{"state", "starting"}, {"uptime_s", "x"}}).status->at("state"), "starting");
+  EXPECT_EQ(asked, 1) << "an uptime that is no number";
 }
 
 TEST(DoctorDaemon, OneThatStartsAgainAndAgainIsNotAskedForEver) {
@@ -52,11 +60,13 @@ TEST(DoctorDaemon, OneThatStartsAgainAndAgainIsNotAskedForEver) {
   const auto just_started = [&](const std::string&) {
     ++asked;
     DaemonFacts facts = running();
-    facts.status->update({{"state", "waiting_for_camera"}, {"uptime_s", 0.5}});
+    facts.status->merge_patch(kWaits);
+    (*facts.status)["uptime_s"] = 0.5;
     return facts;
   };
-  EXPECT_EQ(ask_opened(just_started, "tcp://127.0.0.1:7702").status->at("uptime_s"), 0.5);
-  EXPECT_EQ(asked, 10);
+  const auto pause = std::chrono::milliseconds(0);
+  EXPECT_EQ(ask_opened(just_started, "tcp://127.0.0.1:7702", pause).status->at("uptime_s"), 0.5);
+  EXPECT_EQ(asked, 12);
 }
 
 TEST(DoctorDaemon, ADaemonThatDoesNotAnswerIsNoFault) {
