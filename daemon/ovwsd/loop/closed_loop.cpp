@@ -356,13 +356,14 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
   report.paused = paused_ = false;
   report.opened_because = why;
   report.t_opened_ns = utc_ns();
-  closed_ = closed;
   if (!closed) {
     log_.opened();
     deps_.keeper.release(Hold::of_loop(), [] {});
   }
   deps_.on_change(closed);
-  report_.set(report);  // then the daemon's state allows what a client that reads it may ask for
+  // After the state: a client that reads of an open loop may close it at once.
+  closed_ = closed;
+  report_.set(report);
   deps_.events.emit("loop", severity, closed ? "the loop is closed" : "the loop is open: " + why,
                     {{"closed", closed}, {"steps", report.steps}});
 }

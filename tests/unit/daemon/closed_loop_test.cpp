@@ -107,9 +107,16 @@ class ClosedLoopTest : public testing::Test {
     return waves;
   }
 
+  /// The state changes first: who reads the report, or of the loop in a frame, may act upon it.
+  void tell(bool closed) {
+    EXPECT_NE(loop_.report().closed, closed);
+    EXPECT_NE(loop_.is_closed(), closed);
+    is_closed_ = closed;
+  }
+
   test::SimulatedBench bench_;
   ClosedLoop loop_{
-      {bench_.keeper(), bench_.slm(), bench_.events(), [this](bool closed) { is_closed_ = closed; },
+      {bench_.keeper(), bench_.slm(), bench_.events(), [this](bool closed) { tell(closed); },
        [this] { return finds_ ? monotonic_ns() : 0; }, [this] { return has_bench_.load(); },
        [](const std::string&, const nlohmann::json&) {}}};
   std::atomic<bool> finds_{false};  ///< lost spots are found all the time
