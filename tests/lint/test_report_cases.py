@@ -86,10 +86,11 @@ what TearDown says
 """
 
 
-def report_of(status="run", **outputs):
-    """What is said of programs with these outputs; of one without output, that it did not run."""
+def report_of(status="run", reason=None, **outputs):
+    """What is said of programs with these outputs, which ctest says failed for this reason; of one without output, that it did not run."""
+    failure = f"<failure message={quoteattr(reason)}/>" if reason else ""
     cases = [f"<testcase name={quoteattr(name)} status='{status if output else 'notrun'}'>"
-             f"<system-out>{escape(output)}</system-out></testcase>" for name, output in outputs.items()]
+             f"{failure}<system-out>{escape(output)}</system-out></testcase>" for name, output in outputs.items()]
     with tempfile.NamedTemporaryFile("w", suffix=".xml") as file:
         file.write(f"<testsuite>{''.join(cases)}</testsuite>")
         file.flush()
@@ -125,11 +126,11 @@ class ReportCases(unittest.TestCase):
 
     def test_errors_of_googletest_are_listed(self):
         killed = "[ RUN      ] Camera.IsFound\n[       OK ] Camera.IsFound (0 ms)\n[ RUN      ] Camera.IsOpened\nopening\n"
-        self.assertEqual(report_of("fail", camera=GTEST_FAILURES, killed=killed, unread="nothing"), [
+        self.assertEqual(report_of("fail", "Timeout", camera=GTEST_FAILURES, killed=killed, unread="nothing"), [
             "skipped: no test cases", "failed:", "  camera: outside a case (camera_test.cpp:5): Failed in SetUpTestSuite",
             "  camera: Camera.IsFound (camera_test.cpp:12): Expected equality of these values: found",
             "  camera: All/Camera.IsRead/0 (camera_test.cpp:20): Value of: read", "  camera: Camera.Crashes (camera_test.cpp:30): Value of: alive",
-            "  killed: Camera.IsOpened: see its output", "  unread: failed: see its output"])
+            "  killed: Camera.IsOpened: Timeout: see its output", "  unread: Timeout: see its output"])
 
 
 if __name__ == "__main__":

@@ -60,7 +60,7 @@ def errors(output, reason):
     """What the cases of one test program failed of, with file and line; without any, ctest's reason."""
     found = [(case, unittest_error(said)) for case, said in UNITTEST_FAILED.findall(output)]
     found += gtest_errors(output)
-    lines = [f"{case} ({error[0]}:{error[1]}): {' '.join(error[2].split())[:MOST_LETTERS]}" if error else f"{case}: {UNKNOWN}" for case, error in found]
+    lines = [f"{case} ({error[0]}:{error[1]}): {' '.join(error[2].split())[:MOST_LETTERS]}" if error else f"{case}: {reason or 'failed'}: {UNKNOWN}" for case, error in found]
     return list(dict.fromkeys(lines))[:MOST_ERRORS] or [f"{reason or 'failed'}: {UNKNOWN}"]
 
 
