@@ -38,8 +38,7 @@ def own_mounts():
 
 
 def wait_for(condition, timeout_s=PATIENCE_S, what="the condition"):
-    """Polls condition() and returns its first true value; fails after `timeout_s`. A condition that waits by itself, such as
-    for a message, is asked again at once."""
+    """Polls condition(), at most every 20 ms, and returns its first true value; fails after `timeout_s`."""
     end, in_time = time.monotonic() + timeout_s, True
     while in_time:
         begun = time.monotonic()
@@ -56,7 +55,8 @@ def next_message(stream):
 
 
 def message_since(stream, at_ns):
-    """The next message of an image that was exposed after `at_ns`: those in transit are skipped."""
+    """The next message of an image that was exposed after `at_ns`: those that have arrived or are in transit are skipped."""
+    stream.drain()
     return wait_for(lambda: (message := next_message(stream))["t_device_ns"] > at_ns and message, what="an image exposed after the change")
 
 

@@ -73,6 +73,7 @@ class BranchPoints(BenchCase):
         self.light(stream, (0.3, 0.1, 1))
 
         def holds():  # the loop may still step for frames from before
+            stream.drain()
             steps = self.call("loop.get")["steps"]
             invalid = [not next_message(stream)["valid"] for _ in range(200)]
             return all(invalid) and self.call("loop.get")["steps"] == steps

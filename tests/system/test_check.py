@@ -4,7 +4,7 @@ import signal
 import subprocess
 import time
 
-from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, message_since, wait_for
 
 SENSOR = {"sensor": {"subapertures_across": 3}}  # few modes, so that a check is short
 QUICK = ("--quick", "--seconds", "3", "--no-loop")
@@ -97,7 +97,7 @@ class Disturbed(CheckCase):
         self.assertIn(" Hz", first["text"])
         twin.call("twin.set", {"turbulence": None})
         self.call("camera.set", {"exposure_us": 6000})
-        time.sleep(0.5)
+        message_since(self.stream("wavefront"), time.time_ns())
         code, report = self.check(*QUICK)
         self.assertEqual(code, 1)
         self.assertEqual(self.first(report)["name"], "saturation", report["findings"])

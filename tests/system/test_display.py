@@ -5,7 +5,7 @@ import signal
 import subprocess
 import time
 
-from case import PATIENCE_S, BenchCase, main, wait_for
+from case import PATIENCE_S, BenchCase, main, message_since, next_message, wait_for
 
 MODE, WAVES = 3, 0.2
 
@@ -56,8 +56,7 @@ class DisplayFaults(BenchCase):
         for word in words:
             self.assertIn(word, status["slm"]["fault"])
         event = wait_for(lambda: (event := self.events.next(1.0)) and event["kind"] == "slm" and event["severity"] == "error" and event, what="the event")
-        for _ in range(20):
-            frame = wait_for(lambda: (frame := self.frames.next(1.0)) and frame["t_device_ns"] > event["t_ns"] and frame, what="a frame exposed after it")
+        for frame in [message_since(self.frames, event["t_ns"]), *(next_message(self.frames) for _ in range(19))]:
             self.assertFalse(frame["valid"] or frame["settled"])
 
     def check_over(self):

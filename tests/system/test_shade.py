@@ -2,7 +2,7 @@
 import statistics
 import time
 
-from case import BenchCase, Client, main, wait_for
+from case import BenchCase, Client, main, message_since
 
 MODES = {4: 0.1, 5: -0.08, 8: 0.06}
 PITCH_PX = 768 / 5
@@ -22,9 +22,7 @@ class Shade(BenchCase):
 
     def measured(self, stream):
         """The mean of each mode over frames exposed from now on, and the smallest number of spots."""
-        since_ns = time.time_ns()
-        stream.drain()
-        wait_for(lambda: (frame := stream.next(1.0)) is not None and frame["t_device_ns"] > since_ns)
+        message_since(stream, time.time_ns())
         frames = self.settled_frames(stream, 20)
         means = [statistics.fmean(values) for values in zip(*(frame["coefficients"] for frame in frames))]
         return dict(zip(frames[0]["j"], means)), min(frame["tracked"] for frame in frames)
