@@ -20,7 +20,7 @@ WITHOUT = "bluesky cannot be imported: it is not in Debian 12; its protocol's me
 class Device(BridgeCase):
     def setUp(self):
         super().setUp()
-        self.sensor = WavefrontSensor("ovws", timeout_s=PATIENCE_S)
+        self.sensor = WavefrontSensor("ovws", timeout_s=PATIENCE_S / 2)
         self.addCleanup(self.sensor.close)
 
     def reading(self):
@@ -78,13 +78,13 @@ class Device(BridgeCase):
         for setting, value, reason in ((self.sensor.exposure_us, 1e9, "exposure_us: must be a number from 0.1"), (self.sensor.gain_db, 90.0, "outside the camera's range"),
                                        (self.sensor.aberration, [1e6], "must be a number from -1000"), (self.sensor.exposure_us, "long", "exposure_us")):
             action = setting.set(value)
-            error = action.exception(10.0)
+            error = action.exception(PATIENCE_S)
             self.assertIsInstance(error, Refused)
             self.assertRegex(str(error), reason)
             self.assertEqual((action.done, action.success), (True, False))
         self.call("reference.clear")
         self.sensor.timeout_s = 1.0
-        self.assertRegex(str(self.sensor.trigger().exception(20.0)), r"0 of 1 valid frames .* is there a reference\?")
+        self.assertRegex(str(self.sensor.trigger().exception(PATIENCE_S)), r"0 of 1 valid frames .* is there a reference\?")
         self.assertFalse(self.reading()["valid"])
         self.assertTrue(np.isnan(self.reading()["rms_waves"]))
 
@@ -117,7 +117,7 @@ class Device(BridgeCase):
         wait_for(lambda: len(seen) > before, what="frames of the new daemon")
 
     def test_two_at_once_and_a_killed_one(self):
-        code = "from ovws_bridges.bluesky import WavefrontSensor\ns = WavefrontSensor()\ns.subscribe(lambda r: None)\ns.trigger().wait(60.0)\nprint('ready', flush=True)\nimport time\ntime.sleep(600)"
+        code = f"from ovws_bridges.bluesky import WavefrontSensor\ns = WavefrontSensor()\ns.subscribe(lambda r: None)\ns.trigger().wait({PATIENCE_S})\nprint('ready', flush=True)\nimport time\ntime.sleep(600)"
         self.sensor.trigger().wait(PATIENCE_S)
         alone, seen = self.connections(), []
         other = self.bench.start("other", [sys.executable, "-c", code], env=environment())

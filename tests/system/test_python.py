@@ -336,8 +336,8 @@ class Keys(BenchCase):
         sensor = WavefrontSensor(**self.keys)
         self.addCleanup(sensor.close)
         sensor.stage()
-        self.assertEqual(sensor.gain_db.set(1.0).exception(20.0).code, -32003)
-        state, reported = asyncio.run(awaited(20.0, **self.keys))
+        self.assertEqual(sensor.gain_db.set(1.0).exception(PATIENCE_S).code, -32003)
+        state, reported = asyncio.run(awaited(PATIENCE_S, **self.keys))
         self.assertEqual(state, reported)
         with Client(timeout_s=1.0) as client, self.assertRaisesRegex(NoAnswer, "does it require a key"):
             client.system_status()
