@@ -198,7 +198,7 @@ class Saved(PanelCase):
 class Recordings(PanelCase):
     def record(self, name=None):
         self.call("record.start", {"name": name, "pictures_every": 0})
-        wait_for(lambda: self.call("record.get")["frames"] > 20, what="recorded frames")
+        self.recorded_frames(21)
         return Path(self.call("record.stop")["file"])
 
     def test_a_recording_is_estimated_made_and_downloaded(self):
