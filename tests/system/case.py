@@ -296,6 +296,16 @@ class BenchCase(unittest.TestCase):
                 frames.append(message)
         return frames
 
+    def frames_from_now(self, stream, count):
+        """The next `count` settled and valid messages of images exposed from now on."""
+        message_since(stream, time.time_ns())
+        return self.settled_frames(stream, count)
+
+    @staticmethod
+    def mean_modes(frames):
+        """Mean coefficient of each mode, by its number j."""
+        return dict(zip(frames[0]["j"], (sum(column) / len(frames) for column in zip(*(frame["coefficients"] for frame in frames)))))
+
     def refused(self, method, params=None):
         """Calls a method that must fail; returns the error."""
         with self.assertRaises(ClientError) as caught:

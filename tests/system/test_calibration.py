@@ -54,7 +54,7 @@ class CalibrationCase(BenchCase):
         stream = self.stream("wavefront")
         frames = self.settled_frames(stream, 10, hologram_id)
         stream.close()
-        return self.mean_of(frames)
+        return self.mean_modes(frames)
 
     def means_since(self, changed_at_ns):
         """Mean coefficients of frames exposed after a change that the daemon does not know of; with `fit`, of those that templates measured."""
@@ -64,11 +64,7 @@ class CalibrationCase(BenchCase):
         next_frames(stream, 5)  # the previous templates measured the first ones
         frames = next_frames(stream, 10)
         stream.close()
-        return self.mean_of(frames)
-
-    @staticmethod
-    def mean_of(frames):
-        return dict(zip(frames[0]["j"], (sum(column) / len(frames) for column in zip(*(frame["coefficients"] for frame in frames)))))
+        return self.mean_modes(frames)
 
     def check(self, j, modes):
         others = max(abs(value) for k, value in modes.items() if k != j)

@@ -14,11 +14,6 @@ class Dmd(BenchCase):
     twin_config = TWIN
     daemon_config = merged(DMD, {"slm": {"settle_ms": 0.0}, "state": {"directory": "state"}})
 
-    def mean_modes(self, stream, frames=20):
-        self.settled_frames(stream, 5)
-        taken = self.settled_frames(stream, frames)
-        return {j: sum(frame["coefficients"][k] for frame in taken) / frames for k, j in enumerate(taken[0]["j"])}
-
     def test_measures_known_modes_and_refuses_what_a_dmd_cannot(self):
         self.assertTrue(self.call("slm.verify")["equal"])
         self.take_reference(50)
@@ -27,13 +22,13 @@ class Dmd(BenchCase):
         self.addCleanup(twin.close)
         known = {4: 0.1, 5: -0.08, 8: 0.05}
         twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in known.items()], "norm": "rms"})
-        modes = self.mean_modes(stream)
+        modes = self.mean_modes(self.frames_from_now(stream, 20))
         for j, waves in known.items():
             self.assertAlmostEqual(modes[j], waves, delta=0.05 * abs(waves) + 0.002, msg=f"j = {j}: {modes}")
         # The hologram takes an aberration with the same sign as an SLM's.
         twin.call("twin.set", {"aberration": [], "norm": "rms"})
         self.call("aberration.set", {"modes": [{"j": 6, "waves": 0.1}]})
-        modes = self.mean_modes(stream)
+        modes = self.mean_modes(self.frames_from_now(stream, 20))
         self.assertAlmostEqual(modes[6], 0.1, delta=0.007, msg=f"{modes}")
         self.assertTrue(self.call("slm.verify")["equal"])
         self.call("aberration.clear")
@@ -43,7 +38,7 @@ class Dmd(BenchCase):
             self.call("sensor.set", {"grooves": [240, 0]})
         self.assertEqual(self.call("sensor.get")["grooves"], [200, 20])
         self.assertEqual(self.refused("aberration.sequence", {"patterns": [{"modes": []}]}).data["field"], "dmd.slots")
-        wait_for(lambda: self.mean_modes(stream), what="frames after refused requests")
+        self.frames_from_now(stream, 20)  # also after refused requests
 
 
 class DmdBench(BenchCase):

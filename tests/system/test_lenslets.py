@@ -38,12 +38,6 @@ class Array(BenchCase):
     def hide(self, *modes):
         self.twin.call("twin.set", {"aberration": list(modes), "norm": "rms"})
 
-    def mean_modes(self, stream, frames=20):
-        """Mean coefficient of each mode over the next frames that begin after a short while."""
-        self.settled_frames(stream, 5)
-        taken = self.settled_frames(stream, frames)
-        return {j: sum(frame["coefficients"][k] for frame in taken) / frames for k, j in enumerate(taken[0]["j"])}
-
     def start_twin(self, **more):
         from ovws_client import Client
         twin = super().start_twin(**more)
@@ -65,7 +59,7 @@ class Array(BenchCase):
         stream = self.stream("wavefront")
         known = {4: 0.25, 5: -0.15, 3: 0.1, 8: 0.05}
         self.hide(*({"j": j, "waves": waves} for j, waves in known.items()))
-        modes = self.mean_modes(stream)
+        modes = self.mean_modes(self.frames_from_now(stream, 20))
         seen = turned(known, 0.8)
         for j, waves in seen.items():
             self.assertAlmostEqual(modes[j], waves, delta=0.02 * abs(waves) + 0.001, msg=f"j = {j}: {modes}")
@@ -73,7 +67,7 @@ class Array(BenchCase):
             if j not in seen:
                 self.assertLess(abs(waves), 0.01 if j <= 2 else 0.003, f"j = {j}")  # coma inside a lenslet moves its spot, too
         self.hide()
-        modes = self.mean_modes(stream)
+        modes = self.mean_modes(self.frames_from_now(stream, 20))
         self.assertLess(math.sqrt(sum(waves * waves for waves in modes.values())), 0.004)
 
     def test_bright_spots_read_known_modes_back(self):
@@ -100,7 +94,7 @@ class Array(BenchCase):
         scale = 4 * 117.04 / 311.32  # px per wave RMS: lambda f / pixel^2, four waves across a pupil of so many pixels
         self.assertAlmostEqual(found.px_per_tilt[0][0], scale * math.cos(math.radians(0.8)), delta=0.02 * scale)
         self.hide({"j": 4, "waves": 0.25})
-        self.assertAlmostEqual(self.mean_modes(self.stream("wavefront"))[4], 0.25, delta=0.006)
+        self.assertAlmostEqual(self.mean_modes(self.frames_from_now(self.stream("wavefront"), 20))[4], 0.25, delta=0.006)
         positions = found.zeros_px.astype("<f4")
 
         def given(field, binary, **params):

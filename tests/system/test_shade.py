@@ -1,8 +1,5 @@
 """A dark subaperture, before and after the reference: it costs information but causes no error."""
-import statistics
-import time
-
-from case import BenchCase, Client, main, message_since
+from case import BenchCase, Client, main
 
 MODES = {4: 0.1, 5: -0.08, 8: 0.06}
 PITCH_PX = 768 / 5
@@ -22,10 +19,8 @@ class Shade(BenchCase):
 
     def measured(self, stream):
         """The mean of each mode over frames exposed from now on, and the smallest number of spots."""
-        message_since(stream, time.time_ns())
-        frames = self.settled_frames(stream, 20)
-        means = [statistics.fmean(values) for values in zip(*(frame["coefficients"] for frame in frames))]
-        return dict(zip(frames[0]["j"], means)), min(frame["tracked"] for frame in frames)
+        frames = self.frames_from_now(stream, 20)
+        return self.mean_modes(frames), min(frame["tracked"] for frame in frames)
 
     def error(self, found):
         return sum((waves - MODES.get(j, 0.0)) ** 2 for j, waves in found.items() if j > 2) ** 0.5
