@@ -48,7 +48,7 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
       spot_model(view->sensor, view->optics, config.slm.geometry, camera.pixel_format);
   const auto map = find_lenslets(*mean, {config.sensor.grid, pitch_px, spots});
   const int saturated = count_saturated_spots(*mean, pitch_px);
-  if (!map) return fail(saturated > 0 ? saturated_spot() : map.error());
+  if (!map) return fail(saturated >= int(kMinSubapertures) ? saturated_spot() : map.error());
   if (10 * saturated > map->lit()) return fail(saturated_spot());
   std::optional<double> pupil_px;
   if (config.array.pupil_mm)

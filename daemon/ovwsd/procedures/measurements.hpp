@@ -126,8 +126,8 @@ Result<nlohmann::json> take_reference(Bench& bench, const ReferenceTake& take,
 Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames);
 /// `registration.run` of a fixed array: finds its lenslets in the mean of `frames` images. Errors:
 /// those of find_lenslets; Errc::refused, field "camera": no lenslet in the pupil is lit;
-/// "camera.exposure_us": more than a tenth of the spots are saturated at every exposure, or one is
-/// and no lattice is found.
+/// "camera.exposure_us": more than a tenth of the spots are saturated at every exposure, or three
+/// are and no lattice is found. A spot with one saturated pixel counts as unsaturated.
 Result<Registration> measure_array(Bench& bench, const Config& config, int frames);
 
 /// `slm.settle`: measures the SLM's settle time. Moves one spot between two places, and records the
