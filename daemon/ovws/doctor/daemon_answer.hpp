@@ -26,8 +26,8 @@ struct DaemonFacts {
 /// Requests system.status and config.get from the daemon at this endpoint.
 using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 /// The daemon's answer. One that waits for a camera or display, or is at fault without a camera, is
-/// asked again until it has run for 5 s, twelve times at most, after this pause each: it may be
-/// opening them, and then it controls a camera that it does not report.
+/// asked again until it has run for 5 s, after this pause each time and twelve times in all at
+/// most: it may be opening them, and then it controls a camera that it does not report.
 DaemonFacts ask_opened(const AskDaemon& ask, const std::string& endpoint,
                        std::chrono::milliseconds pause = std::chrono::milliseconds(500));
 

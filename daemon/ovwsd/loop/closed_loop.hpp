@@ -32,7 +32,8 @@ struct ClosedLoopDeps {
   SensorKeeper& keeper;
   const SlmLoop& slm;
   Events& events;
-  /// Called in the loop thread after the loop was closed (true) or opened (false).
+  /// Called in the loop thread when the loop is closed (true) or opened (false), before is_closed
+  /// and report tell it.
   std::function<void(bool)> on_change;
   /// CLOCK_MONOTONIC time (ns) of the last search that found lost spots; 0: there was none. Called
   /// in the loop thread.
