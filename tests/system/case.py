@@ -306,6 +306,14 @@ class BenchCase(unittest.TestCase):
         """Mean coefficient of each mode, by its number j."""
         return dict(zip(frames[0]["j"], (sum(column) / len(frames) for column in zip(*(frame["coefficients"] for frame in frames)))))
 
+    def modes_when(self, stream, are_right, what):
+        """Waits for mean coefficients that `are_right`. With `fit`, templates of the wavefront before measure the first frames of another."""
+        def means():
+            modes = self.mean_modes(self.frames_from_now(stream, 20))
+            print("\n ", what, {j: round(waves, 4) for j, waves in modes.items()})
+            return are_right(modes) and modes
+        return wait_for(means, what=what)
+
     def refused(self, method, params=None):
         """Calls a method that must fail; returns the error."""
         with self.assertRaises(ClientError) as caught:

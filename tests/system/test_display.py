@@ -44,8 +44,7 @@ class DisplayFaults(BenchCase):
 
     def check_measures(self):
         """Checks that new frames measure the introduced aberration."""
-        self.frames.drain()
-        found = self.settled_frames(self.frames, 10)
+        found = self.frames_from_now(self.frames, 10)
         read = [frame["coefficients"][frame["j"].index(MODE)] for frame in found]
         self.assertLess(abs(sum(read) / len(read) - WAVES), 0.02)
 

@@ -85,7 +85,7 @@ class Registration(BenchCase):
         # Another grating moves the base spot, and the map with it.
         self.call("sensor.set", {"grooves": [205, 15]})
         self.take_reference(20)
-        self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.wavefronts, 10)}, {19})
+        self.assertEqual({frame["tracked"] for frame in self.frames_from_now(self.wavefronts, 10)}, {19})
         before = self.call("registration.get")
         self.refused_while(lambda: self.twin.call("twin.set", {"peak_electrons": 3e8}), "saturated")
         self.twin.call("twin.set", {"peak_electrons": 6000})
@@ -95,7 +95,7 @@ class Registration(BenchCase):
         self.assertFalse(self.call("registration.get")["registered"])
         self.place_camera(rotation_deg=0.0, mirror="none", magnification=1.0, centre_px=[255.5, 255.5])
         self.take_reference(20)  # frames are of the sensor's hologram again
-        self.assertEqual({frame["tracked"] for frame in self.settled_frames(self.wavefronts, 10)}, {19})
+        self.assertEqual({frame["tracked"] for frame in self.frames_from_now(self.wavefronts, 10)}, {19})
 
 
 if __name__ == "__main__":

@@ -17,11 +17,6 @@ class Shade(BenchCase):
         keys = ("x_px", "y_px", "radius_px", "transmission")
         self.twin.call("twin.set", {"shades": [dict(zip(keys, disc)) for disc in discs]})
 
-    def measured(self, stream):
-        """The mean of each mode over frames exposed from now on, and the smallest number of spots."""
-        frames = self.frames_from_now(stream, 20)
-        return self.mean_modes(frames), min(frame["tracked"] for frame in frames)
-
     def error(self, found):
         return sum((waves - MODES.get(j, 0.0)) ** 2 for j, waves in found.items() if j > 2) ** 0.5
 
@@ -38,9 +33,7 @@ class Shade(BenchCase):
                 self.assertEqual(taken["result"]["lost_spots"], [9] if before else [])
                 self.shade(*after)
                 self.twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in MODES.items()]})
-                found, tracked = self.measured(stream)
-                print(f"\n  {name}: {tracked} spots, error {self.error(found):.4f} wave")
-                self.assertLess(self.error(found), 0.02)
+                self.modes_when(stream, lambda modes: self.error(modes) < 0.02, name)
                 self.assertIsNone(self.call("system.status")["sensor"]["invalid"])
 
 
