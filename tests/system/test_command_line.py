@@ -263,6 +263,7 @@ class CommandLine(BenchCase):
         self.assertIn("unknown command no-such-command", self.ovws("no-such-command", code=2))
 
     def test_output_that_cannot_be_written(self):
+        self.take_reference(10)  # a snapshot waits for a valid frame
         program = " ".join(map(str, self.ovws_command()))
         for arguments in ("status", "describe", "call sensor.get", "watch", "watch spots", "snapshot -o shot", "--help", "--version"):
             for way in (">/dev/full", ">&-"):
@@ -348,11 +349,12 @@ class CommandLine(BenchCase):
             self.assertTrue((self.bench.directory / f"ovws-{name}.png").exists())
 
     def test_snapshot_that_cannot_be_written(self):
-        done = self.ovws("--timeout", 5, "snapshot", "-o", self.bench.directory / "nowhere" / "shot", code=1)
+        self.take_reference(10)
+        done = self.ovws("snapshot", "-o", self.bench.directory / "nowhere" / "shot", code=1)
         self.assertIn(f"the folder {self.bench.directory}/nowhere does not exist", done)
         self.assertFalse((self.bench.directory / "nowhere").exists())
         (self.bench.directory / "shot-camera.png").mkdir()
-        done = self.ovws("--timeout", 5, "snapshot", "-o", self.bench.directory / "shot", code=1)
+        done = self.ovws("snapshot", "-o", self.bench.directory / "shot", code=1)
         self.assertIn(f"the folder {self.bench.directory} exists", done)
 
     def test_pictures_without_a_daemon(self):
