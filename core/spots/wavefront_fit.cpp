@@ -25,6 +25,10 @@ int pixels_of(const SpotWindow& window) {
   return window.bin * window.bin;
 }
 
+bool has_rows(const SpotTemplates& spot) {
+  return spot.rows.rows() > 0;
+}
+
 std::vector<SpotEstimates> fit_all(const ImageView& image, const SpotFit& fit) {
   SpotFit::Scratch scratch = fit.make_scratch();
   std::vector<SpotEstimates> found;
@@ -87,12 +91,12 @@ SpotPass fit_spots(const ImageView& image, std::span<const RenderedSpot> rendere
                    const PixelNoise& noise, int estimates, Saturated saturated) {
   // First pass with equal weights, because the levels are not known yet.
   std::vector<CellLevel> levels(rendered.size());
-  const std::vector<SpotEstimates> first =
-      fit_all(image, SpotFit(make_templates(rendered, levels, noise, 0)));
+  const SpotFit even(make_templates(rendered, levels, noise, 0));
+  const std::vector<SpotEstimates> first = fit_all(image, even);
   std::vector<double> lit, dark;
-  for (const SpotEstimates& spot : first) {
-    if (spot.level > 0.0F) lit.push_back(double(spot.level));
-    dark.push_back(double(spot.background));
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    if (first[i].level > 0.0F) lit.push_back(double(first[i].level));
+    if (has_rows(even.spots()[i])) dark.push_back(double(first[i].background));
   }
   const double usual = median(std::move(lit));
   SpotPass pass;
@@ -170,13 +174,16 @@ std::optional<WavefrontStep> step_from(const SpotPass& pass) {
 
 std::optional<WavefrontStep> damped_step(const SpotPass& pass) {
   std::vector<double> factors;
-  double described = 0.0;
-  for (const SpotEstimates& spot : pass.found) {
-    factors.push_back(std::max(1.0, double(spot.chi2_per_cell)));
-    described += 1.0 / factors.back() / double(pass.found.size());
+  double described = 0.0, used = 0.0;
+  for (std::size_t i = 0; i < pass.found.size(); ++i) {
+    factors.push_back(std::max(1.0, double(pass.found[i].chi2_per_cell)));
+    if (!has_estimates(pass.templates[i], pass.found[i])) continue;
+    described += 1.0 / factors.back();
+    used += 1.0;
   }
+  const double undescribed = 1.0 - described / std::max(used, 1.0);
   ModeSums sums(pass, factors);
-  sums.normal.diagonal().array() += (1.0 - described) / (kUsualStepWaves * kUsualStepWaves);
+  sums.normal.diagonal().array() += undescribed / (kUsualStepWaves * kUsualStepWaves);
   return sums.solved();
 }
 

@@ -10,6 +10,13 @@
 namespace ovws {
 namespace {
 
+void darken(Image<std::uint16_t>& image, const SpotWindow& window) {
+  const PixelBox box = window.pixels();
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    std::fill_n(&image.at(box.x, y), box.width, std::uint16_t(kBlackDn));
+  }
+}
+
 TEST_F(Templates, OfAFlatWavefrontAreAsExactAsTheirCovarianceSays) {
   constexpr int kImages = 12;
   const PixelNoise noise{kReadNoiseE * kReadNoiseE, 1.0};
@@ -237,6 +244,37 @@ TEST_F(Templates, DoNotDescribeAnotherWavefront) {
   }
 }
 
+/// Nine spots are dark: a far step is damped as by the ten others alone.
+TEST_F(Templates, OfSpotsThatAreNotFoundDoNotWeakenTheDamping) {
+  const auto rendered = renderer(1, 18).render(Waves(18, 0.0));
+  auto image = exposed(light(1, random(18, 0.3, 4), 2000.0), kReadNoiseE, 1);
+  for (std::size_t i = 0; i < 9; ++i) darken(image, rendered[i].window);
+  const SpotPass pass = fit_spots(view(image), rendered, {kReadNoiseE * kReadNoiseE, 1.0}, 8);
+  SpotPass bright = pass;
+  bright.found.clear(), bright.templates.clear();
+  for (std::size_t i = 0; i < pass.found.size(); ++i) {
+    if (!(pass.found[i].level > 0.0F)) continue;
+    bright.found.push_back(pass.found[i]);
+    bright.templates.push_back(pass.templates[i]);
+  }
+  ASSERT_EQ(bright.found.size(), 10U);
+  const auto step = damped_step(pass), of_bright = damped_step(bright);
+  ASSERT_TRUE(step && of_bright);
+  std::printf("  step of %.4f wave, of the spots found alone %.4f\n", step->waves.norm(),
+              of_bright->waves.norm());
+  EXPECT_NEAR((step->waves - of_bright->waves).norm(), 0.0, 1e-9);
+}
+
+/// Most spots are beyond the image's edge: the background is that of the others.
+TEST_F(Templates, ForWhichNoSpotIsRenderedDoNotRaiseTheCeiling) {
+  constexpr double kUsedShare = 0.9, kFullDn = 65535.0;
+  auto rendered = renderer(1, 18).render(Waves(18, 0.0));
+  for (std::size_t i = 0; i < 12; ++i) rendered[i].light.setZero();
+  const auto image = exposed(light(1, Waves(18, 0.0)), kReadNoiseE, 1, 5000.0);
+  const SpotPass pass = fit_spots(view(image), rendered, {kReadNoiseE * kReadNoiseE, 1.0}, 8);
+  EXPECT_NEAR(pass.ceiling_dn, kUsedShare * kFullDn - 5000.0, 10.0);
+}
+
 /// In bright light, too: another wavefront may agree with 16 spots of 19.
 TEST_F(Templates, AreNotConfirmedByAFrameWithoutThreeSpotsOfNineteen) {
   const Waves flat(18, 0.0);
@@ -248,10 +286,7 @@ TEST_F(Templates, AreNotConfirmedByAFrameWithoutThreeSpotsOfNineteen) {
       points.templates(std::vector{view(reference), view(image)}, std::vector<Waves>{flat}, {}, 4);
   ASSERT_TRUE(fit) << fit.error().reason;
   for (int lost = 1; lost <= 3; ++lost) {
-    const PixelBox box = (*fit)->spots().spots()[std::size_t(lost)].window.pixels();
-    for (int y = box.y; y < box.y + box.height; ++y) {
-      std::fill_n(&image.at(box.x, y), box.width, std::uint16_t(kBlackDn));
-    }
+    darken(image, (*fit)->spots().spots()[std::size_t(lost)].window);
     const auto again = points.templates(std::vector{view(reference), view(image)},
                                         std::vector<Waves>{flat}, {}, 4);
     EXPECT_EQ(again.has_value(), lost <= 2) << lost << " spots lost";
