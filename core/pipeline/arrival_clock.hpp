@@ -17,14 +17,16 @@ class ArrivalClock {
   /// The time at which the frame would have arrived without a queue, CLOCK_MONOTONIC ns; exposure
   /// times count back from it. It is never later than `arrival_mono_ns`, and equal if the camera
   /// sends no timestamps (`device_ns` is 0). The error is at most the drift between the clocks of
-  /// host and camera in 10 s. If the camera's clock is set back, the minimum is sought again.
+  /// host and camera in 10 s. Frames more than 10 s apart therefore count as they came, with their
+  /// delay. If the camera's clock is set back, the minimum is sought again.
   std::int64_t undelayed_mono_ns(std::int64_t arrival_mono_ns,
                                  std::int64_t device_ns) OVWS_NONBLOCKING {
     if (device_ns == 0) return arrival_mono_ns;
     if (device_ns < last_device_ns_) reset();
     last_device_ns_ = device_ns;
     if (arrival_mono_ns >= span_end_ns_) {
-      min_previous_ns_ = min_now_ns_;
+      const bool gap = arrival_mono_ns >= span_end_ns_ + kSpanNs;
+      min_previous_ns_ = gap ? kNone : min_now_ns_;
       min_now_ns_ = kNone;
       span_end_ns_ = arrival_mono_ns + kSpanNs;
     }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "tests/support/time.hpp"
 
 namespace ovws {
@@ -45,6 +46,36 @@ TEST(ArrivalClock, ADriftOf100PpmIsForgottenWithinTenSeconds) {
     const std::int64_t device = kDeviceZero + exposed + exposed / 10'000;
     EXPECT_NEAR(double(clock.undelayed_mono_ns(arrival, device)), double(arrival), double(kMs));
   }
+}
+
+/// The camera's clock is 50 ppm slow and a frame comes every 1,000 s: a minimum of the frame before
+/// is 50 ms too low.
+TEST(ArrivalClock, ADriftOfMinutesDoesNotCountForRareFrames) {
+  ArrivalClock clock;
+  for (std::int64_t k = 1; k < 10; ++k) {
+    const std::int64_t exposed = k * 1'000'000 * kMs, arrival = exposed + kTransfer;
+    const std::int64_t device = kDeviceZero + exposed - exposed / 20'000;
+    EXPECT_EQ(clock.undelayed_mono_ns(arrival, device), arrival) << k;
+  }
+}
+
+/// A hologram settles 15 ms before such a frame's exposure of 20 ms.
+TEST(ArrivalClock, ARareFrameIsNotOfTheHologramBefore) {
+  constexpr std::uint64_t kEpoch = 7;
+  constexpr std::int64_t kExposure = 20 * kMs;
+  ArrivalClock clock;
+  clock.undelayed_mono_ns(kTransfer, kDeviceZero);
+  const std::int64_t end = 1'000'000 * kMs, begin = end - kExposure;
+  ShownHologram shown;
+  shown.healthy = true;
+  shown.previous = {4, kEpoch, 1 * kMs, 2 * kMs};
+  shown.current = {5, kEpoch, begin - 20 * kMs, begin - 15 * kMs};
+  const std::int64_t undelayed =
+      clock.undelayed_mono_ns(end + kTransfer, kDeviceZero + end - end / 20'000);
+  const HologramVerdict verdict =
+      judge_hologram(shown, kEpoch, undelayed - kExposure - kTransfer, undelayed);
+  EXPECT_EQ(verdict.hologram_id, 5U);
+  EXPECT_TRUE(verdict.settled);
 }
 
 TEST(ArrivalClock, ADeviceClockThatIsSetBackStartsAnew) {
