@@ -71,8 +71,9 @@ std::vector<double> tilt_radii(const Lattice& lattice, const TrackingConfig& tra
 }
 
 double position_fit_tilt_radius(int charge) {
-  constexpr std::array<double, 4> kOfCharge{0.787, 0.826, 0.850, 0.867};
-  return kOfCharge[std::size_t(std::min(std::abs(charge), 3))];
+  constexpr std::array<double, 9> kOfCharge{0.787, 0.826, 0.850, 0.867, 0.882,
+                                            0.893, 0.903, 0.911, 0.917};
+  return kOfCharge[std::min(std::size_t(std::abs(charge)), kOfCharge.size() - 1)];
 }
 
 Eigen::MatrixXd slope_matrix(const Lattice& lattice, const SensorConfig& sensor,

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/wavefront/slope_model.hpp"
 #include "tests/unit/tracking/noisy_spot.hpp"
 #include "tests/unit/tracking/synthetic_spot.hpp"
 
@@ -151,6 +152,35 @@ TEST_P(PositionFitTest, LosesWhatIsNotInTheImage) {
   }
   const Image<std::uint8_t> tiny(20, 20, 9);
   EXPECT_FALSE(track(view_of(tiny), {10, 10}).found());
+}
+
+/// A coma r^3 cos t over the aperture moves the spot by the square of the ring's radius times what
+/// the tilt r cos t does.
+TEST(PositionFitTilt, IsThatOfTheRingForEveryCharge) {
+  constexpr double kComaWaves = 0.02, kReadNoise = 6.0;
+  constexpr int kFrames = 50, kSide = 144;
+  const Vec2 truth{71.3, 71.6};
+  const double tilt_px = 2.0 * kComaWaves * kLambdaD;
+  for (int charge = 0; charge <= 8; ++charge) {
+    test::SpotImage drawn(kSide, kSide);
+    drawn.add(charge, truth, test::kNoisyPeak,
+              [](double x, double y) { return kComaWaves * (x * x + y * y) * x; });
+    const auto fit = make_position_fit({charge, kLambdaD}).value();
+    TrackScratch scratch = fit->make_scratch();
+    double moved_px = 0.0;
+    for (unsigned k = 0; k < kFrames; ++k) {
+      const auto image = test::expose12(drawn.light, kReadNoise, k);
+      const SpotFix fix = fit->track(view_of(image, PixelFormat::mono12), truth, scratch);
+      ASSERT_TRUE(fix.found()) << charge;
+      moved_px += (double(fix.x) - truth.x) / kFrames;
+    }
+    const double measured = moved_px / tilt_px;
+    const double expected = std::pow(position_fit_tilt_radius(charge), 2);
+    std::printf("  charge %d: radius %.4f, expected %.4f\n", charge, std::sqrt(measured),
+                std::sqrt(expected));
+    EXPECT_NEAR(measured, expected, 0.01 * expected) << charge;
+    EXPECT_EQ(position_fit_tilt_radius(-charge), position_fit_tilt_radius(charge));
+  }
 }
 
 std::string charge_name(const testing::TestParamInfo<int>& info) {
