@@ -32,7 +32,12 @@ struct SpotWindow {
   bool is_lit(Eigen::Index cell) const {
     return !lit.diagonal || lit.has(left + int(cell) % side, top + int(cell) / side);
   }
-  PixelBox pixels() const { return {left, top, width_px(), width_px()}; }
+  /// Box from the first to the last camera pixel of the cells. On a colour plane it is a pixel
+  /// narrower than width_px(): the last cell is one pixel, not a pitch.
+  PixelBox pixels() const {
+    const int width = width_px() - pitch() + bin;
+    return {left, top, width, width};
+  }
 
   friend bool operator==(const SpotWindow&, const SpotWindow&) = default;
 };

@@ -123,6 +123,21 @@ TEST_P(ColourTemplates, TakeDerivativesFromPixelsOfOneColour) {
   EXPECT_GT(4 * lit, window.cells() - 4 * window.side);
 }
 
+TEST_P(ColourTemplates, AWindowThatFillsTheImageIsInside) {
+  SpotWindow window = window_of(12.0, 2.0, GetParam().lit());
+  const int side_px = window.width_px();
+  window = moved_to({0.5 * side_px, 0.5 * side_px}, window, side_px, side_px);
+  const PixelBox box = window.pixels();
+  int last = 0;
+  each_pixel(window, [&](Eigen::Index, int x, int y) { last = std::max({last, x, y}); });
+  EXPECT_EQ(std::max(box.x + box.width, box.y + box.height), last + 1);
+  RenderedSpot spot;
+  spot.window = window;
+  const MeasuredShapes shapes{.modes_j = {}, .spots = {spot}};
+  EXPECT_TRUE(shapes.are_inside(side_px, side_px));
+  EXPECT_FALSE(shapes.are_inside(last, last));
+}
+
 INSTANTIATE_TEST_SUITE_P(All, ColourTemplates,
                          testing::Values(Colour{PixelFormat::bayer_rg12, 450.0, 18, 0.3},
                                          Colour{PixelFormat::bayer_gr12, 532.0, 18, 0.3},
