@@ -27,8 +27,9 @@ class MeasuredModel {
   /// "reference": that wavefront is too far from the wavefront of the calibration.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise);
 
-  /// Makes templates for the last of `images`; all images give the noise (noise_of). Errc::refused,
-  /// field "image": the spots differ from the measured ones.
+  /// Makes templates for the last of `images`, of which there are at least two; all give the noise
+  /// (noise_of). Call it after a use_reference that succeeded. Errc::refused, field "image": the
+  /// spots differ from the measured ones.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images) const;
 
  private:

@@ -50,7 +50,8 @@ class PointModel {
 
   /// Start wavefronts of a search, as coefficients relative to the reference.
   using Starts = std::span<const std::vector<double>>;
-  /// Finds the wavefront of the last of `images` and makes templates about it. Tries `starts` in
+  /// Finds the wavefront of the last of `images`, of which there are at least two, and makes
+  /// templates about it. Call it after use_reference or use_model, as the others. Tries `starts` in
   /// order, with at most `renderings` renderings each. A start that loses no spot ends the search.
   /// If no start leads to the wavefront exactly, a few more renderings about the nearest result
   /// allow for modes above the measured ones. All images give the noise (noise_of; the smallest of

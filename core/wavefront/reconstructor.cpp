@@ -31,6 +31,7 @@ bool well_conditioned(const Eigen::MatrixXd& normal, Eigen::Index modes, double 
 }  // namespace
 
 int determined_modes(const Eigen::MatrixXd& slopes, double max_condition) {
+  if (slopes.size() == 0) return 0;
   const Eigen::MatrixXd normal = gram_matrix(slopes);
   Eigen::Index determined = 0;
   Eigen::Index too_many = std::min(slopes.rows(), slopes.cols()) + 1;

@@ -21,7 +21,7 @@ struct Reconstruction {
 };
 
 /// Number of leading modes (columns of `slopes`, 2N x Z as from slope_matrix) that the whole
-/// lattice determines: condition number below `max_condition`.
+/// lattice determines: condition number below `max_condition`. 0 without spots or modes.
 int determined_modes(const Eigen::MatrixXd& slopes, double max_condition = 1000.0);
 
 /// Least-squares reconstructor a = P m - P ref: modes a, measured positions m, reference positions

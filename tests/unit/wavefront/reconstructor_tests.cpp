@@ -352,6 +352,12 @@ TEST_F(Reconstruct, DoesNotAllocate) {
   EXPECT_TRUE(b);
 }
 
+TEST(DeterminedModes, OfNoSpotsOrNoModesAreNone) {
+  EXPECT_EQ(determined_modes(Eigen::MatrixXd(0, 5)), 0);
+  EXPECT_EQ(determined_modes(Eigen::MatrixXd(8, 0)), 0);
+  EXPECT_EQ(determined_modes(Eigen::MatrixXd(0, 0)), 0);
+}
+
 class ReconstructLarge : public Reconstruct {
  protected:
   ReconstructLarge() : Reconstruct(15) {}
