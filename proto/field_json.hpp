@@ -8,8 +8,10 @@
 #include <array>
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -178,12 +180,26 @@ inline constexpr std::size_t kMaxElements = 10000;
 template <class T>
 void decode_value(ObjectReader& reader, const FieldInfo& field, T& out);
 
+/// The part of `bounds` that T can hold.
+template <class T>
+Bounds bounds_in(const Bounds& bounds) {
+  if constexpr (std::is_integral_v<T>) {
+    constexpr double kMax64 = 9223372036854774784.0;  // the largest double below 2^63
+    constexpr double kMin = std::max(double(std::numeric_limits<T>::min()), -kMax64);
+    constexpr double kMax = std::min(double(std::numeric_limits<T>::max()), kMax64);
+    return {std::clamp(bounds.min, kMin, kMax), std::clamp(bounds.max, kMin, kMax)};
+  } else {
+    return bounds;
+  }
+}
+
 /// Decodes an array of numbers, which must be whole if T is an integer.
 template <class T>
 void decode_numbers(ObjectReader& reader, const FieldInfo& field, std::vector<T>& out) {
   std::vector<double> given;
+  const Bounds bounds = bounds_in<T>(field.bounds);
   reader.numbers(field.key, given, field.min_size, std::min(field.max_size, kMaxElements),
-                 field.bounds.min, field.bounds.max);
+                 bounds.min, bounds.max);
   if (!reader.has(field.key) || reader.failed()) return;
   std::vector<T> read;
   for (const double value : given) {
@@ -261,7 +277,7 @@ void decode_list(ObjectReader& reader, const FieldInfo& field, std::vector<T>& o
 template <class T>
 void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
   const char* const key = field.key;
-  const Bounds& bounds = field.bounds;
+  const Bounds bounds = bounds_in<T>(field.bounds);
   if constexpr (!HasWire<T> && !is_optional<T>) {
     // Null leaves the value unchanged: reports contain null for a missing value and may be sent
     // back.
@@ -410,18 +426,19 @@ class Partial {
     return partial;
   }
 
+  /// A member without a key in the table of S is a fault of the caller: std::logic_error.
   template <class Member>
   void put(Member member, const auto& value) {
-    given_[detail::key_in_table<S>(member)] = to_json(value);
+    given_[key_of(member)] = to_json(value);
   }
   template <class Member>
   void forget(Member member) {
-    given_.erase(detail::key_in_table<S>(member));
+    given_.erase(key_of(member));
   }
   /// Whether the change sets `member`. A null counts as set only if the member is an optional.
   template <class Member>
   bool gives(Member member) const {
-    const auto found = given_.find(detail::key_in_table<S>(member));
+    const auto found = given_.find(key_of(member));
     if (found == given_.end()) return false;
     return detail::is_optional<decltype(detail::value_of(member))> || !found->is_null();
   }
@@ -440,6 +457,13 @@ class Partial {
   }
 
  private:
+  template <class Member>
+  static const char* key_of(Member member) {
+    const char* const key = detail::key_in_table<S>(member);
+    if (key == nullptr) throw std::logic_error("a change sets a member that has no key");
+    return key;
+  }
+
   Json given_ = Json::object();
   bool clamp_ = false;
 };

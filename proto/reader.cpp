@@ -121,7 +121,10 @@ void ObjectReader::integer(const char* key, int& out, int min, int max) {
 void ObjectReader::integer(const char* key, std::int64_t& out, double min, double max) {
   const json* value = take(key);
   if (value == nullptr) return;
-  if (const auto got = number_in(path_of(key), *value, min, max, true)) out = std::int64_t(*got);
+  const auto got = number_in(path_of(key), *value, min, max, true);
+  if (!got) return;
+  const bool exact = value->is_number_integer() && *got == value->get<double>();
+  out = exact ? value->get<std::int64_t>() : std::int64_t(*got);
 }
 
 void ObjectReader::boolean(const char* key, bool& out) {

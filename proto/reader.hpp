@@ -40,7 +40,7 @@ class ObjectReader {
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max
   void integer(const char* key, int& out, int min, int max);  ///< whole number, min <= value <= max
-  /// The same beyond 32 bits; the limits are at most 2^53.
+  /// The same beyond 32 bits, with all digits; the limits are below 2^63.
   void integer(const char* key, std::int64_t& out, double min, double max);
   void boolean(const char* key, bool& out);
   void string(const char* key, std::string& out);

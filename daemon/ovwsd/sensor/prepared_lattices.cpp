@@ -39,7 +39,6 @@ void PreparedLattices::load() {
   store_.load(kLatticeKind, [this](const StateItem& item) {
     auto lattice = decode<PreparedLattice>(item.content);
     if (lattice) {
-      lattice->t_prepared_ns = item.content.value("t_prepared_ns", std::int64_t{});  // all digits
       all_[item.name] = std::move(*lattice);
     } else {
       events_.emit(kLatticeKind, Severity::warning,

@@ -4,12 +4,31 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
 
 #include "proto/tables/experiment.hpp"
 #include "proto/tables/job.hpp"
 #include "proto/tables/set.hpp"
 
 namespace ovws {
+namespace test {
+
+struct Unbounded {
+  int count = 0;
+  std::int64_t total = 0;
+  std::vector<int> counts;
+  int without_key = 0;
+};
+
+}  // namespace test
+
+template <>
+inline constexpr auto kTable<test::Unbounded> = Fields{
+    "Unbounded", field<&test::Unbounded::count>("a number without limits"),
+    field<&test::Unbounded::total>("one of 64 bits"), field<&test::Unbounded::counts>("a list")};
+
 namespace {
 
 using nlohmann::json;
@@ -374,6 +393,26 @@ TEST(GainSweep, ReportsSaturatedAndUndeterminedFramesSeparately) {
   EXPECT_EQ(encoded["undetermined_frames"], 1);
   EXPECT_EQ(encoded["lost_spots"], 15);
   EXPECT_TRUE(encoded["variances_rad2"][2].is_null());
+}
+
+TEST(WholeNumbers, WithoutLimitsAreThoseThatTheirTypeHolds) {
+  const auto read = decode<test::Unbounded>(
+      json::parse(R"({"count": -2147483648, "total": 1767225600123456789, "counts": [7, -7]})"));
+  ASSERT_TRUE(read) << read.error().reason;
+  EXPECT_EQ(read->count, -2147483648LL);
+  EXPECT_EQ(read->total, 1767225600123456789) << "a time has all its digits";
+  EXPECT_EQ(read->counts, (std::vector{7, -7}));
+  for (const char* wide :
+       {R"({"count": 2147483648})", R"({"total": 1e300})", R"({"counts": [1, 2147483648]})"}) {
+    EXPECT_FALSE(decode<test::Unbounded>(json::parse(wide))) << wide;
+  }
+}
+
+TEST(Change, OfAMemberWithoutAKeyIsAFaultOfTheCaller) {
+  Partial<test::Unbounded> change;
+  change.put(&test::Unbounded::count, 3);
+  EXPECT_TRUE(change.gives(&test::Unbounded::count));
+  EXPECT_THROW(change.put(&test::Unbounded::without_key, 3), std::logic_error);
 }
 
 }  // namespace
