@@ -98,7 +98,9 @@ class FrameGrabs::Grab {
 bool FrameGrabs::Grab::wanted(const FrameRecord& record) {
   if (!record.settings_known) return false;
   if (!wish_.after_hologram) {
-    return record.t_exposed_mono_ns - std::int64_t(1e3 * record.exposure_us) >= asked_ns_;
+    // The end of the exposure is an estimate: it may be half of the longest transfer time earlier.
+    const std::int64_t earliest_end_ns = record.t_exposed_mono_ns - record.transfer_ns / 2;
+    return earliest_end_ns - std::int64_t(1e3 * record.exposure_us) >= asked_ns_;
   }
   const auto id = std::uint64_t(*wish_.after_hologram);
   if (record.hologram_id > id) return refuse(replaced(*wish_.after_hologram, record.hologram_id));
