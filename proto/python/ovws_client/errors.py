@@ -1,6 +1,7 @@
 """Exceptions of the client; all are derived from ClientError."""
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Mapping
 from typing import Any
 
@@ -27,6 +28,10 @@ class ClientError(Exception):
         super().__init__(text)
         self.code = code
         self.data: dict[str, Any] = dict(data or {})
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickles text and attributes: subclasses have other parameters than the text, so they cannot be made from it."""
+        return copyreg.__newobj__, (type(self), *self.args), self.__dict__
 
 
 class NoAnswer(ClientError):

@@ -1,6 +1,7 @@
 """Stream messages as dataclasses. Unknown values are None, or NaN in an array. One wave is one `wavelength_nm`."""
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache
@@ -96,7 +97,19 @@ class FrameMessage(Message):
     @cache
     def of_beam(cls: type[Self], name: str) -> type[Self]:
         """The kind of these messages of a further light source: subscribe to Wavefront.of_beam("b"). For Wavefront and Spots."""
-        return type(cls.__name__, (cls,), {"topic": f"{cls.topic}.{name}"})
+        return _BeamKind(cls.__name__, (cls,), {"topic": f"{cls.topic}.{name}"})
+
+
+class _BeamKind(type):
+    """Type of the kinds that of_beam makes, which pickle cannot find by their names."""
+
+
+def _reduce_beam_kind(kind: type[FrameMessage]) -> tuple[Any, ...]:
+    base, name = kind.__bases__[0], kind.topic.partition(".")[2]
+    return getattr(base, "of_beam"), (name,)
+
+
+copyreg.pickle(_BeamKind, _reduce_beam_kind)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,7 +1,10 @@
 """Both clients against a simulated daemon: answers, errors, time-outs, replies in any order."""
 import asyncio
+import copy
 import itertools
 import json
+import multiprocessing
+import pickle
 import re
 import tempfile
 import threading
@@ -19,6 +22,13 @@ OUT_OF_RANGE = {"code": -32602, "message": "gain_db: must be a number from -100 
                 "data": {"field": "gain_db", "reason": "must be a number from -100 to 100, not 1000", "min": -100.0, "max": 100.0}}
 UNKNOWN = {"code": -32602, "message": "exposure_su: unknown key",
            "data": {"field": "exposure_su", "reason": "unknown key", "nearest": "exposure_us"}}
+
+
+def refuse(how):
+    """For a worker process: raises an error that has more to it than a text."""
+    if how == "refused":
+        raise Refused("camera.set", OUT_OF_RANGE)
+    raise JobFailed(job("failed", OUT_OF_RANGE))
 
 
 def job(state, error=None):
@@ -184,6 +194,18 @@ class Clients(unittest.TestCase):
             for wrong, error in ((float("nan"), ValueError), (np.float64("inf"), ValueError), (object(), TypeError)):
                 with self.assertRaises(error):
                     client.camera_set(gain_db=wrong)
+
+    def test_errors_cross_to_another_process_whole(self):
+        errors = [Refused("camera.set", OUT_OF_RANGE), JobFailed(job("failed", OUT_OF_RANGE)), JobFailed(job("cancelled")), NoAnswer("no answer"),
+                  ClientError("text", 7, {"field": "x"})]
+        for error in errors:
+            for other in (pickle.loads(pickle.dumps(error)), copy.copy(error), copy.deepcopy(error)):
+                self.assertEqual((type(other), str(other), other.args, vars(other)), (type(error), str(error), error.args, vars(error)))
+        with multiprocessing.get_context("spawn").Pool(1) as pool:
+            for how, kind in (("refused", Refused), ("failed", JobFailed)):
+                with self.assertRaises(kind) as caught:
+                    pool.apply_async(refuse, (how,)).get(timeout=60.0)
+                self.assertEqual((caught.exception.field, caught.exception.limits), ("gain_db", (-100.0, 100.0)))
 
     def test_the_codes_are_those_of_the_document(self):
         rows = re.findall(r"^\| (-32\d+) \| (.*) \| (.*) \|$", (ROOT / "proto" / "WIRE.md").read_text(), re.M)

@@ -1,6 +1,8 @@
 """Decoding of messages made by the daemon's encoders, detection of losses, and refusal of malformed messages."""
+import copy
 import dataclasses
 import json
+import pickle
 import unittest
 
 from paths import SCHEMAS, emitted
@@ -54,6 +56,21 @@ class Messages(unittest.TestCase):
                     if isinstance(value, np.ndarray):
                         value = [None if np.isnan(each) else each for each in value.tolist()]
                     self.assertEqual(value, body[key], f"{topic}.{key}")
+
+    def test_messages_and_their_loss_cross_to_another_process_whole(self):
+        kinds = [*KINDS.values(), ovws_client.Wavefront.of_beam("b"), ovws_client.Spots.of_beam("b")]
+        for kind in kinds:
+            topic = kind.topic.partition(".")[0]
+            message = kind.of(example(topic), binary_of(example(topic)), 2)
+            for copied in (lambda value: pickle.loads(pickle.dumps(value)), copy.copy, copy.deepcopy):
+                self.assertIs(copied(kind), kind)
+                other, loss = copied(message), copied(Lost(message, 3))
+                self.assertIs(type(other), kind)
+                self.assertIs(type(loss.message), kind)
+                self.assertEqual((loss.messages, loss.frames, str(loss)), (2, 3, str(Lost(message, 3))))
+                for field in dataclasses.fields(kind):
+                    np.testing.assert_equal(getattr(other, field.name), getattr(message, field.name))
+                    np.testing.assert_equal(getattr(loss.message, field.name), getattr(message, field.name))
 
     def test_not_valid_is_nan_and_none(self):
         frame = next(frame for body in emitted("stream.wavefront") if not (frame := KINDS["wavefront"].of(body)).valid)
