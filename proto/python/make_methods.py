@@ -220,7 +220,10 @@ def module(folder):
     for schema in schemas.values():
         structures.collect({key: value for key, value in schema["params"].items() if key != "title"})
         structures.collect(schema["result"])
-    lines = HEAD.splitlines() + list(structures.lines())
+    waits = {name: schema["params"]["properties"]["timeout_s"]["default"] for name, schema in schemas.items()
+             if "timeout_s" in schema["params"].get("properties", {})}
+    lines = [*HEAD.splitlines(), "", "", "# How long the daemon waits before it answers, seconds, unless `timeout_s` is given.",
+             f"WAITS_S: Final = {json.dumps(waits)}", *structures.lines()]
     for title, prefix, wait in (("Methods", "", ""), ("AsyncMethods", "async ", "await ")):
         lines += ["", "", f"class {title}:",
                   '    """Base class of clients: one Python method for each method of the daemon, which calls `call`."""', "",

@@ -7,6 +7,12 @@ from collections.abc import Callable, Generator
 from concurrent.futures import Future
 from typing import Any
 
+from ovws_client.values import number
+
+
+def _seconds(timeout: float | None) -> float | None:
+    return None if timeout is None else min(number("timeout", timeout), threading.TIMEOUT_MAX)
+
 
 class Action:
     """Runs `work` in a thread of its own. It is a `bluesky.protocols.Status`, and can be awaited."""
@@ -36,11 +42,11 @@ class Action:
 
     def exception(self, timeout: float | None = 0.0) -> BaseException | None:
         """Its error, or None. Waits up to `timeout` seconds for the end (None: forever); raises TimeoutError if it has not ended by then."""
-        return self._future.exception(timeout)
+        return self._future.exception(_seconds(timeout))
 
     def wait(self, timeout: float | None = None) -> None:
         """Waits for the end and raises its error; raises TimeoutError after `timeout` seconds."""
-        self._future.result(timeout)
+        self._future.result(_seconds(timeout))
 
     def add_callback(self, callback: Callable[[Action], None]) -> None:
         """Calls `callback` with this object at the end, or at once if it has ended."""

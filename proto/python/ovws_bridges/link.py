@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import zmq
 
 from ovws_client import Client, ClientError, Message, NoAnswer, Status, Subscription
+from ovws_client.values import number
 from ovws_client.wire import CONTROL, KeyFile
 
 Listener = Callable[[Message | None], None]
@@ -32,7 +33,7 @@ class Link:
         self.lost_messages = 0  # on the way to this process, since its start
         self._kinds = (Status, *kinds)
         self._arguments = {"endpoint": self.endpoint, "timeout_s": timeout_s, "key": key, "server_key": server_key}
-        self._silent_s = silent_s
+        self._silent_s = number("silent_s", silent_s, 0.0)
         self._client: Client | None = None
         self._calls = threading.Lock()
         self._newest: dict[type[Message], Message] = {}
@@ -63,7 +64,7 @@ class Link:
     def wait_until_connected(self, timeout_s: float) -> None:
         """Returns when the daemon sends messages; raises NoAnswer if it does not within `timeout_s` seconds."""
         with self._changed:
-            if not self._changed.wait_for(lambda: Status in self._newest, timeout_s):
+            if not self._changed.wait_for(lambda: Status in self._newest, min(number("timeout_s", timeout_s, 0.0), threading.TIMEOUT_MAX)):
                 raise NoAnswer(f"no status of the daemon at {self.endpoint} within {timeout_s} s; does it run?")
 
     def add_listener(self, listener: Listener) -> None:
@@ -80,7 +81,7 @@ class Link:
     def messages(self, timeout_s: float) -> Iterator[Iterator[Message]]:
         """The messages that arrive from now on, until `timeout_s` seconds have passed: an iterator that then ends."""
         arrived: queue.Queue[Message] = queue.Queue(MAX_QUEUED)
-        end = time.monotonic() + timeout_s
+        end = time.monotonic() + min(number("timeout_s", timeout_s, 0.0), threading.TIMEOUT_MAX)
 
         def put(message: Message | None) -> None:
             if message is not None and not arrived.full():

@@ -12,6 +12,7 @@ import zmq.asyncio
 from .async_bench import AsyncBench
 from .errors import JobFailed, NoAnswer
 from .methods import Binary, JobNumber, JobReport
+from .values import number, whole
 from .wire import CONTROL, KeyFile, daemon_waits_s, key_hint, reply_parts, request_text, result_of, use_keys
 
 
@@ -19,7 +20,7 @@ class AsyncClient(AsyncBench):
     """Client for asyncio, otherwise as Client. Any number of tasks of one event loop may call concurrently. Close it with `async with` or `close`."""
 
     def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
-        self.timeout_s = timeout_s
+        self.timeout_s = number("timeout_s", timeout_s, 0.0)
         self.endpoint = endpoint
         self.keys = {"key": key, "server_key": server_key}
         self._ids = itertools.count(1)
@@ -41,7 +42,7 @@ class AsyncClient(AsyncBench):
         if self._reader is None:
             self._reader = asyncio.create_task(self._read())
         self._waiting[request_id] = asyncio.get_running_loop().create_future()
-        timeout_s = self.timeout_s + daemon_waits_s(params)
+        timeout_s = self.timeout_s + daemon_waits_s(method, params)
         try:
             async with asyncio.timeout(timeout_s):
                 await self._socket.send_multipart([request] if binary is None else [request, binary])
@@ -61,13 +62,14 @@ class AsyncClient(AsyncBench):
 
     async def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0) -> Any:
         """Waits for the end of a job, as Client.wait_for_job."""
-        number = job if isinstance(job, int) else job["job"]
+        job_number = job["job"] if isinstance(job, Mapping) else whole("job", job)
+        timeout_s = number("timeout_s", timeout_s, 0.0)
         try:
             async with asyncio.timeout(timeout_s):
-                while (report := await self._report(number)) is None or report["state"] == "running":
+                while (report := await self._report(job_number)) is None or report["state"] == "running":
                     await asyncio.sleep(0.05)
         except TimeoutError:
-            raise NoAnswer(f"job {number} has not ended within {timeout_s} s") from None
+            raise NoAnswer(f"job {job_number} has not ended within {timeout_s} s") from None
         if report["state"] != "done":
             raise JobFailed(report)
         return report["result"]

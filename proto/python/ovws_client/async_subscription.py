@@ -8,6 +8,7 @@ import zmq.asyncio
 
 from .errors import NoAnswer
 from .subscription import Decoder, M, OnLoss
+from .values import milliseconds
 from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
 
 
@@ -29,7 +30,8 @@ class AsyncSubscription(Generic[M]):
 
     async def next(self, timeout_s: float | None = None) -> M | None:
         """The next message, or None if none came within `timeout_s` seconds (None: waits forever)."""
-        while await self._socket.poll(None if timeout_s is None else int(1e3 * timeout_s)):
+        wait_ms = milliseconds("timeout_s", timeout_s)
+        while await self._socket.poll(wait_ms):
             message = self._decoder.decode(await self._socket.recv_multipart(copy=False))
             if message is not None:
                 return message

@@ -12,6 +12,7 @@ from .bench import Bench
 from .errors import NoAnswer
 from .job import Job
 from .methods import Binary, JobNumber
+from .values import milliseconds, number, whole
 from .wire import CONTROL, KeyFile, daemon_waits_s, key_hint, reply_parts, request_text, result_of, use_keys
 
 
@@ -22,13 +23,14 @@ class Client(Bench):
     """
 
     def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
-        self.timeout_s = timeout_s
+        self.timeout_s = number("timeout_s", timeout_s, 0.0)
         self.endpoint = endpoint
         self.keys = {"key": key, "server_key": server_key}
         self._ids = itertools.count(1)
         self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(zmq.DEALER)
         self._socket.linger = 0
-        self._socket.sndtimeo = int(1e3 * timeout_s)
+        send_ms = milliseconds("timeout_s", timeout_s)
+        self._socket.sndtimeo = -1 if send_ms is None else send_ms
         self._hint = key_hint(use_keys(self._socket, key, server_key))
         self._socket.connect(endpoint)
 
@@ -41,7 +43,7 @@ class Client(Bench):
         request_id = next(self._ids)
         request = request_text(request_id, method, params)
         reply, pixels = self._exchange([request] if binary is None else [request, binary],
-                                       lambda r: isinstance(r, dict) and r.get("id") == request_id, self.timeout_s + daemon_waits_s(params))
+                                       lambda r: isinstance(r, dict) and r.get("id") == request_id, self.timeout_s + daemon_waits_s(method, params))
         return result_of(method, reply), pixels
 
     def exchange(self, request: bytes, is_reply: Callable[[Any], bool] = lambda reply: True) -> Any:
@@ -49,12 +51,13 @@ class Client(Bench):
         return self._exchange([request], is_reply, self.timeout_s)[0]
 
     def _exchange(self, request: Sequence[bytes | bytearray | memoryview], is_reply: Callable[[Any], bool], timeout_s: float) -> tuple[Any, bytes]:
+        timeout_s = number("timeout_s", timeout_s, 0.0)
         end = time.monotonic() + timeout_s
         try:
             self._socket.send_multipart(request)
         except zmq.Again:
             end = 0.0  # the queue is full: earlier requests were not taken, either
-        while self._socket.poll(max(0, int(1e3 * (end - time.monotonic())))):
+        while self._socket.poll(milliseconds("timeout_s", max(0.0, end - time.monotonic()))):
             reply, pixels = reply_parts(self._socket.recv_multipart())
             if is_reply(reply):
                 return reply, pixels
@@ -62,7 +65,7 @@ class Client(Bench):
 
     def wait_for_job(self, job: int | JobNumber, timeout_s: float = 600.0, progress: bool = False) -> Any:
         """Waits for the end of a job and returns its result, as Job.wait. `job`: its number, or the result of the method that started it."""
-        return Job(self, {"job": job} if isinstance(job, int) else job).wait(timeout_s, progress)
+        return Job(self, job if isinstance(job, Mapping) else {"job": whole("job", job)}).wait(timeout_s, progress)
 
     def close(self) -> None:
         """Closes the connection."""

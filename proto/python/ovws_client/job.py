@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 from .errors import JobFailed, NoAnswer
+from .values import number
 
 
 class JobClient(Protocol):
@@ -42,6 +43,7 @@ class Job(dict[str, int]):
     def wait(self, timeout_s: float = 600.0, progress: bool = False) -> Any:
         """Waits for the end of the job and returns its result. Raises JobFailed if it failed or was cancelled, NoAnswer if it has not ended
         within `timeout_s` seconds (the job continues; `cancel` ends it). A lost answer is asked for again until then. With `progress`, shows progress and time left on standard error."""
+        timeout_s = number("timeout_s", timeout_s, 0.0)
         begun = time.monotonic()
         line = ProgressLine() if progress else None
         try:

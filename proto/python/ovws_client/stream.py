@@ -7,6 +7,7 @@ from typing import Any
 
 import zmq
 
+from .values import milliseconds
 from .wire import NUMBERS, KeyFile, use_keys
 
 
@@ -24,7 +25,7 @@ class Stream:
 
     def next(self, timeout_s: float = 1.0) -> dict[str, Any] | None:
         """The next message with its "topic", or None if none came within `timeout_s` seconds."""
-        if not self._socket.poll(int(1e3 * timeout_s)):
+        if not self._socket.poll(milliseconds("timeout_s", timeout_s)):
             return None
         topic, text, *binary = self._socket.recv_multipart()
         message: dict[str, Any] = json.loads(text)

@@ -9,6 +9,7 @@ import zmq
 
 from .errors import Lost, NoAnswer
 from .messages import FrameMessage, Message
+from .values import milliseconds, whole
 from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
 
 M = TypeVar("M", bound=Message)
@@ -45,6 +46,7 @@ class Decoder(Generic[M]):
 
     def configure(self, socket: zmq.Socket[Any], endpoint: str, image_endpoint: str, queue_messages: int) -> None:
         """Subscribes and connects to the endpoints that publish these kinds."""
+        queue_messages = whole("queue_messages", queue_messages)
         socket.linger = 0
         for topic in self._kinds:
             socket.subscribe(topic)
@@ -92,7 +94,8 @@ class Subscription(Generic[M]):
 
     def next(self, timeout_s: float | None = None) -> M | None:
         """The next message, or None if none came within `timeout_s` seconds (None: waits forever)."""
-        while self._socket.poll(None if timeout_s is None else int(1e3 * timeout_s)):
+        wait_ms = milliseconds("timeout_s", timeout_s)
+        while self._socket.poll(wait_ms):
             message = self._decoder.decode(self._socket.recv_multipart(copy=False))
             if message is not None:
                 return message

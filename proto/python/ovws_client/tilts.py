@@ -11,6 +11,7 @@ import numpy.typing as npt
 from .bench import Bench
 from .corrector import mean_spots
 from .methods import KnownReference
+from .values import number, whole
 
 Floats = npt.NDArray[np.float64]
 
@@ -48,6 +49,7 @@ def reference_from_tilts(client: Bench, tilt: Callable[[float, float], object], 
     `tilt`: tilts the light to (x, y); returns when the mirror or stage has accepted it. `tilts`: (tilts, 2), in any unit, not all on one line, and
     small enough that each spot stays its own. `settle_s`: time until the light is at rest. The light is at the first of `tilts` afterwards.
     """
+    frames, settle_s = whole("frames", frames), number("settle_s", settle_s, 0.0)
     known = np.asarray(tilts, np.float64)
     if known.ndim != 2 or known.shape[1] != 2 or np.linalg.matrix_rank(known - known.mean(axis=0)) < 2:
         raise ValueError("tilts must be pairs (x, y) that do not all lie on one line")

@@ -11,6 +11,8 @@ import numpy as np
 import zmq
 
 from .errors import ClientError, Refused
+from .methods import WAITS_S
+from .values import plain
 
 CONTROL = "tcp://127.0.0.1:7702"
 NUMBERS = "tcp://127.0.0.1:7701"
@@ -51,10 +53,10 @@ def request_text(request_id: int, method: str, params: Mapping[str, object] | No
     return json.dumps(request, default=_plain, allow_nan=False).encode()
 
 
-def daemon_waits_s(params: Mapping[str, object] | None) -> float:
-    """How long the daemon may take by the request's own `timeout_s`, before it answers."""
-    waits = params.get("timeout_s", 0.0) if isinstance(params, Mapping) else 0.0  # the daemon refuses other params
-    return float(waits) if isinstance(waits, (int, float)) else 0.0
+def daemon_waits_s(method: str, params: Mapping[str, object] | None) -> float:
+    """How long the daemon may take by the request's own `timeout_s`, or the method's default, before it answers."""
+    waits = plain(params.get("timeout_s")) if isinstance(params, Mapping) else None  # the daemon refuses other params
+    return float(waits) if isinstance(waits, (int, float)) else WAITS_S.get(method, 0.0)
 
 
 def reply_parts(frames: Sequence[bytes]) -> tuple[Any, bytes]:

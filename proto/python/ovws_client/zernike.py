@@ -8,6 +8,8 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .values import whole
+
 Floats = NDArray[np.float64]
 MAX_J = 230  # n = 20: beyond it the radial sums lose precision
 
@@ -43,6 +45,7 @@ def zernike(j: int, x: ArrayLike, y: ArrayLike) -> Floats:
 def pupil_grid(size_px: int) -> tuple[Floats, Floats]:
     """Pixel coordinates x and y of a square image whose edges touch the pupil's circle, in units of the pupil's radius, each of shape
     (size_px, size_px): y by rows, x by columns."""
+    size_px = whole("size_px", size_px)
     line = (2.0 * np.arange(size_px) + 1.0) / size_px - 1.0
     x, y = np.meshgrid(line, line)
     return x, y
@@ -58,6 +61,7 @@ def _basis(j: tuple[int, ...], size_px: int) -> tuple[NDArray[np.bool_], Floats]
 def phase_map_waves(j: Sequence[int] | NDArray[np.int64], coefficients_waves: ArrayLike, size_px: int = 128) -> Floats:
     """Wavefront over the pupil in waves on pupil_grid(size_px); NaN outside the pupil. `coefficients_waves`: RMS-normalised, as many as
     `j`."""
+    size_px = whole("size_px", size_px)
     coefficients = np.asarray(coefficients_waves, float)
     modes = tuple(int(mode) for mode in j)
     if coefficients.shape != (len(modes),):

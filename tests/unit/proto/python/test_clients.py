@@ -3,6 +3,7 @@ import asyncio
 import copy
 import itertools
 import json
+import math
 import multiprocessing
 import pickle
 import re
@@ -17,6 +18,7 @@ import zmq
 
 from ovws_client import AsyncClient, Client, ClientError, JobFailed, NoAnswer, Refused
 from ovws_client.errors import CODES
+from ovws_client.wire import daemon_waits_s, request_text
 
 OUT_OF_RANGE = {"code": -32602, "message": "gain_db: must be a number from -100 to 100, not 1000",
                 "data": {"field": "gain_db", "reason": "must be a number from -100 to 100, not 1000", "min": -100.0, "max": 100.0}}
@@ -206,6 +208,25 @@ class Clients(unittest.TestCase):
                 with self.assertRaises(kind) as caught:
                     pool.apply_async(refuse, (how,)).get(timeout=60.0)
                 self.assertEqual((caught.exception.field, caught.exception.limits), ("gain_db", (-100.0, 100.0)))
+
+    def test_numbers_of_numpy_are_numbers(self):
+        waits = np.float32(20.0)
+        done = self.both(lambda client: client.wait_for_job(np.int64(3), timeout_s=waits), {"result": job("done")})
+        self.assertEqual(done, [{"frames": 9}] * 2)
+        self.assertEqual([r["params"] for r in self.requests], [{"job": 3}] * 2)
+        for job_number in (4.5, "3", None, -1):
+            for wait in (Client.wait_for_job, lambda client, job_number: asyncio.run(AsyncClient.wait_for_job(client, job_number))):
+                with self.assertRaisesRegex(ValueError, "^job: must be a whole number"):
+                    wait(None, job_number)
+        for timeout_s in (np.float32(0.5), np.int64(2), np.bool_(True), np.array(1.5), 2):
+            self.assertEqual(daemon_waits_s("camera.grab", {"timeout_s": timeout_s}), float(timeout_s))
+            Client(next(self.endpoints), timeout_s).close()
+        self.assertEqual((daemon_waits_s("camera.grab", {"frames": 8}), daemon_waits_s("camera.get", None)), (10.0, 0.0), "the daemon's default")
+        self.assertEqual(json.loads(request_text(1, "m", {"on": np.bool_(True), "n": np.int64(3)}))["params"], {"on": True, "n": 3})
+        for timeout_s in (-1.0, math.nan, "5", None):
+            for kind in (Client, AsyncClient):
+                with self.assertRaisesRegex(ValueError, "^timeout_s: must be a number"):
+                    kind(next(self.endpoints), timeout_s)
 
     def test_the_codes_are_those_of_the_document(self):
         rows = re.findall(r"^\| (-32\d+) \| (.*) \| (.*) \|$", (ROOT / "proto" / "WIRE.md").read_text(), re.M)

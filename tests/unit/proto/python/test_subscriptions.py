@@ -2,11 +2,13 @@
 import asyncio
 import itertools
 import json
+import math
 import tempfile
 import unittest
 
 import paths  # noqa: F401  the client's folder
 
+import numpy as np
 import zmq
 
 from ovws_client import AsyncSubscription, Event, NoAnswer, Subscription
@@ -47,6 +49,19 @@ class Subscriptions(unittest.TestCase):
             with self.assertRaisesRegex(NoAnswer, "0.05 s"):
                 next(stream)
             self.assertIsNone(stream.newest(0.0))
+
+    def test_numbers_of_numpy_are_numbers_and_wrong_ones_are_refused_by_name(self):
+        with Subscription(Event, endpoint=self.endpoint, timeout_s=np.float32(20.0), queue_messages=np.int64(10)) as stream:
+            self.publish(0)
+            self.assertEqual(next(stream).seq, 0)
+            for timeout_s in (np.int64(0), np.float32(0.0), np.bool_(False)):
+                self.assertIsNone(stream.next(timeout_s))
+            for timeout_s in (-1, math.nan, "1"):
+                with self.assertRaisesRegex(ValueError, "^timeout_s: must be a number of at least 0, not "):
+                    stream.next(timeout_s)
+        for queue_messages in (0, 4.5, None):
+            with self.assertRaisesRegex(ValueError, "^queue_messages: must be a whole number of at least 1, not "):
+                Subscription(Event, endpoint=self.endpoint, queue_messages=queue_messages)
 
     def test_for_asyncio(self):
         async def main():
