@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import zmq
 
 from ovws_client import Client, ClientError, Message, NoAnswer, Status, Subscription
+from ovws_client.guard import Guard
 from ovws_client.values import number
 from ovws_client.wire import CONTROL, KeyFile
 
@@ -20,7 +21,8 @@ _log = logging.getLogger("ovws_bridges")
 
 
 class Link:
-    """Connection to one daemon, which may start, stop and restart at any time. Thread-safe.
+    """Connection to one daemon, which may start, stop and restart at any time. Thread-safe; not for a fork of the process. Raises ClientError if
+    endpoint or keys are wrong.
 
     kinds: messages to receive, besides Status
     endpoint, timeout_s, key, server_key: as in ovws_client.Client
@@ -34,7 +36,8 @@ class Link:
         self._kinds = (Status, *kinds)
         self._arguments = {"endpoint": self.endpoint, "timeout_s": timeout_s, "key": key, "server_key": server_key}
         self._silent_s = number("silent_s", silent_s, 0.0)
-        self._client: Client | None = None
+        self._guard = Guard("connection of a bridge")
+        self._client: Client | None = Client(**self._arguments)  # type: ignore[arg-type]
         self._calls = threading.Lock()
         self._newest: dict[type[Message], Message] = {}
         self._listeners: list[Listener] = []
@@ -47,6 +50,7 @@ class Link:
     def client(self) -> Iterator[Client]:
         """The client, for this thread alone during the block. After NoAnswer its socket is replaced, so that a daemon that comes back does
         not carry out requests that their caller has given up."""
+        self._guard.check()
         with self._calls:
             if self._client is None:
                 self._client = Client(**self._arguments)  # type: ignore[arg-type]
@@ -59,10 +63,12 @@ class Link:
 
     def newest(self, kind: type[Message]) -> Message | None:
         """The newest message of a kind; None if there was none since the daemon was lost."""
+        self._guard.check()
         return self._newest.get(kind)
 
     def wait_until_connected(self, timeout_s: float) -> None:
         """Returns when the daemon sends messages; raises NoAnswer if it does not within `timeout_s` seconds."""
+        self._guard.check()
         with self._changed:
             if not self._changed.wait_for(lambda: Status in self._newest, min(number("timeout_s", timeout_s, 0.0), threading.TIMEOUT_MAX)):
                 raise NoAnswer(f"no status of the daemon at {self.endpoint} within {timeout_s} s; does it run?")
@@ -80,6 +86,7 @@ class Link:
     @contextmanager
     def messages(self, timeout_s: float) -> Iterator[Iterator[Message]]:
         """The messages that arrive from now on, until `timeout_s` seconds have passed: an iterator that then ends."""
+        self._guard.check()
         arrived: queue.Queue[Message] = queue.Queue(MAX_QUEUED)
         end = time.monotonic() + min(number("timeout_s", timeout_s, 0.0), threading.TIMEOUT_MAX)
 
@@ -101,7 +108,9 @@ class Link:
             self.remove_listener(put)
 
     def close(self) -> None:
-        """Ends the thread and the connections."""
+        """Ends the thread and the connections; in a fork they are the other process's."""
+        if self._guard.is_fork:
+            return
         self._stopped.set()
         if threading.current_thread() is not self._thread:
             self._thread.join(5.0)  # its listener may wait for a lock of the caller

@@ -11,13 +11,15 @@ import zmq.asyncio
 
 from .async_bench import AsyncBench
 from .errors import JobFailed, NoAnswer
+from .guard import Guard, connect
 from .methods import Binary, JobNumber, JobReport
 from .values import number, whole
 from .wire import CONTROL, KeyFile, daemon_waits_s, key_hint, reply_parts, request_text, result_of, use_keys
 
 
 class AsyncClient(AsyncBench):
-    """Client for asyncio, otherwise as Client. Any number of tasks of one event loop may call concurrently. Close it with `async with` or `close`."""
+    """Client for asyncio, otherwise as Client. Any number of tasks of one event loop may call concurrently, and an event loop may follow
+    another one. Close it with `async with` or `close`."""
 
     def __init__(self, endpoint: str = CONTROL, timeout_s: float = 5.0, key: KeyFile | None = None, server_key: str | None = None) -> None:
         self.timeout_s = number("timeout_s", timeout_s, 0.0)
@@ -26,10 +28,23 @@ class AsyncClient(AsyncBench):
         self._ids = itertools.count(1)
         self._waiting: dict[int, asyncio.Future[Any]] = {}
         self._reader: asyncio.Task[None] | None = None
+        self._guard = Guard("client")
+        self._connect()
+
+    def _connect(self) -> None:
         self._socket = zmq.asyncio.Context.instance().socket(zmq.DEALER)
         self._socket.linger = 0
-        self._hint = key_hint(use_keys(self._socket, key, server_key))
-        self._socket.connect(endpoint)
+        self._hint = key_hint(use_keys(self._socket, **self.keys))  # type: ignore[arg-type]
+        connect(self._socket, self.endpoint)
+
+    def _begin(self) -> None:
+        """Has replies read by the running event loop. The reader ends with its loop; the next loop has a connection of its own."""
+        if self._guard.enter_loop():
+            self._socket.close()
+            self._connect()
+            self._reader = None
+        if self._reader is None or self._reader.done():
+            self._reader = asyncio.create_task(self._read())
 
     async def call(self, method: str, params: Mapping[str, object] | None = None, binary: Binary = None) -> Any:
         """Calls a method and returns its result; raises Refused with the daemon's message."""
@@ -39,8 +54,7 @@ class AsyncClient(AsyncBench):
         """The same with the binary frame of the reply: (result, bytes)."""
         request_id = next(self._ids)
         request = request_text(request_id, method, params)
-        if self._reader is None:
-            self._reader = asyncio.create_task(self._read())
+        self._begin()
         self._waiting[request_id] = asyncio.get_running_loop().create_future()
         timeout_s = self.timeout_s + daemon_waits_s(method, params)
         try:
@@ -56,7 +70,7 @@ class AsyncClient(AsyncBench):
     async def _read(self) -> None:
         while True:
             reply, pixels = reply_parts(await self._socket.recv_multipart())
-            waiting = self._waiting.get(reply.get("id"))
+            waiting = self._waiting.get(reply.get("id")) if isinstance(reply, dict) else None
             if waiting is not None and not waiting.done():
                 waiting.set_result((reply, pixels))
 
@@ -90,7 +104,7 @@ class AsyncClient(AsyncBench):
         for waiting in self._waiting.values():
             if not waiting.done():
                 waiting.set_exception(NoAnswer("the client was closed before the answer came"))
-        self._socket.close()
+        self._guard.close(self._socket)
 
     async def __aenter__(self) -> AsyncClient:
         return self

@@ -7,18 +7,21 @@ import zmq
 import zmq.asyncio
 
 from .errors import NoAnswer
+from .guard import Guard
 from .subscription import Decoder, M, OnLoss
 from .values import milliseconds
 from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
 
 
 class AsyncSubscription(Generic[M]):
-    """Subscription for asyncio: `async for frame in AsyncSubscription(Wavefront): …`. Parameters as in Subscription. For one task at a time."""
+    """Subscription for asyncio: `async for frame in AsyncSubscription(Wavefront): …`. Parameters as in Subscription. For one task at a
+    time; an event loop may follow another one."""
 
     def __init__(self, *kinds: type[M], endpoint: str = NUMBERS, image_endpoint: str = IMAGES, timeout_s: float | None = None,
                  on_loss: OnLoss = "report", queue_messages: int = 1000, key: KeyFile | None = None, server_key: str | None = None) -> None:
         self.timeout_s = timeout_s
         self._decoder = Decoder(kinds, on_loss)
+        self._guard = Guard("subscription")
         self._socket = zmq.asyncio.Context.instance().socket(zmq.SUB)
         self._hint = key_hint(use_keys(self._socket, key, server_key))
         self._decoder.configure(self._socket, endpoint, image_endpoint, queue_messages)
@@ -31,6 +34,7 @@ class AsyncSubscription(Generic[M]):
     async def next(self, timeout_s: float | None = None) -> M | None:
         """The next message, or None if none came within `timeout_s` seconds (None: waits forever)."""
         wait_ms = milliseconds("timeout_s", timeout_s)
+        self._guard.enter_loop()
         while await self._socket.poll(wait_ms):
             message = self._decoder.decode(await self._socket.recv_multipart(copy=False))
             if message is not None:
@@ -55,7 +59,7 @@ class AsyncSubscription(Generic[M]):
 
     def close(self) -> None:
         """Closes the connection."""
-        self._socket.close()
+        self._guard.close(self._socket)
 
     async def __aenter__(self) -> AsyncSubscription[M]:
         return self

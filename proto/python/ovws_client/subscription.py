@@ -8,6 +8,7 @@ from typing import Any, Generic, Literal, TypeVar
 import zmq
 
 from .errors import Lost, NoAnswer
+from .guard import Guard, connect
 from .messages import FrameMessage, Message
 from .values import milliseconds, whole
 from .wire import IMAGES, NUMBERS, KeyFile, key_hint, use_keys
@@ -53,7 +54,7 @@ class Decoder(Generic[M]):
         homes = {NUMBERS: endpoint, IMAGES: image_endpoint}
         for home in sorted({kind.endpoint for kind in self._kinds.values()}):
             socket.rcvhwm = min(queue_messages, MAX_IMAGES) if home == IMAGES else queue_messages  # applies to later connections
-            socket.connect(homes[home])
+            connect(socket, homes[home])
 
     def decode(self, frames: Sequence[zmq.Frame]) -> M | None:
         """The message; None if its topic merely begins with the name of a subscribed one. May raise Lost."""
@@ -70,7 +71,8 @@ class Decoder(Generic[M]):
 
 
 class Subscription(Generic[M]):
-    """Subscription to some kinds of messages: `for frame in Subscription(Wavefront): …`. Not thread-safe.
+    """Subscription to some kinds of messages: `for frame in Subscription(Wavefront): …`. For one thread at a time, and not for a
+    fork of the process.
 
     timeout_s: how long iterating waits for a message before it raises NoAnswer; None: forever
     on_loss: "report": losses are counted in `lost_messages` of each message and of the subscription; "raise": additionally raises Lost,
@@ -83,6 +85,7 @@ class Subscription(Generic[M]):
                  on_loss: OnLoss = "report", queue_messages: int = 1000, key: KeyFile | None = None, server_key: str | None = None) -> None:
         self.timeout_s = timeout_s
         self._decoder = Decoder(kinds, on_loss)
+        self._guard = Guard("subscription")
         self._socket: zmq.Socket[bytes] = zmq.Context.instance().socket(zmq.SUB)
         self._hint = key_hint(use_keys(self._socket, key, server_key))
         self._decoder.configure(self._socket, endpoint, image_endpoint, queue_messages)
@@ -95,10 +98,11 @@ class Subscription(Generic[M]):
     def next(self, timeout_s: float | None = None) -> M | None:
         """The next message, or None if none came within `timeout_s` seconds (None: waits forever)."""
         wait_ms = milliseconds("timeout_s", timeout_s)
-        while self._socket.poll(wait_ms):
-            message = self._decoder.decode(self._socket.recv_multipart(copy=False))
-            if message is not None:
-                return message
+        with self._guard.use():
+            while self._socket.poll(wait_ms):
+                message = self._decoder.decode(self._socket.recv_multipart(copy=False))
+                if message is not None:
+                    return message
         return None
 
     def newest(self, timeout_s: float | None = None) -> M | None:
@@ -119,7 +123,7 @@ class Subscription(Generic[M]):
 
     def close(self) -> None:
         """Closes the connection."""
-        self._socket.close()
+        self._guard.close(self._socket)
 
     def __enter__(self) -> Subscription[M]:
         return self

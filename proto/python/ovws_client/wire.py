@@ -26,13 +26,16 @@ def use_keys(socket: zmq.Socket[Any], key: KeyFile | None = None, server_key: st
     key = key or os.environ.get("OVWS_KEY")
     if not key:
         return False
-    keys = json.loads(Path(key).read_text(encoding="utf-8"))
-    server_key = server_key or os.environ.get("OVWS_SERVER_KEY") or keys.get("server_key")
-    if not server_key:
-        raise ClientError(f"the daemon's public key must be given: server_key=…, or \"server_key\" in {key}")
-    socket.curve_publickey = keys["public_key"].encode()
-    socket.curve_secretkey = keys["secret_key"].encode()
-    socket.curve_serverkey = server_key.encode()
+    try:
+        keys = json.loads(Path(key).read_text(encoding="utf-8"))
+        server_key = server_key or os.environ.get("OVWS_SERVER_KEY") or keys.get("server_key")
+        if not server_key:
+            raise ClientError(f"the daemon's public key must be given: server_key=…, or \"server_key\" in {key}")
+        socket.curve_publickey = keys["public_key"].encode()
+        socket.curve_secretkey = keys["secret_key"].encode()
+        socket.curve_serverkey = server_key.encode()
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, zmq.ZMQError) as error:
+        raise ClientError(f"key file {key}, or server_key: {type(error).__name__}: {error}; make a key file with `ovws keygen`") from error
     return True
 
 

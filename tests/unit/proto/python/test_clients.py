@@ -5,18 +5,23 @@ import itertools
 import json
 import math
 import multiprocessing
+import os
 import pickle
+import queue
 import re
 import tempfile
 import threading
 import unittest
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 from paths import ROOT
 
 import numpy as np
 import zmq
 
-from ovws_client import AsyncClient, Client, ClientError, JobFailed, NoAnswer, Refused
+from ovws_bridges.link import Link
+from ovws_client import AsyncClient, Client, ClientError, JobFailed, NoAnswer, Refused, Status
 from ovws_client.errors import CODES
 from ovws_client.wire import daemon_waits_s, request_text
 
@@ -31,6 +36,34 @@ def refuse(how):
     if how == "refused":
         raise Refused("camera.set", OUT_OF_RANGE)
     raise JobFailed(job("failed", OUT_OF_RANGE))
+
+
+def outcome_in(use, results):
+    """For a forked process: what use() gives or raises, as text."""
+    try:
+        results.put(repr(use()))
+    except Exception as error:
+        results.put(f"{type(error).__name__}: {error}")
+
+
+def own(endpoint):
+    with Client(endpoint, 20.0) as client:
+        return client.call("m")
+
+
+def in_a_fork(use):
+    """The outcome of use() in a fork of this process, as text, or "it hangs"."""
+    context = multiprocessing.get_context("fork")
+    results = context.Queue()
+    process = context.Process(target=outcome_in, args=(use, results))
+    process.start()
+    try:
+        return results.get(timeout=30.0)
+    except queue.Empty:
+        return "it hangs"
+    finally:
+        process.kill()
+        process.join()
 
 
 def job(state, error=None):
@@ -208,6 +241,79 @@ class Clients(unittest.TestCase):
                 with self.assertRaises(kind) as caught:
                     pool.apply_async(refuse, (how,)).get(timeout=60.0)
                 self.assertEqual((caught.exception.field, caught.exception.limits), ("gain_db", (-100.0, 100.0)))
+
+    def test_a_fork_is_told_that_the_client_is_not_its_own(self):
+        Played(endpoint := next(self.endpoints), [{"result": number} for number in range(4)])
+        with Client(endpoint, 20.0) as client:
+            self.assertEqual(client.call("first"), 0)
+            words = f"^ClientError: this client belongs to process {os.getpid()}, .* after the fork"
+            self.assertRegex(in_a_fork(lambda: client.call("again")), words)
+            self.assertEqual(in_a_fork(client.close), "None")
+            self.assertEqual(in_a_fork(lambda: own(endpoint)), "1", "one made after the fork")
+            self.assertEqual(client.call("second"), 2, "that of the parent goes on")
+
+        async def main():
+            async with AsyncClient(endpoint, 20.0) as later:
+                await later.call("third")
+                return in_a_fork(lambda: asyncio.new_event_loop().run_until_complete(later.call("again")))
+
+        self.assertRegex(asyncio.run(main()), words)
+
+    def test_threads_share_a_client(self):
+        Played(endpoint := next(self.endpoints), [{"result": 1}] * 80)
+        with Client(endpoint, 20.0) as client, ThreadPoolExecutor(4) as pool:
+            self.assertEqual(list(pool.map(lambda _: client.call("m"), range(80))), [1] * 80)
+
+    def test_a_call_waits_no_longer_than_its_time_out_for_that_of_another_thread(self):
+        with Client(next(self.endpoints), 0.1) as client, client._guard.use():
+            with ThreadPoolExecutor(1) as pool, self.assertRaisesRegex(NoAnswer, "another thread uses this client for longer than 0.1 s"):
+                pool.submit(client.call, "m").result(60.0)
+
+    def test_an_event_loop_may_follow_another_one(self):
+        Played(endpoint := next(self.endpoints), [{"result": number} for number in range(4)])
+        client = AsyncClient(endpoint, 20.0)
+        self.assertEqual([asyncio.run(client.call("m")) for _ in range(3)], [0, 1, 2])
+
+        async def inside():
+            with ThreadPoolExecutor(1) as pool:
+                self.assertEqual(await client.call("m"), 3)
+                with self.assertRaisesRegex(ClientError, "another event loop uses this client"):
+                    await asyncio.get_running_loop().run_in_executor(pool, asyncio.run, client.call("m"))
+
+        asyncio.run(inside())
+        client.close()
+        with self.assertRaisesRegex(ClientError, "closed"):
+            asyncio.run(client.call("m"))
+
+    def test_what_is_no_endpoint_is_refused_with_the_reason(self):
+        for kind in (Client, AsyncClient):
+            for endpoint, words in (("127.0.0.1:7702", "scheme tcp:// is missing: give tcp://127.0.0.1:7702"), ("tcp://127.0.0.1", "form tcp://HOST:PORT"),
+                                    ("http://127.0.0.1:7702", "form tcp://HOST:PORT"), (7702, "form tcp://HOST:PORT")):
+                with self.assertRaisesRegex(ClientError, words):
+                    kind(endpoint)
+        client = Client(next(self.endpoints))
+        client.close()
+        client.close()
+        with self.assertRaisesRegex(ClientError, "this client is closed"):
+            client.call("m")
+
+    def test_the_connection_of_a_bridge_refuses_a_fork_and_a_wrong_endpoint(self):
+        with self.assertRaisesRegex(ClientError, "scheme tcp:// is missing"):
+            Link(endpoint="127.0.0.1:7702")
+        link = Link(endpoint=next(self.endpoints))
+        self.addCleanup(link.close)
+        for use in (lambda: link.newest(Status), lambda: link.client().__enter__(), lambda: link.wait_until_connected(0.0)):
+            self.assertRegex(in_a_fork(use), "^ClientError: this connection of a bridge belongs to process")
+        self.assertEqual(in_a_fork(link.close), "None")
+
+    def test_a_wrong_key_file_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "key.json")
+            for text in (None, "{", "[]", '{"server_key": "x"}', '{"server_key": "x", "public_key": "short", "secret_key": "short"}'):
+                if text is not None:
+                    file.write_text(text)
+                with self.assertRaisesRegex(ClientError, "key.json.*ovws keygen"):
+                    Client(key=file, server_key="x" * 40)
 
     def test_numbers_of_numpy_are_numbers(self):
         waits = np.float32(20.0)

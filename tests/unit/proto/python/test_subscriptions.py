@@ -3,17 +3,28 @@ import asyncio
 import itertools
 import json
 import math
+import multiprocessing
+import os
 import tempfile
+import time
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 
 import paths  # noqa: F401  the client's folder
 
 import numpy as np
 import zmq
 
-from ovws_client import AsyncSubscription, Event, NoAnswer, Subscription
+from ovws_client import AsyncSubscription, ClientError, Event, NoAnswer, Subscription
 
 EVENT = {"schema": "ovws.event/1", "seq": 0, "t_ns": 1, "kind": "job", "severity": "info", "text": "done", "data": None}
+
+
+shared = []  # with forks
+
+
+def next_of_shared():
+    return shared[0].next()
 
 
 class Subscriptions(unittest.TestCase):
@@ -50,6 +61,26 @@ class Subscriptions(unittest.TestCase):
                 next(stream)
             self.assertIsNone(stream.newest(0.0))
 
+    def test_a_fork_and_a_second_thread_are_told_so(self):
+        with Subscription(Event, endpoint=self.endpoint, timeout_s=20.0) as stream, ThreadPoolExecutor(1) as pool:
+            self.publish(0)
+            self.assertEqual(next(stream).seq, 0)
+            shared.append(stream)
+            self.addCleanup(shared.clear)
+            with multiprocessing.get_context("fork").Pool(1) as fork:
+                with self.assertRaisesRegex(ClientError, f"this subscription belongs to process {os.getpid()}, .* after the fork"):
+                    fork.apply_async(next_of_shared).get(timeout=30.0)
+            waiting = pool.submit(stream.next, 20.0)
+            while not stream._guard._in_use.locked():
+                time.sleep(0.001)
+            for act in (lambda: stream.next(0.0), lambda: stream.newest(0.0), stream.close):
+                with self.assertRaisesRegex(ClientError, "another thread uses this subscription: make one for each thread"):
+                    act()
+            self.socket.send_multipart([b"event", json.dumps(EVENT | {"seq": 1}).encode()])
+            self.assertEqual(waiting.result(60.0).seq, 1)
+        with self.assertRaisesRegex(ClientError, "this subscription is closed"):
+            stream.next(0.0)
+
     def test_numbers_of_numpy_are_numbers_and_wrong_ones_are_refused_by_name(self):
         with Subscription(Event, endpoint=self.endpoint, timeout_s=np.float32(20.0), queue_messages=np.int64(10)) as stream:
             self.publish(0)
@@ -62,6 +93,22 @@ class Subscriptions(unittest.TestCase):
         for queue_messages in (0, 4.5, None):
             with self.assertRaisesRegex(ValueError, "^queue_messages: must be a whole number of at least 1, not "):
                 Subscription(Event, endpoint=self.endpoint, queue_messages=queue_messages)
+        for kind in (Subscription, AsyncSubscription):
+            with self.assertRaisesRegex(ClientError, "scheme tcp:// is missing: give tcp://127.0.0.1:7701"):
+                kind(Event, endpoint="127.0.0.1:7701")
+
+    def test_one_event_loop_after_another(self):
+        stream = AsyncSubscription(Event, endpoint=self.endpoint, timeout_s=20.0)
+        self.addCleanup(stream.close)
+        self.publish(0, 1, 2)
+        self.assertEqual([asyncio.run(stream.next(20.0)).seq for _ in range(2)], [0, 1])
+
+        async def inside():
+            self.assertEqual((await stream.next(20.0)).seq, 2)
+            with self.assertRaisesRegex(ClientError, "another event loop uses this subscription"):
+                await asyncio.to_thread(asyncio.run, stream.next(0.0))
+
+        asyncio.run(inside())
 
     def test_for_asyncio(self):
         async def main():
