@@ -83,7 +83,7 @@ class Device(BridgeCase):
             self.assertRegex(str(error), reason)
             self.assertEqual((action.done, action.success), (True, False))
         self.call("reference.clear")
-        self.sensor.timeout_s = 1.0
+        self.sensor.timeout_s = 5.0
         self.assertRegex(str(self.sensor.trigger().exception(PATIENCE_S)), r"0 of 1 valid frames .* is there a reference\?")
         self.assertFalse(self.reading()["valid"])
         self.assertTrue(np.isnan(self.reading()["rms_waves"]))

@@ -1,4 +1,4 @@
-"""The wall clock steps by an hour, both ways, while frames flow: only wall-clock time stamps change.
+"""The wall clock steps, both ways, while frames flow: only wall-clock time stamps change, and the Python client finds the frames that it waits for.
 
 Only the daemon sees the step, through an LD_PRELOAD library (stepped_clock.cpp).
 """
@@ -9,9 +9,13 @@ import struct
 import subprocess
 import time
 
-from case import BenchCase, main, next_message
+from case import PATIENCE_S, BenchCase, Client, main, next_message
+
+from ovws_bridges.bluesky import WavefrontSensor
+from ovws_client.corrector import mean_spots
 
 HOUR_NS, FAR_NS = 3_600_000_000_000, 60_000_000_000
+STEP_NS = 20_000_000_000
 
 
 class Clock(BenchCase):
@@ -74,6 +78,31 @@ class Clock(BenchCase):
         self.assertEqual(self.wall_waits(), 0, "nothing waits for a time of the wall clock")
         log = self.bench.log("ovwsd")
         self.assertNotIn("has not run for", log)
+
+    def test_the_client_waits_for_frames_across_a_step(self):
+        def steps(call):
+            """Steps back after each answer, and further back the next time: frames appear to be older than what was asked before them."""
+            def stepping(*request):
+                result = call(*request)
+                self.step(self.stepped - STEP_NS)
+                self.stepped -= STEP_NS
+                return result
+            return stepping
+
+        self.take_reference(20)
+        self.stepped = 0
+        with Client() as client:
+            client.call_binary = steps(client.call_binary)  # of all methods
+            self.assertEqual(client.wavefront(frames=3).frames, 3)
+            self.assertEqual(client.image().pixels.ndim, 2)
+            self.assertEqual(mean_spots(client, 3)[0].size, 2 * client.sensor_get()["subapertures"])
+        sensor = WavefrontSensor("ovws", timeout_s=PATIENCE_S / 2)
+        self.addCleanup(sensor.close)
+        with sensor.link.client() as client:
+            client.call_binary = steps(client.call_binary)
+        sensor.exposure_us.set(1500.0).wait(PATIENCE_S)
+        sensor.trigger().wait(PATIENCE_S)
+        self.assertLess(self.stepped, -10 * STEP_NS)
 
 
 if __name__ == "__main__":

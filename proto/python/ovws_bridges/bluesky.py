@@ -10,8 +10,9 @@ from collections.abc import Callable
 from typing import Any
 
 from ovws_client import ClientError, MeanWavefront, Message, NoAnswer, Wavefront
-from ovws_client.bench import Gathering, earliest_ns
+from ovws_client.bench import Gathering
 from ovws_client.modes import ModeKey
+from ovws_client.values import number, whole
 from ovws_client.wire import KeyFile
 
 from .action import Action
@@ -41,8 +42,8 @@ class WavefrontSensor:
     def __init__(self, name: str = "ovws", *, frames: int = 1, timeout_s: float = 20.0, endpoint: str | None = None,
                  key: KeyFile | None = None, server_key: str | None = None) -> None:
         self.name = name
-        self.frames = frames
-        self.timeout_s = timeout_s
+        self.frames = whole("frames", frames)
+        self.timeout_s = number("timeout_s", timeout_s, 0.0)
         self.link = Link(Wavefront, endpoint=endpoint, key=key, server_key=server_key)
         self.exposure_us = CameraSetting(self, "exposure_us")
         self.gain_db = CameraSetting(self, "gain_db")
@@ -132,11 +133,13 @@ class WavefrontSensor:
         return frame
 
     def _take(self) -> None:
+        frames = whole("frames", self.frames)
         with self.link.client() as client:
-            gathering = Gathering(self.frames, earliest_ns(client.system_status(), client.config_get()))
             camera = client.camera_get()["settings"]
-            timeout_s = self.timeout_s + (self.frames + 2) * max(1e-6 * camera["exposure_us"], 1.0 / camera["frame_rate_hz"])
+        timeout_s = self.timeout_s + (frames + 2) * max(1e-6 * camera["exposure_us"], 1.0 / camera["frame_rate_hz"])
         with self.link.messages(timeout_s) as messages:
+            with self.link.client() as client:
+                gathering = Gathering(frames, client.later(timeout_s, f"0 of {frames} valid frames"))
             for frame in frames_of(messages):
                 gathering.take(frame)
                 if gathering.is_complete:

@@ -8,7 +8,6 @@ from typing import Any, Protocol
 import numpy as np
 
 from ovws_client import Client, NoAnswer, Wavefront, mode_index, mode_name
-from ovws_client.bench import earliest_ns
 from ovws_client.modes import ModeKey
 
 from .action import Action
@@ -139,12 +138,11 @@ class CameraSetting(Setting):
 
     def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
         settings = client.call("camera.set", {self._name: value})["applied"]
-        earliest = earliest_ns(client.system_status(), client.config_get())
         wanted, exposure_us = settings[self._name], settings["exposure_us"]
+        later = client.later(self._sensor.timeout_s + 3e-6 * exposure_us)
 
         def shows(frame: Wavefront) -> bool:
-            known = frame_value(frame, self._name)
-            return bool(np.isclose(known, wanted, rtol=1e-6)) and frame.t_arrival_ns - 1e3 * exposure_us >= earliest
+            return later(frame) and bool(np.isclose(frame_value(frame, self._name), wanted, rtol=1e-6))
 
         return shows, exposure_us
 

@@ -7,10 +7,12 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any
 
 from .async_subscription import AsyncSubscription
-from .bench import Gathering, M, SettingsChange, as_seen_from, earliest_ns, no_image
+from .bench import Gathering, Later, M, SettingsChange, as_seen_from, no_frame, no_image
+from .errors import Refused
 from .measured import MeanWavefront
 from .messages import Image, Wavefront
 from .methods import AsyncMethods
+from .values import number, whole
 from .wire import KeyFile
 
 
@@ -29,22 +31,29 @@ class AsyncBench(AsyncMethods):
 
     async def image(self, timeout_s: float = 10.0) -> Image:
         """A camera image whose exposure began after this call, as Bench.image."""
+        end = time.monotonic() + number("timeout_s", timeout_s, 0.0)
         async with await self.subscribe(Image) as stream:
-            earliest, end = await self._earliest_ns(), time.monotonic() + timeout_s
-            exposure_us = (await self.camera_get())["settings"]["exposure_us"]
+            later = await self.later(timeout_s, "no image")
             while (image := await stream.next(max(0.0, end - time.monotonic()))) is not None:
-                if image.t_arrival_ns - 1e3 * exposure_us >= earliest:
+                if later(image):
                     return image
         raise no_image(timeout_s)
 
     async def wavefront(self, frames: int = 50, timeout_s: float = 30.0) -> MeanWavefront:
         """Mean wavefront of the next valid frames, with standard errors, as Bench.wavefront."""
-        gathering = Gathering(frames, await self._earliest_ns())
+        frames, end = whole("frames", frames), time.monotonic() + number("timeout_s", timeout_s, 0.0)
         async with await self.subscribe(Wavefront) as stream:
-            end = time.monotonic() + timeout_s
+            gathering = Gathering(frames, await self.later(timeout_s, f"0 of {frames} valid frames"))
             while not gathering.is_complete and (frame := await stream.next(max(0.0, end - time.monotonic()))) is not None:
                 gathering.take(frame)
         return gathering.mean(timeout_s)
+
+    async def later(self, timeout_s: float, missing: str = "no frame") -> Later:
+        """Tells which messages are of frames exposed after this call, as Bench.later."""
+        try:
+            return Later((await self.camera_grab(**Later.params(timeout_s)))[0])
+        except Refused as refused:
+            raise no_frame(refused, missing, timeout_s) from refused
 
     @asynccontextmanager
     async def settings(self, **settings: Any) -> AsyncIterator[dict[str, Any]]:
@@ -57,6 +66,3 @@ class AsyncBench(AsyncMethods):
                     restore.push_async_callback(self.call, method, before)
                 applied |= (await self.call(method, params))["applied"]
             yield applied
-
-    async def _earliest_ns(self) -> float:
-        return earliest_ns(await self.system_status(), await self.config_get())

@@ -7,14 +7,17 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import Any, TypeVar
 
-from .errors import NoAnswer
+from .errors import NoAnswer, Refused
 from .measured import MeanWavefront
-from .messages import Image, Message, Wavefront
-from .methods import CameraSettings, Methods
+from .messages import FrameMessage, Image, Message, Wavefront
+from .methods import CameraSettings, GrabReport, Methods
 from .subscription import Subscription
+from .values import number, whole
 from .wire import KeyFile
 
 M = TypeVar("M", bound=Message)
+GRAB_TIMEOUT_S = (0.1, 600.0)  # range of that of camera.grab
+UNAVAILABLE = -32001  # code of a camera.grab without frames
 
 
 def as_seen_from(control: str, endpoint: str) -> str:
@@ -29,15 +32,34 @@ def measurement(frame: Wavefront) -> tuple[object, ...]:
     return frame.charge, frame.tracker, frame.j.tolist(), frame.reference_introduced_rms_waves, hologram
 
 
-class Gathering:
-    """The valid frames of one measurement, for their mean: those whose exposure began after `earliest_ns` (the earliest arrival minus exposure
-    time). Begins again when the measurement changes."""
+class Later:
+    """Tells the messages of frames whose exposure began after a call, by their frame numbers. The daemon finds the first such frame by its
+    monotonic clock, for camera.grab: subscribe, then grab with `params`, so that no step of the wall clock orders frames."""
 
-    def __init__(self, frames: int, earliest_ns: float) -> None:
-        if frames < 1:
-            raise ValueError(f"frames must be at least 1, not {frames}")
+    @staticmethod
+    def params(timeout_s: float) -> dict[str, Any]:
+        """Those of the camera.grab: one pixel of the next frame."""
+        least, most = GRAB_TIMEOUT_S
+        return {"region": {"x": 0, "y": 0, "width": 1, "height": 1}, "timeout_s": min(max(timeout_s, least), most)}
+
+    def __init__(self, report: GrabReport) -> None:
+        self._first = report["frames"][0]["frame_id"]
+        self._newest = 0
+
+    def __call__(self, message: FrameMessage | Image) -> bool:
+        """Whether this message is of such a frame. For each message of a stream, in order."""
+        if message.frame_id < self._newest:
+            self._first = 0  # the camera was connected again, and its frames are numbered from the beginning
+        self._newest = message.frame_id
+        return message.frame_id >= self._first
+
+
+class Gathering:
+    """The valid frames of one measurement, for their mean: those that are `later`. Begins again when the measurement changes."""
+
+    def __init__(self, frames: int, later: Later) -> None:
         self._frames = frames
-        self._earliest_ns = earliest_ns
+        self._later = later
         self._good: list[Wavefront] = []
         self._skipped = 0
 
@@ -51,7 +73,7 @@ class Gathering:
         return self._good[-1]
 
     def take(self, frame: Wavefront) -> None:
-        if frame.exposure_us is None or frame.t_arrival_ns - 1e3 * frame.exposure_us < self._earliest_ns:
+        if not self._later(frame) or frame.exposure_us is None:
             return
         if not frame.valid:
             self._skipped += 1
@@ -72,6 +94,11 @@ def no_image(timeout_s: float) -> NoAnswer:
     return NoAnswer(f"no image within {timeout_s} s; does the camera deliver frames (system_status)?")
 
 
+def no_frame(refused: Refused, missing: str, timeout_s: float) -> Exception:
+    """What a refused camera.grab means for a call that waits for frames: if none came, NoAnswer with what is `missing` and the daemon's reason."""
+    return NoAnswer(f"{missing} within {timeout_s} s: {refused.reason}") if refused.code == UNAVAILABLE else refused
+
+
 class SettingsChange:
     """Settings of camera and sensor for a while: which method gets which keys, and what restores them."""
 
@@ -90,12 +117,6 @@ class SettingsChange:
                 yield method, change | self._clamp, {key: self._before[method][key] for key in change if key in self._before[method]}
 
 
-def earliest_ns(status: Mapping[str, Any], config: Mapping[str, Any]) -> float:
-    """Of a frame whose exposure begins after these answers: the earliest arrival minus exposure time, by the daemon's clock. The transfer takes
-    up to camera.transfer_ms, as the daemon assumes, too."""
-    return float(status["t_ns"] + 1e6 * config["camera"]["transfer_ms"])
-
-
 class Bench(Methods):
     """Methods of a client that need the streams, too. They find the streams' endpoints in the daemon's configuration."""
 
@@ -110,13 +131,12 @@ class Bench(Methods):
                             key=self.keys["key"], server_key=self.keys["server_key"])  # type: ignore[arg-type]
 
     def image(self, timeout_s: float = 10.0) -> Image:
-        """A camera image whose exposure began after this call; an image does not tell its exposure time, so that in use is assumed: the first
-        one after a change from a longer one may be older. Raises NoAnswer if none came within `timeout_s` seconds."""
+        """A camera image whose exposure began after this call. Raises NoAnswer if none came within `timeout_s` seconds."""
+        end = time.monotonic() + number("timeout_s", timeout_s, 0.0)
         with self.subscribe(Image) as stream:
-            earliest, end = self._earliest_ns(), time.monotonic() + timeout_s
-            exposure_us = self.camera_get()["settings"]["exposure_us"]
+            later = self.later(timeout_s, "no image")
             while (image := stream.next(max(0.0, end - time.monotonic()))) is not None:
-                if image.t_arrival_ns - 1e3 * exposure_us >= earliest:
+                if later(image):
                     return image
         raise no_image(timeout_s)
 
@@ -125,12 +145,20 @@ class Bench(Methods):
         those of one measurement: it begins again when charge, tracker, modes or the introduced aberration that the reference contains change,
         the loop is closed or opened, or another hologram is shown while it is open. Another reference that contains an introduced aberration
         of the same RMS does not show. Raises NoAnswer if there were not as many within `timeout_s` seconds."""
-        gathering = Gathering(frames, self._earliest_ns())
+        frames, end = whole("frames", frames), time.monotonic() + number("timeout_s", timeout_s, 0.0)
         with self.subscribe(Wavefront) as stream:
-            end = time.monotonic() + timeout_s
+            gathering = Gathering(frames, self.later(timeout_s, f"0 of {frames} valid frames"))
             while not gathering.is_complete and (frame := stream.next(max(0.0, end - time.monotonic()))) is not None:
                 gathering.take(frame)
         return gathering.mean(timeout_s)
+
+    def later(self, timeout_s: float, missing: str = "no frame") -> Later:
+        """Tells which messages, of subscriptions made before this call, are of frames exposed after it. Raises NoAnswer, which begins with what
+        is `missing`, if no frame came within `timeout_s` seconds."""
+        try:
+            return Later(self.camera_grab(**Later.params(timeout_s))[0])
+        except Refused as refused:
+            raise no_frame(refused, missing, timeout_s) from refused
 
     @contextmanager
     def settings(self, **settings: Any) -> Iterator[dict[str, Any]]:
@@ -148,6 +176,3 @@ class Bench(Methods):
                     restore.callback(self.call, method, before)  # before the call: one without an answer may still be carried out
                 applied |= self.call(method, params)["applied"]
             yield applied
-
-    def _earliest_ns(self) -> float:
-        return earliest_ns(self.system_status(), self.config_get())

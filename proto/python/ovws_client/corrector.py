@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from .bench import Bench, earliest_ns
+from .bench import Bench
 from .errors import NoAnswer
 from .messages import Corrector, Spots
 from .methods import KnownCalibration, KnownCorrector
+from .values import number, whole
 
 Floats = npt.NDArray[np.float64]
 Drive = Callable[[Floats], object]
@@ -52,6 +53,7 @@ def set_matrix(client: Bench, matrix: npt.ArrayLike) -> KnownCorrector:
 def _push_pull(sample: Callable[[], tuple[Floats, Floats]], drive: Drive, pokes: Floats, rest: Floats, settle_s: float) -> tuple[Floats, Floats]:
     """Half the difference of what is sampled under rest + poke and rest - poke, one column for each poke, and its standard error."""
     columns, errors = [], []
+    settle_s = number("settle_s", settle_s, 0.0)
     try:
         for poke in pokes:
             both = []
@@ -73,6 +75,7 @@ def calibrate_mirror(client: Bench, drive: Drive, actuators: int, amplitude: flo
     `settle_s`: time from the return of `drive` until the mirror is at rest. The mirror is at `rest` afterwards.
     """
     j: list[int] = []
+    actuators, frames, amplitude = whole("actuators", actuators), whole("frames", frames), number("amplitude", amplitude)
 
     def sample() -> tuple[Floats, Floats]:
         mean = client.wavefront(frames)
@@ -87,14 +90,15 @@ def calibrate_mirror(client: Bench, drive: Drive, actuators: int, amplitude: flo
 def mean_spots(client: Bench, frames: int, timeout_s: float = 30.0) -> tuple[Floats, Floats]:
     """Mean positions x, y, x, y, … of the spots in the next settled frames, camera pixels, and their standard errors. Only frames whose exposure
     began after this call count. NaN: lost in a frame. Raises NoAnswer if there were not as many within `timeout_s` seconds."""
-    earliest, end = earliest_ns(client.system_status(), client.config_get()), time.monotonic() + timeout_s
+    frames, end = whole("frames", frames), time.monotonic() + number("timeout_s", timeout_s, 0.0)
     rows: list[Floats] = []
     with client.subscribe(Spots) as stream:
+        later = client.later(timeout_s, f"0 of {frames} settled frames")
         while len(rows) < frames:
             spots = stream.next(max(0.0, end - time.monotonic()))
             if spots is None:
                 raise NoAnswer(f"{len(rows)} of {frames} settled frames within {timeout_s} s")
-            if spots.settled and spots.exposure_us is not None and spots.t_arrival_ns - 1e3 * spots.exposure_us >= earliest:
+            if later(spots) and spots.settled and spots.exposure_us is not None:
                 rows.append(spots.x_y_px.ravel().astype(np.float64))
     table = np.array(rows)
     return table.mean(axis=0), table.std(axis=0, ddof=1) / math.sqrt(frames)
@@ -107,6 +111,7 @@ def calibrate_sensor(client: Bench, drive: Drive, modes: Sequence[int], commands
 
     `commands_per_wave`: (modes, actuators), the commands that make one RMS-normalised wave of each of `modes` (j, ascending).
     """
+    frames, amplitude_waves = whole("frames", frames), number("amplitude_waves", amplitude_waves)
     commands = np.asarray(commands_per_wave, np.float64)
     middle = np.zeros(commands.shape[1]) if rest is None else np.asarray(rest, np.float64)
     moved, error = _push_pull(lambda: mean_spots(client, frames), drive, amplitude_waves * commands, middle, settle_s)
@@ -127,8 +132,9 @@ class MirrorLoop:
     def __init__(self, drive: Drive, actuators: int, gain: float = 0.4, leak: float = 0.0, limit: float = math.inf,
                  start: npt.ArrayLike | None = None, matrix: int | None = None) -> None:
         self._drive = drive
-        self._gain, self._leak, self._limit, self._matrix = gain, leak, limit, matrix
-        self.position: Floats = np.zeros(actuators) if start is None else np.array(start, np.float64)
+        self._gain, self._leak, self._limit = number("gain", gain), number("leak", leak), number("limit", limit)
+        self._matrix = None if matrix is None else whole("matrix", matrix, 0)
+        self.position: Floats = np.zeros(whole("actuators", actuators)) if start is None else np.array(start, np.float64)
         self.steps = 0
 
     def step(self, message: Corrector) -> bool:
@@ -142,7 +148,7 @@ class MirrorLoop:
 
     def run(self, client: Bench, seconds: float = math.inf, timeout_s: float = 5.0) -> None:
         """Takes a step for each frame, the newest one if this program is slower. Raises NoAnswer if no message came within `timeout_s` seconds."""
-        end = time.monotonic() + seconds
+        end = time.monotonic() + number("seconds", seconds)
         with client.subscribe(Corrector) as stream:
             while time.monotonic() < end:
                 message = stream.newest(timeout_s)

@@ -1,32 +1,43 @@
 """What the client does with methods and streams together, against a played daemon: which frames count, and which settings are restored."""
+import math
 import unittest
 from dataclasses import replace
 
 import numpy as np
 from paths import SCHEMAS
 
-from ovws_client import Client, Image, NoAnswer, Refused, Wavefront
+from ovws_client import Client, Image, NoAnswer, Refused, Spots, Wavefront
+from ovws_client.corrector import mean_spots
 
-NOW_NS, TRANSFER_NS, EXPOSURE_US = 1_000_000_000, 10_000_000, 2000.0
-FIRST_NS = NOW_NS + TRANSFER_NS + int(1e3 * EXPOSURE_US)  # arrival of the first frame that certainly began after the call
+EXPOSURE_US = 2000.0
+FIRST = 1041  # number of the first frame whose exposure began after the call
+STEP_NS = 20_000_000_000  # of the wall clock
 EXAMPLE = Wavefront.of(SCHEMAS["stream.wavefront"]["examples"][0])
+SPOTS = Spots.of(SCHEMAS["stream.spots"]["examples"][0], bytes(7 * 6 * 4))
 
 
 class Played(Client):
     """A client of a daemon that answers at once and publishes these messages. Calls in `wrong` raise, each once."""
 
     def __init__(self, *messages, wrong=()):
-        self.messages, self.calls, self.wrong = list(messages), [], dict(wrong)
+        self.messages, self.calls, self.wrong, self.subscribed = list(messages), [], dict(wrong), False
 
     def call(self, method, params=None):
         if method.endswith(".set"):
             self.calls.append((method, params))
             if method in self.wrong:
                 raise self.wrong.pop(method)
-        return {"system.status": {"t_ns": NOW_NS}, "config.get": {"camera": {"transfer_ms": 1e-6 * TRANSFER_NS}}, "sensor.get": {"charge": 1, "tracker": "lg"},
+        return {"sensor.get": {"charge": 1, "tracker": "lg"},
                 "camera.get": {"settings": {"gain_db": 0.0, "exposure_us": EXPOSURE_US}}}.get(method, {"applied": params})
 
+    def call_binary(self, method, params=None, binary=None):
+        assert self.subscribed, "a frame could come between the grab and the subscription"
+        if method in self.wrong:
+            raise self.wrong.pop(method)
+        return {"camera.grab": {"frames": [{"frame_id": FIRST}]}}[method], b"\0"
+
     def subscribe(self, *kinds, timeout_s=None):
+        self.subscribed = True
         return self
 
     def next(self, timeout_s=None):
@@ -37,23 +48,56 @@ class Played(Client):
 
 
 def frame(waves=0.0, **values):
-    return replace(EXAMPLE, **({"t_arrival_ns": FIRST_NS, "exposure_us": EXPOSURE_US, "coefficients_waves": np.full(len(EXAMPLE.j), waves)} | values))
+    return replace(EXAMPLE, **({"frame_id": FIRST, "exposure_us": EXPOSURE_US, "coefficients_waves": np.full(len(EXAMPLE.j), waves)} | values))
 
 
-def image(arrival_ns):
-    return Image(seq=0, frame_id=arrival_ns, t_arrival_ns=arrival_ns, hologram_id=1, pixel_format="Mono8", significant_bits=8, pixels=np.zeros((1, 1), np.uint8))
+def image(frame_id, arrival_ns=0):
+    return Image(seq=0, frame_id=frame_id, t_arrival_ns=arrival_ns, hologram_id=1, pixel_format="Mono8", significant_bits=8, pixels=np.zeros((1, 1), np.uint8))
 
 
 class Frames(unittest.TestCase):
-    def test_an_image_whose_exposure_may_have_begun_before_the_call_is_not_taken(self):
-        self.assertEqual(Played(image(NOW_NS + TRANSFER_NS), image(FIRST_NS - 1000), image(FIRST_NS)).image().t_arrival_ns, FIRST_NS)
+    def test_an_image_whose_exposure_began_before_the_call_is_not_taken(self):
+        self.assertEqual(Played(image(FIRST - 2), image(FIRST - 1), image(FIRST + 3)).image().frame_id, FIRST + 3)
         with self.assertRaises(NoAnswer):
-            Played(image(FIRST_NS - 1000)).image(timeout_s=0.1)
+            Played(image(FIRST - 1)).image(timeout_s=0.1)
 
     def test_nor_is_such_a_frame_or_one_of_unknown_exposure(self):
-        older = [frame(9.0, t_arrival_ns=FIRST_NS - 1000), frame(9.0, exposure_us=None), frame(9.0, exposure_us=EXPOSURE_US + 1.0)]
+        older = [frame(9.0, frame_id=FIRST - 1), frame(9.0, exposure_us=None)]
         mean = Played(*older, frame(0.25), frame(0.0, valid=False), frame(0.75)).wavefront(frames=2)
         self.assertEqual((mean.frames, mean.skipped, mean.waves("defocus")), (2, 1, 0.5))
+
+    def test_a_step_of_the_wall_clock_orders_nothing(self):
+        for step_ns in (-STEP_NS, STEP_NS):
+            arrivals = [EXAMPLE.t_arrival_ns + step_ns * (k > 1) for k in range(3)]
+            frames = [frame(waves, frame_id=FIRST - 1 + k, t_arrival_ns=arrivals[k]) for k, waves in enumerate((9.0, 0.25, 0.75))]
+            self.assertEqual(Played(*frames).wavefront(frames=2).coefficients_waves[0], 0.5, step_ns)
+            images = [image(FIRST - 2 + k, arrivals[k]) for k in range(3)]
+            self.assertEqual(Played(*images).image().frame_id, FIRST, step_ns)
+            spots = [replace(SPOTS, frame_id=FIRST - 1 + k, t_arrival_ns=arrivals[k], exposure_us=EXPOSURE_US, settled=True,
+                             x_y_px=np.full_like(SPOTS.x_y_px, k)) for k in range(3)]
+            self.assertEqual(mean_spots(Played(*spots), 2)[0][0], 1.5, step_ns)
+
+    def test_the_frames_of_a_camera_that_counts_from_the_beginning_are_later(self):
+        frames = [frame(9.0, frame_id=FIRST - 1), frame(0.0), frame(0.25, frame_id=1), frame(0.5, frame_id=2)]
+        self.assertEqual(Played(*frames).wavefront(frames=3).coefficients_waves[0], 0.25)
+
+    def test_a_camera_that_sends_nothing_is_no_answer_with_the_reason(self):
+        silent = Refused("camera.grab", {"code": -32001, "message": "0 of 1", "data": {"field": "", "reason": "0 of 1 frames came within 3 s"}})
+        for act in (lambda client: client.image(timeout_s=3.0), lambda client: client.wavefront(timeout_s=3.0), lambda client: mean_spots(client, 2, 3.0)):
+            with self.assertRaisesRegex(NoAnswer, "^(no image|0 of 50 valid frames|0 of 2 settled frames) within 3.0 s: 0 of 1 frames came"):
+                act(Played(wrong={"camera.grab": silent}))
+
+    def test_numbers_of_numpy_are_numbers_and_wrong_ones_are_refused_by_name(self):
+        for frames in (np.int64(2), np.float32(2.0), 2.0, np.array(2)):
+            self.assertEqual(Played(frame(0.25), frame(0.75)).wavefront(frames=frames, timeout_s=np.float32(3.0)).frames, 2)
+        for frames in (4.5, np.float64(4.5), 0, -1, math.nan, math.inf, "4", None):
+            for act in (lambda client: client.wavefront(frames=frames), lambda client: mean_spots(client, frames)):
+                with self.assertRaisesRegex(ValueError, "^frames: must be a whole number of at least 1, not "):
+                    act(Played(frame()))
+        for timeout_s in (-1, math.nan, "4", None):
+            for act in (lambda client: client.wavefront(timeout_s=timeout_s), lambda client: client.image(timeout_s)):
+                with self.assertRaisesRegex(ValueError, "^timeout_s: must be a number of at least 0, not "):
+                    act(Played(frame()))
 
     def test_frames_of_different_measurements_are_not_averaged(self):
         closed = {"loop": "closed"}
