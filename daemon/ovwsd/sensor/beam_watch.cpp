@@ -28,49 +28,50 @@ void BeamWatch::on_frame(const FrameRecord& main) {
     const FrameRecord& record = *main.beams()[k];
     if (!record.plan->referenced()) continue;
     One& one = all_[k];
-    const std::int64_t now_ns = monotonic_ns();
-    one.tracked = record.tracked;
-    one.spots = record.spot_count;
-    one.explained = record.explained;
-    one.too_close_to = record.valid ? kNone : too_close_to(main, k);
-    one.newest_ns = now_ns;
-    if (record.valid) {
-      one.since_ns = 0;
-    } else if (one.since_ns == 0) {
-      one.since_ns = now_ns;
-    }
+    const std::int64_t now_ns = monotonic_ns(), since_ns = one.written.since_ns;
+    one.written = {.since_ns = record.valid    ? 0
+                               : since_ns == 0 ? now_ns
+                                               : since_ns,
+                   .t_ns = now_ns,
+                   .tracked = record.tracked,
+                   .spots = record.spot_count,
+                   .explained = record.explained,
+                   .too_close_to = record.valid ? kNone : too_close_to(main, k)};
+    one.newest.write(one.written);
   }
 }
 
 std::optional<std::string> BeamWatch::why_invalid(std::size_t k, std::int64_t now_ns) const {
-  const One& one = all_[k];
-  if (one.since_ns == 0 || now_ns - one.newest_ns > kMaxFrameAgeNs) return std::nullopt;
-  return fmt::format("{} of {} spots are found{}", one.tracked.load(), one.spots.load(),
-                     lack_of(one));
+  return reason_of(all_[k].newest.read(), now_ns);
 }
 
-std::string BeamWatch::lack_of(const One& one) const {
-  const int other = one.too_close_to;
+std::optional<std::string> BeamWatch::reason_of(const Newest& newest, std::int64_t now_ns) const {
+  if (newest.since_ns == 0 || now_ns - newest.t_ns > kMaxFrameAgeNs) return std::nullopt;
+  return fmt::format("{} of {} spots are found{}", newest.tracked, newest.spots, lack_of(newest));
+}
+
+std::string BeamWatch::lack_of(const Newest& newest) const {
+  const int other = newest.too_close_to;
   if (other != kNone) {
     return ", but too close to those of " +
            (other == kMain ? "the main source" : "the source " + all_[std::size_t(other)].name) +
            ": tilt the sources apart";
   }
-  if (one.tracked == 0) return ": check the light of this source";
-  return one.explained ? "" : ", but no wavefront explains their positions";
+  if (newest.tracked == 0) return ": check the light of this source";
+  return newest.explained ? "" : ", but no wavefront explains their positions";
 }
 
 void BeamWatch::announce(Events& events, std::int64_t now_ns) {
-  for (std::size_t k = 0; k < all_.size(); ++k) {
-    One& one = all_[k];
-    const std::int64_t since_ns = one.since_ns;
-    const auto why = why_invalid(k, now_ns);
-    if (why && since_ns != 0 && one.announced_ns == 0 && now_ns - since_ns >= kAnnounceNs) {
+  for (One& one : all_) {
+    const Newest newest = one.newest.read();
+    const std::int64_t since_ns = newest.since_ns;
+    const auto why = reason_of(newest, now_ns);
+    if (why && one.announced_ns == 0 && now_ns - since_ns >= kAnnounceNs) {
       one.announced_ns = since_ns;
       events.emit("spots", Severity::warning,
                   fmt::format("of the source {}, no frame has been valid for {:.1f} s: {}",
                               one.name, 1e-9 * double(now_ns - since_ns), *why),
-                  {{"valid", false}, {"beam", one.name}, {"tracked", one.tracked.load()}});
+                  {{"valid", false}, {"beam", one.name}, {"tracked", newest.tracked}});
     } else if (one.announced_ns != 0 && since_ns == 0) {
       events.emit("spots", Severity::info,
                   fmt::format("of the source {}, frames are valid again, after {:.1f} s", one.name,

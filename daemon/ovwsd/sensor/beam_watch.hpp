@@ -1,15 +1,16 @@
 /// Watches whether the frames of the further light sources are valid.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "config/config.hpp"
 #include "core/pipeline/frame_record.hpp"
+#include "core/rt/seq_lock.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 
 namespace ovws {
@@ -30,19 +31,25 @@ class BeamWatch {
  private:
   static constexpr int kNone = -2, kMain = -1;
 
+  /// One frame's facts, which readers see together.
+  struct Newest {
+    std::int64_t since_ns = 0;  ///< start of the invalid period; 0: the newest frame was valid
+    std::int64_t t_ns = 0;      ///< of the newest settled frame
+    int tracked = 0, spots = 0;
+    bool explained = true;
+    int too_close_to = kNone;  ///< kMain, or the number of another further source
+  };
   struct One {
     explicit One(std::string of) : name(std::move(of)) {}
     const std::string name;
-    std::atomic<std::int64_t> since_ns{0};  ///< 0: the newest frame was valid
-    std::atomic<std::int64_t> newest_ns{0};
-    std::atomic<int> tracked{0}, spots{0};
-    std::atomic<bool> explained{true};
-    std::atomic<int> too_close_to{kNone};  ///< kMain, or the number of another further source
-    std::int64_t announced_ns = 0;         ///< start of the invalid period announced; 0: none is
+    Newest written;  ///< publish thread only: what it wrote last into `newest`
+    SeqLock<Newest> newest;
+    std::int64_t announced_ns = 0;  ///< start of the invalid period announced; 0: none is
   };
 
   static int too_close_to(const FrameRecord& main, std::size_t k);
-  std::string lack_of(const One& one) const;
+  std::optional<std::string> reason_of(const Newest& newest, std::int64_t now_ns) const;
+  std::string lack_of(const Newest& newest) const;
 
   std::deque<One> all_;
 };

@@ -27,41 +27,17 @@ std::string branch_text(const ValidityWatch::Lack& lack) {
 }  // namespace
 
 void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) {
-  tracked_ = lack.tracked;
-  spots_ = lack.spots;
-  explained_ = lack.explained;
-  waits_ = lack.waits;
-  searched_ = lack.searched;
-  branch_points_ = lack.branch_points;
-  branch_x_ = float(lack.branch_point.at.x);
-  branch_y_ = float(lack.branch_point.at.y);
-  branch_charge_ = lack.branch_point.charge;
-  no_pattern_ = lack.no_pattern;
-  too_close_ = lack.too_close;
-  undetermined_ = lack.undetermined;
-  newest_ns_ = now_ns;
-  if (valid) {
-    since_ns_ = 0;
-  } else if (since_ns_ == 0) {
-    since_ns_ = now_ns;
-  }
+  const std::int64_t since_ns = written_.lack.since_ns;
+  written_ = {lack, now_ns};
+  written_.lack.since_ns = valid ? 0 : since_ns == 0 ? now_ns : since_ns;
+  newest_.write(written_);
 }
 
 std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) const {
-  const std::int64_t since_ns = since_ns_;
-  if (since_ns == 0 || now_ns - newest_ns_ > kMaxFrameAgeNs) return std::nullopt;
-  return Lack{since_ns,
-              tracked_,
-              spots_,
-              explained_,
-              waits_,
-              searched_,
-              brightness_.newest(now_ns),
-              branch_points_,
-              {{double(branch_x_), double(branch_y_)}, branch_charge_},
-              no_pattern_,
-              too_close_,
-              undetermined_};
+  Newest newest = newest_.read();
+  if (newest.lack.since_ns == 0 || now_ns - newest.t_ns > kMaxFrameAgeNs) return std::nullopt;
+  newest.lack.brightest = brightness_.newest(now_ns);
+  return newest.lack;
 }
 
 StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,

@@ -1,10 +1,10 @@
 /// Validity watch: since when and why no frame has been valid, and what the daemon does about it.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <optional>
 
+#include "core/rt/seq_lock.hpp"
 #include "core/wavefront/branch_points.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/frames/image_brightness.hpp"
@@ -54,7 +54,7 @@ class ValidityWatch {
   /// missing frames have another cause, which is reported elsewhere.
   std::optional<Lack> lack(std::int64_t now_ns) const;
   /// Whether the newest frame was valid, or no frame has come yet.
-  bool is_valid() const { return since_ns_ == 0; }
+  bool is_valid() const { return newest_.read().lack.since_ns == 0; }
   /// Describes the invalid period for the status message; none as for `lack`. `now_ns`
   /// (CLOCK_MONOTONIC) and `utc_ns` (UTC) are two clocks read at one moment.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid(std::int64_t now_ns,
@@ -69,14 +69,13 @@ class ValidityWatch {
 
  private:
   const ImageBrightness& brightness_;
-  std::atomic<std::int64_t> since_ns_{0};  ///< 0: the newest frame was valid
-  std::atomic<std::int64_t> newest_ns_{0};
-  std::atomic<int> tracked_{0}, spots_{0};
-  std::atomic<int> branch_points_{0};
-  std::atomic<float> branch_x_{0.0F}, branch_y_{0.0F};
-  std::atomic<int> branch_charge_{0};
-  std::atomic<bool> explained_{true}, waits_{false}, searched_{true}, no_pattern_{false};
-  std::atomic<bool> too_close_{false}, undetermined_{false};
+  /// One frame's facts, which readers see together.
+  struct Newest {
+    Lack lack{};            ///< since_ns 0: the newest frame was valid
+    std::int64_t t_ns = 0;  ///< CLOCK_MONOTONIC; 0: no frame yet
+  };
+  Newest written_;  ///< publish thread only: what it wrote last into newest_
+  SeqLock<Newest> newest_;
   Guarded<SearchProgress> progress_;
   std::int64_t announced_ns_ = 0;  ///< start of the invalid period announced; 0: none is
 };

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 namespace ovws {
 namespace {
 
@@ -33,6 +36,37 @@ TEST(ValidityWatch, SaysNothingWhenNoFramesCome) {
   EXPECT_TRUE(watch.lack(2 * kS));
   EXPECT_FALSE(watch.lack(3 * kS));
   EXPECT_FALSE(watch.is_valid());
+}
+
+TEST(ValidityWatch, ReportsTheFactsOfOneFrameTogether) {
+  const ImageBrightness unknown;
+  ValidityWatch watch(unknown);
+  std::atomic<bool> ended{false};
+  std::thread frames([&] {
+    for (int k = 1; k <= 100'000; ++k) {
+      const double at = k;
+      watch.on_frame(false,
+                     {.tracked = k,
+                      .spots = k,
+                      .explained = k % 2 == 0,
+                      .branch_points = k,
+                      .branch_point = {{at, at}, k}},
+                     kS);
+    }
+    ended = true;
+  });
+  int torn = 0;
+  while (!ended) {
+    const auto lack = watch.lack(kS);
+    if (!lack) continue;  // before the first frame
+    const int k = lack->tracked;
+    const bool whole =
+        lack->spots == k && lack->explained == (k % 2 == 0) && lack->branch_points == k &&
+        lack->branch_point.at == Vec2{double(k), double(k)} && lack->branch_point.charge == k;
+    torn += whole ? 0 : 1;
+  }
+  frames.join();
+  EXPECT_EQ(torn, 0);
 }
 
 TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
