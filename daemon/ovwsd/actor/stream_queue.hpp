@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "core/rt/priority_mutex.hpp"
 #include "proto/messages.hpp"
 #include "proto/status_message.hpp"
 
@@ -58,7 +59,7 @@ class StreamQueue {
     std::visit([seq](auto& one) { one.seq = seq; }, message);
   }
 
-  std::mutex mutex_;
+  PriorityMutex mutex_;  ///< the publish thread takes it, too
   std::deque<Message> messages_;
   std::array<std::uint64_t, std::variant_size_v<Message>> next_seq_{};
   std::uint64_t dropped_ = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <mutex>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -17,7 +18,7 @@ FrameBroker::Request::~Request() {
 }
 
 bool FrameBroker::Request::wait_for(std::chrono::milliseconds timeout) const {
-  std::unique_lock lock(line_.mutex);
+  std::unique_lock<std::mutex> lock(line_.mutex);
   return line_.served.wait_for(lock, timeout, [this] { return done(); });
 }
 

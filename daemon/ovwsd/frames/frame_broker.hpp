@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "core/pipeline/frame_record.hpp"
+#include "core/rt/priority_mutex.hpp"
 
 namespace ovws {
 
@@ -76,7 +76,7 @@ class FrameBroker {
  private:
   /// Open requests that one thread serves.
   struct Line {
-    std::mutex mutex;
+    PriorityMutex mutex;  ///< the publish thread takes that of `numbers_`, too
     std::condition_variable served;
     std::vector<Request*> open;
     std::atomic<int> open_count{0};  ///< size of `open`, to be read without the lock

@@ -14,6 +14,7 @@
 #include "config/config.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/rt/agent.hpp"
+#include "core/rt/priority_mutex.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
 #include "daemon/ovwsd/record/frame_store.hpp"
@@ -40,7 +41,7 @@ class RecordTaker : public Agent {
 
  private:
   Pipeline& pipeline_;
-  std::mutex mutex_;
+  PriorityMutex mutex_;  ///< both threads take it
   std::unique_ptr<FrameStore> store_;
 };
 
