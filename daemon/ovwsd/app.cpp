@@ -161,12 +161,10 @@ struct App::Parts {
       keeper->camera_changed(now.settings, now.info);
     }
     recorder.camera_changed(now.settings, now.info);
-    state.set_fault("camera", now.at_fault ? now.fault : "");
-    state.set(&Conditions::camera, now.connected);
+    state.set_device("camera", &Conditions::camera, now.connected, now.at_fault ? now.fault : "");
   }
   void display_changed(const SlmSnapshot& now) {
-    state.set_fault("slm", now.at_fault ? now.fault : "");
-    state.set(&Conditions::display, now.healthy);
+    state.set_device("slm", &Conditions::display, now.healthy, now.at_fault ? now.fault : "");
   }
 
   void thread_failed(const ThreadFailure& failure) {

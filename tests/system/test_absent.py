@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, bench_module, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, bench_module, main, next_message, wait_for
 
 
 class Absent(BenchCase):
@@ -79,8 +79,13 @@ class Absent(BenchCase):
         wait_for(lambda: self.call("system.status")["slm"]["connected"], what="the display")
         self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
         self.assertIn("98", str(self.refused("camera.set", {"gain_db": 98.0})))
+        events = self.stream("event")
         self.assertEqual(self.call("camera.set", {"gain_db": 3.0})["applied"]["gain_db"], 3.0)
         self.wait_until("running")
+        states = []
+        wait_for(lambda: states.extend(e["data"]["state"] for e in [next_message(events)] if e["kind"] == "state") or "running" in states,
+                 what="the event of the state")
+        self.assertEqual(states, ["running"])  # the camera is there: nothing waits for it
 
     def test_a_display_that_hangs_is_reported_and_ends_nothing(self):
         self.bench.start_display()

@@ -4,17 +4,23 @@ namespace ovws {
 
 void StateKeeper::set(bool Conditions::*condition, bool holds) {
   const std::lock_guard lock(mutex_);
-  set_locked(condition, holds);
+  const DaemonState before = state_of(conditions_);
+  conditions_.*condition = holds;
+  publish(before);
 }
 
-void StateKeeper::set_fault(const std::string& device, const std::string& cause) {
+void StateKeeper::set_device(const std::string& device, bool Conditions::*condition, bool connected,
+                             const std::string& cause) {
   const std::lock_guard lock(mutex_);
+  const DaemonState before = state_of(conditions_);
+  conditions_.*condition = connected;
   if (cause.empty()) {
     causes_.erase(device);
   } else {
     causes_[device] = cause;
   }
-  set_locked(&Conditions::fault, !causes_.empty());
+  conditions_.fault = !causes_.empty();
+  publish(before);
 }
 
 std::optional<std::string> StateKeeper::fault() const {
@@ -27,11 +33,9 @@ std::optional<std::string> StateKeeper::fault() const {
   return text;
 }
 
-/// Sets a condition and emits an event if the state changes. Call with mutex_ locked, so that
-/// events of different threads keep their order.
-void StateKeeper::set_locked(bool Conditions::*condition, bool holds) {
-  const DaemonState before = state_of(conditions_);
-  conditions_.*condition = holds;
+/// Emits an event if the state is not `before` any more. Call with mutex_ locked, so that events of
+/// different threads keep their order.
+void StateKeeper::publish(DaemonState before) {
   const DaemonState now = state_of(conditions_);
   if (now == before) return;
   const std::string name(state_name(now));

@@ -20,9 +20,10 @@ class StateKeeper {
 
   /// Sets a condition of the daemon (camera, display, job, ...), from which the state is derived.
   void set(bool Conditions::*condition, bool holds);
-  /// Sets the fault of `device`: the device is present, but unusable until a person fixes `cause`.
-  /// An empty `cause` clears the fault.
-  void set_fault(const std::string& device, const std::string& cause);
+  /// Sets in one change whether `device`, whose condition is `condition`, is connected, and its
+  /// fault: it is present, but unusable until a person fixes `cause`. Empty: no fault.
+  void set_device(const std::string& device, bool Conditions::*condition, bool connected,
+                  const std::string& cause);
   /// Text of all faults, each with its device; none if there is no fault.
   std::optional<std::string> fault() const;
   /// Checks whether the current state allows `action`; see `permit`.
@@ -32,7 +33,7 @@ class StateKeeper {
   bool has_bench() const;
 
  private:
-  void set_locked(bool Conditions::*condition, bool holds);
+  void publish(DaemonState before);
 
   Events& events_;
   mutable std::mutex mutex_;

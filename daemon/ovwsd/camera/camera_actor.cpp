@@ -208,11 +208,11 @@ void CameraActor::open_with(const CameraSet& change) {
   refresh_limits();
   if (ever_connected_) deps_.counters.add(Counter::camera_reconnects);
   ever_connected_ = true;
+  publish_connected();
   const CameraInfo& info = camera_->info();
   deps_.events.emit("camera", Severity::info,
                     fmt::format("camera {} {} ({}) at {} is connected", info.vendor, info.model,
                                 info.serial, info.address));
-  publish_connected();
 }
 
 /// Stores an accepted request in asked_; with `clamp`, clamps its values to the current limits.
@@ -402,13 +402,13 @@ void CameraActor::publish(CameraSnapshot now) {
   now.settings = settings_;
   now.asked = asked_;
   now.id = config_.id;
-  const CameraSnapshot before = snapshot_.get();
-  snapshot_.set(now);
-  if (!now.fault.empty() && now.fault != before.fault) {
-    deps_.events.emit("camera", Severity::error, "camera: " + now.fault);
-  }
+  const bool new_fault = !now.fault.empty() && now.fault != snapshot_.get().fault;
+  snapshot_.change([&](CameraSnapshot& published) {
+    deps_.on_change(now);
+    published = now;
+  });
+  if (new_fault) deps_.events.emit("camera", Severity::error, "camera: " + now.fault);
   deps_.events.status_changed();
-  deps_.on_change(now);
 }
 
 }  // namespace ovws

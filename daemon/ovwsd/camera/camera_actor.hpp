@@ -39,8 +39,9 @@ struct CameraActorDeps {
   Events& events;
   /// Checks whether settings may change now. Camera thread; not called for a job's changes.
   std::function<Result<void>()> may_change;
-  /// Called in the camera thread after each published change of settings, connection or fault. New
-  /// settings may change the image's size or format.
+  /// Called in the camera thread at each change of settings, connection or fault, before its
+  /// events. New settings may change the image's size or format. snapshot() waits meanwhile: other
+  /// threads see the change and what this call makes of it together. It must not call snapshot().
   std::function<void(const CameraSnapshot&)> on_change;
   /// Checks whether another camera may be selected now. Camera thread.
   std::function<Result<void>()> may_select = [] { return Result<void>{}; };

@@ -250,9 +250,9 @@ Result<void> Recorder::begin(const Begin& begin) {
   running_ = std::move(running);
   keep_facts(kMaxFacts);
   pipeline_.record(begin.asked.pictures_every);
+  publish_report();
   events_.emit("record", Severity::info, "recording " + running_->path + " has started",
                {{"file", running_->path}, {"state", "recording"}});
-  publish_report();
   return {};
 }
 

@@ -301,12 +301,14 @@ void SlmLoop::publish_snapshot(const std::optional<Error>& why) {
   now.at_fault = why && needs_intervention(*why);
   now.settings = settings_of(config_);
   const SlmSnapshot before = snapshot_.get();
-  snapshot_.set(now);
+  snapshot_.change([&](SlmSnapshot& published) {
+    if (now.healthy != before.healthy || now.fault != before.fault) deps_.on_change(now);
+    published = now;
+  });
   if (!now.fault.empty() && now.fault != before.fault) {
     deps_.events.emit("slm", Severity::error, "slm: " + now.fault);
   }
   deps_.events.status_changed();
-  if (now.healthy != before.healthy || now.fault != before.fault) deps_.on_change(now);
 }
 
 }  // namespace ovws

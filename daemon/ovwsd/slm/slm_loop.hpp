@@ -61,7 +61,9 @@ struct SlmLoopDeps {
   LatestValue<ShownHologram>& shown;
   Counters& counters;
   Events& events;
-  /// Called in the main thread when the SLM's health, or the reason of its fault, has changed.
+  /// Called in the main thread when the SLM's health, or the reason of its fault, has changed,
+  /// before its events. snapshot() waits meanwhile: other threads see the change and what this call
+  /// makes of it together. It must not call snapshot().
   std::function<void(const SlmSnapshot&)> on_change;
   /// Checks whether the settings may change now. Main thread.
   std::function<Result<void>()> may_change = [] { return Result<void>{}; };

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <future>
 #include <optional>
 #include <thread>
 
@@ -253,6 +254,43 @@ TEST_F(CameraActorTest, NothingIsGrabbedFromACameraThatWasReportedAsLost) {
   on_change_ = nullptr;
   ASSERT_TRUE(then);
   EXPECT_EQ(then, later);
+}
+
+TEST_F(CameraActorTest, TheDaemonsStateIsUpdatedBeforeAnEventOrASnapshotReportsTheCamera) {
+  std::atomic<bool> updated{false}, seen_updated{false};
+  std::optional<std::size_t> events_before;
+  std::thread reader;
+  device_.alive = false;
+  actor_->do_work();
+  const auto events = [this] {
+    std::size_t count = 0;
+    while (const auto message = queue_.take())
+      count += std::holds_alternative<EventMessage>(*message);
+    return count;
+  };
+  (void)events();
+  on_change_ = [&](const CameraSnapshot& now) {
+    if (!now.connected || events_before) return;
+    events_before = events();
+    std::promise<void> reads;
+    reader = std::thread([&] {
+      reads.set_value();
+      while (!actor_->snapshot().connected) {
+      }
+      seen_updated = updated.load();
+    });
+    reads.get_future().wait();
+    std::this_thread::sleep_for(50ms);
+    updated = true;
+  };
+  device_.alive = true;
+  turns_until([&] { return events_before.has_value(); });
+  on_change_ = nullptr;
+  ASSERT_TRUE(events_before);
+  reader.join();
+  EXPECT_EQ(*events_before, 0U);
+  EXPECT_EQ(events(), 1U) << "the camera is connected";
+  EXPECT_TRUE(seen_updated);
 }
 
 TEST_F(CameraActorTest, CameraThatLostPowerDuringASetIsOpenedAgainWithAllThatWasAsked) {

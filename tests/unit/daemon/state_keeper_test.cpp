@@ -12,34 +12,52 @@ class StateKeeperTest : public testing::Test {
     state_.set(&Conditions::started, true);
     state_.set(&Conditions::camera, true);
   }
+  void set_camera(bool connected, const std::string& cause) {
+    state_.set_device("camera", &Conditions::camera, connected, cause);
+  }
+  void set_slm(bool connected, const std::string& cause) {
+    state_.set_device("slm", &Conditions::display, connected, cause);
+  }
+  /// The states of the queued events.
+  std::string reported() {
+    std::string states;
+    while (const auto message = queue_.take()) {
+      states += std::get<EventMessage>(*message).data["state"].get<std::string>() + " ";
+    }
+    return states;
+  }
+
   StreamQueue queue_;
   Events events_{queue_};
   StateKeeper state_{events_};
 };
 
 TEST_F(StateKeeperTest, AFaultLastsUntilTheLastOfItsCausesIsGone) {
-  state_.set_fault("slm", "the mode is wrong");
-  state_.set_fault("camera", "no such format");
+  set_slm(false, "the mode is wrong");
+  set_camera(false, "no such format");
   EXPECT_EQ(state_.name(), "fault");
   EXPECT_EQ(state_.fault(), "camera: no such format; slm: the mode is wrong");
-  state_.set_fault("slm", "");
+  set_slm(false, "");
   EXPECT_EQ(state_.name(), "fault");
-  state_.set_fault("camera", "");
+  set_camera(true, "");
   EXPECT_EQ(state_.name(), "waiting_for_display");
   EXPECT_EQ(state_.fault(), std::nullopt);
 }
 
 TEST_F(StateKeeperTest, EachChangeOfStateIsOneEventAndRepetitionIsNone) {
-  while (queue_.take()) {
-  }
-  for (int i = 0; i < 3; ++i) state_.set_fault("slm", "the mode is wrong");
-  state_.set_fault("slm", "");
-  state_.set(&Conditions::display, true);
-  std::string reported;
-  while (const auto message = queue_.take()) {
-    reported += std::get<EventMessage>(*message).data["state"].get<std::string>() + " ";
-  }
-  EXPECT_EQ(reported, "fault waiting_for_display running ");
+  (void)reported();
+  for (int i = 0; i < 3; ++i) set_slm(false, "the mode is wrong");
+  set_slm(false, "");
+  set_slm(true, "");
+  EXPECT_EQ(reported(), "fault waiting_for_display running ");
+}
+
+TEST_F(StateKeeperTest, ADeviceThatRecoversFromItsFaultIsReportedOnce) {
+  set_slm(true, "");
+  (void)reported();
+  set_camera(false, "no such format");
+  set_camera(true, "");
+  EXPECT_EQ(reported(), "fault running ");
 }
 
 }  // namespace
