@@ -196,7 +196,8 @@ void SensorKeeper::restore_lease() {
   (void)restore_previous()(edit);
   lease_.reset();
   if (same_hologram(edit.state, state_) && edit.state.tracking == state_.tracking) return;
-  (void)activate(std::move(edit), Show::when_possible);
+  const auto restored = activate(edit, Show::when_possible);
+  if (!restored) adopt_without_plan(std::move(edit), restored.error());
 }
 
 void SensorKeeper::use_templates(ActiveTemplates templates) {
@@ -231,11 +232,7 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
     next.format = camera.pixel_format;
     ++next.sensor_epoch;
     if (const auto used = activate(edit, Show::when_possible); !used) {
-      knowledge_ = std::move(edit.knowledge);
-      state_.roi = camera.roi;  // so that the next plan is built for this image
-      state_.format = camera.pixel_format;
-      deps_.events.emit("sensor", Severity::error,
-                        "the camera's image cannot be measured: " + used.error().reason);
+      adopt_without_plan(std::move(edit), used.error());  // the next plan is for this image
     }
   });
 }
@@ -268,10 +265,8 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
     state.slm = active_slm(bench_.config, bench_.hologram, state.slm->lut, nullptr);
   }
   if (state.sensor_epoch == state_.sensor_epoch && state.slm == state_.slm) return;
-  if (activate(edit, Show::when_possible)) return;
-  state_.registration = edit.state.registration;  // so that the next plan does not use it
-  state_.sensor = edit.state.sensor;
-  (void)renew_renderer(state_);
+  const auto used = activate(edit, Show::when_possible);
+  if (!used) adopt_without_plan(std::move(edit), used.error());
 }
 
 /// Builds the plan and shows the hologram, then adopts the edit. If any step returns an error, the
@@ -341,14 +336,8 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   knowledge_ = std::move(edit.knowledge);
   if (lease_) lease_ = std::move(edit.lease);
   auto now = std::make_shared<SensorSnapshot>();
-  static_cast<SensorShown&>(*now) = state_;
-  now->templates = template_report(state_.tracking);
+  describe(*now, bound);
   now->mode_operator = {plan->mode_operator, bound.operator_reason};
-  now->correction = state_.correction;
-  now->hologram_id = bench_.hologram_id;
-  now->sensor_epoch = state_.sensor_epoch;
-  now->optics = optics_of(state_, bench_.optics);
-  now->registration = registration_of(state_, bench_.optics);
   now->plan_id = plan->id;
   now->subapertures = plan->subapertures();
   now->beams = beams_of(*plan);
@@ -357,17 +346,48 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   now->position_modes_j = plan->reconstructor->modes_j();
   now->given_up =
       plan->wants_templates() && !plan->fit && !plan->awaits_templates && takes_templates(state_);
-  now->layout_fault = events_.layout_fault(state_);
-  now->reference = bound.reference;
-  now->calibration = bound.calibration;
-  now->slm = state_.slm;
-  if (before->reference && !bound.reference)
-    events_.publish_unused(*before->reference, state_, knowledge_);
   events_.publish_changes(*before, *now);
   deps_.on_plan(*plan, now);
   snapshot_.set(now);
   plans_.use(std::move(plan));
   publish_stale();
+}
+
+/// Adopts an edit from which no plan can be built, for what is a fact already: another camera, or
+/// the end of a job. No frame is valid until a plan can be built: the hologram belongs to a newer
+/// epoch than the active plan.
+void SensorKeeper::adopt_without_plan(SensorEdit edit, const Error& why) {
+  ++edit.state.sensor_epoch;
+  (void)renew_renderer(edit.state);
+  const bool same = same_hologram(edit.state, state_);
+  (void)present(edit.state, same ? bench_.hologram_id : next_hologram_id_++, Show::when_possible);
+  state_ = std::move(edit.state);
+  knowledge_ = std::move(edit.knowledge);
+  if (lease_) lease_ = std::move(edit.lease);
+  auto now = std::make_shared<SensorSnapshot>(*snapshot());
+  describe(*now, bind(state_, knowledge_, bench_.optics));
+  now->plan_id = 0;
+  snapshot_.set(now);
+  deps_.events.emit("sensor", Severity::error,
+                    "the camera's image cannot be measured: " + why.reason);
+  publish_stale();
+}
+
+/// Writes the state, and what is bound to it, into its snapshot. Events report what changes.
+void SensorKeeper::describe(SensorSnapshot& now, const Bound& bound) {
+  static_cast<SensorShown&>(now) = state_;
+  now.templates = template_report(state_.tracking);
+  now.correction = state_.correction;
+  now.hologram_id = bench_.hologram_id;
+  now.sensor_epoch = state_.sensor_epoch;
+  now.optics = optics_of(state_, bench_.optics);
+  now.registration = registration_of(state_, bench_.optics);
+  now.layout_fault = events_.layout_fault(state_);
+  now.reference = bound.reference;
+  now.calibration = bound.calibration;
+  now.slm = state_.slm;
+  const auto before = snapshot()->reference;
+  if (before && !bound.reference) events_.publish_unused(*before, state_, knowledge_);
 }
 
 /// Not while camera and sensor change together: they fit each other again in the end.

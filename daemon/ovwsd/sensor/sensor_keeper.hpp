@@ -91,6 +91,8 @@ class SensorKeeper : public Agent {
   Result<void> activate(SensorEdit edit, Show show);
   Result<void> present(const SensorState& next, std::uint64_t hologram_id, Show show);
   void adopt(SensorEdit edit, const Bound& bound, std::unique_ptr<MeasurementPlan> plan);
+  void adopt_without_plan(SensorEdit edit, const Error& why);
+  void describe(SensorSnapshot& now, const Bound& bound);
   bool load_for_slm(const ActiveSlm& slm, Knowledge& knowledge);
   void plan_again(SensorEdit edit);
   void publish_stale();

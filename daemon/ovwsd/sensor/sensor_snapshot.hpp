@@ -36,10 +36,12 @@ struct SensorSnapshot : SensorShown {
   OperatorReport mode_operator;  ///< the operator of plan `plan_id`
   std::vector<Mode> correction;  ///< subtracted from the hologram
   std::uint64_t hologram_id = 0;
-  std::uint64_t sensor_epoch = 0;  ///< the sensor's epoch in plan `plan_id`
+  std::uint64_t sensor_epoch = 0;  ///< the sensor's epoch, as in plan `plan_id`
   OpticsConfig optics;             ///< pixels of the camera's region; with the registration, if any
   std::optional<Registration> registration;  ///< the active one; pixels of the camera's sensor
-  std::uint64_t plan_id = 0;  ///< the active plan, built from the settings of this snapshot
+  /// The active plan, built from the settings of this snapshot; 0: none could be built from them,
+  /// and no frame is valid.
+  std::uint64_t plan_id = 0;
   int subapertures = 0;
   std::vector<BeamShown> beams;  ///< the further light sources
   std::optional<Disc> region;    ///< MeasurementPlan::region of the main one

@@ -129,6 +129,28 @@ class Keeper : public testing::Test {
     work();
   }
 
+  /// Makes a registration of this scale, px per cycle, active, as a job does.
+  void use_map(double scale) {
+    Registration map;
+    map.px_per_cycle = {scale, 0.0, 0.0, scale};
+    map.base_px = {130.0, 120.0};
+    map.t_taken_ns = 5;
+    const Hold job = Hold::of_job(1);
+    work();
+    keeper_->hold(job);
+    ASSERT_TRUE(edit(job, use_registration(map)));
+    release(job);
+  }
+  /// The texts of the queued events of severity `error`.
+  std::vector<std::string> errors() {
+    std::vector<std::string> found;
+    while (const auto message = parts_->queue.take()) {
+      const auto* const event = std::get_if<EventMessage>(&*message);
+      if (event != nullptr && event->severity == Severity::error) found.push_back(event->text);
+    }
+    return found;
+  }
+
   struct Parts {
     explicit Parts(const Config& config)
         : slm(config.slm, {shown, counters, events,
@@ -321,6 +343,57 @@ TEST_F(Keeper, ARegistrationOfAnotherCameraIsNotUsed) {
   keeper_->camera_changed(config_.camera.settings, CameraInfo{"Ovws", "Twin", "2", ""});
   work();
   EXPECT_FALSE(keeper_->snapshot()->registration);
+}
+
+/// The registration says that spots are large enough for the tracker, the configuration that they
+/// are not: without the registration no plan can be built.
+TEST_F(Keeper, ACameraForWhichNoPlanCanBeBuiltIsReportedAndNothingMeasuredWithAnotherIsUsed) {
+  const CameraInfo first{"Ovws", "Twin", "1", ""}, second{"Ovws", "Twin", "2", ""};
+  keeper_->camera_changed(config_.camera.settings, first);
+  use_map(900.0);
+  end();
+  config_.optics.focal_length_mm = 10.0;
+  start();
+  keeper_->camera_changed(config_.camera.settings, first);
+  work();
+  ASSERT_TRUE(keeper_->snapshot()->registration);
+  const SensorView before = keeper_->snapshot();
+  (void)errors();
+  keeper_->camera_changed(config_.camera.settings, second);
+  work();
+  const SensorView now = keeper_->snapshot();
+  EXPECT_FALSE(now->registration);
+  EXPECT_FALSE(now->optics.registered);
+  EXPECT_EQ(now->plan_id, 0U);
+  EXPECT_GT(now->sensor_epoch, before->sensor_epoch) << "frames of the previous plan do not count";
+  const auto found = errors();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_TRUE(found[0].starts_with("the camera's image cannot be measured: lambda/d")) << found[0];
+}
+
+TEST_F(Keeper, WhatAJobHadChangedIsRestoredEvenIfTheCamerasImageCannotBeMeasuredAnyMore) {
+  use_map(160.0);  // lambda/d of 5 px: too small for a colour camera
+  const Image<std::uint8_t> user = screen_.picture();
+  const Hold job = Hold::of_job(2);
+  keeper_->hold(job);
+  const Painter white = [](const HologramRenderer&, Image<std::uint8_t>& grey) {
+    std::fill(grey.pixels.begin(), grey.pixels.end(), std::uint8_t(255));
+  };
+  ASSERT_TRUE(edit(job, show_request({{}, white})));
+  ASSERT_NE(screen_.picture().pixels, user.pixels);
+  CameraSettings colour = config_.camera.settings;
+  colour.pixel_format = PixelFormat::bayer_rg8;
+  keeper_->camera_changed(colour, std::nullopt);
+  work();
+  EXPECT_EQ(errors().size(), 1U);
+  release(job);
+  EXPECT_EQ(errors().size(), 1U);
+  EXPECT_EQ(keeper_->snapshot()->plan_id, 0U);
+  EXPECT_TRUE(keeper_->may_hold());
+  EXPECT_EQ(screen_.picture().pixels, user.pixels);
+  keeper_->camera_changed(config_.camera.settings, std::nullopt);
+  work();
+  EXPECT_GT(keeper_->snapshot()->plan_id, 0U) << "as soon as a plan can be built";
 }
 
 TEST_F(Keeper, AStartWithAnotherLensThanTheRegistrationsSaysSo) {
