@@ -16,7 +16,7 @@ namespace ovws {
 namespace {
 
 void list(Services& services, Reply<LatticeList> reply) {
-  services.keeper.ask([all = services.lattices.all(), reply](const SensorEdit& now) {
+  services.keeper.ask_in_spare_time([all = services.lattices.all(), reply](const SensorEdit& now) {
     LatticeList list;
     for (const auto& [name, lattice] : all) list.lattices.push_back(report_of(lattice, now));
     reply(list);

@@ -85,7 +85,7 @@ void use_model(Services& services, const ReferenceSet& /*to*/, Reply<KnownRefere
 }
 
 void list_references(Services& services, Reply<ReferenceList> reply) {
-  services.keeper.ask([all = services.named.all(), reply](const SensorEdit& now) {
+  services.keeper.ask_in_spare_time([all = services.named.all(), reply](const SensorEdit& now) {
     ReferenceList list;
     for (const auto& [name, reference] : all) {
       list.references.push_back({name, reference->t_taken_ns, misfit(*reference, now)});

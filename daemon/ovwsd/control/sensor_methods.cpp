@@ -312,7 +312,7 @@ void set_slm(Services& services, const SlmChange& given, Reply<SlmSettings> repl
 }
 
 void verify(Services& services, Reply<VerifyReport> reply) {
-  services.slm.verify([reply](Result<SlmVerdict> seen) {
+  services.slm.verify([reply](const Result<SlmVerdict>& seen) {
     if (!seen) return reply(seen.error());
     reply(VerifyReport{seen->hologram_id, seen->crc32, seen->crc32_shown, seen->differing_pixels});
   });

@@ -17,6 +17,7 @@ HologramRequest request_of(const SensorState& state, std::uint64_t hologram_id,
 }
 
 constexpr auto kMailboxWait = std::chrono::milliseconds(50);
+constexpr auto kQuestionWait = std::chrono::milliseconds(5);
 
 /// Whether `a` and `b` have the same reference and the same calibration.
 bool is_same(const Bound& a, const Bound& b) {
@@ -137,7 +138,12 @@ Result<void> SensorKeeper::begin() {
 }
 
 bool SensorKeeper::do_work() {
-  const bool worked = mailbox_.run_one(kMailboxWait);
+  const bool worked = mailbox_.run_one(questions_.empty() ? kMailboxWait : kQuestionWait);
+  if (!questions_.empty() && spare_time_.is_due()) {
+    const auto question = std::move(questions_.front());
+    questions_.pop_front();
+    spare_time_.run([&] { question(new_edit()); });
+  }
   plans_.retire();
   return worked;
 }
@@ -158,6 +164,10 @@ void SensorKeeper::edit(Hold as, SensorChange change, Done done, std::function<v
 
 void SensorKeeper::ask(std::function<void(const SensorEdit&)> question) {
   mailbox_.post([this, question = std::move(question)] { question(new_edit()); });
+}
+
+void SensorKeeper::ask_in_spare_time(std::function<void(const SensorEdit&)> question) {
+  mailbox_.post([this, question = std::move(question)] { questions_.push_back(question); });
 }
 
 void SensorKeeper::hold(Hold by) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "core/rt/agent.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
+#include "daemon/ovwsd/actor/time_share.hpp"
 #include "daemon/ovwsd/sensor/hold.hpp"
 #include "daemon/ovwsd/sensor/plans.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
@@ -63,6 +65,9 @@ class SensorKeeper : public Agent {
   /// Calls `question` with the present state, after all changes requested so far. It changes
   /// nothing.
   void ask(std::function<void(const SensorEdit&)> question);
+  /// The same for requests that clients with the role `read` may repeat at will: these calls have a
+  /// tenth of the thread's time (TimeShare), so that they do not slow a closed loop.
+  void ask_in_spare_time(std::function<void(const SensorEdit&)> question);
   /// Calls `then` when all changes requested so far have been carried out.
   void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
   /// Releases the sensor if `by` holds it, then calls `then`. After a job, restores the previous
@@ -113,6 +118,8 @@ class SensorKeeper : public Agent {
   std::atomic<Hold::By> held_by_{Hold::By::nobody};  ///< copy of state_.hold.by for other threads
   std::optional<SensorShown> lease_;                 ///< settings to restore when the job ends
   Mailbox mailbox_;
+  std::deque<std::function<void(const SensorEdit&)>> questions_;  ///< of ask_in_spare_time
+  TimeShare spare_time_;
   std::uint64_t next_hologram_id_ = 1;
   Guarded<SensorView> snapshot_;
 };

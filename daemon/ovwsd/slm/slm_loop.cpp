@@ -55,20 +55,26 @@ bool SlmLoop::do_work() {
   }
   if (!display_ && requested_ && monotonic_ns() >= next_try_ns_) try_open();
   if (pending.job) carry_out(*pending.job);
-  if (!pending.verify.empty()) {
-    const auto verdict = compare_output();  // one comparison answers all requests
-    for (const auto& done : pending.verify) done(verdict);
-  }
   for (const auto& [change, done] : pending.changes) done(use(change));
-  if (!pending.outputs.empty()) {
-    const auto outputs = ovws::list_outputs(config_);
-    for (const auto& done : pending.outputs) done(outputs);
+  if (!pending.verify.empty() || !pending.outputs.empty()) {
+    inspections_.run([&] { inspect(pending); });
   }
   if (display_ && monotonic_ns() >= next_check_ns_) {
     next_check_ns_ = monotonic_ns() + kCheckNs;
     if (const auto healthy = display_->check(); !healthy) fault(healthy.error());
   }
   return pending.when_possible || pending.job;
+}
+
+void SlmLoop::inspect(const Pending& asked) {
+  if (!asked.verify.empty()) {
+    const auto verdict = compare_output();
+    for (const auto& done : asked.verify) done(verdict);
+  }
+  if (!asked.outputs.empty()) {
+    const auto outputs = ovws::list_outputs(config_);
+    for (const auto& done : asked.outputs) done(outputs);
+  }
 }
 
 void SlmLoop::carry_out(Job& job) {
@@ -124,7 +130,7 @@ void SlmLoop::show_when_possible(HologramRequest request) {
   ready_.notify_one();
 }
 
-void SlmLoop::verify(std::function<void(Result<SlmVerdict>)> done) {
+void SlmLoop::verify(VerifyDone done) {
   {
     const std::lock_guard lock(mutex_);
     if (!closed_) {
@@ -226,13 +232,19 @@ Result<SlmVerdict> SlmLoop::compare_output() {
   return verdict;
 }
 
+/// Takes the work to do now. Requests to inspect the display stay until it is their time.
 SlmLoop::Pending SlmLoop::wait_for_work() {
   std::unique_lock lock(mutex_);
   ready_.wait_for(lock, kTurn, [this] {
-    return pending_.when_possible || pending_.job || !pending_.verify.empty() ||
-           !pending_.outputs.empty() || !pending_.changes.empty();
+    const bool inspects = !pending_.verify.empty() || !pending_.outputs.empty();
+    return pending_.when_possible || pending_.job || !pending_.changes.empty() ||
+           (inspects && inspections_.is_due());
   });
-  return std::exchange(pending_, {});
+  Pending now = std::exchange(pending_, {});
+  if (inspections_.is_due()) return now;
+  pending_.verify.swap(now.verify);
+  pending_.outputs.swap(now.outputs);
+  return now;
 }
 
 /// Opens the display and presents the requested hologram. Only then is the display reported as

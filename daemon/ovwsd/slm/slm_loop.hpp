@@ -20,6 +20,7 @@
 #include "core/rt/counters.hpp"
 #include "core/rt/latest_value.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
+#include "daemon/ovwsd/actor/time_share.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/tables/devices.hpp"
 
@@ -92,15 +93,17 @@ class SlmLoop : public Agent {
   /// returns at once. A later call replaces a hologram that still waits.
   void show_when_possible(HologramRequest request);
 
+  // `verify` and `list_outputs` keep the main thread from presenting holograms: both together have
+  // a tenth of its time (TimeShare). Each answers all requests that wait for it at once.
+  using VerifyDone = std::function<void(const Result<SlmVerdict>&)>;
   /// Reads back the display's buffer and compares it with the hologram presented last. Thread-safe;
   /// `done` is called in the main thread (after close: in the caller's). A difference is also
   /// reported as an event. Errors: there is no display or no hologram, or the display system does
   /// not allow reading.
-  void verify(std::function<void(Result<SlmVerdict>)> done);
-
+  void verify(VerifyDone done);
   using OutputsDone = std::function<void(const Result<std::vector<DisplayOutput>>&)>;
-  /// Lists the outputs of the display system, once for all requests of a turn. Thread-safe; `done`
-  /// is called in the main thread (after close: in the caller's).
+  /// Lists the outputs of the display system. Thread-safe; `done` is called in the main thread
+  /// (after close: in the caller's).
   void list_outputs(OutputsDone done);
   using SettingsDone = std::function<void(Result<SlmSettings>)>;
   /// Changes the settings, all or nothing, and reopens the display if it is another output.
@@ -120,12 +123,13 @@ class SlmLoop : public Agent {
   struct Pending {
     std::optional<HologramRequest> when_possible;
     std::shared_ptr<Job> job;
-    std::vector<std::function<void(Result<SlmVerdict>)>> verify;
+    std::vector<VerifyDone> verify;
     std::vector<OutputsDone> outputs;
     std::vector<std::pair<SlmSet, SettingsDone>> changes;
   };
 
   Pending wait_for_work();
+  void inspect(const Pending& asked);
   void carry_out(Job& job);
   Result<SlmVerdict> compare_output();
   Result<SlmSettings> use(const SlmSet& change);
@@ -144,6 +148,7 @@ class SlmLoop : public Agent {
   std::int64_t t_refresh_mono_ns_ = 0, refresh_wait_ns_ = 0;
   std::int64_t next_try_ns_ = 0;
   std::int64_t next_check_ns_ = 0;
+  TimeShare inspections_;  ///< of verify and list_outputs
   Guarded<SlmSnapshot> snapshot_;
 
   std::mutex mutex_;

@@ -13,6 +13,7 @@
 
 #include "daemon/ovwsd/devices/driver_table.hpp"
 #include "tests/support/own_folder.hpp"
+#include "tests/support/time.hpp"
 #include "tests/unit/daemon/small_bench.hpp"
 
 namespace ovws {
@@ -21,6 +22,8 @@ namespace {
 /// State shared by the test and the fake display that the SlmLoop owns.
 struct Screen {
   std::atomic<bool> there{true};
+  std::atomic<int> presented{0}, read_back{0};
+  std::chrono::milliseconds read_back_takes{0};  ///< simulated time
   std::mutex mutex;
   Image<std::uint8_t> shown;
 
@@ -40,9 +43,14 @@ class PlayedDisplay final : public Display {
     if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
     const std::lock_guard lock(screen->mutex);
     screen->shown = grey;
+    ++screen->presented;
     return std::int64_t{1};
   }
-  Result<Image<std::uint32_t>> read_back() override { return fail(Errc::unavailable, "", "no"); }
+  Result<Image<std::uint32_t>> read_back() override {
+    ++screen->read_back;
+    test::skip(screen->read_back_takes);
+    return fail(Errc::unavailable, "", "no");
+  }
   Result<void> check() override {
     if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
     return {};
@@ -71,6 +79,38 @@ Config seen_bench() {
   config.sensor.spacing = 0.47;
   config.camera.settings.roi = {0, 0, 656, 816};
   return config;
+}
+
+/// SlmLoop in the thread of the test, which makes its turns.
+TEST(SlmLoop, ReadBackLeavesTheDisplaysTimeToHolograms) {
+  Screen here;
+  screen = &here;
+  StreamQueue queue;
+  Events events{queue};
+  Counters counters;
+  LatestValue<ShownHologram> shown;
+  SlmLoop slm(test::small_bench().slm, {shown, counters, events, [](const SlmSnapshot&) {}});
+  const auto levels = std::make_shared<const Image<std::uint8_t>>(8, 8);
+  int answers = 0;
+  const auto turn = [&](std::uint64_t hologram_id) {
+    slm.verify([&](const Result<SlmVerdict>&) { ++answers; });
+    slm.show_when_possible({hologram_id, 1, HologramKind::sensor, levels});
+    slm.do_work();
+  };
+  here.read_back_takes = std::chrono::milliseconds(20);
+  for (std::uint64_t id = 1; id <= 200; ++id) turn(id);
+  EXPECT_EQ(here.presented, 200);
+  EXPECT_GT(here.read_back, 0);
+  EXPECT_LT(here.read_back, 100);  // once in 180 ms
+  const int before = here.read_back;
+  test::skip(std::chrono::milliseconds(500));
+  slm.do_work();
+  EXPECT_EQ(answers, 200) << "one read-back answers all that wait";
+  EXPECT_EQ(here.read_back, before + 1);
+  turn(201);
+  slm.close();
+  EXPECT_EQ(answers, 201) << "none is left without an answer";
+  screen = nullptr;
 }
 
 constexpr std::uint64_t kNotOpened = ~std::uint64_t{0};
@@ -264,6 +304,28 @@ TEST_F(Keeper, LetsTheAberrationChangeWhileTheLoopIsClosed) {
   EXPECT_FALSE(edit(show_pattern(HologramKind::flat)));
   release(Hold::of_loop());
   EXPECT_TRUE(edit(set_correction({})));
+}
+
+TEST_F(Keeper, QuestionsLeaveItsTimeToChanges) {
+  constexpr int kMany = 200;
+  int changes = 0, answers = 0;
+  for (int k = 0; k < kMany; ++k) {
+    keeper_->ask_in_spare_time([&](const SensorEdit&) {
+      ++answers;
+      test::skip(std::chrono::milliseconds(20));
+    });
+    keeper_->after_changes([&] { ++changes; });
+    keeper_->do_work();
+    keeper_->do_work();
+  }
+  EXPECT_EQ(changes, kMany);
+  EXPECT_GT(answers, 0);
+  EXPECT_LT(answers, kMany / 2);  // once in 180 ms
+  for (int k = 0; k < kMany; ++k) {
+    test::skip(std::chrono::milliseconds(500));
+    keeper_->do_work();
+  }
+  EXPECT_EQ(answers, kMany);
 }
 
 TEST_F(Keeper, AReferenceOutlivesARestartUntilItIsForgotten) {
