@@ -77,6 +77,7 @@ class SimulatedBench {
   CameraSnapshot camera() const { return camera_->snapshot(); }
   SimulatedOptics& optics() { return optics_; }
   SensorKeeper& keeper() { return *keeper_; }
+  Procedures& procedures() { return *procedures_; }
   FrameBroker& frames() { return frames_; }
   Events& events() { return events_; }
   SlmLoop& slm() { return slm_; }

@@ -176,26 +176,38 @@ void Presentations::begin(std::function<void(const std::shared_ptr<Show>&)> orde
       [this, show, order = std::move(order), done = std::move(done)](Result<int> job) {
         if (!job) return done(fail(job.error()));
         show->job = *job;
+        {
+          const std::lock_guard lock(mutex_);
+          running_ = show;
+        }
         order(show);
-        const std::lock_guard lock(mutex_);
-        running_ = show;
       },
       Holds::hologram);
 }
 
-/// Carries out orders until the lease ends or the job is stopped; refuses the rest.
-Result<nlohmann::json> Presentations::run(Bench& bench, const std::shared_ptr<Show>& show) {
-  show->bench = &bench;
-  show->begin_lease();
-  while (!bench.stopped() && monotonic_ns() < show->ends_ns)
-    (void)show->orders.run_one(kStopCheckInterval);
-  show->bench = nullptr;
+/// Takes no more orders, and refuses those that wait.
+void Presentations::end(Show& show) {
+  show.bench = nullptr;
   {
     const std::lock_guard lock(mutex_);
     running_.reset();
   }
-  while (show->orders.run_one(std::chrono::milliseconds(0))) {
+  while (show.orders.run_one(std::chrono::milliseconds(0))) {
   }
+}
+
+/// Carries out orders until the lease ends or the job is stopped.
+Result<nlohmann::json> Presentations::run(Bench& bench, const std::shared_ptr<Show>& show) {
+  show->bench = &bench;
+  show->begin_lease();
+  try {
+    while (!bench.stopped() && monotonic_ns() < show->ends_ns)
+      (void)show->orders.run_one(kStopCheckInterval);
+  } catch (...) {  // the job fails, and every order still gets its answer
+    end(*show);
+    throw;
+  }
+  end(*show);
   if (bench.stopped()) return fail(Errc::refused, "", "the job was stopped");
   return nlohmann::json{{"pictures", show->pictures}};
 }

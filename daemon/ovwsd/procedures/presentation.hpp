@@ -37,6 +37,7 @@ class Presentations {
   struct Show;
   Result<void> check(const SlmPresent& wish, const std::string& bytes) const;
   void begin(std::function<void(const std::shared_ptr<Show>&)> order, Done done);
+  void end(Show& show);
   Result<nlohmann::json> run(Bench& bench, const std::shared_ptr<Show>& show);
 
   Procedures& procedures_;

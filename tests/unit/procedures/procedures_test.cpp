@@ -2,12 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <numbers>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
 #include "daemon/ovwsd/procedures/measurements.hpp"
+#include "daemon/ovwsd/procedures/presentation.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "tests/support/simulated_bench.hpp"
 
@@ -359,6 +363,39 @@ TEST(Procedures, ACancelledProcedureEndsAndGivesTheSensorBack) {
   canceller.join();
   ASSERT_FALSE(run);
   EXPECT_TRUE(bench.sensor()->aberration.empty());
+}
+
+TEST(Presentations, EveryOrderIsAnsweredEvenAfterAnException) {
+  using namespace std::chrono_literals;
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  const SlmGeometry& slm = bench.config().slm.geometry;
+  Presentations presentations(bench.procedures(), slm);
+  SlmPresent order;
+  order.type = PictureType::grey;
+  order.shape = {slm.height_px, slm.width_px};
+  order.lease_s = 100.0;
+  std::promise<Result<PresentReport>> begun, waits, comes_later;
+  presentations.present(order, std::string(std::size_t(slm.width_px * slm.height_px), '\0'),
+                        [&](Result<PresentReport> done) { begun.set_value(std::move(done)); });
+  const auto first = begun.get_future().get();
+  ASSERT_TRUE(first) << first.error().reason;
+  SlmPresent renewal;
+  renewal.job = first->job;
+  const auto answer = [](std::promise<Result<PresentReport>>& to) {
+    return [&to](Result<PresentReport> done) { to.set_value(std::move(done)); };
+  };
+  presentations.present(renewal, "", [&](const Result<PresentReport>&) {
+    presentations.present(renewal, "", answer(waits));
+    throw std::runtime_error("no memory for the reply");
+  });
+  auto refused = waits.get_future();
+  ASSERT_EQ(refused.wait_for(30s), std::future_status::ready);
+  EXPECT_EQ(refused.get().error().field, "job");
+  presentations.present(renewal, "", answer(comes_later));
+  auto later = comes_later.get_future();
+  ASSERT_EQ(later.wait_for(30s), std::future_status::ready);
+  EXPECT_EQ(later.get().error().field, "job");
 }
 
 }  // namespace
