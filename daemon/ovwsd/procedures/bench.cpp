@@ -131,7 +131,10 @@ Result<void> Bench::use(SensorChange change, Step step) {
     if (!runs) return fail(Errc::refused, "", "it was cancelled");
     return change(edit);
   });
-  if (used) (void)files_->wait_for(kFilePatience);
+  if (!used) return used;
+  for (auto left = kFilePatience; left.count() > 0 && !stopped(); left -= kPollInterval) {
+    if (files_->wait_for(kPollInterval)) break;
+  }
   return used;
 }
 

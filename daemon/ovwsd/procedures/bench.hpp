@@ -61,8 +61,8 @@ class Bench {
   /// in ns.
   Result<std::int64_t> wait_settled() const;
   /// Activates the procedure's result and stores it. Returns when the result is active and its file
-  /// is written. Waits two seconds at most for the disk. After its last step, the default, the job
-  /// cannot be cancelled any more.
+  /// is written. Waits two seconds at most for the disk, less if the job is cancelled meanwhile.
+  /// After its last step, the default, the job cannot be cancelled any more.
   enum class Step { early, last };
   Result<void> use(SensorChange change, Step step = Step::last);
   /// Files of this job that are still being written; the job ends when no file is pending.
@@ -124,6 +124,10 @@ class Bench {
   /// Returns when they are restored, or when the camera thread has ended.
   void restore_camera();
   bool stopped() const { return stop_.load(); }
+  /// The same as a function, for what waits outside of the Bench. Not longer than the procedure.
+  std::function<bool()> stop() const {
+    return [&stop = stop_] { return stop.load(); };
+  }
 
  private:
   template <class T>

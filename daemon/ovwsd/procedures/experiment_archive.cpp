@@ -13,6 +13,7 @@ namespace ovws {
 namespace {
 
 using nlohmann::json;
+using Stop = DaemonStore::Stop;
 
 constexpr const char* kKind = "experiment";
 
@@ -68,11 +69,13 @@ std::optional<std::string> image_of_cell(const DaemonStore& store, const Experim
 }
 
 /// All headers, the run opened longest ago first.
-std::vector<Header> headers(const DaemonStore& store) {
+Result<std::vector<Header>> headers(DaemonStore& store, const Stop& stop) {
+  const auto items = store.load_and_wait(kKind, stop);
+  if (!items) return fail(items.error());
   std::vector<Header> all;
-  store.load(kKind, [&all](const StateItem& item) {
+  for (const StateItem& item : *items) {
     if (auto header = header_of(item)) all.push_back(std::move(*header));
-  });
+  }
   std::sort(all.begin(), all.end(),
             [](const Header& a, const Header& b) { return a.t_opened_ns < b.t_opened_ns; });
   return all;
@@ -84,43 +87,45 @@ struct MeasuredCells {
 };
 /// Results of this execution of the run, identified by t_begun_ns. Ignores files of earlier
 /// executions.
-MeasuredCells measured_in(const DaemonStore& store, const ExperimentRun& run) {
+Result<MeasuredCells> measured_in(DaemonStore& store, const ExperimentRun& run, const Stop& stop) {
+  auto items = store.load_and_wait(kind_of(run), stop);
+  if (!items) return fail(items.error());
   MeasuredCells kept{std::vector<json>(run.request.arms.size()),
                      std::vector<json>(run.request.cells())};
-  store.load(kind_of(run), [&](StateItem item) {
-    if (!item.content.is_object() || item.content.value(kStamp, json()) != run.t_begun_ns) return;
+  for (StateItem& item : *items) {
+    if (!item.content.is_object() || item.content.value(kStamp, json()) != run.t_begun_ns) continue;
     item.content.erase(kStamp);
     const json number = item.content.value("cell", item.content.value("arm", json()));
-    if (!number.is_number_unsigned()) return;
+    if (!number.is_number_unsigned()) continue;
     const auto k = number.get<std::size_t>();
     const auto take = [&](Part part, std::vector<json>& all) {
       if (k < all.size() && item.name == name_of(part, k)) all[k] = std::move(item.content);
     };
     take(Part::cell, kept.cells);
     take(Part::reference, kept.references);
-  });
+  }
   return kept;
 }
 
-/// Writes a file, or queues it for a retry. Errors: the file was neither written nor queued.
+/// Writes a file, or leaves it queued. Errors: the file was neither written nor queued.
 Result<void> put_file(DaemonStore& store, const std::string& kind, const std::string& name,
-                      const json& content) {
-  const auto kept = store.put_and_wait(kind, name, content);
+                      const json& content, const Stop& stop) {
+  const auto kept = store.put_and_wait(kind, name, content, stop);
   if (kept || store.is_queued(kind, name)) return {};
   return fail(kept.error());
 }
 
-Result<void> put(DaemonStore& store, const ExperimentRun& run, Part part, int number,
-                 json content) {
+Result<void> put(DaemonStore& store, const ExperimentRun& run, Part part, int number, json content,
+                 const Stop& stop) {
   content[kStamp] = run.t_begun_ns;
-  return put_file(store, kind_of(run, part), name_of(part, std::size_t(number)), content);
+  return put_file(store, kind_of(run, part), name_of(part, std::size_t(number)), content, stop);
 }
 
 /// Deletes all files of the run but the header.
-Result<void> drop_measured(DaemonStore& store, const ExperimentRun& run) {
+Result<void> drop_measured(DaemonStore& store, const ExperimentRun& run, const Stop& stop) {
   const auto drop = [&](Part part, std::size_t count) -> Result<void> {
     for (std::size_t k = 0; k < count; ++k) {
-      auto dropped = store.drop_and_wait(kind_of(run, part), name_of(part, k));
+      auto dropped = store.drop_and_wait(kind_of(run, part), name_of(part, k), stop);
       if (!dropped) return dropped;
     }
     return {};
@@ -132,12 +137,14 @@ Result<void> drop_measured(DaemonStore& store, const ExperimentRun& run) {
 
 /// Deletes the oldest runs beyond kMaxRuns. The run `current` is kept by name, because it may not
 /// look the latest if the clock was set back.
-void drop_oldest(DaemonStore& store, const std::string& current) {
-  auto stored = headers(store);
-  std::erase_if(stored, [&current](const Header& one) { return one.run.name == current; });
-  for (std::size_t k = 0; k + ExperimentArchive::kMaxRuns <= stored.size(); ++k) {
+void drop_oldest(DaemonStore& store, const std::string& current, const Stop& stop) {
+  auto stored = headers(store, stop);
+  if (!stored) return;  // the next run that is opened deletes them
+  std::erase_if(*stored, [&current](const Header& one) { return one.run.name == current; });
+  for (std::size_t k = 0; k + ExperimentArchive::kMaxRuns <= stored->size(); ++k) {
     // The header is deleted last, so that an interrupted deletion can be continued.
-    if (drop_measured(store, stored[k].run)) (void)store.drop_and_wait(kKind, stored[k].run.name);
+    const ExperimentRun& run = (*stored)[k].run;
+    if (drop_measured(store, run, stop)) (void)store.drop_and_wait(kKind, run.name, stop);
   }
 }
 
@@ -151,16 +158,19 @@ ExperimentRun experiment_run(const GainSweepRun& asked, json bench) {
 }
 
 void ExperimentArchive::load() {
-  if (const auto stored = headers(store_); !stored.empty()) read(stored.back().run);
+  const auto stored = headers(store_, {});
+  if (stored && !stored->empty()) (void)read(stored->back().run, {});
 }
 
 /// Loads the stored results of the run.
-void ExperimentArchive::read(const ExperimentRun& run) {
-  auto kept = measured_in(store_, run);
+Result<void> ExperimentArchive::read(const ExperimentRun& run, const Stop& stop) {
+  auto kept = measured_in(store_, run, stop);
+  if (!kept) return fail(kept.error());
   const std::lock_guard lock(mutex_);
   run_ = run;
-  references_ = std::move(kept.references);
-  cells_ = std::move(kept.cells);
+  references_ = std::move(kept->references);
+  cells_ = std::move(kept->cells);
+  return {};
 }
 
 ExperimentRun ExperimentArchive::current_run() const {
@@ -168,38 +178,45 @@ ExperimentRun ExperimentArchive::current_run() const {
   return *run_;
 }
 
-Result<void> ExperimentArchive::open(bool anew) {
+Result<void> ExperimentArchive::open(bool anew, const Stop& stop) {
   if (anew) {
     const std::lock_guard lock(mutex_);
     load_pending_ = false;
   }
-  load_if_stored(current_run());
+  if (auto loaded = load_if_stored(current_run(), stop); !loaded) return loaded;
   const ExperimentRun opened = current_run();
-  store_.try_again_and_wait();
+  store_.try_again_and_wait(stop);
   remember_failure(put_file(store_, kKind, opened.name,
                             {{"request", to_json(opened.request)},
                              {"bench", opened.bench},
                              {"t_begun_ns", opened.t_begun_ns},
-                             {"t_opened_ns", utc_ns()}}));
+                             {"t_opened_ns", utc_ns()}},
+                            stop));
   if (anew) {
-    if (auto dropped = drop_measured(store_, opened); !dropped) return dropped;
+    if (auto dropped = drop_measured(store_, opened, stop); !dropped) return dropped;
   }
-  drop_oldest(store_, opened.name);
+  drop_oldest(store_, opened.name, stop);
   return {};
 }
 
 /// Loads the stored results of `run` if its header is on the disk. Without a header the results are
 /// ignored, because the start time of their execution is unknown.
-void ExperimentArchive::load_if_stored(ExperimentRun run) {
+Result<void> ExperimentArchive::load_if_stored(ExperimentRun run, const Stop& stop) {
   {
     const std::lock_guard lock(mutex_);
-    if (!std::exchange(load_pending_, false)) return;
+    if (!load_pending_) return {};
   }
-  for (const Header& stored : headers(store_)) {
-    if (stored.run.name != run.name) continue;
-    run.t_begun_ns = stored.run.t_begun_ns;
-    return read(run);
+  const auto stored = headers(store_, stop);
+  if (!stored) return fail(stored.error());
+  const auto own =
+      std::ranges::find(*stored, run.name, [](const Header& one) { return one.run.name; });
+  if (own != stored->end()) {
+    run.t_begun_ns = own->run.t_begun_ns;
+    if (auto loaded = read(run, stop); !loaded) return loaded;
   }
+  const std::lock_guard lock(mutex_);
+  load_pending_ = false;
+  return {};
 }
 
 bool ExperimentArchive::remember_failure(const Result<void>& kept) {
@@ -217,29 +234,29 @@ std::optional<std::string> ExperimentArchive::image_in_memory(const ExperimentRu
   return found->second;
 }
 
-void ExperimentArchive::put_reference(int arm, json reference) {
+void ExperimentArchive::put_reference(int arm, json reference, const Stop& stop) {
   ExperimentRun run;
   {
     const std::lock_guard lock(mutex_);
     run = *run_;
     references_[std::size_t(arm)] = reference;
   }
-  remember_failure(put(store_, run, Part::reference, arm, std::move(reference)));
+  remember_failure(put(store_, run, Part::reference, arm, std::move(reference), stop));
 }
 
 /// Writes the cell to disk before it is published, so that a published cell survives a restart.
-void ExperimentArchive::put_cell(int cell, json measured) {
+void ExperimentArchive::put_cell(int cell, json measured, const Stop& stop) {
   const ExperimentRun run = current_run();
   json& picture = measured["picture"];
   if (picture.is_object()) {
     std::string base64 = std::move(picture["base64"].get_ref<std::string&>());
     picture.erase("base64");
-    if (!remember_failure(put(store_, run, Part::picture, cell, {{"base64", base64}}))) {
+    if (!remember_failure(put(store_, run, Part::picture, cell, {{"base64", base64}}, stop))) {
       const std::lock_guard lock(mutex_);
       pictures_[cell] = std::move(base64);
     }
   }
-  remember_failure(put(store_, run, Part::cell, cell, measured));
+  remember_failure(put(store_, run, Part::cell, cell, measured, stop));
   const std::lock_guard lock(mutex_);
   cells_[std::size_t(cell)] = std::move(measured);
   if (job_) ++job_->done;

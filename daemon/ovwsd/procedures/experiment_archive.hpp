@@ -32,20 +32,21 @@ ExperimentRun experiment_run(const GainSweepRun& asked, nlohmann::json bench);
 class ExperimentArchive {
  public:
   static constexpr std::size_t kMaxRuns = 4;  ///< runs on disk; the oldest is deleted first
+  using Stop = DaemonStore::Stop;
 
   explicit ExperimentArchive(DaemonStore& store) : store_(store) {}
 
   /// Loads the most recently requested run when the daemon starts. Blocks on the disk.
   void load();
 
-  // The job's thread calls `open`, `put_reference` and `put_cell`, which block on the disk. If a
-  // file cannot be written, the sweep continues and `result` reports why.
+  // The job's thread calls `open`, `put_reference` and `put_cell`, which block on the disk until
+  // the job is stopped. If a file cannot be written, the sweep continues and `result` reports why.
   /// Opens the run that `begin_job` selected. Loads its earlier results, or deletes them if `anew`.
-  /// Retries earlier failed writes. Errors (Errc::unavailable): the earlier results cannot be
-  /// deleted.
-  Result<void> open(bool anew);
-  void put_reference(int arm, nlohmann::json reference);
-  void put_cell(int cell, nlohmann::json measured);
+  /// Retries earlier failed writes. Errors: the earlier results cannot be loaded or deleted;
+  /// Errc::unavailable, the job was stopped.
+  Result<void> open(bool anew, const Stop& stop = {});
+  void put_reference(int arm, nlohmann::json reference, const Stop& stop = {});
+  void put_cell(int cell, nlohmann::json measured, const Stop& stop = {});
   nlohmann::json reference(int arm) const;  ///< null: not measured yet
   bool has_cell(int cell) const;
 
@@ -70,8 +71,8 @@ class ExperimentArchive {
     std::int64_t t_begun_mono_ns = 0;
     int done = 0;
   };
-  void read(const ExperimentRun& run);
-  void load_if_stored(ExperimentRun run);
+  Result<void> read(const ExperimentRun& run, const Stop& stop);
+  Result<void> load_if_stored(ExperimentRun run, const Stop& stop);
   ExperimentRun current_run() const;
   /// Stores the reason of a failed write for `result`. Returns false if the write failed.
   bool remember_failure(const Result<void>& kept);

@@ -239,7 +239,7 @@ Result<void> Sweep::measure_reference(int arm) {
   measured.positions_px = mean_positions(*frames);
   if (auto usable = check_reference(with, measured); !usable) return usable;
   if (auto same = check_bench(); !same) return same;
-  archive_.put_reference(arm, to_json(measured));
+  archive_.put_reference(arm, to_json(measured), bench_.stop());
   return {};
 }
 
@@ -287,7 +287,7 @@ Result<void> Sweep::measure_cell(int number) {
   cell.frames = judge_frames(*frames, *reconstructor, introduced);
   cell.levels = levels_of(*frames);
   if (auto same = check_bench(); !same) return same;
-  archive_.put_cell(number, to_json(CellReport{CellSummary(std::move(cell))}));
+  archive_.put_cell(number, to_json(CellReport{CellSummary(std::move(cell))}), bench_.stop());
   return {};
 }
 
@@ -335,7 +335,7 @@ Result<void> measure_gain_sweep(Bench& bench, const SlmGeometry& slm, const Expe
                                 ExperimentArchive& archive) {
   Sweep sweep(bench, slm, run, archive);
   if (auto same = sweep.check_bench(); !same) return same;
-  if (auto opened = archive.open(run.anew); !opened) return opened;
+  if (auto opened = archive.open(run.anew, bench.stop()); !opened) return opened;
   const std::vector<int> order = order_of(run.request);
   const bool complete =
       std::all_of(order.begin(), order.end(), [&](int cell) { return archive.has_cell(cell); });

@@ -13,10 +13,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::int64_t kRetryNs = 2'000'000'000;
-
-std::size_t bytes_of(const std::shared_ptr<const std::string>& text) {
-  return text ? text->size() : 0;
-}
+constexpr std::chrono::milliseconds kStopPoll(20);
 
 }  // namespace
 
@@ -101,6 +98,12 @@ void DaemonStore::drop_all(std::string_view kind, const std::vector<std::string>
   }
 }
 
+/// Memory that the item uses, about.
+std::size_t DaemonStore::Item::bytes() const {
+  constexpr std::size_t kOwnBytes = 1024;
+  return kOwnBytes + (text ? text->size() : 0) + (displaced ? displaced->bytes() : 0);
+}
+
 /// Pending write of the kind and name of `newer`: queued, in progress, or displaced by a pending
 /// deletion. Null: no write is pending.
 std::shared_ptr<const DaemonStore::Item> DaemonStore::write_before(const Item& newer) const {
@@ -134,17 +137,17 @@ void DaemonStore::queue(Item item) {
   Tried refused;
   {
     const std::lock_guard lock(mutex_);
-    std::size_t bytes = bytes_of(item.text);
+    if (!item.text && item.older == Older::stays) item.displaced = write_before(item);
+    std::size_t bytes = item.bytes();
     for (const Item& one : items_) {
       const bool same = one.kind == item.kind && one.name == item.name;
-      bytes += same ? 0 : bytes_of(one.text);
+      bytes += same ? 0 : one.bytes();
     }
     if (bytes > kMaxQueuedBytes) {
       refused = std::exchange(item.tried, [](const Result<std::string>&) {});
       item.text = nullptr;
     }
     if (!refused || item.older == Older::set_aside) {
-      if (!item.text && item.older == Older::stays) item.displaced = write_before(item);
       displaced = take_out(item);
       item.number = ++last_number_;
       items_.push_back(std::move(item));
@@ -320,42 +323,74 @@ Result<void> DaemonStore::request(Disk::Task task) {
   return {};
 }
 
-/// Calls `ask`, and blocks until its callback has answered or the daemon stops.
+/// Waits, with mutex_ locked, until `done`, `stop` or the daemon's end. Returns `done`.
+bool DaemonStore::wait_until(std::unique_lock<std::mutex>& lock, const std::function<bool()>& done,
+                             const Stop& stop) {
+  const auto ended = [&] { return done() || ending_; };
+  while (!tried_.wait_for(lock, kStopPoll, ended) && !(stop && stop())) {
+  }
+  return done();
+}
+
+/// Calls `ask`, and blocks until its callback has answered, the daemon stops, or `stop` says so.
 template <class T>
-Result<T> DaemonStore::wait_for(
-    const std::function<void(std::function<void(const Result<T>&)>)>& ask) {
+Result<T> DaemonStore::wait_for(const std::function<void(std::function<void(Result<T>)>)>& ask,
+                                const Stop& stop) {
   auto answer = std::make_shared<std::optional<Result<T>>>();
-  ask([this, answer](const Result<T>& done) {
+  ask([this, answer](Result<T> done) {
     {
       const std::lock_guard lock(mutex_);
-      if (!*answer) *answer = done;
+      if (!*answer) *answer = std::move(done);
     }
     tried_.notify_all();
   });
   std::unique_lock lock(mutex_);
-  tried_.wait(lock, [&] { return *answer || ending_; });
-  if (*answer) return **answer;
-  return fail(Errc::unavailable, "", "the daemon is stopping");
+  if (wait_until(
+          lock, [&] { return answer->has_value(); }, stop))
+    return std::move(**answer);
+  return fail(Errc::unavailable, "", ending_ ? "the daemon is stopping" : "the job was stopped");
 }
 
 Result<std::string> DaemonStore::put_and_wait(std::string_view kind, std::string_view name,
-                                              const json& content) {
+                                              const json& content, const Stop& stop) {
   return wait_for<std::string>(
-      [&](Tried tried) { put(kind, name, content, Older::stays, std::move(tried)); });
+      [&](Tried tried) { put(kind, name, content, Older::stays, std::move(tried)); }, stop);
 }
 
-Result<void> DaemonStore::drop_and_wait(std::string_view kind, std::string_view name) {
-  return wait_for<void>([&](Dropped dropped) { drop(kind, name, std::move(dropped)); });
+Result<void> DaemonStore::drop_and_wait(std::string_view kind, std::string_view name,
+                                        const Stop& stop) {
+  return wait_for<void>([&](Dropped dropped) { drop(kind, name, std::move(dropped)); }, stop);
 }
 
-void DaemonStore::try_again_and_wait() {
+Result<std::vector<StateItem>> DaemonStore::load_and_wait(std::string_view kind, const Stop& stop) {
+  using Items = std::vector<StateItem>;
+  const auto read = [this, kind = std::string(kind)]() -> Result<Items> {
+    try {
+      Items items;
+      load(kind, [&items](StateItem item) { items.push_back(std::move(item)); });
+      return items;
+    } catch (const std::exception& error) {  // the caller must get an answer
+      return fail(Errc::internal, "", error.what());
+    }
+  };
+  return wait_for<Items>(
+      [&](std::function<void(Result<Items>)> done) {
+        auto task = [read, done = std::move(done)] { done(read()); };
+        if (disk_ == nullptr) return task();
+        disk_->post(std::move(task));
+      },
+      stop);
+}
+
+void DaemonStore::try_again_and_wait(const Stop& stop) {
   {
     const std::lock_guard lock(mutex_);
     make_all_due();
   }
   wake();
   std::unique_lock lock(mutex_);
-  tried_.wait(lock, [this] { return ending_ || (!trying_ && !any_due()); });
+  (void)wait_until(
+      lock, [this] { return !trying_ && !any_due(); }, stop);
 }
 
 void DaemonStore::end_soon() {

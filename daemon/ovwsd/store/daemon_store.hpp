@@ -71,13 +71,21 @@ class DaemonStore {
   /// Runs `task` in the disk thread, after all tasks queued earlier. Errors: see Disk::request.
   Result<void> request(Disk::Task task);
 
+  /// Whether the caller's job was stopped. A wait asks every 20 ms, and ends if so.
+  using Stop = std::function<bool()>;
   // Blocking methods, for threads that may wait for the disk. A failed write keeps the previous
-  // file.
+  // file. Errc::unavailable: the wait has ended before the disk has answered, because the daemon or
+  // the caller's job stops; the disk still does what was requested.
   Result<std::string> put_and_wait(std::string_view kind, std::string_view name,
-                                   const nlohmann::json& content);
-  Result<void> drop_and_wait(std::string_view kind, std::string_view name);
+                                   const nlohmann::json& content, const Stop& stop = {});
+  Result<void> drop_and_wait(std::string_view kind, std::string_view name, const Stop& stop = {});
+  /// As `load`, in the disk thread. Also Errc::internal: an item cannot be loaded.
+  Result<std::vector<StateItem>> load_and_wait(std::string_view kind, const Stop& stop = {});
   /// Retries all queued items now, and returns when each has been tried once.
-  void try_again_and_wait();
+  void try_again_and_wait(const Stop& stop = {});
+
+  // Methods that read the disk in the calling thread, which then cannot be stopped: for the start
+  // and for the disk thread.
   /// Finds the queued item, or else the item on the disk; none if neither exists.
   std::optional<StateItem> find(std::string_view kind, std::string_view name) const;
   /// Passes all items of a kind to `take`, queued or on the disk; see StateStore::load. Damaged
@@ -86,8 +94,7 @@ class DaemonStore {
 
   /// Tries to write one queued item; called in the disk thread. True if another item is due.
   bool turn();
-  /// Ends blocking calls when the daemon stops: they return at once, with Errc::unavailable if a
-  /// result is missing.
+  /// Ends the waits of blocking calls when the daemon stops.
   void end_soon();
   /// Number of items that are not on the disk yet.
   int queued() const;
@@ -103,6 +110,7 @@ class DaemonStore {
     std::optional<std::string> why{};  ///< why the last attempt failed
     /// Queued write that this deletion displaced; it is queued again if the deletion fails.
     std::shared_ptr<const Item> displaced{};
+    std::size_t bytes() const;
   };
   void queue(Item item);
   std::list<Item> take_out(const Item& newer);                        // call with mutex_ locked
@@ -115,7 +123,10 @@ class DaemonStore {
   void make_all_due();   // call with mutex_ locked
   void wake();
   template <class T>
-  Result<T> wait_for(const std::function<void(std::function<void(const Result<T>&)>)>& ask);
+  Result<T> wait_for(const std::function<void(std::function<void(Result<T>)>)>& ask,
+                     const Stop& stop);
+  bool wait_until(std::unique_lock<std::mutex>& lock, const std::function<bool()>& done,
+                  const Stop& stop);
 
   Events& events_;
   Disk* disk_;

@@ -246,6 +246,53 @@ TEST(Disk, TwoDropsThatFailLoseNoWriteThatWaits) {
   fs::remove_all(folder);
 }
 
+TEST(Disk, AWaitForADiskThatStandsStillEndsWithTheCallersJob) {
+  const std::string folder = own_folder("stopped_wait");
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  DaemonStore store({folder}, events, &disk);
+  disk.begin();  // without a thread: it stands still
+  int asked = 0;
+  const auto stop = [&asked] { return ++asked >= 3; };
+  const auto put = store.put_and_wait("kind", "a", {{"value", 1}}, stop);
+  ASSERT_FALSE(put);
+  EXPECT_EQ(put.error().code, Errc::unavailable);
+  EXPECT_EQ(put.error().reason, "the job was stopped");
+  EXPECT_EQ(asked, 3);
+  EXPECT_FALSE(store.load_and_wait("kind", stop));
+  EXPECT_FALSE(store.drop_and_wait("kind", "b", stop));
+  store.try_again_and_wait(stop);
+  EXPECT_EQ(asked, 6) << "each asks once";
+  for (int turn = 0; turn < 8; ++turn) disk.do_work();
+  EXPECT_EQ(store.queued(), 0) << "what was requested is done all the same";
+  EXPECT_EQ(store.find("kind", "a")->content["value"], 1);
+  fs::remove_all(folder);
+}
+
+/// Of a kind with a limited number of items, the oldest is deleted for each that is added. A
+/// deletion that waits keeps the write that it replaces, in case it fails.
+TEST(Disk, DeletionsDoNotFillTheMemoryWhileItStandsStill) {
+  constexpr std::size_t kItem = DaemonStore::kMaxQueuedBytes / 8;
+  const std::string folder = own_folder("displaced_writes");
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  DaemonStore store({folder}, events, &disk);
+  disk.begin();  // without a thread: it stands still
+  int refused = 0;
+  for (int k = 0; k < 12; ++k) {
+    const std::string name = "item-" + std::to_string(k);
+    store.put("kind", name, std::string(kItem, 'x'), DaemonStore::Older::set_aside,
+              [&](const Result<std::string>& kept) {
+                refused += kept || kept.error().code == Errc::refused ? 0 : 1;
+              });
+    store.drop("kind", name, [](const Result<void>&) {});
+  }
+  EXPECT_EQ(refused, 5);
+  fs::remove_all(folder);
+}
+
 /// The disk thread waits for a disk that does not answer until the test releases it.
 TEST(Disk, ABlockedDiskDelaysOnlyCallersThatWaitForIt) {
   const std::string folder = own_folder("standing_disk");

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <numbers>
+#include <thread>
 
 #include "core/optics/lattice.hpp"
 #include "core/wavefront/residual_variance.hpp"
@@ -277,6 +279,36 @@ TEST_F(Experiments, MeasuredAnewAreNeverMixedWithThoseOfBefore) {
   Started without_header(folder_);
   ASSERT_TRUE(without_header.begin(run_of(10), false));
   EXPECT_FALSE(without_header.archive.has_cell(1));
+}
+
+TEST_F(Experiments, AreLoadedByTheNextJobIfOneIsCancelledWhileTheDiskStandsStill) {
+  {
+    Started daemon(folder_);
+    ASSERT_TRUE(daemon.begin(run_of(10), false));
+    daemon.archive.put_cell(0, cell_of(run_of(10), 0));
+  }
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  DaemonStore store({folder_}, events, &disk);
+  ExperimentArchive archive{store};
+  disk.begin();  // without a thread: it stands still
+  archive.begin_job(run_of(10), 7);
+  const auto stopped = archive.open(false, [] { return true; });
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().reason, "the job was stopped");
+  archive.end_job();
+  EXPECT_FALSE(archive.has_cell(0));
+  std::atomic<bool> end{false};
+  std::thread thread([&] {
+    while (!end) disk.do_work();
+    disk.on_close();
+  });
+  archive.begin_job(run_of(10), 8);
+  EXPECT_TRUE(archive.open(false));
+  EXPECT_TRUE(archive.has_cell(0));
+  end = true;
+  thread.join();
 }
 
 TEST_F(Experiments, MeasuredAnewFailIfTheStoreCannotRemove) {
