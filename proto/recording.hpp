@@ -65,6 +65,7 @@ struct RecordedDocument {
 struct RecordedSummary {
   std::uint64_t frames = 0, frames_dropped = 0;
   std::uint64_t pictures = 0, pictures_dropped = 0;
+  std::uint64_t documents_dropped = 0;
   std::int64_t t_written_ns = 0;  ///< UTC
   std::uint8_t ended = 0;         ///< 0: still being written, or cut off
 };
@@ -152,6 +153,7 @@ inline constexpr std::array kSummaryFields{
     OVWS_FIELD(RecordedSummary, frames_dropped, u64, "frames"),
     OVWS_FIELD(RecordedSummary, pictures, u64, "pictures"),
     OVWS_FIELD(RecordedSummary, pictures_dropped, u64, "pictures"),
+    OVWS_FIELD(RecordedSummary, documents_dropped, u64, "documents"),
     OVWS_FIELD(RecordedSummary, t_written_ns, i64, "ns"),
     OVWS_FIELD(RecordedSummary, ended, u8, ""),
 };

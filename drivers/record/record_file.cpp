@@ -179,6 +179,7 @@ struct RecordFile::Impl {
   bool create(const RecordingHeader& header, RecordedWidth expected);
   bool create_tables(const RecordingHeader& header, RecordedWidth expected);
   bool begin_swmr();
+  RecordedSummary summary_with(const RecordedLosses& dropped) const;
   bool write_summary(const RecordedSummary& now);
   bool append_all();
   bool append_cells();
@@ -231,6 +232,15 @@ bool RecordFile::Impl::create(const RecordingHeader& header, RecordedWidth expec
   errno = 0;
   file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
   return file && write_header(file, header) && create_tables(header, expected) && begin_swmr();
+}
+
+RecordedSummary RecordFile::Impl::summary_with(const RecordedLosses& dropped) const {
+  return {.frames = frames.rows(),
+          .frames_dropped = dropped.frames,
+          .pictures = image_count,
+          .pictures_dropped = dropped.pictures,
+          .documents_dropped = dropped.documents,
+          .t_written_ns = utc_ns()};
 }
 
 bool RecordFile::Impl::write_summary(const RecordedSummary& now) {
@@ -383,7 +393,7 @@ bool RecordFile::Impl::append_all() {
          frames.append(std::span<const RecordedFrame>(new_frames), frame_type) && frames.flush();
 }
 
-Result<void> RecordFile::flush(std::uint64_t frames_dropped, std::uint64_t pictures_dropped) {
+Result<void> RecordFile::flush(const RecordedLosses& dropped) {
   Impl& m = *impl_;
   errno = 0;
   if (m.broken || !m.append_all()) return m.mark_broken("the recording cannot be written");
@@ -392,18 +402,18 @@ Result<void> RecordFile::flush(std::uint64_t frames_dropped, std::uint64_t pictu
   m.new_coefficients.clear();
   m.new_sigma_waves.clear();
   m.new_frames.clear();
-  RecordedSummary now{m.frames.rows(), frames_dropped, m.image_count, pictures_dropped, utc_ns()};
+  const RecordedSummary now = m.summary_with(dropped);
   if (!m.write_summary(now)) return m.mark_broken("the recording cannot be written");
   m.flushed_frames = now.frames;
   m.flushed_images = now.pictures;
   return {};
 }
 
-Result<void> RecordFile::close(std::uint64_t frames_dropped, std::uint64_t pictures_dropped) {
-  if (auto flushed = flush(frames_dropped, pictures_dropped); !flushed) return flushed;
+Result<void> RecordFile::close(const RecordedLosses& dropped) {
+  if (auto flushed = flush(dropped); !flushed) return flushed;
   Impl& m = *impl_;
-  RecordedSummary last{m.frames.rows(),  frames_dropped, m.image_count,
-                       pictures_dropped, utc_ns(),       1};
+  RecordedSummary last = m.summary_with(dropped);
+  last.ended = 1;
   errno = 0;
   const bool closed = m.write_summary(last) && m.pictures.close() && m.summary.close() &&
                       m.frames.close() && m.spots.close() && m.coefficients.close() &&

@@ -20,6 +20,11 @@ struct RecordedWidth {
   std::size_t spots = 19, modes = 18;
 };
 
+/// What the recording lacks because the disk was too slow.
+struct RecordedLosses {
+  std::uint64_t frames = 0, pictures = 0, documents = 0;
+};
+
 /// Recording file; only one thread at a time may use it. Unless stated otherwise, errors are
 /// Errc::unavailable with the field "path", and the reason names the remedy. After a failed write
 /// the file holds everything up to the last flush, and every later write fails.
@@ -52,9 +57,9 @@ class RecordFile {
   bool in_place() const;
 
   /// Hands everything added so far to the kernel, where it survives a kill of this process.
-  Result<void> flush(std::uint64_t frames_dropped, std::uint64_t pictures_dropped);
+  Result<void> flush(const RecordedLosses& dropped);
   /// Flushes, marks the recording as ended and closes the file. Nothing may be added afterwards.
-  Result<void> close(std::uint64_t frames_dropped, std::uint64_t pictures_dropped);
+  Result<void> close(const RecordedLosses& dropped);
 
  private:
   struct Impl;

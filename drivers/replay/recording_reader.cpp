@@ -332,6 +332,10 @@ std::size_t RecordingReader::image_bytes() const {
   return row_bytes(impl_->header.format, impl_->header.width) * std::size_t(impl_->header.height);
 }
 
+std::uint64_t RecordingReader::documents_dropped() const {
+  return impl_->summary.documents_dropped;
+}
+
 Result<std::vector<RecordedSpot>> RecordingReader::spots(const RecordedFrame& frame) {
   std::vector<RecordedSpot> all(frame.spots);
   if (!read_cells(impl_->spots, impl_->spot_type, frame.first_spot, frame.spots, all.data())) {

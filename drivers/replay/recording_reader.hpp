@@ -31,6 +31,8 @@ class RecordingReader {
   /// All frames. Every spot, coefficient and image row that a frame refers to exists.
   const std::vector<RecordedFrame>& frames() const;
   std::size_t image_bytes() const;
+  /// Documents that are missing because the disk was too slow; 0 for recordings of older versions.
+  std::uint64_t documents_dropped() const;
 
   Result<std::vector<RecordedSpot>> spots(const RecordedFrame& frame);
   Result<std::vector<float>> coefficients(const RecordedFrame& frame);

@@ -17,6 +17,7 @@ struct RecordReport {
   double duration_s = 0.0;
   std::uint64_t frames = 0, frames_dropped = 0;
   std::uint64_t pictures = 0, pictures_dropped = 0;
+  std::uint64_t documents_dropped = 0;
   std::uint64_t bytes = 0;            ///< size of the file
   std::optional<std::string> reason;  ///< why the recording ended
 };
@@ -35,6 +36,9 @@ inline constexpr auto kTable<RecordReport> = Fields{
     field<&RecordReport::pictures>("number of images in the file"),
     field<&RecordReport::pictures_dropped>(
         "number of frames in the file whose image is missing because the disk was too slow"),
+    field<&RecordReport::documents_dropped>(
+        "number of documents (plans, steps of a closed loop, settings of the camera) that are not "
+        "in the file because the disk was too slow"),
     field<&RecordReport::bytes>("size of the file, bytes"),
     field<&RecordReport::reason>("why the recording ended; null: it has not")};
 

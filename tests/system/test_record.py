@@ -89,7 +89,7 @@ class Record(RecordCase):
         run = self.open("run")
         self.check_whole(run)
         self.assertEqual(run.summary | {"t_written_ns": 0}, {"frames": len(run.frames), "frames_dropped": 0, "pictures": len(run.frames) - missing,
-                                                            "pictures_dropped": missing, "t_written_ns": 0, "ended": 1})
+                                                            "pictures_dropped": missing, "documents_dropped": 0, "t_written_ns": 0, "ended": 1})
         ids = list(run.frames["frame_id"])
         coefficients, sigma_waves = run.coefficients(), run.sigma_waves()
         compared = 0

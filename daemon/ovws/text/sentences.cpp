@@ -439,6 +439,9 @@ std::string record_text(const json& record) {
   if (count("pictures_dropped") > 0) {
     text += fmt::format(", {} images LOST", count("pictures_dropped"));
   }
+  if (count("documents_dropped") > 0) {
+    text += fmt::format(", {} documents LOST", count("documents_dropped"));
+  }
   if (text_or(record, "state", "") == "ended") text += "; ended: " + text_or(record, "reason", "?");
   return text;
 }

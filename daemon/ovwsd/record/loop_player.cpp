@@ -65,6 +65,11 @@ class LoopPlayer {
       repeat_frame(frame);
     }
   }
+  /// The rest cannot be repeated.
+  void stop(const std::string& reason) {
+    if (played_.reason.empty()) played_.reason = reason;
+    control_.reset();
+  }
   PlayedLoop played() const { return played_; }
 
  private:
@@ -72,11 +77,6 @@ class LoopPlayer {
     std::vector<int> modes_j;
     std::vector<Mode> correction;
   };
-
-  void stop(const std::string& reason) {
-    if (played_.reason.empty()) played_.reason = reason;
-    control_.reset();
-  }
 
   const RecordedFrame* find(std::uint64_t frame_id) {
     const auto& all = reader_.frames();
@@ -142,6 +142,10 @@ Result<PlayedLoop> replay_loop(RecordingReader& reader) {
     for (const auto& one : *documents) {
       if (one.kind == "loop") player.begin(json_of(one.text));
       if (one.kind == "loop_steps") player.repeat(json_of(one.text));
+    }
+    if (const std::uint64_t dropped = reader.documents_dropped(); dropped > 0) {
+      player.stop(std::to_string(dropped) +
+                  " documents are not in the recording: the disk was too slow");
     }
     return player.played();
   } catch (const std::exception& error) {  // also of a Result without a value

@@ -24,6 +24,15 @@ constexpr std::int64_t kFlushNs = 250'000'000;
 constexpr std::size_t kIdleFacts = 4;
 constexpr std::size_t kMaxFacts = FrameStore::kMaxFrames + kIdleFacts;
 
+/// Memory that a remembered plan has for itself, about.
+std::size_t bytes_of(const PlanFacts& facts) {
+  const SensorSnapshot& sensor = *facts.sensor;
+  const std::size_t points = facts.predicted_px.size() + facts.reference_px.size() +
+                             sensor.sensor.lenslets.centres_px.size();
+  return sizeof(PlanFacts) + sizeof(SensorSnapshot) + points * sizeof(Vec2) +
+         std::size_t(facts.slopes.size() + facts.nuisance.size()) * sizeof(double);
+}
+
 constexpr const char* kGone =
     "its file was removed or moved while it was written; do so only after record.stop";
 constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write remaining frames at a stop
@@ -110,9 +119,10 @@ struct Recorder::Running {
   std::unique_ptr<RecordFile> file;
   PlanDocuments documents;
   /// New camera settings before their first frame, with the monotonic time of the change, ns.
-  std::deque<std::pair<std::int64_t, Document>> camera_documents;
-  std::string camera_sha256;             ///< of the newest camera settings
-  std::vector<Document> loop_documents;  ///< not yet written
+  std::deque<std::pair<std::int64_t, Waiting>> camera_documents;
+  std::string camera_sha256;            ///< of the newest camera settings
+  std::vector<Waiting> loop_documents;  ///< not yet written
+  std::uint64_t documents_before = 0;   ///< value of documents_dropped_ at record.start
   std::int64_t t_begin_mono_ns = monotonic_ns();
   std::int64_t next_flush_ns = 0;
   std::uint64_t last_number = 0;   ///< 0: no frame yet
@@ -135,14 +145,28 @@ Recorder::~Recorder() = default;
 void Recorder::add_plan(const MeasurementPlan& plan, SensorView sensor) {
   auto facts = std::make_shared<const PlanFacts>(plan, std::move(sensor));
   const std::lock_guard lock(facts_mutex_);
+  const std::size_t bytes = facts_bytes_ + bytes_of(*facts);
+  const bool is_full = facts_.size() >= max_facts_ || bytes > kMaxFactsBytes;
+  if (max_facts_ > kIdleFacts && is_full && facts_.size() > kIdleFacts) {
+    // The frames that wait for the disk are the oldest of the recording, and need the oldest plans.
+    facts_bytes_ -= bytes_of(*facts_.back());
+    facts_.pop_back();
+    ++documents_dropped_;
+  }
+  facts_bytes_ += bytes_of(*facts);
   facts_.push_back(std::move(facts));
-  while (facts_.size() > max_facts_) facts_.pop_front();
+  drop_facts();
+}
+
+/// Drops the oldest plans beyond the limit. Call with facts_mutex_ locked.
+void Recorder::drop_facts() {
+  for (; facts_.size() > max_facts_; facts_.pop_front()) facts_bytes_ -= bytes_of(*facts_.front());
 }
 
 void Recorder::keep_facts(std::size_t most) {
   const std::lock_guard lock(facts_mutex_);
   max_facts_ = most;
-  while (facts_.size() > max_facts_) facts_.pop_front();
+  drop_facts();
 }
 
 std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
@@ -150,7 +174,9 @@ std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
   const auto found = std::find_if(facts_.begin(), facts_.end(),
                                   [&](const auto& one) { return one->id == plan_id; });
   if (found == facts_.end()) return nullptr;
-  facts_.erase(facts_.begin(), found);  // frames come in the order of their plans
+  // Frames come in the order of their plans.
+  for (auto one = facts_.begin(); one != found; ++one) facts_bytes_ -= bytes_of(**one);
+  facts_.erase(facts_.begin(), found);
   return facts_.front();
 }
 
@@ -185,23 +211,53 @@ RecordedWidth Recorder::expected_width() {
 
 void Recorder::camera_changed(const CameraSettings& settings,
                               const std::optional<CameraInfo>& info) {
-  mailbox_.post([this, settings, info, changed_ns = monotonic_ns()] {
+  auto now = waiting(make_document("camera", camera_content(settings, info)));
+  if (!now) return;
+  mailbox_.post([this, now = std::move(*now), changed_ns = monotonic_ns()] {
     if (!running_) return;
-    Document now = make_document("camera", camera_content(settings, info));
     // Repeated settings are ignored: while the daemon searches for a camera, it announces them
     // every second.
-    if (std::exchange(running_->camera_sha256, now.sha256) == now.sha256) return;
-    running_->camera_documents.emplace_back(changed_ns, std::move(now));
+    const std::string& sha256 = now.document.sha256;
+    if (std::exchange(running_->camera_sha256, sha256) == sha256) return;
+    running_->camera_documents.emplace_back(changed_ns, now);
   });
 }
 
 void Recorder::add_loop(std::string kind, nlohmann::json content) {
-  mailbox_.post([this, kind = std::move(kind), content = std::move(content)] {
-    if (running_) running_->loop_documents.push_back(make_document(kind, content));
+  if (kind == "loop") loop_is_cut_ = false;
+  std::optional<Waiting> document;
+  if (loop_is_cut_) {
+    ++documents_dropped_;
+  } else {
+    document = waiting(make_document(std::move(kind), content));
+  }
+  // A run of the loop cannot be repeated without each of its documents, so the rest is of no use.
+  loop_is_cut_ = !document;
+  if (!document) return;
+  mailbox_.post([this, document = std::move(*document)] {
+    if (running_) running_->loop_documents.push_back(document);
   });
 }
 
+/// Reserves room for a document. None if too many wait for the disk: then it is dropped and
+/// counted.
+std::optional<Recorder::Waiting> Recorder::waiting(Document document) {
+  const std::size_t bytes = document.text.size();
+  if (waiting_bytes_.fetch_add(bytes) + bytes > kMaxWaitingBytes) {
+    waiting_bytes_ -= bytes;
+    ++documents_dropped_;
+    return std::nullopt;
+  }
+  return Waiting{std::move(document), {nullptr, [this, bytes](void*) { waiting_bytes_ -= bytes; }}};
+}
+
+RecordedLosses Recorder::losses() const {
+  const Running& r = *running_;
+  return {r.frames_dropped, r.pictures_dropped, documents_dropped_ - r.documents_before};
+}
+
 void Recorder::start(Begin asked, Done done) {
+  asked.documents_before = documents_dropped_;
   mailbox_.post([this, asked = std::move(asked), done = std::move(done)] {
     if (auto begun = begin(asked); !begun) return done(fail(begun.error()));
     done(report());
@@ -241,6 +297,7 @@ Result<void> Recorder::begin(const Begin& begin) {
   running->file = std::move(*file);
   const Document camera = make_document("camera", camera_content(begin.camera, begin.camera_info));
   running->camera_sha256 = camera.sha256;
+  running->documents_before = begin.documents_before;
   if (auto added = add_first_documents(*running->file, begin, camera); !added) {
     running->file.reset();
     ::unlink(path->c_str());  // otherwise the next attempt could not use this name
@@ -280,8 +337,8 @@ void Recorder::turn() {
 }
 
 Result<void> Recorder::add_loop_documents(Running& to) {
-  for (const Document& document : std::exchange(to.loop_documents, {})) {
-    if (auto added = add(*to.file, document); !added) return added;
+  for (const Waiting& one : std::exchange(to.loop_documents, {})) {
+    if (auto added = add(*to.file, one.document); !added) return added;
   }
   return {};
 }
@@ -289,7 +346,7 @@ Result<void> Recorder::add_loop_documents(Running& to) {
 std::optional<Recorder::Ending> Recorder::flush() {
   Running& r = *running_;
   if (auto added = add_loop_documents(r); !added) return Ending{added.error().reason};
-  if (auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped); !flushed) {
+  if (auto flushed = r.file->flush(losses()); !flushed) {
     return Ending{flushed.error().reason};
   }
   publish_report();
@@ -317,7 +374,7 @@ std::optional<Recorder::Ending> Recorder::write(const TakenFrame& frame) {
   }
   while (!r.camera_documents.empty() &&
          r.camera_documents.front().first < frame.row.t_arrival_mono_ns) {
-    const auto added = add(*r.file, r.camera_documents.front().second);
+    const auto added = add(*r.file, r.camera_documents.front().second.document);
     if (!added) return Ending{added.error().reason};
     r.camera_documents.pop_front();
   }
@@ -380,7 +437,7 @@ std::string Recorder::write_rest(std::int64_t until_ns) {
     if (monotonic_ns() > until_ns) return kTooSlow;
     if (monotonic_ns() < r.next_flush_ns) continue;
     r.next_flush_ns = monotonic_ns() + kFlushNs;
-    const auto flushed = r.file->flush(r.frames_dropped, r.pictures_dropped);
+    const auto flushed = r.file->flush(losses());
     if (!flushed) return flushed.error().reason;
     publish_report();
     if (disk_is_full(r.path)) return kDiskFull;
@@ -400,7 +457,7 @@ void Recorder::end(const Ending& ending) {
   r.frames_dropped += lost;
   if (asked_for && trouble.empty() && !r.file->in_place()) trouble = kGone;
   if (auto added = add_loop_documents(r); !added && trouble.empty()) trouble = added.error().reason;
-  const auto closed = r.file->close(r.frames_dropped, r.pictures_dropped);
+  const auto closed = r.file->close(losses());
   if (!closed) {
     lost += r.frames_begun - r.file->frames();
     r.frames_dropped += r.frames_begun - r.file->frames();
@@ -429,9 +486,11 @@ void Recorder::publish_report() {
   now.file = r.path;
   now.duration_s = 1e-9 * double(monotonic_ns() - r.t_begin_mono_ns);
   now.frames = r.file->frames();
-  now.frames_dropped = r.frames_dropped;
+  const RecordedLosses dropped = losses();
+  now.frames_dropped = dropped.frames;
   now.pictures = r.file->pictures();
-  now.pictures_dropped = r.pictures_dropped;
+  now.pictures_dropped = dropped.pictures;
+  now.documents_dropped = dropped.documents;
   now.bytes = r.file->bytes();
   report_.set(now);
 }

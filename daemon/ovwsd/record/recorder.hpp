@@ -55,8 +55,12 @@ class Recorder : public Agent {
     std::string config;  ///< the configuration in use, as file text
     CameraSettings camera;
     std::optional<CameraInfo> camera_info;
-    std::string program;  ///< name and version
+    std::string program;                 ///< name and version
+    std::uint64_t documents_before = 0;  ///< filled in by `start`
   };
+  /// Limits of what waits for the disk, bytes: documents of the loop and the camera, and plans.
+  static constexpr std::size_t kMaxWaitingBytes = std::size_t{16} << 20;
+  static constexpr std::size_t kMaxFactsBytes = std::size_t{64} << 20;
 
   Recorder(const Config& config, Pipeline& pipeline, Events& events);
   ~Recorder() override;
@@ -85,7 +89,8 @@ class Recorder : public Agent {
   void add_plan(const MeasurementPlan& plan, SensorView sensor);
   /// Announces new camera settings or another camera to the recorder. Any thread.
   void camera_changed(const CameraSettings& settings, const std::optional<CameraInfo>& info);
-  /// Adds a document of the closed loop to the recording, if there is one. Any thread.
+  /// Adds a document of the closed loop to the recording, if there is one. Loop thread. If the disk
+  /// is too slow, it is dropped and counted, with all that follow until the next document "loop".
   void add_loop(std::string kind, nlohmann::json content);
 
  private:
@@ -102,6 +107,13 @@ class Recorder : public Agent {
     Rest rest = Rest::drop;
     Cause cause = Cause::trouble;
   };
+  /// A document on its way to the file.
+  struct Waiting {
+    Document document;
+    std::shared_ptr<void> room;  ///< its part of kMaxWaitingBytes
+  };
+  std::optional<Waiting> waiting(Document document);
+  RecordedLosses losses() const;
   Result<void> begin(const Begin& begin);
   std::optional<Ending> write(const TakenFrame& frame);
   std::optional<Ending> write_plan(std::uint64_t plan_id);
@@ -113,6 +125,7 @@ class Recorder : public Agent {
   std::string write_rest(std::int64_t until_ns);
   void publish_report();
   void keep_facts(std::size_t most);
+  void drop_facts();
   RecordSize size_of(const CameraSettings& camera, int pictures_every);
   RecordedWidth expected_width();
   std::shared_ptr<const PlanFacts> facts_of(std::uint64_t plan_id);
@@ -123,12 +136,15 @@ class Recorder : public Agent {
   Pipeline& pipeline_;
   Events& events_;
   RecordTaker taker_;
+  std::atomic<std::size_t> waiting_bytes_{0};
+  std::atomic<std::uint64_t> documents_dropped_{0};  ///< since the daemon's start
+  bool loop_is_cut_ = false;  ///< a document of the loop's present run was dropped; loop thread
   Mailbox mailbox_;
   std::unique_ptr<Running> running_;  ///< write thread
   Guarded<RecordReport> report_;
   std::atomic<std::uint64_t> lost_at_stop_{0};
   std::mutex facts_mutex_;
-  std::size_t max_facts_;  ///< guarded by facts_mutex_
+  std::size_t max_facts_, facts_bytes_ = 0;  ///< guarded by facts_mutex_
   std::deque<std::shared_ptr<const PlanFacts>> facts_;
 };
 

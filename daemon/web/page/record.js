@@ -66,12 +66,14 @@ export function takeStatus({ record }) {
   isRecording = on;
   byId("record").classList.toggle("recording", on);
   setText(byId("record-sub"), on ? "recording" : record.state === "ended" ? `ended: ${record.reason}` : "");
-  const lacking = (dropped) => (dropped > 0 ? `, ${grouped(dropped)} dropped: the disk is too slow` : "");
+  const lost = (dropped) => `${grouped(dropped)} dropped: the disk is too slow`;
+  const lacking = (dropped) => (dropped > 0 ? `, ${lost(dropped)}` : "");
   showFacts(byId("record-facts"), [
     ["File", record.file ?? NONE],
     ["Duration", `${grouped(record.duration_s)} s`],
     ["Frames", `${grouped(record.frames)}${lacking(record.frames_dropped)}`],
     ["Images", `${grouped(record.pictures)}${lacking(record.pictures_dropped)}`],
+    ...(record.documents_dropped > 0 ? [["Documents", lost(record.documents_dropped)]] : []),
     ["Size", `${grouped(record.bytes / MIB)} MiB`],
   ]);
 }

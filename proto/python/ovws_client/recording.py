@@ -69,7 +69,8 @@ class Recording:
 
     @property
     def summary(self):
-        """Totals of the recording: {"frames", "frames_dropped", "pictures", "pictures_dropped", "t_written_ns", "ended"}."""
+        """Totals of the recording: {"frames", "frames_dropped", "pictures", "pictures_dropped", "documents_dropped", "t_written_ns",
+        "ended"}."""
         with reading("summary"):
             row = self.file["summary"][0]
             return {name: int(row[name]) for name in row.dtype.names}

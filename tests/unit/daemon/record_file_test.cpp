@@ -32,7 +32,7 @@ Result<void> add_one(RecordFile& file, int number) {
   frame.picture = *picture;
   file.add_frame(frame, std::vector<RecordedSpot>(7), std::vector<float>(5),
                  std::vector<float>(5, 0.25F));
-  return file.flush(0, 0);
+  return file.flush({});
 }
 
 /// Checks that all flushed frames can be read, with all their parts.
@@ -77,8 +77,8 @@ TEST_P(RecordFileLimit, AfterAWriteThatFailedNothingIsAddedAndAllBeforeCanBeRead
     ASSERT_FALSE(picture);
     EXPECT_EQ(picture.error().code, Errc::unavailable);
     EXPECT_EQ(picture.error().field, "path");
-    EXPECT_FALSE((*file)->flush(0, 0));
-    EXPECT_FALSE((*file)->close(0, 0));
+    EXPECT_FALSE((*file)->flush({}));
+    EXPECT_FALSE((*file)->close({}));
   }
   EXPECT_EQ(open_descriptors(), descriptors);
   expect_readable(path, flushed);
@@ -100,9 +100,9 @@ TEST(RecordFile, FramesWithDifferentNumbersOfSpotsAndModesAreReadAsTheyWere) {
     const std::vector<float> waves(widths[i], float(i));
     (*file)->add_frame({}, spots, waves, waves);
     if (i % 3 != 1) continue;
-    ASSERT_TRUE((*file)->flush(0, 0));
+    ASSERT_TRUE((*file)->flush({}));
   }
-  ASSERT_TRUE((*file)->close(0, 0));
+  ASSERT_TRUE((*file)->close({}));
   auto reader = RecordingReader::open(path);
   ASSERT_TRUE(reader) << reader.error().reason;
   ASSERT_EQ((*reader)->frames().size(), widths.size());
@@ -133,7 +133,7 @@ TEST(RecordFile, OneThatCannotBeBegunLeavesNothing) {
 TEST(RecordFile, AnotherFileOfThatNameStaysAsItIs) {
   const std::string path = own_folder("record_file_there") + ".h5";
   std::filesystem::remove(path);
-  ASSERT_TRUE((*RecordFile::create(path, small_header()))->close(0, 0));
+  ASSERT_TRUE((*RecordFile::create(path, small_header()))->close({}));
   EXPECT_FALSE(RecordFile::create(path, small_header()));
   EXPECT_TRUE(RecordingReader::open(path));
   std::filesystem::remove(path);

@@ -439,6 +439,7 @@ TEST_F(Keeper, WhatAJobHadChangedIsRestoredEvenIfTheCamerasImageCannotBeMeasured
   const Hold job = Hold::of_job(2);
   keeper_->hold(job);
   const Painter white = [](const HologramRenderer&, Image<std::uint8_t>& grey) {
+    grey = Image<std::uint8_t>(160, 96);
     std::fill(grey.pixels.begin(), grey.pixels.end(), std::uint8_t(255));
   };
   ASSERT_TRUE(edit(job, show_request({{}, white})));

@@ -43,7 +43,7 @@ TEST(ValidityWatch, ReportsTheFactsOfOneFrameTogether) {
   ValidityWatch watch(unknown);
   std::atomic<bool> ended{false};
   std::thread frames([&] {
-    for (int k = 1; k <= 100'000; ++k) {
+    for (int k = 1; k <= 2'000'000; ++k) {
       const double at = k;
       watch.on_frame(false,
                      {.tracked = k,

@@ -131,7 +131,7 @@ void print_status() {
       status.failed_job = {3, "reference.take", "camera.exposure_us", "too bright",
                            1767225600000000000};
       status.refine = {"refining", 5, 1, 640.0, "too dark"};
-      status.record = {"ended", "/var/lib/run.h5",       1.5, 700, 1, 699, 2,
+      status.record = {"ended", "/var/lib/run.h5",       1.5, 700, 1, 699, 2, 3,
                        1 << 20, "stopped by record.stop"};
       for (const char* method : {"record.start", "record.stop", "record.get"}) {
         print_result(method, to_json(status.record));

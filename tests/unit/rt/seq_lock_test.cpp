@@ -23,7 +23,7 @@ TEST(SeqLock, AReaderNeverSeesPartsOfTwoValues) {
   std::atomic<bool> written{false};
   std::thread writer([&] {
     Facts next;
-    for (int k = 1; k <= 100'000; ++k) {
+    for (int k = 1; k <= 1'000'000; ++k) {
       next.all.fill(k);
       lock.write(next);
     }
@@ -39,7 +39,7 @@ TEST(SeqLock, AReaderNeverSeesPartsOfTwoValues) {
   writer.join();
   EXPECT_EQ(torn, 0);
   EXPECT_EQ(back, 0);
-  EXPECT_EQ(lock.read().all[14], 100'000);
+  EXPECT_EQ(lock.read().all[14], 1'000'000);
 }
 
 }  // namespace
