@@ -7,10 +7,20 @@
 namespace ovws {
 namespace {
 
-constexpr double kSameSpot = 0.5;  // lambda/d: two fixes closer than this are one spot
+constexpr double kSameSpot = 0.5;     // lambda/d: two fixes closer than this are one spot
+constexpr double kNearPitches = 1.5;  // a spot is near the expected ones up to this distance
 
-int max_candidates(std::size_t subapertures) {
-  return int(2 * subapertures) + 12;  // other diffraction orders and stray light may be brighter
+/// Near the expected spots: two for each place of a lattice that goes on for kNearPitches. Light
+/// fills these places behind a wide array; noise and the rims of spots may look brighter than a
+/// spot. Elsewhere: the whole lattice may have moved, and other diffraction orders and stray light
+/// may be brighter than its spots.
+CandidateFinder::Most most_candidates(std::size_t subapertures) {
+  const double row = std::sqrt(double(subapertures)) + 2.0 * kNearPitches;
+  return {int(2.0 * row * row), int(2 * subapertures) + 12};
+}
+
+int total(CandidateFinder::Most most) {
+  return most.near + most.elsewhere;
 }
 
 Vec2 position(const SpotFix& fix) {
@@ -34,18 +44,18 @@ Acquisition::Acquisition(SpotModel spots, const std::vector<Vec2>& predicted_px,
       within_(within),
       kinds_(std::move(kinds)),
       assignment_(predicted_px,
-                  max_candidates(predicted_px.size()) * (kinds_ ? kinds_->count() : 1),
+                  total(most_candidates(predicted_px.size())) * (kinds_ ? kinds_->count() : 1),
                   kinds_ ? kinds_->of_spots() : std::vector<int>{}) {
   const bool same = before != nullptr && before->spots_ == spots &&
                     before->image_width_ == image_width && before->image_height_ == image_height &&
                     before->assignment_.size() == assignment_.size() && before->kinds_ == kinds_;
-  const int most = max_candidates(predicted_px.size());
+  const CandidateFinder::Most most = most_candidates(predicted_px.size());
   if (same) candidates_ = before->candidates_;
   for (int kind = int(candidates_.size()); kind < (kinds_ ? kinds_->count() : 1); ++kind) {
     candidates_.push_back(std::make_shared<CandidateFinder>(kinds_ ? kinds_->model(kind) : spots,
                                                             image_width, image_height, most));
   }
-  verified_.reserve(candidates_.size() * std::size_t(most));
+  verified_.reserve(candidates_.size() * std::size_t(total(most)));
   positions_.reserve(verified_.capacity());
   verified_kinds_.reserve(verified_.capacity());
 }
@@ -93,7 +103,8 @@ void Acquisition::verify_kind(int kind, const ImageView& image, const SpotTracke
                               TrackScratch& scratch) {
   const std::size_t first = verified_.size();
   const auto of_kind = [&] { return std::span(verified_).subspan(first); };
-  for (const Vec2 start : candidates_[std::size_t(kind)]->find(image, within_)) {
+  const CandidateFinder::Parts parts{assignment_.part_around(kNearPitches), within_};
+  for (const Vec2 start : candidates_[std::size_t(kind)]->find(image, parts)) {
     const SpotFix fix = tracker.track(image, start, scratch);
     if (fix.found() && !taken(position(fix), of_kind())) verified_.push_back(fix);
   }

@@ -32,8 +32,9 @@ class Acquisition {
   Acquisition(Acquisition&&) = default;
   Acquisition& operator=(Acquisition&&) = default;
 
-  /// Finds candidate spots in the whole image, verifies each with `tracker` and assigns the
-  /// verified spots to subapertures (SpotAssignment). Spots of several kinds are found and verified
+  /// Finds candidate spots, near the predicted ones before the rest of the image, verifies each
+  /// with `tracker` and assigns the verified spots to subapertures (SpotAssignment). Spots of
+  /// several kinds are found and verified
   /// kind by kind, by the kinds' own trackers instead, and assigned by kind and place.
   /// Displacements from `predicted_px` may exceed half the pitch, because the assignment fits them
   /// by an affine map (tilt, focus, astigmatism). Missing spots are searched where their neighbours

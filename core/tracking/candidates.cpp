@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "core/base/pixels.hpp"
 #include "core/tracking/spot_geometry.hpp"
@@ -29,8 +28,8 @@ int padded(int pixels, int bin, int margin) {
 }  // namespace
 
 CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int image_height,
-                                 int max_candidates)
-    : plane_(spots.lit.plane), bin_(bin_px(spots)), max_candidates_(std::size_t(max_candidates)) {
+                                 Most most)
+    : plane_(spots.lit.plane), bin_(bin_px(spots)), most_(most) {
   const double dark = spot_geometry(spots.charge).dark;
   const double unit = spots.on_plane().lambda_d_px / bin_;  // lambda/d in bins
   const double reach = kReach * dark * unit;
@@ -57,15 +56,16 @@ CandidateFinder::CandidateFinder(const SpotModel& spots, int image_width, int im
   grid_ = Grid::Zero(rows, columns);
   score_ = Grid::Zero(rows, columns);
   suppressed_ = Mask::Constant(rows, columns, false);
-  peaks_.reserve(kPeaksPerCandidate * max_candidates_);
-  candidates_.reserve(max_candidates_);
+  near_peaks_.reserve(kPeaksPerCandidate * std::size_t(most.near));
+  other_peaks_.reserve(kPeaksPerCandidate * std::size_t(most.elsewhere));
+  peaks_.reserve(near_peaks_.capacity() + other_peaks_.capacity());
+  candidates_.reserve(std::size_t(most.near + most.elsewhere));
 }
 
-std::span<const Vec2> CandidateFinder::find(const ImageView& image,
-                                            const std::optional<Disc>& within) {
+std::span<const Vec2> CandidateFinder::find(const ImageView& image, const Parts& parts) {
   average(on_plane(image, plane_));
   correlate();
-  collect_peaks(within);
+  collect_peaks(parts);
   suppress_neighbours();
   return candidates_;
 }
@@ -141,34 +141,47 @@ Vec2 CandidateFinder::place_of(int column, int row) const {
 }
 
 // The border of score_ stays 0, so that maxima at the image's edge count too.
-void CandidateFinder::collect_peaks(const std::optional<Disc>& within) {
-  const auto better = [](const Peak& a, const Peak& b) { return a.score > b.score; };
-  peaks_.clear();
+/// Adds a peak to a heap of constant size, in place of its worst one.
+void CandidateFinder::keep_best(const Peak& peak, std::vector<Peak>& heap) {
+  if (heap.size() == heap.capacity()) {
+    if (heap.empty() || peak.score <= heap.front().score) return;  // the worst one is in front
+    std::pop_heap(heap.begin(), heap.end(), better);
+    heap.pop_back();
+  }
+  heap.push_back(peak);
+  std::push_heap(heap.begin(), heap.end(), better);
+}
+
+void CandidateFinder::collect_peaks(const Parts& parts) {
+  near_peaks_.clear();
+  other_peaks_.clear();
   for (int r = margin_; r < score_.rows() - margin_; ++r) {
     for (int c = margin_; c < score_.cols() - margin_; ++c) {
       const float score = score_(r, c);
       if (!(score > 0.0F) || score < score_.block<3, 3>(r - 1, c - 1).maxCoeff()) continue;
-      if (within && !within->contains(place_of(c, r))) continue;
-      if (peaks_.size() == peaks_.capacity()) {
-        if (score <= peaks_.front().score) continue;  // min-heap: the worst peak is in front
-        std::pop_heap(peaks_.begin(), peaks_.end(), better);
-        peaks_.pop_back();
-      }
-      peaks_.push_back({score, c, r});
-      std::push_heap(peaks_.begin(), peaks_.end(), better);
+      const Vec2 place = place_of(c, r);
+      if (parts.within && !parts.within->contains(place)) continue;
+      const bool near = parts.near && parts.near->contains(place);
+      keep_best({score, c, r, near}, near ? near_peaks_ : other_peaks_);
     }
   }
-  std::sort(peaks_.begin(), peaks_.end(), better);
+  std::sort(near_peaks_.begin(), near_peaks_.end(), better);
+  std::sort(other_peaks_.begin(), other_peaks_.end(), better);
+  peaks_.resize(near_peaks_.size() + other_peaks_.size());  // within the reserved capacity
+  std::merge(near_peaks_.begin(), near_peaks_.end(), other_peaks_.begin(), other_peaks_.end(),
+             peaks_.begin(), better);
 }
 
 void CandidateFinder::suppress_neighbours() {
   candidates_.clear();
   suppressed_.setConstant(false);
+  Most left = most_;
   for (const Peak& peak : peaks_) {
-    if (suppressed_(peak.row, peak.column)) continue;
+    int& places = peak.near ? left.near : left.elsewhere;
+    if (places == 0 || suppressed_(peak.row, peak.column)) continue;
     for (const Tap& by : near_offsets_) suppressed_(peak.row + by.dy, peak.column + by.dx) = true;
     candidates_.push_back(place_of(peak.column, peak.row));
-    if (candidates_.size() == max_candidates_) return;
+    --places;
   }
 }
 

@@ -19,13 +19,23 @@ namespace ovws {
 /// one image size.
 class CandidateFinder {
  public:
-  CandidateFinder(const SpotModel& spots, int image_width, int image_height, int max_candidates);
+  /// Largest numbers of candidates: near the expected spots, and in the rest of the image.
+  struct Most {
+    int near = 0, elsewhere = 0;
+  };
+  /// Parts of the image, camera pixels.
+  struct Parts {
+    std::optional<Disc> near{};    ///< where spots are expected; none: nowhere
+    std::optional<Disc> within{};  ///< where to look; none: in the whole image
+  };
 
-  /// Finds at most max_candidates candidate positions, best first, in camera pixels, accurate to
-  /// about 0.1 lambda/d. Some candidates are not spots. The span is valid until the next call.
-  /// `within`: the part of the image, camera pixels, to look in; none: all of it. RT-safe.
-  std::span<const Vec2> find(const ImageView& image,
-                             const std::optional<Disc>& within = std::nullopt) OVWS_NONBLOCKING;
+  CandidateFinder(const SpotModel& spots, int image_width, int image_height, Most most);
+
+  /// Finds the best candidates near the expected spots, and the best ones elsewhere, in camera
+  /// pixels, accurate to about 0.1 lambda/d. Bright light elsewhere takes no place of a candidate
+  /// near the expected spots. Candidates are sorted, the best first; some are not spots. The span
+  /// is valid until the next call. RT-safe.
+  std::span<const Vec2> find(const ImageView& image, const Parts& parts) OVWS_NONBLOCKING;
 
  private:
   struct Tap {
@@ -35,7 +45,10 @@ class CandidateFinder {
   struct Peak {
     float score = 0.0F;
     int column = 0, row = 0;
+    bool near = false;  ///< near the expected spots
   };
+  static bool better(const Peak& a, const Peak& b) { return a.score > b.score; }
+  static void keep_best(const Peak& peak, std::vector<Peak>& heap);
   using Grid = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   using Mask = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -47,7 +60,7 @@ class CandidateFinder {
   template <int kCount>
   void correlate_strip(Eigen::Index row, Eigen::Index first, Eigen::Index count);
   Vec2 place_of(int column, int row) const;
-  void collect_peaks(const std::optional<Disc>& within);
+  void collect_peaks(const Parts& parts);
   void suppress_neighbours();
 
   ColourPlane plane_;  ///< the colour plane that receives the laser's light
@@ -60,9 +73,10 @@ class CandidateFinder {
   Grid grid_;
   Grid score_;
   Mask suppressed_;  ///< bins too near an accepted candidate
-  std::vector<Peak> peaks_;
+  std::vector<Peak> near_peaks_, other_peaks_;
+  std::vector<Peak> peaks_;  ///< both, the best first
   std::vector<Vec2> candidates_;
-  std::size_t max_candidates_;
+  Most most_;
 };
 
 }  // namespace ovws

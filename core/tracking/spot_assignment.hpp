@@ -63,7 +63,9 @@ class SpotAssignment {
   /// Largest distance of a spot from expected(i); a spot farther away may be a neighbour's.
   double tolerance_px() const;
   double pitch_px() const { return pitch_; }  ///< median distance of nearest neighbours
-  int growths() const { return growths_; }    ///< number of fields that the last match has grown
+  /// The part of the image within `pitches` of the predicted positions, and what they enclose.
+  Disc part_around(double pitches) const { return {centre_, extent_ + pitches * pitch_}; }
+  int growths() const { return growths_; }  ///< number of fields that the last match has grown
 
  private:
   static constexpr int kStarts = 32;  ///< positions tried per seed, within about three pitches

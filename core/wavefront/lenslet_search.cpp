@@ -52,9 +52,9 @@ std::vector<Spot> spots_in(const Image<float>& mean_dn, const SpotModel& model) 
   const auto tracker = make_tracker({.tracker = TrackerKind::lg}, model);
   if (!tracker) return {};
   TrackScratch scratch = (*tracker)->make_scratch();
-  CandidateFinder finder(model, image.width, image.height, kMaxSpots);
+  CandidateFinder finder(model, image.width, image.height, {.elsewhere = kMaxSpots});
   std::vector<Spot> spots;
-  for (const Vec2 start : finder.find(view)) {
+  for (const Vec2 start : finder.find(view, {})) {
     const SpotFix fix = (*tracker)->track(view, start, scratch);
     if (fix.found()) spots.push_back({{double(fix.x), double(fix.y)}, double(fix.level)});
   }

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <complex>
+#include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "core/optics/sensor_field.hpp"
 #include "core/optics/zernike.hpp"
 #include "core/tracking/acquisition.hpp"
 #include "core/wavefront/slope_model.hpp"
@@ -178,6 +181,121 @@ INSTANTIATE_TEST_SUITE_P(Methods, Acquire,
                                          AcquisitionCase{0, TrackerKind::lg},
                                          AcquisitionCase{0, TrackerKind::thresholded}),
                          acquisition_name);
+
+/// A fixed array in light that is wider than the pupil: every lenslet gives a spot, and only those
+/// in the pupil are measured. 150 um lenslets, f = 5.2 mm, pixels of 5.3 um.
+struct WideArray {
+  int columns, rows, pupil;  ///< lenslets that are lit, and that fit into the pupil's diameter
+  int charge;
+  double depth = 1.0;  ///< of the spiral plates
+  Vec2 size_px{};      ///< of the image; zero: that of the array
+};
+
+class WideLight {
+ public:
+  explicit WideLight(const WideArray& array)
+      : columns_(array.size_px.x > 0.0 ? int(array.size_px.x) : int(kPitch * (array.columns + 1))),
+        rows_(array.size_px.y > 0.0 ? int(array.size_px.y) : int(kPitch * (array.rows + 1))) {
+    sensor_.charge = array.charge;
+    sensor_.grooves = {0.0, 0.0};
+    sensor_.pupil_diameter_px = array.pupil * kPitch;
+    sensor_.lenslets = {LensletShape::square, kPitch, 0.0, {16, array.depth, {}}, kPxPerCycle, {}};
+    for (int k = 0; k < array.columns * array.rows; ++k) {
+      lit_.push_back({kPitch * (k % array.columns - array.columns / 2),
+                      kPitch * (k / array.columns - array.rows / 2)});
+    }
+    optics_.registered = PxPerCycle(kPxPerCycle);
+    optics_.centre_px = Vec2{0.5 * columns_ + 0.3, 0.5 * rows_ - 0.2};
+    for (const Vec2 at : lit_) {
+      if (norm(at) > 0.5 * (array.pupil - 1) * kPitch + 0.1) continue;
+      in_use_px_.push_back(at + *optics_.centre_px);
+    }
+    sensor_.lenslets.centres_px = lit_;
+  }
+
+  /// The image of the lit lenslets but the `dark` ones (numbers in in_use_px).
+  Image<std::uint8_t> image(const std::vector<Mode>& modes, const std::vector<int>& dark,
+                            unsigned seed) {
+    const SlmGeometry no_slm{16, 16, 5.3};
+    sensor_.lenslets.centres_px = lit_;
+    for (const int i : dark) {
+      std::erase_if(sensor_.lenslets.centres_px, [&](Vec2 at) {
+        return norm(at + *optics_.centre_px - in_use_px_[std::size_t(i)]) < 1.0;
+      });
+    }
+    auto field = SensorField::make(sensor_, no_slm, optics_, columns_, rows_).value();
+    field.propagate(modes, {});
+    Image<float> light(columns_, rows_);
+    std::transform(field.far().pixels.begin(), field.far().pixels.end(), light.pixels.begin(),
+                   [](std::complex<float> one) { return std::norm(one); });
+    const float peak = *std::max_element(light.pixels.begin(), light.pixels.end());
+    for (float& pixel : light.pixels) pixel /= peak;
+    return expose8(light, 200.0, 1.0, 4.0, seed);
+  }
+
+  /// Largest distance of the spots found from where the modes move them, and how many are found.
+  struct Found {
+    int spots = 0;
+    double farthest_px = 0.0;
+  };
+  Found search(const Image<std::uint8_t>& image, const std::vector<Mode>& modes) const {
+    const SpotModel spots{sensor_.charge, lambda_d_px(optics_, {16, 16, 5.3}, sensor_)};
+    const TrackingConfig lg{TrackerKind::lg, 0.3};
+    const auto tracker = make_tracker(lg, spots).value();
+    TrackScratch scratch = tracker->make_scratch();
+    std::vector<SpotFix> fixes(in_use_px_.size());
+    Found found;
+    found.spots = Acquisition(spots, in_use_px_, columns_, rows_)
+                      .acquire(view_of(image), *tracker, scratch, fixes);
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+      if (!fixes[i].found()) continue;
+      const Vec2 at = in_use_px_[i] - *optics_.centre_px;
+      const double radius_px = 0.5 * sensor_.pupil_diameter_px;
+      const Vec2 moved =
+          (kPxPerCycle / radius_px) * wavefront_gradient(modes, (1.0 / radius_px) * at);
+      const Vec2 off = Vec2{double(fixes[i].x), double(fixes[i].y)} - in_use_px_[i] - moved;
+      found.farthest_px = std::max(found.farthest_px, norm(off));
+    }
+    return found;
+  }
+
+  int lit() const { return int(lit_.size()); }
+  int in_use() const { return int(in_use_px_.size()); }
+
+  static constexpr double kPitch = 150.0 / 5.3, kPxPerCycle = 632e-3 * 5.2e3 / (5.3 * 5.3);
+
+ private:
+  int columns_, rows_;
+  SensorConfig sensor_;
+  OpticsConfig optics_;
+  std::vector<Vec2> lit_, in_use_px_;
+};
+
+TEST(AcquireInWideLight, FindsTheLensletsOfThePupil) {
+  const std::vector<std::vector<Mode>> lights{
+      {{1, 0.2}, {2, -0.15}}, {{7, -0.12}, {8, 0.12}}, {{3, 0.1}, {4, -0.15}, {8, 0.05}}};
+  for (const WideArray& array :
+       {WideArray{17, 15, 11, 0}, WideArray{9, 9, 7, 1, 0.95}, WideArray{11, 11, 7, 0},
+        WideArray{13, 11, 7, 1}, WideArray{9, 9, 7, 0, 1.0, {384, 384}},
+        WideArray{31, 25, 13, 0}}) {
+    WideLight light(array);
+    for (std::size_t k = 0; k < (light.lit() > 300 ? 1 : lights.size()); ++k) {
+      const auto found = light.search(light.image(lights[k], {}, unsigned(k)), lights[k]);
+      std::printf("  %d lit, %d in use, charge %d: %d found, farthest %.2f px\n", light.lit(),
+                  light.in_use(), array.charge, found.spots, found.farthest_px);
+      EXPECT_GE(found.spots, light.in_use() - (array.charge == 0 ? 0 : 3));  // coma splits vortices
+      EXPECT_LT(found.farthest_px, 0.05 * WideLight::kPitch);
+    }
+  }
+}
+
+TEST(AcquireInWideLight, DarkLensletsAreLostAndShiftNothing) {
+  WideLight light({11, 11, 7, 0});
+  const std::vector<int> dark{0, 1, 14};
+  const auto found = light.search(light.image({{4, 0.1}}, dark, 5), {{4, 0.1}});
+  EXPECT_EQ(found.spots, light.in_use() - int(dark.size()));
+  EXPECT_LT(found.farthest_px, 0.05 * WideLight::kPitch);
+}
 
 }  // namespace
 }  // namespace ovws
