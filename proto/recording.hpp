@@ -41,11 +41,14 @@ struct RecordedFrame {
   std::uint64_t dropped_before = 0;  ///< frames since the previous row that are not in this file
   std::uint8_t picture_dropped = 0;  ///< 1: its image was dropped because the disk was too slow
   std::uint8_t still = 0, settled = 0, settings_known = 0, determined = 0, explained = 0, valid = 0;
-  std::uint8_t searched = 0;  ///< 1: the whole image was searched for spots
+  /// Bit 0: the whole image was searched for spots. Bit k: its part of the k-th further light
+  /// source was.
+  std::uint8_t searched = 0;
   std::uint8_t left_justified_bits = 0;
 };
 
-/// One row of `spots`: SpotFix, and the position where its search began (SpotStart).
+/// One cell of `spots` and `beam_spots`: SpotFix, and the position where its search began
+/// (SpotStart).
 struct RecordedSpot {
   float x = 0.0F, y = 0.0F, peak = 0.0F, quality = 0.0F, level = 0.0F, noise = 0.0F;
   double start_x = 0.0, start_y = 0.0;

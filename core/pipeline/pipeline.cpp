@@ -226,8 +226,8 @@ void Pipeline::release_recorded(FrameRecord* record) {
 }
 
 void Pipeline::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
-                      bool searched) {
-  impl_->track.main().resume(plan, starts, follows, searched);
+                      unsigned searched) {
+  impl_->track.resume(plan, starts, follows, searched);
 }
 
 Latencies& Pipeline::latencies() {

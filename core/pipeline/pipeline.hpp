@@ -93,10 +93,12 @@ class Pipeline {
   void release_recorded(FrameRecord* record);
 
   /// For a replay: sets the start positions of the next frame's spots, whether the frame before it
-  /// `follows` (FrameRecord), and whether its whole image is searched. `plan` is the active plan;
-  /// `starts` has one element per subaperture. Call it only while no frame is in flight.
+  /// `follows` (FrameRecord), and for which light sources the image is searched. `plan` is the
+  /// active plan. `starts` has one element per subaperture of the main source, then those of each
+  /// of `plan.beams`. Bit 0 of `searched` is the main source's, bit k that of the k-th further one.
+  /// Call it only while no frame is in flight.
   void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
-              bool searched);
+              unsigned searched);
 
   Latencies& latencies();
 

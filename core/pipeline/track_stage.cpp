@@ -218,4 +218,19 @@ void TrackStages::finish(Entry& entry) OVWS_NONBLOCKING {
   entry.release_pixels();
 }
 
+void TrackStages::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,
+                         bool follows, unsigned searched) {
+  const auto spots = std::size_t(plan.subapertures());
+  stages_[0].resume(plan, starts.first(spots), follows, (searched & 1U) != 0);
+  starts = starts.subspan(spots);
+  for (std::size_t k = 0; k < plan.beams.size(); ++k) {
+    const MeasurementPlan& beam = *plan.beams[k];
+    searched >>= 1U;
+    // Beams have no templates, so it does not matter whether the frame before follows.
+    stages_[k + 1].resume(beam, starts.first(std::size_t(beam.subapertures())), false,
+                          (searched & 1U) != 0);
+    starts = starts.subspan(std::size_t(beam.subapertures()));
+  }
+}
+
 }  // namespace ovws

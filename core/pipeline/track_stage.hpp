@@ -79,7 +79,9 @@ class TrackStages {
   void track_slice(Entry& entry, int k) OVWS_NONBLOCKING;
   void finish(Entry& entry) OVWS_NONBLOCKING;
 
-  TrackStage& main() { return stages_.front(); }
+  /// As Pipeline::resume.
+  void resume(const MeasurementPlan& plan, std::span<const SpotStart> starts, bool follows,
+              unsigned searched);
 
  private:
   TrackStage* main_of(const Entry& entry) OVWS_NONBLOCKING;

@@ -155,6 +155,7 @@ struct RecordFile::Impl {
   Handle pictures, summary;
   Table frames, documents, text, time, mode, mode_name, spot;
   Matrix spots, coefficients, sigma_waves;
+  Matrix beam_spots;  ///< not open: the file has none
   std::unique_ptr<libdeflate_compressor, FreeCompressor> compressor;
   std::vector<std::byte> packed;
   hsize_t image_count = 0;
@@ -164,7 +165,8 @@ struct RecordFile::Impl {
   std::vector<int> modes_j;  ///< of the columns of `coefficients`; 0: it changed
   bool modes_written = false;
   std::vector<RecordedFrame> new_frames;
-  std::vector<RecordedSpot> new_spots;
+  std::vector<RecordedSpot> new_spots, new_beam_spots;
+  std::vector<std::uint32_t> new_beam_counts;  ///< beam_spots of each frame
   std::vector<float> new_coefficients, new_sigma_waves;
   std::vector<RecordedDocument> new_documents;
 
@@ -178,11 +180,12 @@ struct RecordFile::Impl {
   std::span<const std::byte> pack(std::span<const std::byte> picture);
   bool create(const RecordingHeader& header, RecordedWidth expected);
   bool create_tables(const RecordingHeader& header, RecordedWidth expected);
-  bool begin_swmr();
   RecordedSummary summary_with(const RecordedLosses& dropped) const;
+  bool begin_swmr(RecordedWidth expected);
   bool write_summary(const RecordedSummary& now);
   bool append_all();
   bool append_cells();
+  bool append_beam_spots();
   bool write_column_names();
   tl::unexpected<Error> mark_broken(const std::string& what) {
     broken = true;
@@ -206,6 +209,9 @@ bool RecordFile::Impl::create_tables(const RecordingHeader& header, RecordedWidt
   return made && H5Dwrite(made, summary_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, &nothing) >= 0 &&
          create_images(file, header) && Table::create(file, "frames", frame_type, kTableChunk) &&
          Matrix::create(file, "spots", spot_type, expected.spots, &kNoSpot) &&
+         (expected.beams == 0 || (Matrix::create(file, "beam_spots", spot_type,
+                                                 expected.beams * expected.spots, &kNoSpot) &&
+                                  write_units(file, "beam_spots", kSpotFields))) &&
          Matrix::create(file, "coefficients", H5T_IEEE_F32LE, expected.modes, &kNoValue) &&
          Matrix::create(file, "sigma_waves", H5T_IEEE_F32LE, expected.modes, &kNoValue) &&
          Table::create(file, "documents", document_type, kTableChunk) &&
@@ -215,11 +221,12 @@ bool RecordFile::Impl::create_tables(const RecordingHeader& header, RecordedWidt
 }
 
 /// Switches to SWMR writing: from here on HDF5 writes data before the references to the data.
-bool RecordFile::Impl::begin_swmr() {
+bool RecordFile::Impl::begin_swmr(RecordedWidth expected) {
   if (H5Fstart_swmr_write(file) < 0) return false;
   pictures = Handle(H5Dopen2(file, "pictures", H5P_DEFAULT), H5Dclose);
   summary = Handle(H5Dopen2(file, "summary", H5P_DEFAULT), H5Dclose);
   return pictures && summary && frames.open(file, "frames") && spots.open(file, "spots") &&
+         (expected.beams == 0 || beam_spots.open(file, "beam_spots")) &&
          coefficients.open(file, "coefficients") && sigma_waves.open(file, "sigma_waves") &&
          documents.open(file, "documents") && text.open(file, "text") && time.open(file, "time") &&
          mode.open(file, "mode") && mode_name.open(file, "mode_name") && spot.open(file, "spot");
@@ -231,7 +238,8 @@ bool RecordFile::Impl::create(const RecordingHeader& header, RecordedWidth expec
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   errno = 0;
   file = Handle(H5Fcreate(path.c_str(), H5F_ACC_EXCL, H5P_DEFAULT, access), H5Fclose);
-  return file && write_header(file, header) && create_tables(header, expected) && begin_swmr();
+  return file && write_header(file, header) && create_tables(header, expected) &&
+         begin_swmr(expected);
 }
 
 RecordedSummary RecordFile::Impl::summary_with(const RecordedLosses& dropped) const {
@@ -281,8 +289,8 @@ Result<std::int64_t> RecordFile::add_image(std::span<const std::byte> pixels, bo
 }
 
 void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
-                           std::span<const float> coefficients,
-                           std::span<const float> sigma_waves) {
+                           std::span<const float> coefficients, std::span<const float> sigma_waves,
+                           std::span<const RecordedSpot> beam_spots) {
   Impl& m = *impl_;
   frame.first_spot = frame.first_coefficient = m.frames.rows() + m.new_frames.size();
   frame.spots = std::uint32_t(spots.size());
@@ -292,6 +300,9 @@ void RecordFile::add_frame(RecordedFrame frame, std::span<const RecordedSpot> sp
   m.new_coefficients.insert(m.new_coefficients.end(), coefficients.begin(), coefficients.end());
   m.new_sigma_waves.insert(m.new_sigma_waves.end(), sigma_waves.begin(), sigma_waves.end());
   m.new_sigma_waves.resize(m.new_coefficients.size(), NAN);  // the rows of both belong together
+  if (!m.beam_spots.is_open()) return;
+  m.new_beam_spots.insert(m.new_beam_spots.end(), beam_spots.begin(), beam_spots.end());
+  m.new_beam_counts.push_back(std::uint32_t(beam_spots.size()));
 }
 
 void RecordFile::name_modes(std::span<const int> modes_j) {
@@ -365,6 +376,12 @@ bool RecordFile::Impl::write_column_names() {
          mode_name.overwrite(std::span<const ModeName>(names), name_type) && mode_name.flush();
 }
 
+bool RecordFile::Impl::append_beam_spots() {
+  return !beam_spots.is_open() || (beam_spots.append(std::span<const RecordedSpot>(new_beam_spots),
+                                                     new_beam_counts, spot_type) &&
+                                   beam_spots.flush());
+}
+
 /// Appends spots, coefficients and standard errors of the new frames.
 bool RecordFile::Impl::append_cells() {
   std::vector<std::uint32_t> spot_counts, mode_counts;
@@ -375,7 +392,7 @@ bool RecordFile::Impl::append_cells() {
     times.push_back(frame.t_arrival_ns);
   }
   return spots.append(std::span<const RecordedSpot>(new_spots), spot_counts, spot_type) &&
-         spots.flush() &&
+         spots.flush() && append_beam_spots() &&
          coefficients.append(std::span<const float>(new_coefficients), mode_counts,
                              H5T_IEEE_F32LE) &&
          coefficients.flush() &&
@@ -399,6 +416,8 @@ Result<void> RecordFile::flush(const RecordedLosses& dropped) {
   if (m.broken || !m.append_all()) return m.mark_broken("the recording cannot be written");
   m.new_documents.clear();
   m.new_spots.clear();
+  m.new_beam_spots.clear();
+  m.new_beam_counts.clear();
   m.new_coefficients.clear();
   m.new_sigma_waves.clear();
   m.new_frames.clear();
@@ -416,10 +435,10 @@ Result<void> RecordFile::close(const RecordedLosses& dropped) {
   last.ended = 1;
   errno = 0;
   const bool closed = m.write_summary(last) && m.pictures.close() && m.summary.close() &&
-                      m.frames.close() && m.spots.close() && m.coefficients.close() &&
-                      m.sigma_waves.close() && m.documents.close() && m.text.close() &&
-                      m.time.close() && m.mode.close() && m.mode_name.close() && m.spot.close() &&
-                      m.file.close();
+                      m.frames.close() && m.spots.close() && m.beam_spots.close() &&
+                      m.coefficients.close() && m.sigma_waves.close() && m.documents.close() &&
+                      m.text.close() && m.time.close() && m.mode.close() && m.mode_name.close() &&
+                      m.spot.close() && m.file.close();
   if (!closed) return m.mark_broken("the recording cannot be closed");
   return {};
 }

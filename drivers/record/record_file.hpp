@@ -15,9 +15,9 @@
 namespace ovws {
 
 /// Usual number of spots and modes of a frame, for which the file is laid out. Frames may have
-/// more.
+/// more. `beams`: number of further light sources; a file for 0 takes no spots of them.
 struct RecordedWidth {
-  std::size_t spots = 19, modes = 18;
+  std::size_t spots = 19, modes = 18, beams = 0;
 };
 
 /// What the recording lacks because the disk was too slow.
@@ -39,9 +39,11 @@ class RecordFile {
   /// image is stored uncompressed, which saves CPU time.
   Result<std::int64_t> add_image(std::span<const std::byte> pixels, bool compress);
   /// Adds a frame, buffered until the next flush. Fills in its first_spot, spots, first_coefficient
-  /// and coefficients. `sigma_waves`: standard errors, as many as `coefficients`.
+  /// and coefficients. `sigma_waves`: standard errors, as many as `coefficients`. `beam_spots`:
+  /// spots of the further light sources, one source after the other.
   void add_frame(RecordedFrame frame, std::span<const RecordedSpot> spots,
-                 std::span<const float> coefficients, std::span<const float> sigma_waves);
+                 std::span<const float> coefficients, std::span<const float> sigma_waves,
+                 std::span<const RecordedSpot> beam_spots = {});
   /// Names the columns of `coefficients`: OSA/ANSI index of each coefficient of the next frames. A
   /// column that had another mode before is called 0.
   void name_modes(std::span<const int> modes_j);

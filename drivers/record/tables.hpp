@@ -60,6 +60,7 @@ class Matrix {
 
   bool flush() { return H5Dflush(set_) >= 0; }
   bool close() { return set_.close(); }
+  bool is_open() const { return bool(set_); }
   hsize_t columns() const { return columns_; }
 
  private:

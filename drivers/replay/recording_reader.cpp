@@ -180,6 +180,7 @@ struct RecordingReader::Impl {
   Handle pictures;
   hsize_t image_count = 0;
   Rows spots, coefficients, sigma_waves, text, documents;
+  Rows beam_spots;              ///< empty: without further light sources
   bool flat = false;            ///< of schema kFlatRecordingSchema
   bool has_sigma_waves = true;  ///< older versions did not record them
   RecordingHeader header;
@@ -273,6 +274,9 @@ bool RecordingReader::Impl::open_tables() {
          open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots, 2) &&
          open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMaxRows, coefficients,
                    2) &&
+         (H5Lexists(file, "beam_spots", H5P_DEFAULT) <= 0 ||
+          open_rows(file, "beam_spots", spot_type, sizeof(RecordedSpot), kMaxRows, beam_spots,
+                    2)) &&
          (!has_sigma_waves || open_rows(file, "sigma_waves", H5T_IEEE_F32LE, sizeof(float),
                                         kMaxRows, sigma_waves, 2)) &&
          open_rows(file, "documents", document_type, sizeof(RecordedDocument),
@@ -340,6 +344,18 @@ Result<std::vector<RecordedSpot>> RecordingReader::spots(const RecordedFrame& fr
   std::vector<RecordedSpot> all(frame.spots);
   if (!read_cells(impl_->spots, impl_->spot_type, frame.first_spot, frame.spots, all.data())) {
     return impl_->unreadable("the file is damaged: the spots of a frame cannot be read");
+  }
+  return all;
+}
+
+Result<std::vector<RecordedSpot>> RecordingReader::beam_spots(const RecordedFrame& frame,
+                                                              std::size_t count) {
+  const Rows& rows = impl_->beam_spots;
+  std::vector<RecordedSpot> all;
+  if (count > 0 && rows.columns && count <= *rows.columns) all.resize(count);
+  if (all.size() != count ||
+      !read_cells(rows, impl_->spot_type, frame.first_spot, std::uint32_t(count), all.data())) {
+    return impl_->unreadable("the file is damaged: spots of a further light source are missing");
   }
   return all;
 }

@@ -35,6 +35,8 @@ class RecordingReader {
   std::uint64_t documents_dropped() const;
 
   Result<std::vector<RecordedSpot>> spots(const RecordedFrame& frame);
+  /// The first `count` spots of the further light sources. Errc::invalid: the file has fewer.
+  Result<std::vector<RecordedSpot>> beam_spots(const RecordedFrame& frame, std::size_t count);
   Result<std::vector<float>> coefficients(const RecordedFrame& frame);
   /// Standard errors of the coefficients, waves. Empty for recordings of older versions, which do
   /// not have them.

@@ -43,7 +43,7 @@ std::vector<char> whole_recording() {
     frame.picture = *(*file)->add_image(pixels, i != 1);
     (*file)->add_frame(frame, spots, coefficients, coefficients);
   }
-  if (!(*file)->close(0, 0)) std::abort();
+  if (!(*file)->close({})) std::abort();
   std::ifstream in(path, std::ios::binary);
   std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
   std::filesystem::remove(path);

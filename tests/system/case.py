@@ -259,6 +259,19 @@ class BenchCase(unittest.TestCase):
         """Waits until the recording has at least `count` frames; record.get reports them four times a second."""
         return wait_for(lambda: (report := self.call("record.get"))["frames"] >= count and report, timeout_s, f"a recording of {count} frames")
 
+    def replayed_again(self, name):
+        """Replays the recording that has ended as `name` in the folder `recordings`: checks that each frame that has its image measures as it
+        did, bit for bit. Returns the report, with `refused`: how many of these frames were settled, referenced and not valid."""
+        from ovws_client.recording import Recording
+        path = self.bench.directory / "recordings" / f"{name}.h5"
+        done = self.run_ovws("--json", "replay", path)
+        report = json.loads(done.stdout.splitlines()[-1])
+        self.assertEqual((done.returncode, report["same"], report["first_difference"]), (0, report["replayed"], None), report)
+        with Recording(path) as run:
+            rows = run.frames[run.frames["picture"] >= 0]
+        self.assertEqual((report["replayed"], report["valid"]), (len(rows), (rows["valid"] == 1).sum()), report)
+        return report | {"refused": int(((rows["valid"] == 0) & (rows["settled"] == 1)).sum())}
+
     def take_reference(self, frames=50, **params):
         return self.run_job("reference.take", {"frames": frames} | params)
 

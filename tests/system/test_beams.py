@@ -18,13 +18,15 @@ class Beams(BenchCase):
     twin_config = {"camera": {"sensor_width": 512, "sensor_height": 1344},
                    "sources": [{"offset_px": OFFSETS["b"]}, {"offset_px": OFFSETS["c"], "power": 0.7}]}
     daemon_config = {"camera": {"roi": {"x": 0, "y": 0, "width": 512, "height": 1344}},
-                     "optics": {"centre_px": [255.5, 255.5]}, "beams": CONFIGURED, "stream": {"image_rate_hz": 0}, "state": {"directory": "state"}}
+                     "optics": {"centre_px": [255.5, 255.5]}, "beams": CONFIGURED, "stream": {"image_rate_hz": 0}, "state": {"directory": "state"},
+                     "record": {"directory": "recordings"}}
 
     def setUp(self):
         super().setUp()
         self.twin = Client("tcp://127.0.0.1:7790")
         self.addCleanup(self.twin.close)
         self.changed_ns = 0
+        self.peak_electrons = self.twin.call("twin.get")["peak_electrons"]
 
     def light(self, hidden, power=None):
         """Gives each source its aberration; `power`: of b and c."""
@@ -152,6 +154,28 @@ class Beams(BenchCase):
                 self.assertIsNone(sensor["beams"][1]["reason"])
                 told = wait_for(lambda: (event := events.next(1.0)) and event["kind"] == "spots" and "beam" not in event["data"] and event, what="the event")
                 self.assertIn("too close to another source's", told["text"])
+
+    def test_a_replay_knows_the_other_sources(self):
+        """Those too close to the main one, and those among which it searches for its spots."""
+        stream = self.stream("wavefront")
+        for tracker in ("lg", "fit"):
+            self.call("sensor.set", {"tracker": tracker})
+            self.take_reference()
+            self.all_valid(stream)
+            self.call("record.start", {"name": tracker})
+            for b_px in (418.0, 356.0, 418.0):
+                self.twin.call("twin.set", {"sources": [{"offset_px": [3.0, b_px]}, {"offset_px": OFFSETS["c"], "power": 0.7}]})
+                for _ in range(10):
+                    wait_for(lambda: self.validity(stream) == [b_px == 418.0] * 2 + [True], what=f"validity at {b_px} px")
+            before = self.call("system.status")["counters"]["acquisitions"]
+            self.twin.call("twin.set", {"peak_electrons": 1.0})  # all are dark
+            wait_for(lambda: self.call("system.status")["counters"]["acquisitions"] > before + 6, what="searches")
+            self.twin.call("twin.set", {"peak_electrons": self.peak_electrons})
+            self.all_valid(stream)
+            self.call("record.stop")
+            report = self.replayed_again(tracker)
+            print("\n ", tracker, report)
+            self.assertGreaterEqual(report["refused"], 10, report)
 
     def test_a_dark_source_disturbs_no_other(self):
         stream, events = self.stream("wavefront"), self.stream("event")

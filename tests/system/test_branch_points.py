@@ -6,7 +6,7 @@ from case import BenchCase, Client, ClientError, main, message_since, next_messa
 
 
 class BranchPoints(BenchCase):
-    daemon_config = {"stream": {"image_rate_hz": 0}}
+    daemon_config = {"stream": {"image_rate_hz": 0}, "record": {"directory": "recordings"}}
 
     def setUp(self):
         super().setUp()
@@ -41,6 +41,25 @@ class BranchPoints(BenchCase):
         self.assertIn("phase singularity", told["text"])
         self.light(stream)
         wait_for(lambda: (now := self.frame(stream))["valid"] and not now["branch_points"], what="a valid frame")
+
+    def test_a_refused_frame_is_refused_in_a_replay(self):
+        stream = self.stream("wavefront")
+        for charge in (1, 0):
+            self.call("sensor.set", {"tracker": "lg", "charge": charge})
+            self.call("camera.set", {"exposure_us": 2000.0 if charge else 500.0})  # bright spots are four times as bright
+            self.light(stream)
+            self.take_reference()
+            self.settled_frames(stream, 5)
+            name = f"charge-{charge}"
+            self.call("record.start", {"name": name})
+            self.frames_from_now(stream, 12)
+            self.light(stream, (0.3, 0.1, 1))
+            for _ in range(10):
+                wait_for(lambda: self.frame(stream)["branch_points"], what="a branch point")
+            self.call("record.stop")
+            report = self.replayed_again(name)
+            self.assertGreaterEqual(report["refused"], 10, report)
+            self.assertGreaterEqual(report["valid"], 10, report)
 
     def test_a_reference_is_refused_with_the_place(self):
         stream = self.stream("spots")

@@ -34,8 +34,20 @@ RecordedFrame row_of(const FrameRecord& record) {
   row.explained = record.explained;
   row.valid = record.valid;
   row.searched = record.searched;
+  for (std::size_t k = 0; k < record.beams().size(); ++k) {
+    if (record.beams()[k]->searched) row.searched |= std::uint8_t(2U << k);
+  }
   row.left_justified_bits = std::uint8_t(record.frame.image.left_justified_bits);
   return row;
+}
+
+void add_spots(const FrameRecord& record, std::vector<RecordedSpot>& to) {
+  for (int i = 0; i < record.spot_count; ++i) {
+    const SpotFix& fix = record.spots[std::size_t(i)];
+    const SpotStart& start = record.starts[std::size_t(i)];
+    to.push_back({fix.x, fix.y, fix.peak, fix.quality, fix.level, fix.noise, start.at_px.x,
+                  start.at_px.y, start.fresh});
+  }
 }
 
 }  // namespace
@@ -62,12 +74,9 @@ void FrameStore::take(const FrameRecord& record, bool with_image) {
   frame->row = row_of(record);
   frame->number = record.number;
   frame->spots.clear();
-  for (int i = 0; i < record.spot_count; ++i) {
-    const SpotFix& fix = record.spots[std::size_t(i)];
-    const SpotStart& start = record.starts[std::size_t(i)];
-    frame->spots.push_back({fix.x, fix.y, fix.peak, fix.quality, fix.level, fix.noise,
-                            start.at_px.x, start.at_px.y, start.fresh});
-  }
+  add_spots(record, frame->spots);
+  frame->beam_spots.clear();
+  for (const FrameRecord* const beam : record.beams()) add_spots(*beam, frame->beam_spots);
   frame->coefficients.assign(record.coefficients.begin(),
                              record.coefficients.begin() + record.mode_count);
   frame->sigma_waves.assign(record.sigma_waves.begin(),

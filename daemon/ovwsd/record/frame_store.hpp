@@ -19,6 +19,7 @@ struct TakenFrame {
   RecordedFrame row;  ///< without the positions of its parts in the file
   std::uint64_t number = 0;
   std::vector<RecordedSpot> spots;
+  std::vector<RecordedSpot> beam_spots;  ///< of the further light sources, in their order
   std::vector<float> coefficients, sigma_waves;
   std::span<std::byte> pixels;  ///< without padding; empty: no image
 };

@@ -30,11 +30,12 @@ json rows_of(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
-json operator_content(const PlanFacts& facts) {
-  json content{{"operator", wire_name(facts.mode_operator)},
-               {"j", facts.position_modes_j},
-               {"px_per_wave", rows_of(facts.slopes)}};
-  if (facts.nuisance.cols() > 0) content["nuisance_px"] = rows_of(facts.nuisance);
+json operator_content(const MeasurementPlan& plan) {
+  const Reconstructor& positions = *plan.reconstructor;
+  json content{{"operator", wire_name(plan.mode_operator)},
+               {"j", positions.modes_j()},
+               {"px_per_wave", rows_of(positions.slopes())}};
+  if (positions.nuisance().cols() > 0) content["nuisance_px"] = rows_of(positions.nuisance());
   return content;
 }
 
@@ -54,58 +55,58 @@ json charges_of(const SpotKinds* kinds) {
   return charges;
 }
 
+json region_content(const std::optional<Disc>& region) {
+  if (!region) return nullptr;
+  return {{"x", region->centre.x}, {"y", region->centre.y}, {"radius", region->radius}};
+}
+
+/// How a plan measures its own light source.
+json source_content(const MeasurementPlan& plan, const SensorSnapshot& now) {
+  return {{"plan_id", plan.id},
+          {"sensor_epoch", plan.sensor_epoch},
+          {"hologram_id", plan.hologram_id},
+          {"correction", to_json(plan.correction)},
+          {"charge", plan.charge},
+          {"charges", charges_of(plan.kinds.get())},
+          {"tracker", tracker_name(plan.tracker_kind)},
+          {"kernel_radius", now.tracking.kernel_radius},
+          {"lambda_d_px", plan.spots.lambda_d_px},
+          {"lit", lit_content(plan.spots.lit)},
+          {"roi", to_json(plan.roi)},
+          {"pixel_format", pixel_format_name(plan.format)},
+          {"predicted_px", to_json(plan.predicted_px)},
+          {"reference_px", to_json(plan.reference_px)},
+          {"reference_introduced_rms_waves", plan.reference_introduced_rms_waves},
+          {"awaits_templates", plan.awaits_templates},
+          {"can_fit_shapes", plan.can_fit_shapes},
+          {"modes_j", plan.modes_j},
+          {"beam", plan.beam},
+          {"region", region_content(plan.region)}};
+}
+
 json plan_content(const PlanFacts& facts) {
   const SensorSnapshot& now = *facts.sensor;
-  return {{"plan_id", facts.id},
-          {"sensor_epoch", facts.sensor_epoch},
-          {"hologram_id", facts.hologram_id},
-          {"charge", facts.charge},
-          {"charges", charges_of(facts.kinds.get())},
-          {"tracker", tracker_name(facts.tracker_kind)},
-          {"kernel_radius", now.tracking.kernel_radius},
-          {"template", wire_name(now.tracking.templates)},
-          {"own_templates", now.templates.own},
-          {"lambda_d_px", facts.spots.lambda_d_px},
-          {"lit", lit_content(facts.spots.lit)},
-          {"roi", to_json(facts.roi)},
-          {"pixel_format", pixel_format_name(facts.format)},
-          {"predicted_px", to_json(facts.predicted_px)},
-          {"reference_px", to_json(facts.reference_px)},
-          {"awaits_templates", facts.awaits_templates},
-          {"reference_introduced_rms_waves", facts.reference_introduced_rms_waves},
-          {"modes_j", facts.modes_j},
-          {"pattern", wire_name(now.pattern)},
-          {"sensor", to_json(now.sensor)},
-          {"optics", to_json(now.optics)},
-          {"registration", to_json(KnownRegistration{now.registration})},
-          {"aberration", to_json(now.aberration)},
-          {"correction", to_json(now.correction)}};
+  json content = source_content(facts.plan, now);
+  content["template"] = wire_name(now.tracking.templates);
+  content["own_templates"] = now.templates.own;
+  content["pattern"] = wire_name(now.pattern);
+  content["sensor"] = to_json(now.sensor);
+  content["optics"] = to_json(now.optics);
+  content["registration"] = to_json(KnownRegistration{now.registration});
+  content["aberration"] = to_json(now.aberration);
+  content["beams"] = json::array();
+  for (const auto& beam : facts.plan.beams) content["beams"].push_back(source_content(*beam, now));
+  return content;
 }
 
 }  // namespace
 
-PlanFacts::PlanFacts(const MeasurementPlan& plan, SensorView view)
-    : id(plan.id),
-      sensor_epoch(plan.sensor_epoch),
-      hologram_id(plan.hologram_id),
-      charge(plan.charge),
-      tracker_kind(plan.tracker_kind),
-      spots(plan.spots),
-      kinds(plan.kinds),
-      roi(plan.roi),
-      format(plan.format),
-      predicted_px(plan.predicted_px),
-      reference_px(plan.reference_px),
-      awaits_templates(plan.awaits_templates),
-      patterns(!plan.patterns.empty()),
-      reference_introduced_rms_waves(plan.reference_introduced_rms_waves),
-      mode_operator(plan.mode_operator),
-      modes_j(plan.modes_j),
-      position_modes_j(plan.reconstructor->modes_j()),
-      slopes(plan.reconstructor->slopes()),
-      sensor(std::move(view)),
-      nuisance(plan.reconstructor->nuisance()),
-      point(plan.fit ? std::optional(plan.fit->point()) : std::nullopt) {}
+PlanFacts::PlanFacts(const MeasurementPlan& of, SensorView view)
+    : plan(of),
+      point(of.fit ? std::optional(of.fit->point()) : std::nullopt),
+      sensor(std::move(view)) {
+  plan.fit = nullptr;
+}
 
 Document make_document(std::string kind, const json& content) {
   // Use json_text: a camera's name may contain bytes that are not UTF-8.
@@ -143,20 +144,23 @@ const std::string& PlanDocuments::calibration_of(
 std::vector<Document> PlanDocuments::of(const PlanFacts& facts) {
   std::vector<Document> all;
   json plan = plan_content(facts);
-  const auto refer = [&](const char* kind, const json& content) {
+  const auto refer = [&](json& from, const char* kind, const json& content) {
     all.push_back(make_document(kind, content));
-    plan[kind] = all.back().sha256;
+    from[kind] = all.back().sha256;
   };
   const SensorSnapshot& now = *facts.sensor;
   plan["reference"] = plan["calibration"] = plan["slm"] = plan["operating_point"] = nullptr;
   if (now.reference) plan["reference"] = reference_of(now.reference, all);
-  refer("operator", operator_content(facts));
+  refer(plan, "operator", operator_content(facts.plan));
+  for (std::size_t k = 0; k < facts.plan.beams.size(); ++k) {
+    refer(plan["beams"][k], "operator", operator_content(*facts.plan.beams[k]));
+  }
   if (now.calibration) plan["calibration"] = calibration_of(now.calibration, all);
-  if (now.slm) refer("slm", slm_content(*now.slm));
+  if (now.slm) refer(plan, "slm", slm_content(*now.slm));
   std::erase_if(all, [&](const Document& one) { return !given_.insert(one.sha256).second; });
   if (facts.point) {
-    Document point = make_document("operating_point",
-                                   point_content(*facts.point, facts.modes_j, now, facts.roi));
+    Document point = make_document(
+        "operating_point", point_content(*facts.point, facts.plan.modes_j, now, facts.plan.roi));
     plan[point.kind] = point.sha256;
     if (std::exchange(point_sha256_, point.sha256) != point.sha256) all.push_back(std::move(point));
   }

@@ -2,7 +2,6 @@
 /// was measured with. A document is one JSON text, identified by its checksum.
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,29 +13,14 @@
 
 namespace ovws {
 
-/// The part of a plan that is recorded. It is copied, because the plan may be deleted before the
-/// recorder writes it.
+/// A plan to be recorded. It is copied, because the plan may be deleted before the recorder writes
+/// it.
 struct PlanFacts {
-  PlanFacts(const MeasurementPlan& plan, SensorView view);
+  PlanFacts(const MeasurementPlan& of, SensorView view);
 
-  std::uint64_t id = 0, sensor_epoch = 0, hologram_id = 0;
-  int charge = 1;
-  TrackerKind tracker_kind = TrackerKind::lg;
-  SpotModel spots;
-  std::shared_ptr<const SpotKinds> kinds;  ///< null: all are like `spots`
-  Roi roi;
-  PixelFormat format = PixelFormat::mono8;
-  std::vector<Vec2> predicted_px, reference_px;
-  bool awaits_templates = false;
-  bool patterns = false;  ///< of a DMD's sequence, which is not recorded
-  double reference_introduced_rms_waves = 0.0;
-  OperatorKind mode_operator = OperatorKind::slopes;
-  std::vector<int> modes_j;           ///< of the coefficients
-  std::vector<int> position_modes_j;  ///< the first of modes_j, which `slopes` determines
-  Eigen::MatrixXd slopes;
+  MeasurementPlan plan;                 ///< without `fit`: templates are too large to keep
+  std::optional<OperatingPoint> point;  ///< of the templates, which determines them
   SensorView sensor;                    ///< sensor state when the plan was adopted
-  Eigen::MatrixXd nuisance;             ///< see Reconstructor
-  std::optional<OperatingPoint> point;  ///< of the templates, which are too large to copy
 };
 
 struct Document {
@@ -49,10 +33,10 @@ Document make_document(std::string kind, const nlohmann::json& content);
 /// Makes the documents of one recording. Used by one thread.
 class PlanDocuments {
  public:
-  /// The documents that describe this plan: reference, operator, calibration and SLM as far as they
-  /// exist, and last the plan, which names the other documents by their SHA-256. Omits documents
-  /// that an earlier call returned. An operating point is omitted only if it equals the last one.
-  /// With a new reference that has an image, a call takes 0.1 s.
+  /// The documents that describe this plan: reference, operators, calibration and SLM as far as
+  /// they exist, and last the plan, which names the other documents by their SHA-256. Omits
+  /// documents that an earlier call returned. An operating point is omitted only if it equals the
+  /// last one. With a new reference that has an image, a call takes 0.1 s.
   std::vector<Document> of(const PlanFacts& facts);
 
  private:

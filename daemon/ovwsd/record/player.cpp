@@ -85,9 +85,27 @@ bool same_spot(const SpotFix& now, const RecordedSpot& then) {
          same_bits(now.noise, then.noise);
 }
 
+bool same_spots(const FrameRecord& now, std::span<const RecordedSpot> then) {
+  return now.spot_count == int(then.size()) &&
+         std::equal(then.begin(), then.end(), now.spots.begin(),
+                    [](const RecordedSpot& a, const SpotFix& b) { return same_spot(b, a); });
+}
+
+/// Whether the further light sources have the same spots; `then` holds those of all.
+bool same_beams(const FrameRecord& now, std::span<const RecordedSpot> then, unsigned searched) {
+  for (const FrameRecord* const beam : now.beams()) {
+    const auto spots = std::min(std::size_t(beam->spot_count), then.size());
+    searched >>= 1U;
+    if (beam->searched != ((searched & 1U) != 0)) return false;
+    if (!same_spots(*beam, then.first(spots))) return false;
+    then = then.subspan(spots);
+  }
+  return true;
+}
+
 bool same_verdicts(const FrameRecord& now, const RecordedFrame& then) {
   return now.still == (then.still != 0) && now.settled == (then.settled != 0) &&
-         now.searched == (then.searched != 0) && now.explained == (then.explained != 0) &&
+         now.searched == ((then.searched & 1U) != 0) && now.explained == (then.explained != 0) &&
          now.reconstruction.determined == (then.determined != 0) &&
          now.valid == (then.valid != 0) && now.tracked == int(then.tracked) &&
          same_bits(now.saturated_fraction, then.saturated) &&
@@ -108,10 +126,8 @@ std::string other_image(const RecordingHeader& header, const MeasurementPlan& pl
 
 bool same(const FrameRecord& now, const RecordedFrame& then, std::span<const RecordedSpot> spots,
           std::span<const float> coefficients, std::span<const float> sigma_waves) {
-  return now.spot_count == int(spots.size()) && now.mode_count == int(coefficients.size()) &&
-         same_verdicts(now, then) &&
-         std::equal(spots.begin(), spots.end(), now.spots.begin(),
-                    [](const RecordedSpot& a, const SpotFix& b) { return same_spot(b, a); }) &&
+  return now.mode_count == int(coefficients.size()) && same_verdicts(now, then) &&
+         same_spots(now, spots) &&
          std::equal(coefficients.begin(), coefficients.end(), now.coefficients.begin(),
                     same_bits<float>) &&
          std::equal(sigma_waves.begin(), sigma_waves.end(), now.sigma_waves.begin(),
@@ -127,7 +143,7 @@ struct Player::Impl {
   Counters counters;
   LatestValue<ShownHologram> shown;
   LatestValue<AppliedSettings> settings;
-  Pipeline pipeline{{0, 8}, {counters, shown, settings}};
+  Pipeline pipeline{{.records = 8, .beams = kMaxBeams}, {counters, shown, settings}};
   ThreadPlan threads{RealtimePolicy::ignore};
   /// Plans by their number in the replay.
   std::map<std::uint64_t, std::unique_ptr<MeasurementPlan>> made;
@@ -207,18 +223,26 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
     frame.reason = "its number of spots is not its plan's";
     return {};
   }
+  std::vector<RecordedSpot> beam_spots;
+  if (!plan->beams.empty()) {
+    auto read = reader->beam_spots(frame.recorded, plan->beams.size() * spots->size());
+    if (!read) return fail(read.error());
+    beam_spots = std::move(*read);
+  }
   if (const std::string other = other_image(reader->header(), *plan); !other.empty()) {
     frame.reason = other;  // the pipeline would drop the frame, and next() would time out
     return {};
   }
   std::vector<SpotStart> starts;
-  for (const RecordedSpot& spot : *spots) {
-    starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
+  for (const auto* const all : {&*spots, &beam_spots}) {
+    for (const RecordedSpot& spot : *all) {
+      starts.push_back({{spot.start_x, spot.start_y}, spot.fresh != 0});
+    }
   }
   // `explained` stands for "the frame before follows" (FrameRecord::follows), which is not recorded
   // and matters only if positions measure the frame, its plan has or awaits templates, and the
   // frame is not at its reference: then it is explained only if the frame before follows.
-  pipeline.resume(*plan, starts, frame.recorded.explained != 0, frame.recorded.searched != 0);
+  pipeline.resume(*plan, starts, frame.recorded.explained != 0, frame.recorded.searched);
   set_conditions(frame.recorded);
   camera.give(frame.recorded);
   FrameRecord* const record = pipeline.next(kPatienceUs);
@@ -227,7 +251,8 @@ Result<void> Player::Impl::measure(PlayedFrame& frame) {
     return {};
   }
   frame.replayed = true;
-  frame.same = same(*record, frame.recorded, *spots, *coefficients, *sigma_waves);
+  frame.same = same(*record, frame.recorded, *spots, *coefficients, *sigma_waves) &&
+               same_beams(*record, beam_spots, frame.recorded.searched);
   frame.valid = record->valid;
   frame.modes_j = plan->modes_j;
   frame.coefficients.assign(record->coefficients.begin(),

@@ -8,6 +8,8 @@
 #include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
+#include "proto/tables/optics.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws {
 namespace {
@@ -38,6 +40,17 @@ Eigen::MatrixXd matrix(const json& rows, std::size_t columns) {
     }
   }
   return out;
+}
+
+Roi roi(const json& from) {
+  return {from.at("x").get<int>(), from.at("y").get<int>(), from.at("width").get<int>(),
+          from.at("height").get<int>()};
+}
+
+std::optional<Disc> region(const json& from) {
+  if (from.is_null()) return std::nullopt;
+  return Disc{{from.at("x").get<double>(), from.at("y").get<double>()},
+              from.at("radius").get<double>()};
 }
 
 SpotModel spot_model(const json& plan) {
@@ -110,14 +123,30 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   if (!from.value("torn", none).empty() || !from.value("search_px", none).empty()) {
     return fail(Errc::refused, "path", "an older version's search for spots is not in a recording");
   }
+  auto plan = read_source(from);
+  if (!plan) return plan;
+  if (!(*plan)->beam.empty()) return unfit("is that of a further light source");
+  auto branch_points = read_branch_points(from, (*plan)->predicted_px.size());
+  if (!branch_points) return fail(branch_points.error());
+  (*plan)->branch_points = std::move(*branch_points);
+  if (auto beams = read_beams(from, **plan); !beams) return fail(beams.error());
+  if (auto fit = read_templates(from, **plan); !fit) return fail(fit.error());
+  return plan;
+}
+
+/// Reads what a plan, or one of its beams, measures its own light source with. All but the branch
+/// points and the templates.
+Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read_source(const json& from) {
   auto plan = std::make_unique<MeasurementPlan>();
   plan->id = from.at("plan_id").get<std::uint64_t>();
   plan->sensor_epoch = from.at("sensor_epoch").get<std::uint64_t>();
   plan->hologram_id = from.at("hologram_id").get<std::uint64_t>();
+  plan->correction = modes_from(from.at("correction"));
   plan->charge = from.at("charge").get<int>();
-  const json& roi = from.at("roi");
-  plan->roi = {roi.at("x").get<int>(), roi.at("y").get<int>(), roi.at("width").get<int>(),
-               roi.at("height").get<int>()};
+  plan->beam = from.value("beam", std::string());
+  plan->region = region(from.value("region", json()));
+  plan->can_fit_shapes = from.value("can_fit_shapes", false);
+  plan->roi = roi(from.at("roi"));
   const auto format = pixel_format_from_name(from.at("pixel_format").get<std::string>());
   const auto tracker_is = from.at("tracker").get<std::string>();
   if (tracker_is == kFormerTracker) {
@@ -134,32 +163,74 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
   plan->reference_px = points(from.at("reference_px"));
   plan->awaits_templates = from.value("awaits_templates", false);
   plan->reference_introduced_rms_waves = from.value("reference_introduced_rms_waves", 0.0);
-  const json op = json_of(documents_.at(from.at("operator").get<std::string>()));
-  const auto position_modes_j = op.at("j").get<std::vector<int>>();
-  plan->modes_j = from.value("modes_j", position_modes_j);
-  if (auto fits = check_operator(*plan, op.at("px_per_wave"), position_modes_j); !fits) {
-    return fail(fits.error());
-  }
-  const json nuisance = op.value("nuisance_px", json::array());
-  if (!nuisance.empty() && nuisance.size() != op.at("px_per_wave").size()) {
-    return unfit("has different numbers of rows in nuisance_px and px_per_wave");
-  }
-  plan->reconstructor = std::make_unique<Reconstructor>(
-      matrix(op.at("px_per_wave"), position_modes_j.size()), position_modes_j, plan->reference_px,
-      matrix(nuisance, nuisance.empty() ? 0 : nuisance.at(0).size()));
-  auto made = make_tracker({*tracker, from.at("kernel_radius").get<double>()}, plan->spots);
+  if (auto read = read_operator(from, *plan); !read) return fail(read.error());
+  const TrackingConfig tracking{*tracker, from.at("kernel_radius").get<double>()};
+  auto made = make_tracker(tracking, plan->spots);
   if (!made) return fail(made.error());
   plan->tracker = std::move(*made);
   const auto charges = from.value("charges", std::vector<int>());
   if (!charges.empty() && charges.size() != plan->predicted_px.size()) {
     return unfit("has charges of other spots");
   }
-  auto kinds =
-      SpotKinds::make({*tracker, from.at("kernel_radius").get<double>()}, plan->spots, charges);
+  auto kinds = SpotKinds::make(tracking, plan->spots, charges);
   if (!kinds) return fail(kinds.error());
   plan->kinds = std::move(*kinds);
-  if (auto fit = read_templates(from, *plan); !fit) return fail(fit.error());
   return plan;
+}
+
+/// Reads the modes, and the matrix by which spot positions determine the first of them.
+Result<void> RecordedPlans::read_operator(const json& from, MeasurementPlan& plan) {
+  const json op = json_of(documents_.at(from.at("operator").get<std::string>()));
+  const auto& kinds = kNames<OperatorKind>();
+  const auto kind = std::ranges::find(kinds, op.at("operator").get<std::string>());
+  if (kind == kinds.end()) return unfit("has an operator that this program does not have");
+  plan.mode_operator = OperatorKind(kind - kinds.begin());
+  const auto position_modes_j = op.at("j").get<std::vector<int>>();
+  plan.modes_j = from.value("modes_j", position_modes_j);
+  if (auto fits = check_operator(plan, op.at("px_per_wave"), position_modes_j); !fits) return fits;
+  const json nuisance = op.value("nuisance_px", json::array());
+  if (!nuisance.empty() && nuisance.size() != op.at("px_per_wave").size()) {
+    return unfit("has different numbers of rows in nuisance_px and px_per_wave");
+  }
+  plan.reconstructor = std::make_unique<Reconstructor>(
+      matrix(op.at("px_per_wave"), position_modes_j.size()), position_modes_j, plan.reference_px,
+      matrix(nuisance, nuisance.empty() ? 0 : nuisance.at(0).size()));
+  return {};
+}
+
+/// Reads the plans of the further light sources.
+Result<void> RecordedPlans::read_beams(const json& from, MeasurementPlan& plan) {
+  for (const json& source : from.value("beams", json::array())) {
+    auto beam = read_source(source);
+    if (!beam) return fail(beam.error());
+    (*beam)->branch_points = plan.branch_points;  // of the same lattice
+    if ((*beam)->beam.empty() || !((*beam)->roi == plan.roi) ||
+        (*beam)->sensor_epoch != plan.sensor_epoch ||
+        (*beam)->predicted_px.size() != plan.predicted_px.size()) {
+      return unfit("has a further light source that is not of its sensor");
+    }
+    plan.beams.push_back(std::move(*beam));
+  }
+  if (plan.beams.size() > std::size_t(kMaxBeams)) return unfit("has too many light sources");
+  return {};
+}
+
+/// Makes the branch points' loops of the lattice that the plan's sensor has.
+Result<std::shared_ptr<const BranchPoints>> RecordedPlans::read_branch_points(
+    const json& from, std::size_t spots) const {
+  const auto config = configuration();
+  if (!config) return fail(config.error());
+  auto sensor = decode<SensorConfig>(from.at("sensor"));
+  if (!sensor) return fail(sensor.error());
+  sensor->masks.clear();  // they move no subaperture, and their files may be elsewhere
+  const auto optics = decode<OpticsConfig>(from.at("optics"));
+  if (!optics) return fail(optics.error());
+  const SlmGeometry& slm = config->slm.geometry;
+  const auto lattice = make_lattice(*sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  if (lattice->subapertures.size() != spots) return unfit("has spots of another lattice");
+  return std::make_shared<const BranchPoints>(*lattice, 0.5 * sensor->pupil_diameter_px,
+                                              px_per_cycle(*optics, slm));
 }
 
 /// Renders the templates of the plan, if it has an operating point.

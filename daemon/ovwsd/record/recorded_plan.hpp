@@ -40,6 +40,11 @@ class RecordedPlans {
   Result<std::shared_ptr<const Reference>> read_reference(const std::string& sha256);
 
   Result<std::unique_ptr<MeasurementPlan>> read(const nlohmann::json& from);
+  Result<std::unique_ptr<MeasurementPlan>> read_source(const nlohmann::json& from);
+  Result<void> read_operator(const nlohmann::json& from, MeasurementPlan& plan);
+  Result<void> read_beams(const nlohmann::json& from, MeasurementPlan& plan);
+  Result<std::shared_ptr<const BranchPoints>> read_branch_points(const nlohmann::json& from,
+                                                                 std::size_t spots) const;
   Result<void> read_templates(const nlohmann::json& from, MeasurementPlan& plan);
 
   std::map<std::uint64_t, std::string> plans_;    ///< plan texts by plan number

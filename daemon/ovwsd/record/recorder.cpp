@@ -24,13 +24,21 @@ constexpr std::int64_t kFlushNs = 250'000'000;
 constexpr std::size_t kIdleFacts = 4;
 constexpr std::size_t kMaxFacts = FrameStore::kMaxFrames + kIdleFacts;
 
-/// Memory that a remembered plan has for itself, about.
+/// Memory that a plan may have for itself, about.
+std::size_t bytes_of(const MeasurementPlan& plan) {
+  const Reconstructor& positions = *plan.reconstructor;
+  const std::size_t points = plan.predicted_px.size() + plan.reference_px.size();
+  std::size_t bytes =
+      sizeof(MeasurementPlan) + points * sizeof(Vec2) +
+      std::size_t(positions.slopes().size() + positions.nuisance().size()) * sizeof(double);
+  for (const auto& beam : plan.beams) bytes += bytes_of(*beam);
+  for (const auto& pattern : plan.patterns) bytes += bytes_of(*pattern);
+  return bytes;
+}
+
 std::size_t bytes_of(const PlanFacts& facts) {
-  const SensorSnapshot& sensor = *facts.sensor;
-  const std::size_t points = facts.predicted_px.size() + facts.reference_px.size() +
-                             sensor.sensor.lenslets.centres_px.size();
-  return sizeof(PlanFacts) + sizeof(SensorSnapshot) + points * sizeof(Vec2) +
-         std::size_t(facts.slopes.size() + facts.nuisance.size()) * sizeof(double);
+  return bytes_of(facts.plan) + sizeof(SensorSnapshot) +
+         facts.sensor->sensor.lenslets.centres_px.size() * sizeof(Vec2);
 }
 
 constexpr const char* kGone =
@@ -138,7 +146,8 @@ Recorder::Recorder(const Config& config, Pipeline& pipeline, Events& events)
       pipeline_(pipeline),
       events_(events),
       taker_(pipeline),
-      max_facts_(kIdleFacts) {}
+      max_facts_(kIdleFacts),
+      beams_(config.beams.size()) {}
 
 Recorder::~Recorder() = default;
 
@@ -172,7 +181,7 @@ void Recorder::keep_facts(std::size_t most) {
 std::shared_ptr<const PlanFacts> Recorder::facts_of(std::uint64_t plan_id) {
   const std::lock_guard lock(facts_mutex_);
   const auto found = std::find_if(facts_.begin(), facts_.end(),
-                                  [&](const auto& one) { return one->id == plan_id; });
+                                  [&](const auto& one) { return one->plan.id == plan_id; });
   if (found == facts_.end()) return nullptr;
   // Frames come in the order of their plans.
   for (auto one = facts_.begin(); one != found; ++one) facts_bytes_ -= bytes_of(**one);
@@ -191,9 +200,9 @@ RecordSize Recorder::size_of(const CameraSettings& camera, int pictures_every) {
   const double image_bytes =
       double(row_bytes(camera.pixel_format, camera.roi.width)) * camera.roi.height;
   const RecordedWidth width = expected_width();
-  const double frame_bytes =
-      double(sizeof(RecordedFrame) + sizeof(std::int64_t) + width.spots * sizeof(RecordedSpot) +
-             width.modes * 2 * sizeof(float));
+  const double frame_bytes = double(sizeof(RecordedFrame) + sizeof(std::int64_t) +
+                                    width.spots * (1 + width.beams) * sizeof(RecordedSpot) +
+                                    width.modes * 2 * sizeof(float));
   RecordSize size;
   size.bytes_per_frame =
       frame_bytes + (pictures_every == 0 ? 0.0 : image_bytes / double(pictures_every));
@@ -205,8 +214,13 @@ RecordSize Recorder::size_of(const CameraSettings& camera, int pictures_every) {
 
 RecordedWidth Recorder::expected_width() {
   const std::lock_guard lock(facts_mutex_);
-  if (facts_.empty()) return {};
-  return {facts_.back()->predicted_px.size(), facts_.back()->modes_j.size()};
+  RecordedWidth width;
+  width.beams = beams_;
+  if (facts_.empty()) return width;
+  const MeasurementPlan& plan = facts_.back()->plan;
+  width.spots = plan.predicted_px.size();
+  width.modes = plan.modes_j.size();
+  return width;
 }
 
 void Recorder::camera_changed(const CameraSettings& settings,
@@ -392,18 +406,18 @@ std::optional<Recorder::Ending> Recorder::write_plan(std::uint64_t plan_id) {
   const auto facts = facts_of(plan_id);
   if (!facts) return std::nullopt;  // a reader of the file detects the missing plan
   const RecordingHeader& header = running_->header;
-  const Roi& roi = facts->roi;
+  const Roi& roi = facts->plan.roi;
   const Roi recorded{header.x, header.y, header.width, header.height};
-  if (!(roi == recorded) || facts->format != header.format) {
+  if (!(roi == recorded) || facts->plan.format != header.format) {
     return Ending{
         fmt::format("the camera's image changed: it is now {} x {} at {}, {}, {}", roi.width,
-                    roi.height, roi.x, roi.y, pixel_format_name(facts->format)),
+                    roi.height, roi.x, roi.y, pixel_format_name(facts->plan.format)),
         Rest::after};
   }
-  if (facts->patterns) {
+  if (!facts->plan.patterns.empty()) {
     return Ending{"a sequence of patterns is shown, which is not recorded", Rest::after};
   }
-  running_->file->name_modes(facts->modes_j);
+  running_->file->name_modes(facts->plan.modes_j);
   for (const Document& document : running_->documents.of(*facts)) {
     if (auto added = add(*running_->file, document); !added) return Ending{added.error().reason};
   }
@@ -423,7 +437,7 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
     if (!picture) return fail(picture.error());
     row.picture = *picture;
   }
-  r.file->add_frame(row, frame.spots, frame.coefficients, frame.sigma_waves);
+  r.file->add_frame(row, frame.spots, frame.coefficients, frame.sigma_waves, frame.beam_spots);
   return {};
 }
 

@@ -146,6 +146,7 @@ class Recorder : public Agent {
   std::mutex facts_mutex_;
   std::size_t max_facts_, facts_bytes_ = 0;  ///< guarded by facts_mutex_
   std::deque<std::shared_ptr<const PlanFacts>> facts_;
+  const std::size_t beams_;  ///< number of further light sources
 };
 
 }  // namespace ovws

@@ -47,7 +47,7 @@ std::string make_recording(const std::string& name, int skipped, bool with_image
     if (with_images) frame.picture = *(*file)->add_image(pixels, i % 2 == 0);
     (*file)->add_frame(frame, {}, {}, {});
   }
-  EXPECT_TRUE((*file)->close(0, 0));
+  EXPECT_TRUE((*file)->close({}));
   return path;
 }
 
