@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/number_text.hpp"
 #include "core/optics/circle_columns.hpp"
 #include "core/optics/hologram_row.hpp"
 #include "core/optics/phasors.hpp"
@@ -408,10 +409,10 @@ Result<void> HologramRenderer::check_sampling(std::span<const Mode> modes) const
     if (found.x <= kNyquistCpp && found.y <= kNyquistCpp) continue;
     return fail(Errc::invalid, "modes",
                 "too steep for the SLM: subaperture " + std::to_string(i) + " needs " +
-                    std::to_string(found.x) + " (x) and " + std::to_string(found.y) +
+                    with_decimals(found.x, 6) + " (x) and " + with_decimals(found.y, 6) +
                     " (y) cycles per SLM pixel; the limit is 0.5. Its grating alone needs " +
-                    std::to_string(s.frequency_cpp.x) + " and " +
-                    std::to_string(s.frequency_cpp.y) + ": reduce the aberration or the grating");
+                    with_decimals(s.frequency_cpp.x, 6) + " and " +
+                    with_decimals(s.frequency_cpp.y, 6) + ": reduce the aberration or the grating");
   }
   return {};
 }

@@ -1,6 +1,9 @@
 #include "core/optics/lattice.hpp"
 
+#include <algorithm>
 #include <string>
+
+#include "core/base/number_text.hpp"
 
 namespace ovws {
 namespace {
@@ -135,7 +138,7 @@ Result<Lattice> make_lattice(const SensorConfig& sensor, const SlmGeometry& slm)
     if (!(std::abs(f.x) <= kNyquistCpp && std::abs(f.y) <= kNyquistCpp)) {
       return fail(Errc::invalid, "sensor.grooves",
                   "the grating of subaperture " + std::to_string(lattice.subapertures.size()) +
-                      " has " + std::to_string(f.x) + " x " + std::to_string(f.y) +
+                      " has " + with_decimals(f.x, 6) + " x " + with_decimals(f.y, 6) +
                       " cycles per SLM pixel, but the limit is 0.5: reduce grooves or spacing");
     }
     const std::size_t i = lattice.subapertures.size();

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <set>
 
+#include "core/base/number_text.hpp"
+
 namespace ovws {
 namespace {
 
@@ -45,7 +47,7 @@ Result<void> check_mask(const MaskConfig& mask, const std::string& field,
       continue;
     }
     return fail(Errc::invalid, field + ".modes",
-                "mode j = " + std::to_string(mode.j) + " of " + std::to_string(mode.waves) +
+                "mode j = " + std::to_string(mode.j) + " of " + with_decimals(mode.waves, 3) +
                     " waves: use j = 0 to " + std::to_string(kMaxZernikeIndex) +
                     ", and at most 10 waves");
   }

@@ -7,6 +7,7 @@
 
 #include "core/base/angle.hpp"
 #include "core/base/decompositions.hpp"
+#include "core/base/number_text.hpp"
 
 namespace ovws {
 namespace {
@@ -23,16 +24,6 @@ constexpr double kFallSigmas = 5.0;    // a fall of the phase beyond this is not
 constexpr double kMinBlaze = 0.05;     // relative difference; a phase range of 1 rad gives 0.15
 constexpr double kBlazeNoises = 3.0;   // multiples of the repeated readings' difference
 constexpr double kMaxStiffness = 1e9, kMinStiffness = 1.0;
-
-std::string two_decimals(double value) {
-  std::string text = std::to_string(std::round(100.0 * value) / 100.0);
-  return text.substr(0, text.find('.') + 3);
-}
-
-std::string three_decimals(double value) {
-  std::string text = std::to_string(std::round(1000.0 * value) / 1000.0);
-  return text.substr(0, text.find('.') + 4);
-}
 
 struct Circle {
   std::complex<double> middle;
@@ -137,7 +128,7 @@ Error diagnose(std::span<const GreyBeat> beats, const Circle& circle, double noi
     return {
         Errc::refused, "slm.settle_ms",
         "the phases measured with rising and with falling grey levels differ by " +
-            two_decimals(std::abs(lag)) +
+            with_decimals(std::abs(lag), 2) +
             " rad: the SLM is slower than slm.settle_ms, or the bench moves; slm.settle measures "
             "the settle time"};
   }
@@ -145,13 +136,13 @@ Error diagnose(std::span<const GreyBeat> beats, const Circle& circle, double noi
     return {Errc::refused, "",
             "the bench moved during the measurement: beyond the noise, the two readings of a level "
             "differ by " +
-                three_decimals(2.0 * drift_rad) + " rad RMS (at most " +
-                three_decimals(2.0 * kMaxDriftRad) +
+                with_decimals(2.0 * drift_rad, 3) + " rad RMS (at most " +
+                with_decimals(2.0 * kMaxDriftRad, 3) +
                 " are allowed): let the bench come to rest and measure again"};
   }
   return {Errc::refused, "camera.exposure_us",
-          "the fringes are too weak: the phase noise of one level is " + two_decimals(noise_rad) +
-              " rad; raise the exposure, or average more frames"};
+          "the fringes are too weak: the phase noise of one level is " +
+              with_decimals(noise_rad, 2) + " rad; raise the exposure, or average more frames"};
 }
 
 Result<void> check_steady(std::span<const GreyBeat> beats, const Circle& circle, double noise_rad) {
@@ -168,7 +159,7 @@ Result<void> check_monotonic(std::span<const GreyBeat> beats, const std::vector<
     if (phases[top] - phases[k] < kFallSigmas * std::sqrt(2.0) * noise_rad) continue;
     return fail(
         Errc::refused, "",
-        "the phase is not monotonic: it reverses by " + two_decimals(phases[top] - phases[k]) +
+        "the phase is not monotonic: it reverses by " + with_decimals(phases[top] - phases[k], 2) +
             " rad from grey level " + std::to_string(beats[top].grey) + " to " +
             std::to_string(beats[k].grey) +
             ", which no look-up table can correct; check that nothing moves on the bench, and "
@@ -259,7 +250,7 @@ Result<PhaseResponse> phase_response(std::span<const GreyBeat> beats) {
   if (auto rising = check_monotonic(beats, phases, noise); !rising) return fail(rising.error());
   if (phases.back() < kMinDepthRad) {
     return fail(Errc::refused, "",
-                "the SLM's phase range is only " + two_decimals(phases.back()) +
+                "the SLM's phase range is only " + with_decimals(phases.back(), 2) +
                     " rad: check that the configured output is the SLM");
   }
   const Curve curve = whittaker_smooth(beats, phases, noise);
@@ -292,8 +283,8 @@ Result<PhaseResponse> with_sign(PhaseResponse response, const BlazedLight& risin
     return fail(Errc::refused, "camera.exposure_us",
                 "cannot determine whether the phase rises or falls with the grey level: a "
                 "blazed grating brings " +
-                    two_decimals(up) + " DN to the base spot if it rises and " +
-                    two_decimals(down) +
+                    with_decimals(up, 2) + " DN to the base spot if it rises and " +
+                    with_decimals(down, 2) +
                     " DN if it falls; run registration.run, raise the exposure, or average more "
                     "frames");
   }
@@ -325,7 +316,7 @@ PhaseTable linearising_lut(const std::array<double, 256>& phase_rad) {
     table.lut[k] = std::uint8_t(grey);
   }
   if (table.steps_out_of_reach > 0) {
-    table.reason = "the SLM reaches " + two_decimals(depth / std::numbers::pi) +
+    table.reason = "the SLM reaches " + with_decimals(depth / std::numbers::pi, 2) +
                    " pi of 2 pi: phases beyond are shown by grey level 255 or 0, whichever is "
                    "nearer";
   }

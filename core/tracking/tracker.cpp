@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/number_text.hpp"
 #include "core/tracking/centroid.hpp"
 #include "core/tracking/lg.hpp"
 #include "core/tracking/lg_contour.hpp"
@@ -28,11 +29,9 @@ Result<void> check(const TrackingConfig& config, const SpotModel& spots) {
   }
   const int step = spots.lit.plane.step;
   if (!(spots.lambda_d_px >= kMinSpotPx * step && spots.lambda_d_px <= kMaxSpotPx * step)) {
-    std::string least = std::to_string(kMinSpotPx * step);
-    least.resize(least.find('.') + 2);
     return fail(
         Errc::invalid, "optics",
-        "lambda/d on the camera must be from " + least + " to " +
+        "lambda/d on the camera must be from " + with_decimals(kMinSpotPx * step, 1) + " to " +
             std::to_string(int(kMaxSpotPx) * step) + " pixels for a spot to be tracked" +
             (step > 1 ? " by a colour camera, of which only every second pixel is lit" : "") +
             ": change the optics or the number of subapertures");

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <complex>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <string>
 
+#include "core/base/number_text.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/tracking/candidates.hpp"
 #include "core/wavefront/registration.hpp"
@@ -255,8 +257,8 @@ std::vector<LensletNode> nodes_of(const Indexing& indexing, const std::vector<Sp
 Result<void> check_pitch(double measured_px, const LensletSearch& search) {
   if (std::abs(measured_px / search.pitch_px - 1.0) <= kMaxPitchError) return {};
   return fail(Errc::refused, "array.pitch_um",
-              "the spots are " + std::to_string(measured_px) + " camera pixels apart, but " +
-                  std::to_string(search.pitch_px) +
+              "the spots are " + with_decimals(measured_px, 2) + " camera pixels apart, but " +
+                  with_decimals(search.pitch_px, 2) +
                   " are expected: correct array.pitch_um, optics.camera_pitch_um or "
                   "optics.magnification");
 }

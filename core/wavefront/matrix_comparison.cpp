@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <numeric>
 
 #include "core/base/decompositions.hpp"
+#include "core/base/number_text.hpp"
 #include "core/optics/zernike.hpp"
 
 namespace ovws {
@@ -110,13 +110,6 @@ bool explains(const Eigen::Matrix2d& map, const Pair& pair) {
   return true;
 }
 
-template <class... Values>
-std::string text(const char* format, Values... values) {
-  std::array<char, 400> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  return buffer.data();
-}
-
 std::string listed(const std::vector<std::string>& all) {
   std::string out;
   for (std::size_t i = 0; i < std::min(kMaxListed, all.size()); ++i) {
@@ -154,7 +147,7 @@ Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
   std::vector<std::string> odd;
   for (const ModeComparison& mode : modes) {
     if (std::abs(mode.factor / scale - 1.0) > kMaxFactorError) {
-      odd.push_back(text("j = %d by %.2f", mode.j, mode.factor));
+      odd.push_back("j = " + std::to_string(mode.j) + " by " + with_decimals(mode.factor, 2));
     }
   }
   if (!odd.empty()) {
@@ -164,9 +157,9 @@ Finding judge_factors(const std::vector<ModeComparison>& modes, double scale) {
   }
   if (std::abs(scale - 1.0) <= kMaxScaleError) return {};
   return {Disagreement::scale,
-          text("every displacement is %.3f times the model's: the magnification or the focal "
-               "length is not the configured one; ",
-               scale) +
+          "every displacement is " + with_decimals(scale, 3) +
+              " times the model's: the magnification or the focal length is not the configured "
+              "one; " +
               kRegister};
 }
 
@@ -189,10 +182,8 @@ Finding judge_map(const Eigen::Matrix2d& map, const std::vector<ModeComparison>&
       std::atan2(map(1, 0) - map(0, 1), map(0, 0) + map(1, 1)) * 180.0 / std::numbers::pi;
   if (std::abs(rotation_deg) > kMaxRotationDeg) {
     return {Disagreement::rotation,
-            text("displacements are rotated by %.1f degrees: the camera's orientation is not the "
-                 "configured one; ",
-                 rotation_deg) +
-                kRegister};
+            "displacements are rotated by " + with_decimals(rotation_deg, 1) +
+                " degrees: the camera's orientation is not the configured one; " + kRegister};
   }
   return judge_factors(modes, scale);
 }
@@ -237,8 +228,9 @@ Finding judge_order(const Pair& pair, const std::vector<ModeComparison>& modes) 
       const double similarity =
           correlation(pair.measured.col(Eigen::Index(k)), pair.all_model.col(Eigen::Index(l)));
       if (std::abs(similarity) < kAlike) continue;
-      others.push_back(text("j = %d looks like the model's j = %d%s", modes[k].j,
-                            pair.all_modes_j[l], similarity < 0.0 ? " with the wrong sign" : ""));
+      others.push_back("j = " + std::to_string(modes[k].j) +
+                       " looks like the model's j = " + std::to_string(pair.all_modes_j[l]) +
+                       (similarity < 0.0 ? " with the wrong sign" : ""));
     }
   }
   if (!others.empty()) {

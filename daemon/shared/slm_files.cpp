@@ -10,6 +10,7 @@
 #include <sstream>
 #include <vector>
 
+#include "core/base/number_text.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "drivers/png/grey_png.hpp"
 
@@ -30,18 +31,12 @@ std::optional<std::vector<std::vector<double>>> read_lines(const std::string& pa
     std::istringstream words(line);
     std::vector<double> numbers;
     for (std::string word; words >> word;) {
-      std::size_t used = 0;
-      double value = NAN;
-      try {
-        value = std::stod(word, &used);
-      } catch (const std::exception&) {
-        used = 0;
-      }
-      if (used != word.size() || !std::isfinite(value)) {
+      const auto value = finite_number(word);
+      if (!value) {
         bad = word;
         return lines;
       }
-      numbers.push_back(value);
+      numbers.push_back(*value);
     }
     if (!numbers.empty()) lines.push_back(std::move(numbers));
   }

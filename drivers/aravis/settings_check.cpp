@@ -3,27 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <string>
 #include <utility>
+
+#include "core/base/number_text.hpp"
 
 namespace ovws {
 
 namespace {
 
-template <class T>
-std::string describe(const Range<T>& range) {
-  std::ostringstream text;
-  text.precision(10);
-  text << range.min << " to " << range.max;
-  if (range.increment > T{}) text << " in steps of " << range.increment;
-  return text.str();
+std::string describe(double value) {
+  constexpr int kDigits = 10;
+  return with_digits(value, kDigits);
 }
 
-std::string describe(double value) {
-  std::ostringstream text;
-  text.precision(10);
-  text << value;
-  return text.str();
+template <class T>
+std::string describe(const Range<T>& range) {
+  const std::string text = describe(range.min) + " to " + describe(range.max);
+  return range.increment > T{} ? text + " in steps of " + describe(range.increment) : text;
 }
 
 /// Largest region width or height up to `wanted` that the camera's increment allows.
@@ -55,10 +52,10 @@ Result<double> fit_value(const std::string& field, const char* what, double want
 
 Result<Roi> fit_roi(const Roi& wanted, const CameraLimits& limits, RoiSteps steps) {
   const auto refuse = [&](const std::string& why) {
-    std::ostringstream text;
-    text << "a region of " << wanted.width << " x " << wanted.height << " at (" << wanted.x << ", "
-         << wanted.y << ") " << why;
-    return fail(Errc::invalid, "camera.roi", text.str());
+    return fail(Errc::invalid, "camera.roi",
+                "a region of " + std::to_string(wanted.width) + " x " +
+                    std::to_string(wanted.height) + " at (" + std::to_string(wanted.x) + ", " +
+                    std::to_string(wanted.y) + ") " + why);
   };
   if (!lies_on_sensor(wanted.x, wanted.width, limits.sensor_width) ||
       !lies_on_sensor(wanted.y, wanted.height, limits.sensor_height))

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <sstream>
+#include <iterator>
+#include <string>
 
 #include "core/optics/lattice.hpp"
 #include "proto/limits.hpp"
@@ -284,13 +285,13 @@ Result<Config> parse_config(const std::string& json_text) {
 
 Result<Config> load_config(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file || text.empty()) {
     return fail(
         Errc::unavailable, "",
         "cannot read the configuration file " + path + ": check the path and the permissions");
   }
-  auto config = parse_config(text.str());
+  auto config = parse_config(text);
   if (!config) config.error().reason += " (in " + path + ")";
   return config;
 }

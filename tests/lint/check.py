@@ -43,6 +43,9 @@ VENDORS = {
 USERS_OF_DRIVER = {"hdf5": ("record", "replay"), "zmq": ("twin",)}  # drivers that other drivers use
 # Each program creates threads in one place only.
 THREAD_OWNERS = ("daemon/commission/conductor.", "daemon/ovwsd/threads/thread_plan.", "daemon/ovws/doctor/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
+# The locale decides what these read or write; core/base/number_text.hpp does without. A library may switch it: see core/port/c_locale.cpp.
+BY_LOCALE = r"\bstd::sto(d|f|ld)\b|\b(strto(d|f|ld)|atof|[sf]?scanf|v?sn?printf|ostringstream|setlocale|uselocale)\b|std::locale|printf\(.*%[-+ #0-9.*lL]*[aefgAEFG]"
+LOCALE_OWNERS = ("core/port/c_locale.cpp", "daemon/ovws/screen/terminal.cpp")
 CODE = ("*.hpp", "*.cpp", "*.inc")
 MOST_LINES = 500
 MOST_FUNCTION_LINES = 60
@@ -113,6 +116,8 @@ def check_code_line(name, line):
     if re.search(r"\bstd::j?thread\b|pthread_create|std::async", line) and not name.startswith(THREAD_OWNERS):
         if "this_thread" not in line and "#include" not in line:
             yield "threads may be created only in " + " and ".join(THREAD_OWNERS)
+    if name not in LOCALE_OWNERS and re.search(BY_LOCALE, line.split("//")[0]):
+        yield "depends on the locale: use core/base/number_text.hpp or fmt"
     if re.search(r"\b(TODO|FIXME|XXX|HACK)\b", line):
         yield "unfinished work: finish it, or file an issue"
 

@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "config/devices.hpp"
+#include "core/base/number_text.hpp"
 #include "daemon/ovws/cli/design.hpp"
 #include "proto/limits.hpp"
 #include "proto/names.hpp"
@@ -23,7 +24,7 @@ std::optional<Panel> parse_panel(const std::string& text) {
   static const std::regex form(R"((\d{1,5})x(\d{1,5})@(\d{1,4}(?:\.\d{1,6})?))");
   std::smatch found;
   if (!std::regex_match(text, found, form)) return std::nullopt;
-  return Panel{std::stoi(found[1]), std::stoi(found[2]), std::stod(found[3])};
+  return Panel{std::stoi(found[1]), std::stoi(found[2]), finite_number(found[3].str()).value()};
 }
 
 template <class Model>

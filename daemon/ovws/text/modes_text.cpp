@@ -1,9 +1,9 @@
 #include "daemon/ovws/text/modes_text.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
+#include "core/base/number_text.hpp"
 #include "daemon/ovws/text/mode_names.hpp"
 
 namespace ovws::cli {
@@ -26,14 +26,14 @@ std::string without_blanks(const std::string& text) {
 
 Result<Mode> parse_mode(const std::string& part, ZernikeNorm norm) {
   const auto colon = part.find(':');
-  double waves = 0.0;
-  std::istringstream number(colon == std::string::npos ? "" : part.substr(colon + 1));
-  if (!(number >> waves) || !(number >> std::ws).eof() || !std::isfinite(waves)) {
+  const auto waves =
+      colon == part.npos ? std::nullopt : finite_number(without_blanks(part.substr(colon + 1)));
+  if (!waves) {
     return fail(Errc::invalid, "modes", "\"" + part + "\" does not have the form n,m:waves");
   }
   const auto j = mode_of(without_blanks(part.substr(0, colon)));
   if (!j) return fail(j.error());
-  return Mode{*j, norm == ZernikeNorm::unit ? waves / zernike_rms_factor(*j) : waves};
+  return Mode{*j, norm == ZernikeNorm::unit ? *waves / zernike_rms_factor(*j) : *waves};
 }
 
 }  // namespace

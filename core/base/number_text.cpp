@@ -1,0 +1,40 @@
+#include "core/base/number_text.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+namespace ovws {
+namespace {
+
+constexpr std::size_t kMaxChars = 512;  // the largest double has 309 digits before its decimals
+
+std::string written(double value, std::chars_format format, int precision) {
+  std::array<char, kMaxChars> text{};
+  const auto end = std::to_chars(text.begin(), text.end(), value, format, precision);
+  return {text.data(), end.ptr};
+}
+
+}  // namespace
+
+std::optional<double> finite_number(std::string_view text) {
+  if (text.starts_with('+')) {
+    text.remove_prefix(1);
+    if (text.starts_with('-')) return std::nullopt;
+  }
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+std::string with_decimals(double value, int decimals) {
+  return written(value, std::chars_format::fixed, decimals);
+}
+
+std::string with_digits(double value, int digits) {
+  return written(value, std::chars_format::general, digits);
+}
+
+}  // namespace ovws
