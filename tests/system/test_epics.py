@@ -1,6 +1,11 @@
 """The EPICS PV Access server with a real PV Access client, where p4p can be imported (it is not in Debian); otherwise its PVs by a stand-in."""
+import io
+import signal
+import sys
 import time
 import unittest
+from contextlib import redirect_stderr
+from unittest.mock import patch
 
 from bridge_case import BridgeCase, environment, has
 from case import main, wait_for
@@ -100,6 +105,14 @@ class Posted(BridgeCase):
         self.pv(name).handler.put(self.pv(name), operation)
         self.assertTrue(operation.ended)
         return operation.error
+
+    def test_a_wrong_endpoint_is_named(self):
+        from ovws_bridges import epics
+        self.addCleanup(signal.pthread_sigmask, signal.SIG_SETMASK, signal.pthread_sigmask(signal.SIG_BLOCK, ()))
+        said = io.StringIO()
+        with patch.object(sys, "argv", ["epics", "--control", "127.0.0.1:7702"]), redirect_stderr(said), self.assertRaises(SystemExit):
+            epics.main()
+        self.assertIn("scheme tcp:// is missing", said.getvalue())
 
     def test_values_alarms_and_a_lost_daemon(self):
         self.assertIsNone(self.put("aberration", np.array([0.0, 0.0, 0.0, 0.1])))

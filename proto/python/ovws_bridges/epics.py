@@ -128,7 +128,10 @@ def main() -> None:
     parser.add_argument("--server-key", help="the daemon's public key")
     given = parser.parse_args()
     signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))  # before threads start
-    bridge = Bridge(given.prefix, given.control, given.key, given.server_key)
+    try:
+        bridge = Bridge(given.prefix, given.control, given.key, given.server_key)
+    except ClientError as error:  # the endpoint or a key is wrong
+        parser.error(str(error))
     with Server(providers=[bridge.pvs]):
         print("serving", *bridge.pvs, flush=True)
         signal.sigwait((signal.SIGINT, signal.SIGTERM))
