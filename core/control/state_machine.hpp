@@ -56,6 +56,8 @@ struct Conditions {
   bool measuring = false;  ///< that job also depends on the camera's settings
   bool loop = false;       ///< the control loop is closed
   bool fixed = false;      ///< the subapertures are fixed: nothing shows holograms
+  bool reload = false;     ///< a reload changes devices and sensor, or is about to
+  bool lattice = false;    ///< lattice.use changes camera and sensor, or is about to
   bool fault = false;
   bool stopping = false;
   friend constexpr bool operator==(const Conditions&, const Conditions&) = default;
@@ -91,7 +93,11 @@ struct Obstacle {
 };
 inline constexpr std::string_view kJobRuns =
     "a job is running; wait until it ends or cancel it with job.cancel";
-constexpr std::array<Obstacle, 8> kObstacles{{
+inline constexpr std::string_view kReloads =
+    "the configuration is being reloaded; repeat the request in a moment";
+inline constexpr std::string_view kLatticeChanges =
+    "a prepared lattice is being taken into use; repeat the request in a moment";
+constexpr std::array<Obstacle, 10> kObstacles{{
     {&Conditions::stopping, true, Errc::refused,
      "the daemon is stopping; start it again and repeat the request"},
     {&Conditions::started, false, Errc::refused,
@@ -108,36 +114,39 @@ constexpr std::array<Obstacle, 8> kObstacles{{
      "the sensor is a fixed array of lenslets, which shows no holograms, so this is not possible; "
      "a "
      "loop can be closed with a corrector of your own (corrector.set)"},
+    {&Conditions::reload, true, Errc::refused, kReloads},
+    {&Conditions::lattice, true, Errc::refused, kLatticeChanges},
 }};
 
 /// Which obstacles block an action, in the order of kObstacles.
 struct ActionRow {
   std::array<bool, kObstacles.size()> blocked_by;
 };
-// Columns: stopping starting camera display job measuring loop fixed; `x` blocks the action.
+// Columns: stopping starting camera display job measuring loop fixed reload lattice; `x` blocks the
+// action.
 constexpr auto kActions = [] {
   constexpr bool x = true, o = false;
   return Table<Action, ActionRow>{{
-      {{o, o, o, o, o, o, o, o}},  // read
-      {{x, x, o, o, o, x, o, o}},  // set_camera: the camera actor checks further
-      {{x, x, o, x, x, o, x, o}},  // set_sensor
-      {{x, x, o, x, x, o, o, x}},  // set_aberration
-      {{x, x, o, x, x, o, x, x}},  // show_pattern
-      {{x, x, x, x, x, o, x, o}},  // start_job
-      {{x, x, o, o, x, o, x, o}},  // clear_reference
-      {{x, x, o, o, o, o, o, o}},  // cancel_job
-      {{x, x, o, o, x, o, o, o}},  // save_config: a job may have changed settings
-      {{x, x, o, o, o, o, o, o}},  // set_refine
-      {{x, x, x, x, x, o, x, x}},  // close_loop
-      {{x, x, o, o, o, o, o, o}},  // open_loop
-      {{x, x, o, x, x, o, x, x}},  // set_correction
-      {{x, x, o, o, x, o, x, o}},  // reload_config
-      {{x, x, o, o, o, o, o, o}},  // record
-      {{x, x, x, x, x, o, o, o}},  // watch
-      {{x, x, o, o, o, o, x, x}},  // present
-      {{x, x, x, o, o, o, o, o}},  // grab
-      {{x, x, o, o, o, o, o, o}},  // set_corrector
-      {{x, x, x, x, x, o, x, x}},  // start_hologram_job
+      {{o, o, o, o, o, o, o, o, o, o}},  // read
+      {{x, x, o, o, o, x, o, o, x, x}},  // set_camera: the camera actor checks further
+      {{x, x, o, x, x, o, x, o, x, x}},  // set_sensor
+      {{x, x, o, x, x, o, o, x, x, x}},  // set_aberration
+      {{x, x, o, x, x, o, x, x, x, x}},  // show_pattern
+      {{x, x, x, x, x, o, x, o, x, x}},  // start_job
+      {{x, x, o, o, x, o, x, o, x, x}},  // clear_reference
+      {{x, x, o, o, o, o, o, o, o, o}},  // cancel_job
+      {{x, x, o, o, x, o, o, o, x, x}},  // save_config: a job may have changed settings
+      {{x, x, o, o, o, o, o, o, x, o}},  // set_refine
+      {{x, x, x, x, x, o, x, x, x, x}},  // close_loop
+      {{x, x, o, o, o, o, o, o, o, o}},  // open_loop
+      {{x, x, o, x, x, o, x, x, x, x}},  // set_correction
+      {{x, x, o, o, x, o, x, o, x, x}},  // reload_config
+      {{x, x, o, o, o, o, o, o, o, o}},  // record
+      {{x, x, x, x, x, o, o, o, o, o}},  // watch
+      {{x, x, o, o, o, o, x, x, x, x}},  // present
+      {{x, x, x, o, o, o, o, o, o, o}},  // grab
+      {{x, x, o, o, o, o, o, o, o, o}},  // set_corrector
+      {{x, x, x, x, x, o, x, x, x, x}},  // start_hologram_job
   }};
 }();
 

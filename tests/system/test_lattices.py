@@ -2,11 +2,12 @@
 import os
 import statistics
 import subprocess
+import threading
 import time
 from pathlib import Path
 
 import thread_holder
-from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, bench_module, main, next_message, wait_for
+from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, ClientError, bench_module, main, next_message, wait_for
 
 HIDDEN = {3: 0.06, 4: -0.05, 5: 0.03}  # waves: modes that every lattice here determines
 CORRECTION = {"modes": [{"j": 4, "waves": 0.02}]}
@@ -159,6 +160,33 @@ class Lattices(BenchCase):
             self.assertIn("lattice.prepare", str(self.refused("lattice.use", {"name": "coarse"})))
         frames = [stream.next(PATIENCE_S) for _ in range(30)]
         self.assertEqual({frame["exposure_us"] for frame in frames}, {exposure_us["fine"]})
+
+    def test_until_it_is_shown_nobody_else_changes_the_bench(self):
+        self.prepare_both()
+        self.twin.call("twin.fault", {"kind": "slow_registers", "delay_ms": 300, "seconds": 60})
+        other, used = Client(), []
+        self.addCleanup(other.close)
+        use = threading.Thread(target=lambda: used.append(other.call("lattice.use", {"name": "coarse"})))
+        use.start()
+        self.addCleanup(use.join)
+        refusal = "being taken into use"
+
+        def busy():
+            try:
+                self.call("aberration.set", {"modes": []})
+            except ClientError as error:
+                return refusal in str(error)
+        wait_for(busy, what="the switch")
+        for method, params in (("camera.set", {"exposure_us": 900.0}), ("camera.select", {"id": "other"}), ("sensor.set", {"charge": 1}),
+                               ("config.save", {}), ("lattice.use", {"name": "fine"}), ("reference.clear", {}), ("loop.close", {})):
+            self.assertIn(refusal, str(self.refused(method, params)), method)
+        use.join()
+        self.twin.call("twin.fault", {"kind": "none"})
+        coarse = self.listed()["coarse"]
+        self.assertTrue(coarse["in_use"])
+        self.assertEqual(used[0]["exposure_us"], coarse["exposure_us"])
+        self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], coarse["exposure_us"])
+        self.call("camera.set", {"exposure_us": 900.0})
 
     def test_a_mode_count_is_checked_once(self):
         """The check renders spots in the thread that shows the loop's holograms. What the thread computes, in CPU time, tells it apart:

@@ -1,8 +1,13 @@
 """SIGHUP reloads the configuration file: live keys change, everything else continues."""
 import json
+import random
 import signal
+import time
 
 from case import BenchCase, Client, ClientError, main, wait_for
+
+
+RELOADS = 60  # that are refused at random moments
 
 
 class Reload(BenchCase):
@@ -133,13 +138,15 @@ class Reload(BenchCase):
         self.wait_until("running")
         self.assertIn("camera.gain_db", self.reload({"camera": {"gain_db": 2.0}})["data"]["applied"])
 
-    def test_until_it_has_ended_no_job_begins_and_nobody_else_changes_the_sensor(self):
+    def test_until_it_has_ended_no_job_begins_and_nobody_else_changes_the_bench(self):
         self.twin.call("twin.fault", {"kind": "slow_registers", "delay_ms": 300, "seconds": 60})
         self.signal({"camera": {"gain_db": 2.0, "exposure_us": 1500.0, "roi": {"x": 16, "y": 16, "width": 480, "height": 480}}})
         held = wait_for(lambda: self.error_of("aberration.set", {"modes": []}), what="the reload")
         self.assertIn("being reloaded", str(held))
         for method, params in (("reference.take", {"frames": 20}), ("calibration.run", {}), ("registration.run", {}), ("reference.clear", {}),
-                               ("sensor.set", {"charge": 1}), ("slm.show", {"pattern": "flat"})):
+                               ("sensor.set", {"charge": 1}), ("slm.show", {"pattern": "flat"}), ("camera.set", {"exposure_us": 900.0}),
+                               ("camera.select", {"id": "other"}), ("slm.set", {"settle_ms": 30.0}), ("refine.set", {"rate_hz": 2.0}),
+                               ("config.save", {}), ("lattice.use", {"name": "none"})):
             refused = self.refused(method, params)
             self.assertEqual(refused.code, -32000, refused)
             self.assertIn("being reloaded", str(refused), method)
@@ -148,6 +155,35 @@ class Reload(BenchCase):
         self.assertIn("camera.roi.width", event["data"]["applied"])
         self.twin.call("twin.fault", {"kind": "none"})
         self.take_reference(20)
+
+    def test_a_refused_one_undoes_no_change_that_was_accepted(self):
+        """The file is refused by its last part, when the others are applied. Clients meanwhile set what it changes."""
+        refused = {"camera": {"exposure_us": 3000.0, "gain_db": 2.0}, "slm": {"settle_ms": 25.0}, "refine": {"rate_hz": 0.5},
+                   "tracking": {"operator": "measured"}}
+        choose = random.Random(5)
+        accepted = busy = 0
+        undone = []
+        for k in range(RELOADS):
+            changes = {"camera.set": {"exposure_us": 1000.0 + k}, "slm.set": {"settle_ms": 10.0 + k % 7}, "refine.set": {"rate_hz": 1.0 + k % 5}}
+            method, params = choose.choice(list(changes.items()))
+            (key, value), = params.items()
+            self.signal(refused)
+            time.sleep(choose.uniform(0.0, 0.06))
+            error = self.error_of(method, params)
+            self.assertFalse(self.ended()["data"]["reloaded"])
+            if error:
+                self.assertIn("being reloaded", str(error))
+                busy += 1
+            else:
+                accepted += 1
+                section = method.partition(".")[0]
+                used = self.call("config.get")[section][key]
+                undone += [] if used == value else [(method, value, used)]
+        print(f"\n  {accepted} changes accepted, {busy} refused, {len(undone)} undone")
+        self.assertEqual(undone, [])
+        self.assertGreater(accepted, 0)
+        used = self.call("config.get")
+        self.assertEqual((used["camera"]["gain_db"], used["tracking"]["operator"]), (0.0, "slopes"))
 
     def test_a_file_whose_values_the_camera_rounds_changes_nothing_when_it_is_read_again(self):
         rounded = {"camera": {"gain_db": 2.03, "exposure_us": 1500.4, "roi": {"x": 17, "y": 17, "width": 479, "height": 479}},

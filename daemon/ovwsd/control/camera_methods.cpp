@@ -26,12 +26,13 @@ void set_camera(Services& services, const CameraSet& change, Reply<CameraSetRepo
                                    change.applied_to({}).pixel_format);
     if (!suits) return reply(suits.error());
   }
-  services.camera.change(change, [&services, change, reply](Result<CameraSnapshot> applied) {
-    if (!applied) return reply(applied.error());
-    services.keeper.after_changes([change, reply, camera = *applied] {
-      reply(CameraSetReport{change, camera.settings, camera.limits});
-    });
-  });
+  services.camera.change(Asker::client, change,
+                         [&services, change, reply](Result<CameraSnapshot> applied) {
+                           if (!applied) return reply(applied.error());
+                           services.keeper.after_changes([change, reply, camera = *applied] {
+                             reply(CameraSetReport{change, camera.settings, camera.limits});
+                           });
+                         });
 }
 
 void start_exposure(Services& services, const AutoExposure& params, Reply<JobNumber> reply) {
@@ -63,7 +64,7 @@ void select_camera(Services& services, const CameraSelect& params, Reply<CameraR
     if (!found) return reply(found.error());
     CameraSet clamped;  // the present settings, as far as the other camera has them
     clamped.set_clamp(true);
-    services.camera.select(params.id, clamped, params.wait,
+    services.camera.select(Asker::client, params.id, clamped, params.wait,
                            [&services, reply](const Result<CameraSnapshot>& selected) {
                              if (!selected) return reply(selected.error());
                              services.keeper.after_changes([reply, camera = *selected] {

@@ -114,7 +114,8 @@ void show_lattice(Services& services, const PreparedLattice& lattice, const Came
   services.keeper.edit(Hold::of_lattice(), use_lattice(lattice), shown);
 }
 
-/// The exposure changes first: no settled frame of the lattice then has another one.
+/// The exposure changes first: no settled frame of the lattice then has another one. Camera thread,
+/// or without a camera any thread.
 void expose_and_show(Services& services, const PreparedLattice& lattice, const Used& done) {
   const CameraSnapshot camera = services.camera.snapshot();
   const CameraSet change = exposure_change(camera.settings, lattice);
@@ -125,14 +126,16 @@ void expose_and_show(Services& services, const PreparedLattice& lattice, const U
     const double asked = camera.asked.*member;
     if (change.gives(member)) back.put(member, std::isnan(asked) ? camera.settings.*member : asked);
   }
-  services.camera.change(change,
+  services.camera.change(Asker::holder, change,
                          [&services, lattice, back, done](const Result<CameraSnapshot>& set) {
                            if (!set) return done(fail(about_name(set.error())));
                            show_lattice(services, lattice, back, done);
                          });
 }
 
-/// Holds the sensor from the check to the end, so that nothing comes between its two changes.
+/// Holds the bench from the check to the end, so that nothing comes between its two changes. Waits
+/// for a change that the camera permitted before: settings that are restored must contain it.
+/// Without a camera there is none.
 void use(Services& services, const LatticeName& params, Reply<LatticeInUse> reply) {
   const auto lattice = services.lattices.find(params.name);
   if (!lattice) return reply(lattice.error());
@@ -141,9 +144,18 @@ void use(Services& services, const LatticeName& params, Reply<LatticeInUse> repl
     SensorEdit edit = now;
     if (auto usable = use_lattice(lattice)(edit); !usable) return reply(about_name(usable.error()));
     services.keeper.hold(Hold::of_lattice());
-    expose_and_show(services, lattice, [&services, reply](const Result<LatticeInUse>& used) {
-      services.keeper.release(Hold::of_lattice(), [reply, used] { reply(used); });
-    });
+    services.state.set(&Conditions::lattice, true);
+    const auto show = [&services, lattice, reply] {
+      expose_and_show(services, lattice, [&services, reply](const Result<LatticeInUse>& used) {
+        services.keeper.release(Hold::of_lattice(), [&services, reply, used] {
+          services.state.set(&Conditions::lattice, false);
+          reply(used);
+        });
+      });
+    };
+    const CameraSnapshot camera = services.camera.snapshot();
+    if (!camera.connected && !camera.at_fault) return show();
+    services.camera.after_changes(show);
   });
 }
 

@@ -308,7 +308,7 @@ void set_slm(Services& services, const SlmChange& given, Reply<SlmSettings> repl
   if (given.display) change.put(&SlmSettings::display, *given.display);
   if (given.allow_primary) change.put(&SlmSettings::allow_primary, *given.allow_primary);
   if (given.settle_ms) change.put(&SlmSettings::settle_ms, *given.settle_ms);
-  services.slm.change(change, reply);
+  services.slm.change(Asker::client, change, reply);
 }
 
 void verify(Services& services, Reply<VerifyReport> reply) {

@@ -146,9 +146,10 @@ Result<CameraSnapshot> Bench::try_camera(const CameraSet& change) {
   if (stopped()) return fail(stopped_error());
   auto promise = std::make_shared<std::promise<Result<CameraSnapshot>>>();
   auto future = promise->get_future();
-  deps_.camera.change_for_job(change, [promise = std::move(promise)](Result<CameraSnapshot> set) {
-    promise->set_value(std::move(set));
-  });
+  deps_.camera.change(Asker::holder, change,
+                      [promise = std::move(promise)](Result<CameraSnapshot> set) {
+                        promise->set_value(std::move(set));
+                      });
   return wait_for(std::move(future));
 }
 

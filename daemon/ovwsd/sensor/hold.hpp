@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/result.hpp"
+#include "core/control/state_machine.hpp"
 
 namespace ovws {
 
@@ -40,11 +41,9 @@ inline Result<void> may_change(const Hold& now, const Hold& as) {
     case Hold::By::loop:
       return fail(Errc::refused, "", "the loop is closed; open it with loop.open first");
     case Hold::By::reload:
-      return fail(Errc::refused, "",
-                  "the configuration is being reloaded; repeat the request in a moment");
+      return fail(Errc::refused, "", std::string(control::kReloads));
     case Hold::By::lattice:
-      return fail(Errc::refused, "",
-                  "a prepared lattice is being taken into use; repeat the request in a moment");
+      return fail(Errc::refused, "", std::string(control::kLatticeChanges));
     case Hold::By::nobody:
       break;
   }

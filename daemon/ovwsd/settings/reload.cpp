@@ -65,12 +65,22 @@ void Reloader::begin() {
   }
   if (const auto free = deps_.keeper.may_hold(); !free) return refuse(free.error());
   deps_.keeper.hold(Hold::of_reload());
+  deps_.state.set(&Conditions::reload, true);
   deps_.disk.post([this] {
-    auto read = read_again(deps_.loaded.get().path);
-    deps_.keeper.after_changes([this, read = std::move(read)] {
-      if (!read) return refuse(read.error());
-      change(*read);
-    });
+    const auto read = read_again(deps_.loaded.get().path);
+    if (!read) return refuse(read.error());
+    await_earlier_changes(*read);
+  });
+}
+
+/// Waits for the changes that camera and SLM permitted before the reload began: a rollback must
+/// return to what they set. An SLM whose settings stay is not waited for, because a display may not
+/// answer for minutes.
+void Reloader::await_earlier_changes(const LoadedConfig& read) {
+  const auto go_on = [this, read] { deps_.keeper.after_changes([this, read] { change(read); }); };
+  deps_.camera.after_changes([this, go_on, wanted = settings_of(read.effective.slm)] {
+    if (wanted == deps_.slm.snapshot().settings) return go_on();
+    deps_.slm.change(Asker::holder, {}, [go_on](const Result<SlmSettings>&) { go_on(); });
   });
 }
 
@@ -91,7 +101,7 @@ void Reloader::change(const LoadedConfig& read) {
 void Reloader::change_slm(const Reload& reload) {
   const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
   if (after == before) return select_camera(reload);
-  deps_.slm.change(SlmSet::difference(before, after),
+  deps_.slm.change(Asker::holder, SlmSet::difference(before, after),
                    [this, reload](const Result<SlmSettings>& used) {
                      if (!used) return refuse(with_section("slm", used.error(), reload.read));
                      select_camera(reload);
@@ -105,31 +115,25 @@ void Reloader::select_camera(const Reload& reload) {
   if (id == reload.before.camera.id) return change_camera(reload);
   const CameraSet change =
       CameraSet::difference(reload.before.camera.settings, reload.after.camera.settings);
-  deps_.camera.select(id, change, true, [this, reload](const Result<CameraSnapshot>& used) {
+  const auto selected = [this, reload](const Result<CameraSnapshot>& used) {
     if (!used) return roll_back_slm(reload, with_section("camera", used.error(), reload.read));
     if (used->at_fault)
       return roll_back_devices(reload, Error{Errc::invalid, "camera", used->fault});
-    change_refine(reload);
-  });
+    change_sensor(reload);
+  };
+  deps_.camera.select(Asker::holder, id, change, true, selected);
 }
 
 void Reloader::change_camera(const Reload& reload) {
   const CameraSettings &before = reload.before.camera.settings,
                        &after = reload.after.camera.settings;
-  if (after == before) return change_refine(reload);
+  if (after == before) return change_sensor(reload);
   deps_.camera.change_or_keep(
       CameraSet::difference(before, after), [this, reload](const Result<CameraSnapshot>& used) {
         if (!used)
           return roll_back_devices(reload, with_section("camera", used.error(), reload.read));
-        change_refine(reload);
+        change_sensor(reload);
       });
-}
-
-void Reloader::change_refine(const Reload& reload) {
-  const auto used = deps_.refiner.change(RefineSet::whole(reload.after.refine),
-                                         reload.after.camera.settings.pixel_format);
-  if (!used) return roll_back_camera(reload, with_section("refine", used.error(), reload.read));
-  change_sensor(reload);
 }
 
 void Reloader::change_sensor(const Reload& reload) {
@@ -147,19 +151,11 @@ void Reloader::change_sensor(const Reload& reload) {
   deps_.keeper.edit(Hold::of_reload(), set_sensor(std::move(change), after.sensor.masks),
                     [this, reload](const Result<SensorView>& used) {
                       if (!used) {
-                        return roll_back(reload, with_section("sensor", used.error(), reload.read));
+                        return roll_back_camera(reload,
+                                                with_section("sensor", used.error(), reload.read));
                       }
                       finish(reload);
                     });
-}
-
-/// Rolls back refinement and camera. The sensor is changed last, so there is no change to undo.
-void Reloader::roll_back(const Reload& reload, const Refusal& refusal) {
-  if (!(reload.after.refine == reload.before.refine)) {
-    (void)deps_.refiner.change(RefineSet::whole(reload.before.refine),
-                               reload.before.camera.settings.pixel_format);
-  }
-  roll_back_camera(reload, refusal);
 }
 
 void Reloader::Refusal::add(const char* part, const std::string& reason) {
@@ -185,7 +181,7 @@ void Reloader::roll_back_devices(const Reload& reload, const Refusal& refusal) {
   const Config &before = reload.before, &after = reload.after;
   if (after.camera.id == before.camera.id) return roll_back_slm(reload, refusal);
   const CameraSet change = CameraSet::difference(after.camera.settings, before.camera.settings);
-  deps_.camera.select(before.camera.id, change, true,
+  deps_.camera.select(Asker::holder, before.camera.id, change, true,
                       [this, reload, refusal](const Result<CameraSnapshot>& used) {
                         Refusal both = refusal;
                         if (!used) {
@@ -200,7 +196,7 @@ void Reloader::roll_back_devices(const Reload& reload, const Refusal& refusal) {
 void Reloader::roll_back_slm(const Reload& reload, const Refusal& refusal) {
   const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
   if (after == before) return refuse(refusal);
-  deps_.slm.change(SlmSet::difference(after, before),
+  deps_.slm.change(Asker::holder, SlmSet::difference(after, before),
                    [this, refusal](const Result<SlmSettings>& used) {
                      Refusal both = refusal;
                      if (!used) both.add("SLM's settings", used.error().reason);
@@ -209,6 +205,11 @@ void Reloader::roll_back_slm(const Reload& reload, const Refusal& refusal) {
 }
 
 void Reloader::finish(const Reload& reload) {
+  if (!(reload.after.refine ==
+        reload.before.refine)) {  // whose values reading the file has checked
+    (void)deps_.refiner.change(RefineSet::whole(reload.after.refine),
+                               reload.after.camera.settings.pixel_format);
+  }
   deps_.images.set_rate(reload.after.stream.image_rate_hz);
   set_log_level(reload.after.log.level);
   deps_.loaded.set(reload.read);
@@ -243,11 +244,12 @@ void Reloader::refuse(const Refusal& refusal) {
       {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }
 
-/// Releases the sensor before the event is published, because a client may start a job as soon as
-/// it receives the event.
+/// Releases the bench before the event is published, because a client may start a job as soon as it
+/// receives the event.
 void Reloader::end(Severity severity, std::string text, nlohmann::json data) {
   deps_.keeper.release(Hold::of_reload(),
                        [this, severity, text = std::move(text), data = std::move(data)]() mutable {
+                         deps_.state.set(&Conditions::reload, false);
                          deps_.events.emit("config", severity, std::move(text), std::move(data));
                          service::notify_ready();
                          busy_.store(false);

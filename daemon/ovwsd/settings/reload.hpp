@@ -25,7 +25,7 @@ namespace ovws {
 struct ReloadDeps {
   const Config& config;           ///< configuration at the daemon's start
   Guarded<LoadedConfig>& loaded;  ///< last loaded; an applied reload replaces it
-  const StateKeeper& state;
+  StateKeeper& state;
   CameraActor& camera;
   SlmLoop& slm;
   SensorKeeper& keeper;
@@ -35,10 +35,12 @@ struct ReloadDeps {
   Disk& disk;
 };
 
-/// Applies one reload at a time, completely or not at all. Changes SLM, camera, refinement, then
-/// sensor, as the methods of the control socket do. If a part refuses, the earlier changes are
-/// rolled back. During a reload no job starts and nothing else changes the sensor. Keys that need a
-/// restart are reported, but not applied. An event of kind `config` reports the outcome.
+/// Applies one reload at a time, completely or not at all. Changes SLM, camera, then sensor, as the
+/// methods of the control socket do; what cannot be refused (refinement, image rate, log) follows.
+/// If a part refuses, the earlier changes are rolled back. From before it reads what is in use
+/// until its end, a reload holds the bench: no job starts, and clients' changes of SLM, camera,
+/// sensor and refinement are refused, so it never undoes one. Keys that need a restart are
+/// reported, but not applied. An event of kind `config` reports the outcome.
 class Reloader {
  public:
   explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}
@@ -64,13 +66,12 @@ class Reloader {
   };
 
   void begin();
+  void await_earlier_changes(const LoadedConfig& read);
   void change(const LoadedConfig& read);
   void change_slm(const Reload& reload);
   void select_camera(const Reload& reload);
   void change_camera(const Reload& reload);
-  void change_refine(const Reload& reload);
   void change_sensor(const Reload& reload);
-  void roll_back(const Reload& reload, const Refusal& refusal);
   void finish(const Reload& reload);
   void report(const Reload& reload);
   void roll_back_camera(const Reload& reload, const Refusal& refusal);

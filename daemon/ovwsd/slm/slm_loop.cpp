@@ -55,7 +55,7 @@ bool SlmLoop::do_work() {
   }
   if (!display_ && requested_ && monotonic_ns() >= next_try_ns_) try_open();
   if (pending.job) carry_out(*pending.job);
-  for (const auto& [change, done] : pending.changes) done(use(change));
+  for (const Change& one : pending.changes) one.done(use(one));
   if (!pending.verify.empty() || !pending.outputs.empty()) {
     inspections_.run([&] { inspect(pending); });
   }
@@ -100,7 +100,7 @@ void SlmLoop::close() {
   if (pending.job) pending.job->done.set_value(fail(stopping()));
   for (const auto& done : pending.verify) done(fail(stopping()));
   for (const auto& done : pending.outputs) done(fail(stopping()));
-  for (const auto& [change, done] : pending.changes) done(fail(stopping()));
+  for (const Change& one : pending.changes) one.done(fail(stopping()));
 }
 
 Result<void> SlmLoop::show(HologramRequest request) {
@@ -154,11 +154,11 @@ void SlmLoop::list_outputs(OutputsDone done) {
   done(fail(stopping()));
 }
 
-void SlmLoop::change(SlmSet change, SettingsDone done) {
+void SlmLoop::change(Asker as, SlmSet change, SettingsDone done) {
   {
     const std::lock_guard lock(mutex_);
     if (!closed_) {
-      pending_.changes.emplace_back(std::move(change), std::move(done));
+      pending_.changes.push_back({as, std::move(change), std::move(done)});
       ready_.notify_one();
       return;
     }
@@ -166,9 +166,10 @@ void SlmLoop::change(SlmSet change, SettingsDone done) {
   done(fail(stopping()));
 }
 
-Result<SlmSettings> SlmLoop::use(const SlmSet& change) {
-  if (const auto allowed = deps_.may_change(); !allowed) return fail(allowed.error());
-  const SlmSettings before = settings_of(config_), wanted = change.applied_to(before);
+Result<SlmSettings> SlmLoop::use(const Change& asked) {
+  const auto allowed = asked.as == Asker::client ? deps_.may_change() : Result<void>{};
+  if (!allowed) return fail(allowed.error());
+  const SlmSettings before = settings_of(config_), wanted = asked.change.applied_to(before);
   SlmConfig next = config_;
   use_settings(next, wanted);
   if (next.display != before.display || next.allow_primary != before.allow_primary) {

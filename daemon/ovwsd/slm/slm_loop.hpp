@@ -19,6 +19,7 @@
 #include "core/rt/agent.hpp"
 #include "core/rt/counters.hpp"
 #include "core/rt/latest_value.hpp"
+#include "daemon/ovwsd/actor/asker.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/time_share.hpp"
 #include "daemon/shared/guarded.hpp"
@@ -66,7 +67,7 @@ struct SlmLoopDeps {
   /// before its events. snapshot() waits meanwhile: other threads see the change and what this call
   /// makes of it together. It must not call snapshot().
   std::function<void(const SlmSnapshot&)> on_change;
-  /// Checks whether the settings may change now. Main thread.
+  /// Checks whether a client may change the settings now. Main thread.
   std::function<Result<void>()> may_change = [] { return Result<void>{}; };
 };
 
@@ -109,7 +110,7 @@ class SlmLoop : public Agent {
   /// Changes the settings, all or nothing, and reopens the display if it is another output.
   /// Thread-safe; `done` gets the settings in use, in the main thread (after close: in the
   /// caller's). Errors: the output cannot be used; the former settings stay in use.
-  void change(SlmSet change, SettingsDone done);
+  void change(Asker as, SlmSet change, SettingsDone done);
 
   SlmSnapshot snapshot() const { return snapshot_.get(); }
 
@@ -120,19 +121,25 @@ class SlmLoop : public Agent {
     std::promise<Result<void>> done;
     bool abandoned = false;  ///< guarded by mutex_
   };
+  /// A call of `change`.
+  struct Change {
+    Asker as;
+    SlmSet change;
+    SettingsDone done;
+  };
   struct Pending {
     std::optional<HologramRequest> when_possible;
     std::shared_ptr<Job> job;
     std::vector<VerifyDone> verify;
     std::vector<OutputsDone> outputs;
-    std::vector<std::pair<SlmSet, SettingsDone>> changes;
+    std::vector<Change> changes;
   };
 
   Pending wait_for_work();
   void inspect(const Pending& asked);
   void carry_out(Job& job);
   Result<SlmVerdict> compare_output();
-  Result<SlmSettings> use(const SlmSet& change);
+  Result<SlmSettings> use(const Change& asked);
   Result<void> reopen(const SlmConfig& config);
   void try_open();
   Result<void> present(const HologramRequest& request);

@@ -34,9 +34,10 @@ constexpr std::size_t kStateCount = std::size_t(DaemonState::count);
 
 std::vector<Conditions> all_conditions() {
   std::vector<Conditions> all;
-  for (unsigned bits = 0; bits < 256; ++bits) {
+  for (unsigned bits = 0; bits < 2048; ++bits) {
     const auto bit = [bits](unsigned n) { return ((bits >> n) & 1U) != 0; };
-    all.push_back({bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7)});
+    all.push_back(
+        {bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7), bit(8), bit(9), bit(10)});
   }
   return all;
 }
@@ -126,12 +127,13 @@ TEST(StateMachine, AnEventChangesOneConditionAndRepeatingItChangesNothing) {
   for (const Conditions& conditions : all_conditions()) {
     for (std::size_t e = 0; e < kEventCount; ++e) {
       const Conditions once = after(conditions, kEvents[e]);
-      const int changed = (once.started != conditions.started) +
-                          (once.camera != conditions.camera) +
-                          (once.display != conditions.display) + (once.job != conditions.job) +
-                          (once.measuring != conditions.measuring) +
-                          (once.loop != conditions.loop) + (once.fixed != conditions.fixed) +
-                          (once.fault != conditions.fault) + (once.stopping != conditions.stopping);
+      const int changed =
+          (once.started != conditions.started) + (once.camera != conditions.camera) +
+          (once.display != conditions.display) + (once.job != conditions.job) +
+          (once.measuring != conditions.measuring) + (once.loop != conditions.loop) +
+          (once.fixed != conditions.fixed) + (once.reload != conditions.reload) +
+          (once.lattice != conditions.lattice) + (once.fault != conditions.fault) +
+          (once.stopping != conditions.stopping);
       EXPECT_LE(changed, 1);
       EXPECT_EQ(after(once, kEvents[e]), once);
     }
@@ -210,6 +212,29 @@ TEST(StateMachine, AFixedArrayShowsNoHologramAndMeasures) {
                               Action::record, Action::grab, Action::set_camera}) {
     EXPECT_TRUE(permit(conditions, action));
   }
+}
+
+TEST(StateMachine, WhatAReloadOrASwitchOfLatticesRestoresIsNotChangedMeanwhile) {
+  const std::array changing{Event{&Conditions::reload, true}, Event{&Conditions::lattice, true}};
+  for (const Event& begun : changing) {
+    const Conditions conditions = after(up(), begun);
+    EXPECT_EQ(state_of(conditions), DaemonState::running);
+    for (const Action action : {Action::set_camera, Action::set_sensor, Action::set_aberration,
+                                Action::show_pattern, Action::start_job, Action::start_hologram_job,
+                                Action::clear_reference, Action::save_config, Action::close_loop,
+                                Action::set_correction, Action::reload_config, Action::present}) {
+      const Result<void> answer = permit(conditions, action);
+      ASSERT_FALSE(answer);
+      EXPECT_EQ(answer.error().code, Errc::refused);
+      EXPECT_NE(answer.error().reason.find("in a moment"), std::string::npos);
+    }
+    for (const Action action : {Action::read, Action::cancel_job, Action::open_loop, Action::record,
+                                Action::watch, Action::grab, Action::set_corrector}) {
+      EXPECT_TRUE(permit(conditions, action));
+    }
+  }
+  EXPECT_FALSE(permit(after(up(), changing[0]), Action::set_refine));
+  EXPECT_TRUE(permit(after(up(), changing[1]), Action::set_refine)) << "no part of a lattice";
 }
 
 TEST(StateMachine, AMissingDeviceIsUnavailableAndSaidSo) {
