@@ -51,7 +51,7 @@ struct StatusMessage {
     /// null if empty.
     std::string layout_fault;
     std::vector<int> torn;  ///< kept for older clients: always empty
-    /// Why no frame is valid although frames are settled and a reference is active.
+    /// Why no frame is valid although frames are settled, or why the reference is not used.
     struct Invalid {
       std::int64_t t_since_ns = 0;  ///< UTC
       std::string reason;

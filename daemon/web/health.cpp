@@ -104,7 +104,10 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
   const auto pattern = status.at("slm").at("pattern").get<std::string>();
   const bool referenced = status.at("sensor").at("referenced").get<bool>();
   if (pattern == "sensor" && !referenced) {
-    findings.warning("No reference: take one to measure coefficients",
+    const json unused = status.at("sensor").value("invalid", json());
+    findings.warning(unused.is_object()
+                         ? "No reference: " + unused.at("reason").get<std::string>()
+                         : std::string("No reference: take one to measure coefficients"),
                      take_reference("Take a reference"));
   } else if (!wavefront.at("valid").get<bool>()) {
     const std::string why = cli::why_not_valid(wavefront, status);

@@ -50,14 +50,14 @@ template <>
 inline constexpr auto kTable<StatusMessage::SensorPart::Invalid> = Fields{
     "StatusInvalid",
     field<&StatusMessage::SensorPart::Invalid::t_since_ns>(
-        "time of the first invalid frame, UNIX epoch UTC, nanoseconds"),
+        "when it began, UNIX epoch UTC, nanoseconds"),
     field<&StatusMessage::SensorPart::Invalid::reason>("why the frames are not valid"),
     field<&StatusMessage::SensorPart::Invalid::action>("what the daemon does about it, and when"),
     field<&StatusMessage::SensorPart::Invalid::searches>(
         "number of searches for the wavefront since then", Bounds::at_least(0)),
     field<&StatusMessage::SensorPart::Invalid::t_next_search_ns>(
         "latest time of the next search, UNIX epoch UTC, nanoseconds; an image that changes is "
-        "searched at once; null: a search is running")};
+        "searched at once; null: a search is running, or none can help")};
 
 template <>
 inline constexpr auto kTable<StatusMessage::SensorPart::Beam> = [] {
@@ -92,8 +92,8 @@ inline constexpr auto kTable<StatusMessage::SensorPart> = [] {
                               "tracker, with values that work; null: no fault")
           .or_null(),
       field<&P::torn>("kept for older clients: always empty", Bounds::at_least(0)),
-      field<&P::invalid>("why no frame is valid although settled frames come and there is a "
-                         "reference; null: frames are valid, or another field says why not"),
+      field<&P::invalid>("why no frame is valid although settled frames come, or why the reference "
+                         "is not used; null: frames are valid, or another field says why not"),
       field<&P::beams>("the further light sources on the camera")};
 }();
 

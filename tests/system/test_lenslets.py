@@ -150,6 +150,25 @@ class Array(BenchCase):
         self.call("registration.clear")
         self.assertFalse(self.call("reference.get")["taken"])
 
+    def test_a_registration_in_other_light_says_that_the_reference_is_not_used(self):
+        self.run_job("registration.run", {"frames": 10})
+        self.call("camera.set", {"exposure_us": self.exposure_us})
+        self.take_reference(30)
+        taken = self.call("reference.get")["sha256"]
+        self.run_job("registration.run", {"frames": 10})
+        self.assertEqual(self.call("reference.get")["sha256"], taken, "of the same light")
+        events = self.stream("event")
+        self.hide({"j": 4, "waves": 0.1})
+        self.run_job("registration.run", {"frames": 10})
+        self.assertFalse(self.call("reference.get")["taken"])
+        event = wait_for(lambda: (event := events.next(0.5)) and event["kind"] == "reference" and not event["data"]["used"] and event, what="the event")
+        self.assertIn("lenslets have been measured elsewhere", event["text"])
+        invalid = self.call("system.status")["sensor"]["invalid"]
+        self.assertIn("lenslets have been measured elsewhere", invalid["reason"])
+        self.assertIn("reference", invalid["action"])
+        self.take_reference(30)
+        self.assertIsNone(self.call("system.status")["sensor"]["invalid"])
+
     def ovws(self, *arguments):
         """Runs ovws on this bench; returns its exit code and all that it printed."""
         config = [] if arguments[0] == "check" else ["--config", "ovwsd.json"]
@@ -202,6 +221,7 @@ class Vortices(Array):
     test_bright_spots_read_known_modes_back = None
     test_known_tilts_give_a_reference = None
     test_stays_over_a_restart = None
+    test_a_registration_in_other_light_says_that_the_reference_is_not_used = None
     test_wrong_arrays_are_refused = None
     test_commands_know_that_there_is_no_slm = None
 

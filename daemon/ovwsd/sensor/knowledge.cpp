@@ -6,6 +6,7 @@
 
 #include "core/optics/lattice.hpp"
 #include "daemon/ovwsd/sensor/calibration_file.hpp"
+#include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/ovwsd/sensor/reference_origin.hpp"
 
 namespace ovws {
@@ -42,8 +43,17 @@ void limit_images(Knowledge& knowledge) {
   }
 }
 
-bool has_same_key(const Reference& reference, const SensorState& state) {
-  return reference.key == reference_key(state.sensor, state.tracking, state.roi);
+/// Why a reference with another key cannot be used; empty: its sensor or tracking is another by
+/// choice. A camera's region and the lenslets of an array may change without being chosen.
+std::string other_key_reason(const ReferenceKey& then, const ReferenceKey& now) {
+  const bool array = !then.sensor.lenslets.empty() && !now.sensor.lenslets.empty();
+  if (!(then.tracking == now.tracking)) return {};
+  if (!array && !(then.sensor == now.sensor)) return {};
+  if (then.roi == now.roi) return "the lenslets have been measured elsewhere since it was taken";
+  const Roi& roi = then.roi;
+  return fmt::format(
+      "it was taken with another region of the camera (x {}, y {}, width {}, height {})", roi.x,
+      roi.y, roi.width, roi.height);
 }
 
 /// Whether the SLM's LUT and flatness are those of the reference. A model reference does not depend
@@ -95,6 +105,10 @@ std::shared_ptr<const Reference> find_reference(const SensorState& state,
 
 }  // namespace
 
+ReferenceKey reference_key(const SensorState& state) {
+  return reference_key(state.sensor, state.tracking, state.roi);
+}
+
 CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowledge,
                                const BenchOptics& bench) {
   CalibrationKey key =
@@ -139,20 +153,30 @@ Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOpti
 }
 
 bool is_for(const Reference& reference, const SensorState& state, const Knowledge& knowledge) {
-  return has_same_key(reference, state) && !of_other_camera(reference, knowledge.camera) &&
+  return reference.key == reference_key(state) && !of_other_camera(reference, knowledge.camera) &&
          has_same_slm(reference, state);
 }
 
 std::string unused_reason(const Reference& reference, const SensorState& state,
                           const Knowledge& knowledge, const BenchOptics& bench) {
-  if (!has_same_key(reference, state)) return {};
-  if (of_other_camera(reference, knowledge.camera))
-    return "it was taken with another camera; take a new reference";
+  if (!(reference.key == reference_key(state)))
+    return other_key_reason(reference.key, reference_key(state));
+  if (of_other_camera(reference, knowledge.camera)) return "it was taken with another camera";
   if (!has_same_slm(reference, state)) {
-    return "it was taken with another look-up table or flatness; take a new reference";
+    return "it was taken with another look-up table or flatness";
   }
   if (!predicts_same_positions(reference, state, bench)) {
-    return "the expected spot positions have changed since it was taken; take a new reference";
+    return "the expected spot positions have changed since it was taken";
+  }
+  return {};
+}
+
+std::string missing_reference_reason(const SensorState& state, const Knowledge& knowledge,
+                                     const BenchOptics& bench) {
+  const auto& all = knowledge.references;
+  for (auto one = all.rbegin(); one != all.rend(); ++one) {
+    const std::string why = unused_reason(**one, state, knowledge, bench);
+    if (!why.empty()) return title_of<ReferenceKind>(**one) + " is not used: " + why;
   }
   return {};
 }

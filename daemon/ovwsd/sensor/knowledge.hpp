@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/port/camera.hpp"
@@ -37,6 +38,7 @@ struct Bound {
 /// cached: that takes seconds.
 Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);
 
+ReferenceKey reference_key(const SensorState& state);
 CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowledge,
                                const BenchOptics& bench);
 /// The latest calibration that applies to the state; null: no calibration applies.
@@ -48,10 +50,16 @@ std::shared_ptr<const Calibration> calibration_for(const SensorState& state,
 /// and with this camera. An unknown camera counts as equal; for a model reference LUT and
 /// flatness do not matter.
 bool is_for(const Reference& reference, const SensorState& state, const Knowledge& knowledge);
-/// Why a reference with this state's sensor, tracking and region cannot be used. Empty if the
-/// reference can be used, or if its sensor, tracking or region is another.
+/// Why a reference of this state's sensor and tracking cannot be used. Empty if it can be used, or
+/// if it is another sensor's: then the settings were chosen.
 std::string unused_reason(const Reference& reference, const SensorState& state,
                           const Knowledge& knowledge, const BenchOptics& bench);
+/// What to do about it.
+inline constexpr std::string_view kUnusedRemedy = "take a new reference";
+/// Which loaded reference of this state's sensor and tracking is not used, and why; the newest of
+/// them. Empty: there is none. For a state without a reference.
+std::string missing_reference_reason(const SensorState& state, const Knowledge& knowledge,
+                                     const BenchOptics& bench);
 /// Why no calibration applies to the state, and what to do. Takes the loaded calibration with the
 /// fewest differences from the state, and names these differences.
 std::string missing_calibration_reason(const SensorState& state, const Knowledge& knowledge,

@@ -22,10 +22,6 @@ Result<void> check_epoch(const SensorEdit& edit, std::uint64_t sensor_epoch) {
               "the camera, its region or its pixel format changed during the job; start it again");
 }
 
-ReferenceKey key_of(const SensorState& state) {
-  return reference_key(state.sensor, state.tracking, state.roi);
-}
-
 /// Provenance record of a measurement made with the sensor settings `key`. Records the checksum of
 /// `grey`, the hologram shown; null: no hologram is recorded.
 nlohmann::json origin_of(const SensorEdit& edit, const ReferenceKey& key,
@@ -79,14 +75,14 @@ Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
   const SensorState& state = edit.state;
   const bool measured = source == ReferenceSource::measured;
   Reference reference;
-  reference.key = key_of(state);
+  reference.key = reference_key(state);
   reference.source = source;
   reference.t_taken_ns = utc_ns();
   reference.registration = registration_of(state, edit.bench.optics);
   if (measured) reference.aberration = shown_modes(state);
   if (measured && rms_waves(state.aberration) > 0.0) reference.introduced = state.aberration;
   reference.origin = std::make_shared<const nlohmann::json>(
-      origin_of(edit, key_of(edit.state), reference.aberration,
+      origin_of(edit, reference_key(edit.state), reference.aberration,
                 measured ? edit.bench.levels.get() : nullptr, reference.introduced));
   return reference;
 }
@@ -438,7 +434,7 @@ SensorChange forget_calibration() {
 SensorChange use_lut(MeasuredLut lut) {
   return [lut = std::move(lut)](SensorEdit& edit) -> Result<void> {
     MeasuredLut measured = lut;
-    measured.origin = origin_of(edit, key_of(edit.state), shown_modes(edit.state), nullptr);
+    measured.origin = origin_of(edit, reference_key(edit.state), shown_modes(edit.state), nullptr);
     switch_slm(edit, std::make_shared<const MeasuredLut>(measured), edit.state.slm->flatness);
     schedule_slm_write(edit.bench.luts, edit, std::move(measured), &ActiveSlm::lut);
     return {};
@@ -449,7 +445,7 @@ SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness)
   return [sensor_epoch, flatness = std::move(flatness)](SensorEdit& edit) -> Result<void> {
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
     MeasuredFlatness measured = flatness;
-    measured.origin = origin_of(edit, key_of(edit.state), shown_modes(edit.state), nullptr);
+    measured.origin = origin_of(edit, reference_key(edit.state), shown_modes(edit.state), nullptr);
     measured.configured_sha256 = flatness_sha256(edit.bench.hologram);
     switch_slm(edit, edit.state.slm->lut, std::make_shared<const MeasuredFlatness>(measured));
     schedule_slm_write(edit.bench.flatnesses, edit, std::move(measured), &ActiveSlm::flatness);

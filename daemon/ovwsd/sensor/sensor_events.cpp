@@ -30,9 +30,10 @@ void SensorEvents::publish_unused(const Reference& reference, const SensorState&
                                   const Knowledge& knowledge) {
   const std::string why = unused_reason(reference, state, knowledge, bench_);
   if (why.empty()) return;
-  events_.emit("reference", Severity::warning,
-               title_of<ReferenceKind>(reference) + " is not used: " + why,
-               {{"t_taken_ns", reference.t_taken_ns}, {"used", false}});
+  events_.emit(
+      "reference", Severity::warning,
+      fmt::format("{} is not used: {}; {}", title_of<ReferenceKind>(reference), why, kUnusedRemedy),
+      {{"t_taken_ns", reference.t_taken_ns}, {"used", false}});
 }
 
 void SensorEvents::publish_stale(const Reference* reference,

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "core/port/clock.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/shared/slm_files.hpp"
 
@@ -396,8 +397,13 @@ void SensorKeeper::describe(SensorSnapshot& now, const Bound& bound) {
   now.reference = bound.reference;
   now.calibration = bound.calibration;
   now.slm = state_.slm;
-  const auto before = snapshot()->reference;
-  if (before && !bound.reference) events_.publish_unused(*before, state_, knowledge_);
+  now.reference_reason.clear();
+  if (bound.reference) return;
+  const SensorView before = snapshot();
+  now.reference_reason = missing_reference_reason(state_, knowledge_, bench_.optics);
+  const bool began = now.reference_reason != before->reference_reason;
+  now.t_reference_reason_ns = began ? utc_ns() : before->t_reference_reason_ns;
+  if (before->reference) events_.publish_unused(*before->reference, state_, knowledge_);
 }
 
 /// Not while camera and sensor change together: they fit each other again in the end.

@@ -52,6 +52,8 @@ struct SensorSnapshot : SensorShown {
   /// problem.
   std::string layout_fault;
   std::shared_ptr<const Reference> reference;      ///< the active one; null: no reference
+  std::string reference_reason;                    ///< missing_reference_reason without a reference
+  std::int64_t t_reference_reason_ns = 0;          ///< UTC: when that began
   std::shared_ptr<const Calibration> calibration;  ///< the one that applies; null: none does
   std::shared_ptr<const ActiveSlm> slm;            ///< LUT and flatness; never null
 };

@@ -117,6 +117,17 @@ WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames,
 
 WavefrontSearch::~WavefrontSearch() = default;
 
+std::optional<StatusMessage::SensorPart::Invalid> WavefrontSearch::why_invalid() const {
+  const SensorView sensor = keeper_.snapshot();
+  if (sensor->reference) return validity_.why_invalid(monotonic_ns(), utc_ns());
+  if (sensor->reference_reason.empty()) return std::nullopt;
+  StatusMessage::SensorPart::Invalid invalid;
+  invalid.t_since_ns = sensor->t_reference_reason_ns;
+  invalid.reason = sensor->reference_reason;
+  invalid.action = kUnusedRemedy;
+  return invalid;
+}
+
 void WavefrontSearch::on_frame(const FrameRecord& record) {
   if (!record.plan->patterns.empty()) return watch_patterns(record);
   uncertain_ = 0;

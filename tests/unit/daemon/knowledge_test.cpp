@@ -80,12 +80,34 @@ TEST_F(Known, AReferenceIsOfItsSensorTrackingAndRegion) {
   state_.sensor.charge = 2;
   EXPECT_FALSE(found());
   EXPECT_EQ(why_not(*known_.references[0]), "") << "it is another sensor's";
+  EXPECT_EQ(missing_reference_reason(state_, known_, optics_), "");
   state_ = before;
   state_.roi.x = 16;
   EXPECT_FALSE(found());
+  EXPECT_EQ(why_not(*known_.references[0]),
+            "it was taken with another region of the camera (x 0, y 0, width 256, height 256)");
+  EXPECT_EQ(
+      missing_reference_reason(state_, known_, optics_),
+      "the reference of 1970-01-01T00:00:00.000Z is not used: " + why_not(*known_.references[0]));
+  state_.tracking.tracker = TrackerKind::centroid;
+  EXPECT_EQ(why_not(*known_.references[0]), "") << "it is another tracker's";
   state_ = before;
   state_.tracking.mode_operator = OperatorKind::measured;
   EXPECT_TRUE(found()) << "no position depends on it";
+}
+
+TEST_F(Known, AReferenceOfAnArrayThatWasFoundElsewhereSaysSo) {
+  state_.sensor.lenslets.centres_px = {{10.0, 10.0}, {30.0, 10.0}};
+  const SensorState before = state_;
+  state_.sensor.lenslets.centres_px.clear();  // no position is needed
+  Reference reference = taken(5);
+  reference.key = reference_key(before.sensor, before.tracking, before.roi);
+  known_.references.push_back(std::make_shared<const Reference>(reference));
+  state_ = before;
+  EXPECT_EQ(why_not(reference), "");
+  state_.sensor.lenslets.centres_px[1].x = 31.0;
+  state_.sensor.subapertures_across = 5;
+  EXPECT_EQ(why_not(reference), "the lenslets have been measured elsewhere since it was taken");
 }
 
 TEST_F(Known, AReferenceOfAnotherCameraIsNotBoundAndOneOfAnUnknownIs) {
@@ -95,8 +117,7 @@ TEST_F(Known, AReferenceOfAnotherCameraIsNotBoundAndOneOfAnUnknownIs) {
   EXPECT_TRUE(found());
   known_.camera = kTwo;
   EXPECT_FALSE(found());
-  EXPECT_EQ(why_not(*known_.references[0]),
-            "it was taken with another camera; take a new reference");
+  EXPECT_EQ(why_not(*known_.references[0]), "it was taken with another camera");
   EXPECT_TRUE(replace_reference(known_, state_, taken(6, kTwo)).empty()) << "the other one stays";
   EXPECT_EQ(found()->t_taken_ns, 6);
   known_.camera = kOne;

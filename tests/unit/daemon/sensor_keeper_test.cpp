@@ -164,6 +164,15 @@ class Keeper : public testing::Test {
       idle = !keeper_->do_work();
     }
   }
+  /// The texts of the queued events of this kind; all queued messages are taken.
+  std::vector<std::string> events_of(const std::string& kind) {
+    std::vector<std::string> texts;
+    while (const auto message = parts_->queue.take()) {
+      const auto* event = std::get_if<EventMessage>(&*message);
+      if (event != nullptr && event->kind == kind) texts.push_back(event->text);
+    }
+    return texts;
+  }
   void release(Hold by) {
     keeper_->release(by, [] {});
     work();
@@ -360,6 +369,8 @@ TEST_F(Keeper, AReferenceIsOfItsSensorAndItsRegion) {
   const auto changed = edit(set_sensor(other));
   ASSERT_TRUE(changed) << changed.error().reason;
   EXPECT_FALSE((*changed)->reference);
+  EXPECT_EQ((*changed)->reference_reason, "") << "another sensor was chosen";
+  (void)events_of("reference");
   other.put(&SensorConfig::charge, 1);
   ASSERT_TRUE(edit(set_sensor(other)));
   EXPECT_TRUE(keeper_->snapshot()->reference);
@@ -370,9 +381,16 @@ TEST_F(Keeper, AReferenceIsOfItsSensorAndItsRegion) {
   work();
   EXPECT_FALSE(keeper_->snapshot()->reference);
   EXPECT_GT(keeper_->snapshot()->sensor_epoch, epoch);
+  const std::string why = keeper_->snapshot()->reference_reason;
+  EXPECT_NE(why.find("it was taken with another region of the camera"), std::string::npos) << why;
+  EXPECT_GT(keeper_->snapshot()->t_reference_reason_ns, 0);
+  EXPECT_EQ(events_of("reference"), std::vector<std::string>{why + "; take a new reference"});
   keeper_->camera_changed(config_.camera.settings, std::nullopt);
   work();
   EXPECT_TRUE(keeper_->snapshot()->reference);
+  EXPECT_EQ(keeper_->snapshot()->reference_reason, "");
+  ASSERT_TRUE(edit(forget_reference()));
+  EXPECT_EQ(keeper_->snapshot()->reference_reason, "") << "it was wanted";
 }
 
 TEST_F(Keeper, WhatWasMeasuredOfAnotherImageIsRefused) {

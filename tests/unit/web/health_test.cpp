@@ -118,6 +118,9 @@ TEST_F(HealthTest, SaysWhatToDoWithoutAReference) {
   facts.status["sensor"]["referenced"] = false;
   facts.wavefront["valid"] = false;
   expect_worst(Wellness::warning, "No reference");
+  facts.status["sensor"]["invalid"] = {{"reason", "it was taken with another camera"},
+                                       {"action", "take a new reference"}};
+  expect_worst(Wellness::warning, "No reference: it was taken with another camera");
 }
 
 TEST_F(HealthTest, AReferenceThatHoldsAnIntroducedAberrationIsNotWell) {
