@@ -201,7 +201,12 @@ Result<void> App::Parts::make_sensor() {
   presentations = std::make_unique<Presentations>(*procedures, config.slm.geometry);
   loop = std::make_unique<ClosedLoop>(ClosedLoopDeps{
       *keeper, slm, events, [this](bool closed) { state.set(&Conditions::loop, closed); },
-      [this] { return search->found_ns(); }, [this] { return state.has_bench(); },
+      [this] { return search->found_ns(); },
+      [this] {
+        const auto why = search->why_invalid();
+        return why ? why->reason + "; " + why->action : std::string();
+      },
+      [this] { return state.has_bench(); },
       [this](std::string kind, nlohmann::json content) {
         recorder.add_loop(std::move(kind), std::move(content));
       }});

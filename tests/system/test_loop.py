@@ -191,6 +191,26 @@ class Loop(BenchCase):
         wait_for(lambda: (message := events.next(0.5)) and message.get("kind") == "loop" and (received.append(message), len(received))[1] >= 4, what="four events")
         self.assertEqual([m["severity"] for m in received], ["info", "warning", "info", "warning"])
 
+    def test_it_says_why_it_has_opened(self):
+        events = self.stream("event")
+        roi = self.call("camera.get")["settings"]["roi"]
+        smaller = roi | {"x": roi["x"] + 16, "width": roi["width"] - 32}
+        self.call("loop.close", {"patience_s": 5.0})
+        self.call("camera.set", {"roi": smaller})
+        wait_for(lambda: not self.call("loop.get")["closed"], what="the loop to open")
+        cause = "another region of the camera"
+        self.assertRegex(self.call("loop.get")["opened_because"], f"no usable frame came for 5 s: .* {cause}.* take a new reference")
+        invalid = self.call("system.status")["sensor"]["invalid"]
+        self.assertIn(cause, invalid["reason"])
+        told = []
+        wait_for(lambda: (message := events.next(0.5)) and (told.append(message), message["kind"] == "loop" and not message["data"]["closed"])[1],
+                 what="the event of the loop")
+        self.assertIn(cause, told[-1]["text"])
+        self.assertEqual([cause in message["text"] for message in told if message["kind"] == "reference"], [True])
+        self.call("camera.set", {"roi": roi})
+        self.assertIsNone(self.call("system.status")["sensor"]["invalid"])
+        self.call("loop.close", {"patience_s": 5.0})
+
 
 if __name__ == "__main__":
     main()

@@ -24,15 +24,13 @@ constexpr std::int64_t kSpareNs = 500'000;
 constexpr int kMinSpotsPerLost = 3;
 constexpr double kMaxResidual = 0.06;  // lambda/d
 
-std::string reason_of(LoopEnd end, const LoopSettings& settings) {
+/// `no_frame`: why no usable frame came.
+std::string reason_of(LoopEnd end, const LoopSettings& settings, const std::string& no_frame) {
   switch (end) {
     case LoopEnd::none:
       break;
     case LoopEnd::too_few_spots:
-      return fmt::format(
-          "no usable frame came for {:g} s: too few spots are tracked, or the camera "
-          "or the SLM is at fault; see ovws status",
-          settings.patience_s);
+      return fmt::format("no usable frame came for {:g} s: {}", settings.patience_s, no_frame);
     case LoopEnd::at_limit:
       return fmt::format(
           "the correction was at its limit of {:g} waves for {:g} s: reduce the aberration, "
@@ -133,9 +131,22 @@ bool ClosedLoop::do_work() {
   notice_bench();
   if (observe_next() || paused_ || !is_closed()) return true;
   const LoopEnd end = watch_->wait(monotonic_ns(), deps_.spots_found_ns());
-  if (end != LoopEnd::none)
-    set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
+  if (end != LoopEnd::none) open_because(end);
   return asked;
+}
+
+void ClosedLoop::open_because(LoopEnd end) {
+  set_closed(false, reason_of(end, report_.get().settings, why_no_frame()), Severity::warning);
+}
+
+/// The SLM's cause first: frames of another hologram may be valid.
+std::string ClosedLoop::why_no_frame() const {
+  const SlmSnapshot slm = deps_.slm.snapshot();
+  if (slm.hologram_id != deps_.keeper.snapshot()->hologram_id) {
+    return "the SLM does not show the loop's hologram; see slm in ovws status";
+  }
+  const std::string why = deps_.why_invalid();
+  return why.empty() ? "the camera sends no settled frame; see camera in ovws status" : why;
 }
 
 /// While the camera or the display is away, the watch begins again and again. Afterwards only new
@@ -280,8 +291,7 @@ void ClosedLoop::step(const LoopFrame& frame) {
   control_->step(t_for_ns);
   const LoopEnd end =
       watch_->step(control_->residual_rms_waves(), control_->at_limit(), decided_ns);
-  if (end != LoopEnd::none)
-    return set_closed(false, reason_of(end, report_.get().settings), Severity::warning);
+  if (end != LoopEnd::none) return open_because(end);
   if (auto shown = show(control_->correction()); !shown) {
     log_.decided(t_for_ns, 0);
     if (!deps_.has_bench()) return;

@@ -38,6 +38,9 @@ struct ClosedLoopDeps {
   /// CLOCK_MONOTONIC time (ns) of the last search that found lost spots; 0: there was none. Called
   /// in the loop thread.
   std::function<std::int64_t()> spots_found_ns;
+  /// Why frames are not valid, and what to do; empty: they are, or the camera sends none. Called in
+  /// the loop thread.
+  std::function<std::string()> why_invalid;
   /// Whether camera and display are connected. Called in the loop thread.
   std::function<bool()> has_bench;
   /// Adds a document to the recording, if there is one. Called in the loop thread.
@@ -95,6 +98,8 @@ class ClosedLoop : public Agent {
   void step(const LoopFrame& frame);
   void add_times(const LoopFrame& frame, std::int64_t decided_ns, const SlmSnapshot& before);
   Result<void> show(const std::vector<Mode>& correction);
+  void open_because(LoopEnd end);
+  std::string why_no_frame() const;
   Result<SensorView> hold(const LoopSettings& settings, const LoopModel* model);
   Result<SensorView> ask(const std::function<void(SensorKeeper::Done)>& what);
   void set_closed(bool closed, const std::string& why, Severity severity);

@@ -117,8 +117,9 @@ class ClosedLoopTest : public testing::Test {
   test::SimulatedBench bench_;
   ClosedLoop loop_{
       {bench_.keeper(), bench_.slm(), bench_.events(), [this](bool closed) { tell(closed); },
-       [this] { return finds_ ? monotonic_ns() : 0; }, [this] { return has_bench_.load(); },
-       [](const std::string&, const nlohmann::json&) {}}};
+       [this] { return finds_ ? monotonic_ns() : 0; }, [this] { return why_invalid_; },
+       [this] { return has_bench_.load(); }, [](const std::string&, const nlohmann::json&) {}}};
+  std::string why_invalid_;         ///< set it before the loop closes
   std::atomic<bool> finds_{false};  ///< lost spots are found all the time
   std::atomic<bool> has_bench_{true};
   std::atomic<bool> is_closed_{false};  ///< as on_change last said
@@ -256,8 +257,19 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
   ASSERT_TRUE(is_closed_);
   switch_off_the_light();
   ASSERT_TRUE(opens_by_itself());
-  EXPECT_NE(loop_.report().opened_because.find("no usable frame came for 4 s"), std::string::npos)
-      << loop_.report().opened_because;
+  EXPECT_EQ(loop_.report().opened_because,
+            "no usable frame came for 4 s: the camera sends no settled frame; see camera in ovws "
+            "status");
+}
+
+TEST_F(ClosedLoopTest, SaysWhyFramesWereNotValidWhenItOpens) {
+  take_reference_frames();
+  why_invalid_ = "3 of 7 spots are found; the light is low";
+  ASSERT_TRUE(close({.patience_s = kPatienceS}));
+  ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
+  switch_off_the_light();
+  ASSERT_TRUE(opens_by_itself());
+  EXPECT_EQ(loop_.report().opened_because, "no usable frame came for 4 s: " + why_invalid_);
 }
 
 TEST_F(ClosedLoopTest, StaysClosedAsLongAsLostSpotsAreFound) {
