@@ -247,6 +247,16 @@ class Lattices(BenchCase):
             self.assertEqual(self.call("sensor.get")["operator_in_force"], "measured")
             self.assertTrue(self.listed()[name]["calibrated"])
             self.check_truth(stream, name + ", calibrated", {3: 0.02, 4: -0.015})
+        self.call("calibration.clear")  # of the lattice in use
+        self.call("lattice.use", {"name": "coarse"})
+        error = self.refused("lattice.use", {"name": "fine"})
+        self.assertEqual(error.data["field"], "name")
+        for reason in (str(error), self.listed()["fine"]["reason"]):
+            self.assertRegex(reason, 'calibration.*lattice.prepare and "calibrate": true')
+            self.assertNotIn("calibration.run", reason)
+        self.hide({})
+        self.prepare({"name": "fine", "sensor": {"subapertures_across": 5}}, calibrate=True, frames=8)
+        self.call("lattice.use", {"name": "fine"})
 
     def test_the_example_goes_to_the_coarse_lattice_and_back(self):
         environment = os.environ | {"PYTHONPATH": f"{PYTHON}:{os.environ.get('PYTHONPATH', '')}"}

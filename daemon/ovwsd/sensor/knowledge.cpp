@@ -137,7 +137,8 @@ Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOpti
     if (bound.calibration) {
       bound.mode_operator = {bound.calibration, &bound.calibration->mode_operator};
     } else {
-      bound.operator_reason = missing_calibration_reason(state, knowledge, bench);
+      bound.operator_reason =
+          missing_calibration_reason(state, knowledge, bench) + ": run calibration.run";
     }
   }
   if (state.tracking.mode_operator == OperatorKind::diffractive) {
@@ -192,9 +193,9 @@ std::string missing_calibration_reason(const SensorState& state, const Knowledge
     closest = candidate.get();
     closest_differences = std::move(other);
   }
-  if (closest == nullptr) return "there is no calibration: run calibration.run";
-  return fmt::format("{} was measured with another {}: run calibration.run",
-                     title_of<CalibrationKind>(*closest), fmt::join(closest_differences, ", "));
+  if (closest == nullptr) return "there is no calibration";
+  return fmt::format("{} was measured with another {}", title_of<CalibrationKind>(*closest),
+                     fmt::join(closest_differences, ", "));
 }
 
 std::vector<std::shared_ptr<const Reference>> remove_references(Knowledge& knowledge,

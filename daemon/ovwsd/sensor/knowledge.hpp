@@ -31,7 +31,7 @@ struct Bound {
   std::shared_ptr<const Reference> reference;
   std::shared_ptr<const Calibration> calibration;
   std::shared_ptr<const ModeOperator> mode_operator;  ///< as requested; null: slope_operator
-  /// Why slope_operator replaces the requested operator; empty: it does not.
+  /// Why slope_operator replaces the requested operator, and what to do; empty: it does not.
   std::string operator_reason;
 };
 /// Selects what applies to the state. Computes a diffractive operator if one is requested and not
@@ -60,8 +60,8 @@ inline constexpr std::string_view kUnusedRemedy = "take a new reference";
 /// them. Empty: there is none. For a state without a reference.
 std::string missing_reference_reason(const SensorState& state, const Knowledge& knowledge,
                                      const BenchOptics& bench);
-/// Why no calibration applies to the state, and what to do. Takes the loaded calibration with the
-/// fewest differences from the state, and names these differences.
+/// Why no calibration applies to the state. Takes the loaded calibration with the fewest
+/// differences from the state, and names these differences.
 std::string missing_calibration_reason(const SensorState& state, const Knowledge& knowledge,
                                        const BenchOptics& bench);
 

@@ -33,6 +33,15 @@ Result<void> check_reference(const SensorEdit& edit) {
               "table and flatness, or was deleted: prepare it again with lattice.prepare");
 }
 
+/// Refuses a lattice of the operator `measured` without its calibration.
+Result<void> check_calibration(const SensorEdit& edit) {
+  if (edit.state.tracking.mode_operator != OperatorKind::measured) return {};
+  if (calibration_for(edit.state, edit.knowledge, edit.bench.optics)) return {};
+  return fail(Errc::refused, "name",
+              missing_calibration_reason(edit.state, edit.knowledge, edit.bench.optics) +
+                  ": prepare it again with lattice.prepare and \"calibrate\": true");
+}
+
 }  // namespace
 
 void PreparedLattices::load() {
@@ -84,16 +93,21 @@ void PreparedLattices::remove(const std::string& name, std::function<void(Result
 }
 
 SensorChange use_lattice(const PreparedLattice& lattice) {
-  return [set = set_unchecked_sensor(SensorSet::whole(lattice.settings))](
-             SensorEdit& edit) -> Result<void> {
-    if (auto changed = set(edit); !changed) return changed;
-    if (auto drawn = edit.bench.renderers.renew(edit.state); !drawn) return drawn;
-    edit.state.pattern = HologramKind::sensor;
-    edit.state.painted.reset();
-    if (auto sampled = check_sampling(edit.state); !sampled) return sampled;
-    if (auto apart = check_sources_apart(edit.state, edit.bench.optics); !apart) return apart;
-    return check_reference(edit);
-  };
+  SensorSet change = SensorSet::whole(lattice.settings);
+  change.forget(&TrackingSettings::mode_operator);  // whose error would be about this sensor
+  return
+      [set = set_unchecked_sensor(std::move(change)),
+       mode_operator = lattice.settings.tracking.mode_operator](SensorEdit& edit) -> Result<void> {
+        if (auto changed = set(edit); !changed) return changed;
+        edit.state.tracking.mode_operator = mode_operator;
+        if (auto calibrated = check_calibration(edit); !calibrated) return calibrated;
+        if (auto drawn = edit.bench.renderers.renew(edit.state); !drawn) return drawn;
+        edit.state.pattern = HologramKind::sensor;
+        edit.state.painted.reset();
+        if (auto sampled = check_sampling(edit.state); !sampled) return sampled;
+        if (auto apart = check_sources_apart(edit.state, edit.bench.optics); !apart) return apart;
+        return check_reference(edit);
+      };
 }
 
 LatticeReport report_of(const PreparedLattice& lattice, const SensorEdit& now) {

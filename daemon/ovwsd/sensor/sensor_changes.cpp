@@ -13,7 +13,8 @@ Result<void> check_operator(const SensorSet& change, const SensorEdit& edit) {
                      edit.state.tracking.mode_operator == OperatorKind::measured;
   if (!asked || calibration_for(edit.state, edit.knowledge, edit.bench.optics)) return {};
   return fail(Errc::refused, "operator",
-              missing_calibration_reason(edit.state, edit.knowledge, edit.bench.optics));
+              missing_calibration_reason(edit.state, edit.knowledge, edit.bench.optics) +
+                  ": run calibration.run");
 }
 
 /// A mask file in use, or named by the configuration, is not read again: this thread must not wait

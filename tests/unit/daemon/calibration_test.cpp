@@ -204,7 +204,7 @@ TEST_F(Calibrations, OneTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsGone) {
   auto daemon = started(config_);
   const BenchOptics optics{config_.optics, config_.slm.geometry};
   EXPECT_EQ(missing_calibration_reason(state_of(config_), daemon->known, optics),
-            "there is no calibration: run calibration.run");
+            "there is no calibration");
   daemon->put(measured(*daemon, config_, 5, turned()));
   Registration again = turned(20.05);
   again.t_taken_ns = 8;
@@ -226,7 +226,7 @@ TEST_F(Calibrations, OneTakesThePlaceOfTheOneBeforeAndOneThatIsDroppedIsGone) {
   Config other = config_;
   other.tracking.tracker = TrackerKind::weighted;
   const std::string why = missing_calibration_reason(state_of(other), next->known, optics);
-  EXPECT_NE(why.find("was measured with another tracker: run"), std::string::npos) << why;
+  EXPECT_TRUE(why.ends_with("was measured with another tracker")) << why;
 }
 
 TEST_F(Calibrations, OfAnotherBenchAreNotUsed) {
