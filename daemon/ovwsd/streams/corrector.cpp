@@ -14,13 +14,25 @@ namespace {
 
 constexpr const char* kKind = "corrector";
 
+/// Modes for a message, such as "j = 1 to 4, 7".
+std::string listed_modes(const std::vector<int>& modes_j) {
+  std::string text = "j = ";
+  for (std::size_t k = 0; k < modes_j.size(); ++k) {
+    const std::size_t first = k;
+    while (k + 1 < modes_j.size() && modes_j[k + 1] == modes_j[k] + 1) ++k;
+    if (first > 0) text += ", ";
+    text += std::to_string(modes_j[first]);
+    if (k > first) text += fmt::format(" to {}", modes_j[k]);
+  }
+  return text;
+}
+
 std::string misfit(const CorrectorMatrix& matrix, const std::vector<int>& modes_j) {
   if (matrix.modes_j == modes_j) return {};
   return fmt::format(
-      "the corrector's matrix is for {} modes, but the sensor now measures {}: set another one "
-      "with "
-      "corrector.set, or restore the sensor's settings",
-      matrix.modes_j.size(), modes_j.size());
+      "the corrector's matrix is for the modes {}, but the sensor now measures {}: set another one "
+      "with corrector.set, or restore the sensor's settings",
+      listed_modes(matrix.modes_j), listed_modes(modes_j));
 }
 
 }  // namespace

@@ -107,7 +107,12 @@ TEST_F(CorrectorTest, ReportsWhyThereAreNoCommands) {
   EXPECT_EQ(known.reason, "");
   EXPECT_EQ(known.actuators, 2);
   EXPECT_EQ(known.modes_j, kModes);
-  EXPECT_NE(corrector_.report({1, 2}).reason.find("3 modes"), std::string::npos);
+  const auto why = [this](const std::vector<int>& modes_j) {
+    return corrector_.report(modes_j).reason;
+  };
+  EXPECT_NE(why({4, 5, 6, 9}).find("modes j = 1 to 3, but the sensor now measures j = 4 to 6, 9:"),
+            std::string::npos)
+      << why({4, 5, 6, 9});
 }
 
 TEST_F(CorrectorTest, AnEventTellsWhenTheModesChangeAndWhenTheyAreAsBefore) {
