@@ -55,6 +55,20 @@ void SimulatedOptics::before_show(std::function<void()> call) {
   before_show_ = std::move(call);
 }
 
+void SimulatedOptics::before_apply(std::function<void()> call) {
+  const std::lock_guard lock(mutex_);
+  before_apply_ = std::move(call);
+}
+
+void SimulatedOptics::apply() {
+  std::function<void()> call;
+  {
+    const std::lock_guard lock(mutex_);
+    call = before_apply_;
+  }
+  if (call) call();
+}
+
 void SimulatedOptics::show(const Image<std::uint8_t>& grey) {
   {
     const std::lock_guard lock(call_mutex_);
@@ -137,6 +151,7 @@ class SimulatedCamera final : public Camera {
     return limits;
   }
   Result<CameraSettings> apply(const CameraSettings& wanted) override {
+    optics_in_use->apply();
     const std::lock_guard lock(mutex_);
     settings_ = wanted;
     return wanted;

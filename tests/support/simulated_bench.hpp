@@ -34,6 +34,9 @@ class SimulatedOptics {
   /// The display's thread calls `call` before it shows a picture; none: nothing. Returns when the
   /// previous one is not running any more.
   void before_show(std::function<void()> call);
+  /// The camera's thread calls `call` before it applies settings; none: nothing.
+  void before_apply(std::function<void()> call);
+  void apply();
   void set_truth(const twin::Truth& truth);
   twin::Truth truth() const;
   /// Exposes a frame of the hologram that is shown at its begin, which it returns: CLOCK_MONOTONIC
@@ -45,7 +48,7 @@ class SimulatedOptics {
   mutable std::mutex mutex_;
   std::unique_ptr<Model> model_;
   std::mutex call_mutex_;
-  std::function<void()> before_show_;
+  std::function<void()> before_show_, before_apply_;
 };
 
 /// Configurations of a bench that is fast to simulate: 7 subapertures on an SLM of 320 x 192.
@@ -75,6 +78,7 @@ class SimulatedBench {
 
   SensorView sensor() const { return keeper_->snapshot(); }
   CameraSnapshot camera() const { return camera_->snapshot(); }
+  CameraActor& camera_actor() { return *camera_; }
   SimulatedOptics& optics() { return optics_; }
   SensorKeeper& keeper() { return *keeper_; }
   Procedures& procedures() { return *procedures_; }

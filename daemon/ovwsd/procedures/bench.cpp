@@ -153,7 +153,19 @@ Result<CameraSnapshot> Bench::try_camera(const CameraSet& change) {
   return wait_for(std::move(future));
 }
 
+/// Waits for the changes that the camera permitted before the job: settings that are restored must
+/// contain them.
+Result<void> Bench::await_clients_changes() {
+  auto promise = std::make_shared<std::promise<Result<void>>>();
+  auto future = promise->get_future();
+  deps_.camera.after_changes([promise = std::move(promise)] { promise->set_value({}); });
+  return wait_for(std::move(future));
+}
+
 Result<CameraSnapshot> Bench::set_camera(const CameraSet& change) {
+  if (camera_before_.given().empty()) {
+    if (auto done = await_clients_changes(); !done) return fail(done.error());
+  }
   const CameraSnapshot before = camera();
   for (const auto member :
        {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {

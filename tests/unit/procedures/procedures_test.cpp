@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <future>
@@ -116,6 +117,41 @@ TEST(Calibration, OfFitMeasuresTemplatesThatAreKept) {
   auto damaged = calibration_content(*kept);
   damaged["shapes"]["side"] = 17;
   EXPECT_EQ(calibration_from(damaged, bench.config()).error().field, "shapes");
+}
+
+/// A client's change of the camera that was permitted before a job is part of what it restores.
+TEST(Procedures, AJobRestoresWhatAClientSetJustBeforeIt) {
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  std::promise<void> begun, may_end;
+  std::atomic<bool> first{true};
+  bench.optics().before_apply([&] {
+    if (!first.exchange(false)) return;
+    begun.set_value();
+    may_end.get_future().wait();
+  });
+  CameraSet change;
+  change.put(&CameraSettings::exposure_us, 900.0);
+  std::atomic<bool> accepted{false};
+  bench.camera_actor().change(Asker::client, change,
+                              [&](const Result<CameraSnapshot>& set) { accepted = bool(set); });
+  begun.get_future().wait();
+  std::thread later;
+  const auto run = bench.run("test", [&](Bench& on) -> Result<nlohmann::json> {
+    later = std::thread([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));  // while the job asks, too
+      may_end.set_value();
+    });
+    CameraSet own;
+    own.put(&CameraSettings::exposure_us, 500.0);
+    if (auto set = on.set_camera(own); !set) return fail(set.error());
+    return nlohmann::json{};
+  });
+  later.join();
+  bench.optics().before_apply({});
+  ASSERT_TRUE(run) << run.error().reason;
+  EXPECT_TRUE(accepted);
+  EXPECT_EQ(bench.camera().settings.exposure_us, 900.0);
 }
 
 twin::CameraGeometry camera_at(double rotation_deg, twin::Mirror mirror, double magnification,
