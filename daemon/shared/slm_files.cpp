@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <sstream>
+#include <string_view>
 #include <vector>
 
 #include "core/base/number_text.hpp"
@@ -16,6 +17,8 @@
 
 namespace ovws {
 namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors begin UTF-8 with it
 
 /// Reads the numbers of a text file line by line, skipping lines without numbers. None if the file
 /// cannot be read. Stops at the first word that is not a finite number and copies that word to
@@ -26,6 +29,7 @@ std::optional<std::vector<std::vector<double>>> read_lines(const std::string& pa
   if (!file) return std::nullopt;
   std::vector<std::vector<double>> lines;
   for (std::string line; std::getline(file, line);) {
+    if (lines.empty() && line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());
     line = line.substr(0, line.find('#'));
     for (char& c : line) c = (c == ',' || c == ';') ? ' ' : c;
     std::istringstream words(line);

@@ -39,6 +39,20 @@ TEST_F(SlmFiles, ALutIs256GreyLevels) {
   EXPECT_EQ((*lut)[255], 127);
 }
 
+TEST_F(SlmFiles, TablesMayBeginWithAByteOrderMark) {
+  const std::string mark = "\xEF\xBB\xBF";
+  std::string numbers;
+  for (int i = 0; i < 256; ++i) numbers += std::to_string(i) + "\n";
+  const auto lut = load_lut(write(mark + numbers));
+  ASSERT_TRUE(lut) << lut.error().reason;
+  EXPECT_EQ((*lut)[255], 255);
+  const auto flatness = load_flatness(write(mark + "0.5,0\n0,0.25\n"), 2, 2);
+  ASSERT_TRUE(flatness) << flatness.error().reason;
+  EXPECT_FLOAT_EQ((*flatness)->at(0, 0), 0.5F);
+  const auto later = load_lut(write("1\n" + mark + "2\n"));
+  EXPECT_NE(later.error().reason.find("not a finite number"), std::string::npos);
+}
+
 TEST_F(SlmFiles, AWrongLutNamesWhatIsWrong) {
   EXPECT_NE(load_lut(write(levels(255))).error().reason.find("255"), std::string::npos);
   EXPECT_NE(load_lut(write(levels(255) + " 256")).error().reason.find("256"), std::string::npos);
