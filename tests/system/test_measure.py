@@ -65,6 +65,25 @@ class Measure(unittest.TestCase):
             self.assertEqual(len(line["spots"]), 19)
             self.assertEqual(sorted(line["spots"][0]), ["i", "quality", "x", "y"])
 
+    def test_every_page_of_a_stack_is_measured(self):
+        flat, aberrated = self.farfield("flat.png"), self.farfield("aberrated.png", "2,-2:0.3")
+        pages = [Image.fromarray(np.asarray(Image.open(path)).astype(np.uint16)) for path in (flat, aberrated, flat)]
+        stack = self.folder / "stack.tif"
+        pages[0].save(stack, save_all=True, append_images=pages[1:])
+        lines = self.measure(stack, aberrated, reference=flat)
+        self.assertEqual([(line["file"], line["page"]) for line in lines], [(str(stack), 1), (str(stack), 2), (str(stack), 3), (str(aberrated), 1)])
+        for line, astigmatism in zip(lines, (0.0, 0.3, 0.0, 0.3)):
+            self.assert_mode(line, {3: astigmatism})
+        text = subprocess.run([OVWS, "measure", "--reference", flat, stack], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S).stdout
+        self.assertIn(f"{stack}, page 2 of 3: 19 of 19 spots, valid", text)
+        small = [pages[0], pages[0].resize((20, 20)), pages[1]]
+        small[0].save(stack, save_all=True, append_images=small[1:])
+        lines = self.ovws("measure", "--reference", flat, stack, status=1)
+        self.assertEqual([line.get("page") for line in lines], [1, None, 3])
+        self.assertIn(f"{stack}, page 2 of 3: ", str(lines[1]))
+        (line,) = self.ovws("measure", "--reference", stack, flat, status=1)
+        self.assertIn("has 3 pages: give a file with one image", str(line))
+
     def test_an_image_that_cannot_be_written_leaves_the_one_before(self):
         path = self.farfield("flat.png")
         before = path.read_bytes()

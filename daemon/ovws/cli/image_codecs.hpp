@@ -8,10 +8,12 @@
 
 namespace ovws::cli {
 
-/// What the module exports as `ovws_image_codecs`. Both functions may throw cv::Exception.
+/// What the module exports as `ovws_image_codecs`. The functions may throw cv::Exception.
 struct ImageCodecs {
-  /// Pixels of a file as they are, empty if it is not an image.
-  cv::Mat (*read)(const std::string& path);
+  /// Number of images in a file, such as the pages of a TIFF stack; 0: it is not an image.
+  std::size_t (*count)(const std::string& path);
+  /// Pixels of image `page` (from 0 on) of a file as they are; empty: it is not an image.
+  cv::Mat (*read)(const std::string& path, int page);
   /// `picture` in the format of a file name's extension, e.g. ".png". False: it cannot be encoded.
   bool (*encode)(const std::string& extension, const cv::Mat& picture,
                  std::vector<unsigned char>& bytes);

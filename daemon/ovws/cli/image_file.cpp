@@ -94,15 +94,25 @@ ImageView Picture::view() const {
   return narrow.pixels.empty() ? view_of(wide, PixelFormat::mono16) : view_of(narrow);
 }
 
-Result<Picture> read_image(const std::string& path) {
+Result<int> count_images(const std::string& path) {
   if (std::error_code none; !fs::exists(path, none)) {
     return fail(unreadable(path, "does not exist"));
   }
   const auto codecs = image_codecs();
   if (!codecs) return fail(unreadable(path, codecs.error()));
+  try {
+    return std::max(1, int((*codecs)->count(path)));
+  } catch (const cv::Exception&) {
+    return 1;  // read_image says what is wrong with it
+  }
+}
+
+Result<Picture> read_image(const std::string& path, int page) {
+  const auto codecs = image_codecs();
+  if (!codecs) return fail(unreadable(path, codecs.error()));
   cv::Mat mat;
   try {
-    mat = (*codecs)->read(path);
+    mat = (*codecs)->read(path, page);
   } catch (const cv::Exception&) {
     return fail(unreadable(path, "cannot be read: the size in its header is too large"));
   }

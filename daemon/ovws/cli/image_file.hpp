@@ -28,9 +28,12 @@ struct Picture {
   Image<std::uint16_t> wide;  ///< used for 16-bit images; else empty
   ImageView view() const;
 };
-/// Reads a PNG, TIFF or PGM file. Errors (Errc::invalid, field "image"): unreadable, or not
-/// greyscale with 8 or 16 bits.
-Result<Picture> read_image(const std::string& path);
+/// Number of images in a PNG, TIFF or PGM file: the pages of a TIFF stack, else 1. Errors
+/// (Errc::invalid, field "image"): it does not exist.
+Result<int> count_images(const std::string& path);
+/// Reads image `page` (from 0 on) of a file. Errors (Errc::invalid, field "image"): unreadable, or
+/// not greyscale with 8 or 16 bits.
+Result<Picture> read_image(const std::string& path, int page);
 
 /// Maps -scale to +scale waves (CV_32FC1) to the viridis colours; NaN shows `background`.
 cv::Mat phase_colours(const cv::Mat& waves, double scale, const cv::Scalar& background);

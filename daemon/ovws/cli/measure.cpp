@@ -1,4 +1,6 @@
 /// ovws measure: measures the wavefronts of image files.
+#include <spdlog/fmt/fmt.h>
+
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -58,9 +60,20 @@ json spots_of(const Measured& measured) {
   return spots;
 }
 
+/// An image of a file.
+struct Page {
+  std::string file;
+  int number = 0;  ///< from 0 on
+  int count = 1;   ///< of the file
+
+  std::string name() const {
+    return count == 1 ? file : fmt::format("{}, page {} of {}", file, number + 1, count);
+  }
+};
+
 /// One result line: a JSON object like the `wavefront` message. Fields that only a camera provides
 /// are null.
-json image_line(const std::string& file, const Config& config, const Measurement& measurement,
+json image_line(const Page& page, const Config& config, const Measurement& measurement,
                 const Measured& measured) {
   WavefrontMessage message;
   message.charge = config.sensor.charge;
@@ -90,7 +103,8 @@ json image_line(const std::string& file, const Config& config, const Measurement
   for (const char* unknown : {"t_device_ns", "t_arrival_ns", "t_publish_ns", "latency_us"}) {
     line[unknown] = nullptr;
   }
-  line["file"] = file;
+  line["file"] = page.file;
+  line["page"] = page.number + 1;
   line["spots"] = spots_of(measured);
   line["torn"] = json::array();
   line["template"] = wire_name(config.tracking.templates);
@@ -120,9 +134,10 @@ void put_refined(json& line, const Measured& measured, bool amplitudes) {
   if (amplitudes) line["refined"]["amplitudes"] = found.amplitudes;
 }
 
-void print_table(const json& line) {
-  print("{}: {} of {} spots, {}\n", line["file"].get<std::string>(), line["tracked"].get<int>(),
-        line["subapertures"].get<int>(), line["valid"].get<bool>() ? "valid" : "NOT VALID");
+void print_table(const Page& page, const json& line) {
+  const int spots = line["subapertures"].get<int>();
+  print("{}: {} of {} spots, {}\n", page.name(), line["tracked"].get<int>(), spots,
+        line["valid"].get<bool>() ? "valid" : "NOT VALID");
   if (line["template_reason"].is_string()) {
     print("{}\n", line["template_reason"].get<std::string>());
   }
@@ -175,20 +190,27 @@ class ImageMeasurer {
   /// Reads the reference image, if one is given. Call this before measuring images.
   Result<void> read_reference() {
     if (options_.reference.empty()) return {};
-    auto read = read_image(options_.reference);
+    const auto pages = count_images(options_.reference);
+    if (!pages) return fail(Errc::invalid, "reference", pages.error().reason);
+    if (*pages > 1) {
+      return fail(
+          Errc::invalid, "reference",
+          fmt::format("{} has {} pages: give a file with one image", options_.reference, *pages));
+    }
+    auto read = read_image(options_.reference, 0);
     if (!read) return fail(Errc::invalid, "reference", read.error().reason);
     reference_ = std::move(*read);
     return {};
   }
 
-  Result<json> line_of_file(const std::string& path) {
-    const auto picture = read_image(path);
+  Result<json> line_of(const Page& page) {
+    const auto picture = read_image(page.file, page.number);
     if (!picture) return fail(picture.error());
     const ImageView image = picture->view();
     Instrument& instrument = instrument_for(image);
     if (!instrument.measurement) return fail(instrument.measurement.error());
     const Measured measured = instrument.measurement->measure(image);
-    json line = image_line(path, config_, *instrument.measurement, measured);
+    json line = image_line(page, config_, *instrument.measurement, measured);
     if (options_.refine) put_refined(line, measured, options_.spot_amplitudes);
     return line;
   }
@@ -238,23 +260,30 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
   return std::nullopt;
 }
 
-/// Adds the file's path to the error text, unless the text already contains the path.
-Error of_file(Error error, const std::string& path) {
-  if (error.reason.find(path) == std::string::npos) error.reason = path + ": " + error.reason;
+/// Adds the page's name to the error text, unless the text already contains it.
+Error of_page(Error error, const std::string& name) {
+  if (error.reason.find(name) == std::string::npos) error.reason = name + ": " + error.reason;
   return error;
 }
 
-void print_line(const Common& common, const json& line) {
+/// Measures one image and prints the result, or why there is none. Returns the exit code.
+int measure_page(const Common& common, ImageMeasurer& measurer, const Page& page) {
+  const auto line = measurer.line_of(page);
+  if (!line) return report(common, of_page(line.error(), page.name()));
   if (common.json) {
-    print("{}\n", json_text(line));
+    print("{}\n", json_text(*line));
   } else {
-    print_table(line);
+    print_table(page, *line);
   }
+  if (line->at("tracked") != 0) return kOk;
+  return report(common, {Errc::refused, "image",
+                         page.name() + ": no spots are found: check the image, its exposure, and "
+                                       "the configuration's sensor and optics"});
 }
 
 }  // namespace
 
-/// Measures every image. After an image that fails, the remaining images are still measured.
+/// Measures every image of each file. After one that fails, the remaining ones are still measured.
 int measure_images(const Common& common, const MeasureOptions& options) {
   if (const auto fault = fault_of(options)) {
     report(common, *fault);
@@ -266,16 +295,11 @@ int measure_images(const Common& common, const MeasureOptions& options) {
   if (auto read = measurer.read_reference(); !read) return report(common, read.error());
   int status = kOk;
   for (const std::string& path : options.images) {
-    const auto line = measurer.line_of_file(path);
-    if (!line) {
-      status = report(common, of_file(line.error(), path));
-      continue;
-    }
-    print_line(common, *line);
-    if (line->at("tracked") == 0) {
-      status = report(common, {Errc::refused, "image",
-                               path + ": no spots are found: check the image, its exposure, and "
-                                      "the configuration's sensor and optics"});
+    const auto pages = count_images(path);
+    if (!pages) status = report(common, pages.error());
+    for (int page = 0; pages && page < *pages; ++page) {
+      const int failed = measure_page(common, measurer, {path, page, *pages});
+      if (failed != kOk) status = failed;
     }
   }
   return status;
