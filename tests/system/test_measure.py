@@ -84,6 +84,26 @@ class Measure(unittest.TestCase):
         (line,) = self.ovws("measure", "--reference", stack, flat, status=1)
         self.assertIn("has 3 pages: give a file with one image", str(line))
 
+    def test_saturation_is_told_at_the_depth_of_the_camera(self):
+        """12 bits in words of 16 bits, in either alignment, with the camera's format in the configuration and without."""
+        good = np.asarray(Image.open(self.farfield("good.png", "2,-2:0.1"))).astype(np.uint16)
+        clipped = np.minimum(good.astype(np.uint32) * 4095 * 2 // good.max(), 4095).astype(np.uint16)
+        mono12 = self.folder / "mono12.json"
+        mono12.write_text(json.dumps({"camera": {"pixel_format": "Mono12"}}))
+        for name, shift in (("low", 0), ("high", 4)):
+            fine, cut = self.save(f"good-{name}.png", good << shift), self.save(f"cut-{name}.png", clipped << shift)
+            for more in ((), ("--config", mono12)):
+                with self.subTest(name, more=more):
+                    whole, lines = self.measure(fine, cut, more=more)
+                    self.assertEqual(whole["saturated"], 0.0)
+                    self.assert_mode(whole, {3: 0.1})
+                    self.assertEqual(lines["saturated"], 1.0)
+                    text = subprocess.run([OVWS, "measure", "--model-reference", *more, fine, cut], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S).stdout
+                    self.assertEqual(text.count("19 of 19 spots are saturated: lower the exposure or the gain"), 1, text)
+        burnt = self.save("burnt.png", np.minimum(good.astype(np.uint32) * 100, 4095).astype(np.uint16))
+        (line,) = self.ovws("measure", "--reference", burnt, fine, status=1)
+        self.assertRegex(str(line), "not found in the reference image: .*; spots are saturated: lower the exposure")
+
     def test_an_image_that_cannot_be_written_leaves_the_one_before(self):
         path = self.farfield("flat.png")
         before = path.read_bytes()

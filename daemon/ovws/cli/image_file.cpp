@@ -3,6 +3,8 @@
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -37,6 +39,46 @@ Image<T> pixels_of(const cv::Mat& mat) {
   Image<T> image(mat.cols, mat.rows);
   for (int y = 0; y < mat.rows; ++y) std::copy_n(mat.ptr<T>(y), mat.cols, image.row(y));
   return image;
+}
+
+PixelFormat mono_of(int bits) {
+  return bits == 10   ? PixelFormat::mono10
+         : bits == 12 ? PixelFormat::mono12
+         : bits == 14 ? PixelFormat::mono14
+                      : PixelFormat::mono16;
+}
+
+constexpr std::array kDepths{10, 12, 14};
+constexpr std::ptrdiff_t kFlatTopPixels = 4;  // by chance fewer have the largest value
+
+/// Finds the camera's bits in the words of a 16-bit image, see read_image.
+void find_depth(Picture& picture, int camera_bits) {
+  unsigned used = 0, most = 0;
+  for (const unsigned word : picture.wide.pixels) {
+    used |= word;
+    most = std::max(most, word);
+  }
+  const int free = used == 0 ? 0 : std::countr_zero(used);
+  if (camera_bits > 8 && (most >> camera_bits) == 0) {
+    picture.format = mono_of(camera_bits);
+    return;
+  }
+  // The daemon takes MSB-aligned words in the same way.
+  const auto aligned = std::ranges::find_if(kDepths, [&](int bits) {
+    return 16 - bits <= free && most >> unsigned(bits) != 0 &&
+           (camera_bits <= 8 || bits == camera_bits);
+  });
+  if (aligned != kDepths.end()) {
+    picture.left_justified_bits = 16 - *aligned;
+    picture.format = mono_of(*aligned);
+  }
+  const unsigned full = most >> unsigned(picture.left_justified_bits);
+  for (const int bits : kDepths) {
+    const bool flat_top =
+        full == (1U << unsigned(bits)) - 1 &&
+        std::ranges::count(picture.wide.pixels, std::uint16_t(most)) >= kFlatTopPixels;
+    if (camera_bits <= 8 && flat_top) picture.format = mono_of(bits);
+  }
 }
 
 Error cannot_write(const fs::path& path, const std::string& why) {
@@ -91,7 +133,10 @@ Result<void> write_image(const fs::path& path, const cv::Mat& picture) {
 }
 
 ImageView Picture::view() const {
-  return narrow.pixels.empty() ? view_of(wide, PixelFormat::mono16) : view_of(narrow);
+  if (!narrow.pixels.empty()) return view_of(narrow);
+  ImageView view = view_of(wide, format);
+  view.left_justified_bits = left_justified_bits;
+  return view;
 }
 
 Result<int> count_images(const std::string& path) {
@@ -107,7 +152,7 @@ Result<int> count_images(const std::string& path) {
   }
 }
 
-Result<Picture> read_image(const std::string& path, int page) {
+Result<Picture> read_image(const std::string& path, int page, PixelFormat camera) {
   const auto codecs = image_codecs();
   if (!codecs) return fail(unreadable(path, codecs.error()));
   cv::Mat mat;
@@ -122,6 +167,7 @@ Result<Picture> read_image(const std::string& path, int page) {
     picture.narrow = pixels_of<std::uint8_t>(mat);
   } else if (mat.type() == CV_16UC1) {
     picture.wide = pixels_of<std::uint16_t>(mat);
+    find_depth(picture, significant_bits(camera));
   } else {
     return fail(unreadable(
         path, "is not greyscale with 8 or 16 bits: convert it, e.g. to a greyscale TIFF"));

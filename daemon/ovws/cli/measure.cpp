@@ -138,6 +138,10 @@ void print_table(const Page& page, const json& line) {
   const int spots = line["subapertures"].get<int>();
   print("{}: {} of {} spots, {}\n", page.name(), line["tracked"].get<int>(), spots,
         line["valid"].get<bool>() ? "valid" : "NOT VALID");
+  if (const double saturated = line["saturated"].get<double>(); saturated > 0.0) {
+    print("{:.0f} of {} spots are saturated: lower the exposure or the gain\n", saturated * spots,
+          spots);
+  }
   if (line["template_reason"].is_string()) {
     print("{}\n", line["template_reason"].get<std::string>());
   }
@@ -197,14 +201,14 @@ class ImageMeasurer {
           Errc::invalid, "reference",
           fmt::format("{} has {} pages: give a file with one image", options_.reference, *pages));
     }
-    auto read = read_image(options_.reference, 0);
+    auto read = read_image(options_.reference, 0, config_.camera.settings.pixel_format);
     if (!read) return fail(Errc::invalid, "reference", read.error().reason);
     reference_ = std::move(*read);
     return {};
   }
 
   Result<json> line_of(const Page& page) {
-    const auto picture = read_image(page.file, page.number);
+    const auto picture = read_image(page.file, page.number, config_.camera.settings.pixel_format);
     if (!picture) return fail(picture.error());
     const ImageView image = picture->view();
     Instrument& instrument = instrument_for(image);

@@ -101,7 +101,10 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
     const Measured measured = first.measure(*reference);
     if (const std::string which = missing(measured); !which.empty()) {
       return fail(Errc::invalid, "reference",
-                  "these spots are not found in the reference image: " + which);
+                  "these spots are not found in the reference image: " + which +
+                      (measured.saturated > 0.0 ? "; spots are saturated: lower the exposure or "
+                                                  "the gain"
+                                                : ""));
     }
     taken.positions_px = positions_of(measured.spots);
     absolute = measured.coefficients;
