@@ -297,6 +297,36 @@ class Replay(BenchCase):
             self.assertEqual(list(hdus["AOT_TIME"].data["FRAME_NUMBERS"][0]), list(run.frames["frame_id"]))
             self.assertTrue((hdus["PICTURES"].data[3] == run.picture(3)).all())
 
+    def test_an_export_that_cannot_be_written_says_so(self):
+        self.take_reference(20)
+        self.call("record.start", {"name": "good"})
+        self.recorded_frames(20)
+        self.call("record.stop")
+        folder = self.bench.directory
+        limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)), "restore_signals": False}
+        for option in ("--npz", "--fits"):
+            out = folder / f"out{option}"
+            out.write_text("the file of before")
+            for path, more in ((out, limit), (folder / "nowhere" / "out", {}), (folder, {})):  # as on a full disk; no such folder; a folder
+                said = self.export("good", option, path, status=1, **more).stderr
+                self.assertIn(f"{path} cannot be written: ", said)
+                self.assertNotIn("damaged", said)
+            self.assertEqual((out.read_text(), list(folder.glob("*.part"))), ("the file of before", []))
+            self.export("good", option, out)
+            self.assertGreater(out.stat().st_size, 4096)
+
+    def test_fits_of_a_camera_with_a_name_in_other_letters(self):
+        self.take_reference(20)
+        self.call("record.start", {"name": "letters"})
+        self.recorded_frames(20)
+        self.call("record.stop")
+        with h5py.File(self.path("letters"), "r+") as file:
+            file.attrs["camera_vendor"], file.attrs["camera_model"] = "Süd", "光 2"
+        out = self.bench.directory / "letters.fits"
+        self.export("letters", "--fits", out)
+        with fits.open(out) as hdus:
+            self.assertEqual(hdus["AOT_DETECTORS"].data["TYPE"][0], "Sud ? 2")
+
     def test_fits_has_no_place_for_some(self):
         self.take_reference(20)
         self.call("record.start", {"name": "every_third", "pictures_every": 3})
@@ -356,9 +386,9 @@ class Replay(BenchCase):
     def csv(self, name):
         return (self.bench.directory / f"{name}.csv").read_text()
 
-    def export(self, name, *arguments, status=0):
+    def export(self, name, *arguments, status=0, **more):
         done = subprocess.run([sys.executable, "-m", "ovws_client.export", self.path(name), *arguments], cwd=bench_module.find_programs().parent / "python",
-                              capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
+                              capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, **more)
         self.assertEqual(done.returncode, status, done.stderr)
         return done
 

@@ -8,7 +8,11 @@ bench has no telescope, sky or stars. The modal coefficients and their standard 
 COEFFICIENTS and SIGMA.
 """
 import argparse
+import contextlib
 import datetime
+import io
+import os
+import unicodedata
 
 import numpy
 
@@ -24,15 +28,46 @@ def good(run, waves):
     return waves
 
 
+@contextlib.contextmanager
+def _output(path):
+    """Context manager: a binary file that replaces `path` at the end. A failure leaves the old file, and raises OSError that names it. What is
+    not a file, such as a pipe or a symbolic link, is written in place."""
+    in_place = os.path.lexists(path) and (os.path.islink(path) or not os.path.isfile(path))
+    part = path if in_place else f"{path}.part"
+    try:
+        with open(part, "wb") as out:
+            yield out
+        if not in_place:
+            os.replace(part, path)
+    except BaseException as error:
+        if not in_place:
+            with contextlib.suppress(OSError):
+                os.remove(part)
+        if isinstance(error, OSError):
+            raise OSError(error.errno, f"{path} cannot be written: {error.strerror or error}") from error
+        raise
+
+
 def to_npz(run, path):
-    """Writes the arrays `frames`, `spots`, `coefficients`, `sigma_waves` and `j`."""
-    arrays = {"frames": run.frames, "spots": run.spots(), "coefficients": good(run, run.coefficients()),
-              "sigma_waves": good(run, run.sigma_waves()), "j": numpy.array(run.modes(0))}
-    numpy.savez_compressed(path, **arrays)
+    """Writes the arrays `frames`, `spots`, `coefficients`, `sigma_waves` and `j`. Raises RecordingError if the recording is damaged,
+    OSError if the file cannot be written."""
+    with reading("recording"):
+        arrays = {"frames": run.frames, "spots": run.spots(), "coefficients": good(run, run.coefficients()),
+                  "sigma_waves": good(run, run.sigma_waves()), "j": numpy.array(run.modes(0))}
+    packed = io.BytesIO()  # numpy leaves an archive open that it cannot write
+    numpy.savez_compressed(packed, **arrays)
+    with _output(path) as out:
+        out.write(packed.getbuffer())
 
 
 def _table(fits, name, columns):
     return fits.BinTableHDU.from_columns([fits.Column(name=key, format=form, unit=unit, array=value) for key, form, unit, value in columns], name=name)
+
+
+def _ascii(text):
+    """The text for FITS, which has ASCII only: letters without their accents, `?` for other characters."""
+    plain = "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
+    return plain.encode("ascii", "replace").decode()
 
 
 def _rows(values):
@@ -67,7 +102,7 @@ def _tables(fits, run, pictures):
     yield _table(fits, "AOT_SOURCES", [("UID", "16A", None, text("laser")), ("TYPE", "32A", None, text("Natural Guide Star"))])
     yield _table(fits, "AOT_DETECTORS", [
         ("UID", "16A", None, text("camera")),
-        ("TYPE", "64A", None, text(f"{attributes['camera_vendor']} {attributes['camera_model']}")),
+        ("TYPE", "64A", None, text(_ascii(f"{attributes['camera_vendor']} {attributes['camera_model']}"))),
         ("PIXEL_INTENSITIES", "32A", None, text("INTREF<PICTURES>" if pictures else "")),
         ("INTEGRATION_TIME", "D", "s", numpy.array([_exposure_s(frames)])),
         ("FRAME_RATE", "D", "Hz", numpy.array([attributes["frame_rate_hz"]]))])
@@ -129,18 +164,22 @@ def _check(run, pictures):
 
 def to_fits(run, path, pictures=False):
     """Writes a FITS file. Raises ValueError if the sensor or its reference changed during the recording, which AOT cannot represent, or if
-    images are requested and there are none, or only packed ones."""
+    images are requested and there are none, or only packed ones; RecordingError if the recording is damaged; OSError if the file cannot be
+    written."""
     from astropy.io import fits
-    _check(run, pictures)
-    header = fits.Header()
-    header["AOT-VERS"] = "1.0.0"
-    header["AO-MODE"] = "SCAO"
-    header["TIMESYS"] = "UTC"
-    header["DATE-BEG"] = _time(int(run.frames["t_arrival_ns"][0]))
-    header["DATE-END"] = _time(int(run.frames["t_arrival_ns"][-1]))
-    header["SYS-NAME"] = run.attributes["program"]
-    header["CONFIG"] = "optical vortex wavefront sensor"
-    fits.HDUList([fits.PrimaryHDU(header=header), *_tables(fits, run, pictures), *_images(fits, run, pictures)]).writeto(path)
+    with reading("recording"):
+        _check(run, pictures)
+        header = fits.Header()
+        header["AOT-VERS"] = "1.0.0"
+        header["AO-MODE"] = "SCAO"
+        header["TIMESYS"] = "UTC"
+        header["DATE-BEG"] = _time(int(run.frames["t_arrival_ns"][0]))
+        header["DATE-END"] = _time(int(run.frames["t_arrival_ns"][-1]))
+        header["SYS-NAME"] = _ascii(run.attributes["program"])
+        header["CONFIG"] = "optical vortex wavefront sensor"
+        hdus = fits.HDUList([fits.PrimaryHDU(header=header), *_tables(fits, run, pictures), *_images(fits, run, pictures)])
+    with _output(path) as out:
+        hdus.writeto(out)
 
 
 def main(arguments=None):
@@ -153,7 +192,7 @@ def main(arguments=None):
     if not (options.npz or options.fits):
         parser.error("give at least one of --npz and --fits")
     try:
-        with Recording(options.recording) as run, reading("recording"):
+        with Recording(options.recording) as run:
             if not len(run.frames):
                 raise ValueError("holds no frames")
             if options.npz:
@@ -161,7 +200,7 @@ def main(arguments=None):
             if options.fits:
                 to_fits(run, options.fits, options.pictures)
     except (ValueError, OSError) as error:
-        parser.exit(1, f"{options.recording}: {error}\n")
+        parser.exit(1, f"{options.recording}: {getattr(error, 'strerror', None) or error}\n")
 
 
 if __name__ == "__main__":
