@@ -14,6 +14,9 @@ namespace ovws {
 constexpr const char* kRecordingSchema = "ovws.recording/2";
 /// Of older versions: `spots`, `coefficients` and `sigma_waves` have one dimension.
 constexpr const char* kFlatRecordingSchema = "ovws.recording/1";
+/// What coefficients and positions mean, in every message, recording and export.
+constexpr const char* kBasisName = "zernike-osa-rms";       ///< in waves of the laser
+constexpr const char* kOrientationName = "x-right-y-down";  ///< of image and pupil
 /// Limit of one image: a reader allocates memory by the size stated in the file.
 constexpr std::size_t kMaxRecordedImageBytes = 128 << 20;
 /// Limits that both the recorder and the reader enforce.

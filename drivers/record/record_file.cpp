@@ -57,8 +57,8 @@ bool write_header(hid_t file, const RecordingHeader& header) {
   return write_attribute(file, "schema", kRecordingSchema) &&
          write_attribute(file, "program", header.program) &&
          write_attribute(file, "pixel_format", std::string(pixel_format_name(header.format))) &&
-         write_attribute(file, "basis", "zernike-osa-rms") &&
-         write_attribute(file, "orientation", "x-right-y-down") &&
+         write_attribute(file, "basis", kBasisName) &&
+         write_attribute(file, "orientation", kOrientationName) &&
          write_attribute(file, "t_begin_ns", H5T_NATIVE_INT64, &header.t_begin_ns) &&
          write_attribute(file, "camera_vendor", header.vendor) &&
          write_attribute(file, "camera_model", header.model) &&

@@ -3,6 +3,7 @@
 
 #include "core/base/pixels.hpp"
 #include "proto/messages.hpp"
+#include "proto/recording.hpp"
 #include "proto/tables/camera.hpp"
 #include "proto/tables/corrector.hpp"
 #include "proto/tables/frame_terms.hpp"
@@ -15,10 +16,10 @@ namespace ovws {
 inline constexpr const char* kSeqMeaning =
     "sequence number of this topic's messages, from 0; a gap means lost messages";
 inline constexpr auto kUnit = constant("unit", "wave", "unit of coefficients and wavefronts");
-inline constexpr auto kBasis = constant(
-    "basis", "zernike-osa-rms", "OSA/ANSI Zernike modes, RMS-normalised, over the pupil circle");
+inline constexpr auto kBasis =
+    constant("basis", kBasisName, "OSA/ANSI Zernike modes, RMS-normalised, over the pupil circle");
 inline constexpr auto kOrientation =
-    constant("orientation", "x-right-y-down",
+    constant("orientation", kOrientationName,
              "x along columns, y down along rows; theta from +x towards +y");
 
 /// An array of numbers that are all encoded as null unless `valid`.

@@ -277,7 +277,10 @@ class Replay(BenchCase):
             written = numpy.array([float(line[name] or "nan") for line in lines]).astype(known.dtype)
             self.assertTrue(numpy.array_equal(written, known[:, 2], equal_nan=True), name)
         self.assertEqual([int(line["t_arrival_ns"]) for line in lines], list(run.frames["t_arrival_ns"]))
+        self.assertEqual({(line["unit"], line["wavelength_nm"], line["basis"], line["orientation"]) for line in lines},
+                         {("wave", "632", "zernike-osa-rms", "x-right-y-down")})
         spots = list(csv.DictReader(io.StringIO(self.csv("out-spots"))))
+        self.assertEqual({(spot["first_pixel"], spot["orientation"]) for spot in spots}, {("0", "x-right-y-down")})
         self.assertTrue(numpy.array_equal(numpy.array([spot["x_px"] for spot in spots], numpy.float32).reshape(-1, 19), run.spots()["x"]))
         row = int(numpy.flatnonzero(run.frames["picture"] >= 0)[3])
         with PIL.Image.open(folder / f"out-{row:08}.png") as image:
@@ -287,6 +290,8 @@ class Replay(BenchCase):
             self.assertTrue(numpy.array_equal(arrays["coefficients"], coefficients, equal_nan=True))
             self.assertTrue(numpy.array_equal(arrays["sigma_waves"], sigma_waves, equal_nan=True))
             self.assertEqual(list(arrays["frames"]["frame_id"]), list(run.frames["frame_id"]))
+            self.assertEqual([arrays[name].item() for name in ("unit", "wavelength_nm", "basis", "orientation", "first_pixel")],
+                             ["wave", 632.0, "zernike-osa-rms", "x-right-y-down", 0])
         with fits.open(folder / "out.fits") as hdus:
             hdus.verify("exception")
             sensor = hdus["AOT_WAVEFRONT_SENSORS"].data[0]
@@ -296,6 +301,11 @@ class Replay(BenchCase):
             self.assertTrue(numpy.array_equal(hdus["SIGMA"].data, sigma_waves, equal_nan=True))
             self.assertEqual(list(hdus["AOT_TIME"].data["FRAME_NUMBERS"][0]), list(run.frames["frame_id"]))
             self.assertTrue((hdus["PICTURES"].data[3] == run.picture(3)).all())
+            for name in ("SPOTS", "LEVELS", "REFERENCE", "COEFFICIENTS", "SIGMA", "PICTURES"):
+                self.assertEqual((hdus[name].header["ORIENT"], hdus[name].header.get("PIXBASE")),
+                                 ("x-right-y-down", 0 if name in ("SPOTS", "REFERENCE") else None), name)
+            for name in ("COEFFICIENTS", "SIGMA"):
+                self.assertEqual((hdus[name].header["BASIS"], hdus[name].header["WAVELEN"]), ("zernike-osa-rms", 632e-9))
 
     def test_an_export_that_cannot_be_written_says_so(self):
         self.take_reference(20)
@@ -351,7 +361,7 @@ class Replay(BenchCase):
         self.call("record.stop")
         self.export_csv("wider")  # the modes of the larger sensor continue those of the smaller one
         counts = self.open("wider").frames["coefficients"]
-        self.assertEqual(len(self.csv("wider").splitlines()[0].split(",")), 11 + 2 * counts.max())
+        self.assertEqual(len(self.csv("wider").splitlines()[0].split(",")), 15 + 2 * counts.max())
         self.assertIn("read them frame by frame", self.export("wider", "--npz", out, status=1).stderr)
         self.assertIn("No such file", self.export("nothing", "--npz", out, status=1).stderr)
         self.assertIn("No such file", self.run_export("nothing")[1])

@@ -132,6 +132,14 @@ std::string cells(const std::vector<float>& waves, std::size_t columns, bool val
   return text;
 }
 
+/// What the coefficients mean, the same in each line: a table has no other place for it that every
+/// reader of CSV accepts.
+constexpr const char* kMeaningHead = ",unit,wavelength_nm,basis,orientation";
+
+std::string meaning(const RecordingHeader& header) {
+  return fmt::format(",wave,{},{},{}", header.wavelength_nm, kBasisName, kOrientationName);
+}
+
 Result<void> write_modes(RecordingReader& reader, std::ostream& out) {
   const auto modes_j = recorded_modes(reader);
   if (!modes_j) return fail(modes_j.error());
@@ -140,7 +148,8 @@ Result<void> write_modes(RecordingReader& reader, std::ostream& out) {
   head.pop_back();
   for (const int j : *modes_j) head += fmt::format(",j{}", j);
   for (const int j : *modes_j) head += fmt::format(",sigma_j{}", j);
-  out << head << '\n';
+  out << head << kMeaningHead << '\n';
+  const std::string meant = meaning(reader.header());
   for (const RecordedFrame& frame : reader.frames()) {
     const auto waves = reader.coefficients(frame);
     const auto sigma = reader.sigma_waves(frame);
@@ -149,20 +158,21 @@ Result<void> write_modes(RecordingReader& reader, std::ostream& out) {
     for (const Column& column : kColumns) line += column.text(frame) + ',';
     line.pop_back();
     out << line << cells(*waves, modes_j->size(), frame.valid != 0)
-        << cells(*sigma, modes_j->size(), frame.valid != 0) << '\n';
+        << cells(*sigma, modes_j->size(), frame.valid != 0) << meant << '\n';
   }
   return {};
 }
 
 Result<void> write_spots(RecordingReader& reader, std::ostream& out) {
-  out << "frame_id,spot,x_px,y_px,peak_dn,quality,level_dn,noise_dn\n";
+  out << "frame_id,spot,x_px,y_px,peak_dn,quality,level_dn,noise_dn,first_pixel,orientation\n";
   for (const RecordedFrame& frame : reader.frames()) {
     const auto spots = reader.spots(frame);
     if (!spots) return fail(spots.error());
     for (std::size_t k = 0; k < spots->size(); ++k) {
       const RecordedSpot& s = (*spots)[k];
-      out << fmt::format("{},{},{},{},{},{},{},{}\n", frame.frame_id, k, text_of(s.x), text_of(s.y),
-                         text_of(s.peak), text_of(s.quality), text_of(s.level), text_of(s.noise));
+      out << fmt::format("{},{},{},{},{},{},{},{},0,{}\n", frame.frame_id, k, text_of(s.x),
+                         text_of(s.y), text_of(s.peak), text_of(s.quality), text_of(s.level),
+                         text_of(s.noise), kOrientationName);
     }
   }
   return {};

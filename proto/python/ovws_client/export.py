@@ -5,7 +5,8 @@
 FITS (needs astropy; Debian: python3-astropy) follows the Adaptive Optics Telemetry standard (AOT 1.0) as far as it applies: AOT_TIME,
 AOT_DETECTORS and AOT_WAVEFRONT_SENSORS with the images that they refer to. The other mandatory tables exist without rows, because a
 bench has no telescope, sky or stars. The modal coefficients and their standard errors, for which AOT has no place, are in extra images,
-COEFFICIENTS and SIGMA.
+COEFFICIENTS and SIGMA. Each file states the meaning of its numbers: BASIS, ORIENT, WAVELEN and PIXBASE in FITS, and members of the
+archive for NumPy.
 """
 import argparse
 import contextlib
@@ -49,11 +50,14 @@ def _output(path):
 
 
 def to_npz(run, path):
-    """Writes the arrays `frames`, `spots`, `coefficients`, `sigma_waves` and `j`. Raises RecordingError if the recording is damaged,
-    OSError if the file cannot be written."""
+    """Writes the arrays `frames`, `spots`, `coefficients`, `sigma_waves` and `j`, and what they mean: `unit` and `basis` of coefficients and
+    standard errors, `wavelength_nm`, `orientation` of image and pupil, and `first_pixel`, the coordinate of the first pixel's centre. Raises
+    RecordingError if the recording is damaged, OSError if the file cannot be written."""
     with reading("recording"):
+        attributes = run.attributes
         arrays = {"frames": run.frames, "spots": run.spots(), "coefficients": good(run, run.coefficients()),
-                  "sigma_waves": good(run, run.sigma_waves()), "j": numpy.array(run.modes(0))}
+                  "sigma_waves": good(run, run.sigma_waves()), "j": numpy.array(run.modes(0)), "unit": numpy.array("wave"), "first_pixel": numpy.array(0),
+                  **{name: numpy.array(attributes[name]) for name in ("wavelength_nm", "basis", "orientation")}}
     packed = io.BytesIO()  # numpy leaves an archive open that it cannot write
     numpy.savez_compressed(packed, **arrays)
     with _output(path) as out:
@@ -126,18 +130,22 @@ def _images(fits, run, pictures):
     def image(name, data, unit, times="frames"):
         hdu = fits.ImageHDU(numpy.ascontiguousarray(data), name=name)
         hdu.header["BUNIT"] = unit
+        hdu.header["ORIENT"] = (attributes["orientation"], "axes of image and pupil")
+        if unit == "pix":
+            hdu.header["PIXBASE"] = (0, "coordinate of the first pixel's centre")
         if times:
             hdu.header["TIME_UID"] = f"ROWREF<{times}>"
         return hdu
 
-    spots, plan = run.spots(), run.plan(0)
+    spots, plan, attributes = run.spots(), run.plan(0), run.attributes
     yield image("SPOTS", numpy.stack([spots["x"], spots["y"]], axis=1), "pix")
     yield image("LEVELS", spots["level"], "count")
     if plan["reference_px"]:
         yield image("REFERENCE", numpy.array(plan["reference_px"]).T, "pix", times=None)
     for name, waves in (("COEFFICIENTS", run.coefficients()), ("SIGMA", run.sigma_waves())):
         modal = image(name, good(run, waves), "")
-        modal.header["BASIS"] = ("zernike-osa-rms", "waves of WAVELENGTH, RMS-normalised")
+        modal.header["BASIS"] = (attributes["basis"], "in waves of WAVELEN, RMS-normalised")
+        modal.header["WAVELEN"] = (attributes["wavelength_nm"] * 1e-9, "[m]")
         modal.header["MODES"] = " ".join(str(j) for j in run.modes(0))
         yield modal
     if pictures:
