@@ -5,14 +5,15 @@ import statistics
 import subprocess
 import unittest
 
-from case import PROGRAM_PATIENCE_S, BenchCase, Client, bench_module, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, bench_module, main, merged, wait_for
 from PIL import Image
 
 # (options, subapertures): an SLM, a camera and a lens that a lab may have.
 REAL = {
     "hamamatsu": ("--slm hamamatsu-x13138 --camera imx273 --focal-length 200 --wavelength 633", 19),
     "holoeye": ("--slm holoeye-pluto-2 --camera imx265 --focal-length 150 --wavelength 532 --beam 8", 19),
-    "thorlabs": ("--slm thorlabs-exulus-hd2 --camera imx548 --focal-length 100 --wavelength 633 --modes 28", 37),
+    "thorlabs": ("--slm thorlabs-exulus-hd2 --camera imx548 --focal-length 100 --wavelength 633 --modes 28", 19),
+    "many": ("--slm thorlabs-exulus-hd2 --camera imx548 --focal-length 100 --wavelength 633 --modes 48", 37),
 }
 # (options, the limit, an option of a change that helps)
 IMPOSSIBLE = [
@@ -21,6 +22,7 @@ IMPOSSIBLE = [
     ("--slm 400x300@20 --camera imx252 --focal-length 50 --modes 40 --charge 0", "orders", "--modes"),
     ("--slm holoeye-pluto-2 --camera imx252 --focal-length 50 --beam 0.5", "beam", "--beam"),
     ("--slm holoeye-gaea --camera imx252 --modes 500", "modes", "--modes"),
+    ("--slm 1272x1024@12.5 --camera imx265 --focal-length 300 --wavelength 532 --beam 10 --modes 60", "orders", "--modes 46"),
 ]
 INTRODUCED_WAVES = 0.1
 BOUND_WAVES = 0.002
@@ -100,7 +102,7 @@ class Advice(unittest.TestCase):
         self.assertEqual((done.returncode, json.loads(done.stdout)["best_first"]), (1, []))
 
 
-class Real(BenchCase):
+class DesignedCase(BenchCase):
     def start(self):
         """Each test designs its bench and starts it."""
 
@@ -119,21 +121,24 @@ class Real(BenchCase):
         self.assertEqual(code, 1, "an existing file was replaced")
         return path.read_text(), made
 
-    def start_designed(self, text, config, options):
+    def start_designed(self, text, config, options, twin=None):
+        """Starts the designed bench; `twin`: keys of the twin that differ from an ideal one's."""
         slm, roi = config["slm"], config["camera"]["roi"]
         width, height = re.search(r'"name": "%s", "width": (\d+), "height": (\d+)' % options.split()[3],
                                   (bench_module.SOURCE / "config/devices.json").read_text()).groups()
         self.bench.start_display(slm_size=(slm["width"], slm["height"]))
-        self.bench.start_twin({
+        self.bench.start_twin(merged({
             "noise": "pool", "camera": {"sensor_width": int(width), "sensor_height": int(height)},
             "slm": {key: slm[key] for key in ("width", "height", "pitch_um")}, "sensor": config["sensor"],
             "optics": {key: config["optics"][key] for key in ("wavelength_nm", "focal_length_mm", "magnification", "camera_pitch_um")}
-            | {"centre_px": [roi["x"] + (roi["width"] - 1) / 2, roi["y"] + (roi["height"] - 1) / 2]}})
+            | {"centre_px": [roi["x"] + (roi["width"] - 1) / 2, roi["y"] + (roi["height"] - 1) / 2]}}, twin or {}))
         self.bench.start_daemon(text)
         self.client = Client()
         self.addCleanup(self.client.close)
         self.wait_until("running")
 
+
+class Real(DesignedCase):
     def check(self, name):
         options, spots = REAL[name]
         print(f"\n{options}")
@@ -169,6 +174,9 @@ class Real(BenchCase):
 
     def test_thorlabs(self):
         self.check("thorlabs")
+
+    def test_many_modes(self):
+        self.check("many")
 
 
 if __name__ == "__main__":

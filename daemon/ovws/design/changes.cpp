@@ -105,14 +105,24 @@ std::optional<Change> wider_beam(const Bench& bench, const Config& base) {
   });
 }
 
+/// The change to the modes of `fewer`, which positions determine, or to those that the shapes of
+/// kUsualAcross vortices determine, if these are more and fewer than `wanted`.
+Change more_by_shapes(Bench fewer, int wanted, const Config& base) {
+  Bench more = fewer;
+  more.modes = most_modes_by_shapes(kUsualAcross);
+  const bool is_between = *more.modes > *fewer.modes && *more.modes < wanted;
+  if (is_between && find_config(more, base, Shapes::used)) fewer = more;
+  return Change{fmt::format("--modes {}", *fewer.modes),
+                fmt::format("at most {} modes", *fewer.modes), fewer};
+}
+
 std::optional<Change> fewer_modes(const Bench& bench, const Config& base) {
   if (!bench.modes) return std::nullopt;
   for (int across = limits::kSubaperturesAcross.max; across >= 3; across -= 2) {
     Bench changed = bench;
     changed.modes = optimal_mode_count(across);
     if (*changed.modes >= *bench.modes || !works(changed, base)) continue;
-    return Change{fmt::format("--modes {}", *changed.modes),
-                  fmt::format("at most {} modes", *changed.modes), changed};
+    return more_by_shapes(changed, *bench.modes, base);
   }
   return std::nullopt;
 }

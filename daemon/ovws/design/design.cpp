@@ -38,13 +38,18 @@ double defocus_with_slope(double waves, int across) {
   return waves * across * across / (8.0 * std::numbers::sqrt3 * (across - 1));
 }
 
+int modes_of_positions(const Config& config, const Lattice& lattice) {
+  const ModeOperator positions = slope_operator(lattice, config.sensor, config.tracking,
+                                                px_per_cycle(config.optics, config.slm.geometry));
+  return int(positions.modes_j.size());
+}
+
 Figures figures_of(const Config& config, const Lattice& lattice, const SpotLayout& layout) {
   Figures out;
   const double pitch_mm = 1e-3 * config.slm.geometry.pitch_um;
   out.subapertures = int(lattice.subapertures.size());
-  const ModeOperator positions = slope_operator(lattice, config.sensor, config.tracking,
-                                                px_per_cycle(config.optics, config.slm.geometry));
-  out.modes = config.tracking.mode_count.value_or(int(positions.modes_j.size()));
+  out.modes_by_positions = modes_of_positions(config, lattice);
+  out.modes = config.tracking.mode_count.value_or(out.modes_by_positions);
   out.pupil_mm = pitch_mm * config.sensor.pupil_diameter_px;
   out.subaperture_px = lattice.diameter_px;
   out.subaperture_mm = pitch_mm * lattice.diameter_px;
@@ -114,10 +119,10 @@ std::vector<Finding> findings_of(const Bench& bench, const Config& config, const
   }
   if (config.tracking.mode_count) {
     add(Limit::modes,
-        fmt::format("{} modes need the shapes of the spots; positions determine fewer, so frames "
-                    "that only positions measure are not valid",
-                    figures.modes),
-        "");
+        fmt::format("{} modes need the shapes of the spots; positions determine {}, so frames that "
+                    "only positions measure are not valid",
+                    figures.modes, figures.modes_by_positions),
+        fmt::format("--modes {}, which positions determine", figures.modes_by_positions));
   }
   return all;
 }

@@ -58,6 +58,7 @@ struct Change {
 struct Figures {
   int subapertures = 0;
   int modes = 0;                        ///< that are measured
+  int modes_by_positions = 0;           ///< that the spots' positions determine
   double pupil_mm = 0.0;                ///< the beam must cover it
   double subaperture_mm = 0.0;          ///< d
   double subaperture_px = 0.0;          ///< d, SLM pixels

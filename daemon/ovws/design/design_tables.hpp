@@ -26,6 +26,8 @@ inline constexpr auto kTable<design::Figures> = Fields{
     "Figures",
     field<&design::Figures::subapertures>("number of subapertures"),
     field<&design::Figures::modes>("number of modes that are measured"),
+    field<&design::Figures::modes_by_positions>(
+        "number of modes that the spots' positions determine"),
     field<&design::Figures::pupil_mm>("diameter that the beam must cover, millimetres"),
     field<&design::Figures::subaperture_mm>("diameter of a subaperture, millimetres"),
     field<&design::Figures::subaperture_px>("diameter of a subaperture, SLM pixels"),

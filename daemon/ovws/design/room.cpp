@@ -49,12 +49,13 @@ Finding too_little_room(const Candidate& of, const Room& room) {
                         d_px, of.unit.spots_px.size()),
             ""};
   }
-  return {
-      Limit::orders,
-      fmt::format("subapertures of {:.3g} SLM pixels are too small: the base grating that moves "
-                  "{} spots away from the zeroth order would exceed half a cycle per SLM pixel",
-                  d_px, of.unit.spots_px.size()),
-      ""};
+  return {Limit::orders,
+          fmt::format(
+              "subapertures of {:.3g} SLM pixels are too small: the base grating that moves "
+              "{} spots {:.2g} lambda/d away from the zeroth order, whose side orders are "
+              "brighter than they, would exceed half a cycle per SLM pixel",
+              d_px, of.unit.spots_px.size(), min_zeroth_distance(of.unit.spots_px.size(), charge)),
+          ""};
 }
 
 }  // namespace ovws::design

@@ -1,6 +1,8 @@
 /// How much room the camera's region, the gratings and the zeroth order leave for the spots.
 #pragma once
 
+#include <algorithm>
+
 #include "daemon/ovws/design/attempt.hpp"
 
 namespace ovws::design {
@@ -29,7 +31,9 @@ struct Cycles {
       : reach_per_distance((1.0 / of.px_per_cycle / of.unit.nearest) * of.unit.reach_px),
         lambda_d(of.unit.lambda_d_px / of.px_per_cycle),
         margin(of.unit.margin_px / of.px_per_cycle),
-        to_zeroth(margin + lambda_d + 0.5 * kRegionStep / of.px_per_cycle) {}
+        to_zeroth(
+            std::max(margin + lambda_d + 0.5 * kRegionStep / of.px_per_cycle,
+                     lambda_d * min_zeroth_distance(of.unit.spots_px.size(), of.bench.charge))) {}
   Vec2 reach(double distance) const { return distance * reach_per_distance; }
   /// Slope of an aberration that moves a spot halfway to its neighbour.
   double headroom(double distance) const { return 0.5 * distance * lambda_d; }

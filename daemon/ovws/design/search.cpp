@@ -16,10 +16,15 @@ namespace {
 constexpr int kLeastAcross = 3, kMostAcross = limits::kSubaperturesAcross.max;
 constexpr int kMoreTries = 2;  ///< larger numbers that are tried, too
 
+/// The smallest number whose spots' positions determine the modes.
 int least_across(const Bench& bench) {
   int across = bench.modes ? kLeastAcross : kUsualAcross;
   while (bench.modes && optimal_mode_count(across) < *bench.modes) across += 2;
   return across;
+}
+
+bool shapes_may_do(const Bench& bench, int across) {
+  return bench.charge != 0 && most_modes_by_shapes(across) >= *bench.modes;
 }
 
 std::vector<Candidate> make_candidates(const Bench& bench, const Config& base, Shapes shapes) {
@@ -28,16 +33,16 @@ std::vector<Candidate> make_candidates(const Bench& bench, const Config& base, S
     all.push_back(make_candidate(bench, base, across, by_shapes));
   };
   const int first = least_across(bench);
+  const bool uses_shapes = shapes == Shapes::used && bench.modes;
+  for (int across = kUsualAcross; uses_shapes && across < first; across += 2) {
+    if (shapes_may_do(bench, across)) add(across, true);
+  }
   for (int across = first; across <= std::min(first + 2 * kMoreTries, kMostAcross); across += 2) {
     add(across, false);
   }
   if (!bench.modes) add(kLeastAcross, false);
-  if (shapes == Shapes::unused || !bench.modes || bench.charge == 0) return all;
-  // A vortex determines about 2.5 modes; a lattice has about 3/4 of the square of its number
-  // across.
-  for (int across = first - 2; across >= kLeastAcross; across -= 2) {
-    if (2.5 * 0.75 * across * across < *bench.modes) break;
-    add(across, true);
+  if (uses_shapes && kLeastAcross < first && shapes_may_do(bench, kLeastAcross)) {
+    add(kLeastAcross, true);
   }
   return all;
 }
@@ -60,7 +65,7 @@ tl::expected<Config, Finding> find_config(const Bench& bench, const Config& base
     for (const Candidate& candidate : candidates) {
       auto config = attempt(candidate, finest_cpp);
       if (config) return config;
-      if (!first) first = config.error();
+      if (!first && !candidate.config.tracking.mode_count) first = config.error();
     }
   }
   return tl::make_unexpected(*first);

@@ -8,13 +8,20 @@ namespace ovws::design {
 /// Subapertures across, unless modes are asked for or they do not work.
 constexpr int kUsualAcross = 5;
 
+/// About the largest number of modes that the shapes of the vortices may determine: 2.5 for each,
+/// in a lattice with 3/4 of the square of its number across.
+constexpr int most_modes_by_shapes(int across) {
+  return int(2.5 * 0.75 * across * across);
+}
+
 /// Whether modes that positions do not determine may come from the shapes of the spots. With
 /// `unused` the search takes milliseconds.
 enum class Shapes { unused, used };
 
-/// The configuration with the fewest subapertures whose positions determine the modes. It prefers
-/// gratings of at least four SLM pixels a period. If there is none, and with Shapes::used, it takes
-/// fewer subapertures whose shapes determine the modes. The error is that of the first attempt.
+/// The configuration with the fewest subapertures that determine the modes, from kUsualAcross on:
+/// by the positions of their spots, or with Shapes::used by the shapes. It prefers gratings of at
+/// least four SLM pixels a period. With Shapes::used, fewer than kUsualAcross are the last resort.
+/// The error is that of the first attempt whose positions determine the modes.
 tl::expected<Config, Finding> find_config(const Bench& bench, const Config& base, Shapes shapes);
 
 }  // namespace ovws::design

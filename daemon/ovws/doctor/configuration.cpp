@@ -74,7 +74,9 @@ Finding judge_zeroth_order(const ConfigurationFacts& facts) {
   if (facts.config->modulator == Modulator::fixed) {
     return not_here("a fixed array of lenslets has no zeroth order");
   }
-  if (!facts.zeroth_order) return ok("the SLM's zeroth order is outside camera.roi");
+  if (!facts.zeroth_order) {
+    return ok("the SLM's zeroth order is outside camera.roi and far from the spots");
+  }
   return warning(text_of(*facts.zeroth_order),
                  facts.daemon.empty() ? fix_of(facts, *facts.zeroth_order) : "ovws setup spot");
 }

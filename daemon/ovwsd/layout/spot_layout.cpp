@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdlib>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@
 
 namespace ovws {
 namespace {
+
+constexpr double kMostStray = 0.3;  ///< of the zeroth order's side orders, relative to a spot
 
 bool fits(Vec2 region, const Roi& roi) {
   return region.x <= roi.width && region.y <= roi.height;
@@ -133,6 +136,12 @@ std::string alternative_to_region(const SpotBench& bench, const SpotLayout& layo
                      rounded_down(bench.optics.focal_length_mm * smaller));
 }
 
+/// Number of spots that are nearer to the zeroth order, at this pixel, than `least_px`.
+int spots_near(const SpotLayout& layout, Vec2 zeroth, double least_px) {
+  return int(std::count_if(layout.spots_px.begin(), layout.spots_px.end(),
+                           [&](Vec2 at) { return norm(at - zeroth) < least_px; }));
+}
+
 }  // namespace
 
 SpotBench spot_bench(const Config& config, const Lattice& lattice) {
@@ -179,21 +188,34 @@ bool contains_zeroth_order(Vec2 region, const SpotBench& bench) {
 
 Result<void> check_zeroth_order(const SpotBench& bench) {
   if (!bench.sensor.lenslets.empty()) return {};  // lenslets fill the pupil
-  const double margin_px = lambda_d_px(bench.optics, bench.slm, bench.sensor);
+  const SpotLayout layout = spot_layout(bench);
+  const double margin_px = layout.lambda_d_px;
+  const double least = min_zeroth_distance(layout.spots_px.size(), largest_charge(bench));
   const Vec2 base = base_spot_px(bench.optics, bench.roi.width, bench.roi.height);
   const Vec2 at = base - zeroth_order_px(bench);
   const auto inside = [margin_px](double place, int side) {
     return place > -margin_px && place < side - 1 + margin_px;
   };
-  if (!inside(at.x, bench.roi.width) || !inside(at.y, bench.roi.height)) return {};
   const double px_per_groove =
       px_per_cycle(bench.optics, bench.slm).scale() / double(bench.slm.width_px);
-  const double grooves = std::ceil((base.x + 2.0 * margin_px) / px_per_groove);
-  return fail(Errc::invalid, "camera.roi",
-              fmt::format("the SLM's zeroth order, much brighter than the spots, falls at ({:.0f}, "
-                          "{:.0f}) px of the region: move or shrink camera.roi so that it is "
-                          "outside, or set the first number of sensor.grooves to {:.0f} or more",
-                          at.x, at.y, grooves));
+  const auto grooves = [&](double away_px) { return std::ceil(away_px / px_per_groove); };
+  const double away_px = layout.reach_px.x + least * margin_px;
+  if (inside(at.x, bench.roi.width) && inside(at.y, bench.roi.height)) {
+    return fail(
+        Errc::invalid, "camera.roi",
+        fmt::format("the SLM's zeroth order, much brighter than the spots, falls at ({:.0f}, "
+                    "{:.0f}) px of the region: move or shrink camera.roi so that it is "
+                    "outside, or set the first number of sensor.grooves to {:.0f} or more",
+                    at.x, at.y, grooves(std::max(base.x + 2.0 * margin_px, away_px))));
+  }
+  const int near = spots_near(layout, at, least * margin_px);
+  if (near == 0) return {};
+  return fail(
+      Errc::invalid, "sensor.grooves",
+      fmt::format("side orders of the SLM's zeroth order, which falls at ({:.0f}, {:.0f}) px "
+                  "of the region, lie on {} of {} spots: these are nearer to it than {:.1f} "
+                  "lambda/d; set the first number of sensor.grooves to {:.0f} or more",
+                  at.x, at.y, near, layout.spots_px.size(), least, grooves(away_px)));
 }
 
 double rounded_up(double value) {
@@ -215,6 +237,15 @@ double min_spot_distance(int charge) {
 
 double recommended_spot_distance(int charge) {
   return 1.6 * spot_geometry(std::abs(charge)).dark;
+}
+
+double min_zeroth_distance(std::size_t subapertures, int charge) {
+  // Peaks of the light between N subapertures: N times the far field of one of them, whose envelope
+  // falls as 8 / (pi^4 r^3) relative to a bright spot.
+  const double number = double(subapertures);
+  const double bright = spot_intensity(0, 0.0);
+  const double peak = spot_intensity(charge, spot_geometry(std::abs(charge)).ring) / bright;
+  return std::cbrt(8.0 * number * number / (std::pow(std::numbers::pi, 4) * peak * kMostStray));
 }
 
 Result<void> check_spots_apart(const SpotBench& bench) {

@@ -22,6 +22,13 @@ double min_spot_distance(int charge);
 /// ring. It leaves room for aberrations.
 double recommended_spot_distance(int charge);
 
+/// Least distance of a spot from the SLM's zeroth order, in lambda/d, at which the zeroth order's
+/// side orders do not disturb the measurement. The light between the subapertures is not
+/// diffracted: its far field has peaks around the zeroth order whose intensity, relative to a
+/// spot's, is proportional to the square of the number of subapertures and falls with the third
+/// power of the distance.
+double min_zeroth_distance(std::size_t subapertures, int charge);
+
 /// Everything that determines where the spots fall on the camera. Holds references to the caller's
 /// objects.
 struct SpotBench {
@@ -63,8 +70,9 @@ Vec2 zeroth_order_px(const SpotBench& bench);
 /// much brighter than the spots.
 bool contains_zeroth_order(Vec2 region, const SpotBench& bench);
 
-/// Checks that the zeroth order is outside the camera's region, by lambda/d at least.
-/// Errc::invalid, field "camera.roi": it is not; the message proposes values that work.
+/// Checks that the zeroth order is outside the camera's region, by lambda/d at least, and not
+/// nearer to a spot than min_zeroth_distance. Errc::invalid, field "camera.roi" or
+/// "sensor.grooves": it is not; the message proposes values that work.
 Result<void> check_zeroth_order(const SpotBench& bench);
 
 /// Rounds to two significant digits, for proposed settings.

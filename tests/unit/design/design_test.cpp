@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <random>
 #include <string>
 
 #include "config/devices.hpp"
+#include "core/optics/sensor_field.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 
@@ -164,13 +166,101 @@ TEST(Design, ASmallBeamShrinksThePupilAndIsReported) {
   EXPECT_EQ(made->findings.front().limit, Limit::beam);
 }
 
-TEST(Design, MoreModesTakeMoreSubapertures) {
+TEST(Design, MoreModesOfBrightSpotsTakeMoreSubapertures) {
   Bench bench = pluto();
   bench.modes = 28;
+  bench.charge = 0;
   const auto made = design(bench);
   ASSERT_TRUE(made);
   EXPECT_EQ(made->config.sensor.subapertures_across, 7);
   EXPECT_FALSE(made->config.tracking.mode_count);
+}
+
+/// An SLM of 1272 x 1024 pixels with a beam of 800 of them: 37 subapertures would lie under side
+/// orders of the zeroth order.
+Bench narrow_beam() {
+  Bench bench;
+  bench.wavelength_nm = 532.0;
+  bench.focal_length_mm = 300.0;
+  bench.slm = {1272, 1024, 12.5};
+  bench.beam_mm = 10.0;
+  bench.modes = 30;
+  return bench;
+}
+
+TEST(Design, TheCoarsestLatticeWhoseShapesDetermineTheModesIsPreferred) {
+  const auto made = design(narrow_beam());
+  ASSERT_TRUE(made) << made.error().finding.reason;
+  EXPECT_EQ(made->config.sensor.subapertures_across, 5);
+  EXPECT_EQ(made->config.tracking.mode_count, 30);
+  EXPECT_EQ(made->config.tracking.tracker, TrackerKind::fit);
+  expect_measurable(narrow_beam(), *made);
+  ASSERT_EQ(made->findings.back().limit, Limit::modes);
+  EXPECT_NE(made->findings.back().help.find("--modes 18"), std::string::npos);
+  Bench more = narrow_beam();
+  more.modes = 48;
+  const auto finer = design(more);
+  ASSERT_TRUE(finer) << finer.error().finding.reason;
+  EXPECT_EQ(finer->config.sensor.subapertures_across, 7);
+  expect_measurable(more, *finer);
+}
+
+/// The brightest light of the zeroth order within a spot, relative to the spots' brightest pixel:
+/// the far field with the light outside the subapertures minus that without it.
+double stray_light(const Config& config) {
+  const Roi& roi = config.camera.settings.roi;
+  auto field =
+      SensorField::make(config.sensor, config.slm.geometry, config.optics, roi.width, roi.height);
+  if (!field) return INFINITY;
+  field->propagate({}, {});
+  const Image<std::complex<float>> with = field->far();
+  field->set_outside(false);
+  field->propagate({}, {});
+  const auto lattice = make_lattice(config.sensor, config.slm.geometry);
+  const SpotLayout layout = spot_layout(spot_bench(config, *lattice));
+  float peak = 0.0F, stray = 0.0F;
+  for (int y = 0; y < roi.height; ++y) {
+    for (int x = 0; x < roi.width; ++x) {
+      peak = std::max(peak, std::norm(field->far().at(x, y)));
+      const Vec2 at{double(x), double(y)};
+      const bool is_in_spot = std::ranges::any_of(
+          layout.spots_px, [&](Vec2 spot) { return norm(at - spot) < layout.lambda_d_px; });
+      if (is_in_spot) stray = std::max(stray, std::norm(with.at(x, y) - field->far().at(x, y)));
+    }
+  }
+  return double(stray) / double(peak);
+}
+
+TEST(Design, NoSpotLiesUnderSideOrdersOfTheZerothOrder) {
+  for (const int modes : {18, 30, 48}) {
+    Bench bench = narrow_beam();
+    bench.modes = modes;
+    const auto made = design(bench);
+    ASSERT_TRUE(made) << made.error().finding.reason;
+    EXPECT_LT(stray_light(made->config), 0.4) << modes << " modes";
+  }
+  Bench bench = narrow_beam();
+  auto near = design(bench)->config;
+  near.sensor.subapertures_across = 7;
+  near.sensor.spacing = 0.3737;
+  near.sensor.grooves = {169.0, 22.0};
+  near.camera.settings.roi = {560, 240, 912, 1056};
+  near.tracking.mode_count.reset();
+  EXPECT_GT(stray_light(near), 1.0);
+  const auto dark = check_zeroth_order(near);
+  ASSERT_FALSE(dark);
+  EXPECT_EQ(dark.error().field, "sensor.grooves");
+}
+
+TEST(Design, ABenchWhoseSpotsCannotLeaveTheZerothOrderIsRefused) {
+  Bench bench = narrow_beam();
+  bench.modes = 60;
+  bench.charge = 0;
+  const auto made = design(bench);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().finding.limit, Limit::orders) << made.error().finding.reason;
+  EXPECT_NE(made.error().finding.reason.find("side orders"), std::string::npos);
+  EXPECT_FALSE(made.error().changes.empty());
 }
 
 TEST(Design, WhereManySubaperturesDoNotFitTheShapesOfFewerSpotsGiveTheModes) {
