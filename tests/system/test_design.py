@@ -3,6 +3,7 @@ import json
 import re
 import statistics
 import subprocess
+import tempfile
 import unittest
 
 from case import PROGRAM_PATIENCE_S, BenchCase, Client, bench_module, main, merged, wait_for
@@ -80,7 +81,24 @@ class Advice(unittest.TestCase):
         self.assertEqual(errors, sorted(errors))
         self.assertEqual(best["config"]["camera"]["exposure_us"], best["exposure_us"])
         self.assertTrue(all(one["reason"] for one in advice["unfit"]))
+        configured = advice["configured"]
+        self.assertEqual((configured["subapertures"], configured["charge"]), (19, 1))
+        self.assertAlmostEqual(configured["error_waves"], best["error_waves"], delta=0.1 * best["error_waves"])
 
+    def test_the_configurations_own_sensor_is_never_left_out(self):
+        config = json.loads(subprocess.run([bench_module.find_programs() / "ovwsd", "--check-config"], capture_output=True, text=True,
+                                           timeout=PROGRAM_PATIENCE_S, check=True).stdout)
+        config["sensor"]["grooves"] = [130, 20]
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            json.dump(config, file)
+            file.flush()
+            advice = self.advise("--modes", "30", "--photons", "1e9", "--config", file.name)
+            self.assertEqual(advice["configured"]["subapertures_across"], 5)
+            self.assertIn("zeroth order", advice["configured"]["reason"])
+            ovws = bench_module.find_programs() / "ovws"
+            text = subprocess.run([ovws, "advise", "--modes", "30", "--photons", "1e9", "--config", file.name], capture_output=True, text=True,
+                                  timeout=PROGRAM_PATIENCE_S, check=True).stdout
+        self.assertRegex(text, r"the configuration as it is, 5 across of charge 1, is left out: \S")
     def test_bright_light_is_limited_by_the_full_well(self):
         advice = self.advise("--modes", "18", "--photons", "1e12")
         self.assertEqual({one["limited_by"] for one in advice["best_first"]}, {"full well"})

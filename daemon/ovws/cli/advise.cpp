@@ -58,26 +58,49 @@ Json json_of_advice(const design::Advice& advice) {
           {"config", Json::parse(dump_config(advice.config))}};
 }
 
-void print_advice_json(const design::AdviceList& list) {
-  Json best = Json::array(), unfit = Json::array();
-  for (const design::Advice& advice : list.best_first) best.push_back(json_of_advice(advice));
-  for (const design::Unfit& one : list.unfit) {
-    unfit.push_back({{"subapertures_across", one.subapertures_across},
-                     {"charge", one.charge},
-                     {"reason", one.reason}});
-  }
-  print("{}\n", json_text(Json{{"best_first", best}, {"unfit", unfit}}));
+/// The sensor of the configuration as it is, with or without advice.
+using Configured = tl::expected<design::Advice, design::Unfit>;
+
+Json json_of_unfit(const design::Unfit& one) {
+  return {{"subapertures_across", one.subapertures_across},
+          {"charge", one.charge},
+          {"reason", one.reason}};
 }
 
-void print_advice(const design::AdviceList& list, int modes) {
+void print_advice_json(const design::AdviceList& list, const Configured& configured) {
+  Json best = Json::array(), unfit = Json::array();
+  for (const design::Advice& advice : list.best_first) best.push_back(json_of_advice(advice));
+  for (const design::Unfit& one : list.unfit) unfit.push_back(json_of_unfit(one));
+  print("{}\n", json_text(Json{{"best_first", best},
+                               {"unfit", unfit},
+                               {"configured", configured ? json_of_advice(*configured)
+                                                         : json_of_unfit(configured.error())}}));
+}
+
+void print_row(const design::Advice& one) {
+  print("{:>6} {:>13} {:>7} {:>12.0f} {:>9.0f} {:>12.5f} {:>12.5f}  {}\n", one.subapertures_across,
+        one.subapertures, one.charge, one.exposure_us, one.peak_e, one.error_waves, one.worst_waves,
+        name_of(one.limited_by));
+}
+
+void print_configured(const Configured& configured) {
+  if (configured) {
+    print("the configuration as it is:\n");
+    print_row(*configured);
+    return;
+  }
+  print("the configuration as it is, {} across of charge {}, is left out: {}\n",
+        configured.error().subapertures_across, configured.error().charge,
+        configured.error().reason);
+}
+
+void print_advice(const design::AdviceList& list, const Configured& configured, int modes) {
   print("{:>6} {:>13} {:>7} {:>12} {:>9} {:>12} {:>12}  {}\n", "across", "subapertures", "charge",
         "exposure us", "peak e", "error waves", "worst mode", "limited by");
   for (std::size_t k = 0; k < std::min(kShown, list.best_first.size()); ++k) {
-    const design::Advice& one = list.best_first[k];
-    print("{:>6} {:>13} {:>7} {:>12.0f} {:>9.0f} {:>12.5f} {:>12.5f}  {}\n",
-          one.subapertures_across, one.subapertures, one.charge, one.exposure_us, one.peak_e,
-          one.error_waves, one.worst_waves, name_of(one.limited_by));
+    print_row(list.best_first[k]);
   }
+  print_configured(configured);
   const design::Advice& best = list.best_first.front();
   print("best for {} modes: {} subapertures of charge {}, exposure {:.0f} us\n", modes,
         best.subapertures, best.charge, best.exposure_us);
@@ -121,10 +144,11 @@ int advise_bench(const Common& common, const AdviseOptions& options) {
   design::Light light = options.light;
   light.longest_us = 1e6 / options.frame_rate_hz;
   const design::AdviceList list = design::advise(*bench, light, *config);
+  const Configured configured = design::advise_on(*config, options.modes, light);
   if (common.json) {
-    print_advice_json(list);
+    print_advice_json(list, configured);
   } else if (!list.best_first.empty()) {
-    print_advice(list, options.modes);
+    print_advice(list, configured, options.modes);
   }
   if (!list.best_first.empty()) return kOk;
   if (!common.json) print_none(list, options);

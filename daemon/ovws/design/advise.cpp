@@ -8,6 +8,7 @@
 #include "core/spots/mode_limit.hpp"
 #include "daemon/ovws/design/attempt.hpp"
 #include "daemon/ovws/design/search.hpp"
+#include "daemon/ovwsd/settings/config_check.hpp"
 
 namespace ovws::design {
 namespace {
@@ -66,6 +67,7 @@ tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Li
         Unfit{config.sensor.subapertures_across, config.sensor.charge, std::move(reason)});
   };
   const auto lattice = make_lattice(config.sensor, config.slm.geometry);
+  if (!lattice) return unfit(text_of(lattice.error()));
   const double peak_limit_e = kFill * light.full_well_e;
   const auto scale = errors_at(config, modes, light, peak_limit_e);
   if (!scale) return unfit(text_of(scale.error()));
@@ -99,6 +101,15 @@ tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Li
 }
 
 }  // namespace
+
+tl::expected<Advice, Unfit> advise_on(const Config& config, int modes, const Light& light) {
+  for (const auto& checked : {check_sees_spots(config), check_zeroth_order(config)}) {
+    if (checked) continue;
+    return tl::make_unexpected(Unfit{config.sensor.subapertures_across, config.sensor.charge,
+                                     text_of(checked.error()), 0.0});
+  }
+  return advice_for(config, modes, light, [] { return false; });
+}
 
 AdviceList advise(const Bench& bench, const Light& light, const Config& base,
                   const std::function<bool()>& stopped) {

@@ -66,4 +66,8 @@ AdviceList advise(
     const Bench& bench, const Light& light, const Config& base = {},
     const std::function<bool()>& stopped = [] { return false; });
 
+/// The advice for the sensor that a configuration describes, as it is. Errors: as
+/// AdviceList::unfit.
+tl::expected<Advice, Unfit> advise_on(const Config& config, int modes, const Light& light);
+
 }  // namespace ovws::design
