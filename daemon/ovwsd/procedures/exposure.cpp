@@ -24,6 +24,26 @@ constexpr double kSame = 1.001;          // rounding of exposures
 constexpr double kEven = 0.25;           // of full scale: even light is not a black level
 constexpr double kSaturatesRise = 1.5;   // rise of the exposure ...
 constexpr double kSaturatesLevel = 1.1;  // ... that must raise the brightness by more than this
+constexpr double kTop = 0.95;            // of full scale: the most for the brightest spot
+constexpr double kTopFactor = 0.5;       // change of the exposure where only that one is saturated
+
+/// Where the tracker finds the spots of all light sources, in the pixels of `plane`. Empty: the SLM
+/// does not show the sensor, or no frame was measured.
+std::vector<Vec2> found_spots(Bench& bench, const ColourPlane& plane, int frames) {
+  if (bench.sensor()->pattern != HologramKind::sensor) return {};
+  std::vector<SpotAverage> sources;
+  auto of_main = bench.spots(frames, nullptr, &sources);
+  if (!of_main) return {};
+  sources.push_back(std::move(*of_main));
+  std::vector<Vec2> found;
+  for (const SpotAverage& source : sources) {
+    for (const Vec2 at : found_positions(source)) {
+      if (!std::isfinite(at.x)) continue;
+      found.push_back({(at.x - plane.x) / plane.step, (at.y - plane.y) / plane.step});
+    }
+  }
+  return found;
+}
 
 Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm, bool fine) {
   const SensorView now = bench.sensor();
@@ -32,12 +52,14 @@ Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm, bool fine) {
   const double most = std::min(double(kFineFrames), kFineS * settings.frame_rate_hz);
   const auto image = bench.picture(fine ? std::max(kFrames, int(most)) : kFrames);
   if (!image) return fail(image.error());
-  const auto expected = expected_spots(*now, slm, lit);
+  auto expected = expected_spots(*now, slm, lit);
   if (!expected) return fail(expected.error());
+  expected->found_px = found_spots(bench, lit.plane, kFrames);
   return judge_exposure(on_plane(*image, lit.plane), *expected, settings);
 }
 
-/// Search for the exposure with which the brightest pixels are at the target.
+/// Search for the exposure with which the brightest pixels are at the target, and no spot is
+/// saturated.
 class ExposureSearch {
  public:
   ExposureSearch(Bench& bench, const SlmGeometry& slm, const AutoExposure& asked)
@@ -66,9 +88,15 @@ class ExposureSearch {
     return look.lit && (look.certain || too_long_us_);
   }
 
+  /// Brightness relative to what is wanted: that of most spots, or of the brightest one if it is
+  /// nearer to full scale.
+  double reached(const ExposureLook& look) const {
+    const double top = look.top.value_or(0.0) / (kTop * look.full);
+    return std::max(look.fraction() / asked_.target, top);
+  }
+
   bool is_within(const ExposureLook& look, double tolerance) const {
-    return !look.saturated() && is_of_spots(look) &&
-           std::abs(look.fraction() / asked_.target - 1.0) <= tolerance;
+    return !look.saturated() && is_of_spots(look) && std::abs(reached(look) - 1.0) <= tolerance;
   }
 
   /// Whether the black level, not the spots, makes the image bright.
@@ -83,10 +111,14 @@ class ExposureSearch {
 
   /// Factor by which the exposure should change.
   double factor(const ExposureLook& look) const {
-    if (look.saturated()) return 1.0 / kBlindFactor;
+    if (look.mostly_saturated()) return 1.0 / kBlindFactor;
     if (!is_of_spots(look)) return kBlindFactor;
-    const double wanted = asked_.target * look.full - look.dark;
-    return std::clamp(wanted / (look.brightest - look.dark), 1.0 / kBlindFactor, kMaxRise);
+    const auto to = [&look](double share, double from_dn) {
+      return (share * look.full - look.dark) / (from_dn - look.dark);
+    };
+    double by = to(asked_.target, look.brightest);
+    if (look.top) by = std::min(by, look.saturated() ? kTopFactor : to(kTop, *look.top));
+    return std::clamp(by, 1.0 / kBlindFactor, kMaxRise);
   }
 
   /// The same, between the exposures that were found too long and too short at this gain: stray
@@ -182,7 +214,7 @@ class ExposureSearch {
   Result<void> check_rises(const ExposureLook& look) const {
     if (!previous_ || !previous_->certain || !look.certain || previous_->saturated() ||
         look.saturated() || !same_gain(previous_->settings, look.settings) ||
-        look.fraction() >= asked_.target) {
+        reached(look) >= 1.0) {
       return {};
     }
     const bool risen = look.settings.exposure_us > kSaturatesRise * previous_->settings.exposure_us;

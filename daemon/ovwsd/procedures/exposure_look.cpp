@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -22,6 +23,7 @@ constexpr double kPercentile = 0.8;  // of these spots' brightest pixels
 constexpr int kMorePeaks = 2;        // peaks that are looked at, relative to the spots
 constexpr double kApart = 1.5;       // lambda/d between peaks of two spots, and ...
 constexpr double kOfSpacing = 0.7;   // ... this share of the distance between two spots
+constexpr double kOfDistance = 0.7;  // of `apart_px`, half that distance: the pixels of a spot
 
 float or_full(float dn, double full) {
   return std::isnan(dn) ? float(full) : dn;
@@ -91,6 +93,29 @@ std::vector<double> peak_heights(const Image<float>& image, const ExpectedSpots&
   }
   std::vector<double> heights;
   for (const Peak& peak : found) heights.push_back(peak.dn - dark);
+  return heights;
+}
+
+/// Heights of the found spots above the black level, the highest first; hot pixels do not count.
+std::vector<double> spot_heights(const Image<float>& image, const ExpectedSpots& expected,
+                                 double dark, double full) {
+  const double reach_px = std::max(1.0, kOfDistance * expected.apart_px);
+  std::vector<double> heights;
+  for (const Vec2 spot : expected.found_px) {
+    double best = 0.0;
+    for (int y = std::max(0, int(spot.y - reach_px));
+         y <= std::min(image.height - 1, int(spot.y + reach_px)); ++y) {
+      for (int x = std::max(0, int(spot.x - reach_px));
+           x <= std::min(image.width - 1, int(spot.x + reach_px)); ++x) {
+        const double height = double(or_full(image.at(x, y), full)) - dark;
+        if (height <= best || norm(Vec2{double(x), double(y)} - spot) > reach_px) continue;
+        const std::size_t at = std::size_t(y) * image.width + x;
+        if (expected.size_px < kResolvedPx || !is_hot(image, at, dark, full)) best = height;
+      }
+    }
+    heights.push_back(best);
+  }
+  std::ranges::sort(heights, std::ranges::greater());
   return heights;
 }
 
@@ -173,6 +198,12 @@ ExposureLook judge_exposure(const Image<float>& image, const ExpectedSpots& expe
     const std::size_t rank = std::min(rank_of(expected.count), heights.size() - 1);
     look.certain = of_spots.has_value();
     look.brightest = look.dark + of_spots.value_or(heights[rank]);
+  }
+  if (look.certain && 2 * int(expected.found_px.size()) >= expected.count) {
+    const auto of_spots = spot_heights(image, expected, look.dark, look.full);
+    look.brightest = look.dark + of_spots[rank_of(int(of_spots.size()))];
+    look.top = look.dark + of_spots.front();
+    if (*look.top >= look.full) look.top = NAN;
   }
   if (look.brightest >= look.full) look.brightest = NAN;
   return look;

@@ -66,6 +66,26 @@ INSTANTIATE_TEST_SUITE_P(Benches, AutoExposureFrom,
                                          Bright{5.0, 20.0}, Bright{2.0, 2500.0, 12.0},
                                          Bright{10.0, 2000.0, 30.0}, Bright{1.0, 10.0, 0.0, 0.3}));
 
+TEST(AutoExposureJob, LeavesNoSpotSaturated) {
+  auto twin = small_twin_config();
+  twin.light.shape = twin::LightShape::gaussian;  // the middle spot is half as bright again
+  twin.light.diameter_px = 1.5 * small_daemon_config().sensor.pupil_diameter_px;
+  SimulatedBench bench(small_daemon_config(), twin);
+  ASSERT_TRUE(bench.is_running());
+  const auto found = expose_on(bench);
+  ASSERT_TRUE(found) << found.error().reason;
+  EXPECT_GT(found->brightest, 0.5);
+  int saturated = -1;
+  const auto run = bench.run("reference.take", [&](Bench& on) -> Result<nlohmann::json> {
+    const auto average = on.spots(10);
+    if (!average) return fail(average.error());
+    saturated = int(saturated_spots(*average).size());
+    return nlohmann::json{};
+  });
+  ASSERT_TRUE(run) << run.error().reason;
+  EXPECT_EQ(saturated, 0);
+}
+
 TEST(AutoExposureJob, JudgesTheGratingsSpot) {
   auto twin = small_twin_config();
   twin.truth.peak_electrons *= 0.1;
@@ -195,6 +215,23 @@ TEST(ExposureLook, IsNotOfSideLobesThatAreBrighterThanSpots) {
     image.at(9 + 10 * k, 56) = 0.8F * lobes[k];
   }
   EXPECT_NEAR(judge_exposure(image, {7, 4.0, 6.0}, {}).brightest, 62.0, 1.0);
+}
+
+TEST(ExposureLook, IsOfTheTrackedSpotsWhateverElseIsBright) {
+  Image<float> image = image_with(7, 60.0F);
+  for (int k = 0; k < 12; ++k) image.at(4 + 5 * k, 58) = image.at(5 + 5 * k, 58) = 180.0F;
+  ExpectedSpots expected{7, 4.0, 6.0};
+  for (int k = 0; k < 7; ++k) expected.found_px.push_back({8.0 + 12 * (k % 4), 8.0 + 12 * (k / 4)});
+  const auto look = judge_exposure(image, expected, {});
+  EXPECT_NEAR(look.brightest, 62.0, 1.0);
+  ASSERT_TRUE(look.top);
+  EXPECT_NEAR(*look.top, 62.0, 1.0);
+  for (int k = 0; k < 4; ++k) image.at(8 + k % 2, 8 + k / 2) = NAN;
+  const auto clipped = judge_exposure(image, expected, {});
+  EXPECT_NEAR(clipped.brightest, 62.0, 1.0);
+  EXPECT_TRUE(clipped.saturated()) << "one spot lies under another order";
+  expected.found_px.resize(3);
+  EXPECT_FALSE(judge_exposure(image, expected, {}).top) << "too few are found";
 }
 
 TEST(ExposureLook, IsOfTheSpotsThatAreInsideTheImage) {
