@@ -38,31 +38,44 @@ tl::expected<FrameReader, cli::CallFailure> FrameReader::open(const cli::Common&
                                                               std::function<bool()> interrupted) {
   const auto endpoint = cli::stream_endpoint(common, "endpoint");
   if (!endpoint) return tl::make_unexpected(endpoint.error());
-  auto stream = cli::subscribe(common, *endpoint, {"wavefront"}, kQueue);
+  auto stream = cli::subscribe(common, *endpoint, {"wavefront", "spots"}, kQueue);
   if (!stream) return tl::make_unexpected(failure(stream.error().reason));
   return FrameReader(std::move(*stream), std::move(interrupted));
 }
 
 std::optional<json> FrameReader::next() {
   const auto message = stream_.receive(kWait);
-  return message ? std::optional(json_of(message->json)) : std::nullopt;
+  if (!message) return std::nullopt;
+  if (message->topic != "spots") return json_of(message->json);
+  spots_.add(*message);
+  return std::nullopt;
 }
 
 Shown FrameReader::shown(std::uint64_t hologram_id, const Wanted& wanted) {
+  Shown shown;
   std::optional<Frame> first;
   std::vector<Frame> plain, exact;
+  double longest_s = wanted.longest_s;
   const auto begin = Clock::now();
-  for (double passed_s = 0.0; passed_s < wanted.longest_s && !interrupted_();
+  for (double passed_s = 0.0; passed_s < longest_s && !interrupted_();
        passed_s = std::chrono::duration<double>(Clock::now() - begin).count()) {
     const auto message = next();
     if (!message || message->at("hologram_id").get<std::uint64_t>() != hologram_id ||
-        !message->at("settled").get<bool>() ||
-        message->at("j").get<std::vector<int>>() != wanted.modes_j) {
+        !message->at("settled").get<bool>()) {
       continue;
     }
+    ++shown.settled;
+    shown.valid += message->at("valid").get<bool>() ? 1 : 0;
+    const bool are_found =
+        6 * message->at("tracked").get<int>() >= 5 * message->at("subapertures").get<int>();
+    if (!first && are_found) longest_s = wanted.templates_s;
+    if (message->at("j").get<std::vector<int>>() != wanted.modes_j) continue;
     Frame frame = frame_of(*message);
     if (!frame.valid) continue;
-    if (!first) first = frame;
+    if (!first) {
+      first = frame;
+      longest_s = passed_s + wanted.longest_s;
+    }
     const bool is_exact =
         !frame.sigmas.empty() && root_sum_square(frame.sigmas) <= wanted.most_sigma_waves;
     (is_exact ? exact : plain).push_back(std::move(frame));
@@ -72,9 +85,11 @@ Shown FrameReader::shown(std::uint64_t hologram_id, const Wanted& wanted) {
     if (!waits && int(plain.size()) >= 2 * wanted.count) break;
   }
   std::vector<Frame>& rest = int(exact.size()) < wanted.count ? plain : exact;
-  if (!first || int(rest.size()) < wanted.count) return {};
+  if (!first || int(rest.size()) < wanted.count) return shown;
   rest.erase(rest.begin(), rest.end() - wanted.count);
-  return {std::move(*first), std::move(rest)};
+  shown.first = std::move(*first);
+  shown.rest = std::move(rest);
+  return shown;
 }
 
 Record FrameReader::record(double seconds, const std::function<void(double)>& tick) {
@@ -94,6 +109,7 @@ Record FrameReader::record(double seconds, const std::function<void(double)>& ti
     if (modes_j != record.modes_j) record = {modes_j, {}, record.received};
     record.frames.push_back(frame_of(*message));
   }
+  record.spots = spots_;
   return record;
 }
 

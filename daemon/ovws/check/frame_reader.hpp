@@ -20,6 +20,9 @@ struct Wanted {
   double most_sigma_waves = 0.0;
   double least_s = 0.0;    ///< time to watch in any case
   double longest_s = 3.0;  ///< time to wait for the preferred frames
+  /// Time to wait for the first valid frame while at least five sixths of the spots are found:
+  /// templates of the wavefront are being rendered, which takes longer on a busy machine.
+  double templates_s = 20.0;
 };
 
 /// One thread at a time. Messages that came before its construction are not read.
@@ -28,18 +31,23 @@ class FrameReader {
   static tl::expected<FrameReader, cli::CallFailure> open(const cli::Common& common,
                                                           std::function<bool()> interrupted);
 
-  /// Frames of one hologram, the newest `count`. Empty if too few are valid, or on an interrupt.
+  /// Frames of one hologram, the newest `count`. No frames if too few are valid, or on an
+  /// interrupt.
   Shown shown(std::uint64_t hologram_id, const Wanted& wanted);
   /// All frames of the next seconds. `tick` is called some times a second with the seconds left.
   Record record(double seconds, const std::function<void(double)>& tick);
+  /// The spots of all settled frames that were read.
+  const cli::SpotCounts& spots() const { return spots_; }
 
  private:
   explicit FrameReader(Subscriber stream, std::function<bool()> interrupted)
       : stream_(std::move(stream)), interrupted_(std::move(interrupted)) {}
+  /// The next message about a frame; those about its spots are counted.
   std::optional<nlohmann::json> next();
 
   Subscriber stream_;
   std::function<bool()> interrupted_;
+  cli::SpotCounts spots_;
 };
 
 }  // namespace ovws::check

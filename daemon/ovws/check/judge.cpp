@@ -9,8 +9,8 @@ namespace {
 constexpr std::size_t kMostImprovements = 5;
 
 /// Findings that can explain others, the likeliest first, and what they can explain.
-constexpr std::array kCauses{"saturation", "settle", "motion"};
-constexpr std::array kEffects{"frames", "response", "noise", "loop"};
+constexpr std::array kCauses{"spots", "saturation", "settle", "motion"};
+constexpr std::array kEffects{"frames", "response", "noise", "loop", "saturation"};
 
 Finding* find(Findings& findings, const char* name) {
   const auto found = std::ranges::find(findings, name, &Finding::name);
@@ -21,10 +21,10 @@ Finding* find(Findings& findings, const char* name) {
 void assign_causes(Findings& findings) {
   for (const char* const name : kCauses) {
     Finding* const cause = find(findings, name);
-    if (cause == nullptr || cause->verdict < Verdict::warning) continue;
+    if (cause == nullptr || cause->verdict < Verdict::warning || !cause->cause.empty()) continue;
     for (const char* const other : kEffects) {
       Finding* const effect = find(findings, other);
-      if (effect == nullptr || effect->verdict == Verdict::good) continue;
+      if (effect == nullptr || effect == cause || effect->verdict == Verdict::good) continue;
       if (!std::isnan(effect->cost_waves)) {
         cause->cost_waves = std::fmax(cause->cost_waves, effect->cost_waves);
       }
@@ -52,8 +52,8 @@ Findings judge(const Measured& measured) {
   Findings findings;
   for (const auto judge_one :
        {judge_response, judge_noise, judge_motion, judge_drift, judge_loop, judge_frames,
-        judge_saturation, judge_settle, judge_losses, judge_reference, judge_registration,
-        judge_lut, judge_flatness, judge_calibration}) {
+        judge_spots, judge_saturation, judge_settle, judge_losses, judge_reference,
+        judge_registration, judge_lut, judge_flatness, judge_calibration}) {
     findings.push_back(judge_one(facts));
   }
   assign_causes(findings);

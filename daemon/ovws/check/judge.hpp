@@ -18,6 +18,7 @@ Verdict verdict_of(double value, double note_above, double warning_above, double
 
 // Of the measurement.
 Finding judge_frames(const Facts& facts);
+Finding judge_spots(const Facts& facts);
 Finding judge_saturation(const Facts& facts);
 Finding judge_settle(const Facts& facts);
 Finding judge_response(const Facts& facts);

@@ -4,9 +4,13 @@
 #include <cmath>
 #include <string_view>
 
+#include "config/config.hpp"
+#include "core/optics/lattice.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/check/judge.hpp"
 #include "daemon/ovws/check/response.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
+#include "proto/json_text.hpp"
 
 namespace ovws::check {
 namespace {
@@ -33,12 +37,49 @@ const Poke* worst_poke(const Response& response) {
   return worst;
 }
 
+/// The modes that were not read, and why; empty: all were.
 std::string unread_modes(const Response& response) {
   std::string names;
+  int settled = 0, valid = 0;
   for (const Poke& poke : response.pokes) {
-    if (!poke.read) names += (names.empty() ? "" : ", ") + zernike_name(poke.j);
+    if (poke.read) continue;
+    names += (names.empty() ? "" : ", ") + zernike_name(poke.j);
+    settled += poke.settled;
+    valid += poke.valid;
   }
-  return names;
+  if (names.empty()) return names;
+  return fmt::format("{}: while they are shown, {} of {} settled frames are valid{}{}", names,
+                     valid, settled, response.reason.empty() ? "" : ": ", response.reason);
+}
+
+/// Why spots are lost, by the configuration; empty: it does not tell.
+std::string layout_reason(const json& in_use) {
+  auto config = parse_config(json_text(in_use));
+  if (!config) return {};
+  config->sensor.masks.clear();  // they move no spot; their files are the daemon's
+  const auto lattice = make_lattice(config->sensor, config->slm.geometry);
+  if (!lattice) return {};
+  const auto dark = check_zeroth_order(spot_bench(*config, *lattice));
+  return dark ? std::string() : text_of(dark.error());
+}
+
+/// Where spots are lost, in the words of a report; empty: nowhere.
+std::string lost_spots(const Measured& measured) {
+  const json& calibration = measured.calibration;
+  const auto calibrated = calibration.value("lost_spots", json());
+  const std::pair<const char*, std::vector<int>> all[] = {
+      {"in the reference", cli::lost_in_reference(measured.reference)},
+      {"in the calibration",
+       calibrated.is_array() ? calibrated.get<std::vector<int>>() : std::vector<int>()},
+      {"in more than a tenth of the frames", measured.open.spots.lost(0.9)},
+      {"in most frames while modes are shown", measured.response.spots.lost(0.5)}};
+  std::string text;
+  for (const auto& [where, spots] : all) {
+    if (spots.empty()) continue;
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", where,
+                        cli::placed_spots(spots, measured.reference));
+  }
+  return text;
 }
 
 std::string better_readings(const Measured& measured) {
@@ -86,7 +127,7 @@ Finding judge_response(const Facts& facts) {
   const std::string unread = unread_modes(response);
   if (poke == nullptr) {
     found.verdict = Verdict::bad;
-    found.text = "no mode could be read: too few frames are valid while a mode is shown";
+    found.text = "no mode could be read: " + unread;
     found.fix = "ovws doctor";
     return found;
   }
@@ -101,7 +142,7 @@ Finding judge_response(const Facts& facts) {
       crosstalk_of(*poke, response.modes_j), error);
   if (unread.empty()) return found;
   found.verdict = Verdict::bad;
-  found.text += "; not readable, because too few frames are valid: " + unread;
+  found.text += "; not readable: " + unread;
   return found;
 }
 
@@ -204,10 +245,33 @@ Finding judge_frames(const Facts& facts) {
   const auto valid = std::ranges::count_if(open.frames, [](const Frame& one) { return one.valid; });
   const double invalid =
       open.frames.empty() ? 1.0 : 1.0 - double(valid) / double(open.frames.size());
-  found.text = fmt::format("{} of {} settled frames are valid, at {:.1f} frames/s", valid,
-                           open.frames.size(), facts.open.frame_rate_hz);
+  found.text = fmt::format(
+      "without a mode shown, {} of {} settled frames are valid, at {:.1f} "
+      "frames/s",
+      valid, open.frames.size(), facts.open.frame_rate_hz);
   found.verdict = facts.open.usable ? verdict_of(invalid, kNote, kWarning, kBad) : Verdict::bad;
   found.fix = "ovws status";
+  return found;
+}
+
+Finding judge_spots(const Facts& facts) {
+  constexpr double kBlinding = 0.5;  // share of saturated spots that loses others
+  Finding found{"spots", "Lost spots"};
+  found.limit = "every spot is found, and is part of the reference and of the calibration";
+  const std::string lost = lost_spots(facts.measured);
+  found.text = lost.empty() ? "none is lost" : "lost " + lost;
+  if (lost.empty()) return found;
+  found.verdict = Verdict::warning;
+  if (mean_saturated(facts.measured.open) > kBlinding) {
+    found.cause = "saturation";
+    return found;
+  }
+  const std::string reason = layout_reason(facts.measured.config);
+  found.text += reason.empty()
+                    ? "; look there for a dark part of the beam, the edge of the region, "
+                      "or light of another diffraction order"
+                    : "; " + reason;
+  found.fix = reason.empty() ? "ovws snapshot -o lost" : "ovws doctor";
   return found;
 }
 

@@ -25,6 +25,7 @@ constexpr int kFrames = 20, kQuickFrames = 6;
 /// Largest standard error of frames that count, in those of the wavefront at rest: templates of
 /// the wavefront before a poke measure the first frames less exactly.
 constexpr double kExactSigmas = 3.0;
+constexpr int kMostWaits = 3;      // unread modes for whose templates it waits
 constexpr double kSlowSlmS = 1.0;  // watched after the first pokes, in case that the SLM is slow
 constexpr std::chrono::milliseconds kPollInterval{100};
 
@@ -205,6 +206,7 @@ class Run {
     wanted.modes_j = modes_j_;
     if (!std::isnan(rest.stated)) wanted.most_sigma_waves = kExactSigmas * rest.stated;
     wanted.count = options_.quick ? kQuickFrames : kFrames;
+    int unread = 0;
     for (std::size_t k = 0; k < modes_j_.size() && !hooks_.interrupted(); ++k) {
       progress("response: " + zernike_name(modes_j_[k]),
                4.0 * kPokeS * double(modes_j_.size() - k) * (options_.quick ? 0.5 : 1.0));
@@ -215,14 +217,26 @@ class Run {
         const Answer poked = borrowed_.poke(modes_j_[k], sign * kPokeWaves);
         if (!poked) return tl::make_unexpected(poked.error());
         shown[i] = reader->shown(poked->at("hologram_id").get<std::uint64_t>(), wanted);
-        if (shown[i].rest.empty()) break;
+        if (!shown[i].rest.empty()) continue;
+        note_why_unread();
+        if (++unread == kMostWaits) wanted.templates_s = wanted.longest_s;
+        break;
       }
       measured_.response.pokes.push_back(poke_of(modes_j_[k], shown));
     }
+    measured_.response.spots = reader->spots();
     const Answer shown = borrowed_.unpoke();
     if (!shown) return tl::make_unexpected(shown.error());
     reader->shown(shown->at("hologram_id").get<std::uint64_t>(), wanted);
     return {};
+  }
+
+  /// Keeps the daemon's first reason for frames of a mode that are not valid.
+  void note_why_unread() {
+    const Answer status = cli::call(common_, "system.status", json::object());
+    if (!status || !measured_.response.reason.empty()) return;
+    const json& invalid = status->at("sensor").at("invalid");
+    if (invalid.is_object()) measured_.response.reason = invalid.at("reason").get<std::string>();
   }
 
   Done loop() {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/ovws/study/statistics.hpp"
+#include "daemon/shared/lost_spots.hpp"
 
 namespace ovws::check {
 
@@ -25,6 +26,7 @@ struct Frame {
 struct Poke {
   int j = 0;
   bool read = false;              ///< false: too few frames were valid
+  int settled = 0, valid = 0;     ///< frames while it was shown
   std::vector<study::Mean> gain;  ///< of each measured mode, wave per wave shown
   /// Error of the first frame after a change that counted as settled, waves; mean of the four
   /// changes, against the mean of the later frames.
@@ -34,6 +36,8 @@ struct Poke {
 struct Response {
   std::vector<int> modes_j;  ///< the measured modes, order of Poke::gain
   std::vector<Poke> pokes;
+  cli::SpotCounts spots;  ///< of all frames while modes were shown
+  std::string reason;     ///< why the daemon took frames of an unread mode as not valid; or empty
 };
 
 /// Frames of some seconds in a row, without a change by this program.
@@ -41,6 +45,7 @@ struct Record {
   std::vector<int> modes_j;
   std::vector<Frame> frames;  ///< settled ones, by increasing t_s
   int received = 0;           ///< all frames, settled or not
+  cli::SpotCounts spots{};    ///< of the same time
   double seconds() const {
     return frames.size() < 2 ? 0.0 : frames.back().t_s - frames.front().t_s;
   }

@@ -28,7 +28,12 @@ double squared(double value) {
 }  // namespace
 
 Poke poke_of(int j, const std::array<Shown, 4>& shown) {
-  Poke poke{j, false, {}, 0.0};
+  Poke poke;
+  poke.j = j;
+  for (const Shown& one : shown) {
+    poke.settled += one.settled;
+    poke.valid += one.valid;
+  }
   if (std::ranges::any_of(shown, [](const Shown& one) { return one.rest.empty(); })) return poke;
   const std::size_t modes = shown[0].rest[0].waves.size();
   std::array<std::vector<study::Mean>, 4> means;

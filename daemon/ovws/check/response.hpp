@@ -13,6 +13,7 @@ namespace ovws::check {
 struct Shown {
   Frame first;
   std::vector<Frame> rest;
+  int settled = 0, valid = 0;  ///< frames that came, whether they count or not
 };
 
 /// The response to mode j, shown with +a, -a, -a, +a. Standard errors are the larger of those by

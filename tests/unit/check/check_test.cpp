@@ -9,6 +9,7 @@
 #include "daemon/ovws/check/judge.hpp"
 #include "daemon/ovws/check/report.hpp"
 #include "daemon/ovws/check/response.hpp"
+#include "daemon/shared/lost_spots.hpp"
 
 namespace ovws::check {
 namespace {
@@ -209,6 +210,85 @@ TEST(Judge, SaturationExplainsAWrongResponse) {
   EXPECT_NEAR(of(findings, "saturation").cost_waves, 0.01, 1e-6);
   EXPECT_EQ(of(findings, "response").cause, "saturation");
   EXPECT_EQ(improve_first(findings).at(0).name, "saturation");
+}
+
+/// The message of 5 spots, of which these are found.
+StreamMessage spots_message(const std::vector<int>& found, bool settled = true) {
+  std::vector<float> rows(5 * 6, NAN);
+  for (const int spot : found) rows[std::size_t(spot) * 6] = 10.0F;
+  const auto* bytes = reinterpret_cast<const std::byte*>(rows.data());
+  return {"spots",
+          json{{"settled", settled}, {"shape", {5, 6}}}.dump(),
+          {bytes, bytes + rows.size() * sizeof(float)}};
+}
+
+/// The reference of 5 spots of which spot 1 was lost.
+void set_lost_reference(Measured& measured) {
+  measured.reference["positions_px"] = {{84, 528}, {123, 395}, {10, 20}, {30, 40}, {50, 60}};
+  const json known{0.01, 0.01};
+  measured.reference["standard_error_px"] = {known, nullptr, known, known, known};
+}
+
+TEST(LostSpots, AreCountedInSettledFramesAndNamedWithTheirPlaces) {
+  cli::SpotCounts counts;
+  for (int k = 0; k < 9; ++k) counts.add(spots_message({0, 1, 2, 3, 4}));
+  counts.add(spots_message({0, 1, 2, 3}));
+  counts.add(spots_message({}, false));
+  EXPECT_EQ(counts.frames, 10);
+  EXPECT_TRUE(counts.lost(0.9).empty());
+  for (int k = 0; k < 5; ++k) counts.add(spots_message({0, 2, 3}));
+  EXPECT_EQ(counts.lost(0.9), (std::vector<int>{1, 4}));
+  EXPECT_EQ(counts.lost(0.65), std::vector<int>{4});
+  Measured measured = good_bench();
+  EXPECT_EQ(cli::placed_spots({1}, measured.reference), "1") << "no places are known";
+  set_lost_reference(measured);
+  EXPECT_EQ(cli::lost_in_reference(measured.reference), std::vector<int>{1});
+  EXPECT_EQ(cli::placed_spots({0, 1}, measured.reference), "0 at (84, 528) px, 1 at (123, 395) px");
+}
+
+TEST(Judge, LostSpotsAreNamedAndTheExposureIsNotAdvised) {
+  Measured measured = good_bench();
+  set_lost_reference(measured);
+  measured.calibration = {{"calibrated", false}, {"lost_spots", {0}}};
+  for (int k = 0; k < 10; ++k) measured.open.spots.add(spots_message({0, 1, 2, 4}));
+  for (Frame& frame : measured.open.frames) frame.saturated = 0.1;
+  measured.response.pokes[3].read = false;
+  measured.response.pokes[3].settled = 60;
+  measured.response.pokes[3].valid = 2;
+  measured.response.reason = "4 of 5 spots are found";
+  const Findings findings = judge(measured);
+  const Finding& spots = of(findings, "spots");
+  EXPECT_EQ(spots.verdict, Verdict::warning);
+  for (const char* part : {"in the reference: 1 at (123, 395) px", "in the calibration: 0 at (84, ",
+                           "in more than a tenth of the frames: 3 at (30, 40) px"}) {
+    EXPECT_NE(spots.text.find(part), std::string::npos) << spots.text;
+  }
+  EXPECT_EQ(of(findings, "saturation").cause, "spots");
+  EXPECT_EQ(of(findings, "response").cause, "spots");
+  EXPECT_NE(of(findings, "response").text.find("2 of 60 settled frames are valid: 4 of 5 spots"),
+            std::string::npos)
+      << of(findings, "response").text;
+  for (const Finding& one : improve_first(findings)) {
+    EXPECT_EQ(one.fix.find("exposure"), std::string::npos) << one.name;
+  }
+}
+
+TEST(Judge, SpotsThatSaturationLosesAreExplainedByIt) {
+  Measured measured = good_bench();
+  set_lost_reference(measured);
+  for (Frame& frame : measured.open.frames) frame.saturated = 0.8;
+  const Findings findings = judge(measured);
+  EXPECT_EQ(of(findings, "spots").cause, "saturation");
+  EXPECT_EQ(improve_first(findings).at(0).name, "saturation");
+}
+
+TEST(Judge, SideOrdersOfTheZerothOrderExplainLostSpots) {
+  Measured measured = good_bench();
+  set_lost_reference(measured);
+  measured.config["sensor"] = {{"grooves", {130.0, 20.0}}};
+  const Finding spots = of(judge(measured), "spots");
+  EXPECT_NE(spots.text.find("zeroth order"), std::string::npos) << spots.text;
+  EXPECT_EQ(spots.fix, "ovws doctor");
 }
 
 TEST(Judge, AShortSettleTimeIsBad) {
