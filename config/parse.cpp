@@ -40,6 +40,16 @@ std::optional<std::string> is_no_beam_name(const std::string& name) {
   return "must have 1 to 16 lower-case letters, digits, - or _, and not be \"main\"";
 }
 
+/// Checks that the model can render the spots of a fixed array.
+void check_array(const Config& config, ObjectReader& reader) {
+  if (config.optics.registered && !is_right_angled(*config.optics.registered)) {
+    reader.fault("optics.px_per_cycle",
+                 "of an array of lenslets, only mirrored images and turns by 90 degrees are "
+                 "modelled, with equal scales along x and y: set null, or the nearest of these; "
+                 "registration.run finds how far the array is turned");
+  }
+}
+
 /// Endpoint rule: all endpoints must differ. The check is here so that the error can name the key.
 void Rules<Config>::check(const Config& config, ObjectReader& reader) {
   for (std::size_t k = 0; k < config.beams.size(); ++k) {
@@ -48,6 +58,7 @@ void Rules<Config>::check(const Config& config, ObjectReader& reader) {
       continue;
     reader.fault("beams[" + std::to_string(k) + "].name", "must differ from the other names");
   }
+  if (config.modulator == Modulator::fixed) check_array(config, reader);
   if (config.stream.endpoint == config.stream.image_endpoint) {
     reader.fault("stream.image_endpoint", "must differ from stream.endpoint");
   }

@@ -9,11 +9,18 @@ PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
          (slm.pitch_um * optics.camera_pitch_um);
 }
 
-bool is_straight(const PxPerCycle& map) {
+bool is_right_angled(const PxPerCycle& map) {
   constexpr double kTolerance = 0.002;
   const double tolerance = kTolerance * map.scale();
-  return !map.mirrored() && map.xx > 0.0 && std::abs(map.xy) < tolerance &&
-         std::abs(map.yx) < tolerance && std::abs(map.xx - map.yy) < tolerance;
+  const auto alone = [tolerance](double one, double other, double zero, double zero_too) {
+    return std::abs(zero) < tolerance && std::abs(zero_too) < tolerance &&
+           std::abs(std::abs(one) - std::abs(other)) < tolerance;
+  };
+  return alone(map.xx, map.yy, map.xy, map.yx) || alone(map.xy, map.yx, map.xx, map.yy);
+}
+
+bool is_straight(const PxPerCycle& map) {
+  return is_right_angled(map) && map.xx > std::abs(map.xy) && map.yy > 0.0;
 }
 
 Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm) {

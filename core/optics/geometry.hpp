@@ -47,6 +47,11 @@ struct PxPerCycle {
   PxPerCycle operator/(double divisor) const {
     return {xx / divisor, xy / divisor, yx / divisor, yy / divisor};
   }
+  /// The same rotation and reflection with this mean scale.
+  PxPerCycle scaled_to(double to) const {
+    const double s = scale();
+    return {xx / s * to, xy / s * to, yx / s * to, yy / s * to};
+  }
   double determinant() const { return xx * yy - xy * yx; }
   /// Mean scale, camera pixels per (cycle per SLM pixel): sqrt |determinant|.
   double scale() const { return std::sqrt(std::abs(determinant())); }
@@ -89,11 +94,13 @@ struct SpiralPlate {
 /// Lenslets of a fixed array that give the sensor's spots. By Fresnel's integral the camera in
 /// their focal plane sees the far field of the light on the array, where lenslet i has a grating of
 /// the frequency centre_i / px_per_cycle: its spot lies behind its centre. Lengths are camera
-/// pixels as they appear on the array (camera pitch / magnification), along the camera's axes.
+/// pixels as they appear on the array (camera pitch / magnification). The array's axes are those
+/// that the registration matrix maps to the camera's: the camera's own, unless the matrix mirrors
+/// or turns the image (is_right_angled).
 struct Lenslets {
   LensletShape shape = LensletShape::square;
   double width_px = 0.0;           ///< of a lenslet: the array's pitch
-  double rotation_deg = 0.0;       ///< of the lattice, from the camera's +x towards +y
+  double rotation_deg = 0.0;       ///< of the lattice, from the array's +x towards +y
   SpiralPlate plate{};             ///< of the sensor's charge, if that is not 0
   double px_per_cycle = 0.0;       ///< displacement of a spot per slope: lambda f M^2 / pitch^2
   std::vector<Vec2> centres_px{};  ///< from the pupil's centre; empty: no array, but an SLM
@@ -132,6 +139,9 @@ PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm);
 /// Whether the camera is aligned with the SLM: `map` is a positive multiple of the identity to
 /// 0.002 of its scale (half a pixel at 250 pixels). SensorModel requires an aligned camera.
 bool is_straight(const PxPerCycle& map);
+/// Whether `map` is a positive multiple of a mirror, a turn by quarters, or both, to the same
+/// tolerance. Such a map takes the grid of the camera's pixels to itself.
+bool is_right_angled(const PxPerCycle& map);
 /// Checks that the camera is aligned (is_straight); if not: Errc::refused, "optics.px_per_cycle".
 Result<void> check_straight(const OpticsConfig& optics, const SlmGeometry& slm);
 

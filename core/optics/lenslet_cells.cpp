@@ -37,14 +37,16 @@ double plate_waves(const SpiralPlate& plate, int charge, Vec2 at) {
   return charge * plate.depth * turns;
 }
 
-/// Mean field of a cell of one lenslet. `at`: the cell's centre from the lenslet's.
-std::complex<double> cell_field(const SensorConfig& sensor, Vec2 at, double bin_px) {
+/// Mean field of a cell of one lenslet. `at`: the cell's centre from the lenslet's, along the
+/// camera's axes.
+std::complex<double> cell_field(const SensorConfig& sensor, const PupilCells& cells, Vec2 at) {
   const Lenslets& lenslets = sensor.lenslets;
+  const double bin_px = cells.grid.bin_px;
   const double turn = lenslets.rotation_deg * std::numbers::pi / 180.0;
   std::complex<double> sum = 0.0;
   for (int k = 0; k < kParts * kParts; ++k) {
-    const Vec2 part{at.x + bin_px * ((k % kParts + 0.5) / kParts - 0.5),
-                    at.y + bin_px * ((k / kParts + 0.5) / kParts - 0.5)};
+    const Vec2 part = cells.turn.back({at.x + bin_px * ((k % kParts + 0.5) / kParts - 0.5),
+                                       at.y + bin_px * ((k / kParts + 0.5) / kParts - 0.5)});
     const Vec2 on_lenslet{std::cos(turn) * part.x + std::sin(turn) * part.y,
                           std::cos(turn) * part.y - std::sin(turn) * part.x};
     if (!covers(lenslets.shape, 0.5 * lenslets.width_px, on_lenslet)) continue;
@@ -62,8 +64,7 @@ void append_lenslet(const SensorConfig& sensor, int piece, PupilCells& cells) {
     CellRun run{piece, y, 0, 0, cells.light.size()};
     for (int x = int(middle.x - half_cells); x <= int(middle.x + half_cells) + 1; ++x) {
       const Vec2 place = cells.grid.at_px(x, y);
-      const std::complex<double> field =
-          cell_field(sensor, place - own.centre_px, cells.grid.bin_px);
+      const std::complex<double> field = cell_field(sensor, cells, place - own.centre_px);
       if (field == 0.0 && run.begin == run.end) continue;  // not begun
       if (run.begin == run.end) run.begin = run.end = x;
       const Vec2 from_half = place - 0.5 * own.centre_px;
@@ -95,11 +96,11 @@ Eigen::MatrixXcf kernel(double first_cpp, double step_cpp, int pixels, double fi
 
 }  // namespace
 
-PupilCells cut_lenslets(const SensorConfig& sensor) {
+PupilCells cut_lenslets(const SensorConfig& sensor, const PxPerCycle& turn) {
   const Lenslets& lenslets = sensor.lenslets;
   PupilCells cells;
   const double bin_px = lenslets.width_px / kLensletCells;
-  cells.turn = PxPerCycle(lenslets.px_per_cycle);
+  cells.turn = turn.scaled_to(1.0);
   cells.pupil_radius_px = 0.5 * sensor.pupil_diameter_px;
   double most_px = cells.pupil_radius_px;
   for (const Vec2 centre : lenslets.centres_px) most_px = std::max(most_px, norm(centre));
@@ -110,7 +111,8 @@ PupilCells cut_lenslets(const SensorConfig& sensor) {
                            : lenslets.shape == LensletShape::square ? std::sqrt(0.5)
                                                                     : std::sqrt(1.0 / 3.0));
   for (const Vec2 centre : lenslets.centres_px) {
-    cells.pieces.push_back({centre, radius_px, (1.0 / lenslets.px_per_cycle) * centre});
+    const Vec2 seen = cells.turn.seen(centre);
+    cells.pieces.push_back({seen, radius_px, (1.0 / lenslets.px_per_cycle) * seen});
   }
   cells.subapertures = int(cells.pieces.size());
   for (int piece = 0; piece < cells.subapertures; ++piece) append_lenslet(sensor, piece, cells);

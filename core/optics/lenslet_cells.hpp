@@ -11,8 +11,9 @@ namespace ovws {
 
 /// Cuts the lenslets of `sensor` into cells, kLensletCells across a lenslet. The value of a cell is
 /// the share of it that the lenslet covers, with the phase of the spiral plate and of the lenslet's
-/// grating at the cell's centre. There is no light outside of the lenslets in use.
-PupilCells cut_lenslets(const SensorConfig& sensor);
+/// grating at the cell's centre. There is no light outside of the lenslets in use. `turn`: how the
+/// camera sees the array; its scale is ignored.
+PupilCells cut_lenslets(const SensorConfig& sensor, const PxPerCycle& turn);
 constexpr int kLensletCells = 64;
 
 /// Adds the far field of one lenslet to the pixels of `far` within three pitches and a half of its

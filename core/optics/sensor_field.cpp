@@ -45,7 +45,7 @@ Result<SensorField> SensorField::make(const SensorConfig& sensor, const SlmGeome
   if (!sensor.lenslets.empty()) {
     auto lattice = make_lattice(sensor, slm);
     if (!lattice) return fail(lattice.error());
-    SensorField field(window, cut_lenslets(sensor));
+    SensorField field(window, cut_lenslets(sensor, px_per_cycle(optics, slm)));
     field.lenslet_px_ = sensor.lenslets.width_px;
     return field;
   }

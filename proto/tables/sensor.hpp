@@ -29,13 +29,14 @@ inline constexpr auto kTable<Lenslets> =
            field<&Lenslets::shape>("shape of a lenslet"),
            field<&Lenslets::width_px>("width of a lenslet, camera pixels", limits::kLensletWidthPx),
            field<&Lenslets::rotation_deg>(
-               "rotation of the lattice from the camera's +x towards its +y, degrees"),
+               "rotation of the lattice from the array's +x towards its +y, degrees"),
            field<&Lenslets::plate>("the spiral phase plate in each lenslet"),
            field<&Lenslets::px_per_cycle>(
                "displacement of a spot for a slope of one cycle per camera pixel, camera pixels",
                limits::kLensletPxPerCycle),
            field<&Lenslets::centres_px>(
-               "[x, y] of each lenslet in use from the pupil's centre, camera pixels",
+               "[x, y] of each lenslet in use from the pupil's centre along the array's axes, "
+               "camera pixels",
                limits::kLensletPlacePx)
                .sized(1, kMaxSubapertures)};
 

@@ -120,6 +120,50 @@ class Measure(unittest.TestCase):
         self.assertTrue(link.is_symlink() and (self.folder / "new.png").is_file())
         self.ovws("farfield", "-o", "/dev/null")
 
+    def lenslets(self, modes, seed, px=272, across=9):
+        """Pixels of a square array's image: each spot is that of its lenslet alone, where the slope at the lenslet's centre moves it."""
+        pitch, spot, radius = 150 / 5.3, 632e-3 * 7e3 / 150 / 5.3, across * 150 / 5.3 / 2
+        slope = 632e-3 * 7e3 / 5.3**2 / radius
+        gradients = {3: lambda u, v: (6**0.5 * 2 * v, 6**0.5 * 2 * u), 4: lambda u, v: (3**0.5 * 4 * u, 3**0.5 * 4 * v),
+                     8: lambda u, v: (8**0.5 * (9 * u * u + 3 * v * v - 2), 8**0.5 * 6 * u * v)}
+        pixels = np.arange(px) - (px - 1) / 2
+        light = np.full((px, px), 10.0)
+        for y in pitch * (np.arange(across) - across // 2):
+            for x in pitch * (np.arange(across) - across // 2):
+                moved = slope * sum((waves * np.array(gradients[j](x / radius, y / radius)) for j, waves in modes.items()), start=np.zeros(2))
+                to_row, to_column = (np.sinc((pixels - at) / spot) ** 2 for at in (y + moved[1], x + moved[0]))
+                light += 180 * np.outer(to_row, to_column)
+        return np.clip(np.rint(light + np.random.default_rng(seed).normal(0.0, 1.0, light.shape)), 0, 255).astype(np.uint8)
+
+    def test_an_array_may_be_seen_mirrored_and_turned_by_quarters(self):
+        """Modes are those of the array, whichever way the camera sees it, and the same by positions and by all pixels."""
+        wanted = {3: 0.02, 4: 0.03, 8: -0.02}
+        flat, image = self.lenslets({}, 4), self.lenslets(wanted, 5)
+        # xx, xy, yx, yy, and the image that such a camera takes.
+        seen = {(1, 0, 0, 1): lambda p: p, (-1, 0, 0, 1): lambda p: p[:, ::-1], (1, 0, 0, -1): lambda p: p[::-1], (-1, 0, 0, -1): lambda p: p[::-1, ::-1],
+                (0, 1, 1, 0): lambda p: p.T, (0, -1, -1, 0): lambda p: p[::-1, ::-1].T, (0, -1, 1, 0): lambda p: p[::-1].T, (0, 1, -1, 0): lambda p: p[:, ::-1].T}
+        config = {"modulator": "fixed", "camera": {"roi": {"width": 272, "height": 272}}, "sensor": {"charge": 0, "grid": "square"},
+                  "array": {"pupil_mm": 1.35}, "tracking": {"mode_count": 14}}
+        optics, path = {"focal_length_mm": 7.0, "camera_pitch_um": 5.3}, self.folder / "array.json"
+        worst = 0.0
+        for direction, view in seen.items():
+            path.write_text(json.dumps(config | {"optics": optics | {"px_per_cycle": [157.5 * one for one in direction]}}))
+            files = [self.save(name, np.ascontiguousarray(view(pixels))) for name, pixels in (("flat.png", flat), ("image.png", image))]
+            by = {}
+            for tracker in ("lg", "fit"):
+                (line,) = self.measure(files[1], reference=files[0], more=("--config", path, "--tracker", tracker))
+                self.assertTrue(line["valid"], (direction, tracker, line))
+                by[tracker] = dict(zip(line["j"], line["coefficients"]))
+            for j, waves in wanted.items():
+                self.assertAlmostEqual(by["fit"][j], waves, delta=0.001, msg=f"{direction}: j = {j}")
+            differences = [abs(by["fit"][j] - by["lg"][j]) for j in by["fit"] if j > 2]
+            worst = max(worst, *differences)
+            self.assertLess(max(differences), 0.001, (direction, by))
+        print(f"\n  eight directions: fit and lg differ by {worst:.5f} wave at most")
+        path.write_text(json.dumps(config | {"optics": optics | {"px_per_cycle": [156.9, -13.7, 13.7, 156.9]}}))  # 5 degrees
+        (line,) = self.ovws("measure", "--model-reference", "--config", path, files[1], status=1)
+        self.assertIn("optics.px_per_cycle", json.dumps(line))
+
     def test_split_spots_are_measured(self):
         drawn = random.Random(2)
         waves = {j: drawn.gauss(0.0, 1.0) for j in range(3, 19)}

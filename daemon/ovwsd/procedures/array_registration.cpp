@@ -1,9 +1,11 @@
 /// registration.run of a fixed array: lattice, pitch, rotation and lit lenslets from one image.
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
@@ -15,10 +17,25 @@
 namespace ovws {
 namespace {
 
+/// The lattice's rotation along the array's axes, at most half of its symmetry.
+double rotation_on_array(double seen_deg, Grid grid, const PxPerCycle& direction) {
+  const double seen = seen_deg * std::numbers::pi / 180.0;
+  const Vec2 along = direction.back({std::cos(seen), std::sin(seen)});
+  const double degrees = std::atan2(along.y, along.x) * 180.0 / std::numbers::pi;
+  return std::remainder(degrees, grid == Grid::square ? 90.0 : 60.0);
+}
+
+/// The array that was found on the camera, along the axes of the array.
 FoundArray array_of(const LensletMap& map, const LensletPupil& pupil, const Config& config) {
   const double magnification = map.pitch_px * config.optics.camera_pitch_um / config.array.pitch_um;
-  const SensorConfig sensor =
-      sensor_with(config, {magnification, map.rotation_deg, pupil.diameter_px, pupil.centres_px});
+  const PxPerCycle direction = config.optics.registered.value_or(PxPerCycle(1.0));
+  std::vector<Vec2> centres_px = pupil.centres_px;
+  for (Vec2& centre : centres_px) centre = direction.back(centre);
+  std::sort(centres_px.begin(), centres_px.end(),
+            [](Vec2 a, Vec2 b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
+  const SensorConfig sensor = sensor_with(
+      config, {magnification, rotation_on_array(map.rotation_deg, config.sensor.grid, direction),
+               pupil.diameter_px, std::move(centres_px)});
   return {sensor.lenslets, map.lit(), magnification, pupil.diameter_px, sensor.subapertures_across};
 }
 
@@ -67,7 +84,8 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
   }
   warn_of_dark_pupil(bench, found.array, config.sensor.grid);
   const double error_px = map->residual_px / std::sqrt(double(map->lit()));
-  found.px_per_cycle = found.array.lenslets.px_per_cycle;
+  found.px_per_cycle = config.optics.registered.value_or(PxPerCycle(1.0))
+                           .scaled_to(found.array.lenslets.px_per_cycle);
   found.base_px = pupil.centre_px + Vec2{double(camera.roi.x), double(camera.roi.y)};
   found.base_standard_error_px = {error_px, error_px};
   found.residual_px = map->residual_px;

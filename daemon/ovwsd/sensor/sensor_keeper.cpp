@@ -48,7 +48,7 @@ MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored)
   array.lenslets = sensor.lenslets;
   if (array.plate_fitted) array.lenslets.plate = before.plate;
   array.subapertures_across = sensor.subapertures_across;
-  stored.px_per_cycle = sensor.lenslets.px_per_cycle;
+  stored.px_per_cycle = stored.px_per_cycle.scaled_to(sensor.lenslets.px_per_cycle);
   return stored;
 }
 

@@ -248,6 +248,24 @@ TEST(ParseConfig, RefusesInvalidSettingsOfTheRefinement) {
   EXPECT_EQ(deep->refine.format, PixelFormat::mono12);
 }
 
+TEST(ParseConfig, AnArrayIsSeenMirroredAndTurnedByQuartersOnly) {
+  const auto refusal = [](const std::string& matrix, const std::string& modulator = "fixed") {
+    const auto config = parse_config(R"({"modulator": ")" + modulator +
+                                     R"(", "optics": {"px_per_cycle": )" + matrix + "}}");
+    return config ? std::string() : config.error().field;
+  };
+  for (const char* const allowed :
+       {"[9, 0, 0, 9]", "[-9, 0, 0, 9]", "[9, 0, 0, -9]", "[0, 9, 9, 0]", "[0, -9, 9, 0]",
+        "[0, -9, -9, 0]", "[9, 0.01, -0.01, 9]"}) {
+    EXPECT_EQ(refusal(allowed), "") << allowed;
+  }
+  for (const char* const other :
+       {"[996, -87, 87, 996]", "[7, 7, -7, 7]", "[9, 0, 0, 8]", "[9, 1, 0, 9]"}) {
+    EXPECT_EQ(refusal(other), "optics.px_per_cycle") << other;
+    EXPECT_EQ(refusal(other, "slm"), "") << other;
+  }
+}
+
 TEST(ParseConfig, ReadsAPairAsXThenY) {
   const auto config = parse_config(
       R"({"optics": {"centre_px": [10, 20.5]}, "sensor": {"grooves": [100, 30]},

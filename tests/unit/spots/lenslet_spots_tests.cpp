@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <numbers>
+#include <vector>
 
 #include "core/optics/zernike.hpp"
 #include "core/spots/spot_renderer.hpp"
@@ -23,16 +25,20 @@ struct ArrayCase {
   std::vector<int> modes_j{1, 2, 3, 4, 5, 8, 12};
   std::vector<double> waves{0.3, -0.2, 0.2, 0.25, -0.15, 0.1, 0.05};
 
-  explicit ArrayCase(int charge, SpiralPlate plate, LensletShape shape) {
+  /// `seen`: how the camera sees the array, of scale 1.
+  explicit ArrayCase(int charge, SpiralPlate plate, LensletShape shape, PxPerCycle seen = 1.0) {
     sensor.charge = charge;
     sensor.grooves = {0.0, 0.0};
     sensor.pupil_diameter_px = 150.0;
     sensor.subapertures_across = 5;
     sensor.lenslets = {shape, 30.0, 0.0, plate, 120.0, {}};
+    const double row_px = shape == LensletShape::hexagon ? 30.0 * std::sqrt(0.75) : 30.0;
     for (int k = 0; k < 25; ++k) {
-      sensor.lenslets.centres_px.push_back({30.0 * (k % 5 - 2) + 0.2, 30.0 * (k / 5 - 2) - 0.4});
+      const double aside = shape == LensletShape::hexagon && k / 5 % 2 != 0 ? 15.0 : 0.0;
+      sensor.lenslets.centres_px.push_back(
+          {30.0 * (k % 5 - 2) + aside + 0.2, row_px * (k / 5 - 2) - 0.4});
     }
-    optics.registered = PxPerCycle(120.0);
+    optics.registered = seen / (1.0 / 120.0);
     optics.centre_px = Vec2{95.3, 90.1};
   }
 
@@ -52,23 +58,40 @@ struct ArrayCase {
     return sensor.charge * plate.depth * turns;
   }
   bool covers(Vec2 from_centre) const {
-    return sensor.lenslets.shape == LensletShape::square || norm(from_centre) <= 15.0;
+    const double x = std::abs(from_centre.x), y = std::abs(from_centre.y);
+    if (sensor.lenslets.shape == LensletShape::circle) return norm(from_centre) <= 15.0;
+    if (sensor.lenslets.shape == LensletShape::square) return x <= 15.0 && y <= 15.0;
+    return x <= 15.0 && 0.5 * x + std::sqrt(0.75) * y <= 15.0;
   }
-  /// Light of every camera pixel: each lenslet is a lens of its own, and Fresnel's integral takes
-  /// its light to the camera. Of the kernel exp(i pi |x - r|^2 / lambda f), |x|^2 only turns the
-  /// whole field, |r|^2 belongs to the lenslet, and x . r is a product of rows and columns.
-  /// lambda f = px_per_cycle in square pixels.
-  Eigen::MatrixXd light(int width, int height) const {
-    constexpr int kSamples = 60;
+  /// Light of every camera pixel, in the camera's rows and columns. A camera that sees the array
+  /// turned by 90 degrees has the array's rows as its columns.
+  Eigen::MatrixXd light() const {
+    const PxPerCycle& seen = *optics.registered;
+    const Vec2 x = seen.back({1.0, 0.0}), y = seen.back({0.0, 1.0});
+    const auto places = [](int size, double middle_px, double sign) {
+      const Eigen::ArrayXd pixels = Eigen::ArrayXd::LinSpaced(size, 0.0, size - 1.0);
+      return Eigen::ArrayXd(sign * (pixels - middle_px));
+    };
+    const Eigen::ArrayXd columns = places(kWidth, optics.centre_px->x, x.x + x.y),
+                         rows = places(kHeight, optics.centre_px->y, y.x + y.y);
+    return std::abs(x.x) > 0.5 ? light_at(columns, rows)
+                               : Eigen::MatrixXd(light_at(rows, columns).transpose());
+  }
+  /// Light at these places along the array's axes: each lenslet is a lens of its own, and Fresnel's
+  /// integral takes its light to the camera. Of the kernel exp(i pi |x - r|^2 / lambda f), |x|^2
+  /// only turns the whole field, |r|^2 belongs to the lenslet, and x . r is a product of rows and
+  /// columns. lambda f = px_per_cycle in square pixels.
+  Eigen::MatrixXd light_at(const Eigen::ArrayXd& columns, const Eigen::ArrayXd& rows) const {
+    constexpr int kSamples = 72;
     const double lambda_f = sensor.lenslets.px_per_cycle;
-    const auto sample = [](int k) { return 30.0 * ((k + 0.5) / kSamples - 0.5); };
-    const auto kernel = [&](double centre, int size, double middle_px) -> Eigen::MatrixXcd {
-      return Eigen::MatrixXcd::NullaryExpr(size, kSamples, [&](auto pixel, auto k) {
-        const double place = double(pixel) - middle_px;
-        return std::polar(1.0, -2.0 * kPi * place * (centre + sample(int(k))) / lambda_f);
+    const auto sample = [](int k) { return 36.0 * ((k + 0.5) / kSamples - 0.5); };
+    const auto kernel = [&](double centre, const Eigen::ArrayXd& places) -> Eigen::MatrixXcd {
+      return Eigen::MatrixXcd::NullaryExpr(places.size(), kSamples, [&](auto pixel, auto k) {
+        return std::polar(1.0, -2.0 * kPi * places(pixel) * (centre + sample(int(k))) / lambda_f);
       });
     };
-    Eigen::MatrixXcd far = Eigen::MatrixXcd::Zero(height, width), near(kSamples, kSamples);
+    Eigen::MatrixXcd far = Eigen::MatrixXcd::Zero(rows.size(), columns.size()),
+                     near(kSamples, kSamples);
     for (const Vec2 centre : sensor.lenslets.centres_px) {
       for (int row = 0; row < kSamples; ++row) {
         for (int column = 0; column < kSamples; ++column) {
@@ -79,8 +102,7 @@ struct ArrayCase {
           near(row, column) = covers(off) ? std::polar(1.0, 2.0 * kPi * waves_here) : 0.0;
         }
       }
-      far += kernel(centre.y, height, optics.centre_px->y) * near *
-             kernel(centre.x, width, optics.centre_px->x).transpose();
+      far += kernel(centre.y, rows) * near * kernel(centre.x, columns).transpose();
     }
     return far.cwiseAbs2();
   }
@@ -100,7 +122,7 @@ Difference difference_of(const ArrayCase& array) {
   EXPECT_TRUE(is_inside(spot) && spot.window.bin == 1);
   double product = 0.0, squares = 0.0, peak = 0.0;
   std::vector<std::pair<double, double>> pixels;  // expected, rendered
-  const Eigen::MatrixXd light = array.light(kWidth, kHeight);
+  const Eigen::MatrixXd light = array.light();
   each_pixel(spot.window, [&](Eigen::Index cell, int x, int y) {
     pixels.emplace_back(light(y, x), double(spot.light(cell)));
     product += pixels.back().first * pixels.back().second;
@@ -131,6 +153,25 @@ TEST(LensletSpots, AreThoseOfFresnelsIntegral) {
     const Difference difference = difference_of(array);
     EXPECT_LT(difference.most, 0.06);
     EXPECT_LT(difference.rms, 0.012);
+  }
+}
+
+/// How a camera may see an array: mirrors and quarter turns.
+const std::vector<PxPerCycle> kSeen{{1, 0, 0, 1}, {-1, 0, 0, 1},  {1, 0, 0, -1}, {-1, 0, 0, -1},
+                                    {0, 1, 1, 0}, {0, -1, -1, 0}, {0, -1, 1, 0}, {0, 1, -1, 0}};
+
+TEST(LensletSpots, AreSeenInTheCamerasDirection) {
+  const SpiralPlate made{16, 1.05, {0.6, 0.0}};
+  for (const PxPerCycle& seen : kSeen) {
+    const Difference bright = difference_of(ArrayCase(0, {}, LensletShape::hexagon, seen));
+    std::printf("  [%g %g %g %g]: bright hexagons %.4f (RMS %.4f)", seen.xx, seen.xy, seen.yx,
+                seen.yy, bright.most, bright.rms);
+    EXPECT_LT(bright.most, 0.025);
+    EXPECT_LT(bright.rms, 0.004);
+    const Difference vortex = difference_of(ArrayCase(1, made, LensletShape::square, seen));
+    std::printf(", vortices %.4f (RMS %.4f)\n", vortex.most, vortex.rms);
+    EXPECT_LT(vortex.most, 0.08);
+    EXPECT_LT(vortex.rms, 0.012);
   }
 }
 
