@@ -50,9 +50,9 @@ struct PlateConfig {
 
 /// A fixed array of lenslets.
 struct ArrayConfig {
-  double pitch_um = 150.0;  ///< distance of neighbouring lenslets
-  LensletShape shape = LensletShape::square;
-  std::optional<double> pupil_mm;  ///< diameter on the array; none: see lenslet_pupil
+  double pitch_um = 150.0;            ///< distance of neighbouring lenslets
+  std::optional<LensletShape> shape;  ///< none: filling_shape of the grid
+  std::optional<double> pupil_mm;     ///< diameter on the array; none: see lenslet_pupil
   PlateConfig plate;
 };
 

@@ -44,7 +44,7 @@ SensorConfig sensor_with(const Config& config, ArrayOnCamera lenslets) {
   out.pupil_diameter_px = lenslets.pupil_diameter_px;
   out.subapertures_across = std::max(1, int(lenslets.pupil_diameter_px / pitch_px + 1e-6));
   out.grooves = {0.0, 0.0};
-  out.lenslets = {array.shape,
+  out.lenslets = {array.shape.value_or(filling_shape(out.grid)),
                   pitch_px,
                   lenslets.rotation_deg,
                   {array.plate.levels, array.plate.depth, (1.0 / pixel_um) * array.plate.shift_um},

@@ -42,6 +42,11 @@ std::optional<std::string> is_no_beam_name(const std::string& name) {
 
 /// Checks that the model can render the spots of a fixed array.
 void check_array(const Config& config, ObjectReader& reader) {
+  if (config.array.shape && !fits_into(config.sensor.grid, *config.array.shape)) {
+    reader.fault("array.shape",
+                 "lenslets of this shape overlap in the grid of sensor.grid: set "
+                 "null, \"circle\", or the other grid");
+  }
   if (config.optics.registered && !is_right_angled(*config.optics.registered)) {
     reader.fault("optics.px_per_cycle",
                  "of an array of lenslets, only mirrored images and turns by 90 degrees are "

@@ -76,7 +76,8 @@ inline constexpr auto kTable<ArrayConfig> =
     Fields{"ArrayConfig",
            field<&ArrayConfig::pitch_um>("distance of neighbouring lenslets, micrometres",
                                          limits::kLensletPitchUm),
-           field<&ArrayConfig::shape>("shape of a lenslet"),
+           field<&ArrayConfig::shape>(
+               "shape of a lenslet; null: the one that fills the grid, square or hexagon"),
            field<&ArrayConfig::pupil_mm>("diameter of the pupil on the array, millimetres; null: "
                                          "the largest circle of lit lenslets",
                                          limits::kPupilMm),

@@ -9,6 +9,14 @@ PxPerCycle px_per_cycle(const OpticsConfig& optics, const SlmGeometry& slm) {
          (slm.pitch_um * optics.camera_pitch_um);
 }
 
+LensletShape filling_shape(Grid grid) {
+  return grid == Grid::square ? LensletShape::square : LensletShape::hexagon;
+}
+
+bool fits_into(Grid grid, LensletShape shape) {
+  return shape == LensletShape::circle || shape == filling_shape(grid);
+}
+
 bool is_right_angled(const PxPerCycle& map) {
   constexpr double kTolerance = 0.002;
   const double tolerance = kTolerance * map.scale();

@@ -77,8 +77,12 @@ struct OpticsConfig {
 
 enum class Grid { hexagonal, square };
 
-/// Shape of a lenslet.
+/// Shape of a lenslet, as wide as the pitch. Squares fill a square grid, hexagons a hexagonal one.
 enum class LensletShape { square, hexagon, circle };
+/// The shape that fills this grid without gaps.
+LensletShape filling_shape(Grid grid);
+/// Whether lenslets of this shape do not overlap in this grid: the filling shape, or circles.
+bool fits_into(Grid grid, LensletShape shape);
 
 /// Spiral phase plate in a lenslet, as it was made. Its phase is 2 pi charge depth floor(n t) / n
 /// for n steps, t: turns from the lattice's +x towards +y; without steps 2 pi charge depth t.

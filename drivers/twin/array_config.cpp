@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "proto/names.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws::twin {
 namespace {
@@ -19,6 +19,15 @@ void read_optional(ObjectReader& r, const char* key, std::optional<double>& out)
   out.reset();
   if (r.is_null(key)) return;
   r.number(key, out.emplace(), 0.01, 1000.0);
+}
+
+void read_shape(ObjectReader& r, std::optional<LensletShape>& out) {
+  if (!r.has("shape")) return;
+  out.reset();
+  if (r.is_null("shape")) return;
+  int shape = 0;
+  r.choice("shape", shape, kNames<LensletShape>());
+  out = LensletShape(shape);
 }
 
 void read_plate(ObjectReader& r, PlateConfig& plate) {
@@ -39,6 +48,10 @@ int wanted_samples(const ArrayConfig& array, const OpticsConfig& optics) {
 }
 
 }  // namespace
+
+LensletShape shape_of(const ArrayConfig& array) {
+  return array.shape.value_or(filling_shape(array.lattice));
+}
 
 double row_um(const ArrayConfig& array) {
   return array.lattice == Grid::square ? array.pitch_um
@@ -61,11 +74,10 @@ int samples_across(const ArrayConfig& array, const OpticsConfig& optics) {
 
 void read_array(ObjectReader& r, ArrayConfig& array) {
   r.number("pitch_um", array.pitch_um, 5.0, 10e3);
-  int lattice = int(array.lattice), shape = int(array.shape);
+  int lattice = int(array.lattice);
   r.choice("lattice", lattice, kNames<Grid>());
-  r.choice("shape", shape, {"square", "circle"});
   array.lattice = Grid(lattice);
-  array.shape = LensletShape(shape);
+  read_shape(r, array.shape);
   r.integer("columns", array.columns, 1, kMaxAcross);
   r.integer("rows", array.rows, 1, kMaxAcross);
   read_optional(r, "pupil_mm", array.pupil_mm);
@@ -76,6 +88,11 @@ void read_array(ObjectReader& r, ArrayConfig& array) {
 
 Result<void> check_array(const ArrayConfig& array, const OpticsConfig& optics,
                          double magnification) {
+  if (!fits_into(array.lattice, shape_of(array))) {
+    return fail(Errc::invalid, "array.shape",
+                "squares fill a square lattice and hexagons a hexagonal one: set null, \"circle\", "
+                "or another array.lattice");
+  }
   const double reach =
       array.reach_pitches * array.pitch_um * magnification / optics.camera_pitch_um;
   if (reach > kMaxReachPx || reach < kMinReachPx) {

@@ -10,8 +10,6 @@
 
 namespace ovws::twin {
 
-enum class LensletShape { square, circle };
-
 /// Errors of manufacture of the spiral phase plates. The phase at the angle theta around the
 /// spiral's axis is depth * charge * theta, theta = 0 … 2 pi from +x towards +y. With steps, theta
 /// is that of the middle of its step.
@@ -26,9 +24,9 @@ struct PlateConfig {
 struct ArrayConfig {
   double pitch_um = 150.0;
   Grid lattice = Grid::square;
-  /// Square lenslets fill the array (on a hexagonal lattice they are as high as a row). Circles
-  /// have the pitch as their diameter; what is between them is opaque.
-  LensletShape shape = LensletShape::square;
+  /// Squares fill a square lattice, hexagons a hexagonal one; none: the one of the two that does.
+  /// Circles have the pitch as their diameter; what is between them is opaque.
+  std::optional<LensletShape> shape{};
   int columns = 47, rows = 35;
   /// Diameter of the circle over which the aberration is defined; none: pupil_um's default.
   std::optional<double> pupil_mm{};
@@ -43,6 +41,7 @@ struct ArrayConfig {
 
 /// Diameter of the aberration's pupil: by default the largest circle inside the array.
 double pupil_um(const ArrayConfig& array);
+LensletShape shape_of(const ArrayConfig& array);
 /// Distance between rows.
 double row_um(const ArrayConfig& array);
 

@@ -22,12 +22,20 @@ std::vector<Vec2> lenslet_centres(const ArrayConfig& array) {
 }
 
 bool in_lenslet(const ArrayConfig& array, Vec2 at) {
-  if (array.shape == LensletShape::circle) return norm(at) <= array.pitch_um / 2;
-  return std::abs(at.x) <= array.pitch_um / 2 && std::abs(at.y) <= row_um(array) / 2;
+  const double half = array.pitch_um / 2, x = std::abs(at.x), y = std::abs(at.y);
+  switch (shape_of(array)) {
+    case LensletShape::circle:
+      return norm(at) <= half;
+    case LensletShape::hexagon:  // two sides are perpendicular to x
+      return x <= half && x / 2 + y * std::numbers::sqrt3 / 2 <= half;
+    case LensletShape::square:
+      break;
+  }
+  return x <= half && y <= half;
 }
 
 double lenslet_area(const ArrayConfig& array) {
-  if (array.shape == LensletShape::square) return array.pitch_um * row_um(array);
+  if (shape_of(array) != LensletShape::circle) return array.pitch_um * row_um(array);
   return std::numbers::pi * array.pitch_um * array.pitch_um / 4;
 }
 

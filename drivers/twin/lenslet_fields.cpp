@@ -21,14 +21,20 @@ int padded(int width) {
 
 /// Side of the square, parallel to the camera's axes, that holds a lenslet.
 double square_side_um(const ArrayConfig& array, const CameraMap& map) {
-  if (array.shape == LensletShape::circle) return array.pitch_um;
-  return std::max(array.pitch_um * std::abs(map.of_x.x) + row_um(array) * std::abs(map.of_y.x),
-                  array.pitch_um * std::abs(map.of_x.y) + row_um(array) * std::abs(map.of_y.y));
+  switch (shape_of(array)) {
+    case LensletShape::circle:
+      break;
+    case LensletShape::hexagon:  // from corner to corner, whatever the rotation
+      return array.pitch_um * 2.0 / std::numbers::sqrt3;
+    case LensletShape::square:
+      return array.pitch_um * (std::abs(map.of_x.x) + std::abs(map.of_x.y));
+  }
+  return array.pitch_um;
 }
 
 /// Whether the lenslets are the squares themselves.
 bool fill_squares(const ArrayConfig& array, const CameraMap& map) {
-  return array.shape == LensletShape::square && array.lattice == Grid::square && map.axis_aligned();
+  return shape_of(array) == LensletShape::square && map.axis_aligned();
 }
 
 }  // namespace

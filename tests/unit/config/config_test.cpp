@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "proto/limits.hpp"
+#include "proto/tables/sensor.hpp"
 
 namespace ovws {
 namespace {
@@ -246,6 +247,24 @@ TEST(ParseConfig, RefusesInvalidSettingsOfTheRefinement) {
       parse_config(R"({"refine": {"saturation_dn": 4000}, "camera": {"pixel_format": "Mono12"}})");
   ASSERT_TRUE(deep) << deep.error().reason;
   EXPECT_EQ(deep->refine.format, PixelFormat::mono12);
+}
+
+TEST(ParseConfig, LensletsFillTheirGrid) {
+  const auto shape = [](const std::string& grid, const std::string& array = "{}") {
+    const auto config = parse_config(R"({"modulator": "fixed", "sensor": {"grid": ")" + grid +
+                                     R"("}, "array": )" + array + "}");
+    return config ? std::string(kNames<LensletShape>()[std::size_t(config->sensor.lenslets.shape)])
+                  : config.error().field;
+  };
+  EXPECT_EQ(shape("hexagonal"), "hexagon");
+  EXPECT_EQ(shape("square"), "square");
+  for (const std::string grid : {"hexagonal", "square"}) {
+    EXPECT_EQ(shape(grid, R"({"shape": "circle"})"), "circle");
+    EXPECT_EQ(shape(grid, R"({"shape": null})"), shape(grid));
+  }
+  EXPECT_EQ(shape("hexagonal", R"({"shape": "square"})"), "array.shape");
+  EXPECT_EQ(shape("square", R"({"shape": "hexagon"})"), "array.shape");
+  EXPECT_TRUE(parse_config(R"({"array": {"shape": "square"}})"));  // of an SLM it has no effect
 }
 
 TEST(ParseConfig, AnArrayIsSeenMirroredAndTurnedByQuartersOnly) {

@@ -113,7 +113,7 @@ TEST_F(ConfigReadme, ListsEveryKeyWithItsDefaultRangeAndNamesAndNoOther) {
              EXPECT_EQ(Json::parse(row.preset, nullptr, false), preset);
              EXPECT_EQ(range_in(row.range), range_of(schema)) << row.range;
              for (const Json& name : schema.value("enum", Json::array())) {
-               EXPECT_TRUE(names(row, name)) << name;
+               EXPECT_TRUE(name.is_null() || names(row, name)) << name;
              }
            });
   for (const auto& [key, row] : rows) ADD_FAILURE() << key << " is no key of the configuration";
