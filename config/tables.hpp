@@ -20,7 +20,7 @@ inline std::optional<std::string> is_empty_path(const std::optional<std::string>
   return path ? is_empty(*path) : std::nullopt;
 }
 inline std::optional<std::string> is_no_endpoint(const std::string& text) {
-  return endpoint_fault(text);
+  return bind_fault(text);
 }
 inline std::optional<std::string> is_no_power_of_two(const int& number) {
   if ((number & (number - 1)) == 0) return std::nullopt;

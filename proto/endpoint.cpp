@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 
+#include <algorithm>
 #include <charconv>
 #include <string>
 
@@ -16,6 +17,20 @@ bool is_port(std::string_view text) {
   int port = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
   return error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= 65535;
+}
+
+/// HOST of "tcp://HOST:PORT".
+std::string host_of_tcp(std::string_view endpoint) {
+  return std::string(endpoint.substr(kTcp.size(), endpoint.rfind(':') - kTcp.size()));
+}
+
+/// Whether the host is "[ADDRESS]", an IPv6 address, which may name its interface
+/// ("[fe80::1%eth0]").
+bool is_ipv6_host(const std::string& host) {
+  if (!host.starts_with('[') || !host.ends_with(']')) return false;
+  const std::string address = host.substr(1, std::min(host.find('%'), host.size() - 1) - 1);
+  in6_addr parsed{};
+  return ::inet_pton(AF_INET6, address.c_str(), &parsed) == 1;
 }
 
 }  // namespace
@@ -34,13 +49,28 @@ std::optional<std::string> endpoint_fault(std::string_view endpoint) {
   if (colon == std::string_view::npos || colon == 0 || !is_port(address.substr(colon + 1))) {
     return is + "it must end with :PORT, from 1 to 65535";
   }
+  const std::string host = host_of_tcp(endpoint);
+  if (host.find_first_of("[]:") != std::string::npos && !is_ipv6_host(host)) {
+    return is + "an IPv6 address is written in brackets, e.g. tcp://[::1]:7702";
+  }
   return std::nullopt;
+}
+
+std::optional<std::string> bind_fault(std::string_view endpoint) {
+  if (auto fault = endpoint_fault(endpoint)) return fault;
+  if (!endpoint.starts_with(kTcp) || host_of_tcp(endpoint) != "localhost") return std::nullopt;
+  return "\"" + std::string(endpoint) + "\" is a name: give the address, tcp://127.0.0.1" +
+         std::string(endpoint.substr(endpoint.rfind(':')));
+}
+
+bool is_ipv6(std::string_view endpoint) {
+  return endpoint.starts_with(kTcp) && is_ipv6_host(host_of_tcp(endpoint));
 }
 
 bool is_reached_from_here_only(std::string_view endpoint) {
   if (endpoint.starts_with(kIpc)) return !endpoint.substr(kIpc.size()).starts_with('@');
   if (!endpoint.starts_with(kTcp)) return false;
-  const std::string host(endpoint.substr(kTcp.size(), endpoint.rfind(':') - kTcp.size()));
+  const std::string host = host_of_tcp(endpoint);
   in_addr address{};
   if (::inet_pton(AF_INET, host.c_str(), &address) == 1) return ntohl(address.s_addr) >> 24 == 127;
   return host == "[::1]";

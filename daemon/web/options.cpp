@@ -19,9 +19,10 @@ std::vector<std::string> Options::hosts() const {
 
 Result<void> check_options(Options& options) {
   const std::string endpoint = "tcp://" + options.listen;
-  if (endpoint_fault(endpoint)) {
+  if (bind_fault(endpoint)) {
     return fail(Errc::invalid, "--listen",
-                "must be ADDRESS:PORT with a port from 1 to 65535, e.g. 127.0.0.1:7704");
+                "must be ADDRESS:PORT, a numeric address and a port from 1 to 65535, e.g. "
+                "127.0.0.1:7704");
   }
   const auto colon = options.listen.rfind(':');
   const std::string address = options.listen.substr(0, colon);

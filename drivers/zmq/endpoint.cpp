@@ -61,10 +61,18 @@ bool is_in_use(const std::string& path) {
   return answered;
 }
 
+/// Checks the endpoint, and prepares the socket for its kind of address.
+Result<void> prepare(void* socket, const std::string& endpoint) {
+  if (auto fault = endpoint_fault(endpoint)) return fail(Errc::invalid, "", *fault);
+  const int ipv6 = is_ipv6(endpoint) ? 1 : 0;
+  if (zmq_setsockopt(socket, ZMQ_IPV6, &ipv6, sizeof ipv6) == 0) return {};
+  return refusal(zmq_errno(), endpoint);
+}
+
 }  // namespace
 
 Result<void> bind_endpoint(void* socket, const std::string& endpoint) {
-  if (auto fault = endpoint_fault(endpoint)) return fail(Errc::invalid, "", *fault);
+  if (auto prepared = prepare(socket, endpoint); !prepared) return prepared;
   const std::string path = file_of(endpoint);
   if (!path.empty() && is_in_use(path)) return refusal(EADDRINUSE, endpoint);
   if (zmq_bind(socket, endpoint.c_str()) != 0) return refusal(zmq_errno(), endpoint);
@@ -75,7 +83,7 @@ Result<void> bind_endpoint(void* socket, const std::string& endpoint) {
 }
 
 Result<void> connect_endpoint(void* socket, const std::string& endpoint) {
-  if (auto fault = endpoint_fault(endpoint)) return fail(Errc::invalid, "", *fault);
+  if (auto prepared = prepare(socket, endpoint); !prepared) return prepared;
   if (zmq_connect(socket, endpoint.c_str()) != 0) return refusal(zmq_errno(), endpoint);
   return {};
 }

@@ -325,6 +325,27 @@ class Files(BenchCase):
         self.addCleanup(client.close)
         self.assertEqual(client.call("system.status")["counters"]["clients_rejected"], 0)
 
+    def test_ipv6_addresses(self):
+        if not os.path.exists("/proc/net/if_inet6"):
+            self.skipTest("this machine has no IPv6")
+        keys = {name: self.ovws("keygen", "-o", f"{name}.json").stdout.strip() for name in ("daemon", "client")}
+        (self.folder / "clients.json").write_text(json.dumps({"clients": [{"name": "a", "key": keys["client"], "role": "control"}]}))
+        security = {"security": {"secret_key": "daemon.json", "clients": "clients.json"}}
+        given = (self.folder / "client.json", keys["daemon"])
+        for host, more, key in (("[::1]", {}, ()), ("[::]", security, given)):
+            with self.subTest(host):
+                self.bench.start_daemon(more | {"control": {"endpoint": f"tcp://{host}:7702"},
+                                                "stream": {"endpoint": f"tcp://{host}:7701", "image_endpoint": f"tcp://{host}:7703"}})
+                options = ["--key", key[0], "--server-key", key[1]] if key else []
+                done = self.ovws("--endpoint", "tcp://[::1]:7702", *options, "status")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                with Client("tcp://[::1]:7702", PATIENCE_S, *key) as client:
+                    self.assertEqual(client.call("config.get")["control"]["endpoint"], f"tcp://{host}:7702")
+                stream = Stream(["status"], "tcp://[::1]:7701", *key)
+                self.addCleanup(stream.close)
+                self.assertIsNotNone(stream.next(PATIENCE_S))
+                self.bench.stop("ovwsd")
+
     def test_streams_end_on_ipc_too(self):
         keys = {}
         for name in ("daemon", "stays", "goes"):

@@ -76,9 +76,10 @@ Exporter::~Exporter() = default;
 
 Result<void> check_address(const std::string& address) {
   const std::string endpoint = "tcp://" + address;
-  if (endpoint_fault(endpoint)) {
-    return fail(Errc::invalid, kField,
-                "\"" + address + "\" is not ADDRESS:PORT, e.g. 127.0.0.1:7705");
+  if (bind_fault(endpoint)) {
+    return fail(
+        Errc::invalid, kField,
+        "\"" + address + "\" is not ADDRESS:PORT with a numeric address, e.g. 127.0.0.1:7705");
   }
   if (is_reached_from_here_only(endpoint)) return {};
   return fail(

@@ -14,8 +14,10 @@ from .errors import ClientError, NoAnswer
 
 
 def connect(socket: zmq.Socket[Any], endpoint: str) -> None:
-    """Connects; raises ClientError, and closes the socket, if this is no endpoint."""
+    """Connects; raises ClientError, and closes the socket, if this is no endpoint. IPv6 addresses are written in brackets: with IPV6 set, libzmq
+    would resolve a name such as localhost to IPv6 only."""
     try:
+        socket.ipv6 = str(endpoint).startswith("tcp://[")
         socket.connect(endpoint)
     except (zmq.ZMQError, TypeError) as error:
         socket.close()

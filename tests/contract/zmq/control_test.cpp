@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <deque>
 #include <mutex>
 #include <thread>
@@ -66,6 +68,26 @@ class Served {
 };
 
 using Frames = std::vector<std::string>;
+
+/// Bound to `bound`, asked at `reached`.
+void expect_answer(const std::string& bound, const std::string& reached) {
+  const Served served(bound);
+  auto client = ControlClient::connect(reached);
+  ASSERT_TRUE(client) << client.error().reason;
+  const auto reply = client->request("hello", 5000ms);
+  ASSERT_TRUE(reply) << bound << " at " << reached << ": " << reply.error().reason;
+  EXPECT_EQ(*reply, "re:hello");
+}
+
+TEST(ControlServer, AnswersOverIpv6) {
+  const std::string loopback = test::ipv6_endpoint();
+  if (loopback.empty()) GTEST_SKIP() << "this machine has no IPv6";
+  expect_answer(loopback, loopback);
+  const std::string reached = test::ipv6_endpoint();
+  const std::string port = reached.substr(reached.rfind(':'));
+  expect_answer("tcp://[::]" + port, reached);
+  expect_answer("tcp://127.0.0.1" + port, "tcp://localhost" + port);  // a name means IPv4
+}
 
 TEST(ControlServer, AnswersReqAndDealerWithAndWithoutDelimiter) {
   const auto endpoint = test::ipc_endpoint("kinds");

@@ -50,4 +50,17 @@ inline std::string tcp_endpoint() {
   return "tcp://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
 }
 
+/// A free port of the IPv6 loopback address; empty on a machine without IPv6.
+inline std::string ipv6_endpoint() {
+  sockaddr_in6 address{};
+  address.sin6_family = AF_INET6;
+  address.sin6_addr = in6addr_loopback;
+  socklen_t size = sizeof address;
+  const int fd = ::socket(AF_INET6, SOCK_STREAM, 0);
+  const bool bound = fd >= 0 && ::bind(fd, reinterpret_cast<const sockaddr*>(&address), size) == 0;
+  if (bound) ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  if (fd >= 0) ::close(fd);
+  return bound ? "tcp://[::1]:" + std::to_string(ntohs(address.sin6_port)) : "";
+}
+
 }  // namespace ovws::test

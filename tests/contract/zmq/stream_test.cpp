@@ -70,6 +70,18 @@ TEST(Publisher, SendsTopicJsonAndBinary) {
   EXPECT_TRUE(wavefront->binary.empty());
 }
 
+TEST(Publisher, SendsOverIpv6) {
+  const auto endpoint = test::ipv6_endpoint();
+  if (endpoint.empty()) GTEST_SKIP() << "this machine has no IPv6";
+  Publisher publisher = publisher_at(endpoint, 10);
+  Subscriber subscriber = subscriber_at(endpoint, {"event"}, 10);
+  settle(publisher, subscriber, "event");
+  publisher.send("event", "1");
+  const auto message = subscriber.receive(5000ms);
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->json, "1");
+}
+
 TEST(Publisher, SendsASubscriberItsTopicsOnly) {
   const auto endpoint = test::ipc_endpoint("topics");
   Publisher publisher = publisher_at(endpoint, 10);

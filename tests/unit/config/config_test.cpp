@@ -230,6 +230,9 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of(R"({"stream": {"endpoint": "7701"}})").field, "stream.endpoint");
   EXPECT_EQ(error_of(R"({"stream": {"endpoint": "tcp://127.0.0.1:99999"}})").field,
             "stream.endpoint");
+  EXPECT_NE(error_of(R"({"control": {"endpoint": "tcp://localhost:7702"}})")
+                .reason.find("give the address, tcp://127.0.0.1:7702"),
+            std::string::npos);
   EXPECT_EQ(error_of(R"({"control": {"endpoint": "tcp://127.0.0.1:7701"}})").field,
             "control.endpoint");
   EXPECT_EQ(error_of(R"({"log": {"level": "loud"}})").field, "log.level");

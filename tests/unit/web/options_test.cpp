@@ -32,8 +32,9 @@ TEST(OptionsTest, RefusesWhatOthersReachUnlessItIsAskedFor) {
 
 TEST(OptionsTest, RefusesWhatIsNoAddress) {
   Options options;
-  for (const char* listen : {"", ":", ":7704", "127.0.0.1", "127.0.0.1:", "127.0.0.1:0",
-                             "127.0.0.1:70000", "127.0.0.1:x", "127.0.0.1:7704x"}) {
+  for (const char* listen :
+       {"", ":", ":7704", "127.0.0.1", "127.0.0.1:", "127.0.0.1:0", "127.0.0.1:70000",
+        "127.0.0.1:x", "127.0.0.1:7704x", "localhost:7704", "::1:7704"}) {
     options.listen = listen;
     EXPECT_FALSE(check_options(options)) << listen;
   }

@@ -1,5 +1,6 @@
 """Both clients against a simulated daemon: answers, errors, time-outs, replies in any order."""
 import asyncio
+import contextlib
 import copy
 import itertools
 import json
@@ -9,6 +10,7 @@ import os
 import pickle
 import queue
 import re
+import socket
 import tempfile
 import threading
 import unittest
@@ -66,6 +68,16 @@ def in_a_fork(use):
         process.join()
 
 
+HAS_IPV6 = os.path.exists("/proc/net/if_inet6")
+
+
+@contextlib.contextmanager
+def free_port():
+    with socket.create_server(("", 0)) as server:
+        port = server.getsockname()[1]
+    yield port
+
+
 def job(state, error=None):
     result = {"frames": 9} if state == "done" else None
     return {"job": 3, "kind": "reference.take", "state": state, "progress": 0.5, "result": result, "error": error}
@@ -80,6 +92,7 @@ class Played(threading.Thread):
         self.requests = []
         self._replies, self._together, self._order = list(replies), together, order
         self._socket = zmq.Context.instance().socket(zmq.ROUTER)
+        self._socket.ipv6 = "[" in endpoint
         self._socket.bind(endpoint)
         self.start()
 
@@ -101,10 +114,10 @@ class Clients(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.endpoints = (f"ipc://{folder.name}/control{number}" for number in itertools.count())
 
-    def both(self, use, *replies):
+    def both(self, use, *replies, bound=None):
         """Results of use(client) with the blocking client and, awaited, with the asyncio client; `requests` holds what they sent."""
         endpoint = next(self.endpoints)
-        played = Played(endpoint, replies * 2)
+        played = Played(bound or endpoint, replies * 2)
         with Client(endpoint, 20.0) as client:
             outcomes = [self.outcome(lambda: use(client))]
 
@@ -129,6 +142,14 @@ class Clients(unittest.TestCase):
         outcomes = self.both(lambda client: client.camera_set(gain_db=np.float32(6.0), roi={"x": np.int64(8)}), {"result": {"applied": 1}})
         self.assertEqual(outcomes, [{"applied": 1}] * 2)
         self.assertEqual([(r["method"], r["params"]) for r in self.requests], [("camera.set", {"gain_db": 6.0, "roi": {"x": 8}})] * 2)
+
+    def test_an_answer_over_ipv6_or_from_a_host_name(self):
+        if not HAS_IPV6:
+            self.skipTest("this machine has no IPv6")
+        for bound, reached in (("[::1]", "[::1]"), ("[::]", "[::1]"), ("127.0.0.1", "localhost")):
+            with self.subTest(bound), free_port() as port:
+                self.endpoints = itertools.repeat(f"tcp://{reached}:{port}")
+                self.assertEqual(self.both(lambda client: client.call("system.status"), {"result": "answer"}, bound=f"tcp://{bound}:{port}"), ["answer"] * 2)
 
     def test_an_error_says_what_and_what_to_do(self):
         for error in self.both(lambda client: client.camera_set(gain_db=1000), {"error": OUT_OF_RANGE}):

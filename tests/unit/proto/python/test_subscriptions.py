@@ -15,7 +15,7 @@ import paths  # noqa: F401  the client's folder
 import numpy as np
 import zmq
 
-from ovws_client import AsyncSubscription, ClientError, Event, NoAnswer, Subscription
+from ovws_client import AsyncSubscription, ClientError, Event, NoAnswer, Stream, Subscription
 
 EVENT = {"schema": "ovws.event/1", "seq": 0, "t_ns": 1, "kind": "job", "severity": "info", "text": "done", "data": None}
 
@@ -42,6 +42,13 @@ class Subscriptions(unittest.TestCase):
         for seq in seqs:
             self.socket.send_multipart([b"event", json.dumps(EVENT | {"seq": seq}).encode()])
 
+    def ipv6_endpoint(self):
+        """The endpoint of a new publisher."""
+        self.socket = zmq.Context.instance().socket(zmq.XPUB)
+        self.addCleanup(self.socket.close, 0)
+        self.socket.ipv6 = True
+        return f"tcp://[::1]:{self.socket.bind_to_random_port('tcp://[::1]')}"
+
     def test_iterating_and_the_newest(self):
         with Subscription(Event, endpoint=self.endpoint, timeout_s=20.0) as stream:
             self.publish(0, 1, 4)
@@ -54,6 +61,24 @@ class Subscriptions(unittest.TestCase):
             while 7 not in seen:
                 seen.append(stream.newest(20.0).seq)
             self.assertEqual((seen, stream.lost_messages), (sorted(seen), 2))
+
+    def test_over_ipv6(self):
+        if not os.path.exists("/proc/net/if_inet6"):
+            self.skipTest("this machine has no IPv6")
+        with Subscription(Event, endpoint=self.ipv6_endpoint(), timeout_s=20.0) as stream:
+            self.publish(0)
+            self.assertEqual(next(stream).seq, 0)
+
+        async def main():
+            async with AsyncSubscription(Event, endpoint=self.ipv6_endpoint(), timeout_s=20.0) as stream:
+                await asyncio.to_thread(self.publish, 0)
+                self.assertEqual((await anext(stream)).seq, 0)
+
+        asyncio.run(main())
+        stream = Stream(["event"], self.ipv6_endpoint())
+        self.addCleanup(stream.close)
+        self.publish(0)
+        self.assertEqual(stream.next(20.0)["seq"], 0)
 
     def test_silence(self):
         with Subscription(Event, endpoint=self.endpoint, timeout_s=0.05) as stream:
