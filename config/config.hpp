@@ -16,6 +16,9 @@
 
 namespace ovws {
 
+/// The camera driver that plays a recording: its id is the path of the file.
+constexpr const char* kReplayDriver = "replay";
+
 struct CameraConfig {
   std::string driver = "aravis";
   std::string id = "127.0.0.1";  ///< GenICam id, or address
@@ -153,7 +156,8 @@ double lenslet_pitch_px(const ArrayConfig& array, const OpticsConfig& optics);
 /// Parses strictly: unknown keys, wrong types and values out of range are errors that name the
 /// dotted path and, for an unknown key, the closest valid one. Allows comments (// and /* */).
 Result<Config> parse_config(const std::string& json_text);
-/// Reads and parses a configuration file. The reason of an error names the file.
+/// Reads and parses a configuration file. Makes its paths absolute: relative ones start from the
+/// file's folder. The reason of an error names the file.
 Result<Config> load_config(const std::string& path);
 /// JSON text with all keys, defaults included; parse_config(dump_config(c)) equals c.
 std::string dump_config(const Config& config);

@@ -1,8 +1,12 @@
 /// Parses and validates the configuration file.
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "config/tables.hpp"
 #include "proto/reader.hpp"
@@ -27,6 +31,44 @@ Result<Config> read_config(const nlohmann::json& json) {
   if (auto done = reader.finish(); !done) return fail(done.error());
   use_modulator(config);
   return config;
+}
+
+constexpr std::string_view kIpc = "ipc://";
+
+/// Relative paths start from `folder`; an empty path stays empty.
+void resolve(std::string& path, const std::filesystem::path& folder) {
+  if (!path.empty()) path = (folder / path).string();
+}
+
+Result<void> resolve_endpoint(std::string& endpoint, const std::filesystem::path& folder,
+                              const char* field) {
+  if (!endpoint.starts_with(kIpc) || endpoint.starts_with("ipc://@")) return {};
+  std::string path = endpoint.substr(kIpc.size());
+  resolve(path, folder);
+  endpoint = std::string(kIpc) + path;
+  if (auto fault = bind_fault(endpoint)) return fail(Errc::invalid, field, *fault);
+  return {};
+}
+
+/// Makes every path of the configuration absolute. Relative ones start from the folder of its file,
+/// so that they mean the same for a service, which runs in "/".
+Result<void> resolve_paths(Config& config, const std::filesystem::path& folder) {
+  for (auto* path : {&config.slm.lut, &config.slm.flatness, &config.security.secret_key,
+                     &config.security.clients, &config.state.directory, &config.record.directory}) {
+    if (*path) resolve(**path, folder);
+  }
+  for (MaskConfig& mask : config.sensor.masks) {
+    if (mask.file) resolve(*mask.file, folder);
+  }
+  if (config.camera.driver == kReplayDriver) resolve(config.camera.id, folder);
+  const std::pair<const char*, std::string*> endpoints[]{
+      {"stream.endpoint", &config.stream.endpoint},
+      {"stream.image_endpoint", &config.stream.image_endpoint},
+      {"control.endpoint", &config.control.endpoint}};
+  for (const auto& [field, endpoint] : endpoints) {
+    if (auto done = resolve_endpoint(*endpoint, folder, field); !done) return done;
+  }
+  return {};
 }
 
 }  // namespace
@@ -91,8 +133,11 @@ Result<Config> load_config(const std::string& path) {
   }
   text.resize(std::size_t(file.gcount()));
   auto config = parse_config(text);
-  if (config) return config;
-  Error error = config.error();
+  std::error_code unknown;
+  const auto folder = std::filesystem::absolute(path, unknown).parent_path();
+  const auto resolved = config ? resolve_paths(*config, folder) : Result<void>{};
+  if (config && resolved) return config;
+  Error error = config ? resolved.error() : config.error();
   error.reason = path + ": " + error.reason;
   return fail(std::move(error));
 }

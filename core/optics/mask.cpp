@@ -55,7 +55,7 @@ Result<void> check_mask(const MaskConfig& mask, const std::string& field,
     return fail(Errc::invalid, field + ".file",
                 *mask.file +
                     " was not read: name it in the configuration file and reload that, or "
-                    "name the file that is in use");
+                    "name the file that is in use by its absolute path, as config.get does");
   }
   return mask.map ? check_map(*mask.map, field + ".file") : Result<void>{};
 }

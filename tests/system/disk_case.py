@@ -82,7 +82,7 @@ class DiskCase(BenchCase):
                 self.assertEqual(event["severity"], "error")
                 self.assertRegex(event["text"], why)
                 store = self.call("system.status")["store"]
-                self.assertEqual(store["directory"], "state")
+                self.assertEqual(store["directory"], str(self.bench.directory / "state"))
                 self.assertRegex(store["reason"], why)
                 if get:
                     self.assertIsNone(self.call(get)["sha256"])

@@ -23,7 +23,7 @@ class Disk(DiskCase):
         def remount(how):
             subprocess.run(["mount", "-o", f"remount,{how}", self.state], check=True)
 
-        before = self.check(lambda: remount("ro"), lambda: remount("rw"), r"state/.*: Read-only file system: .*mount it for writing", sets_aside=False)
+        before = self.check(lambda: remount("ro"), lambda: remount("rw"), r"\S*/state/.*: Read-only file system: .*mount it for writing", sets_aside=False)
         self.assertTrue(before["reference.get"]["taken"])
         remount("ro")
         for method in ("reference.clear", "calibration.clear", "lut.clear", "registration.clear"):

@@ -14,7 +14,7 @@ class DiskFull(DiskCase):
                 while True:
                     file.write(bytes(4096))
 
-        self.check(fill, filler.unlink, r"state/.*: No space left on device: free some space there", sets_aside=True)
+        self.check(fill, filler.unlink, r"\S*/state/.*: No space left on device: free some space there", sets_aside=True)
 
 
 if __name__ == "__main__":

@@ -157,12 +157,14 @@ class MaskFiles(MaskCase):
         write_map(self.one, 64, 64)
         write_map(self.other, 32, 32)
         self.masks = [{"file": str(self.one), "subapertures": [0, 4, 9]}, {"file": str(self.other), "subapertures": [1, 2]}, {"axicon_waves": 0.02}]
-        self.daemon_config = {"sensor": {"mask": self.masks}, "state": {"directory": "state"}, "camera": {"exposure_us": 700.0}}
+        configured = [self.masks[0] | {"file": "one.txt"}, *self.masks[1:]]  # relative to the folder of the configuration
+        self.daemon_config = {"sensor": {"mask": configured}, "state": {"directory": "state"}, "camera": {"exposure_us": 700.0}}
         super().start()
 
     def test_files_of_several_masks_and_their_reference_survive_a_change_and_a_restart(self):
         masks = self.call("sensor.get")["mask"]
         self.assertEqual([mask["file"] for mask in masks], [str(self.one), str(self.other), None])
+        self.assertIn("absolute path", self.refused("sensor.set", {"mask": {"file": "one.txt"}}).reason)
         self.check_measured("two files")
         reference = self.call("reference.get")["sha256"]
         other = self.sensor_with({"mask": [self.masks[1], {"file": str(self.one), "subapertures": [5]}]})["mask"]

@@ -94,7 +94,7 @@ class ReferenceNames(BenchCase):
             self.assertEqual((one["file"], one["bytes"], one["t_modified_ns"]), (str(path), path.stat().st_size, path.stat().st_mtime_ns))
         self.call("camera.set", {"exposure_us": 1234.0})
         overlay = self.bench.directory / "state" / "config.json"
-        self.assertEqual(self.call("config.save", {"preview": True}), {"path": "state/config.json", "saved": ["camera.exposure_us"]})
+        self.assertEqual(self.call("config.save", {"preview": True}), {"path": str(self.bench.directory / "state" / "config.json"), "saved": ["camera.exposure_us"]})
         self.assertFalse(overlay.exists())
         self.assertEqual(self.call("config.save")["saved"], ["camera.exposure_us"])
         self.assertTrue(overlay.exists())

@@ -118,13 +118,13 @@ class Reload(BenchCase):
             overlay.write_text(bad)
             event = self.reload(file)
             self.assertEqual((event["severity"], event["data"]["reloaded"], event["data"]["saved"]), ("warning", True, []), event)
-            self.assertIn("renamed to state/config.json.rejected", event["text"])
+            self.assertIn(f"renamed to {overlay}.rejected", event["text"])
             self.assertEqual(self.call("config.get")["tracking"]["tracker"], "fit")
         self.assertFalse(overlay.exists())
         # The camera refuses a saved value: the error says that it is a saved one.
         text = json.dumps({"file": str(self.bench.directory / "ovwsd.json"), "saved": {"camera.gain_db": {"value": 90.0, "instead_of": 0.0}}})
         overlay.write_text(text)
-        self.assert_refused(file, "camera.gain_db", "a saved value: remove state/config.json")
+        self.assert_refused(file, "camera.gain_db", f"a saved value: remove {overlay}")
         self.assertEqual(overlay.read_text(), text)
 
     def test_a_job_and_the_closed_loop_refuse_it(self):

@@ -175,7 +175,7 @@ class Restart(BenchCase):
         config, overlay = self.bench.directory / "ovwsd.json", self.bench.directory / "state" / "config.json"
         file = config.read_bytes()
         self.call("camera.set", {"gain_db": 3.0, "exposure_us": 1400.0})
-        self.assertEqual(self.call("config.save"), {"path": "state/config.json", "saved": ["camera.exposure_us", "camera.gain_db"]})
+        self.assertEqual(self.call("config.save"), {"path": str(self.bench.directory / "state" / "config.json"), "saved": ["camera.exposure_us", "camera.gain_db"]})
         self.assertEqual(config.read_bytes(), file)
         # A key edited in the file afterwards overrides its saved value; all others stay saved.
         self.kill()
@@ -192,7 +192,7 @@ class Restart(BenchCase):
         for bad in (overlay.read_text()[:40], overlay.read_text().replace("1400.0", "-1.0")):
             self.kill()
             overlay.write_text(bad)
-            self.assertRegex(self.start_again(), r"warning.*state/config.json are not used: .*renamed to state/config.json.rejected")
+            self.assertRegex(self.start_again(), f"warning.*{overlay} are not used: .*renamed to {overlay}.rejected")
             self.assertEqual(overlay.with_name("config.json.rejected").read_text(), bad)
             self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 2000.0)
         # Saving the file's own values leaves no overlay.

@@ -1,4 +1,5 @@
 """The daemon as a service: notifications, log and exit. The test plays the service manager."""
+import json
 import os
 import pathlib
 import re
@@ -7,7 +8,7 @@ import socket
 import subprocess
 import unittest
 
-from case import PATIENCE_S, BenchCase, bench_module, main
+from case import PATIENCE_S, BenchCase, Client, ClientError, bench_module, main, wait_for
 
 # With the libraries of Debian 12 the service locks 106 MiB of them whole, and 141 MiB in all; a display driver may add its own.
 MAX_LOCKED_WHOLE_MIB, MAX_LOCKED_MIB = 130, 180
@@ -18,15 +19,15 @@ class Service(unittest.TestCase):
         self.bench = bench_module.Bench()
         self.addCleanup(self.bench.close)
 
-    def start(self, **environment):
+    def start(self, config="{}", **environment):
         path = self.bench.directory / "notify"
         self.notify = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.addCleanup(self.notify.close)
         self.notify.bind(str(path))
-        config = self.bench.directory / "ovwsd.json"
-        config.write_text("{}")
+        self.config = self.bench.directory / "ovwsd.json"
+        self.config.write_text(config)
         env = {k: v for k, v in os.environ.items() if k != "DISPLAY"} | {"NOTIFY_SOCKET": str(path)} | environment
-        self.daemon = subprocess.Popen([self.bench.programs / "ovwsd", "--config", config], env=env, stderr=subprocess.PIPE, text=True)
+        self.daemon = subprocess.Popen([self.bench.programs / "ovwsd", "--config", self.config], env=env, cwd="/", stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.daemon.stderr.close)
         self.addCleanup(self.daemon.kill)
 
@@ -68,6 +69,30 @@ class Service(unittest.TestCase):
         self.assertTrue(lines)
         for line in lines:
             self.assertRegex(line, re.compile(r"^<[2-7]>\S"))
+
+    def test_relative_paths_start_from_the_folder_of_the_configuration(self):
+        """In the check, at the start and at a reload; the daemon and the check run in "/", as services do."""
+        folder = self.bench.directory
+        (folder / "lut.txt").write_text(" ".join(map(str, range(256))))
+        (folder / "mask.csv").write_text(("0.25 " * 16 + "\n") * 16)
+        values = {"slm": {"lut": "lut.txt"}, "sensor": {"mask": {"file": "mask.csv"}}, "state": {"directory": "state"},
+                  "control": {"endpoint": "ipc://control"}, "camera": {"driver": "replay", "id": "run.h5"}}
+        self.start(json.dumps(values))
+        self.messages(lambda lines: "READY=1" in lines)
+        checked = subprocess.run([self.bench.programs / "ovwsd", "--config", self.config, "--check-config"], capture_output=True, text=True, cwd="/")
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+        client = Client(f"ipc://{folder}/control")
+        self.addCleanup(client.close)
+        used = client.call("config.get")
+        for config in (json.loads(checked.stdout), used):
+            self.assertEqual((config["slm"]["lut"], config["sensor"]["mask"]["file"], config["state"]["directory"], config["camera"]["id"]),
+                             (f"{folder}/lut.txt", f"{folder}/mask.csv", f"{folder}/state", f"{folder}/run.h5"))
+        with self.assertRaisesRegex(ClientError, "id: must be the absolute path"):
+            client.call("camera.select", {"id": "other.h5", "wait": True})
+        self.assertTrue((folder / "state").is_dir())
+        self.config.write_text(json.dumps(values | {"slm": {"lut": "lut.txt", "settle_ms": 22.5}}))
+        self.daemon.send_signal(signal.SIGHUP)
+        wait_for(lambda: client.call("config.get")["slm"]["settle_ms"] == 22.5, what="the reload")
 
 
 class LockedMemory(BenchCase):

@@ -60,6 +60,9 @@ void list_cameras(Services& services, Reply<CameraList> reply) {
 }
 
 void select_camera(Services& services, const CameraSelect& params, Reply<CameraReport> reply) {
+  if (services.config.camera.driver == kReplayDriver && !params.id.starts_with('/')) {
+    return reply(Error{Errc::invalid, "id", "must be the absolute path of a recording"});
+  }
   const auto select = [&services, params, reply](const Result<void>& found) {
     if (!found) return reply(found.error());
     CameraSet clamped;  // the present settings, as far as the other camera has them

@@ -46,7 +46,7 @@ Result<std::unique_ptr<Display>> open_none(const SlmConfig& config) {
 }
 
 constexpr std::array kCameras{Row<CameraConfig, Camera>{"aravis", open_aravis},
-                              Row<CameraConfig, Camera>{"replay", open_replay}};
+                              Row<CameraConfig, Camera>{kReplayDriver, open_replay}};
 constexpr std::array kDisplays{Row<SlmConfig, Display>{"sdl", open_sdl},
                                Row<SlmConfig, Display>{"none", open_none}};
 

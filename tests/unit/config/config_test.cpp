@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <random>
 #include <sstream>
 
 #include "proto/limits.hpp"
 #include "proto/tables/sensor.hpp"
+#include "tests/support/own_folder.hpp"
 
 namespace ovws {
 namespace {
@@ -315,6 +317,52 @@ TEST(LoadConfig, NamesTheFile) {
   EXPECT_FALSE(load_config("/"));
   EXPECT_FALSE(load_config("/dev/zero"));
   EXPECT_TRUE(load_config(OVWS_SOURCE_DIR "/config/ovwsd.json"));
+}
+
+class LoadPaths : public testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directory(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Result<Config> loaded(const std::string& text) {
+    std::ofstream(folder_ + "/ovwsd.json") << text;
+    return load_config(folder_ + "/ovwsd.json");
+  }
+  const std::string folder_ = own_folder("load_paths");
+};
+
+/// config/README.md lists the others; see ConfigReadme.
+TEST_F(LoadPaths, StartFromTheFolderOfTheFile) {
+  const auto config = loaded(R"({"sensor": {"mask": [{"file": "a.csv"}, {"file": "/b.csv"}]},
+    "camera": {"driver": "replay", "id": "../run.h5"}, "slm": {"lut": ""},
+    "stream": {"endpoint": "ipc://numbers", "image_endpoint": "ipc:///run/images"},
+    "control": {"endpoint": "ipc://@name"}})");
+  ASSERT_TRUE(config) << config.error().reason;
+  EXPECT_EQ(config->sensor.masks[0].file, folder_ + "/a.csv");
+  EXPECT_EQ(config->sensor.masks[1].file, "/b.csv");
+  EXPECT_EQ(config->camera.id, folder_ + "/../run.h5");
+  EXPECT_EQ(config->slm.lut, "");
+  EXPECT_EQ(config->stream.endpoint, "ipc://" + folder_ + "/numbers");
+  EXPECT_EQ(config->stream.image_endpoint, "ipc:///run/images");
+  EXPECT_EQ(config->control.endpoint, "ipc://@name");
+  EXPECT_EQ(loaded(R"({"camera": {"id": "a/b"}})")->camera.id, "a/b") << "of a GenICam camera";
+}
+
+TEST_F(LoadPaths, StartFromTheFolderOfAFileThatIsNamedWithoutOne) {
+  ASSERT_TRUE(loaded(R"({"state": {"directory": "state"}})"));
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_);
+  const auto config = load_config("ovwsd.json");
+  std::filesystem::current_path(before);
+  ASSERT_TRUE(config) << config.error().reason;
+  EXPECT_EQ(config->state.directory, folder_ + "/state");
+}
+
+TEST_F(LoadPaths, OfSocketsAreRefusedIfTheyAreTooLong) {
+  const auto refused =
+      loaded(R"({"control": {"endpoint": "ipc://)" + std::string(100, 'a') + "\"}}");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().field, "control.endpoint");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// config/README.md lists every key of the configuration with its default, range and names.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "config/tables.hpp"
 #include "proto/field_schema.hpp"
+#include "tests/support/own_folder.hpp"
 
 namespace ovws {
 namespace {
@@ -117,6 +119,28 @@ TEST_F(ConfigReadme, ListsEveryKeyWithItsDefaultRangeAndNamesAndNoOther) {
              }
            });
   for (const auto& [key, row] : rows) ADD_FAILURE() << key << " is no key of the configuration";
+}
+
+/// Every key whose unit is "path".
+TEST_F(ConfigReadme, ListsPathsThatStartFromTheFolderOfTheFile) {
+  Json file = Json::object();
+  std::vector<std::string> keys;
+  for (const auto& [key, row] : documented(defaults_)) {
+    if (row.range != " path ") continue;
+    keys.push_back("/" + std::regex_replace(key, std::regex("[.]"), "/"));
+    file[Json::json_pointer(keys.back())] = "some/file";
+  }
+  EXPECT_GE(keys.size(), 6U);
+  const std::string folder = own_folder("config_readme");
+  std::filesystem::create_directory(folder);
+  std::ofstream(folder + "/ovwsd.json") << file;
+  const auto config = load_config(folder + "/ovwsd.json");
+  std::filesystem::remove_all(folder);
+  ASSERT_TRUE(config) << config.error().reason;
+  const Json dumped = Json::parse(dump_config(*config));
+  for (const std::string& key : keys) {
+    EXPECT_EQ(dumped.at(Json::json_pointer(key)), folder + "/some/file") << key;
+  }
 }
 
 }  // namespace
