@@ -75,10 +75,11 @@ Task<void> Session::recording(const RequestHead& head, Right right) {
   if (!query) co_return co_await refuse(Refusal::malformed, head);
   if (right < Right::look) {
     const Refusal why = query->ticket.empty() ? Refusal::token : Refusal::ticket;
-    if (!parts_.tickets.take(*query)) co_return co_await refuse(why, head);
+    if (!parts_.tickets.check(*query)) co_return co_await refuse(why, head);
   }
   trusted_ = true;
   if (parts_.downloads >= kMaxDownloads) co_return co_await refuse(Refusal::downloads, head);
+  parts_.tickets.take(*query);  // only now: after a refusal for the limit it is still good
   const Counted counted(parts_.downloads);
   const auto opened = co_await open(query->name);
   if (!opened) co_return;

@@ -63,13 +63,21 @@ std::string Tickets::give(const std::string& name, Clock::time_point now) {
   return given_.back().ticket;
 }
 
-bool Tickets::take(const DownloadQuery& query, Clock::time_point now) {
-  const auto found = std::ranges::find_if(
-      given_, [&](const Given& given) { return is_secret(query.ticket, given.ticket); });
+std::deque<Tickets::Given>::iterator Tickets::find(const std::string& ticket) {
+  return std::ranges::find_if(
+      given_, [&ticket](const Given& given) { return is_secret(ticket, given.ticket); });
+}
+
+bool Tickets::check(const DownloadQuery& query, Clock::time_point now) {
+  const auto found = find(query.ticket);
   if (found == given_.end()) return false;
-  const Given taken = *found;
-  given_.erase(found);
-  return taken.name == query.name && now < taken.end;
+  const bool is_valid = found->name == query.name && now < found->end;
+  if (!is_valid) given_.erase(found);
+  return is_valid;
+}
+
+void Tickets::take(const DownloadQuery& query) {
+  if (const auto found = find(query.ticket); found != given_.end()) given_.erase(found);
 }
 
 OpenRecording::~OpenRecording() {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <deque>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/result.hpp"
 #include "daemon/shared/client.hpp"
@@ -33,14 +35,19 @@ class Tickets {
   static constexpr std::size_t kMost = 16;  ///< a further ticket replaces the oldest one
 
   std::string give(const std::string& name, Clock::time_point now = Clock::now());
-  /// Whether the ticket is valid for this recording. It is used up if it exists.
-  bool take(const DownloadQuery& query, Clock::time_point now = Clock::now());
+  /// Whether the ticket is valid for this recording. A ticket for another one, or that is too old,
+  /// is used up.
+  bool check(const DownloadQuery& query, Clock::time_point now = Clock::now());
+  /// Uses up a valid ticket, when its download begins.
+  void take(const DownloadQuery& query);
 
  private:
   struct Given {
     std::string ticket, name;
     Clock::time_point end;
   };
+  std::deque<Given>::iterator find(const std::string& ticket);
+
   std::deque<Given> given_;  ///< oldest first
 };
 

@@ -1,10 +1,11 @@
 """The live page in a real browser: procedures, the loop's settings, what is saved, and recordings with their download."""
 import os
 import re
+import socket
 from pathlib import Path
 
 from case import main, wait_for
-from web_case import ADDRESS, Browser, WebCase, browser_packages
+from web_case import ADDRESS, HOST, PORT, Browser, WebCase, browser_packages
 
 
 class PanelCase(WebCase):
@@ -263,6 +264,21 @@ class Downloads(WebCase):
         self.assertEqual(self.ask("GET", self.path(), headers={"Sec-Fetch-Site": "cross-site"})[0], 403)
         self.assertEqual(self.ask("POST", "/ticket", b'{"name": "run-1"}')[0], 401)
         self.assertEqual(self.ask("GET", "/recordings")[0], 401)
+
+    def test_a_ticket_outlives_the_refusal_of_a_third_download(self):
+        os.truncate(self.file, 64 << 20)  # more than the kernel keeps for browsers that do not read
+        path, direct = self.path(), "/recording?name=run-1"
+        request = f"GET {direct} HTTP/1.1\r\nHost: {ADDRESS}\r\nAuthorization: Bearer {self.tokens['look']}\r\n\r\n"
+        browsers = [socket.create_connection((HOST, PORT)) for _ in range(2)]
+        for browser in browsers:
+            self.addCleanup(browser.close)
+            browser.sendall(request.encode())
+            browser.recv(1)
+        self.assertEqual(self.refusal(direct, self.tokens["look"]), (503, "downloads"))
+        self.assertEqual(self.refusal(path), (503, "downloads"))
+        browsers[0].close()
+        wait_for(lambda: self.ask("GET", direct, token=self.tokens["look"])[0] == 200, what="the end of a download")
+        self.assertEqual(self.ask("GET", path)[0], 200)
 
     def test_only_what_the_daemon_lists_is_served(self):
         token = self.tokens["look"]

@@ -26,13 +26,17 @@ TEST(TicketsTest, AreForOneDownloadOfOneRecordingSoon) {
   const auto now = Tickets::Clock::now();
   const std::string ticket = tickets.give("run-1", now);
   EXPECT_EQ(ticket.size(), 32U);
-  EXPECT_FALSE(tickets.take({"run-1", ""}, now));
-  EXPECT_FALSE(tickets.take({"run-1", ticket.substr(1)}, now));
-  EXPECT_TRUE(tickets.take({"run-1", ticket}, now));
-  EXPECT_FALSE(tickets.take({"run-1", ticket}, now)) << "used";
-  EXPECT_FALSE(tickets.take({"run-2", tickets.give("run-1", now)}, now)) << "another recording";
+  EXPECT_FALSE(tickets.check({"run-1", ""}, now));
+  EXPECT_FALSE(tickets.check({"run-1", ticket.substr(1)}, now));
+  EXPECT_TRUE(tickets.check({"run-1", ticket}, now));
+  EXPECT_TRUE(tickets.check({"run-1", ticket}, now)) << "its download has not begun";
+  tickets.take({"run-1", ticket});
+  EXPECT_FALSE(tickets.check({"run-1", ticket}, now)) << "used";
+  const std::string other = tickets.give("run-1", now);
+  EXPECT_FALSE(tickets.check({"run-2", other}, now)) << "another recording";
+  EXPECT_FALSE(tickets.check({"run-1", other}, now)) << "used up by that";
   const std::string late = tickets.give("run-1", now);
-  EXPECT_FALSE(tickets.take({"run-1", late}, now + Tickets::kLifetime)) << "too old";
+  EXPECT_FALSE(tickets.check({"run-1", late}, now + Tickets::kLifetime)) << "too old";
 }
 
 TEST(TicketsTest, KeepsTheNewest) {
@@ -40,8 +44,8 @@ TEST(TicketsTest, KeepsTheNewest) {
   const std::string first = tickets.give("run-1");
   const std::string second = tickets.give("run-1");
   for (std::size_t i = 1; i < Tickets::kMost; ++i) tickets.give("run-1");
-  EXPECT_FALSE(tickets.take({"run-1", first}));
-  EXPECT_TRUE(tickets.take({"run-1", second}));
+  EXPECT_FALSE(tickets.check({"run-1", first}));
+  EXPECT_TRUE(tickets.check({"run-1", second}));
 }
 
 class OpenRecordingTest : public testing::Test {
