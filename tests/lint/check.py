@@ -36,7 +36,7 @@ VENDORS = {
     r"systemd/": ("daemon/",),
     r"CLI/": ("daemon/", "drivers/twin/"),
     r"spdlog/": ("daemon/", "drivers/twin/"),
-    r"prometheus/": ("daemon/ovws/metrics/",),
+    r"prometheus/|Civet|civet": ("daemon/ovws/metrics/",),
     r"n?curses": ("daemon/ovws/screen/",),
     r"boost/": ("daemon/web/",),
 }

@@ -17,10 +17,10 @@ UNITS = ("_seconds", "_hertz", "_decibels", "_waves", "_pixels", "_meters", "_ra
 WORDS = ("sum", "rate", "increase", "exp", "histogram_quantile", "by", "le", "stage", "label_values", "instance")
 
 
-def get(path="/metrics"):
+def get(path="/metrics", **headers):
     connection = http.client.HTTPConnection(*ADDRESS, timeout=PATIENCE_S)
     try:
-        connection.request("GET", path)
+        connection.request("GET", path, headers=headers)
         answer = connection.getresponse()
         return answer.status, answer.read().decode(), answer.getheader("Content-Type", "")
     finally:
@@ -165,6 +165,11 @@ class Metrics(BenchCase):
         process = self.serve()
         self.assertIn("in use by another program?", self.refused_command())
         self.assertEqual(get("/")[0], 404)
+        for host in ("localhost:9000", "127.0.0.1", "[::1]:7705"):
+            self.assertEqual(get(Host=host)[0], 200, host)
+        for host in ("rebound.example.org:7705", "127.0.0.1.example.org", ""):
+            status, text, _ = get(Host=host)
+            self.assertEqual((status, "ovws_up" in text), (403, False), host)
         self.assertEqual(get("/../../etc/passwd")[0], 404)
         for sent in (b"\0" * 4096, b"GET " + b"/x" * 100000, b"GET /metrics HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n"):
             with socket.create_connection(ADDRESS, timeout=PATIENCE_S) as hostile:

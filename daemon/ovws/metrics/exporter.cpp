@@ -1,5 +1,6 @@
 #include "daemon/ovws/metrics/exporter.hpp"
 
+#include <CivetServer.h>
 #include <prometheus/collectable.h>
 #include <prometheus/exposer.h>
 
@@ -39,6 +40,16 @@ double wavefront_max_age_s(const json& status) {
   const bool has_rate = status.contains(path) && status.at(path).is_number();
   const double rate_hz = has_rate ? status.at(path).get<double>() : 1.0;
   return std::max(kStatusMaxAgeS, kMaxAgeFrames / std::max(rate_hz, 1e-6));
+}
+
+/// Called before each request is answered. 0: answer it.
+int refuse_foreign_host(mg_connection* connection) {
+  constexpr int kForbidden = 403;
+  const char* const host = mg_get_header(connection, "Host");
+  if (host != nullptr && is_host_of_this_machine(host)) return 0;
+  mg_send_http_error(connection, kForbidden, "%s",
+                     "address this exporter as localhost or by a loopback address");
+  return kForbidden;
 }
 
 }  // namespace
@@ -89,13 +100,24 @@ Result<void> check_address(const std::string& address) {
           "machine run ovws --key FILE --endpoint tcp://HOST:7702 metrics there");
 }
 
+bool is_host_of_this_machine(const std::string& host) {
+  const auto colon = host.rfind(':');
+  const bool has_port = colon != std::string::npos && host.find(']', colon) == std::string::npos;
+  return host.substr(0, has_port ? colon : host.npos) == "localhost" ||
+         is_reached_from_here_only("tcp://" + host + (has_port ? "" : ":80"));
+}
+
 Result<Exporter> Exporter::serve(const std::string& address) {
   if (auto right = check_address(address); !right) return fail(right.error());
   Exporter exporter;
+  CivetCallbacks callbacks;
+  callbacks.begin_request = refuse_foreign_host;
   try {
     // The request timeout limits how long an idle connection occupies a thread.
-    exporter.exposer_ = std::make_unique<prometheus::Exposer>(std::vector<std::string>{
-        "listening_ports", address, "num_threads", "16", "request_timeout_ms", "2000"});
+    exporter.exposer_ = std::make_unique<prometheus::Exposer>(
+        std::vector<std::string>{"listening_ports", address, "num_threads", "16",
+                                 "request_timeout_ms", "2000"},
+        &callbacks);
     exporter.exposer_->RegisterCollectable(exporter.newest_);
   } catch (const std::exception&) {
     return fail(Errc::unavailable, kField,

@@ -19,6 +19,11 @@ class Newest;
 /// only this machine may read them.
 Result<void> check_address(const std::string& address);
 
+/// Whether a request with this Host header is answered: "localhost" or a loopback address, with or
+/// without a port. A web page of another host name that was made to mean this machine (DNS
+/// rebinding) must not read the metrics.
+bool is_host_of_this_machine(const std::string& host);
+
 /// Serves GET /metrics from the newest messages, in threads of the prometheus-cpp library.
 class Exporter {
  public:

@@ -100,5 +100,17 @@ TEST(Exporter, ListensOnLoopbackAddressesOnly) {
   }
 }
 
+TEST(Exporter, AnswersRequestsThatAddressThisMachineOnly) {
+  for (const char* host : {"127.0.0.1:7705", "127.0.0.1", "localhost", "localhost:9000",
+                           "[::1]:7705", "[::1]", "127.1.2.3:1"}) {
+    EXPECT_TRUE(is_host_of_this_machine(host)) << host;
+  }
+  for (const char* host :
+       {"", ":7705", "rebound.example.org:7705", "rebound.example.org", "localhost.example.org",
+        "127.0.0.1.example.org:7705", "10.0.0.1:7705", "[::2]:7705", "[::]"}) {
+    EXPECT_FALSE(is_host_of_this_machine(host)) << host;
+  }
+}
+
 }  // namespace
 }  // namespace ovws::metrics
