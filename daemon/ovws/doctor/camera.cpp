@@ -6,6 +6,7 @@
 
 #include "core/base/printable.hpp"
 #include "daemon/ovws/doctor/system_files.hpp"
+#include "daemon/shared/shell_word.hpp"
 
 namespace ovws::doctor {
 namespace {
@@ -154,8 +155,8 @@ Finding judge_packets(const CameraFacts& facts) {
   const bool in_use =
       facts.answer && facts.answer->controlled && facts.answer->packet_size_bytes.has_value();
   const int sent = in_use ? *facts.answer->packet_size_bytes : asked;
-  const std::string fix =
-      fmt::format("sudo ip link set dev {} mtu {}", facts.path->interface, std::max(asked, sent));
+  const std::string fix = fmt::format("sudo ip link set dev {} mtu {}",
+                                      shell_word(facts.path->interface), std::max(asked, sent));
   const std::string takes =
       fmt::format("{} accepts packets of up to {} bytes", facts.path->interface, mtu);
   if (in_use && sent > mtu) {

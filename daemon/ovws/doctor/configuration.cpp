@@ -5,6 +5,7 @@
 
 #include "daemon/ovwsd/settings/config_check.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
+#include "daemon/shared/shell_word.hpp"
 
 namespace ovws::doctor {
 namespace {
@@ -17,7 +18,7 @@ std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
   if (!error.nearest.empty()) {
     return fmt::format("in {}: \"{}\" in place of \"{}\"", facts.path, error.nearest, key);
   }
-  return "sudoedit " + (facts.path.empty() ? std::string(kServicePath) : facts.path);
+  return "sudoedit " + shell_word(facts.path.empty() ? kServicePath : facts.path);
 }
 
 Finding judge_configuration(const ConfigurationFacts& facts) {
@@ -56,12 +57,12 @@ Finding judge_configuration(const ConfigurationFacts& facts) {
                        facts.rejected +
                        ": set the missing ones again, save them with config.save, and remove "
                        "that file",
-                   "sudo rm " + facts.rejected);
+                   "sudo rm " + shell_word(facts.rejected));
   }
   if (!facts.keys.read) {
     return not_here(
         good + "; the daemon's secret key was not checked, because this user cannot read it",
-        "sudo -u " + facts.keys.user + " ovws doctor --config " + facts.path);
+        "sudo -u " + facts.keys.user + " ovws doctor --config " + shell_word(facts.path));
   }
   return ok(facts.saved.empty() ? good : good + "; " + facts.saved);
 }

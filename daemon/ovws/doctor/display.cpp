@@ -7,6 +7,7 @@
 #include <future>
 #include <thread>
 
+#include "daemon/shared/shell_word.hpp"
 #include "drivers/sdl/video.hpp"
 
 namespace ovws::doctor {
@@ -73,8 +74,8 @@ Finding judge_mode(const DisplayFacts& facts) {
   const Output& output = *found;
   const SdlConfig& config = facts.config;
   const auto fits = sdl::check_mode(output, config);
-  const std::string set_mode =
-      fmt::format("xrandr --output {} --mode {}x{}", output.name, config.width, config.height);
+  const std::string set_mode = fmt::format("xrandr --output {} --mode {}x{}",
+                                           shell_word(output.name), config.width, config.height);
   if (output.primary && !config.allow_primary) {
     return not_here(output.name + " is the main display");
   }
@@ -86,7 +87,7 @@ Finding judge_mode(const DisplayFacts& facts) {
     const std::string other = other_output(*facts.probe, output);
     return fault(output.connected ? "output " + output.name + " is switched off"
                                   : "nothing is connected to " + output.name,
-                 set_mode + (other.empty() ? "" : " --right-of " + other));
+                 set_mode + (other.empty() ? "" : " --right-of " + shell_word(other)));
   }
   if (output.mode_width != config.width || output.mode_height != config.height) {
     return fault(fmt::format("{} sends {}x{}, but the configured SLM has {}x{}: hologram pixels do "
@@ -97,7 +98,8 @@ Finding judge_mode(const DisplayFacts& facts) {
   }
   return fault(
       output.name + " is scaled, rotated or mirrored: hologram pixels do not match SLM pixels",
-      fmt::format("xrandr --output {} --scale 1x1 --rotate normal --reflect normal", output.name));
+      fmt::format("xrandr --output {} --scale 1x1 --rotate normal --reflect normal",
+                  shell_word(output.name)));
 }
 
 /// Checks that the X output can be used for the SLM. judge_mode checks the mode of the output.
@@ -119,7 +121,8 @@ Finding judge_output(const DisplayFacts& facts) {
   }
   const std::string other = other_output(*facts.probe, output);
   if (other.empty()) return fault(reason, "\"slm\": {\"allow_primary\": true}");
-  return fault(reason, fmt::format("xrandr --output {} --right-of {}", output.name, other));
+  return fault(reason, fmt::format("xrandr --output {} --right-of {}", shell_word(output.name),
+                                   shell_word(other)));
 }
 
 Finding judge_gamma(const DisplayFacts& facts) {
@@ -132,7 +135,7 @@ Finding judge_gamma(const DisplayFacts& facts) {
       "the gamma ramp of " + output.name +
           " is not linear, so that the SLM gets wrong grey levels; stop the night light or "
           "colour management that sets it",
-      fmt::format("xrandr --output {} --gamma 1:1:1", output.name));
+      fmt::format("xrandr --output {} --gamma 1:1:1", shell_word(output.name)));
 }
 
 Finding judge_power(const DisplayFacts& facts) {

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "daemon/ovwsd/store/daemon_store.hpp"
+#include "daemon/shared/shell_word.hpp"
 
 namespace ovws::doctor {
 namespace {
@@ -63,7 +64,8 @@ Finding judge_folder(const StateFacts& facts) {
   }
   if (!facts.disk_writable) {
     return fault(folder + " is on a read-only file system: new measurements cannot be stored",
-                 fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"", folder));
+                 fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"",
+                             shell_word(folder)));
   }
   if (facts.writable) {
     return ok(folder + (facts.of_daemon ? " is in use by the daemon, and writable"
@@ -73,7 +75,7 @@ Finding judge_folder(const StateFacts& facts) {
   if (facts.of_daemon && !facts.owner.empty()) return ok(folder + " is in use by the daemon");
   if (!facts.there) {
     return fault(folder + " does not exist and this user cannot create it",
-                 fmt::format("sudo install -d -o ovws -g ovws {}", folder));
+                 fmt::format("sudo install -d -o ovws -g ovws {}", shell_word(folder)));
   }
   if (!facts.owner.empty()) {
     return not_here(
@@ -81,7 +83,7 @@ Finding judge_folder(const StateFacts& facts) {
         fmt::format("sudo -u {} ovws doctor", facts.owner));
   }
   return fault(folder + " is not writable: new measurements do not survive a restart",
-               "chmod u+rwx " + folder);
+               "chmod u+rwx " + shell_word(folder));
 }
 
 Finding judge_space(const StateFacts& facts) {
@@ -92,7 +94,8 @@ Finding judge_space(const StateFacts& facts) {
   constexpr std::uint64_t kRecommendedBytes = 256 * kMiB;  // room for gain sweeps
   const std::string says =
       fmt::format("the disk of {} has {} MiB left", *facts.directory, facts.free_bytes / kMiB);
-  const std::string fix = fmt::format("du -xhd1 \"$(findmnt -no TARGET -T {})\"", *facts.directory);
+  const std::string fix =
+      fmt::format("du -xhd1 \"$(findmnt -no TARGET -T {})\"", shell_word(*facts.directory));
   if (facts.free_bytes < kMinBytes) return fault(says + ": too little to store references", fix);
   if (facts.free_bytes < kRecommendedBytes)
     return warning(says + ": too little to store gain sweeps", fix);

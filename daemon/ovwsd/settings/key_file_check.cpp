@@ -12,6 +12,7 @@
 
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/settings/saved_config.hpp"
+#include "daemon/shared/shell_word.hpp"
 
 namespace ovws {
 namespace {
@@ -82,36 +83,38 @@ bool is_missing(const std::string& path) {
 
 /// Shell command that shows which folder of the path denies access.
 std::string path_check_command(const std::string& path) {
-  return "namei -l " + path;
+  return "namei -l " + shell_word(path);
 }
 
 std::string fix_of_secret(const std::string& path, bool readable, const User& user) {
+  const std::string word = shell_word(path);
   struct stat about {};
   if (is_missing(path)) {
-    return "sudo ovws keygen -o " + path + " && sudo chown " + user.name + " " + path;
+    return "sudo ovws keygen -o " + word + " && sudo chown " + user.name + " " + word;
   }
   if (::stat(path.c_str(), &about) != 0) return path_check_command(path);
-  const std::string close = "sudo chmod 600 " + path;
+  const std::string close = "sudo chmod 600 " + word;
   const bool open = (about.st_mode & kOthers) != 0;
   if (about.st_uid != user.uid) {
-    return "sudo chown " + user.name + " " + path + (open ? " && " + close : "");
+    return "sudo chown " + user.name + " " + word + (open ? " && " + close : "");
   }
   if (open || (about.st_mode & S_IRUSR) == 0) return close;
-  return readable ? "sudo ovws keygen -o " + path + " --replace" : path_check_command(path);
+  return readable ? "sudo ovws keygen -o " + word + " --replace" : path_check_command(path);
 }
 
 std::string fix_of_clients(const std::string& path, bool readable, const User& user) {
+  const std::string word = shell_word(path);
   struct stat about {};
-  if (is_missing(path)) return "sudoedit " + path;
+  if (is_missing(path)) return "sudoedit " + word;
   if (::stat(path.c_str(), &about) != 0) return path_check_command(path);
   const bool foreign = about.st_uid != 0 && about.st_uid != user.uid;
   const bool closed = !readable && (about.st_mode & S_IROTH) == 0;
-  const std::string own = foreign ? "sudo chown root " + path : "";
+  const std::string own = foreign ? "sudo chown root " + word : "";
   if (closed || (about.st_mode & S_IWOTH) != 0) {
-    return own + (foreign ? " && " : "") + "sudo chmod 644 " + path;
+    return own + (foreign ? " && " : "") + "sudo chmod 644 " + word;
   }
   if (foreign) return own;
-  return readable ? "sudoedit " + path : path_check_command(path);
+  return readable ? "sudoedit " + word : path_check_command(path);
 }
 
 /// True if a check of the clients file by the caller also holds for the daemon's user: root owns

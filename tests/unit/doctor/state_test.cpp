@@ -33,6 +33,8 @@ TEST(DoctorState, AnUnwritableFolderIsAFaultWithTheRepairForItsOwner) {
   auto facts = good();
   facts.writable = false;
   expect(facts, "state.directory", Verdict::fault, "chmod u+rwx /var/lib/ovws");
+  facts.directory = "/srv/it's; reboot";
+  expect(facts, "state.directory", Verdict::fault, "chmod u+rwx '/srv/it'\\''s; reboot'");
   facts.owner = "ovws";
   expect(facts, "state.directory", Verdict::not_here, "sudo -u ovws ovws doctor");
   facts.disk_writable = false;
