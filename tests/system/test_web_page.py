@@ -217,6 +217,16 @@ class Page(WebCase):
             sizes = "const e = document.querySelector('#camera .scroll'); return [document.querySelector('#spot-table').rows.length, e.scrollWidth - e.clientWidth]"
             wait_for(lambda: self.browser.run(sizes) == [20, 0], what=f"the whole table at {width} px")
 
+    def test_the_pattern_is_shown_whichever_message_comes_first(self):
+        self.open()
+        bench, status = self.message("ovws.web.bench/1")[0], self.message("ovws.status/1")[0]
+        show = """const slm = await import("/slm.js");
+            slm.build(true);
+            slm.takeBench(arguments[0]);
+            slm.takeStatus(arguments[1]);
+            return [document.querySelector("#slm select").value, document.querySelector("#slm select").disabled]"""
+        self.assertEqual(self.browser.run(show, bench, status), ["sensor", False])
+
     def test_a_recording_begins_and_ends_there(self):
         self.open()
         self.browser.fill("#record input[type=text]", "../elsewhere")

@@ -8,6 +8,8 @@ import { showFacts } from "./bench.js";
 let drawn = null; // hologram id and checksum of the displayed image
 let checksum = null;
 let pattern = null;
+let patterns = null; // those that can be shown; known by the bench, as the one in use is by the status: either may come first
+let inUse = null;
 let url = null;
 let compared = null; // the last comparison: its field and result
 const veil = () => document.querySelector("#slm .veil");
@@ -47,7 +49,12 @@ async function load() {
   byId("hologram").src = url;
 }
 
-export function takeBench({ hologram, limits }, shownPattern) {
+function showPattern() {
+  if (patterns && inUse) pattern?.show(inUse, patterns);
+  pattern?.allow(inUse ? whyLoop() : "Waiting for ovwsd.");
+}
+
+export function takeBench({ hologram, limits }) {
   const none = hologram.hologram_id === null;
   byId("hologram").hidden = none;
   veil().hidden = !none;
@@ -61,12 +68,14 @@ export function takeBench({ hologram, limits }, shownPattern) {
     load();
     showComparison();
   }
-  pattern?.show(shownPattern, limits.patterns);
-  pattern?.allow(whyLoop());
+  patterns = limits.patterns;
+  showPattern();
 }
 
 export function takeStatus({ slm }) {
   const { info } = slm;
+  inUse = slm.pattern;
+  showPattern();
   showFacts(byId("slm-facts"), [
     ["Output", info ? `${info.output}, ${info.driver}` : NONE],
     ["Mode", info ? `${info.width} \u00d7 ${info.height} px at ${Math.round(info.refresh_hz)} Hz` : NONE],
