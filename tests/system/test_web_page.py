@@ -1,5 +1,6 @@
 """The live page in a real browser: its views, its controls, and protection against other sites."""
 import http.server
+import signal
 import threading
 import time
 
@@ -226,6 +227,20 @@ class Page(WebCase):
             slm.takeStatus(arguments[1]);
             return [document.querySelector("#slm select").value, document.querySelector("#slm select").disabled]"""
         self.assertEqual(self.browser.run(show, bench, status), ["sensor", False])
+
+    def test_nothing_can_be_changed_while_the_daemon_is_silent(self):
+        self.open()
+        enabled = "return [...document.querySelectorAll('#bar .fields :is(button, input)')].filter((e) => e.offsetParent && !e.disabled).length"
+        usual = wait_for(lambda: (count := self.browser.run(enabled)) > 7 and count, what="controls")
+        daemon = self.bench.process("ovwsd").popen
+        daemon.send_signal(signal.SIGSTOP)
+        try:
+            self.browser.wait_text("#bar-why", lambda text: text == "The daemon is silent.")
+            self.assertEqual(self.browser.run(enabled), 0)
+        finally:
+            daemon.send_signal(signal.SIGCONT)
+        wait_for(lambda: self.browser.run(enabled) == usual, what="controls again")
+        self.assertEqual(self.browser.text("#bar-why"), "")
 
     def test_a_recording_begins_and_ends_there(self):
         self.open()

@@ -39,6 +39,10 @@ let lastFrame = { wavefront: 0, image: 0 };
 let newestBench = null; // without it the limits of controls are unknown
 let modeNames = "";
 let right = "look";
+const SILENT_MS = 3000; // the daemon sends its status once per second
+let statusAt = 0;
+let cut = "Connecting"; // why there is no connection; empty if there is one
+let lack = null; // what was told last
 const BACKLOG_MS = 1500; // after which the bins of the past have come
 let connectedAt = 0;
 let clockOffset = null; // ms: upper limit of this computer's clock minus the server's
@@ -63,6 +67,8 @@ const takers = {
   },
   "ovws.status/1": (message) => {
     status = message;
+    statusAt = performance.now();
+    takeLack();
     slm.takeStatus(message);
     for (const view of [record, recordings, bar, procedures, loop, saved]) view.takeStatus(message);
     forgetErrors(whatRefusalsRestOn());
@@ -104,9 +110,19 @@ function takeBench(message) {
   showAgain();
   map.takeBench(message);
   derived.takeBench(message);
-  slm.takeBench(message, status?.slm.pattern);
+  slm.takeBench(message);
   forgetErrors(whatRefusalsRestOn());
   if (isFirst) takeState("");
+}
+
+/** Whether something can be changed now: not without the bench, and not while the daemon is silent. */
+function takeLack() {
+  const isSilent = status !== null && performance.now() - statusAt > SILENT_MS;
+  const now = cut ? "Not connected to ovws-web." : newestBench === null ? "Waiting for ovwsd." : isSilent ? "The daemon is silent." : "";
+  if (now === lack) return;
+  lack = now;
+  rights.setLack(now);
+  takeRight();
 }
 
 function takeHealth({ findings, t_ns: sent, browsers, refused }) {
@@ -120,9 +136,8 @@ function takeHealth({ findings, t_ns: sent, browsers, refused }) {
 
 function takeState(reason) {
   if (reason) showFindings([{ wellness: "bad", text: reason }]);
-  const waiting = newestBench ? "" : "Waiting for ovwsd.";
-  rights.setLack(reason ? "Not connected to ovws-web." : waiting);
-  takeRight();
+  cut = reason;
+  takeLack();
   document.body.classList.toggle("cut", reason !== "");
 }
 
@@ -139,6 +154,7 @@ function veil(section, since, now) {
 
 function describe() {
   const now = performance.now();
+  takeLack();
   veil("camera", lastFrame.image, now);
   veil("map", frame.isFrozen() ? now : lastFrame.wavefront, now);
   const stale = now - lastFrame.wavefront > STALE_MS;
