@@ -21,6 +21,10 @@ constexpr double kMaxSaturated = 0.1;  // fraction of the spots; reference.take 
 constexpr int kReferenceFrames = 100;
 constexpr std::array<const char*, 4> kNames{"good", "note", "warning", "bad"};
 
+std::string frames(std::int64_t count) {
+  return fmt::format("{} frame{}", count, count == 1 ? "" : "s");
+}
+
 /// A button that leads to a panel of the page.
 json lead(const char* label, const char* section) {
   return {{"label", label}, {"section", section}};
@@ -170,14 +174,14 @@ void check_counts(const BenchFacts& facts, Findings& findings) {
     findings.warning(layout.get<std::string>(), lead("Show the image", "camera"));
   }
   if (facts.lost_lately > 0) {
-    findings.warning(fmt::format("The camera lost {} frames in {} s", facts.lost_lately, kRecentS),
+    findings.warning(fmt::format("The camera lost {} in {} s", frames(facts.lost_lately), kRecentS),
                      lead("Show the history", "trends"));
   }
   if (facts.missed_lately > 0) {
-    findings.warning(fmt::format("{} frames of the last {} s were published more than a frame "
-                                 "period after they arrived: lower the frame rate, or stop other "
+    findings.warning(fmt::format("In the last {} s, {} took longer than a frame period from "
+                                 "arrival to publication: lower the frame rate, or stop other "
                                  "programs on the daemon's machine",
-                                 facts.missed_lately, kRecentS),
+                                 kRecentS, frames(facts.missed_lately)),
                      lead("Show the frame rate", "bench"));
   }
 }

@@ -159,9 +159,13 @@ TEST_F(HealthTest, CountsSaturatedAndLostSpots) {
 TEST_F(HealthTest, ReportsLostAndLateFrames) {
   facts.lost_lately = 3;
   expect_worst(Wellness::warning, "3 frames");
+  facts.lost_lately = 1;
+  expect_worst(Wellness::warning, "lost 1 frame in");
   facts.lost_lately = 0;
   facts.missed_lately = 5;
   expect_worst(Wellness::warning, "5 frames");
+  facts.missed_lately = 1;
+  expect_worst(Wellness::warning, "1 frame took");
 }
 
 TEST_F(HealthTest, AnotherPatternIsNoFault) {
