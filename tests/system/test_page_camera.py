@@ -150,7 +150,7 @@ class Bar(PageCase):
         wait_for(lambda: self.call("reference.get")["t_taken_ns"] != taken, what="a new reference")
         self.wait_until("running")
         self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.1}]})
-        browser.wait_text("#bar .fields", lambda text: "0.100 wave RMS" in text)
+        browser.wait_text("#bar .fields", lambda text: "0.1000 wave" in text)
         self.press("Clear$")
         wait_for(lambda: self.call("aberration.get")["modes"] == [], what="no aberration")
         self.press("Close")
@@ -216,7 +216,7 @@ class Bar(PageCase):
         self.press("Open")
         rms = r"correction 0\.\d+ wave"
         self.browser.wait_text("#bench .controls", lambda text: re.search(f"Loop open since .*; {rms} RMS", text))
-        self.browser.wait_text("#bar .fields", lambda text: re.search(f"Aberration.*{rms}.*0\\.100 wave RMS", text))
+        self.browser.wait_text("#bar .fields", lambda text: re.search(f"Aberration.*{rms}.*0\\.1000 wave", text))
         self.assertEqual(self.browser.run(title), "Clears the aberration and the correction")
         self.call("aberration.clear")
         wait_for(lambda: self.browser.run(title) == "Clears the correction", what="the title without an aberration")
@@ -234,7 +234,7 @@ class Bar(PageCase):
         self.call("camera.set", {"exposure_us": 1100.0})
         self.browser.wait_text("header", lambda text: "Take a new one" in text)
         self.close_loop()
-        self.browser.wait_text("#bar .fields", lambda text: "The loop is closed: open it first." in text)
+        self.browser.wait_text("#bar .fields", lambda text: "Open the loop first." in text)
         disabled = "return [...document.querySelectorAll('button:disabled, select:disabled')].filter((e) => e.offsetParent).map((e) => e.textContent)"
         names = self.browser.run(disabled)
         for name in ("Auto", "Take 100 frames", "Take a new one", "Clear reference", "Clear correction"):

@@ -75,6 +75,13 @@ class PageModules(unittest.TestCase):
             angle = 0.0 if m >= 0 else math.pi / (2 * -m)
             self.assertAlmostEqual(float(zernike(j, math.cos(angle), math.sin(angle))), factor, 9, j)
 
+    def test_numbers_have_digits_and_axis_labels_are_short(self):
+        found = self.run_js("format.js", "return values.map(m.brief)", values=[0.0003, -0.0012, 0.0123, 0.02, 0.4, 1.5, 12.34, 456.7, 1e-12, 0])
+        self.assertEqual(found, ["0.00030", "\u22120.0012", "0.012", "0.020", "0.400", "1.50", "12.3", "457", "0.000000", "0"])
+        found = self.run_js("format.js", "return values.map(m.tick)", values=[0, 0.005, -0.25, 1000, 50000, 1e5, 2e5, -1e6, 1.25e7])
+        self.assertEqual(found, ["0", "0.005", "\u22120.25", "1000", "50000", "10\u2075", "2\u00b710\u2075", "\u221210\u2076", "1.25\u00b710\u2077"])
+        self.assertEqual(self.run_js("format.js", "return [0, 1, 2000].map((n) => m.plural(n, 'frame', 'frames'))"), ["0 frames", "1 frame", "2\u202f000 frames"])
+
     def test_units(self):
         found = self.run_js("units.js", "return Object.values(m.UNITS).map((u) => 0.1 * u.perWave(632.8))")
         numpy.testing.assert_allclose(found, [0.1, 63.28, 0.2 * math.pi])

@@ -1,5 +1,6 @@
 """The live page in a real browser: its views, its controls, and protection against other sites."""
 import http.server
+import re
 import signal
 import threading
 import time
@@ -227,6 +228,44 @@ class Page(WebCase):
             slm.takeStatus(arguments[1]);
             return [document.querySelector("#slm select").value, document.querySelector("#slm select").disabled]"""
         self.assertEqual(self.browser.run(show, bench, status), ["sensor", False])
+
+    def test_no_state_is_cut_off_and_the_bar_shows_the_rms_and_the_verdict(self):
+        self.open()
+        cut = """return [...document.querySelectorAll("#bar :is(.help, .why), #bar-now, .head .sub")]
+            .filter((e) => e.offsetParent && e.scrollWidth > e.clientWidth).map((e) => e.textContent)"""
+        tall = "return document.querySelector('#bar').offsetHeight"
+        self.browser.wait_text("#bar .field:nth-child(2) .help", lambda text: "dB" in text)
+        wait_for(lambda: self.browser.text("#bar-why") == "", what="controls")
+        height = self.browser.run(tall)
+
+        def check(selector, pattern):
+            self.browser.wait_text(selector, lambda text: re.fullmatch(pattern, text))
+            self.assertEqual(self.browser.run(cut), [], pattern)
+            self.assertEqual(self.browser.run(tall), height, f"{pattern} has one line")
+
+        check("#bar .field:nth-child(5) .help", "off")
+        check("#procedure-settle .state", "not measured")
+        self.call("loop.close")
+        self.call("record.start", {"name": "long"})
+        check("#bar .field:nth-child(4) .help", r"closed, 0\.000\d wave")
+        check("#bar .field:nth-child(5) .help", r"\d+ s")
+        check("#bar .field:nth-child(3) .why", "Open the loop first.")
+        self.call("loop.open")
+        self.call("record.stop")
+        check("#bar .field:nth-child(4) .help", "open")
+        self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.3}]})
+        check("#bar .field:nth-child(6) .help", r"0\.3000 wave")
+        check("#bar-now .value", r"0\.(29|30)\d\d wave")
+        self.call("aberration.clear")
+        check("#bar-now .value", r"0\.00\d\d wave")
+        self.assertEqual(self.browser.run("return document.querySelector('#bar-now').dataset.wellness"), "good")
+        self.browser.run("window.scrollTo(0, document.body.scrollHeight)")
+        left, top, wide, high = self.browser.box("#bar-now")
+        self.assertTrue(left > 0.0 and top >= 0.0 and left + wide <= 1440.0 and top + high < 100.0, "in view at the end of the page")
+        keys = "return [...document.querySelectorAll('#trends .value')].map((e) => [...e.querySelectorAll('i')].map((key) => getComputedStyle(key).borderTopColor))"
+        orange, blue = "rgb(224, 154, 62)", "rgb(11, 92, 173)"
+        self.assertEqual(self.browser.run(keys), [[blue, orange], [], [blue, orange], [], [], []], "two curves are told apart by their colours")
+        self.check_console()
 
     def test_nothing_can_be_changed_while_the_daemon_is_silent(self):
         self.open()

@@ -1,6 +1,7 @@
 // The bar that stays in view: exposure, gain, reference, loop, recording and aberration, each with its state.
 import * as aberration from "./aberration.js";
 import { gainOf } from "./bench.js";
+import { chosen, inUnitText } from "./chosen.js";
 import { brief, byId, element, grouped, setText, timeOfDay } from "./format.js";
 import { JobButton } from "./jobs.js";
 import { call } from "./link.js";
@@ -14,6 +15,7 @@ const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 **
 const REFERENCE_FRAMES = 100;
 const TAKE = `Take ${REFERENCE_FRAMES} frames`;
 const AUTO_TARGET = 0.7;
+const OPENED_ON_REQUEST = "loop.open was called";
 const LEAST_WAVES = 0.0005; // of a correction that is shown
 
 let parts = null;
@@ -76,8 +78,8 @@ async function clearShown() {
 function showAberration({ aberration: { modes }, loop }) {
   const introduced = Math.hypot(...modes.map((mode) => mode.waves));
   const correction = leftCorrection(loop);
-  parts.clear.help(introduced ? `${brief(introduced)} wave RMS` : "none");
-  setText(parts.correction, correction ? `correction ${brief(correction)} wave` : "");
+  parts.clear.help(introduced ? `${inUnitText(introduced)} ${chosen.unit}` : "none");
+  setText(parts.correction, correction ? `correction ${inUnitText(correction)} ${chosen.unit}` : "");
   const both = introduced ? "the aberration and the correction" : "the correction";
   parts.clear.toggle.dataset.hint = `Clears ${correction ? both : "the aberration"}`;
 }
@@ -123,25 +125,25 @@ function showCamera({ settings, limits }) {
   parts.gain.show(gainOf(settings).value);
 }
 
-function referenceText({ taken, source, frames, t_taken_ns: at, stale }) {
+function referenceText({ taken, source, t_taken_ns: at, stale }) {
   if (!taken) return source === "model" ? "from the model" : "none";
-  return `${stale?.length ? "stale, " : ""}${timeOfDay(at)}, ${frames} frames`;
+  return `${stale?.length ? "stale, " : ""}${timeOfDay(at)}`;
 }
 
 function loopText(loop) {
-  const residual = loop.residual_rms_waves === null ? "" : `, ${brief(loop.residual_rms_waves)} wave RMS`;
+  const residual = loop.residual_rms_waves === null ? "" : `, ${inUnitText(loop.residual_rms_waves)} ${chosen.unit}`;
   if (loop.closed) return `${loop.paused ? "paused" : "closed"}${residual}`;
-  return loop.opened_because ? `open: ${loop.opened_because}` : "open";
+  return loop.opened_because && loop.opened_because !== OPENED_ON_REQUEST ? `open: ${loop.opened_because}` : "open";
 }
 
 /** Why a control is disabled though the page may control: what the bench lacks for it. */
 function lacks() {
   const connected = bench?.camera.limits && (!status || status.camera.connected); // its limits are null until it was connected once
-  const camera = connected ? "" : "The camera is not connected.";
+  const camera = connected ? "" : "No camera.";
   const job = status?.state === "job_running" ? "A job is running." : "";
   const reference = !status || status.sensor.referenced ? "" : "Needs a reference.";
   const closed = whyLoop();
-  const auto = closed && "For Auto, open the loop first: it is closed."; // the field's other controls work
+  const auto = closed && "Auto needs an open loop."; // the field's other controls work
   return { camera: camera || job, auto: camera || job || auto, open: camera || job || closed, job, loop: closed ? "" : camera || job || reference, none: "" };
 }
 
@@ -185,7 +187,7 @@ export function takeStatus(message) {
   status = message;
   const { record: now } = message;
   const on = now.state === "recording";
-  parts.record.help(on ? `${grouped(now.duration_s)} s, ${grouped(now.frames)} frames` : "off");
+  parts.record.help(on ? `${grouped(now.duration_s)} s` : "off");
   parts.record.box.classList.toggle("recording", on);
   setText(parts.record.toggle, on ? "Stop" : "Record");
   update();

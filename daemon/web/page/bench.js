@@ -1,5 +1,6 @@
 // Sensor and loop: charge, tracker, frame rate, reference and correction, for users with control rights; else their values.
-import { brief, byId, element, grouped, NONE, setText, timeOfDay } from "./format.js";
+import { chosen, inUnitText } from "./chosen.js";
+import { brief, byId, element, grouped, NONE, plural, setText, timeOfDay } from "./format.js";
 import { call } from "./link.js";
 import { whyLoop } from "./rights.js";
 import { allowIn, button, ChoiceControl, field, NumberControl, reasonOf, Sender } from "./widgets.js";
@@ -61,14 +62,14 @@ export function build(mayControl) {
 function referenceText(reference) {
   if (!reference.taken) return reference.source === "model" ? "from the model" : "none";
   const stale = reference.stale?.length ? `; changed since: ${reference.stale.map((s) => s.field).join(", ")}` : "";
-  const introduced = reference.introduced_rms_waves ? `, contains an introduced aberration of ${brief(reference.introduced_rms_waves)} wave RMS` : "";
-  return `${reference.frames} frames, ${timeOfDay(reference.t_taken_ns)}${introduced}${stale}`;
+  const introduced = reference.introduced_rms_waves ? `, contains an introduced aberration of ${inUnitText(reference.introduced_rms_waves)} ${chosen.unit} RMS` : "";
+  return `${plural(reference.frames, "frame", "frames")}, ${timeOfDay(reference.t_taken_ns)}${introduced}${stale}`;
 }
 
 function loopText(loop) {
-  const residual = loop.residual_rms_waves === null ? "" : `, residual ${brief(loop.residual_rms_waves)} wave RMS`;
+  const residual = loop.residual_rms_waves === null ? "" : `, residual ${inUnitText(loop.residual_rms_waves)} ${chosen.unit} RMS`;
   if (loop.closed) return `${loop.paused ? "paused" : "closed"}, ${grouped(loop.steps)} steps${residual}`;
-  const correction = `correction ${brief(loop.correction_rms_waves)} wave RMS`;
+  const correction = `correction ${inUnitText(loop.correction_rms_waves)} ${chosen.unit} RMS`;
   return loop.opened_because ? `open since ${timeOfDay(loop.t_opened_ns)}: ${loop.opened_because}; ${correction}` : `open, ${correction}`;
 }
 

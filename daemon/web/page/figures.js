@@ -33,6 +33,7 @@ const put = (key, text) => setText(values.get(key), text);
 
 export function takeWavefront(message) {
   put("rms", inUnitText(message.rms_waves));
+  setText(document.querySelector("#bar-now .value"), `${inUnitText(message.rms_waves)} ${chosen.unit}`);
   setText(rmsUnit, chosen.unit);
   put("strehl", fixed(strehl(message.rms_waves), 3));
   put("spots", `${message.tracked}\u2009/\u2009${message.subapertures}`);

@@ -62,7 +62,8 @@ export function showFindings(findings) {
   shown = findings;
   const [worst, ...others] = findings;
   const verdict = byId("verdict");
-  verdict.dataset.wellness = worst.wellness;
+  verdict.dataset.wellness = byId("bar-now").dataset.wellness = worst.wellness;
+  byId("bar-now").title = `${worst.text}. RMS without tilts`;
   setText(verdict.querySelector("p"), worst.text);
   showAction(verdict, worst.action);
   document.title = worst.wellness === "good" ? "ovws" : `ovws: ${worst.text}`;

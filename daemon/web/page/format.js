@@ -2,6 +2,9 @@
 
 const MINUS = "\u2212";
 export const NONE = "\u2013";
+const MOST_DECIMALS = 6;
+const POWERS_FROM = 1e5;
+const SUPERSCRIPTS = "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079";
 
 /** A number with `digits` decimals; "–" if unknown. */
 export function fixed(value, digits) {
@@ -16,17 +19,27 @@ export function signed(value, digits) {
   return text === NONE || text.startsWith(MINUS) || Number(text) === 0 ? text : `+${text}`;
 }
 
-/** A number with about three significant digits. */
+/** A number with about three significant digits, and at least two of a small one. */
 export function brief(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return NONE;
   const size = Math.abs(value);
   if (size === 0) return "0";
-  return fixed(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3);
+  const small = () => Math.min(MOST_DECIMALS, Math.max(3, 1 - Math.floor(Math.log10(size))));
+  return fixed(value, size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : small());
 }
 
-/** Shortest text of an axis label. */
+/** A count with its noun. */
+export const plural = (number, one, many) => `${grouped(number)} ${number === 1 ? one : many}`;
+
+/** Shortest text of an axis label; from 100 000 on with a power of ten, because the space beside an axis is narrow. */
 export function tick(value) {
-  return String(Number(value.toPrecision(3))).replace("-", MINUS);
+  const size = Math.abs(Number(value.toPrecision(3)));
+  const sign = value < 0 ? MINUS : "";
+  if (size < POWERS_FROM) return `${sign}${size}`;
+  const power = Math.floor(Math.log10(size));
+  const factor = Number((size / 10 ** power).toPrecision(3));
+  const ten = `10${[...String(power)].map((digit) => SUPERSCRIPTS[digit]).join("")}`;
+  return factor === 1 ? `${sign}${ten}` : `${sign}${factor}\u00b7${ten}`;
 }
 
 /** 20000 as "20 000". */

@@ -158,7 +158,7 @@ function describe() {
   veil("camera", lastFrame.image, now);
   veil("map", frame.isFrozen() ? now : lastFrame.wavefront, now);
   const stale = now - lastFrame.wavefront > STALE_MS;
-  byId("figures").classList.toggle("stale", stale);
+  for (const id of ["figures", "bar-now"]) byId(id).classList.toggle("stale", stale);
   byId("modes").classList.toggle("stale", stale && !frame.isFrozen());
   camera.describe();
   map.describe();
@@ -219,7 +219,10 @@ map.build(redraw);
 modes.build(redraw);
 trends.build(byId("trends"), redraw);
 frame.onFreeze(redraw);
-onChosen(redraw);
+onChosen(() => {
+  if (newestBench) takeBench(newestBench); // its texts have units
+  redraw();
+});
 bar.build();
 camera.build(() => dirty.add("camera"));
 build(false);

@@ -1,8 +1,7 @@
 // The procedures that the page offers: their params, and their reports in words.
-import { brief, fixed, signed } from "./format.js";
+import { brief, fixed, plural, signed } from "./format.js";
 
 const MRAD = 1000;
-const plural = (number, one, many) => `${number} ${number === 1 ? one : many}`;
 
 function registrationText({ registered, scale_px_per_cycle: scale, rotation_deg: rotation, mirrored, residual_px: residual, sights, base_px: base }) {
   if (!registered) return "None: the geometry of the configuration applies.";

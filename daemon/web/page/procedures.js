@@ -97,7 +97,7 @@ class Procedure {
   showNothing(text) {
     if (this.#report) return;
     setText(this.#text, text);
-    setText(this.#state, "");
+    setText(this.#state, "not measured");
   }
 
   follow(job) {

@@ -15,4 +15,4 @@ export const whyNot = () => lack || (right === "control" ? "" : VIEW_ONLY);
 export const takeBench = ({ loop }) => (closed = loop.closed);
 
 /** Why nothing can start that the closed loop excludes; empty if it can. */
-export const whyLoop = () => (closed ? "The loop is closed: open it first." : "");
+export const whyLoop = () => (closed ? "Open the loop first." : "");

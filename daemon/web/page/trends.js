@@ -2,24 +2,25 @@
 import { alarm, allowNotifications, setAlarm } from "./alarm.js";
 import { detached } from "./canvas.js";
 import { chosen, inUnit, onChosen, toWaves, wavelengthNm } from "./chosen.js";
-import { brief, byId, element, NONE, setText, strehl, tick, timeOfDay } from "./format.js";
+import { brief, byId, element, fixed, NONE, setText, strehl, timeOfDay } from "./format.js";
 import { bins, chooseSpan, newest, now, span, SPANS, spanText } from "./history.js";
 import * as marks from "./marks.js";
 import { copy, csvText, pngOf, save, saveCsv } from "./save.js";
 import { actionButton, checkbox, positive, select, toolbar } from "./tools.js";
 import { boxOf, drawChart } from "./trends_draw.js";
+import { UNITS } from "./units.js";
 
 const rate = (bin) => (bin.span_s > 0.2 ? bin.frames / bin.span_s : null);
 const rmsUnit = () => chosen.unit;
 
 // `most`: fixed end of the axis; else a round number above the data. `decades`: logarithmic axis that starts there.
 const CHARTS = [
-  { title: "RMS without tilts", unit: rmsUnit, of: (bin) => inUnit(bin.rms_waves), low: (bin) => inUnit(bin.rms_min_waves), peak: (bin) => inUnit(bin.rms_max_waves), least: () => inUnit(0.01), limit: () => inUnit(alarm.limit) },
+  { title: "RMS without tilts", unit: rmsUnit, of: (bin) => inUnit(bin.rms_waves), low: (bin) => inUnit(bin.rms_min_waves), peak: (bin) => inUnit(bin.rms_max_waves), text: (value) => fixed(value, UNITS[chosen.unit].digits), least: () => inUnit(0.01), limit: () => inUnit(alarm.limit) },
   { title: "Strehl ratio, estimated", of: (bin) => strehl(bin.rms_waves), most: 1 },
   { title: "Latency", unit: () => "\u00b5s", of: (bin) => bin.latency_median_us, peak: (bin) => bin.latency_max_us, least: () => 1000, decades: 10 },
   { title: "Frame rate", unit: () => "frames/s", of: rate, least: () => 1 },
-  { title: "Lost spots", unit: () => "spots", of: (bin) => bin.lost_max, least: () => 2, steps: true },
-  { title: "Lost frames", unit: () => "frames", of: (bin) => bin.gap, least: () => 2, steps: true },
+  { title: "Lost spots", unit: (count) => (count === 1 ? "spot" : "spots"), of: (bin) => bin.lost_max, least: () => 2, steps: true },
+  { title: "Lost frames", unit: (count) => (count === 1 ? "frame" : "frames"), of: (bin) => bin.gap, least: () => 2, steps: true },
 ];
 
 const EXPORT_PX = [960, 160];
@@ -34,6 +35,15 @@ function pointAt(ns) {
   redraw();
 }
 
+/** The value of a chart's curve, and its peak, each after the colour of its curve if there are two. */
+function buildValue(parent, { peak }) {
+  const line = element("span", "value");
+  const [value, highest] = [element("span"), element("span")];
+  line.append(...(peak ? [element("i", "of"), value, element("i", "peak"), highest] : [value]));
+  parent.append(line);
+  return { value, highest };
+}
+
 export function build(section, onChange) {
   redraw = onChange;
   buildTools(section);
@@ -42,8 +52,9 @@ export function build(section, onChange) {
   views = CHARTS.map((chart) => {
     const figure = element("figure");
     const head = element("figcaption");
-    const [title, value] = [element("span", "title"), element("span", "value")];
-    head.append(title, value);
+    const title = element("span", "title");
+    head.append(title);
+    const values = buildValue(head, chart);
     const canvas = element("canvas");
     canvas.setAttribute("role", "img");
     figure.append(head, canvas);
@@ -54,7 +65,7 @@ export function build(section, onChange) {
       if (part >= 0 && part <= 1) pointAt(now() - part * span() * 1e9);
     });
     canvas.addEventListener("pointerleave", () => pointAt(null));
-    return { ...chart, canvas, titleText: title, value };
+    return { ...chart, canvas, titleText: title, ...values };
   });
   onChosen(() => {
     describe();
@@ -126,10 +137,12 @@ export function describe() {
   for (const view of views) {
     const value = bin ? view.of(bin) : null;
     const peak = bin && view.peak ? view.peak(bin) : null;
-    const unit = view.unit ? ` ${view.unit()}` : "";
-    const text = value === null ? NONE : `${brief(value)}${unit}`;
+    const unit = view.unit ? ` ${view.unit(value)}` : "";
+    const shown = view.text ?? brief;
+    const text = value === null ? NONE : `${shown(value)}${unit}`;
     setText(view.titleText, view.unit && !view.title.endsWith(view.unit()) ? `${view.title}, ${view.unit()}` : view.title);
-    setText(view.value, `${cursor === null ? "" : `${where} `}${peak === null ? text : `${text}, peak ${brief(peak)}${unit}`}`);
+    setText(view.value, `${cursor === null ? "" : `${where} `}${text}${peak === null ? "" : ", "}`);
+    setText(view.highest, peak === null ? "" : `peak ${shown(peak)}${unit}`);
     view.canvas.setAttribute("aria-label", `${view.title} over the last ${spanText()}, ${where} ${text}`);
   }
 }
