@@ -264,6 +264,8 @@ class Page(WebCase):
         self.assertTrue(left > 0.0 and top >= 0.0 and left + wide <= 1440.0 and top + high < 100.0, "in view at the end of the page")
         keys = "return [...document.querySelectorAll('#trends .value')].map((e) => [...e.querySelectorAll('i')].map((key) => getComputedStyle(key).borderTopColor))"
         orange, blue = "rgb(224, 154, 62)", "rgb(11, 92, 173)"
+        meant = "return [...document.querySelectorAll('#figures > div')].map((e) => e.title)"
+        self.assertEqual([text for text in self.browser.run(meant) if len(text) < 20], [], "each figure says what it is")
         self.assertEqual(self.browser.run(keys), [[blue, orange], [], [blue, orange], [], [], []], "two curves are told apart by their colours")
         self.check_console()
 

@@ -2,21 +2,23 @@
 import { chosen, inUnitText } from "./chosen.js";
 import { brief, byId, element, fixed, NONE, setText, strehl } from "./format.js";
 
+// Key, title, unit, and what it is.
 const FIGURES = [
-  ["rms", "RMS without tilts", "wave"],
-  ["strehl", "Strehl, estimated", ""],
-  ["spots", "Spots found", "spots"],
-  ["rate", "Frame rate", "frames/s"],
-  ["latency", "Latency", "\u00b5s"],
-  ["saturated", "Saturated spots", "%"],
-  ["screen", "Age on screen", "ms"],
+  ["rms", "RMS without tilts", "wave", "Root sum square of the newest frame\u2019s coefficients without tilts"],
+  ["strehl", "Strehl, estimated", "", "Mar\u00e9chal: exp(\u2212(2\u03c0 RMS)\u00b2) of the newest frame, good for small aberrations; below the wavefront stands that of the map"],
+  ["spots", "Spots found", "spots", "Spots found in the newest frame, of all subapertures"],
+  ["rate", "Frame rate", "frames/s", "Frames measured in the last half second"],
+  ["latency", "Latency", "\u00b5s", "From arrival in the daemon to publication, newest frame; the chart shows median and peak"],
+  ["saturated", "Saturated spots", "%", "Spots with a saturated pixel in the newest frame"],
+  ["screen", "Age on screen", "ms", "Time since the newest frame arrived in the daemon; on another computer corrected for its clock"],
 ];
 const values = new Map();
 let rmsUnit = null;
 
 export function build() {
-  for (const [key, title, unit] of FIGURES) {
+  for (const [key, title, unit, meaning] of FIGURES) {
     const box = element("div");
+    box.title = meaning;
     const value = element("span", "value", NONE);
     const dd = element("dd");
     const unitText = element("span", "unit", unit);
@@ -26,7 +28,6 @@ export function build() {
     values.set(key, value);
     if (key === "rms") rmsUnit = unitText;
   }
-  values.get("strehl").parentElement.title = "Mar\u00e9chal: exp(\u2212(2\u03c0 RMS)\u00b2), good for small aberrations";
 }
 
 const put = (key, text) => setText(values.get(key), text);
