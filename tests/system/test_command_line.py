@@ -116,6 +116,11 @@ class CommandLine(BenchCase):
         self.assertIn("vertical coma +0.2000, defocus -0.1000", self.ovws("aberrate", "vertical-coma=0.2", "4=-0.1"))
         self.assertIn("0.2236 wave RMS", self.ovws("aberrate"))
         self.assertEqual(self.ovws("clear"), "no aberration is introduced\n")
+        self.call("correction.set", {"modes": [{"j": 4, "waves": 0.05}]})
+        self.assertEqual(self.ovws("clear"), "no aberration is introduced\nthe correction stays: 0.0500 wave RMS, defocus +0.0500; "
+                                             "remove it with: ovws loop clear\n")
+        self.assertEqual(self.ovws("loop", "clear"), "no correction is shown\n")
+        self.assertEqual(self.ovws("clear"), "no aberration is introduced\n")
         self.assertIn("reference: none", self.ovws("reference"))
         self.assertIn("reference taken from 10 frames", self.ovws("reference", 10))
         self.assertRegex(self.ovws("reference"), r"measured .* from 10 frames")

@@ -47,7 +47,8 @@ void add_aberrate(CLI::App& app, const Common& common, int& status) {
 }
 
 void add_clear(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("clear", "remove the introduced aberration");
+  auto* command = app.add_subcommand(
+      "clear", "remove the introduced aberration, and say what correction stays");
   command->callback([&common, &status] { status = clear_verb(common); });
 }
 
@@ -78,11 +79,15 @@ void add_reference(CLI::App& app, const Common& common, int& status) {
 
 void add_loop(CLI::App& app, const Common& common, int& status) {
   auto* command =
-      app.add_subcommand("loop", "close, open, pause or resume the loop, or show its state");
+      app.add_subcommand("loop",
+                         "close, open, pause or resume the loop, remove its correction, or "
+                         "show its state");
   auto action = std::make_shared<std::string>();
   auto words = std::make_shared<Words>();
-  command->add_option("action", *action, "what to do")
-      ->check(CLI::IsMember({"close", "open", "pause", "resume"}));
+  command
+      ->add_option("action", *action,
+                   "what to do; clear removes the correction that an open loop has left")
+      ->check(CLI::IsMember({"close", "open", "pause", "resume", "clear"}));
   command->add_option("params", *words,
                       "params of loop.close or loop.open: gain=0.3 modes=3,4,5, keep=false");
   command->callback(

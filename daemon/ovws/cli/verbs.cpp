@@ -12,6 +12,7 @@
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/params.hpp"
 #include "daemon/ovws/text/quantity.hpp"
+#include "daemon/ovws/text/status.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
 
 namespace ovws::cli {
@@ -115,8 +116,18 @@ int aberrate_verb(const Common& common, const Words& words) {
   return act_on_words(common, "aberration.set", of_method);
 }
 
+/// Removes the introduced aberration, and says what correction stays.
 int clear_verb(const Common& common) {
-  return act(common, "aberration.clear", json::object());
+  const auto answer = call_and_wait(common, "aberration.clear", json::object());
+  if (!answer) return report_failure(common, answer.error());
+  const auto correction = call(common, "correction.get", json::object());
+  if (!correction) return report_failure(common, correction.error());
+  const auto loop = call(common, "loop.get", json::object());
+  if (!loop) return report_failure(common, loop.error());
+  const std::string stays = correction_text(correction->at("modes"), *loop);
+  return print_answer(common, *answer,
+                      answer_text("aberration.clear", *answer) +
+                          (stays.empty() ? "" : "\nthe correction stays: " + stays));
 }
 
 int focus_verb(const Common& common, const Words& words) {
@@ -139,6 +150,7 @@ int reference_verb(const Common& common, const std::string& action, const Words&
 
 int loop_verb(const Common& common, const std::string& action, const Words& words) {
   if (action.empty()) return act(common, "loop.get", json::object());
+  if (action == "clear") return act_on_words(common, "correction.clear", words);
   if (action == "pause" || action == "resume") {
     Words of_method = words;
     of_method.push_back(action == "pause" ? "paused=true" : "paused=false");

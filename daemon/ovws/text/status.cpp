@@ -123,28 +123,6 @@ std::string wavefront_text(const BenchState& bench) {
                      spots);
 }
 
-/// The largest modes of the correction, and how to remove it.
-std::string correction_text(const json& modes, const json& loop) {
-  constexpr double kLeastWaves = 0.0005;
-  constexpr std::size_t kMostModes = 6;
-  const auto size = [](const json& mode) { return std::abs(mode.at("waves").get<double>()); };
-  double square = 0.0;
-  std::vector<json> shown;
-  for (const json& mode : modes) {
-    square += size(mode) * size(mode);
-    if (size(mode) >= kLeastWaves) shown.push_back(mode);
-  }
-  if (square == 0.0) return "";
-  std::ranges::stable_sort(shown, std::ranges::greater(), size);
-  shown.resize(std::min(shown.size(), kMostModes));
-  std::string text = fmt::format("{:.4f} wave RMS", std::sqrt(square));
-  for (const json& mode : shown) {
-    text += fmt::format(", {} {:+.4f}", text_of(mode, "name"), mode.at("waves").get<double>());
-  }
-  if (shown.size() < modes.size()) text += ", …";
-  return loop.at("closed") == true ? text : text + "; remove it with: ovws call correction.clear";
-}
-
 std::string failed_text(const json& failed) {
   if (!failed.is_object()) return "";
   const std::string field = text_of(failed, "field");
@@ -178,6 +156,27 @@ std::string losses_text(const json& counters) {
 }
 
 }  // namespace
+
+std::string correction_text(const json& modes, const json& loop) {
+  constexpr double kLeastWaves = 0.0005;
+  constexpr std::size_t kMostModes = 6;
+  const auto size = [](const json& mode) { return std::abs(mode.at("waves").get<double>()); };
+  double square = 0.0;
+  std::vector<json> shown;
+  for (const json& mode : modes) {
+    square += size(mode) * size(mode);
+    if (size(mode) >= kLeastWaves) shown.push_back(mode);
+  }
+  if (square == 0.0) return "";
+  std::ranges::stable_sort(shown, std::ranges::greater(), size);
+  shown.resize(std::min(shown.size(), kMostModes));
+  std::string text = fmt::format("{:.4f} wave RMS", std::sqrt(square));
+  for (const json& mode : shown) {
+    text += fmt::format(", {} {:+.4f}", text_of(mode, "name"), mode.at("waves").get<double>());
+  }
+  if (shown.size() < modes.size()) text += ", …";
+  return loop.at("closed") == true ? text : text + "; remove it with: ovws loop clear";
+}
 
 std::string status_text(const BenchState& bench) {
   const json& status = bench.status;

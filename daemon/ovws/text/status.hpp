@@ -17,4 +17,8 @@ struct BenchState {
 /// nlohmann::json::exception if a part is not one of this version of the daemon.
 std::string status_text(const BenchState& bench);
 
+/// The largest of the correction's modes, and how to remove it unless the loop is closed; empty:
+/// there is no correction. `modes` of correction.get, and loop.get.
+std::string correction_text(const nlohmann::json& modes, const nlohmann::json& loop);
+
 }  // namespace ovws::cli

@@ -97,8 +97,8 @@ TEST(Status, TheLargestModesOfACorrectionAndHowToRemoveIt) {
   state.loop["closed"] = false;
   EXPECT_EQ(correct({}), "");
   EXPECT_EQ(correct({0.03, 0.0004, -0.04}),
-            "0.0500 wave RMS, m2 -0.0400, m0 +0.0300, …; remove it with: ovws call "
-            "correction.clear");
+            "0.0500 wave RMS, m2 -0.0400, m0 +0.0300, …; remove it with: ovws loop "
+            "clear");
   const std::string many = correct({0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.2});
   EXPECT_NE(many.find("m7 +0.2000, m0"), std::string::npos) << many;
   EXPECT_EQ(many.find("m5"), std::string::npos) << many;
