@@ -103,5 +103,8 @@ constexpr std::size_t kMaxCpus = 64;
 
 /// Images whose 16 brightest pixels reach less than this fraction of full scale are called dark.
 constexpr double kDarkFraction = 0.05;
+/// With a larger fraction of its spots saturated an image is called too bright, and no reference is
+/// taken.
+constexpr double kMaxSaturatedSpots = 0.1;
 
 }  // namespace ovws::limits

@@ -8,6 +8,8 @@
 
 #include "daemon/shared/client.hpp"
 #include "proto/dark_image.hpp"
+#include "proto/limits.hpp"
+#include "proto/slow_camera.hpp"
 
 namespace ovws::web {
 namespace {
@@ -17,8 +19,8 @@ using nlohmann::json;
 constexpr double kSilentS = 3.0;  // status comes once per second
 constexpr double kNoFramesS = 1.5;
 constexpr double kRecentS = 10.0;
-constexpr double kMaxSaturated = 0.1;  // fraction of the spots; reference.take refuses more
 constexpr int kReferenceFrames = 100;
+constexpr int kSlowStatuses = 3;
 constexpr std::array<const char*, 4> kNames{"good", "note", "warning", "bad"};
 
 std::string frames(std::int64_t count) {
@@ -132,7 +134,8 @@ void check_wavefront(const BenchFacts& facts, Findings& findings) {
     const std::string text = fmt::format("{} of {} spots saturated: lower the exposure or the gain",
                                          spots, wavefront.at("subapertures").get<int>());
     const json action = act("Set the exposure", {call_of("camera.auto_exposure")});
-    saturated > kMaxSaturated ? findings.warning(text, action) : findings.note(text, action);
+    saturated > limits::kMaxSaturatedSpots ? findings.warning(text, action)
+                                           : findings.note(text, action);
   }
   const int lost = wavefront.at("subapertures").get<int>() - wavefront.at("tracked").get<int>();
   if (pattern == "sensor" && lost > 0 && wavefront.at("valid").get<bool>()) {
@@ -150,6 +153,18 @@ void check_light(const json& status, Findings& findings) {
                                "scale; {}",
                                100.0 * brightest.get<double>(), dark_advice("set the exposure")),
                    act("Set the exposure", {call_of("camera.auto_exposure")}));
+}
+
+/// Frames that are missing for some seconds: a change of the settings interrupts them, too.
+void check_rate(const BenchFacts& facts, Findings& findings) {
+  if (facts.slow_statuses < kSlowStatuses || facts.status.at("state") == "job_running") return;
+  const json& settings = facts.status.at("camera").at("settings");
+  const double measured_hz = facts.status.at("rates").at("grabbed_hz").get<double>();
+  findings.warning(fmt::format("The camera sends {:.0f} of {:.4g} frames/s: {}", measured_hz,
+                               settings.at("frame_rate_hz").get<double>(),
+                               slow_advice(measured_hz, settings.at("exposure_us").get<double>(),
+                                           "ovws doctor")),
+                   lead("Show the frame rate", "bench"));
 }
 
 void check_counts(const BenchFacts& facts, Findings& findings) {
@@ -188,6 +203,12 @@ void check_counts(const BenchFacts& facts, Findings& findings) {
 
 }  // namespace
 
+bool has_slow_camera(const json& status) {
+  const json& settings = status.at("camera").at("settings");
+  return settings.is_object() && is_slow(status.at("rates").at("grabbed_hz").get<double>(),
+                                         settings.at("frame_rate_hz").get<double>());
+}
+
 std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
   Findings findings;
   if (facts.status.is_null() || facts.status_age_s > kSilentS) {
@@ -198,6 +219,7 @@ std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
   const bool camera = check_device(facts.status.at("camera"), "Camera", "camera", findings);
   const bool slm = check_device(facts.status.at("slm"), "SLM", "slm", findings);
   if (camera) check_light(facts.status, findings);
+  if (camera) check_rate(facts, findings);
   if (camera && slm) check_wavefront(facts, findings);
   check_counts(facts, findings);
   return findings.sorted();

@@ -112,6 +112,7 @@ class CommandLine(BenchCase):
         self.assertIn("exposure 1.5 ms", self.ovws("exposure"))
         self.assertIn("gain 3 dB", self.ovws("gain", "3"))
         self.assertRegex(self.ovws("rate", "50 Hz"), r"^frame rate 50 Hz \(.*\)\n$")
+        self.assertRegex(self.ovws("rate"), r"^frame rate 50 Hz \(.*\); measured: \d+\.\d frames/s")
         self.assertEqual(json.loads(self.ovws("--json", "gain"))["settings"]["gain_db"], 3.0)
         self.assertIn("vertical coma +0.2000, defocus -0.1000", self.ovws("aberrate", "vertical-coma=0.2", "4=-0.1"))
         self.assertIn("0.2236 wave RMS", self.ovws("aberrate"))

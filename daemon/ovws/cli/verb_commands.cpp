@@ -29,7 +29,8 @@ void add_gain(CLI::App& app, const Common& common, int& status) {
 }
 
 void add_rate(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand("rate", "set or show the camera's frame rate");
+  auto* command = app.add_subcommand(
+      "rate", "set the camera's frame rate, or show it with the rate that is measured");
   auto rate = std::make_shared<std::string>();
   command->add_option("rate", *rate, "frames per second, Hz: 100");
   command->callback([&common, &status, rate] { status = rate_verb(common, *rate); });

@@ -95,8 +95,18 @@ int gain_verb(const Common& common, const std::string& gain) {
   return act_on_camera(common, {{"gain_db", *decibels}}, "gain", gain_text);
 }
 
+int show_rate(const Common& common) {
+  const auto camera = call(common, "camera.get", json::object());
+  if (!camera) return report_failure(common, camera.error());
+  const auto status = call(common, "system.status", json::object());
+  if (!status) return report_failure(common, status.error());
+  return print_answer(common, *camera,
+                      "frame rate " + rate_text(camera->at("settings"), camera->at("limits")) +
+                          "; measured: " + measured_rate_text(*status));
+}
+
 int rate_verb(const Common& common, const std::string& rate) {
-  if (rate.empty()) return act_on_camera(common, json::object(), "frame rate", rate_text);
+  if (rate.empty()) return show_rate(common);
   const auto hertz = hertz_of(rate);
   if (!hertz) return report_mistake_in(common, "rate", hertz.error());
   return act_on_camera(common, {{"frame_rate_hz", *hertz}}, "frame rate", rate_text);

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "proto/dark_image.hpp"
+#include "proto/slow_camera.hpp"
 
 namespace ovws::doctor {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kOpeningS = 5.0;
-constexpr int kMostAsked = 12;  // a daemon that crashes starts again and again
+constexpr int kMostAsked = 12;          // a daemon that crashes starts again and again
 constexpr const char* kNoAnswer = "no daemon answers";
 constexpr const char* kLog = "journalctl -u ovwsd -n 20";
 
@@ -96,6 +97,28 @@ Finding judge_light(const DaemonFacts& facts) {
                  "ovws exposure auto");
 }
 
+/// Number at this JSON pointer of the status; 0 if there is no number.
+double number_at(const json& status, const char* path) {
+  const json::json_pointer pointer(path);
+  if (!status.contains(pointer) || !status.at(pointer).is_number()) return 0.0;
+  return status.at(pointer).get<double>();
+}
+
+Finding judge_rate(const DaemonFacts& facts) {
+  if (!facts.status) return not_here(kNoAnswer);
+  const double measured_hz = number_at(*facts.status, "/rates/grabbed_hz");
+  if (measured_hz == 0.0) return not_here("the daemon has received no frame in the last second");
+  const double set_hz = number_at(*facts.status, "/camera/settings/frame_rate_hz");
+  const std::string says =
+      fmt::format("the camera sends {:.1f} frames/s and is set to {:.4g}", measured_hz, set_hz);
+  if (!is_slow(measured_hz, set_hz)) return ok(says);
+  const double exposure_us = number_at(*facts.status, "/camera/settings/exposure_us");
+  const bool exposed = is_slowed_by_exposure(measured_hz, exposure_us);
+  return warning(says + ": " + slow_advice(measured_hz, exposure_us, "the checks camera.*"),
+                 exposed ? fmt::format("ovws exposure {:.0f}us", 0.5e6 / set_hz)
+                         : fmt::format("ovws rate {:.3g}", measured_hz));
+}
+
 /// Whether this is the answer of a daemon that may still be opening its devices.
 bool is_opening(const DaemonFacts& facts) {
   const json::json_pointer uptime("/uptime_s");
@@ -151,7 +174,8 @@ Findings judge(const DaemonFacts& facts) {
                                   {"daemon.state", judge_state},
                                   {"daemon.store", judge_store},
                                   {"daemon.job", judge_job},
-                                  {"camera.light", judge_light}},
+                                  {"camera.light", judge_light},
+                                  {"camera.rate", judge_rate}},
                                  facts);
 }
 

@@ -1,5 +1,5 @@
 /// Daemon checks of `ovws doctor`: a daemon answers, has this version, and its status shows no
-/// fault and no dark image.
+/// fault, no dark image and no slow camera.
 #pragma once
 
 #include <chrono>

@@ -11,6 +11,8 @@
 #include "daemon/ovws/text/losses.hpp"
 #include "daemon/ovws/text/quantity.hpp"
 #include "proto/dark_image.hpp"
+#include "proto/limits.hpp"
+#include "proto/slow_camera.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -41,13 +43,14 @@ std::string brightness_text(const json& brightest) {
   return is_dark(fraction) ? text + ": DARK; " + dark_advice("ovws exposure auto") : text;
 }
 
-std::string camera_lines(const json& camera, const json& rates) {
+std::string camera_lines(const json& status) {
+  const json& camera = status.at("camera");
   std::string lines;
   if (camera.at("info").is_object()) {
     const json& info = camera.at("info");
-    lines += line("camera", fmt::format("{} {} at {}, {:.1f} frames/s", text_of(info, "vendor"),
-                                        text_of(info, "model"), text_of(info, "address"),
-                                        rates.at("grabbed_hz").get<double>()));
+    lines += line("camera",
+                  fmt::format("{} {} at {}, {}", text_of(info, "vendor"), text_of(info, "model"),
+                              text_of(info, "address"), measured_rate_text(status)));
   }
   lines += line("camera", text_of(camera, "fault"));
   lines += line("image", brightness_text(camera.value("brightest", json())));
@@ -112,12 +115,19 @@ std::string reference_lines(const json& sensor, const json& reference) {
                           introduced));
 }
 
+std::string spots_text(const json& frame) {
+  const double saturated = frame.at("saturated").get<double>();
+  const std::string text =
+      fmt::format("{} of {} spots, {:.0f} % saturated", frame.at("tracked").get<int>(),
+                  frame.at("subapertures").get<int>(), 100.0 * saturated);
+  if (!(saturated > limits::kMaxSaturatedSpots)) return text;
+  return text + ": TOO BRIGHT; ovws exposure auto, or a lower gain";
+}
+
 std::string wavefront_text(const BenchState& bench) {
   const json& frame = bench.wavefront;
   if (!frame.is_object()) return "no frame is published";
-  const std::string spots =
-      fmt::format("{} of {} spots, {:.0f} % saturated", frame.at("tracked").get<int>(),
-                  frame.at("subapertures").get<int>(), 100.0 * frame.at("saturated").get<double>());
+  const std::string spots = spots_text(frame);
   if (!frame.at("valid").get<bool>()) return "NOT VALID: " + bench.not_valid + "; " + spots;
   return fmt::format("RMS {:.4f} wave without tilts, {}", frame.at("rms_waves").get<double>(),
                      spots);
@@ -157,6 +167,18 @@ std::string losses_text(const json& counters) {
 
 }  // namespace
 
+std::string measured_rate_text(const json& status) {
+  const double measured_hz = status.at("rates").at("grabbed_hz").get<double>();
+  const std::string text = fmt::format("{:.1f} frames/s", measured_hz);
+  const json& settings = status.at("camera").at("settings");
+  if (!settings.is_object()) return text;
+  const double set_hz = settings.at("frame_rate_hz").get<double>();
+  if (!is_slow(measured_hz, set_hz)) return text;
+  return fmt::format(
+      "{} of {:.4g}: SLOW; {}", text, set_hz,
+      slow_advice(measured_hz, settings.at("exposure_us").get<double>(), "ovws doctor"));
+}
+
 std::string correction_text(const json& modes, const json& loop) {
   constexpr double kLeastWaves = 0.0005;
   constexpr std::size_t kMostModes = 6;
@@ -184,10 +206,9 @@ std::string status_text(const BenchState& bench) {
   const std::size_t patterns = bench.aberration.value("patterns", json::array()).size();
   const std::string introduced = patterns > 0 ? fmt::format("a sequence of {} patterns", patterns)
                                               : modes_text(bench.aberration.at("modes"));
-  return line("state", state_text(status)) + camera_lines(status.at("camera"), status.at("rates")) +
-         slm_lines(status.at("slm")) + sensor_lines(sensor) +
-         reference_lines(sensor, bench.reference) + line("wavefront", wavefront_text(bench)) +
-         beam_lines(bench) +
+  return line("state", state_text(status)) + camera_lines(status) + slm_lines(status.at("slm")) +
+         sensor_lines(sensor) + reference_lines(sensor, bench.reference) +
+         line("wavefront", wavefront_text(bench)) + beam_lines(bench) +
          line("aberration", introduced.empty() ? "none" : introduced + " introduced") +
          line("correction", correction_text(bench.correction.at("modes"), bench.loop)) +
          line("loop", loop_text(bench.loop)) + line("recording", record_text(status.at("record"))) +

@@ -17,6 +17,9 @@ struct BenchState {
 /// nlohmann::json::exception if a part is not one of this version of the daemon.
 std::string status_text(const BenchState& bench);
 
+/// Frames per second that the camera sends, by system.status; with what limits them and what to do
+/// if they are fewer than it is set to.
+std::string measured_rate_text(const nlohmann::json& status);
 /// The largest of the correction's modes, and how to remove it unless the loop is closed; empty:
 /// there is no correction. `modes` of correction.get, and loop.get.
 std::string correction_text(const nlohmann::json& modes, const nlohmann::json& loop);

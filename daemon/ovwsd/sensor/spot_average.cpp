@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numeric>
 
+#include "proto/limits.hpp"
+
 namespace ovws {
 namespace {
-
-constexpr double kMaxSaturated = 0.1;  // fraction of all spots in all frames
 
 void accumulate(double& mean, double& m2, double value, int count) {
   const double before = value - mean;
@@ -149,12 +149,12 @@ Result<void> check_average(const SpotAverage& average, double max_motion_px) {
   const double looks = double(average.frames) * double(average.saturated.size());
   const double saturated =
       std::accumulate(average.saturated.begin(), average.saturated.end(), 0.0) / looks;
-  if (saturated > kMaxSaturated) {
+  if (saturated > limits::kMaxSaturatedSpots) {
     return fail(
         Errc::refused, "camera.exposure_us",
         fmt::format("{:.0f} % of the spots are saturated (limit {:.0f} %; spots {}): lower the "
                     "exposure or the gain",
-                    100.0 * saturated, 100.0 * kMaxSaturated,
+                    100.0 * saturated, 100.0 * limits::kMaxSaturatedSpots,
                     listed_spots(saturated_spots(average))));
   }
   if (!has_moved(average, max_motion_px)) return {};

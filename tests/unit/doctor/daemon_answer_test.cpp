@@ -14,8 +14,14 @@ DaemonFacts running() {
   facts.status = nlohmann::json{
       {"state", "running"},
       {"versions", {{"ovws", "1.2.3"}}},
-      {"camera", {{"info", {{"model", "M1"}}}, {"fault", nullptr}, {"brightest", 0.7}}},
-      {"slm", {{"fault", nullptr}}},
+      {"camera",
+       {{"info", {{"model", "M1"}}},
+        {"fault", nullptr},
+        {"brightest", 0.7},
+        {"settings", {{"frame_rate_hz", 100.0}, {"exposure_us", 2000.0}}}}},
+      {"rates", {{"grabbed_hz", 99.3}}},
+      {"slm",
+       {{"connected", true}, {"fault", nullptr}, {"info", {{"width", 100}, {"height", 50}}}}},
       {"store", {{"directory", "/var/lib/ovws"}, {"reason", nullptr}}},
       {"failed_job", nullptr},
   };
@@ -112,6 +118,19 @@ TEST(DoctorDaemon, ADarkImageIsAWarning) {
             std::string::npos);
   (*facts.status)["camera"]["brightest"] = nullptr;
   expect(facts, "camera.light", Verdict::not_here);
+}
+
+TEST(DoctorDaemon, ASlowCameraIsAWarning) {
+  auto facts = running();
+  (*facts.status)["rates"]["grabbed_hz"] = 71.3;
+  expect(facts, "camera.rate", Verdict::warning, "ovws rate 71.3");
+  EXPECT_NE(
+      named(judge(facts), "camera.rate").meaning.find("sends 71.3 frames/s and is set to 100"),
+      std::string::npos);
+  (*facts.status)["camera"]["settings"]["exposure_us"] = 13000.0;
+  expect(facts, "camera.rate", Verdict::warning, "ovws exposure 5000us");
+  (*facts.status)["rates"]["grabbed_hz"] = 0.0;
+  expect(facts, "camera.rate", Verdict::not_here);
 }
 
 TEST(DoctorDaemon, TheStatusTellsTheFolderOrWhyThereIsNone) {

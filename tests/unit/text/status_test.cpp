@@ -82,6 +82,41 @@ TEST(Status, ADarkImageIsSaid) {
             std::string::npos);
 }
 
+TEST(Status, TooMuchLightIsSaid) {
+  BenchState state = bench();
+  state.wavefront["saturated"] = 0.1;
+  EXPECT_EQ(status_text(state).find("TOO BRIGHT"), std::string::npos);
+  state.wavefront["saturated"] = 1.0;
+  EXPECT_NE(
+      status_text(state).find("100 % saturated: TOO BRIGHT; ovws exposure auto, or a lower gain\n"),
+      std::string::npos)
+      << status_text(state);
+}
+
+TEST(Status, ASlowCameraIsSaidWithWhatLimitsIt) {
+  BenchState state = bench();
+  const auto rate_of = [&](double measured_hz, double set_hz, double exposure_us) {
+    state.status["rates"]["grabbed_hz"] = measured_hz;
+    state.status["camera"]["settings"]["frame_rate_hz"] = set_hz;
+    state.status["camera"]["settings"]["exposure_us"] = exposure_us;
+    EXPECT_NE(status_text(state).find(measured_rate_text(state.status) + "\n"), std::string::npos)
+        << status_text(state);
+    return measured_rate_text(state.status);
+  };
+  EXPECT_EQ(rate_of(99.2, 100.0, 2000.0), "99.2 frames/s");
+  EXPECT_EQ(rate_of(88.0, 100.0, 2000.0), "88.0 frames/s") << "two frames may be late";
+  EXPECT_EQ(rate_of(1.0, 2.0, 2000.0), "1.0 frames/s");
+  EXPECT_EQ(rate_of(0.0, 100.0, 2000.0), "0.0 frames/s") << "no frames are another fault";
+  EXPECT_EQ(rate_of(71.3, 100.0, 2000.0),
+            "71.3 frames/s of 100: SLOW; the exposure leaves time for more: check the camera's "
+            "link and limits (ovws doctor), or lower the frame rate");
+  EXPECT_EQ(rate_of(71.3, 100.0, 13000.0),
+            "71.3 frames/s of 100: SLOW; the exposure fills the time between frames: shorten it, "
+            "or lower the frame rate");
+  state.status["camera"]["settings"] = nullptr;
+  EXPECT_EQ(measured_rate_text(state.status), "71.3 frames/s");
+}
+
 TEST(Status, TheLargestModesOfACorrectionAndHowToRemoveIt) {
   BenchState state = bench();
   const auto correct = [&](const std::vector<double>& waves) {
