@@ -5,6 +5,7 @@
 #include <chrono>
 #include <string_view>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "daemon/shared/key_file.hpp"
 #include "proto/endpoint.hpp"
 #include "proto/json_text.hpp"
@@ -176,10 +177,11 @@ std::string why_not_valid(const json& message, const json& status) {
   if (!status.at("sensor").at("referenced").get<bool>()) {
     return "no reference: ovws reference 100";
   }
-  if (message.value("fit_residual_px", json()).is_number())
+  const int tracked = message.value("tracked", 0), spots = message.value("subapertures", 0);
+  const bool enough = !too_many_lost({.used = tracked, .lost = spots - tracked});
+  if (enough && message.value("fit_residual_px", json()).is_number())
     return "no wavefront explains the spot positions";
-  return fmt::format("{} of {} spots found", message.value("tracked", 0),
-                     message.value("subapertures", 0));
+  return fmt::format("{} of {} spots found", tracked, spots);
 }
 
 int report(const Common& common, const Error& error) {

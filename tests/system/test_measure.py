@@ -313,11 +313,7 @@ class Measure(unittest.TestCase):
         pixels = np.asarray(Image.open(path)).astype(np.uint16)
         flat = self.farfield("flat.png", "")
         (whole,) = self.measure(path, reference=flat)
-        spot = whole["spots"][9]
-        x, y = round(spot["x"]), round(spot["y"])
-        without = pixels.copy()
-        without[y - 25:y + 26, x - 25:x + 26] = 2
-        (line,) = self.measure(self.save("without.png", without), reference=flat)
+        (line,) = self.measure(self.without("without.png", pixels, whole["spots"][9:10]), reference=flat)
         self.assertIsNone(line["spots"][9]["x"])
         self.assert_mode(line, {3: 0.2})
         hot = pixels.copy()
@@ -328,6 +324,32 @@ class Measure(unittest.TestCase):
         for before, after in zip(whole["spots"], line["spots"]):
             if after["x"] is not None:
                 self.assertLess(np.hypot(after["x"] - before["x"], after["y"] - before["y"]), 1.5)
+
+    def without(self, name, pixels, spots):
+        """The image without these spots of its measured line."""
+        pixels = pixels.copy()
+        for spot in spots:
+            x, y = round(spot["x"]), round(spot["y"])
+            pixels[y - 25:y + 26, x - 25:x + 26] = 2
+        return self.save(name, pixels)
+
+    def test_missing_spots_are_the_reason_and_a_wrong_reference_is_named(self):
+        flat = self.farfield("flat.png")
+        pixels = np.asarray(Image.open(flat)).astype(np.uint16)
+        (whole,) = self.measure(flat, reference=flat)
+        few = self.without("few.png", pixels, whole["spots"][:5])
+        config = self.folder / "five.json"
+        config.write_text(json.dumps({"tracking": {"tracker": "lg", "mode_count": 5}}))
+        by = (OVWS, "measure", "--config", config, "--reference")
+        done = subprocess.run([*by, flat, few], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
+        print("\n" + done.stdout)
+        self.assertIn("14 of 19 spots, NOT VALID", done.stdout)
+        self.assertIn("5 of 19 spots are missing", done.stdout)
+        self.assertNotIn("explains", done.stdout)
+        done = subprocess.run([*by, few, flat], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
+        print(done.stderr)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(f"reference: {few}, for {flat}: these spots are not found in the reference image: 0, 1, 2, 3, 4", done.stderr)
 
     def test_a_rotated_image_is_no_confident_wrong_number(self):
         pixels = np.asarray(Image.open(self.farfield("good.png", "2,-2:0.4", 8)))

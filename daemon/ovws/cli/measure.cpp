@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "core/spots/spot_fit.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovws/cli/commands.hpp"
@@ -134,6 +135,17 @@ void put_refined(json& line, const Measured& measured, bool amplitudes) {
   if (amplitudes) line["refined"]["amplitudes"] = found.amplitudes;
 }
 
+void print_why_not_valid(const json& line) {
+  const int spots = line["subapertures"].get<int>(), tracked = line["tracked"].get<int>();
+  if (too_many_lost({.used = tracked, .lost = spots - tracked})) {
+    print("{} of {} spots are missing, more than a sixth: check the image and its exposure\n",
+          spots - tracked, spots);
+  } else if (line["fit_residual_px"].is_number() && !line.contains("refined")) {
+    print("fit residual {:.4f} px: no wavefront explains the spot positions\n",
+          line["fit_residual_px"].get<double>());
+  }
+}
+
 void print_table(const Page& page, const json& line) {
   const int spots = line["subapertures"].get<int>();
   print("{}: {} of {} spots, {}\n", page.name(), line["tracked"].get<int>(), spots,
@@ -157,13 +169,7 @@ void print_table(const Page& page, const json& line) {
         "branch point (phase singularity) near x {:+.2f}, y {:+.2f} pupil radii, charge {:+.0f}\n",
         point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
   }
-  if (!line["valid"].get<bool>()) {
-    if (line["fit_residual_px"].is_number() && !line.contains("refined")) {
-      print("fit residual {:.4f} px: no wavefront explains the spot positions\n",
-            line["fit_residual_px"].get<double>());
-    }
-    return;
-  }
+  if (!line["valid"].get<bool>()) return print_why_not_valid(line);
   for (std::size_t k = 0; k < line["j"].size(); ++k) {
     const int j = line["j"][k].get<int>();
     print("{:>4} {:<32} {:+9.4f}\n", j, zernike_name(j), line["coefficients"][k].get<double>());
@@ -264,16 +270,22 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
   return std::nullopt;
 }
 
-/// Adds the page's name to the error text, unless the text already contains it.
-Error of_page(Error error, const std::string& name) {
-  if (error.reason.find(name) == std::string::npos) error.reason = name + ": " + error.reason;
+/// Adds the name of the page at fault to the error text, unless it contains it; an error of the
+/// reference gets the reference's path and the page that it was measured for.
+Error of_page(Error error, const std::string& name, const std::string& reference) {
+  if (error.field == "reference") {
+    error.reason = reference + ", for " + name + ": " + error.reason;
+  } else if (error.reason.find(name) == std::string::npos) {
+    error.reason = name + ": " + error.reason;
+  }
   return error;
 }
 
 /// Measures one image and prints the result, or why there is none. Returns the exit code.
-int measure_page(const Common& common, ImageMeasurer& measurer, const Page& page) {
+int measure_page(const Common& common, ImageMeasurer& measurer, const Page& page,
+                 const std::string& reference) {
   const auto line = measurer.line_of(page);
-  if (!line) return report(common, of_page(line.error(), page.name()));
+  if (!line) return report(common, of_page(line.error(), page.name(), reference));
   if (common.json) {
     print("{}\n", json_text(*line));
   } else {
@@ -302,7 +314,7 @@ int measure_images(const Common& common, const MeasureOptions& options) {
     const auto pages = count_images(path);
     if (!pages) status = report(common, pages.error());
     for (int page = 0; pages && page < *pages; ++page) {
-      const int failed = measure_page(common, measurer, {path, page, *pages});
+      const int failed = measure_page(common, measurer, {path, page, *pages}, options.reference);
       if (failed != kOk) status = failed;
     }
   }

@@ -58,7 +58,9 @@ std::string BeamWatch::lack_of(const Newest& newest) const {
            ": tilt the sources apart";
   }
   if (newest.tracked == 0) return ": check the light of this source";
-  return newest.explained ? "" : ", but no wavefront explains their positions";
+  const bool enough =
+      !too_many_lost({.used = newest.tracked, .lost = newest.spots - newest.tracked});
+  return enough && !newest.explained ? ", but no wavefront explains their positions" : "";
 }
 
 void BeamWatch::announce(Events& events, std::int64_t now_ns) {

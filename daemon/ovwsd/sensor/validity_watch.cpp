@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "daemon/ovwsd/sensor/branch_check.hpp"
 #include "proto/dark_image.hpp"
 
@@ -66,11 +67,13 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
     return invalid;
   }
   const bool has_branch_points = lack.branch_points > 0;
+  const bool enough = !too_many_lost({.used = lack.tracked, .lost = lack.spots - lack.tracked});
+  const bool unexplained = enough && !lack.explained;
   invalid.reason = fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots,
                                has_branch_points ? branch_text(lack)
                                : lack.waits      ? ", but templates have not confirmed them yet"
-                               : lack.explained  ? ""
-                                                 : ", but no wavefront explains their positions");
+                               : unexplained     ? ", but no wavefront explains their positions"
+                                                 : "");
   invalid.action = lack.brightest && is_dark(*lack.brightest) ? dark_text(*lack.brightest)
                    : has_branch_points
                        ? "no smooth wavefront exists: remove what splits the light, or wait"

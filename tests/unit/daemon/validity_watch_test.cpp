@@ -83,6 +83,8 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_EQ(running.reason, "7 of 19 spots are found");
   EXPECT_EQ(running.action, "the image's wavefront is being searched");
   EXPECT_FALSE(running.t_next_search_ns);
+  const auto few = invalid_in_words({2 * kS, 13, 19, false}, {true, 3, 5 * kS}, 4 * kS, utc_ns);
+  EXPECT_EQ(few.reason, "13 of 19 spots are found");
   const auto waits = invalid_in_words({2 * kS, 18, 19, false, true}, {}, 4 * kS, utc_ns);
   EXPECT_EQ(waits.reason, "18 of 19 spots are found, but templates have not confirmed them yet");
   EXPECT_EQ(waits.action, "wait: templates of this wavefront are being rendered");

@@ -162,6 +162,10 @@ TEST_F(HealthTest, SaysWhatIsDoneAboutInvalidFrames) {
   facts.wavefront["fit_residual_px"] = nullptr;
   facts.status["sensor"]["invalid"] = {{"action", "the whole image is being searched for spots"}};
   expect_worst(Wellness::bad, "7 of 19 spots found; the whole image is being searched");
+  facts.wavefront["fit_residual_px"] = 0.01;  // of the seven
+  expect_worst(Wellness::bad, "7 of 19 spots found; the whole image is being searched");
+  facts.wavefront["tracked"] = 16;
+  expect_worst(Wellness::bad, "No wavefront: no wavefront explains");
 }
 
 TEST_F(HealthTest, CountsSaturatedAndLostSpots) {
