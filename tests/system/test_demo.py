@@ -99,6 +99,8 @@ class Demo(unittest.TestCase):
                     client = Client(f"tcp://127.0.0.1:{port}")
                     self.addCleanup(client.close)
                     self.assertTrue(client.call("system.status" if port == 7702 else "twin.get"))
+                    if port == 7702:
+                        self.assertEqual(client.call("system.status")["sensor"]["tracker"], "fit", "the default")
             for port in (7701, 7703):
                 with socket.create_connection(("127.0.0.1", port), timeout=PROGRAM_PATIENCE_S):
                     pass
