@@ -96,7 +96,8 @@ class Well(DoctorCase):
             self.assertEqual(self.faults(findings), set())
             for name in ("configuration", "camera.found", "camera.interface", "camera.packets", "slm.server", "slm.output", "slm.mode",
                          "optics.zeroth_order", "slm.gamma", "slm.power", "slm.screen_saver", "slm.compositor", "state.directory", "daemon.answer",
-                         "daemon.version", "daemon.state", "daemon.store", "daemon.job", "camera.light"):
+                         "daemon.version", "daemon.state", "daemon.store", "daemon.job", "camera.light",
+                         "slm.levels"):
                 self.check(findings, name, "ok")
             self.check(findings, "camera.control", "ok", "the daemon controls the camera")
             self.check(findings, "camera.usb_memory", "not_here", "network")

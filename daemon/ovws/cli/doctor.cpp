@@ -76,6 +76,12 @@ doctor::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
     if (const auto in_use = call(common, "config.get", nlohmann::json::object())) {
       if (const auto config = parse_config(json_text(*in_use))) facts.config = *config;
     }
+    if (!doctor::shows_holograms(facts)) return facts;
+    if (auto levels = call(common, "slm.verify", nlohmann::json::object())) {
+      facts.levels = std::move(*levels);
+    } else {
+      facts.why_no_levels = levels.error().error.value("message", "no reason given");
+    }
   } else {
     facts.refused = status.error().answered;
     facts.why = status.error().error.value("message", "no reason given");

@@ -14,6 +14,7 @@ using nlohmann::json;
 
 constexpr double kOpeningS = 5.0;
 constexpr int kMostAsked = 12;          // a daemon that crashes starts again and again
+constexpr double kFewDiffering = 0.01;  // share of the output's pixels
 constexpr const char* kNoAnswer = "no daemon answers";
 constexpr const char* kLog = "journalctl -u ovwsd -n 20";
 
@@ -119,6 +120,29 @@ Finding judge_rate(const DaemonFacts& facts) {
                          : fmt::format("ovws rate {:.3g}", measured_hz));
 }
 
+/// What the output shows, whichever program changed it.
+Finding judge_levels(const DaemonFacts& facts) {
+  if (!facts.status) return not_here(kNoAnswer);
+  if (!facts.levels) {
+    return not_here(facts.why_no_levels.empty() ? "the daemon shows no hologram"
+                                                : facts.why_no_levels);
+  }
+  const double differing = number_at(*facts.levels, "/differing_pixels");
+  if (differing == 0.0) return ok("the SLM's output shows the hologram exactly");
+  const double pixels =
+      number_at(*facts.status, "/slm/info/width") * number_at(*facts.status, "/slm/info/height");
+  const std::string says =
+      fmt::format("{:.0f} pixels of the SLM's output differ from the hologram", differing);
+  const char* const fix = "ovws call slm.verify";
+  if (differing <= kFewDiffering * pixels) {
+    return warning(says + ": close what another program draws there (a window, a pointer)", fix);
+  }
+  return fault(says +
+                   ": grey levels on the SLM are wrong; stop the compositor, or exclude the "
+                   "window \"ovws SLM\" from its effects, then check again",
+               fix);
+}
+
 /// Whether this is the answer of a daemon that may still be opening its devices.
 bool is_opening(const DaemonFacts& facts) {
   const json::json_pointer uptime("/uptime_s");
@@ -175,7 +199,8 @@ Findings judge(const DaemonFacts& facts) {
                                   {"daemon.store", judge_store},
                                   {"daemon.job", judge_job},
                                   {"camera.light", judge_light},
-                                  {"camera.rate", judge_rate}},
+                                  {"camera.rate", judge_rate},
+                                  {"slm.levels", judge_levels}},
                                  facts);
 }
 

@@ -1,5 +1,5 @@
-/// Daemon checks of `ovws doctor`: a daemon answers, has this version, and its status shows no
-/// fault, no dark image and no slow camera.
+/// Daemon checks of `ovws doctor`: a daemon answers, has this version, its status shows no fault,
+/// no dark image and no slow camera, and the SLM's output shows the hologram.
 #pragma once
 
 #include <chrono>
@@ -17,13 +17,15 @@ struct DaemonFacts {
   std::string endpoint;
   std::optional<nlohmann::json> status;  ///< the reply to system.status
   std::optional<Config> config;          ///< the settings in use, by config.get; none: not known
+  std::optional<nlohmann::json> levels;  ///< the reply to slm.verify; only if it shows holograms
+  std::string why_no_levels;             ///< why there is none although it shows holograms
   bool refused = false;                  ///< no status, because the daemon answered with an error
   std::string why;                       ///< why there is no status
   bool asks_for_keys = false;            ///< clients need keys: the configuration sets a secret key
   std::string own_version;               ///< version of this program
 };
 
-/// Requests system.status and config.get from the daemon at this endpoint.
+/// Requests system.status, config.get and slm.verify from the daemon at this endpoint.
 using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 /// The daemon's answer. One that waits for a camera or display, or is at fault without a camera, is
 /// asked again until it has run for 5 s, after this pause each time and twelve times in all at

@@ -30,6 +30,18 @@ json rows_of(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
+/// Memory that a plan may have for itself, about.
+std::size_t bytes_of_plan(const MeasurementPlan& plan) {
+  const Reconstructor& positions = *plan.reconstructor;
+  const std::size_t points = plan.predicted_px.size() + plan.reference_px.size();
+  std::size_t bytes =
+      sizeof(MeasurementPlan) + points * sizeof(Vec2) +
+      std::size_t(positions.slopes().size() + positions.nuisance().size()) * sizeof(double);
+  for (const auto& beam : plan.beams) bytes += bytes_of_plan(*beam);
+  for (const auto& pattern : plan.patterns) bytes += bytes_of_plan(*pattern);
+  return bytes;
+}
+
 json operator_content(const MeasurementPlan& plan) {
   const Reconstructor& positions = *plan.reconstructor;
   json content{{"operator", wire_name(plan.mode_operator)},
@@ -106,6 +118,11 @@ PlanFacts::PlanFacts(const MeasurementPlan& of, SensorView view)
       point(of.fit ? std::optional(of.fit->point()) : std::nullopt),
       sensor(std::move(view)) {
   plan.fit = nullptr;
+}
+
+std::size_t bytes_of(const PlanFacts& facts) {
+  return bytes_of_plan(facts.plan) + sizeof(SensorSnapshot) +
+         facts.sensor->sensor.lenslets.centres_px.size() * sizeof(Vec2);
 }
 
 Document make_document(std::string kind, const json& content) {

@@ -22,6 +22,8 @@ struct PlanFacts {
   std::optional<OperatingPoint> point;  ///< of the templates, which determines them
   SensorView sensor;                    ///< sensor state when the plan was adopted
 };
+/// Memory that remembered facts may have for themselves, about, bytes.
+std::size_t bytes_of(const PlanFacts& facts);
 
 struct Document {
   std::string kind;  ///< see RECORDING.md

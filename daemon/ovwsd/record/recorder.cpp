@@ -24,23 +24,6 @@ constexpr std::int64_t kFlushNs = 250'000'000;
 constexpr std::size_t kIdleFacts = 4;
 constexpr std::size_t kMaxFacts = FrameStore::kMaxFrames + kIdleFacts;
 
-/// Memory that a plan may have for itself, about.
-std::size_t bytes_of(const MeasurementPlan& plan) {
-  const Reconstructor& positions = *plan.reconstructor;
-  const std::size_t points = plan.predicted_px.size() + plan.reference_px.size();
-  std::size_t bytes =
-      sizeof(MeasurementPlan) + points * sizeof(Vec2) +
-      std::size_t(positions.slopes().size() + positions.nuisance().size()) * sizeof(double);
-  for (const auto& beam : plan.beams) bytes += bytes_of(*beam);
-  for (const auto& pattern : plan.patterns) bytes += bytes_of(*pattern);
-  return bytes;
-}
-
-std::size_t bytes_of(const PlanFacts& facts) {
-  return bytes_of(facts.plan) + sizeof(SensorSnapshot) +
-         facts.sensor->sensor.lenslets.centres_px.size() * sizeof(Vec2);
-}
-
 constexpr const char* kGone =
     "its file was removed or moved while it was written; do so only after record.stop";
 constexpr std::int64_t kStopRestNs = 120'000'000'000;  // to write remaining frames at a stop

@@ -3,7 +3,9 @@
 #include <spdlog/fmt/fmt.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <chrono>
+#include <thread>
 
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/devices/device_lists.hpp"
@@ -16,6 +18,8 @@ constexpr auto kTurn = std::chrono::milliseconds(20);
 constexpr auto kShowTimeout = std::chrono::seconds(2);
 constexpr std::int64_t kRetryNs = 1'000'000'000;
 constexpr std::int64_t kCheckNs = 100'000'000;
+constexpr std::int64_t kFadeInNs = 1'000'000'000;
+constexpr double kMaxDiffering = 0.01;  // share of the pixels; a pointer or a message covers fewer
 
 std::uint32_t crc32_of(const std::vector<std::uint8_t>& bytes) {
   return std::uint32_t(::crc32(0, bytes.data(), uInt(bytes.size())));
@@ -23,6 +27,37 @@ std::uint32_t crc32_of(const std::vector<std::uint8_t>& bytes) {
 
 Error stopping() {
   return {Errc::refused, "", "the daemon is stopping"};
+}
+
+/// What the output shows of a hologram.
+struct SeenLevels {
+  std::vector<std::uint8_t> levels;  ///< as those of the hologram
+  int differing_pixels = 0;
+};
+
+SeenLevels compared(const Image<std::uint32_t>& shown, const std::vector<std::uint8_t>& given) {
+  SeenLevels seen{std::vector<std::uint8_t>(given.size()), 0};
+  const std::size_t bytes = given.size() / shown.pixels.size();  // 1 or 3 per pixel
+  for (std::size_t i = 0; i < shown.pixels.size(); ++i) {
+    const std::uint32_t pixel = shown.pixels[i];
+    bool same = true;
+    for (std::size_t k = 0; k < bytes; ++k) {
+      seen.levels[bytes * i + k] = std::uint8_t(pixel >> (8 * (bytes - 1 - k)));
+      same = same && seen.levels[bytes * i + k] == given[bytes * i + k];
+    }
+    if (bytes == 1) same = pixel == given[i] * 0x010101U;
+    seen.differing_pixels += same ? 0 : 1;
+  }
+  return seen;
+}
+
+Error changed_levels(const SeenLevels& seen, const std::vector<std::uint8_t>& given, double share) {
+  const auto top = std::size_t(std::ranges::max_element(given) - given.begin());
+  return {Errc::refused, "slm.display",
+          fmt::format("the output does not show the grey levels of the hologram: {:.0f} % of the "
+                      "pixels differ, and level {} is shown as {}; stop the compositor, or exclude "
+                      "the window \"ovws SLM\" from its effects",
+                      100.0 * share, given[top], seen.levels[top])};
 }
 
 }  // namespace
@@ -205,20 +240,9 @@ Result<SlmVerdict> SlmLoop::compare_output() {
   const auto shown = display_->read_back();
   if (!shown) return fail(shown.error());
   const std::vector<std::uint8_t>& given = requested_->levels->pixels;
-  SlmVerdict verdict{requested_->hologram_id, crc32_of(given), 0, 0};
-  std::vector<std::uint8_t> seen(given.size());
-  const std::size_t bytes = given.size() / shown->pixels.size();  // 1 or 3 per pixel
-  for (std::size_t i = 0; i < shown->pixels.size(); ++i) {
-    const std::uint32_t pixel = shown->pixels[i];
-    bool same = true;
-    for (std::size_t k = 0; k < bytes; ++k) {
-      seen[bytes * i + k] = std::uint8_t(pixel >> (8 * (bytes - 1 - k)));
-      same = same && seen[bytes * i + k] == given[bytes * i + k];
-    }
-    if (bytes == 1) same = pixel == given[i] * 0x010101U;
-    verdict.differing_pixels += same ? 0 : 1;
-  }
-  verdict.crc32_shown = crc32_of(seen);
+  const SeenLevels seen = compared(*shown, given);
+  const SlmVerdict verdict{requested_->hologram_id, crc32_of(given), crc32_of(seen.levels),
+                           seen.differing_pixels};
   if (verdict.differing_pixels > 0) {
     deps_.counters.add(Counter::display_faults);
     deps_.events.emit("slm", Severity::error,
@@ -248,18 +272,40 @@ SlmLoop::Pending SlmLoop::wait_for_work() {
   return now;
 }
 
-/// Opens the display and presents the requested hologram. Only then is the display reported as
-/// open.
+/// Opens the display, checks that it shows the levels of the requested hologram, and presents that.
+/// Only then is the display reported as open.
 void SlmLoop::try_open() {
   next_try_ns_ = monotonic_ns() + kRetryNs;
   auto opened = open_display(config_);
   if (!opened) return publish_snapshot(opened.error());
   display_ = std::move(*opened);
+  if (const auto exact = check_levels(*requested_->levels); !exact) {
+    display_.reset();
+    next_try_ns_ = monotonic_ns() + kRetryNs;
+    return publish_snapshot(exact.error());
+  }
   if (!present(*requested_)) return;
   const DisplayInfo& info = display_->info();
   deps_.events.emit("slm", Severity::info,
                     fmt::format("SLM output {} is open: {} x {} at {:.1f} Hz ({})", info.output,
                                 info.width, info.height, info.refresh_hz, info.driver));
+}
+
+/// Presents the levels and reads them back. A compositor shows them some refreshes later, or fades
+/// a new window in, so that they are read again for a second.
+Result<void> SlmLoop::check_levels(const Image<std::uint8_t>& levels) {
+  if (auto presented = display_->present(levels); !presented) return fail(presented.error());
+  const std::int64_t end_ns = monotonic_ns() + kFadeInNs;
+  for (;;) {
+    const auto shown = display_->read_back();
+    if (!shown && shown.error().code == Errc::unavailable) return {};  // it cannot be read
+    if (!shown) return fail(shown.error());
+    const SeenLevels seen = compared(*shown, levels.pixels);
+    const double share = double(seen.differing_pixels) / double(shown->pixels.size());
+    if (share <= kMaxDiffering) return {};
+    if (monotonic_ns() >= end_ns) return fail(changed_levels(seen, levels.pixels, share));
+    std::this_thread::sleep_for(kTurn);
+  }
 }
 
 Result<void> SlmLoop::present(const HologramRequest& request) {

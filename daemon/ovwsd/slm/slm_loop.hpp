@@ -1,5 +1,7 @@
 /// The SLM loop, on the main thread: presents holograms, checks the display's output, and reopens
-/// the display after a fault.
+/// the display after a fault. Each time it opens the display, it reads the shown pixels back: if
+/// more than 1 % of them differ from the hologram, as behind a compositor that dims windows, that
+/// is a fault.
 #pragma once
 
 #include <condition_variable>
@@ -142,6 +144,7 @@ class SlmLoop : public Agent {
   Result<SlmSettings> use(const Change& asked);
   Result<void> reopen(const SlmConfig& config);
   void try_open();
+  Result<void> check_levels(const Image<std::uint8_t>& levels);
   Result<void> present(const HologramRequest& request);
   void fault(const Error& why);
   void publish_snapshot(const std::optional<Error>& why);

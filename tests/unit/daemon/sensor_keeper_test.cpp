@@ -22,8 +22,6 @@ namespace {
 /// State shared by the test and the fake display that the SlmLoop owns.
 struct Screen {
   std::atomic<bool> there{true};
-  std::atomic<int> presented{0}, read_back{0};
-  std::chrono::milliseconds read_back_takes{0};  ///< simulated time
   std::mutex mutex;
   Image<std::uint8_t> shown;
 
@@ -43,14 +41,9 @@ class PlayedDisplay final : public Display {
     if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
     const std::lock_guard lock(screen->mutex);
     screen->shown = grey;
-    ++screen->presented;
     return std::int64_t{1};
   }
-  Result<Image<std::uint32_t>> read_back() override {
-    ++screen->read_back;
-    test::skip(screen->read_back_takes);
-    return fail(Errc::unavailable, "", "no");
-  }
+  Result<Image<std::uint32_t>> read_back() override { return fail(Errc::unavailable, "", "no"); }
   Result<void> check() override {
     if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
     return {};
@@ -79,38 +72,6 @@ Config seen_bench() {
   config.sensor.spacing = 0.47;
   config.camera.settings.roi = {0, 0, 656, 816};
   return config;
-}
-
-/// SlmLoop in the thread of the test, which makes its turns.
-TEST(SlmLoop, ReadBackLeavesTheDisplaysTimeToHolograms) {
-  Screen here;
-  screen = &here;
-  StreamQueue queue;
-  Events events{queue};
-  Counters counters;
-  LatestValue<ShownHologram> shown;
-  SlmLoop slm(test::small_bench().slm, {shown, counters, events, [](const SlmSnapshot&) {}});
-  const auto levels = std::make_shared<const Image<std::uint8_t>>(8, 8);
-  int answers = 0;
-  const auto turn = [&](std::uint64_t hologram_id) {
-    slm.verify([&](const Result<SlmVerdict>&) { ++answers; });
-    slm.show_when_possible({hologram_id, 1, HologramKind::sensor, levels});
-    slm.do_work();
-  };
-  here.read_back_takes = std::chrono::milliseconds(20);
-  for (std::uint64_t id = 1; id <= 200; ++id) turn(id);
-  EXPECT_EQ(here.presented, 200);
-  EXPECT_GT(here.read_back, 0);
-  EXPECT_LT(here.read_back, 100);  // once in 180 ms
-  const int before = here.read_back;
-  test::skip(std::chrono::milliseconds(500));
-  slm.do_work();
-  EXPECT_EQ(answers, 200) << "one read-back answers all that wait";
-  EXPECT_EQ(here.read_back, before + 1);
-  turn(201);
-  slm.close();
-  EXPECT_EQ(answers, 201) << "none is left without an answer";
-  screen = nullptr;
 }
 
 constexpr std::uint64_t kNotOpened = ~std::uint64_t{0};

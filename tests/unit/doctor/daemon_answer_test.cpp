@@ -25,6 +25,7 @@ DaemonFacts running() {
       {"store", {{"directory", "/var/lib/ovws"}, {"reason", nullptr}}},
       {"failed_job", nullptr},
   };
+  facts.levels = nlohmann::json{{"equal", true}, {"differing_pixels", 0}};
   return facts;
 }
 
@@ -131,6 +132,19 @@ TEST(DoctorDaemon, ASlowCameraIsAWarning) {
   expect(facts, "camera.rate", Verdict::warning, "ovws exposure 5000us");
   (*facts.status)["rates"]["grabbed_hz"] = 0.0;
   expect(facts, "camera.rate", Verdict::not_here);
+}
+
+TEST(DoctorDaemon, AnOutputThatShowsOtherLevelsIsAFault) {
+  auto facts = running();
+  facts.levels->at("differing_pixels") = 50;
+  expect(facts, "slm.levels", Verdict::warning, "ovws call slm.verify");
+  facts.levels->at("differing_pixels") = 4950;
+  expect(facts, "slm.levels", Verdict::fault, "ovws call slm.verify");
+  EXPECT_NE(named(judge(facts), "slm.levels").meaning.find("stop the compositor"),
+            std::string::npos);
+  facts.levels.reset();
+  facts.why_no_levels = "it cannot be read";
+  expect(facts, "slm.levels", Verdict::not_here);
 }
 
 TEST(DoctorDaemon, TheStatusTellsTheFolderOrWhyThereIsNone) {
