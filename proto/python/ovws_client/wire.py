@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from .values import plain
 CONTROL = "tcp://127.0.0.1:7702"
 NUMBERS = "tcp://127.0.0.1:7701"
 IMAGES = "tcp://127.0.0.1:7703"
+MAX_DEPTH = 8  # of params that are looked into
 KeyFile = str | os.PathLike[str]
 
 
@@ -50,10 +51,33 @@ def _plain(value: object) -> object:
     raise TypeError(f"{type(value).__name__} cannot be encoded as JSON")
 
 
+def _encoded(value: object) -> str:
+    return json.dumps(value, default=_plain, allow_nan=False)
+
+
+def _unsendable(name: str, value: object, depth: int = 0) -> str:
+    """Name and text of the first value within `value` that JSON cannot represent; empty if there is none."""
+    try:
+        _encoded(value)
+        return ""
+    except (TypeError, ValueError):
+        parts: Iterable[tuple[str, object]] = ()
+        if isinstance(value, Mapping):
+            parts = ((f"{name}.{key}".lstrip("."), each) for key, each in value.items())
+        elif isinstance(value, (list, tuple)) or isinstance(value, np.ndarray) and value.ndim:
+            parts = ((f"{name}[{k}]", each) for k, each in enumerate(value))
+        found = (text for part in parts if depth < MAX_DEPTH and (text := _unsendable(*part, depth + 1)))
+        return next(found, f"{name}: {value!r}")
+
+
 def request_text(request_id: int, method: str, params: Mapping[str, object] | None) -> bytes:
-    """Encodes a request, which may contain numpy numbers and arrays. Raises ValueError for NaN and infinity, which JSON cannot represent."""
-    request = {"jsonrpc": "2.0", "id": request_id, "method": method, "params": params or {}}
-    return json.dumps(request, default=_plain, allow_nan=False).encode()
+    """Encodes a request, which may contain numpy numbers and arrays. Raises ValueError for NaN and infinity, which JSON cannot represent, and
+    TypeError for other values; the text names the param."""
+    try:
+        return _encoded({"jsonrpc": "2.0", "id": request_id, "method": method, "params": params or {}}).encode()
+    except (TypeError, ValueError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        raise kind(f"{method}: {_unsendable('', params)} cannot be sent: {error}") from None
 
 
 def daemon_waits_s(method: str, params: Mapping[str, object] | None) -> float:

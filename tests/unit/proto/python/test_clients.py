@@ -248,8 +248,15 @@ class Clients(unittest.TestCase):
     def test_what_json_does_not_know_is_not_sent(self):
         with Client(next(self.endpoints)) as client:
             for wrong, error in ((float("nan"), ValueError), (np.float64("inf"), ValueError), (object(), TypeError)):
-                with self.assertRaises(error):
+                with self.assertRaisesRegex(error, r"^camera.set: gain_db: .* cannot be sent: "):
                     client.camera_set(gain_db=wrong)
+            for waves in ({"defocus": float("nan")}, [float("nan")], np.array([np.nan])):
+                with self.assertRaisesRegex(ValueError, r"^aberration.set: modes\[0\].waves: nan cannot be sent: "):
+                    client.aberration_set(waves)
+            circle = []
+            circle.append(circle)
+            with self.assertRaisesRegex(ValueError, "^m: .* cannot be sent: Circular"):
+                client.call("m", {"a": circle})
 
     def test_errors_cross_to_another_process_whole(self):
         errors = [Refused("camera.set", OUT_OF_RANGE), JobFailed(job("failed", OUT_OF_RANGE)), JobFailed(job("cancelled")), NoAnswer("no answer"),
