@@ -70,6 +70,19 @@ class Registration(BenchCase):
         self.call("aberration.clear")
         self.call("sensor.set", {"tracker": "lg"})
 
+    def check_again(self):
+        """The same map, found again, leaves in use what was measured with it."""
+        known, reference = self.call("registration.get"), self.call("reference.get")["t_taken_ns"]
+        events = self.stream("event")
+        again = self.run_job("registration.run", {})["result"]
+        for key in ("base_px", "px_per_cycle"):
+            self.assertEqual(again[key], known[key])
+        self.assertNotEqual(again["t_taken_ns"], known["t_taken_ns"])
+        event = wait_for(lambda: (event := events.next(0.5)) and event["kind"] == "registration" and event, what="the event")
+        self.assertTrue(event["data"]["confirmed"])
+        self.assertEqual(self.call("reference.get")["t_taken_ns"], reference)
+        self.frames_from_now(self.wavefronts, 10)  # valid ones
+
     def refused_while(self, spoil, why, progress=0.0):
         job = self.call("registration.run")["job"]
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] >= progress, what=f"progress of {progress}")
@@ -82,6 +95,7 @@ class Registration(BenchCase):
         for case in ((33.0, "none", 1.0, [275.5, 245.5]), (20.0, "y", 0.95, [240.0, 260.0])):
             with self.subTest(case=case):
                 self.check(*case)
+        self.check_again()
         # Another grating moves the base spot, and the map with it.
         self.call("sensor.set", {"grooves": [205, 15]})
         self.take_reference(20)

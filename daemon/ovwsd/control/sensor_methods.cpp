@@ -247,7 +247,17 @@ Result<Json> register_camera(const Services& services, Bench& bench, const Regis
                          ? measure_array(bench, services.config, run.frames)
                          : measure_registration(bench, services.config.slm.geometry, run.frames);
   if (!found) return fail(found.error());
-  return use<known_registration>(services, bench, use_registration(*found));
+  const auto before = bench.sensor()->registration;
+  auto result = use<known_registration>(services, bench, use_registration(*found));
+  const auto now = bench.sensor()->registration;
+  if (result && before && now && now->base_px == before->base_px &&
+      now->px_per_cycle == before->px_per_cycle) {
+    bench.inform("registration",
+                 "the registration is confirmed: the same map was found again; reference and "
+                 "calibration stay in use",
+                 {{"t_taken_ns", now->t_taken_ns}, {"confirmed", true}});
+  }
+  return result;
 }
 
 constexpr double kUsualMisfit = 0.1;  ///< of plates in bright, steady light

@@ -138,6 +138,10 @@ Result<void> Bench::use(SensorChange change, Step step) {
   return used;
 }
 
+void Bench::inform(std::string kind, std::string text, nlohmann::json data) {
+  deps_.events.emit(std::move(kind), Severity::info, std::move(text), std::move(data));
+}
+
 void Bench::warn(std::string kind, std::string text, nlohmann::json data) {
   deps_.events.emit(std::move(kind), Severity::warning, std::move(text), std::move(data));
 }

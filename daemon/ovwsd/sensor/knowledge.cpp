@@ -74,16 +74,10 @@ bool predicts_same_positions(const Reference& reference, const SensorState& stat
   if (reference.registration) {
     then.registration = MeasuredRegistration{*reference.registration, {}, ""};
     // The registration counts from the base grating of the reference's sensor. The state has the
-    // same sensor (has_same_key).
+    // same sensor (is_for).
     then.registration->base_cpp = base_grating_cpp(state.sensor, bench.slm);
   }
-  const std::vector<Vec2> before = model_positions(then, bench),
-                          now = model_positions(state, bench);
-  double farthest_px = 0.0;
-  for (std::size_t i = 0; i < now.size(); ++i) {
-    farthest_px = std::max(farthest_px, norm(now[i] - before[i]));
-  }
-  return farthest_px <= kPositionTolerance * lambda_d_of(state, bench);
+  return farthest_px(then, state, bench) <= kPositionTolerance * lambda_d_of(state, bench);
 }
 
 /// The latest reference that applies to the state. While the camera is unknown, references of any

@@ -13,6 +13,7 @@ namespace ovws {
 namespace {
 
 constexpr double kSamePlace = 0.005;  // of the pitch: the same lenslet, found again
+constexpr double kSameMap = 6.0;      // residuals: by noise 0.1 % of the maps differ by more
 
 using Written = std::function<void(const std::string& sha256)>;
 
@@ -134,16 +135,31 @@ void schedule_slm_removal(Kept<Kind>& kept, SensorEdit& edit,
   };
 }
 
-/// Keeps the present lenslets if the same are found again, so that references stay valid.
-void keep_if_alike(Registration& found, const SensorState& state) {
+/// Keeps the present lenslets if the same are found again. False: they are others.
+bool keep_if_alike(Registration& found, const SensorState& state) {
   const Lenslets& now = state.sensor.lenslets;
   Lenslets& next = found.array.lenslets;
-  if (!state.registration || now.empty() || now.centres_px.size() != next.centres_px.size()) return;
+  if (now.empty() && next.empty()) return true;
+  if (!state.registration || now.centres_px.size() != next.centres_px.size()) return false;
   for (std::size_t i = 0; i < now.centres_px.size(); ++i) {
-    if (norm(now.centres_px[i] - next.centres_px[i]) > kSamePlace * now.width_px) return;
+    if (norm(now.centres_px[i] - next.centres_px[i]) > kSamePlace * now.width_px) return false;
   }
   found.array = state.registration->array;
   found.px_per_cycle = state.registration->px_per_cycle;
+  return true;
+}
+
+/// Whether the map found is the present one, of the same camera and settings: spots are expected
+/// within the maps' noise of where they are expected now.
+bool is_same_map(const Registration& found, const SensorEdit& edit) {
+  const auto& now = edit.state.registration;
+  if (!now || now->camera != camera_json(edit.knowledge.camera)) return false;
+  if (!edit.bench.registrations.kind().changed_settings(*now).empty()) return false;
+  SensorState next = edit.state;
+  next.registration = MeasuredRegistration{found, {}, ""};
+  const double noise_px = kSameMap * std::max(found.residual_px, now->residual_px),
+               most_px = kPositionTolerance * lambda_d_of(edit.state, edit.bench.optics);
+  return farthest_px(edit.state, next, edit.bench.optics) <= std::min(noise_px, most_px);
 }
 
 /// Keeps plates that array.fit has measured.
@@ -153,14 +169,18 @@ void keep_fitted_plate(Registration& found, const SensorState& state) {
   found.array.lenslets.plate = state.registration->array.lenslets.plate;
 }
 
-void keep_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
+void write_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
   edit.state.registration = registration;
-  registration.array.use_in(edit.state.sensor);
-  if (edit.lease) registration.array.use_in(edit.lease->sensor);
-  ++edit.state.sensor_epoch;  // previous spot positions are useless as start points
   edit.keep = [&kept = edit.bench.registrations, registration](Written done) {
     kept.keep(registration, {}, std::move(done));
   };
+}
+
+void keep_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
+  registration.array.use_in(edit.state.sensor);
+  if (edit.lease) registration.array.use_in(edit.lease->sensor);
+  ++edit.state.sensor_epoch;  // previous spot positions are useless as start points
+  write_registration(edit, registration);
 }
 
 /// The nearest of the other places, and its number.
@@ -368,7 +388,13 @@ SensorChange forget_reference() {
 
 SensorChange use_registration(Registration registration) {
   return [registration](SensorEdit& edit) mutable -> Result<void> {
-    keep_if_alike(registration, edit.state);
+    const bool alike = keep_if_alike(registration, edit.state);
+    if (alike && is_same_map(registration, edit)) {
+      MeasuredRegistration confirmed = *edit.state.registration;
+      confirmed.t_taken_ns = registration.t_taken_ns;
+      write_registration(edit, confirmed);
+      return {};
+    }
     keep_fitted_plate(registration, edit.state);
     keep_registration(edit, {registration, camera_json(edit.knowledge.camera), ""});
     return {};

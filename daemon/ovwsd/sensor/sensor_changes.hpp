@@ -70,7 +70,8 @@ SensorChange use_model_reference();
 /// the tracker is `fit`; Errc::invalid, field "positions": they do not fit the sensor; those of
 /// judge_spots and check_branch_points.
 SensorChange use_given_reference(SpotAverage given);
-/// Keeps plates that `use_plate` has set.
+/// Makes a registration active, with plates that `use_plate` has set. A map that equals the active
+/// one within their noise only renews its time: whatever was measured with it stays in use.
 SensorChange use_registration(Registration registration);
 /// `array.fit`: puts measured spiral plates into the active registration of a fixed array.
 SensorChange use_plate(std::uint64_t sensor_epoch, const SpiralPlate& plate);

@@ -70,6 +70,8 @@ std::optional<Registration> registration_of(const SensorState& state, const Benc
 OpticsConfig optics_of(const SensorState& state, const BenchOptics& bench);
 /// Spot positions of a flat wavefront, pixels of the camera's region.
 std::vector<Vec2> model_positions(const SensorState& state, const BenchOptics& bench);
+/// Largest distance between the model_positions of two states of the same sensor, camera pixels.
+double farthest_px(const SensorState& a, const SensorState& b, const BenchOptics& bench);
 /// lambda/d, the scale of one spot, camera pixels.
 double lambda_d_of(const SensorState& state, const BenchOptics& bench);
 

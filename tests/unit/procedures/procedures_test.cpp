@@ -154,6 +154,37 @@ TEST(Procedures, AJobRestoresWhatAClientSetJustBeforeIt) {
   EXPECT_EQ(bench.camera().settings.exposure_us, 900.0);
 }
 
+/// Whatever was measured with a registration stays in use if the same map is found again.
+TEST(Procedures, ARegistrationOfAnUnchangedBenchChangesNothing) {
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  const auto first = register_on(bench);
+  ASSERT_TRUE(first) << first.error().reason;
+  ASSERT_TRUE(take_reference_on(bench, 20));
+  ASSERT_TRUE(calibrate_on(bench, 0.1, {1, 2, 3, 4, 5}));
+  const SensorView before = bench.sensor();
+  for (int k = 0; k < 3; ++k) {
+    const auto again = register_on(bench);
+    ASSERT_TRUE(again) << again.error().reason;
+    const SensorView now = bench.sensor();
+    EXPECT_EQ(now->registration->base_px, before->registration->base_px);
+    EXPECT_EQ(now->registration->px_per_cycle, before->registration->px_per_cycle);
+    EXPECT_EQ(now->registration->t_taken_ns, again->t_taken_ns);
+    EXPECT_EQ(now->sensor_epoch, before->sensor_epoch);
+    EXPECT_EQ(now->reference, before->reference);
+    EXPECT_EQ(now->calibration, before->calibration);
+    EXPECT_FALSE(bench.mean_waves(10).empty());
+  }
+  twin::Truth moved = bench.optics().truth();
+  moved.geometry.centre_px.x += 2.0;
+  bench.optics().set_truth(moved);
+  const auto other = register_on(bench);
+  ASSERT_TRUE(other) << other.error().reason;
+  EXPECT_EQ(bench.sensor()->registration->base_px, other->base_px);
+  EXPECT_FALSE(bench.sensor()->reference);
+  EXPECT_NE(bench.sensor()->reference_reason.find("expected spot positions"), std::string::npos);
+}
+
 twin::CameraGeometry camera_at(double rotation_deg, twin::Mirror mirror, double magnification,
                                Vec2 centre_px) {
   twin::CameraGeometry geometry;
