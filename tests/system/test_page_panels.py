@@ -53,6 +53,15 @@ class Procedures(PanelCase):
             self.fill(title.replace("_", " "), value, f"#procedure-{name}")
         self.press("Run", f"#procedure-{name}")
 
+    def run_again(self, name, question, **params):
+        """Runs what a reference or a calibration depends on, after a change of mind."""
+        within = f"#procedure-{name}"
+        self.run_it(name, **params)
+        self.browser.wait_text(f"{within} .question", lambda text: question in text)
+        self.browser.press("Escape")
+        self.run_it(name)
+        self.press("Run", f"{within} .confirm")
+
     def clear(self, name, known):
         """Clears what was measured, after a change of mind."""
         within = f"#procedure-{name}"
@@ -75,7 +84,7 @@ class Procedures(PanelCase):
     def test_each_is_run_cancelled_and_cleared(self):
         none = "return [...document.querySelectorAll('.procedure .result')].filter((p) => p.textContent.startsWith('None')).length"
         wait_for(lambda: self.browser.run(none) == 4, what="four procedures without results")
-        self.run_it("registration", Frames_per_image="2")
+        self.run_again("registration", "reference and calibration", Frames_per_image="2")
         text = self.result("registration", lambda text: text.startswith("The camera sees"))
         known = self.call("registration.get")
         self.assertIn(f"{known['scale_px_per_cycle']:.0f} px for a cycle", text)
@@ -96,6 +105,7 @@ class Procedures(PanelCase):
         known = self.call("calibration.get")
         self.assertEqual((known["amplitude_waves"], known["frames"]), (0.1, 2))
         self.assertTrue(text.startswith(f"{len(known['modes'])} modes"), text)
+        self.check_registration_again()
         self.run_it("settle", Image_changes="3")
         text = self.result("settle", lambda text: text.startswith("Settled after"))
         self.press("Use", "#procedure-settle")
@@ -105,6 +115,19 @@ class Procedures(PanelCase):
         text = self.browser.text("#procedure-registration .result")
         self.check_look_page(text)
         self.check_console()
+
+    def check_registration_again(self):
+        """On an unchanged bench a registration leaves reference and calibration in use, and frames valid."""
+        def measured():
+            return [self.call(f"{name}.get")["sha256"] for name in ("reference", "calibration")]
+        self.take_reference()
+        before = measured()
+        self.run_again("registration", "reference and calibration")
+        self.browser.wait_text("#procedure-registration .field:last-child .help", lambda text: text.startswith("Confirmed"))
+        self.assertEqual(measured(), before)
+        self.assertTrue(self.call("calibration.get")["in_force"])
+        stream = self.stream("wavefront")
+        wait_for(lambda: (frame := stream.next(0.5)) and frame["valid"], what="a valid frame")
 
     def check_reload(self):
         """A job that was started before the page was loaded is shown with its progress."""
@@ -119,7 +142,7 @@ class Procedures(PanelCase):
         self.assertTrue(text.startswith(f"{known['depth_rad'] / 3.14159265:.2f} \u03c0 deep"), text)
         self.assertIn(f"{known['levels']} grey levels", text)
         self.clear("lut", "measured")
-        self.run_it("registration", Frames_per_image="1")
+        self.run_again("registration", "reference and calibration", Frames_per_image="1")
         self.result("registration", lambda text: text.startswith("The camera sees"))
         self.run_it("flatness", Frames_per_position="1")
         text = self.result("flatness", lambda text: "wave RMS" in text)

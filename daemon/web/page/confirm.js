@@ -7,7 +7,7 @@ let count = 0;
 
 /**
  * Adds a button to `body`. After a click it asks `question` with a button `yes` and a button Keep; Escape or ten seconds mean
- * Keep. `act` does it. Returns the button.
+ * Keep. A function as `question` returns the question, or "" if there is nothing to ask. `act` does it. Returns the button.
  */
 export function confirmButton(body, text, { question, yes = text, act }) {
   const asked = element("span", "confirm");
@@ -15,12 +15,14 @@ export function confirmButton(body, text, { question, yes = text, act }) {
   words.id = `question-${++count}`;
   let timer = 0;
   const ask = (open) => {
+    const text = open && typeof question === "function" ? question() : question;
+    if (!text) return act();
     const hadFocus = asked.contains(document.activeElement);
     asked.hidden = !open;
     made.hidden = open;
     clearTimeout(timer);
     if (open) {
-      setText(words, typeof question === "function" ? question() : question);
+      setText(words, text);
       keep.focus();
       timer = setTimeout(() => ask(false), PATIENCE_MS);
     } else if (hadFocus) made.focus();

@@ -1,5 +1,6 @@
 // Jobs of the daemon: start one, follow its progress, cancel it, and show its result or error.
 import { element, setText, timeLeft } from "./format.js";
+import { confirmButton } from "./confirm.js";
 import { call } from "./link.js";
 import { allow, button, field, reasonOf } from "./widgets.js";
 
@@ -56,14 +57,15 @@ export class JobButton {
 
   /**
    * `params()`: params at the moment of the click. `before()`: what a click does first; resolves to a reason not to start the
-   * job, or "". `onDone(result)`: returns the text to show, or nothing.
+   * job, or "". `question()`: what a click asks first, or "". `onDone(result)`: returns the text to show, or nothing.
    */
-  constructor({ body, error, help = () => {}, why = null }, text, method, { params = () => ({}), before = async () => "", onDone = () => {} } = {}) {
+  constructor({ body, error, help = () => {}, why = null }, text, method, { params = () => ({}), before = async () => "", question = null, onDone = () => {} } = {}) {
     this.error = error;
     this.help = help;
     this.why = why;
     this.#onDone = onDone;
-    this.button = button(body, text, () => this.run(method, params(), before));
+    const act = () => this.run(method, params(), before);
+    this.button = question ? confirmButton(body, text, { question, act }) : button(body, text, act);
     this.#bar.max = 1;
     this.#bar.setAttribute("aria-label", `Progress: ${text}`);
     body.append(this.#bar, this.#left);

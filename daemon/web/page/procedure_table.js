@@ -9,6 +9,12 @@ function registrationText({ registered, scale_px_per_cycle: scale, rotation_deg:
   return `The camera sees the SLM rotated by ${fixed(rotation, 2)}\u00b0${mirror}, ${brief(scale)} px for a cycle per SLM pixel; base spot at (${base.map((x) => fixed(x, 1)).join(", ")}) px. Residual ${brief(residual)} px over ${plural(sights, "grating", "gratings")}.`;
 }
 
+/** Whether a registration has only been confirmed: its map is the one of before. */
+function confirmedText(before, { base_px: base, px_per_cycle: map }) {
+  const same = before?.registered && [...before.base_px, ...before.px_per_cycle].every((value, k) => value === [...base, ...map][k]);
+  return same ? "Confirmed: the same map was found again. Reference and calibration stay in use." : "";
+}
+
 function lutText({ source, path, depth_rad: depth, falls, levels, noise_rad: noise, residual_rad: residual, reason }) {
   if (source !== "measured") return source === "file" ? `None: the table of ${path} applies.` : "None: a linear table applies.";
   const lacking = reason ? ` ${reason}.` : " Every phase can be shown.";
@@ -39,10 +45,12 @@ const FRAMES = ["frames", "Frames per image"];
 
 /**
  * name: of the methods NAME.run and NAME.clear, unless `method` names another; params: [key, title, unit];
- * isKnown, text: whether a report has a result, and the result in words.
+ * isKnown, text: whether a report has a result, and the result in words; endangers: what Run asks about if there is a reference
+ * or a calibration; doneText(before, after): what to say of a new result.
  */
 export const PROCEDURES = [
-  { name: "registration", title: "Registration", params: [FRAMES], isKnown: (report) => report.registered, text: registrationText, lost: "the geometry of the configuration applies then" },
+  { name: "registration", title: "Registration", params: [FRAMES], isKnown: (report) => report.registered, text: registrationText, lost: "the geometry of the configuration applies then",
+    endangers: "If the camera sees the SLM otherwise than before, reference and calibration are not used any more: measure them again then.", doneText: confirmedText },
   { name: "lut", title: "Look-up table", params: [["levels", "Grey levels"], FRAMES], isKnown: (report) => report.measured, text: lutText, lost: "the configured table applies then" },
   { name: "settle", title: "Settle time", method: "slm.settle", params: [["repetitions", "Image changes"], ["watch_ms", "Watch each for", "ms"]], isKnown: (report) => report.repetitions > 0, text: settleText },
   { name: "flatness", title: "Flatness", params: [["frames", "Frames per position"]], isKnown: (report) => report.measured, text: flatnessText, lost: "the configured map applies then" },

@@ -12,6 +12,8 @@ let made = null; // the procedures of the page
 let status = null;
 const asked = new Set(); // jobs that were asked for
 
+const hasReferenceOrCalibration = () => Boolean(status?.sensor.referenced || made.get("calibration").isKnown);
+
 class Procedure {
   #row;
   #method;
@@ -36,6 +38,10 @@ class Procedure {
     parent.append(details);
   }
 
+  get isKnown() {
+    return this.#report !== null && this.#row.isKnown(this.#report);
+  }
+
   get method() {
     return this.#method;
   }
@@ -47,7 +53,15 @@ class Procedure {
     const { given, inputs } = paramFields(this.#controls, this.#method, this.#row.params);
     this.#inputs = inputs;
     this.#frame = field(this.#controls, "Measurement");
-    this.#job = new JobButton(this.#frame, "Run", this.#method, { params: given, onDone: (result) => this.show(result) });
+    this.#job = new JobButton(this.#frame, "Run", this.#method, {
+      params: given,
+      question: this.#row.endangers && (() => (hasReferenceOrCalibration() ? this.#row.endangers : "")),
+      onDone: (result) => {
+        const before = this.#report;
+        this.show(result);
+        return this.#row.doneText?.(before, result);
+      },
+    });
     this.#job.button.id = this.#frame.id;
     this.#job.button.setAttribute("aria-label", `Run: ${this.#row.title}`);
     this.#job.button.setAttribute("aria-describedby", this.#frame.describedBy);
@@ -113,7 +127,7 @@ class Procedure {
     this.#job.disable(why);
     for (const input of this.#inputs) input.disabled = running;
     if (!this.#clear) return;
-    const known = this.#report !== null && this.#row.isKnown(this.#report);
+    const known = this.isKnown;
     this.#clear.classList.toggle("absent", running || !known);
     this.#clear.disabled = why !== "";
     if (!this.#row.lost) {
