@@ -6,6 +6,7 @@
 #include <cstring>
 #include <thread>
 
+#include "daemon/shared/lost_spots.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
 
@@ -168,16 +169,30 @@ Result<Image<float>> Bench::image_of(const std::string& pattern) {
   return image();
 }
 
-Result<std::vector<json>> Bench::messages(const std::string& topic, double seconds) {
-  auto stream = subscribe_to(settings_.daemon, "endpoint", topic, 10'000);
+Result<Bench::Messages> Bench::frames(double seconds,
+                                      const std::function<bool(const Messages&)>& enough) {
+  auto stream = subscribe_to(settings_.daemon, "endpoint", "wavefront", 10'000);
   if (!stream) return fail(stream.error());
-  std::vector<json> all;
+  Messages all;
   const auto begin = Clock::now();
-  while (seconds_since(begin) < seconds) {
+  for (double passed_s = 0.0; passed_s < seconds + kTemplates_s; passed_s = seconds_since(begin)) {
     if (cancelled_) return fail(cancelled_error());
     if (const auto message = stream->receive(kPollInterval)) all.push_back(json_of(message->json));
+    if (passed_s >= seconds && enough(all)) break;
   }
   return all;
+}
+
+Result<std::vector<int>> Bench::lost_spots() {
+  constexpr double kWatched_s = 1.0, kFoundShare = 0.5;
+  auto stream = subscribe_to(settings_.daemon, "endpoint", "spots", 10'000);
+  if (!stream) return fail(stream.error());
+  cli::SpotCounts counts;
+  for (const auto begin = Clock::now(); seconds_since(begin) < kWatched_s;) {
+    if (cancelled_) return fail(cancelled_error());
+    if (const auto message = stream->receive(kPollInterval)) counts.add(*message);
+  }
+  return counts.lost(kFoundShare);
 }
 
 Result<void> Bench::restore_patiently(const std::string& what,

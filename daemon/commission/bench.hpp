@@ -44,8 +44,14 @@ class Bench {
   Result<Image<float>> image();
   /// Shows a pattern of slm.show and returns an image of it.
   Result<Image<float>> image_of(const std::string& pattern);
-  /// The messages of a topic of the stream of numbers that arrive within `seconds`.
-  Result<std::vector<nlohmann::json>> messages(const std::string& topic, double seconds);
+  using Messages = std::vector<nlohmann::json>;
+  /// The messages of stream `wavefront` that arrive within `seconds`, and further ones until they
+  /// are `enough`, for at most kTemplates_s more: templates of a new wavefront are being rendered,
+  /// which takes longer on a busy machine.
+  Result<Messages> frames(double seconds, const std::function<bool(const Messages&)>& enough);
+  static constexpr double kTemplates_s = 20.0;
+  /// Numbers of the spots that are found in less than half of the settled frames of a second.
+  Result<std::vector<int>> lost_spots();
 
   /// Waits. Fails once the step is cancelled.
   Result<void> pause(double seconds);

@@ -10,6 +10,7 @@
 #include "daemon/commission/drawing.hpp"
 #include "daemon/commission/light.hpp"
 #include "daemon/commission/step.hpp"
+#include "daemon/shared/lost_spots.hpp"
 
 namespace ovws::commission {
 namespace {
@@ -35,6 +36,16 @@ std::optional<double> rms_waves(const std::vector<json>& frames) {
   return all[all.size() / 2];
 }
 
+/// Names the spots, with their places by the reference.
+std::string named(Bench& bench, const std::vector<int>& spots) {
+  const auto reference = bench.call("reference.get");
+  return cli::placed_spots(spots, reference ? *reference : json());
+}
+
+const char* const kLookThere =
+    "Look there for a dark part of the beam, the edge of the region, or light of another order; "
+    "the step doctor judges the zeroth order.";
+
 // Reference ---------------------------------------------------------------------------------------
 
 Outcome run_reference(Bench& bench, Memory& memory) {
@@ -47,7 +58,8 @@ Outcome run_reference(Bench& bench, Memory& memory) {
       bench.job("reference.take", {{"frames", kReferenceFrames}}, "averaging the spots");
   if (!taken) {
     auto outcome = failed(taken.error());
-    if (!memory.tried.contains("brightness")) {
+    const bool is_too_bright = taken.error().field == "camera.exposure_us";
+    if (is_too_bright && !memory.tried.contains("brightness")) {
       outcome.ways = {{{"brightness", "find the exposure again"}, {}, "brightness"}};
     }
     return outcome;
@@ -57,10 +69,10 @@ Outcome run_reference(Bench& bench, Memory& memory) {
              fmt::format("Taken from {} frames: noise {:.4f} pixels, drift {:.4f} pixels.",
                          taken->at("frames").get<int>(), taken->at("noise_px").get<double>(),
                          taken->at("drift_px").get<double>()));
-  if (const auto lost = taken->at("lost_spots").size(); lost > 0) {
+  if (const auto lost = taken->at("lost_spots").get<std::vector<int>>(); !lost.empty()) {
     outcome.verdict.wellness = Wellness::warning;
-    outcome.verdict.text += fmt::format(" {} spots were lost, and are left out.", lost);
-    outcome.verdict.advice = "Check that the whole pupil is lit.";
+    outcome.verdict.text += fmt::format(" Lost spots are left out: {}.", named(bench, lost));
+    outcome.verdict.advice = kLookThere;
   }
   if (!is_fixed_array(*config) && flatness->at("measured") == false) {
     outcome.verdict.wellness = Wellness::warning;
@@ -99,6 +111,12 @@ Outcome run_calibration(Bench& bench, Memory& memory) {
   } else {
     outcome.verdict.wellness = Wellness::warning;
     outcome.verdict.advice = made->at("disagreement_reason").get<std::string>();
+  }
+  if (const auto lost = made->at("lost_spots").get<std::vector<int>>(); !lost.empty()) {
+    outcome.verdict.wellness = Wellness::warning;
+    outcome.verdict.text += fmt::format(" It lacks lost spots: {}.", named(bench, lost));
+    outcome.verdict.advice +=
+        (outcome.verdict.advice.empty() ? "" : ". ") + std::string(kLookThere);
   }
   outcome.picture = graph_of_factors(made->at("modes"));
   return outcome;
@@ -167,19 +185,37 @@ class KeptLoop {
   json before_;
 };
 
-/// Watches a second with the loop open and a known defocus, then closes it.
+/// The frames of the last quarter.
+std::vector<json> last_of(const std::vector<json>& frames) {
+  return {frames.end() - std::ptrdiff_t((frames.size() + 3) / 4), frames.end()};
+}
+
+/// Watches a second with the loop open and a known defocus, then closes it and waits until the
+/// defocus is removed.
 Result<LoopRun> watch_loop(Bench& bench, bool is_closed) {
   if (is_closed) {
     if (auto open = bench.call("loop.open"); !open) return fail(open.error());
   }
   const json test{{"modes", json::array({{{"j", kTestMode}, {"waves", kTestMode_waves}}})}};
-  if (auto set = bench.call("aberration.set", test); !set) return fail(set.error());
+  const auto set = bench.call("aberration.set", test);
+  if (!set) return fail(set.error());
   LoopRun run;
-  auto open = bench.messages("wavefront", kOpen_s);
+  auto open = bench.frames(kOpen_s, [&](const std::vector<json>& frames) {
+    return !frames.empty() && frames.back().at("hologram_id") == set->at("hologram_id") &&
+           frames.back().at("valid") == true;
+  });
   if (!open) return fail(open.error());
   run.open = std::move(*open);
+  std::erase_if(run.open, [&](const json& frame) {
+    return frame.at("hologram_id") != set->at("hologram_id");
+  });
+  const auto before = rms_waves(run.open);
+  if (!before) return run;
   if (auto closed = bench.call("loop.close"); !closed) return fail(closed.error());
-  auto closed = bench.messages("wavefront", kClosed_s);
+  auto closed = bench.frames(kClosed_s, [&](const std::vector<json>& frames) {
+    const auto after = rms_waves(last_of(frames));
+    return after && *after < kMuchLess * *before;
+  });
   if (!closed) return fail(closed.error());
   run.closed = std::move(*closed);
   auto report = bench.call("loop.get");
@@ -203,11 +239,29 @@ Image<std::uint8_t> graph_of_rms(const LoopRun& run) {
   return graph.image();
 }
 
-Outcome judge_loop(const LoopRun& run) {
+/// Why no frame was valid: the spots that are lost, or else the daemon's reason.
+Outcome no_valid_frame(Bench& bench) {
+  const auto lost = bench.lost_spots();
+  if (!lost) return failed(lost.error());
+  if (!lost->empty()) {
+    return failed(
+        {Errc::refused, "", "no frame was valid, and these spots are lost: " + named(bench, *lost)},
+        kLookThere);
+  }
+  const auto status = bench.call("system.status");
+  if (!status) return failed(status.error());
+  const json& invalid = status->at("sensor").at("invalid");
+  return failed(
+      {Errc::refused, "",
+       "no frame was valid" +
+           (invalid.is_object() ? ": " + invalid.at("reason").get<std::string>() : std::string())},
+      "Look at ovws status, and take the reference again.");
+}
+
+Outcome judge_loop(Bench& bench, const LoopRun& run) {
   const auto before = rms_waves(run.open);
-  const std::vector<json> last(run.closed.end() - std::ptrdiff_t(run.closed.size() / 4),
-                               run.closed.end());
-  const auto after = rms_waves(last);
+  const auto after = rms_waves(last_of(run.closed));
+  if (!before) return no_valid_frame(bench);
   if (run.report.at("closed") == false) {
     const json& why = run.report.at("opened_because");
     return failed(
@@ -215,10 +269,7 @@ Outcome judge_loop(const LoopRun& run) {
          "The loop opened by itself: " + (why.is_string() ? why.get<std::string>() : "no reason")},
         "Take a new reference, and run the calibration again.");
   }
-  if (!before || !after) {
-    return failed({Errc::refused, "", "no frame was valid"},
-                  "Look at ovws status, and take the reference again.");
-  }
+  if (!after) return no_valid_frame(bench);
   const std::string figures = fmt::format(
       "A defocus of {:.2f} wave was shown: the RMS fell from {:.4f} to {:.4f} wave in "
       "{} steps.",
@@ -236,8 +287,8 @@ Outcome run_loop(Bench& bench, Memory& memory) {
   bench.say("closing the loop on a known defocus");
   KeptLoop kept(bench, *before);
   const auto run = watch_loop(bench, was_closed);
+  auto outcome = run ? judge_loop(bench, *run) : failed(run.error());
   const auto restored = kept.restore();
-  auto outcome = run ? judge_loop(*run) : failed(run.error());
   if (run) outcome.picture = graph_of_rms(*run);
   if (!restored) return outcome;  // the verdict will say it
   if (outcome.passed && was_closed) {
