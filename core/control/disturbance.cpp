@@ -7,6 +7,7 @@
 #include <functional>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "core/base/median.hpp"
 

@@ -1,5 +1,6 @@
 #include "core/control/forecast.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/control/integrator.hpp"
 #include "core/control/predictor.hpp"

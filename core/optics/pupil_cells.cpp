@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/base/angle.hpp"
 #include "core/optics/circle_columns.hpp"

@@ -1,6 +1,7 @@
 #include "core/wavefront/vortex_field.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "config/config.hpp"
 #include "core/optics/lattice.hpp"

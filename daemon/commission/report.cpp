@@ -1,6 +1,7 @@
 #include "daemon/commission/report.hpp"
 
 #include <array>
+#include <utility>
 
 namespace ovws::commission {
 namespace {

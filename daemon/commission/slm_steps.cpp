@@ -1,6 +1,7 @@
 /// Steps that measure the SLM and its place on the camera.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

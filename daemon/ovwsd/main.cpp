@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <csignal>
+#include <cstdio>
 
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/app.hpp"

@@ -3,6 +3,7 @@
 #include <netdb.h>
 
 #include <chrono>
+#include <cstdint>
 #include <string_view>
 
 #include "core/pipeline/frame_rules.hpp"

@@ -9,6 +9,7 @@
 
 #include <climits>
 #include <cstdlib>
+#include <ctime>
 #include <memory>
 #include <mutex>
 

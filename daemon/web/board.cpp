@@ -1,6 +1,7 @@
 #include "daemon/web/board.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace ovws::web {
 namespace {

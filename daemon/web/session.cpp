@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <exception>
 #include <limits>
 
 #include "daemon/web/in_pool.hpp"

@@ -1,6 +1,7 @@
 #include "drivers/twin/scintillation.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 

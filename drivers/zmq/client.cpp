@@ -1,5 +1,6 @@
 #include "drivers/zmq/client.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>

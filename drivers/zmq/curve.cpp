@@ -3,6 +3,7 @@
 #include <zmq.h>
 
 #include <array>
+#include <cstdint>
 
 namespace ovws {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <utility>
 #include <zmq.hpp>
 #include <zmq_addon.hpp>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/check/response.hpp"

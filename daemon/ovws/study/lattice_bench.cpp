@@ -1,5 +1,6 @@
 #include "daemon/ovws/study/lattice_bench.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <exception>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace ovws::study {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "core/control/loop_model.hpp"
 #include "core/control/loop_settings.hpp"

@@ -1,6 +1,7 @@
 #include "daemon/ovwsd/record/loop_player.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>

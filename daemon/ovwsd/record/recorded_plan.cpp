@@ -1,6 +1,7 @@
 #include "daemon/ovwsd/record/recorded_plan.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <nlohmann/json.hpp>
 
 #include "core/optics/lattice.hpp"

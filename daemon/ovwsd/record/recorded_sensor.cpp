@@ -1,4 +1,5 @@
 /// The sensor's settings and reference from the documents of a recording, for refinement.
+#include <exception>
 #include <nlohmann/json.hpp>
 
 #include "daemon/ovwsd/record/recorded_plan.hpp"

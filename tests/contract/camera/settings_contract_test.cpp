@@ -1,6 +1,8 @@
 /// Camera contract: limits, settings and their refusal.
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <tuple>
 

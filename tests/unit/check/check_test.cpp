@@ -1,6 +1,7 @@
 /// `ovws check` without a bench: responses, noise and drift of made frames, verdicts, the report.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>

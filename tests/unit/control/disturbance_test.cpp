@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/control/disturbance.hpp"
 
 #include <gtest/gtest.h>

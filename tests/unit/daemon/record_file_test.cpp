@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "daemon/ovwsd/record/frame_store.hpp"
 #include "drivers/replay/recording_reader.hpp"

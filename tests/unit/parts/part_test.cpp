@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "daemon/ovws/parts/part_reader.hpp"
 #include "daemon/ovws/parts/part_writer.hpp"

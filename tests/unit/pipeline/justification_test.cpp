@@ -1,5 +1,6 @@
 // Detection of MSB-aligned 16-bit pixel data.
 #include <gtest/gtest.h>
+#include <utility>
 
 #include "core/pipeline/msb_alignment.hpp"
 #include "tests/unit/base/packed_image.hpp"

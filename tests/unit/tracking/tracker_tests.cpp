@@ -1,6 +1,7 @@
 /// Properties that every tracker must have, for each charge that it supports.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>

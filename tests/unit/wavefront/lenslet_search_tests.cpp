@@ -1,6 +1,7 @@
 /// A lenslet array is found in one image of its spots.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <map>
