@@ -101,19 +101,19 @@ std::optional<double> number_at(const json& message, const std::string& path) {
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
-std::string text_at(const json& message, const char* path) {
+std::string text_at(const json& message, const std::string& path) {
   const json& value = part_of(message, path);
   return value.is_string() ? value.get<std::string>() : std::string();
 }
 
 /// JSON object at this path; an empty object if there is none.
-json object_at(const json& message, const char* path) {
+json object_at(const json& message, const std::string& path) {
   const json& value = part_of(message, path);
   return value.is_object() ? value : json::object();
 }
 
 /// JSON array at this path; an empty array if there is none.
-json array_at(const json& message, const char* path) {
+json array_at(const json& message, const std::string& path) {
   const json& value = part_of(message, path);
   return value.is_array() ? value : json::array();
 }
