@@ -55,12 +55,16 @@ SensorConfig sensor_with(const Config& config, ArrayOnCamera lenslets) {
 
 void use_modulator(Config& config) {
   if (config.modulator != Modulator::fixed) return;
-  const OpticsConfig& optics = config.optics;
+  OpticsConfig& optics = config.optics;
   config.slm.driver = kNoDisplay;
   config.slm.settle_ms = 0.0;
   config.slm.lut.reset();
   config.slm.flatness.reset();
   config.slm.geometry = {kNoPixels, kNoPixels, optics.camera_pitch_um / optics.magnification};
+  if (const auto given = std::exchange(optics.registered, std::nullopt)) {
+    // Its scale would stretch the lattice, whose pitch on the camera is known.
+    optics.registered = given->scaled_to(px_per_cycle(optics, config.slm.geometry).scale());
+  }
   if (!config.sensor.lenslets.empty()) return;
   const Roi& roi = config.camera.settings.roi;
   const double pitch_px = lenslet_pitch_px(config.array, optics);

@@ -290,6 +290,17 @@ TEST(ParseConfig, AnArrayIsSeenMirroredAndTurnedByQuartersOnly) {
   }
 }
 
+TEST(ParseConfig, OfTheMatrixOfAnArrayOnlyTheDirectionCounts) {
+  const auto array = parse_config(R"({"modulator": "fixed"})");
+  const auto mirrored =
+      parse_config(R"({"modulator": "fixed", "optics": {"px_per_cycle": [-9, 0, 0, 9]}})");
+  ASSERT_TRUE(array && mirrored);
+  const double scale = px_per_cycle(array->optics, array->slm.geometry).scale();
+  const PxPerCycle seen = px_per_cycle(mirrored->optics, mirrored->slm.geometry);
+  EXPECT_NEAR(seen.xx, -scale, 1e-9 * scale);
+  EXPECT_NEAR(seen.yy, scale, 1e-9 * scale);
+}
+
 TEST(ParseConfig, ReadsAPairAsXThenY) {
   const auto config = parse_config(
       R"({"optics": {"centre_px": [10, 20.5]}, "sensor": {"grooves": [100, 30]},
