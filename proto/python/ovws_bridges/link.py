@@ -38,7 +38,7 @@ class Link:
         self._silent_s = number("silent_s", silent_s, 0.0)
         self._guard = Guard("connection of a bridge")
         self._client: Client | None = Client(**self._arguments)  # type: ignore[arg-type]
-        self._calls = threading.Lock()
+        self._calls = threading.RLock()  # a signal handler may close the connection during a call
         self._newest: dict[type[Message], Message] = {}
         self._listeners: list[Listener] = []
         self._changed = threading.Condition()
@@ -52,12 +52,11 @@ class Link:
         not carry out requests that their caller has given up."""
         self._guard.check()
         with self._calls:
-            if self._client is None:
-                self._client = Client(**self._arguments)  # type: ignore[arg-type]
+            client = self._client = self._client or Client(**self._arguments)  # type: ignore[arg-type]
             try:
-                yield self._client
+                yield client
             except NoAnswer:
-                self._client.close()
+                client.close()
                 self._client = None
                 raise
 

@@ -72,7 +72,7 @@ class Client(Bench):
         return Job(self, job if isinstance(job, Mapping) else {"job": whole("job", job)}).wait(timeout_s, progress)
 
     def close(self) -> None:
-        """Closes the connection, after the call of another thread."""
+        """Closes the connection, after the call of another thread. In a signal handler that interrupts a call of this thread, after that call."""
         self._guard.close(self._socket, math.inf)
 
     def __enter__(self) -> Client:

@@ -33,7 +33,9 @@ class Guard:
         self._what = what
         self._process = os.getpid()
         self._is_closed = False
-        self._in_use = threading.Lock()
+        self._is_used = False
+        self._lock = threading.RLock()  # its owner is known from the start: a signal handler may interrupt any line
+        self._to_close: zmq.Socket[Any] | None = None  # at the end of the use
         self._loop: asyncio.AbstractEventLoop | None = None
 
     @property
@@ -52,16 +54,30 @@ class Guard:
     @contextmanager
     def use(self, wait_s: float = 0.0) -> Iterator[None]:
         """The connection is this thread's during the block. Raises ClientError if another thread uses it; with `wait_s`, waits so many seconds
-        for the end of that use, and then raises NoAnswer."""
+        for the end of that use, and then raises NoAnswer. Raises ClientError in a signal handler that interrupts a use of the same thread."""
         self.check()
-        if not self._in_use.acquire(timeout=min(wait_s, threading.TIMEOUT_MAX)):
+        with self._locked(wait_s):
+            if self._is_used:
+                raise ClientError(f"this thread is within another call of this {self._what}: wait for its end, or make another {self._what}")
+            try:
+                self._is_used = True
+                self.check()  # the other thread may have closed it
+                yield
+            finally:
+                self._is_used = False
+                if self._to_close is not None:
+                    self._to_close.close()
+
+    @contextmanager
+    def _locked(self, wait_s: float) -> Iterator[None]:
+        """Keeps other threads out; waits as `use`. Does not keep out this thread."""
+        if not self._lock.acquire(timeout=min(wait_s, threading.TIMEOUT_MAX)):
             text = f"another thread uses this {self._what}"
             raise NoAnswer(f"{text} for longer than {wait_s:g} s") if wait_s > 0.0 else ClientError(f"{text}: make one for each thread")
         try:
-            self.check()  # the other thread may have closed it
             yield
         finally:
-            self._in_use.release()
+            self._lock.release()
 
     def enter_loop(self) -> bool:
         """Checks, and makes the connection that of the running event loop. Returns whether it was that of another one, which has ended. Raises
@@ -76,9 +92,12 @@ class Guard:
         return True
 
     def close(self, socket: zmq.Socket[Any], wait_s: float = 0.0) -> None:
-        """Closes the socket, once; in a fork it does nothing, because the socket is the other process's. Waits for another thread as `use`."""
+        """Closes the socket, once; in a fork it does nothing, because the socket is the other process's. Waits for another thread as `use`.
+        Within a use of this thread, as in a signal handler, the socket is closed when that use ends."""
         if self._is_closed or self.is_fork:
             return
-        with self.use(wait_s):
+        with self._locked(wait_s):
             self._is_closed = True
-            socket.close()
+            self._to_close = socket
+            if not self._is_used:
+                socket.close()

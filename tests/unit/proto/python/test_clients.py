@@ -297,6 +297,29 @@ class Clients(unittest.TestCase):
             with ThreadPoolExecutor(1) as pool, self.assertRaisesRegex(NoAnswer, "another thread uses this client for longer than 0.1 s"):
                 pool.submit(client.call, "m").result(60.0)
 
+    def within_a_call(self, client, use):
+        """Outcome of use() in a handler that interrupts a call of `client`."""
+        outcomes = []
+        reply = client.exchange(b'{"id": 7}', lambda reply: not outcomes.append(self.outcome(use)))
+        self.assertEqual(reply["result"], 1)
+        return outcomes[0]
+
+    def test_a_handler_that_interrupts_a_call_may_close_the_client_and_is_refused_another_call(self):
+        Played(endpoint := next(self.endpoints), [{"result": 1}] * 2)
+        with Client(endpoint, 20.0) as client:
+            self.assertRegex(str(self.within_a_call(client, lambda: client.call("m"))), "this thread is within another call of this client")
+            self.assertIsNone(self.within_a_call(client, client.close))
+            self.assertTrue(client._socket.closed)
+            with self.assertRaisesRegex(ClientError, "this client is closed"):
+                client.call("m")
+
+    def test_a_handler_may_close_the_connection_of_a_bridge(self):
+        link = Link(endpoint=next(self.endpoints), timeout_s=0.1)
+        with link.client() as client:
+            link.close()
+            with self.assertRaisesRegex(ClientError, "this client is closed"):
+                client.call("m")
+
     def test_an_event_loop_may_follow_another_one(self):
         Played(endpoint := next(self.endpoints), [{"result": number} for number in range(4)])
         client = AsyncClient(endpoint, 20.0)

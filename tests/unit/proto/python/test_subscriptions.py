@@ -96,7 +96,7 @@ class Subscriptions(unittest.TestCase):
                 with self.assertRaisesRegex(ClientError, f"this subscription belongs to process {os.getpid()}, .* after the fork"):
                     fork.apply_async(next_of_shared).get(timeout=30.0)
             waiting = pool.submit(stream.next, 20.0)
-            while not stream._guard._in_use.locked():
+            while not stream._guard._is_used:
                 time.sleep(0.001)
             for act in (lambda: stream.next(0.0), lambda: stream.newest(0.0), stream.close):
                 with self.assertRaisesRegex(ClientError, "another thread uses this subscription: make one for each thread"):
