@@ -220,10 +220,12 @@ def module(folder):
     for schema in schemas.values():
         structures.collect({key: value for key, value in schema["params"].items() if key != "title"})
         structures.collect(schema["result"])
-    waits = {name: schema["params"]["properties"]["timeout_s"]["default"] for name, schema in schemas.items()
+    waits = {name: schema["params"]["properties"]["timeout_s"] for name, schema in schemas.items()
              if "timeout_s" in schema["params"].get("properties", {})}
+    ranges = ", ".join(f"{json.dumps(name)}: ({wait['minimum']}, {wait['maximum']})" for name, wait in waits.items())
     lines = [*HEAD.splitlines(), "", "", "# How long the daemon waits before it answers, seconds, unless `timeout_s` is given.",
-             f"WAITS_S: Final = {json.dumps(waits)}", *structures.lines()]
+             f"WAITS_S: Final = {json.dumps({name: wait['default'] for name, wait in waits.items()})}",
+             "# Range of that `timeout_s`.", f"WAIT_RANGES_S: Final = {{{ranges}}}", *structures.lines()]
     for title, prefix, wait in (("Methods", "", ""), ("AsyncMethods", "async ", "await ")):
         lines += ["", "", f"class {title}:",
                   '    """Base class of clients: one Python method for each method of the daemon, which calls `call`."""', "",

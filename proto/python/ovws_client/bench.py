@@ -7,17 +7,15 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import Any, TypeVar
 
-from .errors import NoAnswer, Refused
+from .errors import UNAVAILABLE, NoAnswer, Refused
 from .measured import MeanWavefront
 from .messages import FrameMessage, Image, Message, Wavefront
-from .methods import CameraSettings, GrabReport, Methods
+from .methods import WAIT_RANGES_S, CameraSettings, GrabReport, Methods
 from .subscription import Subscription
 from .values import number, whole
 from .wire import KeyFile
 
 M = TypeVar("M", bound=Message)
-GRAB_TIMEOUT_S = (0.1, 600.0)  # range of that of camera.grab
-UNAVAILABLE = -32001  # code of a camera.grab without frames
 
 
 def as_seen_from(control: str, endpoint: str) -> str:
@@ -39,7 +37,7 @@ class Later:
     @staticmethod
     def params(timeout_s: float) -> dict[str, Any]:
         """Those of the camera.grab: one pixel of the next frame."""
-        least, most = GRAB_TIMEOUT_S
+        least, most = WAIT_RANGES_S["camera.grab"]
         return {"region": {"x": 0, "y": 0, "width": 1, "height": 1}, "timeout_s": min(max(timeout_s, least), most)}
 
     def __init__(self, report: GrabReport) -> None:

@@ -5,6 +5,8 @@ import copyreg
 from collections.abc import Mapping
 from typing import Any
 
+REFUSED, UNAVAILABLE = -32000, -32001
+
 # Error codes as in WIRE.md: code -> (meaning, what to do).
 CODES = {
     -32700: ("not JSON, or not UTF-8", "fix the text"),
@@ -12,9 +14,9 @@ CODES = {
     -32601: ("no such method", "see `nearest`, or `system.describe`"),
     -32602: ("a key or a value is wrong", "fix it; see `field`"),
     -32603: ("internal error of the daemon", "report it"),
-    -32000: ("refused in the current state, or too many requests are waiting or replies unread",
-             "change the state first; read replies, send smaller batches"),
-    -32001: ("a device or resource is not available", "connect it, or wait"),
+    REFUSED: ("refused in the current state, or too many requests are waiting or replies unread",
+              "change the state first; read replies, send smaller batches"),
+    UNAVAILABLE: ("a device or resource is not available", "connect it, or wait"),
     -32002: ("a device failed, or gave a wrong answer", "check the device"),
     -32003: ("not permitted: the client's role is `read` and the method needs `control` (`field` is `method`), or its key was withdrawn",
              "have the role, or the key, entered in the file of `security.clients`"),
