@@ -8,10 +8,12 @@ import pathlib
 import struct
 import subprocess
 import time
+from unittest import mock
 
 from case import PATIENCE_S, BenchCase, Client, main, next_message
 
 from ovws_bridges.bluesky import WavefrontSensor
+from ovws_client import Client as PlainClient
 from ovws_client.corrector import mean_spots
 
 HOUR_NS, FAR_NS = 3_600_000_000_000, 60_000_000_000
@@ -91,15 +93,15 @@ class Clock(BenchCase):
 
         self.take_reference(20)
         self.stepped = 0
+        call_binary = mock.patch.object(PlainClient, "call_binary", steps(PlainClient.call_binary))  # of all methods
+        call_binary.start()
+        self.addCleanup(call_binary.stop)
         with Client() as client:
-            client.call_binary = steps(client.call_binary)  # of all methods
             self.assertEqual(client.wavefront(frames=3).frames, 3)
             self.assertEqual(client.image().pixels.ndim, 2)
             self.assertEqual(mean_spots(client, 3)[0].size, 2 * client.sensor_get()["subapertures"])
         sensor = WavefrontSensor("ovws", timeout_s=PATIENCE_S / 2)
         self.addCleanup(sensor.close)
-        with sensor.link.client() as client:
-            client.call_binary = steps(client.call_binary)
         sensor.exposure_us.set(1500.0).wait(PATIENCE_S)
         sensor.trigger().wait(PATIENCE_S)
         self.assertLess(self.stepped, -10 * STEP_NS)

@@ -110,15 +110,20 @@ class Setting:
         raise NotImplementedError
 
     def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
-        """Sets the value; returns what tells a frame exposed wholly with it, and the exposure time, microseconds."""
+        """Sets the value; returns what recognises a frame exposed wholly with it, among those of `_later`, and the exposure time, microseconds."""
         raise NotImplementedError
+
+    def _later(self, client: Client, timeout_s: float) -> Callable[[Wavefront], bool]:
+        """Selects the frames to be looked at, of messages that are received already. Called after `_set`."""
+        return lambda frame: True
 
     def _set_and_wait(self, value: Any) -> None:
         with self._link.client() as client:
             shows, exposure_us = self._set(client, value)
         timeout_s = self._sensor.timeout_s + 3e-6 * exposure_us
-        with self._link.messages(timeout_s) as messages:
-            if not any(shows(frame) for frame in frames_of(messages)):
+        with self._link.messages(timeout_s) as messages, self._link.own_client() as client:
+            later = self._later(client, timeout_s)
+            if not any(later(frame) and shows(frame) for frame in frames_of(messages)):
                 raise NoAnswer(f"{self.name}: no frame exposed with {value} within {timeout_s:g} s; does another client change it?")
 
 
@@ -138,13 +143,11 @@ class CameraSetting(Setting):
 
     def _set(self, client: Client, value: Any) -> tuple[Callable[[Wavefront], bool], float]:
         settings = client.call("camera.set", {self._name: value})["applied"]
-        wanted, exposure_us = settings[self._name], settings["exposure_us"]
-        later = client.later(self._sensor.timeout_s + 3e-6 * exposure_us)
+        wanted = settings[self._name]
+        return lambda frame: bool(np.isclose(frame_value(frame, self._name), wanted, rtol=1e-6)), settings["exposure_us"]
 
-        def shows(frame: Wavefront) -> bool:
-            return later(frame) and bool(np.isclose(frame_value(frame, self._name), wanted, rtol=1e-6))
-
-        return shows, exposure_us
+    def _later(self, client: Client, timeout_s: float) -> Callable[[Wavefront], bool]:
+        return client.later(timeout_s)
 
 
 class Aberration(Setting):

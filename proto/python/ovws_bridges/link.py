@@ -16,7 +16,7 @@ from ovws_client.values import number
 from ovws_client.wire import CONTROL, KeyFile
 
 Listener = Callable[[Message | None], None]
-MAX_QUEUED = 1000  # messages for one waiting action; it takes each at once
+MAX_QUEUED = 1000  # messages for one action, also while it waits for an answer of the daemon; further ones are dropped
 _log = logging.getLogger("ovws_bridges")
 
 
@@ -59,6 +59,13 @@ class Link:
                 client.close()
                 self._client = None
                 raise
+
+    @contextmanager
+    def own_client(self) -> Iterator[Client]:
+        """Another client, for calls that wait for frames: other calls go on meanwhile. Closed after the block."""
+        self._guard.check()
+        with Client(**self._arguments) as client:  # type: ignore[arg-type]
+            yield client
 
     def newest(self, kind: type[Message]) -> Message | None:
         """The newest message of a kind; None if there was none since the daemon was lost."""

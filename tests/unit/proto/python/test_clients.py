@@ -22,6 +22,7 @@ from paths import ROOT
 import numpy as np
 import zmq
 
+from ovws_bridges.bluesky import WavefrontSensor
 from ovws_bridges.link import Link
 from ovws_client import AsyncClient, Client, ClientError, JobFailed, NoAnswer, Refused, Status
 from ovws_client.errors import CODES
@@ -356,6 +357,34 @@ class Clients(unittest.TestCase):
         for use in (lambda: link.newest(Status), lambda: link.client().__enter__(), lambda: link.wait_until_connected(0.0)):
             self.assertRegex(in_a_fork(use), "^ClientError: this connection of a bridge belongs to process")
         self.assertEqual(in_a_fork(link.close), "None")
+
+    def test_a_bridge_that_waits_for_a_frame_goes_on_with_other_calls(self):
+        exposure = {"result": {"settings": {"exposure_us": 500.0, "frame_rate_hz": 50.0}}}
+        grab = queue.Queue()
+
+        def serve():  # all but camera.grab, which waits for the second camera.get
+            seen = []
+            while seen.count("camera.get") < 2:
+                peer, text = server.recv_multipart()
+                request = json.loads(text)
+                seen.append(request["method"])
+                if seen[-1] == "camera.grab":
+                    grab.put((peer, request["id"]))
+                elif seen[-1] == "camera.get":
+                    server.send_multipart([peer, json.dumps({"id": request["id"]} | exposure).encode()])
+
+        with zmq.Context.instance().socket(zmq.ROUTER) as server:
+            server.bind(endpoint := next(self.endpoints))
+            serving = threading.Thread(target=serve, daemon=True)
+            serving.start()
+            sensor = WavefrontSensor(endpoint=endpoint)
+            self.addCleanup(sensor.close)
+            taken = sensor.trigger()
+            peer, request_id = grab.get(timeout=60.0)
+            self.assertEqual((sensor.exposure_us.position, taken.done), (500.0, False))
+            serving.join(60.0)
+            server.send_multipart([peer, json.dumps({"id": request_id, "error": OUT_OF_RANGE}).encode()])
+            self.assertIsInstance(taken.exception(60.0), Refused)
 
     def test_a_wrong_key_file_is_named(self):
         with tempfile.TemporaryDirectory() as folder:
