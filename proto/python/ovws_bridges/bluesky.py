@@ -138,9 +138,10 @@ class WavefrontSensor:
             camera = client.camera_get()["settings"]
         timeout_s = self.timeout_s + (frames + 2) * max(1e-6 * camera["exposure_us"], 1.0 / camera["frame_rate_hz"])
         with self.link.messages(timeout_s) as messages, self.link.own_client() as client:
-            gathering = Gathering(frames, client.later(timeout_s, f"0 of {frames} valid frames"))
+            gathering, later = Gathering(frames), client.later(timeout_s, f"0 of {frames} valid frames")
             for frame in frames_of(messages):
-                gathering.take(frame)
+                if later(frame):
+                    gathering.take(frame)
                 if gathering.is_complete:
                     break
         mean = gathering.mean(timeout_s)

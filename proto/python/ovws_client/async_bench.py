@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any
 
@@ -10,8 +10,8 @@ from .async_subscription import AsyncSubscription
 from .bench import Gathering, Later, M, SettingsChange, as_seen_from, no_frame, no_image
 from .errors import Refused
 from .measured import MeanWavefront
-from .messages import Image, Wavefront
-from .methods import AsyncMethods
+from .messages import FrameMessage, Image, Wavefront
+from .methods import AsyncMethods, GrabStamp
 from .values import number, whole
 from .wire import KeyFile
 
@@ -35,7 +35,7 @@ class AsyncBench(AsyncMethods):
         async with await self.subscribe(Image) as stream:
             later = await self.later(timeout_s, "no image")
             while (image := await stream.next(max(0.0, end - time.monotonic()))) is not None:
-                if later(image):
+                if await later(image):
                     return image
         raise no_image(timeout_s)
 
@@ -43,17 +43,29 @@ class AsyncBench(AsyncMethods):
         """Mean wavefront of the next valid frames, with standard errors, as Bench.wavefront."""
         frames, end = whole("frames", frames), time.monotonic() + number("timeout_s", timeout_s, 0.0)
         async with await self.subscribe(Wavefront) as stream:
-            gathering = Gathering(frames, await self.later(timeout_s, f"0 of {frames} valid frames"))
+            gathering, later = Gathering(frames), await self.later(timeout_s, f"0 of {frames} valid frames")
             while not gathering.is_complete and (frame := await stream.next(max(0.0, end - time.monotonic()))) is not None:
-                gathering.take(frame)
+                if await later(frame):
+                    gathering.take(frame)
         return gathering.mean(timeout_s)
 
-    async def later(self, timeout_s: float, missing: str = "no frame") -> Later:
-        """Tells which messages are of frames exposed after this call, as Bench.later."""
-        try:
-            return Later((await self.camera_grab(**Later.params(timeout_s)))[0])
-        except Refused as refused:
-            raise no_frame(refused, missing, timeout_s) from refused
+    async def later(self, timeout_s: float, missing: str = "no frame") -> Callable[[FrameMessage | Image], Awaitable[bool]]:
+        """Selects messages of frames exposed after this call, as Bench.later."""
+        end = time.monotonic() + timeout_s
+
+        async def grab() -> GrabStamp:
+            try:
+                return (await self.camera_grab(**Later.params(end - time.monotonic())))[0]["frames"][0]
+            except Refused as refused:
+                raise no_frame(refused, missing, timeout_s) from refused
+
+        later = Later(await grab())
+
+        async def is_later(message: FrameMessage | Image) -> bool:
+            known = later.of(message)
+            return later.of_doubtful(message, await grab()) if known is None else known
+
+        return is_later
 
     @asynccontextmanager
     async def settings(self, **settings: Any) -> AsyncIterator[dict[str, Any]]:

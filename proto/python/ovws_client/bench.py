@@ -3,14 +3,14 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import Any, TypeVar
 
 from .errors import UNAVAILABLE, NoAnswer, Refused
 from .measured import MeanWavefront
 from .messages import FrameMessage, Image, Message, Wavefront
-from .methods import WAIT_RANGES_S, CameraSettings, GrabReport, Methods
+from .methods import WAIT_RANGES_S, CameraSettings, GrabStamp, Methods
 from .subscription import Subscription
 from .values import number, whole
 from .wire import KeyFile
@@ -31,8 +31,9 @@ def measurement(frame: Wavefront) -> tuple[object, ...]:
 
 
 class Later:
-    """Tells the messages of frames whose exposure began after a call, by their frame numbers. The daemon finds the first such frame by its
-    monotonic clock, for camera.grab: subscribe, then grab with `params`, so that no step of the wall clock orders frames."""
+    """Selects messages of frames exposed after a call, by the frame numbers of camera.grab. The daemon finds the first such frame by its
+    monotonic clock: subscribe, then grab with `params`. Frame numbers restart when the camera reconnects, and the wall clock may step. When
+    numbers and stamps disagree, the number of another grab decides."""
 
     @staticmethod
     def params(timeout_s: float) -> dict[str, Any]:
@@ -40,24 +41,33 @@ class Later:
         least, most = WAIT_RANGES_S["camera.grab"]
         return {"region": {"x": 0, "y": 0, "width": 1, "height": 1}, "timeout_s": min(max(timeout_s, least), most)}
 
-    def __init__(self, report: GrabReport) -> None:
-        self._first = report["frames"][0]["frame_id"]
+    def __init__(self, first: GrabStamp) -> None:
+        self._first = first
         self._newest = 0
+        self._is_found = False
 
-    def __call__(self, message: FrameMessage | Image) -> bool:
-        """Whether this message is of such a frame. For each message of a stream, in order."""
-        if message.frame_id < self._newest:
-            self._first = 0  # the camera was connected again, and its frames are numbered from the beginning
+    def of(self, message: FrameMessage | Image) -> bool | None:
+        """Whether this message is of such a frame; None: ask `of_doubtful`. For each message of a stream, in order."""
+        is_restart = message.frame_id < self._newest
         self._newest = message.frame_id
-        return message.frame_id >= self._first
+        by_number = message.frame_id >= self._first["frame_id"]
+        if not self._is_found and (is_restart or by_number != (message.t_arrival_ns >= self._first["t_arrival_ns"])):
+            return None
+        self._is_found = self._is_found or by_number  # further messages are later, whatever their numbers
+        return self._is_found
+
+    def of_doubtful(self, message: FrameMessage | Image, newest: GrabStamp) -> bool:
+        """As `of`, by a frame grabbed after the message was received: it has a smaller number only if numbers restarted."""
+        first, last = self._first["frame_id"], newest["frame_id"]
+        self._is_found = message.frame_id <= last and (first <= message.frame_id or last < first)
+        return self._is_found
 
 
 class Gathering:
-    """The valid frames of one measurement, for their mean: those that are `later`. Begins again when the measurement changes."""
+    """The valid frames of one measurement, for their mean. Begins again when the measurement changes."""
 
-    def __init__(self, frames: int, later: Later) -> None:
+    def __init__(self, frames: int) -> None:
         self._frames = frames
-        self._later = later
         self._good: list[Wavefront] = []
         self._skipped = 0
 
@@ -71,7 +81,7 @@ class Gathering:
         return self._good[-1]
 
     def take(self, frame: Wavefront) -> None:
-        if not self._later(frame) or frame.exposure_us is None:
+        if frame.exposure_us is None:
             return
         if not frame.valid:
             self._skipped += 1
@@ -145,18 +155,30 @@ class Bench(Methods):
         of the same RMS does not show. Raises NoAnswer if there were not as many within `timeout_s` seconds."""
         frames, end = whole("frames", frames), time.monotonic() + number("timeout_s", timeout_s, 0.0)
         with self.subscribe(Wavefront) as stream:
-            gathering = Gathering(frames, self.later(timeout_s, f"0 of {frames} valid frames"))
+            gathering, later = Gathering(frames), self.later(timeout_s, f"0 of {frames} valid frames")
             while not gathering.is_complete and (frame := stream.next(max(0.0, end - time.monotonic()))) is not None:
-                gathering.take(frame)
+                if later(frame):
+                    gathering.take(frame)
         return gathering.mean(timeout_s)
 
-    def later(self, timeout_s: float, missing: str = "no frame") -> Later:
-        """Tells which messages, of subscriptions made before this call, are of frames exposed after it. Raises NoAnswer, which begins with what
-        is `missing`, if no frame came within `timeout_s` seconds."""
-        try:
-            return Later(self.camera_grab(**Later.params(timeout_s))[0])
-        except Refused as refused:
-            raise no_frame(refused, missing, timeout_s) from refused
+    def later(self, timeout_s: float, missing: str = "no frame") -> Callable[[FrameMessage | Image], bool]:
+        """Selects messages of frames exposed after this call, of one subscription made before it: call the result with each message, in order.
+        Both raise NoAnswer, which begins with what is `missing`, if no frame came within `timeout_s` seconds of this call."""
+        end = time.monotonic() + timeout_s
+
+        def grab() -> GrabStamp:
+            try:
+                return self.camera_grab(**Later.params(end - time.monotonic()))[0]["frames"][0]
+            except Refused as refused:
+                raise no_frame(refused, missing, timeout_s) from refused
+
+        later = Later(grab())
+
+        def is_later(message: FrameMessage | Image) -> bool:
+            known = later.of(message)
+            return later.of_doubtful(message, grab()) if known is None else known
+
+        return is_later
 
     @contextmanager
     def settings(self, **settings: Any) -> Iterator[dict[str, Any]]:

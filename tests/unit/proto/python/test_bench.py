@@ -1,4 +1,6 @@
 """What the client does with methods and streams together, against a played daemon: which frames count, and which settings are restored."""
+import asyncio
+import itertools
 import math
 import unittest
 from dataclasses import replace
@@ -7,6 +9,7 @@ import numpy as np
 from paths import SCHEMAS
 
 from ovws_client import Client, Image, NoAnswer, Refused, Spots, Wavefront
+from ovws_client.async_bench import AsyncBench
 from ovws_client.corrector import mean_spots
 
 EXPOSURE_US = 2000.0
@@ -17,10 +20,12 @@ SPOTS = Spots.of(SCHEMAS["stream.spots"]["examples"][0], bytes(7 * 6 * 4))
 
 
 class Played(Client):
-    """A client of a daemon that answers at once and publishes these messages. Calls in `wrong` raise, each once."""
+    """A client of a daemon that answers at once and publishes these messages. Calls in `wrong` raise, each once. Grabs give the frames
+    `grabbed`, (number, arrival), the last of them again."""
 
-    def __init__(self, *messages, wrong=()):
+    def __init__(self, *messages, wrong=(), grabbed=None):
         self.messages, self.calls, self.wrong, self.subscribed = list(messages), [], dict(wrong), False
+        self.grabbed = list(grabbed or [(FIRST, next((m.t_arrival_ns for m in messages if m.frame_id == FIRST), 0))])
 
     def call(self, method, params=None):
         if method.endswith(".set"):
@@ -34,7 +39,8 @@ class Played(Client):
         assert self.subscribed, "a frame could come between the grab and the subscription"
         if method in self.wrong:
             raise self.wrong.pop(method)
-        return {"camera.grab": {"frames": [{"frame_id": FIRST}]}}[method], b"\0"
+        frame_id, arrival_ns = self.grabbed.pop(0) if len(self.grabbed) > 1 else self.grabbed[0]
+        return {"camera.grab": {"frames": [{"frame_id": frame_id, "t_arrival_ns": arrival_ns}]}}[method], b"\0"
 
     def subscribe(self, *kinds, timeout_s=None):
         self.subscribed = True
@@ -44,6 +50,29 @@ class Played(Client):
         return self.messages.pop(0) if self.messages else None
 
     def __exit__(self, *_):
+        pass
+
+
+class AsyncPlayed(AsyncBench):
+    """The same for asyncio."""
+
+    def __init__(self, played):
+        self.played = played
+
+    async def call_binary(self, *request):
+        return self.played.call_binary(*request)
+
+    async def subscribe(self, *kinds):
+        self.played.subscribe(*kinds)
+        return self
+
+    async def next(self, timeout_s):
+        return self.played.next(timeout_s)
+
+    async def __aenter__(self):
+        return self
+
+    async def __aexit__(self, *_):
         pass
 
 
@@ -80,6 +109,38 @@ class Frames(unittest.TestCase):
     def test_the_frames_of_a_camera_that_counts_from_the_beginning_are_later(self):
         frames = [frame(9.0, frame_id=FIRST - 1), frame(0.0), frame(0.25, frame_id=1), frame(0.5, frame_id=2)]
         self.assertEqual(Played(*frames).wavefront(frames=3).coefficients_waves[0], 0.25)
+
+    def assert_first(self, expected, frames, grabbed):
+        """That the first of these frames, (number, arrival), that counts is this one, for every call and both kinds of client."""
+        kinds = {Image: [image(*each) for each in frames],
+                 Wavefront: [frame(k, frame_id=each[0], t_arrival_ns=each[1]) for k, each in enumerate(frames)],
+                 Spots: [replace(SPOTS, frame_id=each[0], t_arrival_ns=each[1], exposure_us=EXPOSURE_US, settled=True,
+                                 x_y_px=np.full_like(SPOTS.x_y_px, k)) for k, each in enumerate(frames)]}
+        k = [each[0] for each in frames].index(expected)
+        self.assertEqual(Played(*kinds[Image], grabbed=grabbed).image().frame_id, expected)
+        self.assertEqual(Played(*kinds[Wavefront], grabbed=grabbed).wavefront(frames=1).coefficients_waves[0], k)
+        self.assertEqual(mean_spots(Played(*kinds[Spots], grabbed=grabbed), 2)[0][0], k + 0.5)
+        for act, messages in ((AsyncPlayed.image, kinds[Image]), (lambda client: client.wavefront(frames=1), kinds[Wavefront])):
+            client = AsyncPlayed(Played(*messages, grabbed=grabbed))
+            found = asyncio.run(act(client))
+            self.assertEqual(found.frame_id if isinstance(found, Image) else frames[int(found.coefficients_waves[0])][0], expected)
+
+    def test_frames_of_before_a_restart_of_the_numbers_are_not_later(self):
+        stream = [(5000, 100), (5001, 101), (1, 201), (2, 202), (3, 203), (4, 204), (5, 205)]
+        self.assert_first(3, stream, [(3, 203), (6, 206)])
+        self.assert_first(3, stream[:2] + stream[4:], [(3, 203), (6, 206)])
+        self.assert_first(4, stream[:2] + stream[5:], [(3, 203), (6, 206)])
+
+    def test_frames_after_a_restart_that_the_stream_does_not_show_are_later(self):
+        self.assert_first(1, [(1, 201), (2, 202), (3, 203)], [(5002, 102), (4, 204)])
+        self.assert_first(1, [(4999, 99), (1, 201), (2, 202)], [(5002, 102), (4, 204)])
+
+    def test_a_step_of_the_wall_clock_is_no_restart(self):
+        for step_ns, stepped in itertools.product((-STEP_NS, STEP_NS), (FIRST, FIRST + 1)):
+            stamps = [(number, number + step_ns * (number >= stepped)) for number in range(FIRST - 2, FIRST + 5)]
+            for left_out in ((), (2,), (2, 3)):  # with and without the frame that was grabbed
+                stream = [stamp for k, stamp in enumerate(stamps) if k not in left_out]
+                self.assert_first(FIRST + len(left_out), stream, [stamps[2], stamps[-1]])
 
     def test_a_camera_that_sends_nothing_is_no_answer_with_the_reason(self):
         silent = Refused("camera.grab", {"code": -32001, "message": "0 of 1", "data": {"field": "", "reason": "0 of 1 frames came within 3 s"}})
