@@ -1,13 +1,14 @@
 """What one does at a bench, for asyncio; see Bench."""
 from __future__ import annotations
 
+import asyncio
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any
 
 from .async_subscription import AsyncSubscription
-from .bench import Gathering, Later, M, SettingsChange, as_seen_from, no_frame, no_image
+from .bench import RETRY_S, Gathering, Later, M, SettingsChange, as_seen_from, check_refusal, no_image
 from .errors import Refused
 from .measured import MeanWavefront
 from .messages import FrameMessage, Image, Wavefront
@@ -54,10 +55,12 @@ class AsyncBench(AsyncMethods):
         end = time.monotonic() + timeout_s
 
         async def grab() -> GrabStamp:
-            try:
-                return (await self.camera_grab(**Later.params(end - time.monotonic())))[0]["frames"][0]
-            except Refused as refused:
-                raise no_frame(refused, missing, timeout_s) from refused
+            while True:
+                try:
+                    return (await self.camera_grab(**Later.params(end - time.monotonic())))[0]["frames"][0]
+                except Refused as refused:
+                    check_refusal(refused, end - time.monotonic(), missing, timeout_s)
+                await asyncio.sleep(RETRY_S)
 
         later = Later(await grab())
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import Any, TypeVar
 
-from .errors import UNAVAILABLE, NoAnswer, Refused
+from .errors import REFUSED, UNAVAILABLE, NoAnswer, Refused
 from .measured import MeanWavefront
 from .messages import FrameMessage, Image, Message, Wavefront
 from .methods import WAIT_RANGES_S, CameraSettings, GrabStamp, Methods
@@ -102,9 +102,16 @@ def no_image(timeout_s: float) -> NoAnswer:
     return NoAnswer(f"no image within {timeout_s} s; does the camera deliver frames (system_status)?")
 
 
-def no_frame(refused: Refused, missing: str, timeout_s: float) -> Exception:
-    """What a refused camera.grab means for a call that waits for frames: if none came, NoAnswer with what is `missing` and the daemon's reason."""
-    return NoAnswer(f"{missing} within {timeout_s} s: {refused.reason}") if refused.code == UNAVAILABLE else refused
+RETRY_S = 0.05  # time between two requests for a grab
+
+
+def check_refusal(refused: Refused, left_s: float, missing: str, timeout_s: float) -> None:
+    """Returns if a refused camera.grab may be repeated: others use all grabs, or the image changed meanwhile. If it came too late, or no frame
+    came, raises NoAnswer with what is `missing` and the daemon's reason; raises other refusals as they are."""
+    if refused.code not in (REFUSED, UNAVAILABLE):
+        raise refused
+    if refused.code == UNAVAILABLE or left_s <= RETRY_S:
+        raise NoAnswer(f"{missing} within {timeout_s} s: {refused.reason}") from refused
 
 
 class SettingsChange:
@@ -167,10 +174,12 @@ class Bench(Methods):
         end = time.monotonic() + timeout_s
 
         def grab() -> GrabStamp:
-            try:
-                return self.camera_grab(**Later.params(end - time.monotonic()))[0]["frames"][0]
-            except Refused as refused:
-                raise no_frame(refused, missing, timeout_s) from refused
+            while True:
+                try:
+                    return self.camera_grab(**Later.params(end - time.monotonic()))[0]["frames"][0]
+                except Refused as refused:
+                    check_refusal(refused, end - time.monotonic(), missing, timeout_s)
+                time.sleep(RETRY_S)
 
         later = Later(grab())
 

@@ -4,6 +4,7 @@ import itertools
 import math
 import unittest
 from dataclasses import replace
+from unittest import mock
 
 import numpy as np
 from paths import SCHEMAS
@@ -147,6 +148,17 @@ class Frames(unittest.TestCase):
         for act in (lambda client: client.image(timeout_s=3.0), lambda client: client.wavefront(timeout_s=3.0), lambda client: mean_spots(client, 2, 3.0)):
             with self.assertRaisesRegex(NoAnswer, "^(no image|0 of 50 valid frames|0 of 2 settled frames) within 3.0 s: 0 of 1 frames came"):
                 act(Played(wrong={"camera.grab": silent}))
+
+    def test_grabs_that_others_use_are_waited_for(self):
+        busy = Refused("camera.grab", {"code": -32000, "message": "too many grabs", "data": {"field": "", "reason": "too many grabs wait"}})
+        acts = ((lambda client, timeout_s: client.image(timeout_s), image(FIRST)), (lambda client, timeout_s: client.wavefront(1, timeout_s), frame()),
+                (lambda client, timeout_s: asyncio.run(AsyncPlayed(client).wavefront(1, timeout_s)), frame()))
+        for act, message in acts:
+            self.assertIsNotNone(act(Played(message, wrong={"camera.grab": busy}), 20.0))
+            client = Played(message)
+            client.call_binary = mock.Mock(side_effect=busy)
+            with self.assertRaisesRegex(NoAnswer, "within 0.1 s: too many grabs wait"):
+                act(client, 0.1)
 
     def test_numbers_of_numpy_are_numbers_and_wrong_ones_are_refused_by_name(self):
         for frames in (np.int64(2), np.float32(2.0), 2.0, np.array(2)):
