@@ -80,8 +80,8 @@ class Guard:
             self._lock.release()
 
     def enter_loop(self) -> bool:
-        """Checks, and makes the connection that of the running event loop. Returns whether it was that of another one, which has ended. Raises
-        ClientError if that one still runs."""
+        """Checks the connection and assigns it to the running event loop. Returns whether it belonged to another loop, which has ended. Raises
+        ClientError if that loop still runs."""
         self.check()
         before, self._loop = self._loop, asyncio.get_running_loop()
         if before in (None, self._loop):
