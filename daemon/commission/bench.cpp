@@ -175,7 +175,8 @@ Result<Bench::Messages> Bench::frames(double seconds,
   if (!stream) return fail(stream.error());
   Messages all;
   const auto begin = Clock::now();
-  for (double passed_s = 0.0; passed_s < seconds + kTemplates_s; passed_s = seconds_since(begin)) {
+  for (double passed_s = 0.0; passed_s < seconds + cli::kTemplates_s;
+       passed_s = seconds_since(begin)) {
     if (cancelled_) return fail(cancelled_error());
     if (const auto message = stream->receive(kPollInterval)) all.push_back(json_of(message->json));
     if (passed_s >= seconds && enough(all)) break;

@@ -46,10 +46,8 @@ class Bench {
   Result<Image<float>> image_of(const std::string& pattern);
   using Messages = std::vector<nlohmann::json>;
   /// The messages of stream `wavefront` that arrive within `seconds`, and further ones until they
-  /// are `enough`, for at most kTemplates_s more: templates of a new wavefront are being rendered,
-  /// which takes longer on a busy machine.
+  /// are `enough`, for at most cli::kTemplates_s more.
   Result<Messages> frames(double seconds, const std::function<bool(const Messages&)>& enough);
-  static constexpr double kTemplates_s = 20.0;
   /// Numbers of the spots that are found in less than half of the settled frames of a second.
   Result<std::vector<int>> lost_spots();
 

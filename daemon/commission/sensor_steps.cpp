@@ -42,9 +42,10 @@ std::string named(Bench& bench, const std::vector<int>& spots) {
   return cli::placed_spots(spots, reference ? *reference : json());
 }
 
-const char* const kLookThere =
-    "Look there for a dark part of the beam, the edge of the region, or light of another order; "
-    "the step doctor judges the zeroth order.";
+/// Advice about lost spots.
+std::string look_there() {
+  return std::string(cli::kLookThere) + "; the step doctor judges the zeroth order.";
+}
 
 // Reference ---------------------------------------------------------------------------------------
 
@@ -72,7 +73,7 @@ Outcome run_reference(Bench& bench, Memory& memory) {
   if (const auto lost = taken->at("lost_spots").get<std::vector<int>>(); !lost.empty()) {
     outcome.verdict.wellness = Wellness::warning;
     outcome.verdict.text += fmt::format(" Lost spots are left out: {}.", named(bench, lost));
-    outcome.verdict.advice = kLookThere;
+    outcome.verdict.advice = look_there();
   }
   if (!is_fixed_array(*config) && flatness->at("measured") == false) {
     outcome.verdict.wellness = Wellness::warning;
@@ -115,8 +116,7 @@ Outcome run_calibration(Bench& bench, Memory& memory) {
   if (const auto lost = made->at("lost_spots").get<std::vector<int>>(); !lost.empty()) {
     outcome.verdict.wellness = Wellness::warning;
     outcome.verdict.text += fmt::format(" It lacks lost spots: {}.", named(bench, lost));
-    outcome.verdict.advice +=
-        (outcome.verdict.advice.empty() ? "" : ". ") + std::string(kLookThere);
+    outcome.verdict.advice += (outcome.verdict.advice.empty() ? "" : ". ") + look_there();
   }
   outcome.picture = graph_of_factors(made->at("modes"));
   return outcome;
@@ -246,7 +246,7 @@ Outcome no_valid_frame(Bench& bench) {
   if (!lost->empty()) {
     return failed(
         {Errc::refused, "", "no frame was valid, and these spots are lost: " + named(bench, *lost)},
-        kLookThere);
+        look_there());
   }
   const auto status = bench.call("system.status");
   if (!status) return failed(status.error());

@@ -9,6 +9,15 @@
 
 namespace ovws::cli {
 
+/// Longest wait for the first valid frame of a new wavefront while its spots are found, s: its
+/// templates are being rendered, which takes longer on a busy machine.
+constexpr double kTemplates_s = 20.0;
+
+/// What to look for where spots are lost.
+constexpr const char* kLookThere =
+    "Look there for a dark part of the beam, the edge of the region, or light of another "
+    "diffraction order";
+
 /// In how many settled frames each spot was found.
 struct SpotCounts {
   int frames = 0;

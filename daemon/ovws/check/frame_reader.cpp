@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::check {
@@ -66,9 +67,9 @@ Shown FrameReader::shown(std::uint64_t hologram_id, const Wanted& wanted) {
     }
     ++shown.settled;
     shown.valid += message->at("valid").get<bool>() ? 1 : 0;
-    const bool are_found =
-        6 * message->at("tracked").get<int>() >= 5 * message->at("subapertures").get<int>();
-    if (!first && are_found) longest_s = wanted.templates_s;
+    const int tracked = message->at("tracked").get<int>();
+    const int lost = message->at("subapertures").get<int>() - tracked;
+    if (!first && !too_many_lost({.used = tracked, .lost = lost})) longest_s = wanted.templates_s;
     if (message->at("j").get<std::vector<int>>() != wanted.modes_j) continue;
     Frame frame = frame_of(*message);
     if (!frame.valid) continue;

@@ -8,6 +8,7 @@
 
 #include "daemon/ovws/check/borrowed.hpp"
 #include "daemon/ovws/check/response.hpp"
+#include "daemon/shared/lost_spots.hpp"
 
 namespace ovws::check {
 
@@ -20,9 +21,8 @@ struct Wanted {
   double most_sigma_waves = 0.0;
   double least_s = 0.0;    ///< time to watch in any case
   double longest_s = 3.0;  ///< time to wait for the preferred frames
-  /// Time to wait for the first valid frame while at least five sixths of the spots are found:
-  /// templates of the wavefront are being rendered, which takes longer on a busy machine.
-  double templates_s = 20.0;
+  /// Time to wait for the first valid frame unless too many spots are lost.
+  double templates_s = cli::kTemplates_s;
 };
 
 /// One thread at a time. Messages that came before its construction are not read.

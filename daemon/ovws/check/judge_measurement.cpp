@@ -10,6 +10,7 @@
 #include "daemon/ovws/check/judge.hpp"
 #include "daemon/ovws/check/response.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
+#include "daemon/shared/lost_spots.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::check {
@@ -267,10 +268,7 @@ Finding judge_spots(const Facts& facts) {
     return found;
   }
   const std::string reason = layout_reason(facts.measured.config);
-  found.text += reason.empty()
-                    ? "; look there for a dark part of the beam, the edge of the region, "
-                      "or light of another diffraction order"
-                    : "; " + reason;
+  found.text += reason.empty() ? std::string(". ") + cli::kLookThere : "; " + reason;
   found.fix = reason.empty() ? "ovws snapshot -o lost" : "ovws doctor";
   return found;
 }
