@@ -44,6 +44,15 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+WatchedFrame watched(const StreamMessage& message) {
+  const json frame = json_of(message.json);
+  WatchedFrame watched{frame.at("hologram_id").get<std::uint64_t>(),
+                       1e-9 * double(frame.at("t_arrival_ns").get<std::int64_t>()), std::nullopt};
+  const json& rms_waves = frame.at("rms_waves");
+  if (frame.at("valid") == true && rms_waves.is_number()) watched.rms_waves = rms_waves;
+  return watched;
+}
+
 Image<float> fractions(const StreamMessage& message) {
   const json header = json_of(message.json);
   Image<float> image(header.at("shape").at(1).get<int>(), header.at("shape").at(0).get<int>());
@@ -80,6 +89,25 @@ Result<json> light_of(Bench& bench) {
 }
 
 }  // namespace
+
+std::span<const WatchedFrame> newest(std::span<const WatchedFrame> frames, double seconds) {
+  std::size_t count = 0;
+  while (count < frames.size() &&
+         frames.back().arrival_s - frames[frames.size() - 1 - count].arrival_s <= seconds) {
+    ++count;
+  }
+  return frames.last(count);
+}
+
+std::optional<double> median_rms_waves(std::span<const WatchedFrame> frames) {
+  std::vector<double> all;
+  for (const WatchedFrame& frame : frames) {
+    if (frame.rms_waves) all.push_back(*frame.rms_waves);
+  }
+  if (all.empty()) return std::nullopt;
+  std::ranges::nth_element(all, all.begin() + std::ptrdiff_t(all.size() / 2));
+  return all[all.size() / 2];
+}
 
 void Bench::say(const std::string& text) {
   progress_(done_, text);
@@ -169,17 +197,20 @@ Result<Image<float>> Bench::image_of(const std::string& pattern) {
   return image();
 }
 
-Result<Bench::Messages> Bench::frames(double seconds,
-                                      const std::function<bool(const Messages&)>& enough) {
+Result<std::vector<WatchedFrame>> Bench::frames(
+    double seconds, const std::function<bool(std::span<const WatchedFrame>)>& enough) {
   auto stream = subscribe_to(settings_.daemon, "endpoint", "wavefront", 10'000);
   if (!stream) return fail(stream.error());
-  Messages all;
+  std::vector<WatchedFrame> all;
   const auto begin = Clock::now();
-  for (double passed_s = 0.0; passed_s < seconds + cli::kTemplates_s;
-       passed_s = seconds_since(begin)) {
+  auto next_look = begin + std::chrono::duration<double>(seconds);
+  while (seconds_since(begin) < seconds + cli::kTemplates_s) {
     if (cancelled_) return fail(cancelled_error());
-    if (const auto message = stream->receive(kPollInterval)) all.push_back(json_of(message->json));
-    if (passed_s >= seconds && enough(all)) break;
+    if (const auto message = stream->receive(kPollInterval)) all.push_back(watched(*message));
+    const auto now = Clock::now();
+    if (now < next_look) continue;
+    if (enough(all)) break;
+    next_look = now + kPollInterval;
   }
   return all;
 }

@@ -3,10 +3,14 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
@@ -14,6 +18,19 @@
 #include "daemon/shared/client.hpp"
 
 namespace ovws::commission {
+
+/// What a step judges of a frame of the stream `wavefront`.
+struct WatchedFrame {
+  std::uint64_t hologram_id = 0;
+  double arrival_s = 0.0;           ///< in the daemon, by its clock
+  std::optional<double> rms_waves;  ///< none: the frame is not valid
+};
+
+/// The frames that arrived within the last `seconds` before the newest one, which is included.
+std::span<const WatchedFrame> newest(std::span<const WatchedFrame> frames, double seconds);
+
+/// Median of the RMS of the valid frames; none: no frame is valid.
+std::optional<double> median_rms_waves(std::span<const WatchedFrame> frames);
 
 class Bench {
  public:
@@ -44,10 +61,10 @@ class Bench {
   Result<Image<float>> image();
   /// Shows a pattern of slm.show and returns an image of it.
   Result<Image<float>> image_of(const std::string& pattern);
-  using Messages = std::vector<nlohmann::json>;
-  /// The messages of stream `wavefront` that arrive within `seconds`, and further ones until they
-  /// are `enough`, for at most cli::kTemplates_s more.
-  Result<Messages> frames(double seconds, const std::function<bool(const Messages&)>& enough);
+  /// The frames of stream `wavefront` that arrive within `seconds`, and further ones until they are
+  /// `enough`, for at most cli::kTemplates_s more. `enough` is asked some times a second.
+  Result<std::vector<WatchedFrame>> frames(
+      double seconds, const std::function<bool(std::span<const WatchedFrame>)>& enough);
   /// Numbers of the spots that are found in less than half of the settled frames of a second.
   Result<std::vector<int>> lost_spots();
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "daemon/commission/drawing.hpp"
@@ -21,20 +22,8 @@ constexpr int kReferenceFrames = 100, kCalibrationFrames = 10;
 constexpr double kTestMode_waves = 0.1;  ///< defocus that the first loop must remove
 constexpr int kTestMode = 4;
 constexpr double kOpen_s = 1.0, kClosed_s = 4.0;
+constexpr double kJudged_s = 1.0;  ///< the newest frames of the closed loop
 constexpr double kMuchLess = 0.2;  ///< of the test that may be left
-
-/// Median of the RMS of the valid frames of a second; none: no frame was valid.
-std::optional<double> rms_waves(const std::vector<json>& frames) {
-  std::vector<double> all;
-  for (const json& frame : frames) {
-    if (frame.at("valid") == true && frame.at("rms_waves").is_number()) {
-      all.push_back(frame.at("rms_waves").get<double>());
-    }
-  }
-  if (all.empty()) return std::nullopt;
-  std::ranges::nth_element(all, all.begin() + std::ptrdiff_t(all.size() / 2));
-  return all[all.size() / 2];
-}
 
 /// Names the spots, with their places by the reference.
 std::string named(Bench& bench, const std::vector<int>& spots) {
@@ -125,7 +114,7 @@ Outcome run_calibration(Bench& bench, Memory& memory) {
 // First closed loop -------------------------------------------------------------------------------
 
 struct LoopRun {
-  std::vector<json> open, closed;
+  std::vector<WatchedFrame> open, closed;
   json report;  ///< loop.get at the end
 };
 
@@ -185,9 +174,9 @@ class KeptLoop {
   json before_;
 };
 
-/// The frames of the last quarter.
-std::vector<json> last_of(const std::vector<json>& frames) {
-  return {frames.end() - std::ptrdiff_t((frames.size() + 3) / 4), frames.end()};
+/// RMS that the closed loop leaves; none: no judged frame is valid.
+std::optional<double> left_waves(std::span<const WatchedFrame> closed) {
+  return median_rms_waves(newest(closed, kJudged_s));
 }
 
 /// Watches a second with the loop open and a known defocus, then closes it and waits until the
@@ -200,20 +189,19 @@ Result<LoopRun> watch_loop(Bench& bench, bool is_closed) {
   const auto set = bench.call("aberration.set", test);
   if (!set) return fail(set.error());
   LoopRun run;
-  auto open = bench.frames(kOpen_s, [&](const std::vector<json>& frames) {
-    return !frames.empty() && frames.back().at("hologram_id") == set->at("hologram_id") &&
-           frames.back().at("valid") == true;
+  const auto hologram_id = set->at("hologram_id").get<std::uint64_t>();
+  auto open = bench.frames(kOpen_s, [&](std::span<const WatchedFrame> frames) {
+    return !frames.empty() && frames.back().hologram_id == hologram_id && frames.back().rms_waves;
   });
   if (!open) return fail(open.error());
   run.open = std::move(*open);
-  std::erase_if(run.open, [&](const json& frame) {
-    return frame.at("hologram_id") != set->at("hologram_id");
-  });
-  const auto before = rms_waves(run.open);
+  std::erase_if(run.open,
+                [&](const WatchedFrame& frame) { return frame.hologram_id != hologram_id; });
+  const auto before = median_rms_waves(run.open);
   if (!before) return run;
   if (auto closed = bench.call("loop.close"); !closed) return fail(closed.error());
-  auto closed = bench.frames(kClosed_s, [&](const std::vector<json>& frames) {
-    const auto after = rms_waves(last_of(frames));
+  auto closed = bench.frames(kClosed_s, [&](std::span<const WatchedFrame> frames) {
+    const auto after = left_waves(frames);
     return after && *after < kMuchLess * *before;
   });
   if (!closed) return fail(closed.error());
@@ -228,9 +216,9 @@ Image<std::uint8_t> graph_of_rms(const LoopRun& run) {
   std::vector<std::pair<double, double>> points;
   double most = 0.0;
   for (const auto* frames : {&run.open, &run.closed}) {
-    for (const json& frame : *frames) {
-      if (!frame.at("rms_waves").is_number()) continue;
-      points.emplace_back(double(points.size()), frame.at("rms_waves").get<double>());
+    for (const WatchedFrame& frame : *frames) {
+      if (!frame.rms_waves) continue;
+      points.emplace_back(double(points.size()), *frame.rms_waves);
       most = std::max(most, points.back().second);
     }
   }
@@ -259,8 +247,8 @@ Outcome no_valid_frame(Bench& bench) {
 }
 
 Outcome judge_loop(Bench& bench, const LoopRun& run) {
-  const auto before = rms_waves(run.open);
-  const auto after = rms_waves(last_of(run.closed));
+  const auto before = median_rms_waves(run.open);
+  const auto after = left_waves(run.closed);
   if (!before) return no_valid_frame(bench);
   if (run.report.at("closed") == false) {
     const json& why = run.report.at("opened_because");

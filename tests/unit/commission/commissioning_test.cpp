@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "daemon/commission/bench.hpp"
 #include "daemon/commission/step.hpp"
 
 namespace ovws::commission {
@@ -30,6 +31,19 @@ Report ended(const Commissioning& commissioning) {
   const Report report = commissioning.report();
   EXPECT_FALSE(report.running.has_value());
   return report;
+}
+
+TEST(WatchedFrames, AnEarlierSpanIsNotPartOfTheMedianOfTheNewestOne) {
+  std::vector<WatchedFrame> frames;
+  for (int k = 0; k < 100; ++k) frames.push_back({1, 0.1 * k, k < 90 ? 0.1 : 0.001 * k});
+  frames[95].rms_waves = std::nullopt;
+  EXPECT_EQ(newest(frames, 0.45).size(), 5U);
+  EXPECT_EQ(median_rms_waves(newest(frames, 0.45)), 0.001 * 98);
+  EXPECT_EQ(median_rms_waves(newest(frames, 0.25)), 0.001 * 98);
+  EXPECT_EQ(median_rms_waves(frames), 0.1);
+  EXPECT_EQ(newest(frames, 0.0).size(), 1U);
+  EXPECT_EQ(newest(frames, 100.0).size(), 100U);
+  EXPECT_EQ(median_rms_waves(newest({}, 1.0)), std::nullopt);
 }
 
 TEST(Commissioning, TheDocumentHasItsKeys) {
