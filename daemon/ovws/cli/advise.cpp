@@ -67,14 +67,20 @@ Json json_of_unfit(const design::Unfit& one) {
           {"reason", one.reason}};
 }
 
+Json json_of_configured(const Configured& configured) {
+  if (!configured) return json_of_unfit(configured.error());
+  Json json = json_of_advice(*configured);
+  json["warning"] = configured->warning.empty() ? Json() : Json(configured->warning);
+  return json;
+}
+
 void print_advice_json(const design::AdviceList& list, const Configured& configured) {
   Json best = Json::array(), unfit = Json::array();
   for (const design::Advice& advice : list.best_first) best.push_back(json_of_advice(advice));
   for (const design::Unfit& one : list.unfit) unfit.push_back(json_of_unfit(one));
   print("{}\n", json_text(Json{{"best_first", best},
                                {"unfit", unfit},
-                               {"configured", configured ? json_of_advice(*configured)
-                                                         : json_of_unfit(configured.error())}}));
+                               {"configured", json_of_configured(configured)}}));
 }
 
 void print_row(const design::Advice& one) {
@@ -87,6 +93,7 @@ void print_configured(const Configured& configured) {
   if (configured) {
     print("the configuration as it is:\n");
     print_row(*configured);
+    if (!configured->warning.empty()) print("  warning: {}\n", configured->warning);
     return;
   }
   print("the configuration as it is, {} across of charge {}, is left out: {}\n",
@@ -95,12 +102,15 @@ void print_configured(const Configured& configured) {
 }
 
 void print_advice(const design::AdviceList& list, const Configured& configured, int modes) {
-  print("{:>6} {:>13} {:>7} {:>12} {:>9} {:>12} {:>12}  {}\n", "across", "subapertures", "charge",
-        "exposure us", "peak e", "error waves", "worst mode", "limited by");
+  if (configured || !list.best_first.empty()) {
+    print("{:>6} {:>13} {:>7} {:>12} {:>9} {:>12} {:>12}  {}\n", "across", "subapertures", "charge",
+          "exposure us", "peak e", "error waves", "worst mode", "limited by");
+  }
   for (std::size_t k = 0; k < std::min(kShown, list.best_first.size()); ++k) {
     print_row(list.best_first[k]);
   }
   print_configured(configured);
+  if (list.best_first.empty()) return;
   const design::Advice& best = list.best_first.front();
   print("best for {} modes: {} subapertures of charge {}, exposure {:.0f} us\n", modes,
         best.subapertures, best.charge, best.exposure_us);
@@ -147,7 +157,7 @@ int advise_bench(const Common& common, const AdviseOptions& options) {
   const Configured configured = design::advise_on(*config, options.modes, light);
   if (common.json) {
     print_advice_json(list, configured);
-  } else if (!list.best_first.empty()) {
+  } else {
     print_advice(list, configured, options.modes);
   }
   if (!list.best_first.empty()) return kOk;

@@ -103,12 +103,14 @@ tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Li
 }  // namespace
 
 tl::expected<Advice, Unfit> advise_on(const Config& config, int modes, const Light& light) {
-  for (const auto& checked : {check_sees_spots(config), check_zeroth_order(config)}) {
-    if (checked) continue;
-    return tl::make_unexpected(Unfit{config.sensor.subapertures_across, config.sensor.charge,
-                                     text_of(checked.error()), 0.0});
+  if (const auto seen = check_sees_spots(config); !seen) {
+    return tl::make_unexpected(
+        Unfit{config.sensor.subapertures_across, config.sensor.charge, text_of(seen.error()), 0.0});
   }
-  return advice_for(config, modes, light, [] { return false; });
+  auto advice = advice_for(config, modes, light, [] { return false; });
+  const auto dark = check_zeroth_order(config);
+  if (advice && !dark) advice->warning = text_of(dark.error());
+  return advice;
 }
 
 AdviceList advise(const Bench& bench, const Light& light, const Config& base,

@@ -34,6 +34,7 @@ struct Advice {
   double worst_waves = 0.0;  ///< largest standard error of a mode
   ExposureLimit limited_by{};
   Config config;
+  std::string warning;  ///< by advise_on, about stray light of the zeroth order; empty: none
 };
 
 /// A sensor that does not work, and why.

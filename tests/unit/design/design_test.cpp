@@ -11,6 +11,7 @@
 
 #include "config/devices.hpp"
 #include "core/optics/sensor_field.hpp"
+#include "daemon/ovws/design/advise.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 
@@ -250,6 +251,18 @@ TEST(Design, NoSpotLiesUnderSideOrdersOfTheZerothOrder) {
   const auto dark = check_zeroth_order(near);
   ASSERT_FALSE(dark);
   EXPECT_EQ(dark.error().field, "sensor.grooves");
+}
+
+TEST(Advice, AConfiguredSensorWithStrayLightHasItsErrorAndAWarning) {
+  Config config;
+  const auto clear = advise_on(config, 18, {.e_per_s = 1e9});
+  ASSERT_TRUE(clear) << clear.error().reason;
+  EXPECT_EQ(clear->warning, "");
+  config.sensor.grooves = {130.0, 20.0};
+  const auto near = advise_on(config, 18, {.e_per_s = 1e9});
+  ASSERT_TRUE(near) << near.error().reason;
+  EXPECT_NE(near->warning.find("zeroth order"), std::string::npos) << near->warning;
+  EXPECT_GT(near->error_waves, 0.0);
 }
 
 TEST(Design, ABenchWhoseSpotsCannotLeaveTheZerothOrderIsRefused) {
