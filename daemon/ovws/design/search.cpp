@@ -13,7 +13,8 @@ namespace ovws::design {
 namespace {
 
 // Odd numbers only: with an even one, half a subaperture is left free at the pupil's edge.
-constexpr int kLeastAcross = 3, kMostAcross = limits::kSubaperturesAcross.max;
+constexpr int kLeastAcross = 3;
+constexpr int kMostAcross = (limits::kSubaperturesAcross.max - 1) / 2 * 2 + 1;
 constexpr int kMoreTries = 2;  ///< larger numbers that are tried, too
 
 /// The smallest number whose spots' positions determine the modes.
@@ -52,11 +53,11 @@ std::vector<Candidate> make_candidates(const Bench& bench, const Config& base, S
 tl::expected<Config, Finding> find_config(const Bench& bench, const Config& base, Shapes shapes) {
   const int most = optimal_mode_count(kMostAcross);
   if (bench.modes.value_or(0) > most) {
-    return tl::make_unexpected(
-        Finding{Limit::modes,
-                fmt::format("{} modes need more than {} subapertures across, the program's limit",
-                            *bench.modes, kMostAcross),
-                ""});
+    return tl::make_unexpected(Finding{
+        Limit::modes,
+        fmt::format("{} modes need more than {} subapertures across, the largest number designed",
+                    *bench.modes, kMostAcross),
+        ""});
   }
   const auto candidates = make_candidates(bench, base, shapes);
   std::optional<Finding> first;
@@ -68,6 +69,7 @@ tl::expected<Config, Finding> find_config(const Bench& bench, const Config& base
       if (!first && !candidate.config.tracking.mode_count) first = config.error();
     }
   }
+  // A number up to kMostAcross determines the modes by positions: `first` is of its candidate.
   return tl::make_unexpected(*first);
 }
 

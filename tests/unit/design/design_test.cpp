@@ -11,7 +11,9 @@
 
 #include "config/devices.hpp"
 #include "core/optics/sensor_field.hpp"
+#include "core/optics/zernike.hpp"
 #include "daemon/ovws/design/advise.hpp"
+#include "daemon/ovws/design/search.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 
@@ -290,6 +292,18 @@ TEST(Design, WhereManySubaperturesDoNotFitTheShapesOfFewerSpotsGiveTheModes) {
   EXPECT_EQ(made->findings.back().limit, Limit::modes);
   bench.charge = 0;
   EXPECT_FALSE(design(bench));
+}
+
+TEST(Design, MoreModesThanAnyOddNumberAcrossDeterminesAreRefusedWithTheReason) {
+  Bench bench = pluto();
+  for (const int across : {63, 64}) {
+    bench.modes = optimal_mode_count(across) + 1;
+    const auto made = find_config(bench, {}, Shapes::used);
+    ASSERT_FALSE(made);
+    EXPECT_EQ(made.error().limit, Limit::modes);
+    EXPECT_NE(made.error().reason.find("63 subapertures across"), std::string::npos)
+        << made.error().reason;
+  }
 }
 
 TEST(Design, OneChangeIsProposedWhereOneIsEnough) {
