@@ -104,6 +104,27 @@ class Measure(unittest.TestCase):
         (line,) = self.ovws("measure", "--reference", burnt, fine, status=1)
         self.assertRegex(str(line), "not found in the reference image: .*; spots are saturated: lower the exposure")
 
+    def test_all_pages_of_a_stack_have_one_depth(self):
+        """A page that tells neither alignment nor full scale has those of the other pages."""
+        def stack(name, *pages):
+            first, *others = map(Image.fromarray, pages)
+            first.save(self.folder / name, save_all=True, append_images=others)
+            return self.folder / name
+
+        bright, dim = (np.asarray(Image.open(self.farfield(f"{peak}.png", "2,-2:0.1", 12, "--peak", peak))).astype(np.uint16) for peak in (5000, 300))
+        self.assertLess(dim.max(), 256)
+        camera = ("--refine", "--electrons-per-dn", 10000 / 4095, "--black-level", 2, "--read-noise", 6)
+        mono12 = self.folder / "mono12.json"
+        mono12.write_text(json.dumps({"camera": {"pixel_format": "Mono12"}}))
+        plain = self.measure(self.save("dim.png", dim), self.save("bright.png", bright), more=(*camera, "--config", mono12))
+        for line, same in zip(self.measure(stack("aligned.tif", dim << 4, bright << 4), more=camera), plain, strict=True):
+            self.assert_mode(line, {3: 0.1})
+            self.assertEqual(line["refined"], same["refined"])
+        cut, one, spot = np.minimum(bright * 4, 4095), bright.copy(), plain[1]["spots"][9]
+        one[round(spot["y"]), round(spot["x"])] = 4095
+        lines = self.measure(stack("cut.tif", one, cut))
+        self.assertEqual([round(19 * line["saturated"]) for line in lines], [1, 19])
+
     def test_an_image_that_cannot_be_written_leaves_the_one_before(self):
         path = self.farfield("flat.png")
         before = path.read_bytes()

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <fstream>
 #include <opencv2/imgproc.hpp>
+#include <span>
 #include <vector>
 
 #include "daemon/ovws/cli/image_codecs.hpp"
@@ -51,34 +52,41 @@ PixelFormat mono_of(int bits) {
 constexpr std::array kDepths{10, 12, 14};
 constexpr std::ptrdiff_t kFlatTopPixels = 4;  // by chance fewer have the largest value
 
-/// Finds the camera's bits in the words of a 16-bit image, see read_image.
-void find_depth(Picture& picture, int camera_bits) {
-  unsigned used = 0, most = 0;
-  for (const unsigned word : picture.wide.pixels) {
-    used |= word;
-    most = std::max(most, word);
+/// What the words of 16-bit images tell of their depth.
+struct Words {
+  unsigned used = 0, most = 0;  ///< bits that are not 0 in all words; the largest word
+  std::ptrdiff_t at_most = 0;   ///< number of the largest
+
+  void add(std::span<const std::uint16_t> words) {
+    for (const unsigned word : words) {
+      used |= word;
+      if (word > most) at_most = 0;
+      most = std::max(most, word);
+      at_most += word == most ? 1 : 0;
+    }
   }
-  const int free = used == 0 ? 0 : std::countr_zero(used);
-  if (camera_bits > 8 && (most >> camera_bits) == 0) {
-    picture.format = mono_of(camera_bits);
-    return;
-  }
+};
+
+/// See ImageFile::open.
+Depth depth_of(const Words& words, int camera_bits) {
+  const unsigned most = words.most;
+  if (camera_bits > 8 && (most >> camera_bits) == 0) return {mono_of(camera_bits), 0};
+  Depth depth;
+  const int free = words.used == 0 ? 0 : std::countr_zero(words.used);
   // The daemon takes MSB-aligned words in the same way.
   const auto aligned = std::ranges::find_if(kDepths, [&](int bits) {
     return 16 - bits <= free && most >> unsigned(bits) != 0 &&
            (camera_bits <= 8 || bits == camera_bits);
   });
   if (aligned != kDepths.end()) {
-    picture.left_justified_bits = 16 - *aligned;
-    picture.format = mono_of(*aligned);
+    depth = {mono_of(*aligned), 16 - *aligned};
   }
-  const unsigned full = most >> unsigned(picture.left_justified_bits);
+  const unsigned full = most >> unsigned(depth.left_justified_bits);
   for (const int bits : kDepths) {
-    const bool flat_top =
-        full == (1U << unsigned(bits)) - 1 &&
-        std::ranges::count(picture.wide.pixels, std::uint16_t(most)) >= kFlatTopPixels;
-    if (camera_bits <= 8 && flat_top) picture.format = mono_of(bits);
+    const bool flat_top = full == (1U << unsigned(bits)) - 1 && words.at_most >= kFlatTopPixels;
+    if (camera_bits <= 8 && flat_top) depth.format = mono_of(bits);
   }
+  return depth;
 }
 
 Error cannot_write(const fs::path& path, const std::string& why) {
@@ -134,43 +142,62 @@ Result<void> write_image(const fs::path& path, const cv::Mat& picture) {
 
 ImageView Picture::view() const {
   if (!narrow.pixels.empty()) return view_of(narrow);
-  ImageView view = view_of(wide, format);
-  view.left_justified_bits = left_justified_bits;
+  ImageView view = view_of(wide, depth.format);
+  view.left_justified_bits = depth.left_justified_bits;
   return view;
 }
 
-Result<int> count_images(const std::string& path) {
+Result<ImageFile> ImageFile::open(const std::string& path, PixelFormat camera) {
   if (std::error_code none; !fs::exists(path, none)) {
     return fail(unreadable(path, "does not exist"));
   }
   const auto codecs = image_codecs();
   if (!codecs) return fail(unreadable(path, codecs.error()));
+  int count = 1;
   try {
-    return std::max(1, int((*codecs)->count(path)));
+    count = std::max(1, int((*codecs)->count(path)));
   } catch (const cv::Exception&) {
-    return 1;  // read_image says what is wrong with it
+    // `read` says what is wrong with it.
   }
+  return ImageFile(path, camera, count);
 }
 
-Result<Picture> read_image(const std::string& path, int page, PixelFormat camera) {
+Result<cv::Mat> ImageFile::decode(int page) const {
   const auto codecs = image_codecs();
-  if (!codecs) return fail(unreadable(path, codecs.error()));
-  cv::Mat mat;
+  if (!codecs) return fail(unreadable(path_, codecs.error()));
   try {
-    mat = (*codecs)->read(path, page);
+    cv::Mat mat = (*codecs)->read(path_, page);
+    if (!mat.empty()) return mat;
   } catch (const cv::Exception&) {
-    return fail(unreadable(path, "cannot be read: the size in its header is too large"));
+    return fail(unreadable(path_, "cannot be read: the size in its header is too large"));
   }
-  if (mat.empty()) return fail(unreadable(path, "cannot be read as an image"));
+  return fail(unreadable(path_, "cannot be read as an image"));
+}
+
+Depth ImageFile::find_depth(int page, const Image<std::uint16_t>& image) const {
+  Words words;
+  words.add(image.pixels);
+  for (int other = 0; other < count_; ++other) {
+    if (other == page) continue;
+    const auto mat = decode(other);
+    if (mat && mat->type() == CV_16UC1) words.add(pixels_of<std::uint16_t>(*mat).pixels);
+  }
+  return depth_of(words, significant_bits(camera_));
+}
+
+Result<Picture> ImageFile::read(int page) {
+  const auto mat = decode(page);
+  if (!mat) return fail(mat.error());
   Picture picture;
-  if (mat.type() == CV_8UC1) {
-    picture.narrow = pixels_of<std::uint8_t>(mat);
-  } else if (mat.type() == CV_16UC1) {
-    picture.wide = pixels_of<std::uint16_t>(mat);
-    find_depth(picture, significant_bits(camera));
+  if (mat->type() == CV_8UC1) {
+    picture.narrow = pixels_of<std::uint8_t>(*mat);
+  } else if (mat->type() == CV_16UC1) {
+    picture.wide = pixels_of<std::uint16_t>(*mat);
+    if (!depth_) depth_ = find_depth(page, picture.wide);
+    picture.depth = *depth_;
   } else {
     return fail(unreadable(
-        path, "is not greyscale with 8 or 16 bits: convert it, e.g. to a greyscale TIFF"));
+        path_, "is not greyscale with 8 or 16 bits: convert it, e.g. to a greyscale TIFF"));
   }
   return picture;
 }

@@ -200,21 +200,21 @@ class ImageMeasurer {
   /// Reads the reference image, if one is given. Call this before measuring images.
   Result<void> read_reference() {
     if (options_.reference.empty()) return {};
-    const auto pages = count_images(options_.reference);
-    if (!pages) return fail(Errc::invalid, "reference", pages.error().reason);
-    if (*pages > 1) {
-      return fail(
-          Errc::invalid, "reference",
-          fmt::format("{} has {} pages: give a file with one image", options_.reference, *pages));
+    auto file = ImageFile::open(options_.reference, config_.camera.settings.pixel_format);
+    if (!file) return fail(Errc::invalid, "reference", file.error().reason);
+    if (file->count() > 1) {
+      return fail(Errc::invalid, "reference",
+                  fmt::format("{} has {} pages: give a file with one image", options_.reference,
+                              file->count()));
     }
-    auto read = read_image(options_.reference, 0, config_.camera.settings.pixel_format);
+    auto read = file->read(0);
     if (!read) return fail(Errc::invalid, "reference", read.error().reason);
     reference_ = std::move(*read);
     return {};
   }
 
-  Result<json> line_of(const Page& page) {
-    const auto picture = read_image(page.file, page.number, config_.camera.settings.pixel_format);
+  Result<json> line_of(ImageFile& file, const Page& page) {
+    const auto picture = file.read(page.number);
     if (!picture) return fail(picture.error());
     const ImageView image = picture->view();
     Instrument& instrument = instrument_for(image);
@@ -282,9 +282,9 @@ Error of_page(Error error, const std::string& name, const std::string& reference
 }
 
 /// Measures one image and prints the result, or why there is none. Returns the exit code.
-int measure_page(const Common& common, ImageMeasurer& measurer, const Page& page,
+int measure_page(const Common& common, ImageMeasurer& measurer, ImageFile& file, const Page& page,
                  const std::string& reference) {
-  const auto line = measurer.line_of(page);
+  const auto line = measurer.line_of(file, page);
   if (!line) return report(common, of_page(line.error(), page.name(), reference));
   if (common.json) {
     print("{}\n", json_text(*line));
@@ -311,10 +311,11 @@ int measure_images(const Common& common, const MeasureOptions& options) {
   if (auto read = measurer.read_reference(); !read) return report(common, read.error());
   int status = kOk;
   for (const std::string& path : options.images) {
-    const auto pages = count_images(path);
-    if (!pages) status = report(common, pages.error());
-    for (int page = 0; pages && page < *pages; ++page) {
-      const int failed = measure_page(common, measurer, {path, page, *pages}, options.reference);
+    auto file = ImageFile::open(path, config->camera.settings.pixel_format);
+    if (!file) status = report(common, file.error());
+    for (int page = 0; file && page < file->count(); ++page) {
+      const int failed =
+          measure_page(common, measurer, *file, {path, page, file->count()}, options.reference);
       if (failed != kOk) status = failed;
     }
   }
