@@ -1,16 +1,20 @@
 #include "daemon/ovws/doctor/system_files.hpp"
 
+#include <array>
 #include <charconv>
 #include <fstream>
-#include <iterator>
+#include <utility>
 
 namespace ovws::doctor {
 
 std::optional<std::string> text_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file.is_open() || file.bad()) return std::nullopt;
-  return text;
+  std::string text;
+  std::array<char, 4096> part;
+  while (file.read(part.data(), part.size()) || file.gcount() > 0) {
+    text.append(part.data(), std::size_t(file.gcount()));
+  }
+  return file.eof() ? std::optional(std::move(text)) : std::nullopt;
 }
 
 std::optional<std::string> word_of(const std::string& path) {

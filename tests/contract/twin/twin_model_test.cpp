@@ -52,6 +52,15 @@ TEST(TwinConfig, EmptyMeansTheDefaultsOfTheBench) {
   EXPECT_TRUE(config.truth.aberration.empty());
 }
 
+TEST(TwinConfig, AFileThatCannotBeReadIsNamed) {
+  for (const std::string path : {"/", "/nonexistent/twin.json", "/dev/zero"}) {
+    const auto config = load_config(path);
+    ASSERT_FALSE(config);
+    EXPECT_EQ(config.error().code, Errc::unavailable);
+    EXPECT_TRUE(config.error().reason.starts_with(path + ": ")) << config.error().reason;
+  }
+}
+
 TEST(TwinConfig, TheFileInTheRepositoryIsWhatEmptyMeans) {
   const auto file = load_config(OVWS_TWIN_JSON);
   ASSERT_TRUE(file) << file.error().field << " " << file.error().reason;

@@ -1,5 +1,6 @@
 #include "daemon/ovws/doctor/host.hpp"
 
+#include "daemon/ovws/doctor/system_files.hpp"
 #include "tests/unit/doctor/expect.hpp"
 
 namespace ovws::doctor {
@@ -20,6 +21,13 @@ HostFacts tuned() {
   facts.clock_source = "tsc";
   facts.clock_synchronised = true;
   return facts;
+}
+
+TEST(SystemFiles, TheTextIsWholeAndAReadErrorIsNoText) {
+  EXPECT_EQ(text_of("/dev/null"), "");
+  EXPECT_EQ(text_of("/proc/self/comm"), *word_of("/proc/self/comm") + "\n");
+  EXPECT_EQ(text_of("/"), std::nullopt);
+  EXPECT_EQ(text_of("/nonexistent"), std::nullopt);
 }
 
 TEST(DoctorHost, ATunedHostHasNoFinding) {
