@@ -7,9 +7,7 @@ import tempfile
 import unittest
 
 from case import PROGRAM_PATIENCE_S, BenchCase, Client, bench_module, main, merged, wait_for
-from conversation import talk, transcript
 from PIL import Image
-from terminal import Terminal
 
 # (options, subapertures): an SLM, a camera and a lens that a lab may have.
 REAL = {
@@ -18,9 +16,6 @@ REAL = {
     "thorlabs": ("--slm thorlabs-exulus-hd2 --camera imx548 --focal-length 100 --wavelength 633 --modes 28", 19),
     "many": ("--slm thorlabs-exulus-hd2 --camera imx548 --focal-length 100 --wavelength 633 --modes 48", 37),
 }
-# 37 subapertures would lie under side orders of the zeroth order.
-NARROW_BEAM = "--slm 1272x1024@12.5 --camera imx265 --focal-length 300 --wavelength 532 --beam 10 --modes 30"
-NARROW_TWIN = {"slm": {"depth_waves": 1.05, "flatness_rms_waves": 0.15, "settle_ms": 15}, "light": {"diameter_px": 800}}
 # (options, the limit, an option of a change that helps)
 IMPOSSIBLE = [
     ("--slm holoeye-pluto-2 --camera imx287 --focal-length 1000 --modes 18", "region", "--focal-length"),
@@ -200,29 +195,6 @@ class Real(DesignedCase):
 
     def test_many_modes(self):
         self.check("many")
-
-
-class Commissioned(DesignedCase):
-    def test_a_narrow_beam_is_good_after_enter_at_every_question(self):
-        _, made = self.design(NARROW_BEAM)
-        self.assertEqual((made["figures"]["subapertures"], made["figures"]["modes"]), (19, 30))
-        modes = next(finding for finding in made["findings"] if finding["limit"] == "modes")
-        self.assertIn("--modes 18", modes["help"])
-        state = {"state": {"directory": str(self.bench.directory / "state")}}
-        self.start_designed(made["config"] | state, made["config"], NARROW_BEAM, NARROW_TWIN)
-        terminal = Terminal(self.ovws_command("setup", "--config", self.bench.directory / "ovwsd.json"), columns=200, DISPLAY=self.bench.display)
-        self.addCleanup(terminal.close)
-        self.assertEqual(talk(terminal), 0, transcript(terminal))
-        done = subprocess.run(self.ovws_command("check", "--json", "--quick", "--seconds", "3"), capture_output=True, text=True, timeout=4 * PROGRAM_PATIENCE_S)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        report = json.loads(done.stdout)
-        verdicts = {one["name"]: one["verdict"] for one in report["findings"]}
-        for name in ("response", "noise", "loop", "frames", "spots", "saturation", "lut"):
-            self.assertEqual(verdicts[name], "good", report["findings"])
-        worst = max(mode["error_waves"] for mode in report["response"]["modes"])
-        print(f"\n  {len(report['response']['modes'])} modes, worst error {worst:.4f} wave")
-        self.assertEqual(len(report["response"]["modes"]), 30)
-        self.assertLess(worst, BOUND_WAVES)
 
 
 if __name__ == "__main__":
