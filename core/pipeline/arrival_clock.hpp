@@ -17,8 +17,9 @@ class ArrivalClock {
   /// The time at which the frame would have arrived without a queue, CLOCK_MONOTONIC ns; exposure
   /// times count back from it. It is never later than `arrival_mono_ns`, and equal if the camera
   /// sends no timestamps (`device_ns` is 0). The error is at most the drift between the clocks of
-  /// host and camera in 10 s. Frames more than 10 s apart therefore count as they came, with their
-  /// delay. If the camera's clock is set back, the minimum is sought again.
+  /// host and camera in 15 s, the longest time for which a minimum is used. Frames more than 10 s
+  /// apart count as they came, with their delay. If the camera's clock is set back, the minimum is
+  /// sought again.
   std::int64_t undelayed_mono_ns(std::int64_t arrival_mono_ns,
                                  std::int64_t device_ns) OVWS_NONBLOCKING {
     if (device_ns == 0) return arrival_mono_ns;

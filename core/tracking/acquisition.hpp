@@ -34,11 +34,10 @@ class Acquisition {
 
   /// Finds candidate spots, near the predicted ones before the rest of the image, verifies each
   /// with `tracker` and assigns the verified spots to subapertures (SpotAssignment). Spots of
-  /// several kinds are found and verified
-  /// kind by kind, by the kinds' own trackers instead, and assigned by kind and place.
-  /// Displacements from `predicted_px` may exceed half the pitch, because the assignment fits them
-  /// by an affine map (tilt, focus, astigmatism). Missing spots are searched where their neighbours
-  /// predict them. Spots that fail are lost.
+  /// several kinds are found and verified kind by kind, by the kinds' own trackers instead, and
+  /// assigned by kind and place. Displacements from `predicted_px` may exceed half the pitch,
+  /// because the assignment fits them by an affine map (tilt, focus, astigmatism). Missing spots
+  /// are searched where their neighbours predict them. Spots that fail are lost.
   ///
   /// Writes one fix per subaperture to `out` and returns the number of spots found. With fewer than
   /// 3 spots, or fewer than half of the subapertures, every fix is lost and the result is 0. An

@@ -140,7 +140,6 @@ Vec2 CandidateFinder::place_of(int column, int row) const {
       {bin_ * (column - margin_ + 0.5) - 0.5, bin_ * (row - margin_ + 0.5) - 0.5});
 }
 
-// The border of score_ stays 0, so that maxima at the image's edge count too.
 /// Adds a peak to a heap of constant size, in place of its worst one.
 void CandidateFinder::keep_best(const Peak& peak, std::vector<Peak>& heap) {
   if (heap.size() == heap.capacity()) {
@@ -152,6 +151,7 @@ void CandidateFinder::keep_best(const Peak& peak, std::vector<Peak>& heap) {
   std::push_heap(heap.begin(), heap.end(), better);
 }
 
+// The border of score_ stays 0, so that maxima at the image's edge count too.
 void CandidateFinder::collect_peaks(const Parts& parts) {
   near_peaks_.clear();
   other_peaks_.clear();

@@ -53,7 +53,7 @@ std::string unread_modes(const Response& response) {
                      valid, settled, response.reason.empty() ? "" : ": ", response.reason);
 }
 
-/// Why spots are lost, by the configuration; empty: it does not tell.
+/// Why spots are lost, by the configuration; empty: the configuration gives no reason.
 std::string layout_reason(const json& in_use) {
   auto config = parse_config(json_text(in_use));
   if (!config) return {};

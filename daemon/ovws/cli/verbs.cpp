@@ -1,6 +1,5 @@
 /// Plain verbs for daily work: ovws exposure, gain, rate, aberrate, clear, focus, reference, loop
-/// and
-/// record.
+/// and record.
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>

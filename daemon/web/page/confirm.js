@@ -15,14 +15,14 @@ export function confirmButton(body, text, { question, yes = text, act }) {
   words.id = `question-${++count}`;
   let timer = 0;
   const ask = (open) => {
-    const text = open && typeof question === "function" ? question() : question;
-    if (!text) return act();
+    const asking = open && typeof question === "function" ? question() : question;
+    if (!asking) return act();
     const hadFocus = asked.contains(document.activeElement);
     asked.hidden = !open;
     made.hidden = open;
     clearTimeout(timer);
     if (open) {
-      setText(words, text);
+      setText(words, asking);
       keep.focus();
       timer = setTimeout(() => ask(false), PATIENCE_MS);
     } else if (hadFocus) made.focus();

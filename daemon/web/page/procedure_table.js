@@ -9,7 +9,7 @@ function registrationText({ registered, scale_px_per_cycle: scale, rotation_deg:
   return `The camera sees the SLM rotated by ${fixed(rotation, 2)}\u00b0${mirror}, ${brief(scale)} px for a cycle per SLM pixel; base spot at (${base.map((x) => fixed(x, 1)).join(", ")}) px. Residual ${brief(residual)} px over ${plural(sights, "grating", "gratings")}.`;
 }
 
-/** Whether a registration has only been confirmed: its map is the one of before. */
+/** Whether a registration has only been confirmed: its map is the previous one. */
 function confirmedText(before, { base_px: base, px_per_cycle: map }) {
   const same = before?.registered && [...before.base_px, ...before.px_per_cycle].every((value, k) => value === [...base, ...map][k]);
   return same ? "Confirmed: the same map was found again. Reference and calibration stay in use." : "";
