@@ -55,8 +55,8 @@ struct StatusMessage {
     struct Invalid {
       std::int64_t t_since_ns = 0;  ///< UTC
       std::string reason;
-      std::string action;                            ///< what the daemon does next, and when
-      int searches = 0;                              ///< wavefront searches since t_since_ns
+      std::string action;  ///< what the daemon or the user does next, and when
+      int searches = 0;    ///< wavefront searches since t_since_ns
       std::optional<std::int64_t> t_next_search_ns;  ///< UTC; none: a search is running
     };
     std::optional<Invalid> invalid;

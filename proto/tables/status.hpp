@@ -51,8 +51,10 @@ inline constexpr auto kTable<StatusMessage::SensorPart::Invalid> = Fields{
     "StatusInvalid",
     field<&StatusMessage::SensorPart::Invalid::t_since_ns>(
         "when it began, UNIX epoch UTC, nanoseconds"),
-    field<&StatusMessage::SensorPart::Invalid::reason>("why the frames are not valid"),
-    field<&StatusMessage::SensorPart::Invalid::action>("what the daemon does about it, and when"),
+    field<&StatusMessage::SensorPart::Invalid::reason>(
+        "why the frames are not valid, or why the reference is not used"),
+    field<&StatusMessage::SensorPart::Invalid::action>(
+        "what the daemon or you do about it, and when"),
     field<&StatusMessage::SensorPart::Invalid::searches>(
         "number of searches for the wavefront since then", Bounds::at_least(0)),
     field<&StatusMessage::SensorPart::Invalid::t_next_search_ns>(
