@@ -95,6 +95,9 @@ struct LoopReport {
   StepSummary step;
   std::optional<double> residual_rms_waves;
   double correction_rms_waves = 0.0;
+  /// Value of opened_because after loop.open, by which clients know that the loop was opened on
+  /// request.
+  static constexpr const char* kOpenedOnRequest = "loop.open was called";
   std::string opened_because;    ///< empty: the loop is closed, or never was
   std::int64_t t_opened_ns = 0;  ///< valid only if opened_because is not empty
 

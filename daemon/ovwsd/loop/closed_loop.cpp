@@ -255,7 +255,7 @@ Result<LoopReport> ClosedLoop::end(bool keep) {
   if (!keep) {
     if (auto cleared = show({}); !cleared) return fail(cleared.error());
   }
-  if (is_closed()) set_closed(false, "loop.open was called", Severity::info);
+  if (is_closed()) set_closed(false, LoopReport::kOpenedOnRequest, Severity::info);
   return this->report();
 }
 

@@ -15,6 +15,7 @@ const LOG = { toSlider: (value) => Math.log10(value), toValue: (slider) => 10 **
 const REFERENCE_FRAMES = 100;
 const TAKE = `Take ${REFERENCE_FRAMES} frames`;
 const AUTO_TARGET = 0.7;
+// Of opened_because in WIRE.md: a client opened the loop.
 const OPENED_ON_REQUEST = "loop.open was called";
 const LEAST_WAVES = 0.0005; // of a correction that is shown
 

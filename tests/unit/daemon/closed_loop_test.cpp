@@ -146,7 +146,7 @@ TEST_F(ClosedLoopTest, CorrectsAHiddenWavefrontAndKeepsOrDropsTheCorrectionWhenO
   const auto kept = open(true);
   ASSERT_TRUE(kept);
   EXPECT_FALSE(kept->closed);
-  EXPECT_EQ(kept->opened_because, "loop.open was called");
+  EXPECT_EQ(kept->opened_because, LoopReport::kOpenedOnRequest);
   EXPECT_LT(*kept->residual_rms_waves, 0.02);
   EXPECT_FALSE(is_closed_);
   EXPECT_NEAR(correction_of(3), -0.05, 0.01);

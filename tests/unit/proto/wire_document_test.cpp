@@ -7,6 +7,7 @@
 #include "core/rt/counters.hpp"
 #include "proto/requests.hpp"
 #include "proto/rpc.hpp"
+#include "proto/tables/loop.hpp"
 #include "proto/tables/modes.hpp"
 
 namespace ovws {
@@ -41,6 +42,18 @@ RpcAnswer answer(const std::string& method, const Json& params) {
   const auto modes = ModesSet::decode(params);
   if (!modes) return refusal_or_nothing(modes);
   return to_json(AberrationReport(modes->modes, {}, 9));
+}
+
+std::string text_of_source(const std::string& path) {
+  std::ifstream file(OVWS_SOURCE_DIR "/" + path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(WireDocument, SaysHowARequestedOpeningOfTheLoopIsReported) {
+  const std::string text = LoopReport::kOpenedOnRequest;
+  EXPECT_NE(text_of_source("proto/WIRE.md").find("`" + text + "`"), std::string::npos);
+  EXPECT_NE(text_of_source("daemon/web/page/bar.js").find("\"" + text + "\""), std::string::npos)
+      << "the page does not call it an opening by itself";
 }
 
 TEST(WireDocument, ShowsRepliesAsTheyAreGiven) {
