@@ -106,5 +106,8 @@ constexpr double kDarkFraction = 0.05;
 /// With a larger fraction of its spots saturated an image is called too bright, and no reference is
 /// taken.
 constexpr double kMaxSaturatedSpots = 0.1;
+/// Up to this fraction of the SLM's pixels may differ from the hologram: a pointer or a message of
+/// another program covers fewer.
+constexpr double kMaxDifferingPixels = 0.01;
 
 }  // namespace ovws::limits

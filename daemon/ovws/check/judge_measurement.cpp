@@ -12,6 +12,7 @@
 #include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/shared/lost_spots.hpp"
 #include "proto/json_text.hpp"
+#include "proto/limits.hpp"
 
 namespace ovws::check {
 namespace {
@@ -274,13 +275,13 @@ Finding judge_spots(const Facts& facts) {
 }
 
 Finding judge_saturation(const Facts& facts) {
-  constexpr double kBad = 0.1;  // reference.take refuses more
   const double share = mean_saturated(facts.measured.open);
   Finding found{"saturation", "Saturation"};
-  found.limit = fmt::format("no spot; bad above {:.0f} % of the spots", 100.0 * kBad);
+  found.limit =
+      fmt::format("no spot; bad above {:.0f} % of the spots", 100.0 * limits::kMaxSaturatedSpots);
   found.text = fmt::format("{:.1f} % of the spots have a pixel at full scale", 100.0 * share);
   if (share == 0.0) found.text = "no spot has a pixel at full scale";
-  found.verdict = verdict_of(share, 0.0, 0.0, kBad);
+  found.verdict = verdict_of(share, 0.0, 0.0, limits::kMaxSaturatedSpots);
   found.fix = "ovws call camera.auto_exposure --wait && ovws reference 100";
   return found;
 }

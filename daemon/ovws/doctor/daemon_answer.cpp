@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "proto/dark_image.hpp"
+#include "proto/limits.hpp"
 #include "proto/slow_camera.hpp"
 
 namespace ovws::doctor {
@@ -13,8 +14,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kOpeningS = 5.0;
-constexpr int kMostAsked = 12;          // a daemon that crashes starts again and again
-constexpr double kFewDiffering = 0.01;  // share of the output's pixels
+constexpr int kMostAsked = 12;  // a daemon that crashes starts again and again
 constexpr const char* kNoAnswer = "no daemon answers";
 constexpr const char* kLog = "journalctl -u ovwsd -n 20";
 
@@ -134,7 +134,7 @@ Finding judge_levels(const DaemonFacts& facts) {
   const std::string says =
       fmt::format("{:.0f} pixels of the SLM's output differ from the hologram", differing);
   const char* const fix = "ovws call slm.verify";
-  if (differing <= kFewDiffering * pixels) {
+  if (differing <= limits::kMaxDifferingPixels * pixels) {
     return warning(says + ": close what another program draws there (a window, a pointer)", fix);
   }
   return fault(says +

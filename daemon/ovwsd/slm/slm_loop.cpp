@@ -10,6 +10,7 @@
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/devices/device_lists.hpp"
 #include "daemon/ovwsd/devices/driver_table.hpp"
+#include "proto/limits.hpp"
 
 namespace ovws {
 namespace {
@@ -19,7 +20,6 @@ constexpr auto kShowTimeout = std::chrono::seconds(2);
 constexpr std::int64_t kRetryNs = 1'000'000'000;
 constexpr std::int64_t kCheckNs = 100'000'000;
 constexpr std::int64_t kFadeInNs = 1'000'000'000;
-constexpr double kMaxDiffering = 0.01;  // share of the pixels; a pointer or a message covers fewer
 
 std::uint32_t crc32_of(const std::vector<std::uint8_t>& bytes) {
   return std::uint32_t(::crc32(0, bytes.data(), uInt(bytes.size())));
@@ -302,7 +302,7 @@ Result<void> SlmLoop::check_levels(const Image<std::uint8_t>& levels) {
     if (!shown) return fail(shown.error());
     const SeenLevels seen = compared(*shown, levels.pixels);
     const double share = double(seen.differing_pixels) / double(shown->pixels.size());
-    if (share <= kMaxDiffering) return {};
+    if (share <= limits::kMaxDifferingPixels) return {};
     if (monotonic_ns() >= end_ns) return fail(changed_levels(seen, levels.pixels, share));
     std::this_thread::sleep_for(kTurn);
   }
