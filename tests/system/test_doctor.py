@@ -143,6 +143,13 @@ class Well(DoctorCase):
         self.check(findings, "daemon.state", "fault", "switched off")
         self.check(findings, "slm.mode", "fault", "xrandr --output DUMMY1 --mode 1280x768")
 
+    def test_the_output_is_not_read_back_while_the_loop_is_closed(self):
+        self.take_reference()
+        self.close_loop()
+        self.check(self.examine(), "slm.levels", "not_here", "while the loop is closed", "ovws loop open")
+        self.call("loop.open")
+        self.check(self.examine(), "slm.levels", "ok")
+
     def test_words_for_a_person(self):
         done = self.run_doctor()
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)

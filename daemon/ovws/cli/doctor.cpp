@@ -77,6 +77,8 @@ doctor::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
       if (const auto config = parse_config(json_text(*in_use))) facts.config = *config;
     }
     if (!doctor::shows_holograms(facts)) return facts;
+    facts.why_no_levels = doctor::why_not_verify(facts);
+    if (!facts.why_no_levels.empty()) return facts;
     if (auto levels = call(common, "slm.verify", nlohmann::json::object())) {
       facts.levels = std::move(*levels);
     } else {

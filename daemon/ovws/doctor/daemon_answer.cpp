@@ -177,6 +177,21 @@ DaemonsCamera camera_of(const DaemonFacts& facts) {
 bool shows_holograms(const DaemonFacts& facts) {
   const json::json_pointer connected("/slm/connected");
   return facts.status && facts.status->contains(connected) && facts.status->at(connected) == true;
+std::string why_not_verify(const DaemonFacts& facts) {
+  const auto wait_for = [](const char* what, const char* then) {
+    return fmt::format("not checked while {}, because read-back delays holograms: {}", what, then);
+  };
+  if (!facts.status) return kNoAnswer;
+  if (text_at(*facts.status, "/state") == "job_running") {
+    return wait_for("a job runs", "repeat ovws doctor after it");
+  }
+  const std::string loop = text_at(*facts.status, "/loop");
+  if (loop == "closed" || loop == "paused") {
+    return wait_for("the loop is closed", "open it (ovws loop open), then repeat ovws doctor");
+  }
+  return {};
+}
+
 }
 
 std::optional<std::string> state_folder_of(const DaemonFacts& facts) {

@@ -17,7 +17,7 @@ struct DaemonFacts {
   std::string endpoint;
   std::optional<nlohmann::json> status;  ///< the reply to system.status
   std::optional<Config> config;          ///< the settings in use, by config.get; none: not known
-  std::optional<nlohmann::json> levels;  ///< the reply to slm.verify; only if it shows holograms
+  std::optional<nlohmann::json> levels;  ///< the reply to slm.verify; none: not called, or refused
   std::string why_no_levels;             ///< why there is none although it shows holograms
   bool refused = false;                  ///< no status, because the daemon answered with an error
   std::string why;                       ///< why there is no status
@@ -25,7 +25,8 @@ struct DaemonFacts {
   std::string own_version;               ///< version of this program
 };
 
-/// Requests system.status, config.get and slm.verify from the daemon at this endpoint.
+/// Requests system.status, config.get and, where it disturbs nothing, slm.verify from the daemon at
+/// this endpoint.
 using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 /// The daemon's answer. One that waits for a camera or display, or is at fault without a camera, is
 /// asked again until it has run for 5 s, after this pause each time and twelve times in all at
@@ -36,6 +37,8 @@ DaemonFacts ask_opened(const AskDaemon& ask, const std::string& endpoint,
 DaemonsCamera camera_of(const DaemonFacts& facts);
 /// Whether the daemon answered and has the SLM's output open.
 bool shows_holograms(const DaemonFacts& facts);
+/// Why slm.verify would disturb this bench: it delays holograms. Empty: it does not.
+std::string why_not_verify(const DaemonFacts& facts);
 /// The folder in which the daemon stores its state, and why it stores nothing or not all, as its
 /// status says.
 std::optional<std::string> state_folder_of(const DaemonFacts& facts);

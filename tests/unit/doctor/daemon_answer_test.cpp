@@ -153,6 +153,18 @@ TEST(DoctorDaemon, TheStatusTellsTheFolderOrWhyThereIsNone) {
   EXPECT_EQ(store_fault_of(facts), "");
   (*facts.status)["store"] = {{"directory", nullptr}, {"reason", "none is configured"}};
   EXPECT_EQ(state_folder_of(facts), std::nullopt);
+TEST(DoctorDaemon, TheOutputIsNotReadBackWhileThatDelaysHologramsInUse) {
+  auto facts = running();
+  EXPECT_EQ(why_not_verify(facts), "");
+  for (const char* loop : {"closed", "paused"}) {
+    (*facts.status)["loop"] = loop;
+    EXPECT_NE(why_not_verify(facts).find("while the loop is closed"), std::string::npos) << loop;
+  }
+  (*facts.status)["loop"] = "open";
+  (*facts.status)["state"] = "job_running";
+  EXPECT_NE(why_not_verify(facts).find("while a job runs"), std::string::npos);
+}
+
   EXPECT_EQ(store_fault_of(facts), "none is configured");
   EXPECT_EQ(state_folder_of(DaemonFacts{}), std::nullopt);
 }
