@@ -94,7 +94,8 @@ struct StatusMessage {
   std::optional<FailedJob> failed_job;
 
   struct Rates {
-    double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< mean since the last status
+    double grabbed_hz = 0.0, published_hz = 0.0, images_hz = 0.0;  ///< mean of the last second
+    std::optional<double> expected_hz;  ///< grabbed_hz of a camera as fast as it is set to
   } rates;
   std::vector<std::pair<std::string, std::uint64_t>> counters;  ///< counts since the daemon started
   std::vector<std::pair<std::string, LatencySummary>> latency;  ///< per processing stage

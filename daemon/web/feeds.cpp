@@ -7,6 +7,7 @@
 #include "daemon/shared/stream_follower.hpp"
 #include "daemon/web/picture.hpp"
 #include "proto/json_text.hpp"
+#include "proto/slow_camera.hpp"
 
 namespace ovws::web {
 namespace {
@@ -152,7 +153,7 @@ void Feeds::take_status(const StreamMessage& message) {
   const double t_s = seconds(Clock::now().time_since_epoch());
   lost_.add(t_s, status.at("counters").at("frames_lost").get<std::int64_t>());
   missed_.add(t_s, status.at("counters").at("deadline_missed").get<std::int64_t>());
-  facts_.slow_statuses = has_slow_camera(status) ? facts_.slow_statuses + 1 : 0;
+  facts_.slow_statuses = slow_camera(status) ? facts_.slow_statuses + 1 : 0;
   for (const char* part : {"slm", "camera", "sensor", "loop"}) {
     if (facts_.status.is_null() || facts_.status[part] != status[part]) ++hologram_change_;
   }

@@ -155,15 +155,12 @@ void check_light(const json& status, Findings& findings) {
                    act("Set the exposure", {call_of("camera.auto_exposure")}));
 }
 
-/// Frames that are missing for some seconds: a change of the settings interrupts them, too.
+/// Frames that are missing for some seconds: a single one does not change the head of the page.
 void check_rate(const BenchFacts& facts, Findings& findings) {
-  if (facts.slow_statuses < kSlowStatuses || facts.status.at("state") == "job_running") return;
-  const json& settings = facts.status.at("camera").at("settings");
-  const double measured_hz = facts.status.at("rates").at("grabbed_hz").get<double>();
-  findings.warning(fmt::format("The camera sends {:.0f} of {:.4g} frames/s: {}", measured_hz,
-                               settings.at("frame_rate_hz").get<double>(),
-                               slow_advice(measured_hz, settings.at("exposure_us").get<double>(),
-                                           "ovws doctor")),
+  const auto slow = slow_camera(facts.status);
+  if (!slow || facts.slow_statuses < kSlowStatuses) return;
+  findings.warning(fmt::format("The camera sends {:.0f} of {} frames/s: {}", slow->measured_hz,
+                               hz_text(slow->expected_hz), slow->advice("ovws doctor")),
                    lead("Show the frame rate", "bench"));
 }
 
@@ -202,12 +199,6 @@ void check_counts(const BenchFacts& facts, Findings& findings) {
 }
 
 }  // namespace
-
-bool has_slow_camera(const json& status) {
-  const json& settings = status.at("camera").at("settings");
-  return settings.is_object() && is_slow(status.at("rates").at("grabbed_hz").get<double>(),
-                                         settings.at("frame_rate_hz").get<double>());
-}
 
 std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
   Findings findings;

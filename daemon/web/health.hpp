@@ -17,7 +17,7 @@ struct BenchFacts {
   double wavefront_age_s = 0.0;
   std::int64_t lost_lately = 0;    ///< frames that the camera lost in the last 10 s
   std::int64_t missed_lately = 0;  ///< frames that took longer than a period in the last 10 s
-  int slow_statuses = 0;           ///< successive status messages with a slow camera (is_slow)
+  int slow_statuses = 0;           ///< successive status messages with a slow_camera
 };
 
 enum class Wellness { good, note, warning, bad };
@@ -30,9 +30,6 @@ struct HealthFinding {
   /// only if nothing is wrong.
   nlohmann::json action;
 };
-
-/// Whether the camera of this status sends fewer frames than it is set to.
-bool has_slow_camera(const nlohmann::json& status);
 
 /// Examines the bench. Returns all findings, the worst first; a single `good` finding if nothing is
 /// wrong.

@@ -137,7 +137,11 @@ inline constexpr auto kTable<StatusMessage::Rates> = Fields{
     field<&StatusMessage::Rates::grabbed_hz>("frames taken from the camera, per second",
                                              Bounds::at_least(0)),
     field<&StatusMessage::Rates::published_hz>("frames published, per second", Bounds::at_least(0)),
-    field<&StatusMessage::Rates::images_hz>("images published, per second", Bounds::at_least(0))};
+    field<&StatusMessage::Rates::images_hz>("images published, per second", Bounds::at_least(0)),
+    field<&StatusMessage::Rates::expected_hz>(
+        "frame rate that grabbed_hz should reach; null: the camera is not connected or is "
+        "triggered, a job is running, or the camera's settings changed within this second",
+        Bounds::at_least(0))};
 
 template <>
 inline constexpr auto kTable<LatencyTotals> =
@@ -182,7 +186,7 @@ inline constexpr auto kTable<StatusMessage> = Fields{
     field<&StatusMessage::failed_job>(
         "latest job that failed since the daemon's start, unless a later one of its kind "
         "succeeded; null: none"),
-    field<&StatusMessage::rates>("rates since the last status"),
+    field<&StatusMessage::rates>("rates of the last second"),
     field<&StatusMessage::counters>("all counters, since the start").among(counter_names),
     field<&StatusMessage::latency>(
         "latency by stage, since the last status: tracked, reconstructed and published count from "

@@ -98,26 +98,24 @@ Finding judge_light(const DaemonFacts& facts) {
                  "ovws exposure auto");
 }
 
-/// Number at this JSON pointer of the status; 0 if there is no number.
-double number_at(const json& status, const char* path) {
-  const json::json_pointer pointer(path);
-  if (!status.contains(pointer) || !status.at(pointer).is_number()) return 0.0;
-  return status.at(pointer).get<double>();
-}
-
 Finding judge_rate(const DaemonFacts& facts) {
   if (!facts.status) return not_here(kNoAnswer);
-  const double measured_hz = number_at(*facts.status, "/rates/grabbed_hz");
+  const double measured_hz = number_at(*facts.status, "/rates/grabbed_hz").value_or(0.0);
   if (measured_hz == 0.0) return not_here("the daemon has received no frame in the last second");
-  const double set_hz = number_at(*facts.status, "/camera/settings/frame_rate_hz");
-  const std::string says =
-      fmt::format("the camera sends {:.1f} frames/s and is set to {:.4g}", measured_hz, set_hz);
-  if (!is_slow(measured_hz, set_hz)) return ok(says);
-  const double exposure_us = number_at(*facts.status, "/camera/settings/exposure_us");
-  const bool exposed = is_slowed_by_exposure(measured_hz, exposure_us);
-  return warning(says + ": " + slow_advice(measured_hz, exposure_us, "the checks camera.*"),
-                 exposed ? fmt::format("ovws exposure {:.0f}us", 0.5e6 / set_hz)
-                         : fmt::format("ovws rate {:.3g}", measured_hz));
+  const auto expected_hz = number_at(*facts.status, "/rates/expected_hz");
+  if (!expected_hz) {
+    return not_here(
+        "no frame rate is expected now: the camera is triggered, a job is running, or the "
+        "settings have just changed");
+  }
+  const std::string says = fmt::format("the camera sends {} frames/s and is set to {}",
+                                       hz_text(measured_hz), hz_text(*expected_hz));
+  const auto slow = slow_camera(*facts.status);
+  if (!slow) return ok(says);
+  return warning(says + ": " + slow->advice("the checks camera.*"),
+                 slow->is_slowed_by_exposure()
+                     ? fmt::format("ovws exposure {:.0f}us", 0.5e6 / *expected_hz)
+                     : "ovws rate " + hz_text(measured_hz));
 }
 
 /// What the output shows, whichever program changed it.
@@ -127,10 +125,10 @@ Finding judge_levels(const DaemonFacts& facts) {
     return not_here(facts.why_no_levels.empty() ? "the daemon shows no hologram"
                                                 : facts.why_no_levels);
   }
-  const double differing = number_at(*facts.levels, "/differing_pixels");
+  const double differing = number_at(*facts.levels, "/differing_pixels").value_or(0.0);
   if (differing == 0.0) return ok("the SLM's output shows the hologram exactly");
-  const double pixels =
-      number_at(*facts.status, "/slm/info/width") * number_at(*facts.status, "/slm/info/height");
+  const double pixels = number_at(*facts.status, "/slm/info/width").value_or(0.0) *
+                        number_at(*facts.status, "/slm/info/height").value_or(0.0);
   const std::string says =
       fmt::format("{:.0f} pixels of the SLM's output differ from the hologram", differing);
   const char* const fix = "ovws call slm.verify";
@@ -177,6 +175,8 @@ DaemonsCamera camera_of(const DaemonFacts& facts) {
 bool shows_holograms(const DaemonFacts& facts) {
   const json::json_pointer connected("/slm/connected");
   return facts.status && facts.status->contains(connected) && facts.status->at(connected) == true;
+}
+
 std::string why_not_verify(const DaemonFacts& facts) {
   const auto wait_for = [](const char* what, const char* then) {
     return fmt::format("not checked while {}, because read-back delays holograms: {}", what, then);
@@ -190,8 +190,6 @@ std::string why_not_verify(const DaemonFacts& facts) {
     return wait_for("the loop is closed", "open it (ovws loop open), then repeat ovws doctor");
   }
   return {};
-}
-
 }
 
 std::optional<std::string> state_folder_of(const DaemonFacts& facts) {

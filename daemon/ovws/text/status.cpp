@@ -168,15 +168,12 @@ std::string losses_text(const json& counters) {
 }  // namespace
 
 std::string measured_rate_text(const json& status) {
-  const double measured_hz = status.at("rates").at("grabbed_hz").get<double>();
-  const std::string text = fmt::format("{:.1f} frames/s", measured_hz);
-  const json& settings = status.at("camera").at("settings");
-  if (!settings.is_object()) return text;
-  const double set_hz = settings.at("frame_rate_hz").get<double>();
-  if (!is_slow(measured_hz, set_hz)) return text;
-  return fmt::format(
-      "{} of {:.4g}: SLOW; {}", text, set_hz,
-      slow_advice(measured_hz, settings.at("exposure_us").get<double>(), "ovws doctor"));
+  const std::string text =
+      fmt::format("{:.1f} frames/s", status.at("rates").at("grabbed_hz").get<double>());
+  const auto slow = slow_camera(status);
+  if (!slow) return text;
+  return fmt::format("{} of {}: SLOW; {}", text, hz_text(slow->expected_hz),
+                     slow->advice("ovws doctor"));
 }
 
 std::string correction_text(const json& modes, const json& loop) {

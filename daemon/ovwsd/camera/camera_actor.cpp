@@ -399,6 +399,8 @@ void CameraActor::publish(CameraSnapshot now) {
   now.settings = settings_;
   now.asked = asked_;
   now.id = config_.id;
+  now.triggered = !config_.trigger.empty();
+  now.settings_since_ns = settings_since_ns_;
   const bool new_fault = !now.fault.empty() && now.fault != snapshot_.get().fault;
   snapshot_.change([&](CameraSnapshot& published) {
     deps_.on_change(now);

@@ -28,9 +28,18 @@ struct CameraSnapshot {
   CameraSettings settings;  ///< as read back; as requested while disconnected
   CameraSettings asked;     ///< as requested; `settings` may differ by rounding
   std::optional<CameraLimits> limits;
-  std::string fault;      ///< why the camera is not connected; empty if connected
-  bool at_fault = false;  ///< the camera is present, but unusable until a person fixes the fault
-  std::string id;         ///< camera.id in use
+  std::string fault;       ///< why the camera is not connected; empty if connected
+  bool at_fault = false;   ///< the camera is present, but unusable until a person fixes the fault
+  std::string id;          ///< camera.id in use
+  bool triggered = false;  ///< pulses start the exposures: their rate is not known
+  std::int64_t settings_since_ns = 0;  ///< start of the stream or last write, CLOCK_MONOTONIC
+
+  /// Frame rate that the camera should have reached since `begin_mono_ns`. None if it is not
+  /// connected, is triggered, or had other settings meanwhile.
+  std::optional<double> expected_hz(std::int64_t begin_mono_ns) const {
+    if (!connected || triggered || settings_since_ns > begin_mono_ns) return std::nullopt;
+    return settings.frame_rate_hz;
+  }
 };
 
 struct CameraActorDeps {

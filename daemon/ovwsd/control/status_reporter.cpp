@@ -142,6 +142,9 @@ StatusMessage StatusReporter::current() const {
   status.failed_job = deps_.jobs.last_failed();
   const Measured measured = measured_.get();
   status.rates = measured.rates;
+  if (status.state != "job_running") {
+    status.rates.expected_hz = camera.expected_hz(measured.t_begin_ns);
+  }
   status.latency = measured.latency;
   for (std::size_t i = 0; i < std::size_t(Counter::count_); ++i) {
     status.counters.emplace_back(counter_name(Counter(i)), deps_.counters.get(Counter(i)));
@@ -158,9 +161,10 @@ void StatusReporter::measure() {
     return 1e9 * double(after - before) / double(std::max<std::int64_t>(now.t_ns - marks_.t_ns, 1));
   };
   Measured measured;
+  measured.t_begin_ns = marks_.t_ns;
   if (marks_.t_ns != 0) {
     measured.rates = {rate(now.grabbed, marks_.grabbed), rate(now.published, marks_.published),
-                      rate(now.images, marks_.images)};
+                      rate(now.images, marks_.images), std::nullopt};
   }
   measured.latency = {{"arrived", deps_.pipeline.latencies().arrived.take()},
                       {"tracked", deps_.pipeline.latencies().tracked.take()},

@@ -72,6 +72,7 @@ class StatusReporter : public Agent {
 
  private:
   struct Measured {
+    std::int64_t t_begin_ns = 0;  ///< of the second that was measured
     StatusMessage::Rates rates;
     std::vector<std::pair<std::string, LatencySummary>> latency;
   };

@@ -81,17 +81,10 @@ class CameraActorTest : public testing::Test {
   CameraActorTest() {
     device = &device_;
     config_.settings.gain_db = 3.0;
-    actor_.emplace(config_, CameraActorDeps{pipeline_, settings_, counters_, events_,
-                                            [this] { return may_change_; },
-                                            [this](const CameraSnapshot& now) {
-                                              if (on_change_) on_change_(now);
-                                            },
-                                            [this] { return may_select_; }});
     frame_path_ = std::thread([this] {
       while (!ended_) pipeline_.acquisition().do_work();
     });
-    actor_->do_work();
-    EXPECT_TRUE(actor_->snapshot().connected) << actor_->snapshot().fault;
+    open();
   }
   ~CameraActorTest() override {
     actor_->on_close();
@@ -99,6 +92,16 @@ class CameraActorTest : public testing::Test {
     frame_path_.join();
   }
 
+  void open() {
+    actor_.emplace(config_, CameraActorDeps{pipeline_, settings_, counters_, events_,
+                                            [this] { return may_change_; },
+                                            [this](const CameraSnapshot& now) {
+                                              if (on_change_) on_change_(now);
+                                            },
+                                            [this] { return may_select_; }});
+    actor_->do_work();
+    EXPECT_TRUE(actor_->snapshot().connected) << actor_->snapshot().fault;
+  }
   Result<CameraSnapshot> set_for_job(double gain_db) {
     CameraSet change;
     change.put(&CameraSettings::gain_db, gain_db);
@@ -163,6 +166,20 @@ TEST_F(CameraActorTest, GainIsPutBackWithoutAWord) {
   EXPECT_TRUE(restored(3.0));
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 3.0);
   EXPECT_TRUE(events_with("gain_db").empty());
+}
+
+TEST_F(CameraActorTest, AFrameRateIsExpectedOfUnchangedSettingsWithoutATrigger) {
+  EXPECT_EQ(actor_->snapshot().expected_hz(0), std::nullopt) << "the stream began later";
+  const std::int64_t begin_ns = monotonic_ns();
+  EXPECT_EQ(actor_->snapshot().expected_hz(begin_ns), config_.settings.frame_rate_hz);
+  test::skip(1s);
+  ASSERT_TRUE(set_for_job(20.0));
+  EXPECT_EQ(actor_->snapshot().expected_hz(begin_ns), std::nullopt);
+  EXPECT_EQ(actor_->snapshot().expected_hz(monotonic_ns()), config_.settings.frame_rate_hz);
+  actor_->on_close();
+  config_.trigger = "Line0";
+  open();
+  EXPECT_EQ(actor_->snapshot().expected_hz(monotonic_ns()), std::nullopt);
 }
 
 TEST_F(CameraActorTest, GainThatTheCameraRefusesFailsTheJobAndStaysAsItWas) {

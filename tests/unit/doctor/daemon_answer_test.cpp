@@ -19,7 +19,7 @@ DaemonFacts running() {
         {"fault", nullptr},
         {"brightest", 0.7},
         {"settings", {{"frame_rate_hz", 100.0}, {"exposure_us", 2000.0}}}}},
-      {"rates", {{"grabbed_hz", 99.3}}},
+      {"rates", {{"grabbed_hz", 99.3}, {"expected_hz", 100.0}}},
       {"slm",
        {{"connected", true}, {"fault", nullptr}, {"info", {{"width", 100}, {"height", 50}}}}},
       {"store", {{"directory", "/var/lib/ovws"}, {"reason", nullptr}}},
@@ -130,7 +130,13 @@ TEST(DoctorDaemon, ASlowCameraIsAWarning) {
       std::string::npos);
   (*facts.status)["camera"]["settings"]["exposure_us"] = 13000.0;
   expect(facts, "camera.rate", Verdict::warning, "ovws exposure 5000us");
-  (*facts.status)["rates"]["grabbed_hz"] = 0.0;
+  (*facts.status)["camera"]["settings"]["exposure_us"] = 2.0;
+  (*facts.status)["rates"] = {{"grabbed_hz", 1234.4}, {"expected_hz", 20000.0}};
+  expect(facts, "camera.rate", Verdict::warning, "ovws rate 1234");
+  EXPECT_NE(named(judge(facts), "camera.rate").meaning.find("is set to 20000:"), std::string::npos);
+  (*facts.status)["rates"]["expected_hz"] = nullptr;
+  expect(facts, "camera.rate", Verdict::not_here);
+  (*facts.status)["rates"] = {{"grabbed_hz", 0.0}, {"expected_hz", 100.0}};
   expect(facts, "camera.rate", Verdict::not_here);
 }
 
@@ -147,12 +153,6 @@ TEST(DoctorDaemon, AnOutputThatShowsOtherLevelsIsAFault) {
   expect(facts, "slm.levels", Verdict::not_here);
 }
 
-TEST(DoctorDaemon, TheStatusTellsTheFolderOrWhyThereIsNone) {
-  auto facts = running();
-  EXPECT_EQ(state_folder_of(facts), "/var/lib/ovws");
-  EXPECT_EQ(store_fault_of(facts), "");
-  (*facts.status)["store"] = {{"directory", nullptr}, {"reason", "none is configured"}};
-  EXPECT_EQ(state_folder_of(facts), std::nullopt);
 TEST(DoctorDaemon, TheOutputIsNotReadBackWhileThatDelaysHologramsInUse) {
   auto facts = running();
   EXPECT_EQ(why_not_verify(facts), "");
@@ -165,6 +165,12 @@ TEST(DoctorDaemon, TheOutputIsNotReadBackWhileThatDelaysHologramsInUse) {
   EXPECT_NE(why_not_verify(facts).find("while a job runs"), std::string::npos);
 }
 
+TEST(DoctorDaemon, TheStatusTellsTheFolderOrWhyThereIsNone) {
+  auto facts = running();
+  EXPECT_EQ(state_folder_of(facts), "/var/lib/ovws");
+  EXPECT_EQ(store_fault_of(facts), "");
+  (*facts.status)["store"] = {{"directory", nullptr}, {"reason", "none is configured"}};
+  EXPECT_EQ(state_folder_of(facts), std::nullopt);
   EXPECT_EQ(store_fault_of(facts), "none is configured");
   EXPECT_EQ(state_folder_of(DaemonFacts{}), std::nullopt);
 }

@@ -97,7 +97,7 @@ TEST(Status, ASlowCameraIsSaidWithWhatLimitsIt) {
   BenchState state = bench();
   const auto rate_of = [&](double measured_hz, double set_hz, double exposure_us) {
     state.status["rates"]["grabbed_hz"] = measured_hz;
-    state.status["camera"]["settings"]["frame_rate_hz"] = set_hz;
+    state.status["rates"]["expected_hz"] = set_hz;
     state.status["camera"]["settings"]["exposure_us"] = exposure_us;
     EXPECT_NE(status_text(state).find(measured_rate_text(state.status) + "\n"), std::string::npos)
         << status_text(state);
@@ -113,8 +113,9 @@ TEST(Status, ASlowCameraIsSaidWithWhatLimitsIt) {
   EXPECT_EQ(rate_of(71.3, 100.0, 13000.0),
             "71.3 frames/s of 100: SLOW; the exposure fills the time between frames: shorten it, "
             "or lower the frame rate");
-  state.status["camera"]["settings"] = nullptr;
-  EXPECT_EQ(measured_rate_text(state.status), "71.3 frames/s");
+  EXPECT_EQ(rate_of(1234.0, 20000.0, 2.0).substr(0, 33), "1234.0 frames/s of 20000: SLOW; t");
+  state.status["rates"]["expected_hz"] = nullptr;
+  EXPECT_EQ(measured_rate_text(state.status), "1234.0 frames/s");
 }
 
 TEST(Status, TheLargestModesOfACorrectionAndHowToRemoveIt) {
