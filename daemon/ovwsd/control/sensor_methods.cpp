@@ -252,10 +252,10 @@ Result<Json> register_camera(const Services& services, Bench& bench, const Regis
   const auto now = bench.sensor()->registration;
   if (result && before && now && now->base_px == before->base_px &&
       now->px_per_cycle == before->px_per_cycle) {
-    bench.inform("registration",
-                 "the registration is confirmed: the same map was found again; reference and "
-                 "calibration stay in use",
-                 {{"t_taken_ns", now->t_taken_ns}, {"confirmed", true}});
+    bench.publish_info("registration",
+                       "the registration is confirmed: the same map was found again; reference and "
+                       "calibration stay in use",
+                       {{"t_taken_ns", now->t_taken_ns}, {"confirmed", true}});
   }
   return result;
 }

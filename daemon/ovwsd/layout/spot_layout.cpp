@@ -22,7 +22,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kMostStray = 0.3;  ///< of the zeroth order's side orders, relative to a spot
+constexpr double kMaxStray = 0.3;  ///< of the zeroth order's side orders, relative to a spot
 
 bool fits(Vec2 region, const Roi& roi) {
   return region.x <= roi.width && region.y <= roi.height;
@@ -245,7 +245,7 @@ double min_zeroth_distance(std::size_t subapertures, int charge) {
   const double number = double(subapertures);
   const double bright = spot_intensity(0, 0.0);
   const double peak = spot_intensity(charge, spot_geometry(std::abs(charge)).ring) / bright;
-  return std::cbrt(8.0 * number * number / (std::pow(std::numbers::pi, 4) * peak * kMostStray));
+  return std::cbrt(8.0 * number * number / (std::pow(std::numbers::pi, 4) * peak * kMaxStray));
 }
 
 Result<void> check_spots_apart(const SpotBench& bench) {

@@ -138,7 +138,7 @@ Result<void> Bench::use(SensorChange change, Step step) {
   return used;
 }
 
-void Bench::inform(std::string kind, std::string text, nlohmann::json data) {
+void Bench::publish_info(std::string kind, std::string text, nlohmann::json data) {
   deps_.events.emit(std::move(kind), Severity::info, std::move(text), std::move(data));
 }
 

@@ -68,7 +68,7 @@ class Bench {
   /// Files of this job that are still being written; the job ends when no file is pending.
   std::shared_ptr<PendingFiles> pending_files() const { return files_; }
   /// Publishes an event of severity info.
-  void inform(std::string kind, std::string text, nlohmann::json data);
+  void publish_info(std::string kind, std::string text, nlohmann::json data);
   /// Publishes a warning event.
   void warn(std::string kind, std::string text, nlohmann::json data);
 

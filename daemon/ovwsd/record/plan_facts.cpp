@@ -30,7 +30,8 @@ json rows_of(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
-/// Memory that a plan may have for itself, about.
+/// Approximate memory of a plan that no other plan shares, bytes. Of the reconstructor, which the
+/// plans of one sensor and reference share, it counts only the matrices given to it.
 std::size_t bytes_of_plan(const MeasurementPlan& plan) {
   const Reconstructor& positions = *plan.reconstructor;
   const std::size_t points = plan.predicted_px.size() + plan.reference_px.size();

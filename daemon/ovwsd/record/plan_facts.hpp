@@ -22,7 +22,8 @@ struct PlanFacts {
   std::optional<OperatingPoint> point;  ///< of the templates, which determines them
   SensorView sensor;                    ///< sensor state when the plan was adopted
 };
-/// Memory that remembered facts may have for themselves, about, bytes.
+/// Approximate memory of these facts, bytes. What their plan shares with others counts in part
+/// only.
 std::size_t bytes_of(const PlanFacts& facts);
 
 struct Document {

@@ -110,7 +110,7 @@ class Recorder : public Agent {
   /// A document on its way to the file.
   struct Waiting {
     Document document;
-    std::shared_ptr<void> room;  ///< its part of kMaxWaitingBytes
+    std::shared_ptr<void> reserved_bytes;  ///< its part of kMaxWaitingBytes
   };
   std::optional<Waiting> waiting(Document document);
   RecordedLosses losses() const;

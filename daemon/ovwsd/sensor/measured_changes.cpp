@@ -13,7 +13,7 @@ namespace ovws {
 namespace {
 
 constexpr double kSamePlace = 0.005;  // of the pitch: the same lenslet, found again
-constexpr double kSameMap = 6.0;      // residuals: by noise 0.1 % of the maps differ by more
+constexpr double kSameMap = 6.0;      // residuals. Noise makes 0.1 % of the maps differ by more.
 
 using Written = std::function<void(const std::string& sha256)>;
 

@@ -364,9 +364,9 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   publish_stale();
 }
 
-/// Adopts an edit from which no plan can be built, for what is a fact already: another camera, or
-/// the end of a job. No frame is valid until a plan can be built: the hologram belongs to a newer
-/// epoch than the active plan.
+/// Adopts an edit from which no plan can be built. Only for changes that cannot be refused: another
+/// camera, or the end of a job. No frame is valid until a plan can be built: the hologram belongs
+/// to a newer epoch than the active plan.
 void SensorKeeper::adopt_without_plan(SensorEdit edit, const Error& why) {
   ++edit.state.sensor_epoch;
   (void)renew_renderer(edit.state);
