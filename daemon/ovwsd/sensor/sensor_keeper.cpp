@@ -226,16 +226,17 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
                                   const std::optional<CameraInfo>& info) {
   mailbox_.post([this, camera, info] {
     bench_.camera = camera;
-    discard_for_camera(info);
     SensorEdit edit = new_edit();
     edit.knowledge.camera = info;
+    discard_for_camera(edit, info);
     SensorState& next = edit.state;
     const Bound before = bind(state_, knowledge_, bench_.optics),
                 now = bind(next, edit.knowledge, bench_.optics);
     const bool same_image = camera.roi == next.roi && camera.pixel_format == next.format;
     const bool other_camera =
         knowledge_.camera && info && camera_json(knowledge_.camera) != camera_json(info);
-    if (same_image && !other_camera && is_same(before, now)) {
+    const bool same_sensor = next.sensor_epoch == state_.sensor_epoch && next.slm == state_.slm;
+    if (same_image && same_sensor && !other_camera && is_same(before, now)) {
       knowledge_ = std::move(edit.knowledge);
       return publish_stale();
     }
@@ -250,12 +251,10 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
 
 /// Stops using the registration or the flatness if it was measured with another camera, because
 /// that camera's position and optics differ.
-void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
+void SensorKeeper::discard_for_camera(SensorEdit& edit, const std::optional<CameraInfo>& info) {
   const auto is_other = [camera = camera_json(info)](const nlohmann::json& then) {
     return !camera.is_null() && !then.is_null() && then != camera;
   };
-  SensorEdit edit = new_edit();
-  edit.knowledge.camera = info;
   SensorState& state = edit.state;
   if (state.registration && is_other(state.registration->camera)) {
     deps_.events.emit(
@@ -275,9 +274,6 @@ void SensorKeeper::discard_for_camera(const std::optional<CameraInfo>& info) {
                       {{"t_taken_ns", flatness->t_taken_ns}, {"used", false}});
     state.slm = active_slm(bench_.config, bench_.hologram, state.slm->lut, nullptr);
   }
-  if (state.sensor_epoch == state_.sensor_epoch && state.slm == state_.slm) return;
-  const auto used = activate(edit, Show::when_possible);
-  if (!used) adopt_without_plan(std::move(edit), used.error());
 }
 
 /// Builds the plan and shows the hologram, then adopts the edit. If any step returns an error, the

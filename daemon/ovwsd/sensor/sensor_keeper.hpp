@@ -103,7 +103,7 @@ class SensorKeeper : public Agent {
   void publish_stale();
   void set_hold(Hold by);
   void restore_lease();
-  void discard_for_camera(const std::optional<CameraInfo>& info);
+  void discard_for_camera(SensorEdit& edit, const std::optional<CameraInfo>& info);
   void update_files(SensorEdit edit, SensorView changed, Done done);
   void undo(SensorEdit& edit, Error why, const Done& done);
   void set_checksum(SensorEdit& edit, const std::string& sha256);

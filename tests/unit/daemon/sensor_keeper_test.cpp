@@ -74,6 +74,7 @@ Config seen_bench() {
   return config;
 }
 
+const CameraInfo kFirst{"Ovws", "Twin", "1", ""}, kSecond{"Ovws", "Twin", "2", ""};
 constexpr std::uint64_t kNotOpened = ~std::uint64_t{0};
 
 class Keeper : public testing::Test {
@@ -370,7 +371,7 @@ TEST_F(Keeper, WhatWasMeasuredOfAnotherImageIsRefused) {
 }
 
 TEST_F(Keeper, ARegistrationOfAnotherCameraIsNotUsed) {
-  keeper_->camera_changed(config_.camera.settings, CameraInfo{"Ovws", "Twin", "1", ""});
+  keeper_->camera_changed(config_.camera.settings, kFirst);
   work();
   Registration map;
   map.px_per_cycle = {900.0, 0.0, 0.0, 900.0};
@@ -381,7 +382,7 @@ TEST_F(Keeper, ARegistrationOfAnotherCameraIsNotUsed) {
   ASSERT_TRUE(edit(job, use_registration(map)));
   release(job);
   ASSERT_TRUE(keeper_->snapshot()->registration);
-  keeper_->camera_changed(config_.camera.settings, CameraInfo{"Ovws", "Twin", "2", ""});
+  keeper_->camera_changed(config_.camera.settings, kSecond);
   work();
   EXPECT_FALSE(keeper_->snapshot()->registration);
 }
@@ -389,18 +390,19 @@ TEST_F(Keeper, ARegistrationOfAnotherCameraIsNotUsed) {
 /// The registration says that spots are large enough for the tracker, the configuration that they
 /// are not: without the registration no plan can be built.
 TEST_F(Keeper, ACameraForWhichNoPlanCanBeBuiltIsReportedAndNothingMeasuredWithAnotherIsUsed) {
-  const CameraInfo first{"Ovws", "Twin", "1", ""}, second{"Ovws", "Twin", "2", ""};
-  keeper_->camera_changed(config_.camera.settings, first);
+  keeper_->camera_changed(config_.camera.settings, kFirst);
   use_map(900.0);
   end();
   config_.optics.focal_length_mm = 10.0;
   start();
-  keeper_->camera_changed(config_.camera.settings, first);
+  keeper_->camera_changed(config_.camera.settings, kFirst);
   work();
   ASSERT_TRUE(keeper_->snapshot()->registration);
   const SensorView before = keeper_->snapshot();
   (void)errors();
-  keeper_->camera_changed(config_.camera.settings, second);
+  CameraSettings other_region = config_.camera.settings;
+  other_region.roi = {16, 0, 640, 816};
+  keeper_->camera_changed(other_region, kSecond);
   work();
   const SensorView now = keeper_->snapshot();
   EXPECT_FALSE(now->registration);
@@ -410,6 +412,29 @@ TEST_F(Keeper, ACameraForWhichNoPlanCanBeBuiltIsReportedAndNothingMeasuredWithAn
   const auto found = errors();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_TRUE(found[0].starts_with("the camera's image cannot be measured: lambda/d")) << found[0];
+}
+
+/// Without the registration the spots are too small for a colour camera only.
+TEST_F(Keeper, AnotherCameraIsJudgedByItsOwnImageAlone) {
+  keeper_->camera_changed(config_.camera.settings, kFirst);
+  use_map(900.0);
+  end();
+  config_.optics.focal_length_mm = 16.0;  // lambda/d of 4.8 px
+  start();
+  CameraSettings colour = config_.camera.settings;
+  colour.pixel_format = PixelFormat::bayer_rg8;
+  keeper_->camera_changed(colour, kFirst);
+  work();
+  ASSERT_TRUE(keeper_->snapshot()->registration);
+  ASSERT_GT(keeper_->snapshot()->plan_id, 0U);
+  (void)errors();
+  CameraSettings mono = config_.camera.settings;
+  mono.roi = {16, 0, 640, 816};
+  keeper_->camera_changed(mono, kSecond);
+  work();
+  EXPECT_FALSE(keeper_->snapshot()->registration);
+  EXPECT_GT(keeper_->snapshot()->plan_id, 0U);
+  EXPECT_EQ(errors(), std::vector<std::string>{});
 }
 
 TEST_F(Keeper, WhatAJobHadChangedIsRestoredEvenIfTheCamerasImageCannotBeMeasuredAnyMore) {
