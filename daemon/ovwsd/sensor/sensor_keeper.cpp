@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <string_view>
 #include <utility>
 
 #include "core/port/clock.hpp"
@@ -19,6 +20,8 @@ HologramRequest request_of(const SensorState& state, std::uint64_t hologram_id,
 
 constexpr auto kMailboxWait = std::chrono::milliseconds(50);
 constexpr auto kQuestionWait = std::chrono::milliseconds(5);
+constexpr std::string_view kNoPlanRemedy =
+    "change the camera's region or pixel format (camera.set), or the sensor (sensor.set)";
 
 /// Whether `a` and `b` have the same reference and the same calibration.
 bool is_same(const Bound& a, const Bound& b) {
@@ -26,6 +29,13 @@ bool is_same(const Bound& a, const Bound& b) {
                                   ? a.reference->t_taken_ns == b.reference->t_taken_ns
                                   : !a.reference && !b.reference;
   return same_reference && a.calibration == b.calibration;
+}
+
+/// The obstacle with this reason, which goes on if it was that of the snapshot before.
+Obstacle obstacle_of(std::string reason, std::string_view action, const SensorSnapshot& before) {
+  if (reason.empty()) return {};
+  const bool goes_on = reason == before.obstacle.reason;
+  return {std::move(reason), std::string(action), goes_on ? before.obstacle.t_since_ns : utc_ns()};
 }
 
 template <class T>
@@ -374,9 +384,10 @@ void SensorKeeper::adopt_without_plan(SensorEdit edit, const Error& why) {
   auto now = std::make_shared<SensorSnapshot>(*snapshot());
   describe(*now, bind(state_, knowledge_, bench_.optics));
   now->plan_id = 0;
+  const std::string reason = "the camera's image cannot be measured: " + why.reason;
+  now->obstacle = obstacle_of(reason, kNoPlanRemedy, *snapshot());
   snapshot_.set(now);
-  deps_.events.emit("sensor", Severity::error,
-                    "the camera's image cannot be measured: " + why.reason);
+  deps_.events.emit("sensor", Severity::error, reason);
   publish_stale();
 }
 
@@ -393,12 +404,11 @@ void SensorKeeper::describe(SensorSnapshot& now, const Bound& bound) {
   now.reference = bound.reference;
   now.calibration = bound.calibration;
   now.slm = state_.slm;
-  now.reference_reason.clear();
+  now.obstacle = {};
   if (bound.reference) return;
   const SensorView before = snapshot();
-  now.reference_reason = missing_reference_reason(state_, knowledge_, bench_.optics);
-  const bool began = now.reference_reason != before->reference_reason;
-  now.t_reference_reason_ns = began ? utc_ns() : before->t_reference_reason_ns;
+  now.obstacle = obstacle_of(missing_reference_reason(state_, knowledge_, bench_.optics),
+                             kUnusedRemedy, *before);
   if (before->reference) events_.publish_unused(*before->reference, state_, knowledge_);
 }
 

@@ -30,6 +30,13 @@ struct SensorShown {
   PatternCycle cycle;  ///< of `sequence`
 };
 
+/// Why no frame can be valid, whatever the image.
+struct Obstacle {
+  std::string reason;           ///< empty: there is none
+  std::string action;           ///< what the user can do
+  std::int64_t t_since_ns = 0;  ///< UTC: when this reason began
+};
+
 /// The sensor's settings and active measurements. Immutable and shared by all readers.
 struct SensorSnapshot : SensorShown {
   TemplateReport templates;      ///< how much of tracking.templates is active
@@ -51,9 +58,9 @@ struct SensorSnapshot : SensorShown {
   /// Why the camera cannot see the spots, or the tracker cannot separate them; empty: no known
   /// problem.
   std::string layout_fault;
-  std::shared_ptr<const Reference> reference;      ///< the active one; null: no reference
-  std::string reference_reason;                    ///< missing_reference_reason without a reference
-  std::int64_t t_reference_reason_ns = 0;          ///< UTC: when that began
+  std::shared_ptr<const Reference> reference;  ///< the active one; null: no reference
+  /// Without a plan, why none can be built; else without a reference, missing_reference_reason.
+  Obstacle obstacle;
   std::shared_ptr<const Calibration> calibration;  ///< the one that applies; null: none does
   std::shared_ptr<const ActiveSlm> slm;            ///< LUT and flatness; never null
 };

@@ -119,13 +119,16 @@ WavefrontSearch::~WavefrontSearch() = default;
 
 std::optional<StatusMessage::SensorPart::Invalid> WavefrontSearch::why_invalid() const {
   const SensorView sensor = keeper_.snapshot();
-  if (sensor->reference) return validity_.why_invalid(monotonic_ns(), utc_ns());
-  if (sensor->reference_reason.empty()) return std::nullopt;
-  StatusMessage::SensorPart::Invalid invalid;
-  invalid.t_since_ns = sensor->t_reference_reason_ns;
-  invalid.reason = sensor->reference_reason;
-  invalid.action = kUnusedRemedy;
-  return invalid;
+  const Obstacle& obstacle = sensor->obstacle;
+  if (!obstacle.reason.empty()) {
+    StatusMessage::SensorPart::Invalid invalid;
+    invalid.t_since_ns = obstacle.t_since_ns;
+    invalid.reason = obstacle.reason;
+    invalid.action = obstacle.action;
+    return invalid;
+  }
+  if (!sensor->reference) return std::nullopt;
+  return validity_.why_invalid(monotonic_ns(), utc_ns());
 }
 
 void WavefrontSearch::on_frame(const FrameRecord& record) {

@@ -46,7 +46,8 @@ class WavefrontSearch : public Agent {
 
   /// Publish thread: call for every frame.
   void on_frame(const FrameRecord& record);
-  /// Any thread: why no frame is valid; none if frames are valid, or if none came for 1.5 s.
+  /// Any thread: why no frame is valid. The snapshot's obstacle comes first, and needs no frames.
+  /// Else as ValidityWatch::why_invalid; none without a reference.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const;
   /// Any thread: CLOCK_MONOTONIC time of the last successful search; 0: none.
   std::int64_t found_ns() const { return found_ns_.load(std::memory_order_relaxed); }

@@ -331,7 +331,7 @@ TEST_F(Keeper, AReferenceIsOfItsSensorAndItsRegion) {
   const auto changed = edit(set_sensor(other));
   ASSERT_TRUE(changed) << changed.error().reason;
   EXPECT_FALSE((*changed)->reference);
-  EXPECT_EQ((*changed)->reference_reason, "") << "another sensor was chosen";
+  EXPECT_EQ((*changed)->obstacle.reason, "") << "another sensor was chosen";
   (void)events_of("reference");
   other.put(&SensorConfig::charge, 1);
   ASSERT_TRUE(edit(set_sensor(other)));
@@ -343,16 +343,16 @@ TEST_F(Keeper, AReferenceIsOfItsSensorAndItsRegion) {
   work();
   EXPECT_FALSE(keeper_->snapshot()->reference);
   EXPECT_GT(keeper_->snapshot()->sensor_epoch, epoch);
-  const std::string why = keeper_->snapshot()->reference_reason;
+  const std::string why = keeper_->snapshot()->obstacle.reason;
   EXPECT_NE(why.find("it was taken with another region of the camera"), std::string::npos) << why;
-  EXPECT_GT(keeper_->snapshot()->t_reference_reason_ns, 0);
+  EXPECT_GT(keeper_->snapshot()->obstacle.t_since_ns, 0);
   EXPECT_EQ(events_of("reference"), std::vector<std::string>{why + "; take a new reference"});
   keeper_->camera_changed(config_.camera.settings, std::nullopt);
   work();
   EXPECT_TRUE(keeper_->snapshot()->reference);
-  EXPECT_EQ(keeper_->snapshot()->reference_reason, "");
+  EXPECT_EQ(keeper_->snapshot()->obstacle.reason, "");
   ASSERT_TRUE(edit(forget_reference()));
-  EXPECT_EQ(keeper_->snapshot()->reference_reason, "") << "it was wanted";
+  EXPECT_EQ(keeper_->snapshot()->obstacle.reason, "") << "it was wanted";
 }
 
 TEST_F(Keeper, WhatWasMeasuredOfAnotherImageIsRefused) {
@@ -412,6 +412,9 @@ TEST_F(Keeper, ACameraForWhichNoPlanCanBeBuiltIsReportedAndNothingMeasuredWithAn
   const auto found = errors();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_TRUE(found[0].starts_with("the camera's image cannot be measured: lambda/d")) << found[0];
+  EXPECT_EQ(now->obstacle.reason, found[0]);
+  EXPECT_NE(now->obstacle.action.find("camera.set"), std::string::npos) << now->obstacle.action;
+  EXPECT_GT(now->obstacle.t_since_ns, 0);
 }
 
 /// Without the registration the spots are too small for a colour camera only.
@@ -453,14 +456,17 @@ TEST_F(Keeper, WhatAJobHadChangedIsRestoredEvenIfTheCamerasImageCannotBeMeasured
   keeper_->camera_changed(colour, std::nullopt);
   work();
   EXPECT_EQ(errors().size(), 1U);
+  const std::int64_t t_since_ns = keeper_->snapshot()->obstacle.t_since_ns;
   release(job);
   EXPECT_EQ(errors().size(), 1U);
   EXPECT_EQ(keeper_->snapshot()->plan_id, 0U);
+  EXPECT_EQ(keeper_->snapshot()->obstacle.t_since_ns, t_since_ns) << "it goes on";
   EXPECT_TRUE(keeper_->may_hold());
   EXPECT_EQ(screen_.picture().pixels, user.pixels);
   keeper_->camera_changed(config_.camera.settings, std::nullopt);
   work();
   EXPECT_GT(keeper_->snapshot()->plan_id, 0U) << "as soon as a plan can be built";
+  EXPECT_EQ(keeper_->snapshot()->obstacle.reason, "");
 }
 
 TEST_F(Keeper, AStartWithAnotherLensThanTheRegistrationsSaysSo) {

@@ -182,7 +182,7 @@ TEST(Procedures, ARegistrationOfAnUnchangedBenchChangesNothing) {
   ASSERT_TRUE(other) << other.error().reason;
   EXPECT_EQ(bench.sensor()->registration->base_px, other->base_px);
   EXPECT_FALSE(bench.sensor()->reference);
-  EXPECT_NE(bench.sensor()->reference_reason.find("expected spot positions"), std::string::npos);
+  EXPECT_NE(bench.sensor()->obstacle.reason.find("expected spot positions"), std::string::npos);
 }
 
 twin::CameraGeometry camera_at(double rotation_deg, twin::Mirror mirror, double magnification,
