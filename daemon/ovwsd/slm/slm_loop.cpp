@@ -3,8 +3,8 @@
 #include <spdlog/fmt/fmt.h>
 #include <zlib.h>
 
-#include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "core/port/clock.hpp"
@@ -33,31 +33,34 @@ Error stopping() {
 struct SeenLevels {
   std::vector<std::uint8_t> levels;  ///< as those of the hologram
   int differing_pixels = 0;
+  int given = 0, shown = 0;  ///< level of the hologram that differs most, and what is shown of it
 };
 
 SeenLevels compared(const Image<std::uint32_t>& shown, const std::vector<std::uint8_t>& given) {
-  SeenLevels seen{std::vector<std::uint8_t>(given.size()), 0};
+  SeenLevels seen{std::vector<std::uint8_t>(given.size())};
   const std::size_t bytes = given.size() / shown.pixels.size();  // 1 or 3 per pixel
   for (std::size_t i = 0; i < shown.pixels.size(); ++i) {
-    const std::uint32_t pixel = shown.pixels[i];
     bool same = true;
-    for (std::size_t k = 0; k < bytes; ++k) {
-      seen.levels[bytes * i + k] = std::uint8_t(pixel >> (8 * (bytes - 1 - k)));
-      same = same && seen.levels[bytes * i + k] == given[bytes * i + k];
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const std::size_t k = bytes * i + (bytes == 3 ? channel : 0);
+      const auto level = std::uint8_t(shown.pixels[i] >> (16 - 8 * channel));
+      seen.levels[k] = level;
+      same = same && level == given[k];
+      if (std::abs(level - given[k]) < std::abs(seen.shown - seen.given)) continue;
+      seen.given = given[k];
+      seen.shown = level;
     }
-    if (bytes == 1) same = pixel == given[i] * 0x010101U;
     seen.differing_pixels += same ? 0 : 1;
   }
   return seen;
 }
 
-Error changed_levels(const SeenLevels& seen, const std::vector<std::uint8_t>& given, double share) {
-  const auto top = std::size_t(std::ranges::max_element(given) - given.begin());
+Error changed_levels(const SeenLevels& seen, double share) {
   return {Errc::refused, "slm.display",
           fmt::format("the output does not show the grey levels of the hologram: {:.0f} % of the "
                       "pixels differ, and level {} is shown as {}; stop the compositor, or exclude "
                       "the window \"ovws SLM\" from its effects",
-                      100.0 * share, given[top], seen.levels[top])};
+                      100.0 * share, seen.given, seen.shown)};
 }
 
 }  // namespace
@@ -303,7 +306,7 @@ Result<void> SlmLoop::check_levels(const Image<std::uint8_t>& levels) {
     const SeenLevels seen = compared(*shown, levels.pixels);
     const double share = double(seen.differing_pixels) / double(shown->pixels.size());
     if (share <= limits::kMaxDifferingPixels) return {};
-    if (monotonic_ns() >= end_ns) return fail(changed_levels(seen, levels.pixels, share));
+    if (monotonic_ns() >= end_ns) return fail(changed_levels(seen, share));
     std::this_thread::sleep_for(kTurn);
   }
 }

@@ -21,6 +21,7 @@ constexpr int kAlways = 1'000'000;
 struct Compositor {
   int dims = 0;                             ///< images that it still shows at 70 %
   int pointer_px = 0;                       ///< pixels that it covers with white
+  int panel_px = 0;                         ///< last pixels that it covers with black
   bool hides = false;                       ///< no image can be read
   std::chrono::milliseconds read_takes{0};  ///< simulated time
   int opened = 0, presented = 0, read = 0;
@@ -45,6 +46,7 @@ class PlayedDisplay final : public Display {
     for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
       const std::uint32_t level = dimmed ? shown_.pixels[i] * 7U / 10U : shown_.pixels[i];
       seen.pixels[i] = int(i) < compositor->pointer_px ? 0xffffffU : level * 0x010101U;
+      if (int(i) >= kWidth * kHeight - compositor->panel_px) seen.pixels[i] = 0;
     }
     return seen;
   }
@@ -123,6 +125,14 @@ TEST_F(Opening, AWindowThatFadesInIsWaitedFor) {
 TEST_F(Opening, APointerOnTheOutputIsNoFault) {
   compositor_.pointer_px = kWidth * kHeight / 100;
   EXPECT_TRUE(opened().healthy);
+}
+
+TEST_F(Opening, AFaultQuotesTheLevelThatDiffersMost) {
+  compositor_.panel_px = kWidth * kHeight / 20;  // not over the first pixel of level 255
+  const SlmSnapshot now = opened();
+  EXPECT_NE(now.fault.find("5 % of the pixels differ, and level 255 is shown as 0;"),
+            std::string::npos)
+      << now.fault;
 }
 
 TEST_F(Opening, AnOutputThatCannotBeReadIsUsed) {
