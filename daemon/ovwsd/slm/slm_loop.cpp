@@ -20,6 +20,7 @@ constexpr auto kShowTimeout = std::chrono::seconds(2);
 constexpr std::int64_t kRetryNs = 1'000'000'000;
 constexpr std::int64_t kCheckNs = 100'000'000;
 constexpr std::int64_t kFadeInNs = 1'000'000'000;
+constexpr int kMinReads = 5;  ///< also if the first ones take that long, on a machine that is busy
 
 std::uint32_t crc32_of(const std::vector<std::uint8_t>& bytes) {
   return std::uint32_t(::crc32(0, bytes.data(), uInt(bytes.size())));
@@ -295,18 +296,18 @@ void SlmLoop::try_open() {
 }
 
 /// Presents the levels and reads them back. A compositor shows them some refreshes later, or fades
-/// a new window in, so that they are read again for a second.
+/// a new window in, so that they are read again for a second, and at least kMinReads times.
 Result<void> SlmLoop::check_levels(const Image<std::uint8_t>& levels) {
   if (auto presented = display_->present(levels); !presented) return fail(presented.error());
   const std::int64_t end_ns = monotonic_ns() + kFadeInNs;
-  for (;;) {
+  for (int reads = 1;; ++reads) {
     const auto shown = display_->read_back();
     if (!shown && shown.error().code == Errc::unavailable) return {};  // it cannot be read
     if (!shown) return fail(shown.error());
     const SeenLevels seen = compared(*shown, levels.pixels);
     const double share = double(seen.differing_pixels) / double(shown->pixels.size());
     if (share <= limits::kMaxDifferingPixels) return {};
-    if (monotonic_ns() >= end_ns) return fail(changed_levels(seen, share));
+    if (reads >= kMinReads && monotonic_ns() >= end_ns) return fail(changed_levels(seen, share));
     std::this_thread::sleep_for(kTurn);
   }
 }

@@ -105,6 +105,7 @@ TEST_F(Opening, ADisplayThatShowsTheLevelsIsReadOnce) {
 
 TEST_F(Opening, ADimmedWindowIsAFaultAndNoHologramCountsAsShown) {
   compositor_.dims = kAlways;
+  compositor_.read_takes = std::chrono::seconds(1);
   const SlmSnapshot now = opened();
   EXPECT_FALSE(now.healthy);
   EXPECT_TRUE(now.at_fault);
@@ -113,10 +114,12 @@ TEST_F(Opening, ADimmedWindowIsAFaultAndNoHologramCountsAsShown) {
   EXPECT_FALSE(shown_.value().healthy);
   EXPECT_EQ(shown_.value().current.hologram_id, 0U);
   EXPECT_EQ(compositor_.opened, 1);
+  EXPECT_EQ(compositor_.read, 5);
 }
 
-TEST_F(Opening, AWindowThatFadesInIsWaitedFor) {
+TEST_F(Opening, AWindowThatFadesInIsWaitedForHoweverLongEachReadTakes) {
   compositor_.dims = 3;
+  compositor_.read_takes = std::chrono::seconds(1);
   const SlmSnapshot now = opened();
   EXPECT_TRUE(now.healthy) << now.fault;
   EXPECT_EQ(compositor_.read, 4);
