@@ -15,18 +15,23 @@
 namespace ovws {
 namespace {
 
-void list(Services& services, Reply<LatticeList> reply) {
-  services.keeper.ask_in_spare_time([all = services.lattices.all(), reply](const SensorEdit& now) {
+/// Makes a question to the sensor that replies with the list.
+auto listing(const Services& services, Reply<LatticeList> reply) {
+  return [all = services.lattices.all(), reply = std::move(reply)](const SensorEdit& now) {
     LatticeList list;
     for (const auto& [name, lattice] : all) list.lattices.push_back(report_of(lattice, now));
     reply(list);
-  });
+  };
+}
+
+void list(Services& services, Reply<LatticeList> reply) {
+  services.keeper.ask_in_spare_time(listing(services, std::move(reply)));
 }
 
 void remove(Services& services, const LatticeName& params, Reply<LatticeList> reply) {
   services.lattices.remove(params.name, [&services, reply](const Result<void>& done) {
     if (!done) return reply(done.error());
-    list(services, reply);
+    services.keeper.ask(listing(services, reply));
   });
 }
 

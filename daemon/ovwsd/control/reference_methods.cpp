@@ -84,21 +84,26 @@ void use_model(Services& services, const ReferenceSet& /*to*/, Reply<KnownRefere
   edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
 }
 
-void list_references(Services& services, Reply<ReferenceList> reply) {
-  services.keeper.ask_in_spare_time([all = services.named.all(), reply](const SensorEdit& now) {
+/// Makes a question to the sensor that replies with the list.
+auto listing(const Services& services, Reply<ReferenceList> reply) {
+  return [all = services.named.all(), reply = std::move(reply)](const SensorEdit& now) {
     ReferenceList list;
     for (const auto& [name, reference] : all) {
       list.references.push_back({name, reference->t_taken_ns, misfit(*reference, now)});
     }
     reply(list);
-  });
+  };
+}
+
+void list_references(Services& services, Reply<ReferenceList> reply) {
+  services.keeper.ask_in_spare_time(listing(services, std::move(reply)));
 }
 
 /// Makes a callback that replies with the list, or with the error.
 NamedReferences::Done then_list(Services& services, Reply<ReferenceList> reply) {
   return [&services, reply = std::move(reply)](const Result<void>& done) {
     if (!done) return reply(done.error());
-    list_references(services, reply);
+    services.keeper.ask(listing(services, reply));
   };
 }
 

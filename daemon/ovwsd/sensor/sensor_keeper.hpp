@@ -47,7 +47,10 @@ class SensorKeeper : public Agent {
                                                     const SensorKeeperDeps& deps);
 
   bool do_work() override;
-  void on_close() override { mailbox_.close(); }
+  void on_close() override {
+    mailbox_.close();
+    questions_.clear();  // their callers get the answer of a daemon that stops
+  }
 
   SensorView snapshot() const { return snapshot_.get(); }
   /// Any thread. Held by a job, the sensor takes no templates; with another tracker than `fit`, it

@@ -277,6 +277,19 @@ TEST_F(Keeper, LetsTheAberrationChangeWhileTheLoopIsClosed) {
   EXPECT_TRUE(edit(set_correction({})));
 }
 
+TEST_F(Keeper, DropsItsQuestionsWhenItsThreadEnds) {
+  keeper_->ask_in_spare_time([](const SensorEdit&) { test::skip(std::chrono::milliseconds(20)); });
+  keeper_->do_work();
+  test::skip(-std::chrono::hours(1));  // the next one is not due, however busy the machine is
+  const auto caller = std::make_shared<int>();
+  keeper_->ask_in_spare_time([caller](const SensorEdit&) {});
+  keeper_->do_work();
+  EXPECT_EQ(caller.use_count(), 2) << "it waits";
+  keeper_->on_close();
+  EXPECT_EQ(caller.use_count(), 1);
+  test::skip(std::chrono::hours(1));
+}
+
 TEST_F(Keeper, QuestionsLeaveItsTimeToChanges) {
   constexpr int kMany = 200;
   int changes = 0, answers = 0;
@@ -372,15 +385,7 @@ TEST_F(Keeper, WhatWasMeasuredOfAnotherImageIsRefused) {
 
 TEST_F(Keeper, ARegistrationOfAnotherCameraIsNotUsed) {
   keeper_->camera_changed(config_.camera.settings, kFirst);
-  work();
-  Registration map;
-  map.px_per_cycle = {900.0, 0.0, 0.0, 900.0};
-  map.base_px = {130.0, 120.0};
-  map.t_taken_ns = 5;
-  const Hold job = Hold::of_job(1);
-  keeper_->hold(job);
-  ASSERT_TRUE(edit(job, use_registration(map)));
-  release(job);
+  use_map(900.0);
   ASSERT_TRUE(keeper_->snapshot()->registration);
   keeper_->camera_changed(config_.camera.settings, kSecond);
   work();
