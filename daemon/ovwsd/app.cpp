@@ -167,6 +167,11 @@ struct App::Parts {
     state.set_device("slm", &Conditions::display, now.healthy, now.at_fault ? now.fault : "");
   }
 
+  void holder_changed(Hold::By by) {
+    state.set(&Conditions::reload, by == Hold::By::reload);
+    state.set(&Conditions::lattice, by == Hold::By::lattice);
+  }
+
   void thread_failed(const ThreadFailure& failure) {
     const bool goes_on = failure.row->on_exception == OnException::go_on;
     events.emit("thread", Severity::error,
@@ -186,11 +191,12 @@ struct App::Parts {
 };
 
 Result<void> App::Parts::make_sensor() {
-  auto made = SensorKeeper::make(
-      config, {pipeline, slm, events, store, [this](const MeasurementPlan& plan, SensorView now) {
-                 corrector.sensor_changed(now->modes_j);
-                 recorder.add_plan(plan, std::move(now));
-               }});
+  auto made = SensorKeeper::make(config, {pipeline, slm, events, store,
+                                          [this](const MeasurementPlan& plan, SensorView now) {
+                                            corrector.sensor_changed(now->modes_j);
+                                            recorder.add_plan(plan, std::move(now));
+                                          },
+                                          [this](Hold::By by) { holder_changed(by); }});
   if (!made) return fail(made.error());
   keeper = std::move(*made);
   procedures = std::make_unique<Procedures>(

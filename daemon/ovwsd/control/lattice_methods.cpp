@@ -103,6 +103,13 @@ CameraSet exposure_change(const CameraSettings& now, const PreparedLattice& want
 
 using Used = std::function<void(const Result<LatticeInUse>&)>;
 
+/// The error of a switch of which a step threw or was dropped.
+Error not_ended() {
+  return {Errc::internal, "",
+          "the switch to the lattice did not end: see the events for the cause, check the settings "
+          "of camera and sensor, and repeat the request"};
+}
+
 /// Changes the sensor. If that fails, the camera's settings `before` return before the answer.
 void show_lattice(Services& services, const PreparedLattice& lattice, const CameraSet& before,
                   const Used& done) {
@@ -149,15 +156,11 @@ void use(Services& services, const LatticeName& params, Reply<LatticeInUse> repl
     SensorEdit edit = now;
     if (auto usable = use_lattice(lattice)(edit); !usable) return reply(about_name(usable.error()));
     services.keeper.hold(Hold::of_lattice());
-    services.state.set(&Conditions::lattice, true);
-    const auto show = [&services, lattice, reply] {
-      expose_and_show(services, lattice, [&services, reply](const Result<LatticeInUse>& used) {
-        services.keeper.release(Hold::of_lattice(), [&services, reply, used] {
-          services.state.set(&Conditions::lattice, false);
-          reply(used);
-        });
-      });
-    };
+    const auto outcome = services.keeper.release_with_last<Result<LatticeInUse>>(
+        Hold::of_lattice(), fail(not_ended()),
+        [reply](const Result<LatticeInUse>& used) { reply(used); });
+    const Used done = [outcome](const Result<LatticeInUse>& used) { *outcome = used; };
+    const auto show = [&services, lattice, done] { expose_and_show(services, lattice, done); };
     const CameraSnapshot camera = services.camera.snapshot();
     if (!camera.connected && !camera.at_fault) return show();
     services.camera.after_changes(show);

@@ -190,6 +190,7 @@ void SensorKeeper::set_hold(Hold by) {
   const bool took = takes_templates(state_);
   state_.hold = by;
   held_by_.store(by.by);
+  deps_.on_hold(by.by);
   if (took != takes_templates(state_)) plan_again(new_edit());
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "config/config.hpp"
 #include "core/pipeline/pipeline.hpp"
@@ -34,6 +35,8 @@ struct SensorKeeperDeps {
   /// Called before a plan becomes active, in the prepare thread. For the first plan it is called in
   /// the thread that calls SensorKeeper::make.
   std::function<void(const MeasurementPlan&, SensorView)> on_plan;
+  /// Called in the prepare thread when the sensor gets a holder, or none.
+  std::function<void(Hold::By)> on_hold = [](Hold::By) {};
 };
 
 /// Agent of the prepare thread. All changes of the sensor are made in this thread.
@@ -76,6 +79,16 @@ class SensorKeeper : public Agent {
   /// Releases the sensor if `by` holds it, then calls `then`. After a job, restores the previous
   /// settings, and the previous hologram as soon as a display is connected.
   void release(Hold by, std::function<void()> then);
+  /// For a change in several steps, which different threads carry out. Each step keeps a copy of
+  /// the pointer, and may write its outcome there. When the last copy is destroyed, calls
+  /// `release`, and `then` with the outcome. So a step that throws, or that a closed mailbox drops,
+  /// does not leave the sensor held.
+  template <class T>
+  std::shared_ptr<T> release_with_last(Hold by, T outcome, std::function<void(const T&)> then) {
+    return std::shared_ptr<T>(new T(std::move(outcome)), [this, by, then](T* last) {
+      release(by, [then, last = std::shared_ptr<const T>(last)] { then(*last); });
+    });
+  }
   /// Call when the camera's settings or identity have changed. If region or pixel format differ, a
   /// plan for the new image becomes active. Measurements made with another camera are not used.
   void camera_changed(const CameraSettings& camera, const std::optional<CameraInfo>& info);

@@ -99,7 +99,8 @@ class Keeper : public testing::Test {
     });
     auto made =
         SensorKeeper::make(config_, {parts_->pipeline, parts_->slm, parts_->events, parts_->store,
-                                     [](const MeasurementPlan&, SensorView) {}});
+                                     [](const MeasurementPlan&, SensorView) {},
+                                     [this](Hold::By by) { holder_ = by; }});
     ASSERT_TRUE(made) << made.error().reason;
     keeper_ = std::move(*made);
   }
@@ -187,6 +188,7 @@ class Keeper : public testing::Test {
   std::unique_ptr<Parts> parts_;
   std::thread display_;
   std::unique_ptr<SensorKeeper> keeper_;
+  Hold::By holder_ = Hold::By::nobody;  ///< as on_hold said
 };
 
 TEST_F(Keeper, TheDisplayCountsAsOpenOnceItShowsTheFirstHologram) {
@@ -275,6 +277,27 @@ TEST_F(Keeper, LetsTheAberrationChangeWhileTheLoopIsClosed) {
   EXPECT_FALSE(edit(show_pattern(HologramKind::flat)));
   release(Hold::of_loop());
   EXPECT_TRUE(edit(set_correction({})));
+}
+
+TEST_F(Keeper, IsReleasedByTheLastStepOfAChangeAlsoIfThatThrowsOrIsDropped) {
+  for (const bool throws : {true, false}) {
+    Mailbox other;
+    std::string outcome;
+    keeper_->hold(Hold::of_lattice());
+    auto turn = keeper_->release_with_last<std::string>(
+        Hold::of_lattice(), "did not end", [&](const std::string& last) { outcome = last; });
+    other.post([turn] { throw std::runtime_error(*turn); });
+    turn.reset();
+    work();
+    EXPECT_EQ(holder_, Hold::By::lattice) << "a step waits";
+    if (throws) {
+      EXPECT_THROW(other.run_one(std::chrono::milliseconds(0)), std::runtime_error);
+    }
+    other.close();
+    work();
+    EXPECT_EQ(holder_, Hold::By::nobody);
+    EXPECT_EQ(outcome, "did not end");
+  }
 }
 
 TEST_F(Keeper, DropsItsQuestionsWhenItsThreadEnds) {
