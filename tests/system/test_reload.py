@@ -1,13 +1,15 @@
 """SIGHUP reloads the configuration file: live keys change, everything else continues."""
+import itertools
 import json
 import random
 import signal
 import time
 
-from case import BenchCase, Client, ClientError, main, wait_for
+import thread_holder
+from case import PATIENCE_S, BenchCase, ClientError, main, next_message, wait_for
 
 
-RELOADS = 60  # that are refused at random moments
+RELOADS = 60  # at least, which are refused, with a change at a random moment of each
 
 
 class Reload(BenchCase):
@@ -15,8 +17,6 @@ class Reload(BenchCase):
 
     def setUp(self):
         super().setUp()
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
         self.events = self.stream("event")
 
     def signal(self, config):
@@ -24,6 +24,10 @@ class Reload(BenchCase):
         text = config if isinstance(config, str) else json.dumps(config)
         (self.bench.directory / "ovwsd.json").write_text(text)
         self.bench.process("ovwsd").popen.send_signal(signal.SIGHUP)
+
+    def held(self, thread):
+        """Context in which this thread of the daemon stands still."""
+        return thread_holder.held(self.bench.process("ovwsd").pid, thread)
 
     def ended(self):
         """The event at the end of a reload."""
@@ -139,10 +143,18 @@ class Reload(BenchCase):
         self.assertIn("camera.gain_db", self.reload({"camera": {"gain_db": 2.0}})["data"]["applied"])
 
     def test_until_it_has_ended_no_job_begins_and_nobody_else_changes_the_bench(self):
-        self.twin.call("twin.fault", {"kind": "slow_registers", "delay_ms": 300, "seconds": 60})
-        self.signal({"camera": {"gain_db": 2.0, "exposure_us": 1500.0, "roi": {"x": 16, "y": 16, "width": 480, "height": 480}}})
-        held = wait_for(lambda: self.error_of("aberration.set", {"modes": []}), what="the reload")
-        self.assertIn("being reloaded", str(held))
+        change = {"camera": {"gain_db": 2.0, "exposure_us": 1500.0, "roi": {"x": 16, "y": 16, "width": 480, "height": 480}}}
+        with self.held("camera"):  # the reload waits for it
+            self.signal(change)
+            held = wait_for(lambda: self.error_of("aberration.set", {"modes": []}), what="the reload")
+            self.assertIn("being reloaded", str(held))
+            self.assert_all_refused()
+        event = self.ended()
+        self.assertTrue(event["data"]["reloaded"], event)
+        self.assertIn("camera.roi.width", event["data"]["applied"])
+        self.take_reference(20)
+
+    def assert_all_refused(self):
         for method, params in (("reference.take", {"frames": 20}), ("calibration.run", {}), ("registration.run", {}), ("reference.clear", {}),
                                ("sensor.set", {"charge": 1}), ("slm.show", {"pattern": "flat"}), ("camera.set", {"exposure_us": 900.0}),
                                ("camera.select", {"id": "other"}), ("slm.set", {"settle_ms": 30.0}), ("refine.set", {"rate_hz": 2.0}),
@@ -150,11 +162,17 @@ class Reload(BenchCase):
             refused = self.refused(method, params)
             self.assertEqual(refused.code, -32000, refused)
             self.assertIn("being reloaded", str(refused), method)
-        event = self.ended()
-        self.assertTrue(event["data"]["reloaded"], event)
-        self.assertIn("camera.roi.width", event["data"]["applied"])
-        self.twin.call("twin.fault", {"kind": "none"})
-        self.take_reference(20)
+
+    def test_a_disk_that_stands_still_holds_up_the_reload_only(self):
+        status = self.stream("status")
+        with self.held("disk"):
+            self.signal({"camera": {"gain_db": 2.0}})
+            for _ in range(2):  # the thread that publishes it begins the reload
+                next_message(status)
+            self.call("lattice.list")  # through the thread that holds the bench
+            self.call("camera.set", {"exposure_us": 900.0})
+            self.call("aberration.set", {"modes": []})
+        self.assertIn("camera.gain_db", self.ended()["data"]["applied"])
 
     def test_a_refused_one_undoes_no_change_that_was_accepted(self):
         """The file is refused by its last part, when the others are applied. Clients meanwhile set what it changes."""
@@ -163,14 +181,20 @@ class Reload(BenchCase):
         choose = random.Random(5)
         accepted = busy = 0
         undone = []
-        for k in range(RELOADS):
+        begun = time.monotonic()
+        duration_s = 0.06  # of a reload, from the signal to its event
+        for k in itertools.count():
+            if k >= RELOADS and (accepted and busy or time.monotonic() > begun + PATIENCE_S):
+                break
             changes = {"camera.set": {"exposure_us": 1000.0 + k}, "slm.set": {"settle_ms": 10.0 + k % 7}, "refine.set": {"rate_hz": 1.0 + k % 5}}
             method, params = choose.choice(list(changes.items()))
             (key, value), = params.items()
+            signalled = time.monotonic()
             self.signal(refused)
-            time.sleep(choose.uniform(0.0, 0.06))
+            time.sleep(choose.uniform(0.0, duration_s))
             error = self.error_of(method, params)
             self.assertFalse(self.ended()["data"]["reloaded"])
+            duration_s = time.monotonic() - signalled
             if error:
                 self.assertIn("being reloaded", str(error))
                 busy += 1
@@ -182,6 +206,7 @@ class Reload(BenchCase):
         print(f"\n  {accepted} changes accepted, {busy} refused, {len(undone)} undone")
         self.assertEqual(undone, [])
         self.assertGreater(accepted, 0)
+        self.assertGreater(busy, 0)
         used = self.call("config.get")
         self.assertEqual((used["camera"]["gain_db"], used["tracking"]["operator"]), (0.0, "slopes"))
 

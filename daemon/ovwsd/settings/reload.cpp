@@ -33,8 +33,7 @@ Error with_section(std::string section, Error error, const LoadedConfig& read) {
   return error;
 }
 
-/// Reads and checks the configuration. Catches exceptions, which would otherwise leave the sensor
-/// held forever.
+/// Reads and checks the configuration. Catches exceptions, so that the event says what was wrong.
 Result<LoadedConfig> read_again(const std::string& path) {
   try {
     auto read = load_with_saved(path);
@@ -51,42 +50,51 @@ Result<LoadedConfig> read_again(const std::string& path) {
 
 void Reloader::poll() {
   if (busy_.load() || !requested_.exchange(false)) return;
+  const Turn turn = deps_.keeper.release_with_last<Outcome>(
+      Hold::of_reload(), Outcome(), [this](const Outcome& outcome) { end(outcome); });
   busy_.store(true);
   service::notify_reloading();
-  deps_.keeper.after_changes([this] { begin(); });
+  deps_.disk.post([this, turn] { read(turn); });
 }
 
-void Reloader::begin() {
-  if (deps_.loaded.get().path.empty()) {
-    return refuse(Error{Errc::refused, "",
+/// Reads the file before the reload holds the bench, because a disk may not answer for minutes.
+void Reloader::read(const Turn& turn) {
+  const std::string path = deps_.loaded.get().path;
+  if (path.empty()) {
+    return refuse(turn,
+                  Error{Errc::refused, "",
                         "there is no file to read: the daemon was started without --config FILE"});
   }
+  const auto read = read_again(path);
+  if (!read) return refuse(turn, read.error());
+  deps_.keeper.after_changes([this, turn, read = *read] { begin(turn, read); });
+}
+
+void Reloader::begin(const Turn& turn, const LoadedConfig& read) {
   if (const auto allowed = deps_.state.check(Action::reload_config); !allowed) {
-    return refuse(allowed.error());
+    return refuse(turn, allowed.error());
   }
-  if (const auto free = deps_.keeper.may_hold(); !free) return refuse(free.error());
+  if (const auto free = deps_.keeper.may_hold(); !free) return refuse(turn, free.error());
   deps_.keeper.hold(Hold::of_reload());
-  deps_.state.set(&Conditions::reload, true);
-  deps_.disk.post([this] {
-    const auto read = read_again(deps_.loaded.get().path);
-    if (!read) return refuse(read.error());
-    await_earlier_changes(*read);
-  });
+  await_earlier_changes(turn, read);
 }
 
 /// Waits for the changes that camera and SLM permitted before the reload began: a rollback must
 /// return to what they set. An SLM whose settings stay is not waited for, because a display may not
 /// answer for minutes.
-void Reloader::await_earlier_changes(const LoadedConfig& read) {
-  const auto go_on = [this, read] { deps_.keeper.after_changes([this, read] { change(read); }); };
+void Reloader::await_earlier_changes(const Turn& turn, const LoadedConfig& read) {
+  const auto go_on = [this, turn, read] {
+    deps_.keeper.after_changes([this, turn, read] { change(turn, read); });
+  };
   deps_.camera.after_changes([this, go_on, wanted = settings_of(read.effective.slm)] {
     if (wanted == deps_.slm.snapshot().settings) return go_on();
     deps_.slm.change(Asker::holder, {}, [go_on](const Result<SlmSettings>&) { go_on(); });
   });
 }
 
-void Reloader::change(const LoadedConfig& read) {
+void Reloader::change(const Turn& turn, const LoadedConfig& read) {
   Reload reload;
+  reload.turn = turn;
   reload.before = config_in_use(deps_.config, deps_.loaded.get(), deps_.camera, deps_.slm,
                                 deps_.keeper, deps_.refiner);
   reload.after = read.effective;
@@ -104,7 +112,8 @@ void Reloader::change_slm(const Reload& reload) {
   if (after == before) return select_camera(reload);
   deps_.slm.change(Asker::holder, SlmSet::difference(before, after),
                    [this, reload](const Result<SlmSettings>& used) {
-                     if (!used) return refuse(with_section("slm", used.error(), reload.read));
+                     if (!used)
+                       return refuse(reload.turn, with_section("slm", used.error(), reload.read));
                      select_camera(reload);
                    });
 }
@@ -196,12 +205,12 @@ void Reloader::roll_back_devices(const Reload& reload, const Refusal& refusal) {
 
 void Reloader::roll_back_slm(const Reload& reload, const Refusal& refusal) {
   const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
-  if (after == before) return refuse(refusal);
+  if (after == before) return refuse(reload.turn, refusal);
   deps_.slm.change(Asker::holder, SlmSet::difference(after, before),
-                   [this, refusal](const Result<SlmSettings>& used) {
+                   [turn = reload.turn, refusal](const Result<SlmSettings>& used) {
                      Refusal both = refusal;
                      if (!used) both.add("SLM's settings", used.error().reason);
-                     refuse(both);
+                     refuse(turn, both);
                    });
 }
 
@@ -214,10 +223,13 @@ void Reloader::finish(const Reload& reload) {
   deps_.images.set_rate(reload.after.stream.image_rate_hz);
   set_log_level(reload.after.log.level);
   deps_.loaded.set(reload.read);
-  deps_.disk.post([this, used = reload]() mutable {
+  deps_.disk.post([used = reload]() mutable {
     set_aside_if_invalid(used.read);
     report(used);
   });
+  // All is changed: do not hold the bench while the disk may not answer. A client's config.save
+  // comes to the disk after this task.
+  deps_.keeper.release(Hold::of_reload(), [] {});
 }
 
 void Reloader::report(const Reload& reload) {
@@ -227,34 +239,32 @@ void Reloader::report(const Reload& reload) {
   if (!restart.empty()) text += "; a restart is needed for: " + comma_list(restart);
   if (const std::string saved = describe_saved(reload.read); !saved.empty()) text += "; " + saved;
   const bool all_used = restart.empty() && reload.read.unused_reason.empty();
-  end(all_used ? Severity::info : Severity::warning, std::move(text),
-      {{"reloaded", true},
-       {"applied", live},
-       {"restart", restart},
-       {"saved", reload.read.saved},
-       {"edited", reload.read.edited}});
+  *reload.turn = {all_used ? Severity::info : Severity::warning,
+                  std::move(text),
+                  {{"reloaded", true},
+                   {"applied", live},
+                   {"restart", restart},
+                   {"saved", reload.read.saved},
+                   {"edited", reload.read.edited}}};
 }
 
-void Reloader::refuse(const Refusal& refusal) {
+void Reloader::refuse(const Turn& turn, const Refusal& refusal) {
   const Error& why = refusal.why;
   const std::string what_stays = refusal.not_restored.empty()
                                      ? "nothing has changed"
                                      : fmt::format("all but the {} is unchanged",
                                                    fmt::join(refusal.not_restored, " and the "));
-  end(Severity::error, fmt::format("configuration not reloaded, {}: {}", what_stays, text_of(why)),
-      {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
+  *turn = {Severity::error,
+           fmt::format("configuration not reloaded, {}: {}", what_stays, text_of(why)),
+           {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}}};
 }
 
-/// Releases the bench before the event is published, because a client may start a job as soon as it
-/// receives the event.
-void Reloader::end(Severity severity, std::string text, nlohmann::json data) {
-  deps_.keeper.release(Hold::of_reload(),
-                       [this, severity, text = std::move(text), data = std::move(data)]() mutable {
-                         deps_.state.set(&Conditions::reload, false);
-                         deps_.events.emit("config", severity, std::move(text), std::move(data));
-                         service::notify_ready();
-                         busy_.store(false);
-                       });
+/// Called when the bench has been released, because a client may start a job as soon as it receives
+/// the event.
+void Reloader::end(const Outcome& outcome) {
+  deps_.events.emit("config", outcome.severity, outcome.text, outcome.data);
+  service::notify_ready();
+  busy_.store(false);
 }
 
 }  // namespace ovws

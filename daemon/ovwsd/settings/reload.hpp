@@ -3,6 +3,8 @@
 #pragma once
 
 #include <atomic>
+#include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,21 +39,33 @@ struct ReloadDeps {
 
 /// Applies one reload at a time, completely or not at all. Changes SLM, camera, then sensor, as the
 /// methods of the control socket do; what cannot be refused (refinement, image rate, log) follows.
-/// If a part refuses, the earlier changes are rolled back. From before it reads what is in use
-/// until its end, a reload holds the bench: no job starts, and clients' changes of SLM, camera,
-/// sensor and refinement are refused, so it never undoes one. Keys that need a restart are
-/// reported, but not applied. An event of kind `config` reports the outcome.
+/// If a part refuses, the earlier changes are rolled back. A reload reads the file first.
+/// Then, from before it reads what is in use until all is changed, it holds the bench: no job
+/// starts, and clients' changes of SLM, camera, sensor and refinement are refused, so it never
+/// undoes one. Keys that need a restart are reported, but not applied. An event of kind `config`
+/// reports the outcome.
 class Reloader {
  public:
   explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}
 
   /// Requests a reload. Async-signal-safe.
   void request() { requested_.store(true); }
-  /// Starts a requested reload in the prepare thread without waiting for its end. Status thread.
+  /// Starts a requested reload in the disk thread without waiting for its end. Status thread.
   void poll();
 
  private:
+  /// What the event at the end of a reload says. At first: that a step threw or was dropped.
+  struct Outcome {
+    Severity severity = Severity::error;
+    std::string text =
+        "configuration not reloaded: a step of the reload did not end; see the events for the "
+        "cause, check the settings in use, and reload again";
+    nlohmann::json data{{"reloaded", false}, {"field", ""}, {"reason", "a step did not end"}};
+  };
+  /// Every step of a reload keeps a copy. When the last one is destroyed, the reload ends.
+  using Turn = std::shared_ptr<Outcome>;
   struct Reload {
+    Turn turn;
     Config before, after;  ///< camera settings as requested, not as read back
     ConfigDifference keys;
     LoadedConfig read;
@@ -65,20 +79,21 @@ class Reloader {
     std::vector<std::string> not_restored;
   };
 
-  void begin();
-  void await_earlier_changes(const LoadedConfig& read);
-  void change(const LoadedConfig& read);
+  void read(const Turn& turn);
+  void begin(const Turn& turn, const LoadedConfig& read);
+  void await_earlier_changes(const Turn& turn, const LoadedConfig& read);
+  void change(const Turn& turn, const LoadedConfig& read);
   void change_slm(const Reload& reload);
   void select_camera(const Reload& reload);
   void change_camera(const Reload& reload);
   void change_sensor(const Reload& reload);
   void finish(const Reload& reload);
-  void report(const Reload& reload);
+  static void report(const Reload& reload);
   void roll_back_camera(const Reload& reload, const Refusal& refusal);
   void roll_back_devices(const Reload& reload, const Refusal& refusal);
   void roll_back_slm(const Reload& reload, const Refusal& refusal);
-  void refuse(const Refusal& refusal);
-  void end(Severity severity, std::string text, nlohmann::json data);
+  static void refuse(const Turn& turn, const Refusal& refusal);
+  void end(const Outcome& outcome);
 
   ReloadDeps deps_;
   std::atomic<bool> requested_{false};
