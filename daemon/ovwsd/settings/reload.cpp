@@ -215,15 +215,18 @@ void Reloader::roll_back_slm(const Reload& reload, const Refusal& refusal) {
 }
 
 void Reloader::finish(const Reload& reload) {
-  if (!(reload.after.refine ==
-        reload.before.refine)) {  // whose values reading the file has checked
-    (void)deps_.refiner.change(RefineSet::whole(reload.after.refine),
-                               reload.after.camera.settings.pixel_format);
+  Reload used = reload;
+  // The refiner checks the values that the file has passed already once more, in the pixel format
+  // of the camera.
+  if (!(used.after.refine == used.before.refine)) {
+    const auto refined = deps_.refiner.change(RefineSet::whole(used.after.refine),
+                                              used.after.camera.settings.pixel_format);
+    if (!refined) used.refine_error = with_section("refine", refined.error(), used.read);
   }
   deps_.images.set_rate(reload.after.stream.image_rate_hz);
   set_log_level(reload.after.log.level);
   deps_.loaded.set(reload.read);
-  deps_.disk.post([used = reload]() mutable {
+  deps_.disk.post([used = std::move(used)]() mutable {
     set_aside_if_invalid(used.read);
     report(used);
   });
@@ -233,12 +236,19 @@ void Reloader::finish(const Reload& reload) {
 }
 
 void Reloader::report(const Reload& reload) {
-  const auto& [live, restart] = reload.keys;
+  auto [live, restart] = reload.keys;
+  if (reload.refine_error) {
+    std::erase_if(live, [](const std::string& key) { return key.starts_with("refine."); });
+  }
   std::string text = "configuration reloaded: ";
   text += live.empty() ? "no run-time setting has changed" : "applied " + comma_list(live);
   if (!restart.empty()) text += "; a restart is needed for: " + comma_list(restart);
   if (const std::string saved = describe_saved(reload.read); !saved.empty()) text += "; " + saved;
-  const bool all_used = restart.empty() && reload.read.unused_reason.empty();
+  if (reload.refine_error) {
+    text += "; the refinement keeps its settings: " + text_of(*reload.refine_error);
+  }
+  const bool all_used =
+      restart.empty() && reload.read.unused_reason.empty() && !reload.refine_error;
   *reload.turn = {all_used ? Severity::info : Severity::warning,
                   std::move(text),
                   {{"reloaded", true},

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,10 +39,10 @@ struct ReloadDeps {
 };
 
 /// Applies one reload at a time, completely or not at all. Changes SLM, camera, then sensor, as the
-/// methods of the control socket do; what cannot be refused (refinement, image rate, log) follows.
-/// If a part refuses, the earlier changes are rolled back. A reload reads the file first.
-/// Then, from before it reads what is in use until all is changed, it holds the bench: no job
-/// starts, and clients' changes of SLM, camera, sensor and refinement are refused, so it never
+/// methods of the control socket do; refinement (an error is a warning), image rate and log follow.
+/// If one of the first three refuses, the earlier changes are rolled back. A reload reads the file
+/// first. Then, from before it reads what is in use until all is changed, it holds the bench: no
+/// job starts, and clients' changes of SLM, camera, sensor and refinement are refused, so it never
 /// undoes one. Keys that need a restart are reported, but not applied. An event of kind `config`
 /// reports the outcome.
 class Reloader {
@@ -69,7 +70,8 @@ class Reloader {
     Config before, after;  ///< camera settings as requested, not as read back
     ConfigDifference keys;
     LoadedConfig read;
-    bool had_camera = false;  ///< a camera was connected before
+    bool had_camera = false;            ///< a camera was connected before
+    std::optional<Error> refine_error;  ///< why the refinement does not use its settings
   };
   /// Why the configuration was not applied, and which parts could not be restored.
   struct Refusal {
