@@ -21,6 +21,8 @@ class Guarded {
     const std::lock_guard lock(mutex_);
     value_ = std::move(value);
   }
+  /// Calls `change` with the value and returns its result. The call runs under the lock: it must
+  /// not call get, set or change of this object.
   template <class Change>
   auto change(Change change) {
     const std::lock_guard lock(mutex_);

@@ -23,7 +23,7 @@ class TimeShare {
   }
 
  private:
-  static constexpr std::int64_t kPause = 9;  ///< of what the work takes
+  static constexpr std::int64_t kPause = 9;  ///< pause in multiples of the work's duration
   static constexpr std::int64_t kMaxPauseNs = 500'000'000;
   std::int64_t next_ns_ = 0;
 };
