@@ -1,6 +1,7 @@
 #include "daemon/ovwsd/procedures/presentation.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
@@ -185,14 +186,20 @@ void Presentations::begin(std::function<void(const std::shared_ptr<Show>&)> orde
       Holds::hologram);
 }
 
-/// Takes no more orders, and refuses those that wait.
+/// Takes no more orders, and refuses those that wait. An order that throws does not keep the others
+/// from their answers.
 void Presentations::end(Show& show) {
   show.bench = nullptr;
   {
     const std::lock_guard lock(mutex_);
     running_.reset();
   }
-  while (show.orders.run_one(std::chrono::milliseconds(0))) {
+  for (bool more = true; more;) {
+    try {
+      more = show.orders.run_one(std::chrono::milliseconds(0));
+    } catch (...) {
+      spdlog::error("slm.present: an order could not be answered, perhaps for lack of memory");
+    }
   }
 }
 

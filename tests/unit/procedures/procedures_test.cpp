@@ -453,6 +453,9 @@ TEST(Presentations, EveryOrderIsAnsweredEvenAfterAnException) {
     return [&to](Result<PresentReport> done) { to.set_value(std::move(done)); };
   };
   presentations.present(renewal, "", [&](const Result<PresentReport>&) {
+    presentations.present(renewal, "", [](const Result<PresentReport>&) {
+      throw std::runtime_error("no memory for this one either");
+    });
     presentations.present(renewal, "", answer(waits));
     throw std::runtime_error("no memory for the reply");
   });
