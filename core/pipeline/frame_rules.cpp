@@ -88,6 +88,20 @@ bool too_many_lost(const Reconstruction& found) {
   return kMinSpotsPerLost * found.lost > found.used + found.lost;
 }
 
+bool enough_found(std::span<const SpotFix> spots, std::span<const Vec2> reference_px) {
+  Reconstruction found;
+  for (std::size_t i = 0; i < std::min(spots.size(), reference_px.size()); ++i) {
+    if (!std::isfinite(reference_px[i].x) || !std::isfinite(reference_px[i].y)) continue;
+    ++(spots[i].found() ? found.used : found.lost);
+  }
+  return !too_many_lost(found);
+}
+
+bool enough_found(const FrameRecord& record) {
+  return enough_found({record.spots.data(), std::size_t(record.spot_count)},
+                      record.plan->reference_px);
+}
+
 bool is_explained(const Reconstruction& found, std::span<const SpotFix> spots, double lambda_d_px) {
   if (too_many_lost(found)) return false;
   bool all_whole = found.lost == 0;

@@ -51,6 +51,12 @@ constexpr double kCredibleResidual = 0.03;
 /// Whether more than a sixth of the spots with a reference are lost. RT-safe.
 bool too_many_lost(const Reconstruction& found) OVWS_NONBLOCKING;
 
+/// The opposite for a frame, whoever measured its modes: whether at least five sixths of the spots
+/// with a finite position in `reference_px` are found. Outliers count as lost. RT-safe.
+bool enough_found(std::span<const SpotFix> spots,
+                  std::span<const Vec2> reference_px) OVWS_NONBLOCKING;
+bool enough_found(const FrameRecord& record) OVWS_NONBLOCKING;
+
 /// Goodness-of-fit test: whether the reconstructed modes explain the spot positions. At most a
 /// sixth of the spots with a reference may be lost. The RMS fit residual must be at most 0.25
 /// lambda/d. The limit is 0.045 lambda/d if a spot is lost or has a quality below 0.65, because

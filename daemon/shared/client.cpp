@@ -179,9 +179,13 @@ std::string why_not_valid(const json& message, const json& status) {
     return "no reference: ovws reference 100";
   }
   const int tracked = message.value("tracked", 0), spots = message.value("subapertures", 0);
-  const bool enough = !too_many_lost({.used = tracked, .lost = spots - tracked});
-  if (enough && message.value("fit_residual_px", json()).is_number())
-    return "no wavefront explains the spot positions";
+  if (message.value("fit_residual_px", json()).is_number()) {
+    // The daemon knows which spots have a reference; a message without its reason counts them all.
+    const json invalid = status.at("sensor").value("invalid", json());
+    if (invalid.is_object() && invalid.contains("reason")) return invalid.at("reason");
+    const bool enough = !too_many_lost({.used = tracked, .lost = spots - tracked});
+    if (enough) return "no wavefront explains the spot positions";
+  }
   return fmt::format("{} of {} spots found", tracked, spots);
 }
 

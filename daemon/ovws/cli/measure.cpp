@@ -135,9 +135,9 @@ void put_refined(json& line, const Measured& measured, bool amplitudes) {
   if (amplitudes) line["refined"]["amplitudes"] = found.amplitudes;
 }
 
-void print_why_not_valid(const json& line) {
+void print_why_not_valid(const json& line, bool enough_found) {
   const int spots = line["subapertures"].get<int>(), tracked = line["tracked"].get<int>();
-  if (too_many_lost({.used = tracked, .lost = spots - tracked})) {
+  if (!enough_found) {
     print("{} of {} spots are missing, more than a sixth: check the image and its exposure\n",
           spots - tracked, spots);
   } else if (line["fit_residual_px"].is_number() && !line.contains("refined")) {
@@ -146,7 +146,7 @@ void print_why_not_valid(const json& line) {
   }
 }
 
-void print_table(const Page& page, const json& line) {
+void print_table(const Page& page, const json& line, bool enough_found) {
   const int spots = line["subapertures"].get<int>();
   print("{}: {} of {} spots, {}\n", page.name(), line["tracked"].get<int>(), spots,
         line["valid"].get<bool>() ? "valid" : "NOT VALID");
@@ -169,7 +169,7 @@ void print_table(const Page& page, const json& line) {
         "branch point (phase singularity) near x {:+.2f}, y {:+.2f} pupil radii, charge {:+.0f}\n",
         point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
   }
-  if (!line["valid"].get<bool>()) return print_why_not_valid(line);
+  if (!line["valid"].get<bool>()) return print_why_not_valid(line, enough_found);
   for (std::size_t k = 0; k < line["j"].size(); ++k) {
     const int j = line["j"][k].get<int>();
     print("{:>4} {:<32} {:+9.4f}\n", j, zernike_name(j), line["coefficients"][k].get<double>());
@@ -192,6 +192,12 @@ struct Instrument {
 };
 
 /// Measures image files in sequence. The reference is measured once for each image size and depth.
+/// Result of one image.
+struct MeasuredPage {
+  json line;
+  bool enough_found = true;  ///< see enough_found of frame_rules.hpp
+};
+
 class ImageMeasurer {
  public:
   ImageMeasurer(const MeasureOptions& options, const Config& config)
@@ -213,7 +219,7 @@ class ImageMeasurer {
     return {};
   }
 
-  Result<json> line_of(ImageFile& file, const Page& page) {
+  Result<MeasuredPage> measure(ImageFile& file, const Page& page) {
     const auto picture = file.read(page.number);
     if (!picture) return fail(picture.error());
     const ImageView image = picture->view();
@@ -222,7 +228,8 @@ class ImageMeasurer {
     const Measured measured = instrument.measurement->measure(image);
     json line = image_line(page, config_, *instrument.measurement, measured);
     if (options_.refine) put_refined(line, measured, options_.spot_amplitudes);
-    return line;
+    const auto& reference_px = instrument.measurement->plan().reference_px;
+    return MeasuredPage{std::move(line), enough_found(measured.spots, reference_px)};
   }
 
  private:
@@ -284,14 +291,14 @@ Error of_page(Error error, const std::string& name, const std::string& reference
 /// Measures one image and prints the result, or why there is none. Returns the exit code.
 int measure_page(const Common& common, ImageMeasurer& measurer, ImageFile& file, const Page& page,
                  const std::string& reference) {
-  const auto line = measurer.line_of(file, page);
-  if (!line) return report(common, of_page(line.error(), page.name(), reference));
+  const auto measured = measurer.measure(file, page);
+  if (!measured) return report(common, of_page(measured.error(), page.name(), reference));
   if (common.json) {
-    print("{}\n", json_text(*line));
+    print("{}\n", json_text(measured->line));
   } else {
-    print_table(page, *line);
+    print_table(page, measured->line, measured->enough_found);
   }
-  if (line->at("tracked") != 0) return kOk;
+  if (measured->line.at("tracked") != 0) return kOk;
   return report(common, {Errc::refused, "image",
                          page.name() + ": no spots are found: check the image, its exposure, and "
                                        "the configuration's sensor and optics"});

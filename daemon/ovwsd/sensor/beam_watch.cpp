@@ -36,6 +36,7 @@ void BeamWatch::on_frame(const FrameRecord& main) {
                    .tracked = record.tracked,
                    .spots = record.spot_count,
                    .explained = record.explained,
+                   .enough_found = enough_found(record),
                    .too_close_to = record.valid ? kNone : too_close_to(main, k)};
     one.newest.write(one.written);
   }
@@ -58,9 +59,8 @@ std::string BeamWatch::lack_of(const Newest& newest) const {
            ": tilt the sources apart";
   }
   if (newest.tracked == 0) return ": check the light of this source";
-  const bool enough =
-      !too_many_lost({.used = newest.tracked, .lost = newest.spots - newest.tracked});
-  return enough && !newest.explained ? ", but no wavefront explains their positions" : "";
+  return newest.enough_found && !newest.explained ? ", but no wavefront explains their positions"
+                                                  : "";
 }
 
 void BeamWatch::announce(Events& events, std::int64_t now_ns) {

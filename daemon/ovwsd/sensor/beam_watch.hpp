@@ -37,6 +37,7 @@ class BeamWatch {
     std::int64_t t_ns = 0;      ///< of the newest settled frame
     int tracked = 0, spots = 0;
     bool explained = true;
+    bool enough_found = true;  ///< see enough_found of frame_rules.hpp
     int too_close_to = kNone;  ///< kMain, or the number of another further source
   };
   struct One {

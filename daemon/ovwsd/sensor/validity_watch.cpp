@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "core/pipeline/frame_rules.hpp"
 #include "daemon/ovwsd/sensor/branch_check.hpp"
 #include "proto/dark_image.hpp"
 
@@ -67,8 +66,7 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
     return invalid;
   }
   const bool has_branch_points = lack.branch_points > 0;
-  const bool enough = !too_many_lost({.used = lack.tracked, .lost = lack.spots - lack.tracked});
-  const bool unexplained = enough && !lack.explained;
+  const bool unexplained = lack.enough_found && !lack.explained;
   invalid.reason = fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots,
                                has_branch_points ? branch_text(lack)
                                : lack.waits      ? ", but templates have not confirmed them yet"

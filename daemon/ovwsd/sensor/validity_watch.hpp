@@ -42,7 +42,8 @@ class ValidityWatch {
     BranchPoint branch_point = {};  ///< the strongest of them
     bool no_pattern = false;        ///< of a sequence: no frame's pattern has been certain for long
     bool too_close = false;         ///< the spots are too close to those of another source
-    bool undetermined = false;      ///< nearly all spots are found, but do not determine the modes
+    bool undetermined = false;      ///< enough spots are found, but do not determine the modes
+    bool enough_found = true;       ///< see enough_found of frame_rules.hpp
   };
 
   /// `brightness`: of the camera's images; must outlive this object.

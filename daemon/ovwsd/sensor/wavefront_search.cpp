@@ -156,9 +156,8 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
                            record.branch_points.points.front()};
   lack.too_close = std::ranges::any_of(
       record.beams(), [&](const FrameRecord* beam) { return !are_apart(record, *beam); });
-  lack.undetermined =
-      !record.reconstruction.determined &&
-      !too_many_lost({.used = record.tracked, .lost = record.spot_count - record.tracked});
+  lack.enough_found = enough_found(record);
+  lack.undetermined = !record.reconstruction.determined && lack.enough_found;
   validity_.on_frame(record.valid, lack, monotonic_ns());
 }
 

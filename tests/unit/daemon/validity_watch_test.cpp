@@ -83,8 +83,13 @@ TEST(ValidityWatch, SaysWhyWhatIsDoneAndWhen) {
   EXPECT_EQ(running.reason, "7 of 19 spots are found");
   EXPECT_EQ(running.action, "the image's wavefront is being searched");
   EXPECT_FALSE(running.t_next_search_ns);
-  const auto few = invalid_in_words({2 * kS, 13, 19, false}, {true, 3, 5 * kS}, 4 * kS, utc_ns);
+  const ValidityWatch::Lack too_few{
+      .since_ns = 2 * kS, .tracked = 13, .spots = 19, .explained = false, .enough_found = false};
+  const auto few = invalid_in_words(too_few, {true, 3, 5 * kS}, 4 * kS, utc_ns);
   EXPECT_EQ(few.reason, "13 of 19 spots are found");
+  const auto left_out = invalid_in_words({2 * kS, 15, 19, false}, {}, 4 * kS, utc_ns);
+  EXPECT_EQ(left_out.reason, "15 of 19 spots are found, but no wavefront explains their positions")
+      << "the reference leaves out three";
   const auto waits = invalid_in_words({2 * kS, 18, 19, false, true}, {}, 4 * kS, utc_ns);
   EXPECT_EQ(waits.reason, "18 of 19 spots are found, but templates have not confirmed them yet");
   EXPECT_EQ(waits.action, "wait: templates of this wavefront are being rendered");

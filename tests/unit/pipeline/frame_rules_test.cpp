@@ -82,6 +82,22 @@ bool explained(double residual_lambda_d, float quality, float noise = 0.0F, int 
   return is_explained(found, spots, kLambdaD);
 }
 
+TEST(EnoughFoundRule, SpotsWithoutAReferenceDoNotCount) {
+  std::vector<SpotFix> spots(19, SpotFix{1.0F, 1.0F, 250.0F, 0.9F, 200.0F, 0.0F});
+  std::vector<Vec2> reference_px(19, Vec2{1.0, 1.0});
+  for (std::size_t i = 0; i < 3; ++i) {
+    spots[i] = {};
+    reference_px[i] = {NAN, NAN};
+  }
+  spots[3] = {};
+  EXPECT_TRUE(enough_found(spots, reference_px)) << "1 of 16";
+  EXPECT_FALSE(enough_found(spots, std::vector<Vec2>(19, Vec2{1.0, 1.0}))) << "4 of 19";
+  spots[4] = {};
+  EXPECT_TRUE(enough_found(spots, reference_px)) << "2 of 16";
+  spots[5] = {};
+  EXPECT_FALSE(enough_found(spots, reference_px)) << "3 of 16";
+}
+
 TEST(ExplainedRule, WhatInterferenceLeavesIsExplainedWhateverTheSpotsLookLike) {
   EXPECT_TRUE(explained(0.04, 0.1F));
   EXPECT_TRUE(explained(0.06, 0.9F));

@@ -163,6 +163,9 @@ TEST_F(HealthTest, SaysWhatIsDoneAboutInvalidFrames) {
   expect_worst(Wellness::bad, "7 of 19 spots found; the whole image is being searched");
   facts.wavefront["tracked"] = 16;
   expect_worst(Wellness::bad, "No wavefront: no wavefront explains");
+  facts.wavefront["tracked"] = 15;  // the reference leaves out three
+  facts.status["sensor"]["invalid"]["reason"] = "15 of 19 spots are found, but unexplained";
+  expect_worst(Wellness::bad, "15 of 19 spots are found, but unexplained; the whole image");
 }
 
 TEST_F(HealthTest, CountsSaturatedAndLostSpots) {
