@@ -113,6 +113,7 @@ struct Recorder::Running {
   std::deque<std::pair<std::int64_t, Waiting>> camera_documents;
   std::string camera_sha256;            ///< of the newest camera settings
   std::vector<Waiting> loop_documents;  ///< not yet written
+  std::vector<LoopCut> loop_cuts;       ///< of runs that were cut in this recording
   std::uint64_t documents_before = 0;   ///< value of documents_dropped_ at record.start
   std::int64_t t_begin_mono_ns = monotonic_ns();
   std::int64_t next_flush_ns = 0;
@@ -209,7 +210,10 @@ RecordedWidth Recorder::expected_width() {
 void Recorder::camera_changed(const CameraSettings& settings,
                               const std::optional<CameraInfo>& info) {
   auto now = waiting(make_document("camera", camera_content(settings, info)));
-  if (!now) return;
+  if (!now) {
+    ++documents_dropped_;
+    return;
+  }
   mailbox_.post([this, now = std::move(*now), changed_ns = monotonic_ns()] {
     if (!running_) return;
     // Repeated settings are ignored: while the daemon searches for a camera, it announces them
@@ -221,28 +225,26 @@ void Recorder::camera_changed(const CameraSettings& settings,
 }
 
 void Recorder::add_loop(std::string kind, nlohmann::json content) {
-  if (kind == "loop") loop_is_cut_ = false;
-  std::optional<Waiting> document;
-  if (loop_is_cut_) {
-    ++documents_dropped_;
-  } else {
-    document = waiting(make_document(std::move(kind), content));
-  }
+  if (kind == "loop") loop_cut_ = nullptr;
   // A run of the loop cannot be repeated without each of its documents, so the rest is of no use.
-  loop_is_cut_ = !document;
-  if (!document) return;
-  mailbox_.post([this, document = std::move(*document)] {
-    if (running_) running_->loop_documents.push_back(document);
+  if (loop_cut_) return void(++*loop_cut_);
+  auto document = waiting(make_document(std::move(kind), content));
+  if (!document) {
+    loop_cut_ = std::make_shared<std::atomic<std::uint64_t>>(1);
+    document = Waiting{make_document("loop_cut", nlohmann::json::object()), nullptr};
+  }
+  mailbox_.post([this, document = std::move(*document), cut = loop_cut_] {
+    if (!running_) return;
+    running_->loop_documents.push_back(document);
+    if (cut) running_->loop_cuts.push_back(cut);
   });
 }
 
-/// Reserves room for a document. None if too many wait for the disk: then it is dropped and
-/// counted.
+/// Reserves memory for a document. None if too many wait for the disk.
 std::optional<Recorder::Waiting> Recorder::waiting(Document document) {
   const std::size_t bytes = document.text.size();
   if (waiting_bytes_.fetch_add(bytes) + bytes > kMaxWaitingBytes) {
     waiting_bytes_ -= bytes;
-    ++documents_dropped_;
     return std::nullopt;
   }
   return Waiting{std::move(document), {nullptr, [this, bytes](void*) { waiting_bytes_ -= bytes; }}};
@@ -250,7 +252,9 @@ std::optional<Recorder::Waiting> Recorder::waiting(Document document) {
 
 RecordedLosses Recorder::losses() const {
   const Running& r = *running_;
-  return {r.frames_dropped, r.pictures_dropped, documents_dropped_ - r.documents_before};
+  std::uint64_t documents = documents_dropped_ - r.documents_before;
+  for (const LoopCut& cut : r.loop_cuts) documents += *cut;
+  return {r.frames_dropped, r.pictures_dropped, documents};
 }
 
 void Recorder::start(Begin asked, Done done) {

@@ -90,11 +90,14 @@ class Recorder : public Agent {
   /// Announces new camera settings or another camera to the recorder. Any thread.
   void camera_changed(const CameraSettings& settings, const std::optional<CameraInfo>& info);
   /// Adds a document of the closed loop to the recording, if there is one. Loop thread. If the disk
-  /// is too slow, it is dropped and counted, with all that follow until the next document "loop".
+  /// is too slow, it is dropped with all that follow until the next document "loop". A document
+  /// "loop_cut" then marks the place, and the recording counts what was dropped from there on.
   void add_loop(std::string kind, nlohmann::json content);
 
  private:
   struct Running;
+  /// Dropped documents of a run of the loop: all from the first one on.
+  using LoopCut = std::shared_ptr<std::atomic<std::uint64_t>>;
   /// What to do with frames that still wait in memory when a recording ends.
   enum class Rest {
     write,  ///< write the frames, which belong to the recording
@@ -137,8 +140,8 @@ class Recorder : public Agent {
   Events& events_;
   RecordTaker taker_;
   std::atomic<std::size_t> waiting_bytes_{0};
-  std::atomic<std::uint64_t> documents_dropped_{0};  ///< since the daemon's start
-  bool loop_is_cut_ = false;  ///< a document of the loop's present run was dropped; loop thread
+  std::atomic<std::uint64_t> documents_dropped_{0};  ///< since the start, without the loop's
+  LoopCut loop_cut_;  ///< of the loop's present run; null: none was dropped. Loop thread
   Mailbox mailbox_;
   std::unique_ptr<Running> running_;  ///< write thread
   Guarded<RecordReport> report_;
