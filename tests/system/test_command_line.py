@@ -113,6 +113,7 @@ class CommandLine(BenchCase):
         self.assertIn("gain 3 dB", self.ovws("gain", "3"))
         self.assertRegex(self.ovws("rate", "50 Hz"), r"^frame rate 50 Hz \(.*\)\n$")
         self.assertRegex(self.ovws("rate"), r"^frame rate 50 Hz \(.*\); measured: \d+\.\d frames/s")
+        self.assertIn("grabbed_hz", json.loads(self.ovws("--json", "rate"))["rates"])
         self.assertEqual(json.loads(self.ovws("--json", "gain"))["settings"]["gain_db"], 3.0)
         self.assertIn("vertical coma +0.2000, defocus -0.1000", self.ovws("aberrate", "vertical-coma=0.2", "4=-0.1"))
         self.assertIn("0.2236 wave RMS", self.ovws("aberrate"))
@@ -120,6 +121,8 @@ class CommandLine(BenchCase):
         self.call("correction.set", {"modes": [{"j": 4, "waves": 0.05}]})
         self.assertEqual(self.ovws("clear"), "no aberration is introduced\nthe correction stays: 0.0500 wave RMS, defocus +0.0500; "
                                              "remove it with: ovws loop clear\n")
+        cleared = json.loads(self.ovws("--json", "clear"))
+        self.assertEqual([cleared["modes"], cleared["correction"]["modes"][0]["waves"]], [[], 0.05])
         self.assertEqual(self.ovws("loop", "clear"), "no correction is shown\n")
         self.assertEqual(self.ovws("clear"), "no aberration is introduced\n")
         self.assertIn("reference: none", self.ovws("reference"))

@@ -48,6 +48,12 @@ int report_mistake_in(const Common& common, const std::string& key, Error error)
   return report_mistake(common, error);
 }
 
+/// Warns on stderr that the further question of a verb that has done its work was not answered.
+void warn_about(const char* what, const CallFailure& failure) {
+  fmt::print(stderr, "ovws: warning: {} is not known: {}\n", what,
+             failure.error.value("message", "unknown error"));
+}
+
 /// Shows the recording until it ends or Ctrl-C ends it. Returns the last result of record.get.
 tl::expected<json, CallFailure> end_of_recording(const Common& common,
                                                  std::optional<double> duration_s) {
@@ -97,11 +103,14 @@ int gain_verb(const Common& common, const std::string& gain) {
 int show_rate(const Common& common) {
   const auto camera = call(common, "camera.get", json::object());
   if (!camera) return report_failure(common, camera.error());
+  json answer = *camera;
+  std::string text = "frame rate " + rate_text(camera->at("settings"), camera->at("limits"));
   const auto status = call(common, "system.status", json::object());
-  if (!status) return report_failure(common, status.error());
-  return print_answer(common, *camera,
-                      "frame rate " + rate_text(camera->at("settings"), camera->at("limits")) +
-                          "; measured: " + measured_rate_text(*status));
+  answer["rates"] = status ? status->at("rates") : json();
+  if (status) text += "; measured: " + measured_rate_text(*status);
+  print_answer(common, answer, text);
+  if (!status) warn_about("the measured rate", status.error());
+  return kOk;
 }
 
 int rate_verb(const Common& common, const std::string& rate) {
@@ -127,16 +136,20 @@ int aberrate_verb(const Common& common, const Words& words) {
 
 /// Removes the introduced aberration, and says what correction stays.
 int clear_verb(const Common& common) {
-  const auto answer = call_and_wait(common, "aberration.clear", json::object());
-  if (!answer) return report_failure(common, answer.error());
+  const auto cleared = call_and_wait(common, "aberration.clear", json::object());
+  if (!cleared) return report_failure(common, cleared.error());
+  json answer = *cleared;
+  std::string text = answer_text("aberration.clear", *cleared);
   const auto correction = call(common, "correction.get", json::object());
-  if (!correction) return report_failure(common, correction.error());
-  const auto loop = call(common, "loop.get", json::object());
-  if (!loop) return report_failure(common, loop.error());
-  const std::string stays = correction_text(correction->at("modes"), *loop);
-  return print_answer(common, *answer,
-                      answer_text("aberration.clear", *answer) +
-                          (stays.empty() ? "" : "\nthe correction stays: " + stays));
+  const auto loop = correction ? call(common, "loop.get", json::object()) : correction;
+  answer["correction"] = correction ? *correction : json();
+  if (loop) {
+    const std::string stays = correction_text(correction->at("modes"), *loop);
+    if (!stays.empty()) text += "\nthe correction stays: " + stays;
+  }
+  print_answer(common, answer, text);
+  if (!loop) warn_about("the correction that stays", loop.error());
+  return kOk;
 }
 
 int focus_verb(const Common& common, const Words& words) {
