@@ -486,8 +486,7 @@ Result<void> check_no_sequence(const SensorShown& sensor) {
 }
 
 Result<void> check_shows_one_sensor(const SensorShown& sensor) {
-  if (auto shown = check_shows_sensor(sensor); !shown) return shown;
-  return check_no_sequence(sensor);
+  return check_shows_sensor(sensor).and_then([&] { return check_no_sequence(sensor); });
 }
 
 Result<void> can_measure(const SensorSnapshot& sensor, const SlmGeometry& slm, PixelFormat format) {

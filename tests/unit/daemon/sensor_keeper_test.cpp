@@ -1,63 +1,21 @@
 /// SensorKeeper: which holograms it shows, and who may change the sensor, with a fake display. This
 /// program's own open_display replaces the driver table's.
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
-#include "daemon/ovwsd/actor/stream_queue.hpp"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <chrono>
-#include <filesystem>
-#include <mutex>
-#include <thread>
 
 #include "daemon/ovwsd/devices/driver_table.hpp"
-#include "tests/support/own_folder.hpp"
 #include "tests/support/time.hpp"
-#include "tests/unit/daemon/small_bench.hpp"
+#include "tests/unit/daemon/keeper_bench.hpp"
 
 namespace ovws {
-namespace {
-
-/// State shared by the test and the fake display that the SlmLoop owns.
-struct Screen {
-  std::atomic<bool> there{true};
-  std::mutex mutex;
-  Image<std::uint8_t> shown;
-
-  Image<std::uint8_t> picture() {
-    const std::lock_guard lock(mutex);
-    return shown;
-  }
-};
-Screen* screen = nullptr;
-
-class PlayedDisplay final : public Display {
- public:
-  explicit PlayedDisplay(const SlmConfig& config)
-      : info_{config.display, config.geometry.width_px, config.geometry.height_px, 60.0, "test"} {}
-  const DisplayInfo& info() const override { return info_; }
-  Result<std::int64_t> present(const Image<std::uint8_t>& grey) override {
-    if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
-    const std::lock_guard lock(screen->mutex);
-    screen->shown = grey;
-    return std::int64_t{1};
-  }
-  Result<Image<std::uint32_t>> read_back() override { return fail(Errc::unavailable, "", "no"); }
-  Result<void> check() override {
-    if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
-    return {};
-  }
-
- private:
-  DisplayInfo info_;
-};
-
-}  // namespace
 
 Result<std::unique_ptr<Display>> open_display(const SlmConfig& config) {
-  if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
-  return std::make_unique<PlayedDisplay>(config);
+  if (!test::screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
+  return std::make_unique<test::PlayedDisplay>(config);
 }
 Result<std::unique_ptr<Camera>> open_camera(const CameraConfig&) {
   return fail(Errc::unavailable, "camera", "there is none");
@@ -65,131 +23,7 @@ Result<std::unique_ptr<Camera>> open_camera(const CameraConfig&) {
 
 namespace {
 
-/// The small bench, seen by a camera that all of its spots reach.
-Config seen_bench() {
-  Config config = test::small_bench();
-  config.slm.settle_ms = 0.0;
-  config.sensor.spacing = 0.47;
-  config.camera.settings.roi = {0, 0, 656, 816};
-  return config;
-}
-
-const CameraInfo kFirst{"Ovws", "Twin", "1", ""}, kSecond{"Ovws", "Twin", "2", ""};
-constexpr std::uint64_t kNotOpened = ~std::uint64_t{0};
-
-class Keeper : public testing::Test {
- protected:
-  Keeper() {
-    screen = &screen_;
-    config_.state.directory = folder_;
-    start();
-  }
-  ~Keeper() override {
-    end();
-    screen = nullptr;
-    std::filesystem::remove_all(folder_);
-  }
-
-  void start() {
-    running_ = true;
-    parts_ = std::make_unique<Parts>(config_);
-    display_ = std::thread([this] {
-      while (running_) parts_->slm.do_work();
-      parts_->slm.close();
-    });
-    auto made =
-        SensorKeeper::make(config_, {parts_->pipeline, parts_->slm, parts_->events, parts_->store,
-                                     [](const MeasurementPlan&, SensorView) {},
-                                     [this](Hold::By by) { holder_ = by; }});
-    ASSERT_TRUE(made) << made.error().reason;
-    keeper_ = std::move(*made);
-  }
-  void end() {
-    keeper_.reset();
-    running_ = false;
-    if (display_.joinable()) display_.join();
-    parts_.reset();
-  }
-
-  /// Makes a change, carries out all queued work, and returns the keeper's answer.
-  Result<SensorView> edit(Hold as, SensorChange change) {
-    std::optional<Result<SensorView>> answer;
-    keeper_->edit(as, std::move(change), [&](Result<SensorView> now) { answer = std::move(now); });
-    work();
-    EXPECT_TRUE(answer);
-    return answer ? *answer : fail(Errc::internal, "", "no answer");
-  }
-  Result<SensorView> edit(SensorChange change) { return edit(Hold::unheld(), std::move(change)); }
-  void work() {
-    bool idle = false;
-    keeper_->after_changes([] {});
-    while (!idle) {
-      idle = !keeper_->do_work();
-    }
-  }
-  /// The texts of the queued events of this kind; all queued messages are taken.
-  std::vector<std::string> events_of(const std::string& kind) {
-    std::vector<std::string> texts;
-    while (const auto message = parts_->queue.take()) {
-      const auto* event = std::get_if<EventMessage>(&*message);
-      if (event != nullptr && event->kind == kind) texts.push_back(event->text);
-    }
-    return texts;
-  }
-  void release(Hold by) {
-    keeper_->release(by, [] {});
-    work();
-  }
-
-  /// Makes a registration of this scale, px per cycle, active, as a job does.
-  void use_map(double scale) {
-    Registration map;
-    map.px_per_cycle = {scale, 0.0, 0.0, scale};
-    map.base_px = {130.0, 120.0};
-    map.t_taken_ns = 5;
-    const Hold job = Hold::of_job(1);
-    work();
-    keeper_->hold(job);
-    ASSERT_TRUE(edit(job, use_registration(map)));
-    release(job);
-  }
-  /// The texts of the queued events of severity `error`.
-  std::vector<std::string> errors() {
-    std::vector<std::string> found;
-    while (const auto message = parts_->queue.take()) {
-      const auto* const event = std::get_if<EventMessage>(&*message);
-      if (event != nullptr && event->severity == Severity::error) found.push_back(event->text);
-    }
-    return found;
-  }
-
-  struct Parts {
-    explicit Parts(const Config& config)
-        : slm(config.slm, {shown, counters, events,
-                           [this](const SlmSnapshot& now) {
-                             if (now.healthy) opened_with_id = now.hologram_id;
-                           }}),
-          pipeline(config.pipeline, {counters, shown, settings}),
-          store(config.state, events) {}
-    Counters counters;
-    std::atomic<std::uint64_t> opened_with_id{kNotOpened};  ///< hologram of the open display
-    StreamQueue queue;
-    Events events{queue};
-    LatestValue<ShownHologram> shown;
-    LatestValue<AppliedSettings> settings;
-    SlmLoop slm;
-    Pipeline pipeline;
-    DaemonStore store;
-  };
-  Screen screen_;
-  const std::string folder_ = own_folder("sensor_keeper");
-  Config config_ = seen_bench();
-  std::atomic<bool> running_{true};
-  std::unique_ptr<Parts> parts_;
-  std::thread display_;
-  std::unique_ptr<SensorKeeper> keeper_;
-  Hold::By holder_ = Hold::By::nobody;  ///< as on_hold said
-};
+using test::Keeper, test::kNotOpened;
 
 TEST_F(Keeper, TheDisplayCountsAsOpenOnceItShowsTheFirstHologram) {
   for (int wait = 0; wait < 1000 && parts_->opened_with_id == kNotOpened; ++wait) {
@@ -389,139 +223,6 @@ TEST_F(Keeper, AReferenceIsOfItsSensorAndItsRegion) {
   EXPECT_EQ(keeper_->snapshot()->obstacle.reason, "");
   ASSERT_TRUE(edit(forget_reference()));
   EXPECT_EQ(keeper_->snapshot()->obstacle.reason, "") << "it was wanted";
-}
-
-TEST_F(Keeper, WhatWasMeasuredOfAnotherImageIsRefused) {
-  const std::uint64_t epoch = keeper_->snapshot()->sensor_epoch;
-  const Hold job = Hold::of_job(1);
-  keeper_->hold(job);
-  CameraSettings camera = config_.camera.settings;
-  camera.roi = {16, 0, 640, 816};
-  keeper_->camera_changed(camera, std::nullopt);
-  work();
-  const auto spots = std::make_shared<std::vector<ReferenceSpots>>();
-  const auto refused = edit(job, use_reference(epoch, {}, spots));
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().field, "camera");
-  EXPECT_FALSE(keeper_->snapshot()->reference);
-}
-
-TEST_F(Keeper, ARegistrationOfAnotherCameraIsNotUsed) {
-  keeper_->camera_changed(config_.camera.settings, kFirst);
-  use_map(900.0);
-  ASSERT_TRUE(keeper_->snapshot()->registration);
-  keeper_->camera_changed(config_.camera.settings, kSecond);
-  work();
-  EXPECT_FALSE(keeper_->snapshot()->registration);
-}
-
-/// The registration says that spots are large enough for the tracker, the configuration that they
-/// are not: without the registration no plan can be built.
-TEST_F(Keeper, ACameraForWhichNoPlanCanBeBuiltIsReportedAndNothingMeasuredWithAnotherIsUsed) {
-  keeper_->camera_changed(config_.camera.settings, kFirst);
-  use_map(900.0);
-  end();
-  config_.optics.focal_length_mm = 10.0;
-  start();
-  keeper_->camera_changed(config_.camera.settings, kFirst);
-  work();
-  ASSERT_TRUE(keeper_->snapshot()->registration);
-  const SensorView before = keeper_->snapshot();
-  (void)errors();
-  CameraSettings other_region = config_.camera.settings;
-  other_region.roi = {16, 0, 640, 816};
-  keeper_->camera_changed(other_region, kSecond);
-  work();
-  const SensorView now = keeper_->snapshot();
-  EXPECT_FALSE(now->registration);
-  EXPECT_FALSE(now->optics.registered);
-  EXPECT_EQ(now->plan_id, 0U);
-  EXPECT_GT(now->sensor_epoch, before->sensor_epoch) << "frames of the previous plan do not count";
-  const auto found = errors();
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_TRUE(found[0].starts_with("the camera's image cannot be measured: lambda/d")) << found[0];
-  EXPECT_EQ(now->obstacle.reason, found[0]);
-  EXPECT_NE(now->obstacle.action.find("camera.set"), std::string::npos) << now->obstacle.action;
-  EXPECT_GT(now->obstacle.t_since_ns, 0);
-}
-
-/// Without the registration the spots are too small for a colour camera only.
-TEST_F(Keeper, AnotherCameraIsJudgedByItsOwnImageAlone) {
-  keeper_->camera_changed(config_.camera.settings, kFirst);
-  use_map(900.0);
-  end();
-  config_.optics.focal_length_mm = 16.0;  // lambda/d of 4.8 px
-  start();
-  CameraSettings colour = config_.camera.settings;
-  colour.pixel_format = PixelFormat::bayer_rg8;
-  keeper_->camera_changed(colour, kFirst);
-  work();
-  ASSERT_TRUE(keeper_->snapshot()->registration);
-  ASSERT_GT(keeper_->snapshot()->plan_id, 0U);
-  (void)errors();
-  CameraSettings mono = config_.camera.settings;
-  mono.roi = {16, 0, 640, 816};
-  keeper_->camera_changed(mono, kSecond);
-  work();
-  EXPECT_FALSE(keeper_->snapshot()->registration);
-  EXPECT_GT(keeper_->snapshot()->plan_id, 0U);
-  EXPECT_EQ(errors(), std::vector<std::string>{});
-}
-
-TEST_F(Keeper, WhatAJobHadChangedIsRestoredEvenIfTheCamerasImageCannotBeMeasuredAnyMore) {
-  use_map(160.0);  // lambda/d of 5 px: too small for a colour camera
-  const Image<std::uint8_t> user = screen_.picture();
-  const Hold job = Hold::of_job(2);
-  keeper_->hold(job);
-  const Painter white = [](const HologramRenderer&, Image<std::uint8_t>& grey) {
-    grey = Image<std::uint8_t>(160, 96);
-    std::fill(grey.pixels.begin(), grey.pixels.end(), std::uint8_t(255));
-  };
-  ASSERT_TRUE(edit(job, show_request({{}, white})));
-  ASSERT_NE(screen_.picture().pixels, user.pixels);
-  CameraSettings colour = config_.camera.settings;
-  colour.pixel_format = PixelFormat::bayer_rg8;
-  keeper_->camera_changed(colour, std::nullopt);
-  work();
-  EXPECT_EQ(errors().size(), 1U);
-  const std::int64_t t_since_ns = keeper_->snapshot()->obstacle.t_since_ns;
-  release(job);
-  EXPECT_EQ(errors().size(), 1U);
-  EXPECT_EQ(keeper_->snapshot()->plan_id, 0U);
-  EXPECT_EQ(keeper_->snapshot()->obstacle.t_since_ns, t_since_ns) << "it goes on";
-  EXPECT_TRUE(keeper_->may_hold());
-  EXPECT_EQ(screen_.picture().pixels, user.pixels);
-  keeper_->camera_changed(config_.camera.settings, std::nullopt);
-  work();
-  EXPECT_GT(keeper_->snapshot()->plan_id, 0U) << "as soon as a plan can be built";
-  EXPECT_EQ(keeper_->snapshot()->obstacle.reason, "");
-}
-
-TEST_F(Keeper, AStartWithAnotherLensThanTheRegistrationsSaysSo) {
-  Registration map;
-  map.px_per_cycle = {900.0, 0.0, 0.0, 900.0};
-  map.base_px = {130.0, 120.0};
-  map.t_taken_ns = 5;
-  keeper_->hold(Hold::of_job(1));
-  ASSERT_TRUE(edit(Hold::of_job(1), use_registration(map)));
-  const auto warned = [this] {
-    bool found = false;
-    while (const auto message = parts_->queue.take()) {
-      const auto* event = std::get_if<EventMessage>(&*message);
-      found = found || (event != nullptr && event->kind == "registration" &&
-                        event->text.find("optics.focal_length_mm was") != std::string::npos &&
-                        event->text.find("registration.run") != std::string::npos);
-    }
-    return found;
-  };
-  end();
-  start();
-  EXPECT_FALSE(warned());
-  end();
-  config_.optics.focal_length_mm *= 1.5;
-  start();
-  EXPECT_TRUE(keeper_->snapshot()->registration);
-  EXPECT_TRUE(warned());
 }
 
 }  // namespace

@@ -1,0 +1,182 @@
+/// SensorKeeper on the small bench, in the thread of the test, with a fake display.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "daemon/ovwsd/sensor/sensor_keeper.hpp"
+#include "tests/support/own_folder.hpp"
+#include "tests/unit/daemon/small_bench.hpp"
+
+namespace ovws::test {
+
+/// State shared by the test and the fake display that the SlmLoop owns.
+struct Screen {
+  std::atomic<bool> there{true};
+  std::mutex mutex;
+  Image<std::uint8_t> shown;
+
+  Image<std::uint8_t> picture() {
+    const std::lock_guard lock(mutex);
+    return shown;
+  }
+};
+inline Screen* screen = nullptr;
+
+class PlayedDisplay final : public Display {
+ public:
+  explicit PlayedDisplay(const SlmConfig& config)
+      : info_{config.display, config.geometry.width_px, config.geometry.height_px, 60.0, "test"} {}
+  const DisplayInfo& info() const override { return info_; }
+  Result<std::int64_t> present(const Image<std::uint8_t>& grey) override {
+    if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
+    const std::lock_guard lock(screen->mutex);
+    screen->shown = grey;
+    return std::int64_t{1};
+  }
+  Result<Image<std::uint32_t>> read_back() override { return fail(Errc::unavailable, "", "no"); }
+  Result<void> check() override {
+    if (!screen->there) return fail(Errc::unavailable, "slm", "it was pulled out");
+    return {};
+  }
+
+ private:
+  DisplayInfo info_;
+};
+
+/// The small bench, seen by a camera that all of its spots reach.
+inline Config seen_bench() {
+  Config config = small_bench();
+  config.slm.settle_ms = 0.0;
+  config.sensor.spacing = 0.47;
+  config.camera.settings.roi = {0, 0, 656, 816};
+  return config;
+}
+
+inline const CameraInfo kFirst{"Ovws", "Twin", "1", ""}, kSecond{"Ovws", "Twin", "2", ""};
+constexpr std::uint64_t kNotOpened = ~std::uint64_t{0};
+
+class Keeper : public testing::Test {
+ protected:
+  Keeper() {
+    screen = &screen_;
+    config_.state.directory = folder_;
+    start();
+  }
+  ~Keeper() override {
+    end();
+    screen = nullptr;
+    std::filesystem::remove_all(folder_);
+  }
+
+  void start() {
+    running_ = true;
+    parts_ = std::make_unique<Parts>(config_);
+    display_ = std::thread([this] {
+      while (running_) parts_->slm.do_work();
+      parts_->slm.close();
+    });
+    auto made =
+        SensorKeeper::make(config_, {parts_->pipeline, parts_->slm, parts_->events, parts_->store,
+                                     [](const MeasurementPlan&, SensorView) {},
+                                     [this](Hold::By by) { holder_ = by; }});
+    ASSERT_TRUE(made) << made.error().reason;
+    keeper_ = std::move(*made);
+  }
+  void end() {
+    keeper_.reset();
+    running_ = false;
+    if (display_.joinable()) display_.join();
+    parts_.reset();
+  }
+
+  /// Makes a change, carries out all queued work, and returns the keeper's answer.
+  Result<SensorView> edit(Hold as, SensorChange change) {
+    std::optional<Result<SensorView>> answer;
+    keeper_->edit(as, std::move(change), [&](Result<SensorView> now) { answer = std::move(now); });
+    work();
+    EXPECT_TRUE(answer);
+    return answer ? *answer : fail(Errc::internal, "", "no answer");
+  }
+  Result<SensorView> edit(SensorChange change) { return edit(Hold::unheld(), std::move(change)); }
+  void work() {
+    bool idle = false;
+    keeper_->after_changes([] {});
+    while (!idle) {
+      idle = !keeper_->do_work();
+    }
+  }
+  /// The texts of the queued events of this kind; all queued messages are taken.
+  std::vector<std::string> events_of(const std::string& kind) {
+    std::vector<std::string> texts;
+    while (const auto message = parts_->queue.take()) {
+      const auto* event = std::get_if<EventMessage>(&*message);
+      if (event != nullptr && event->kind == kind) texts.push_back(event->text);
+    }
+    return texts;
+  }
+  void release(Hold by) {
+    keeper_->release(by, [] {});
+    work();
+  }
+
+  /// Makes a registration of this scale, px per cycle, active, as a job does.
+  void use_map(double scale) {
+    Registration map;
+    map.px_per_cycle = {scale, 0.0, 0.0, scale};
+    map.base_px = {130.0, 120.0};
+    map.t_taken_ns = 5;
+    const Hold job = Hold::of_job(1);
+    work();
+    keeper_->hold(job);
+    ASSERT_TRUE(edit(job, use_registration(map)));
+    release(job);
+  }
+  /// The texts of the queued events of severity `error`.
+  std::vector<std::string> errors() {
+    std::vector<std::string> found;
+    while (const auto message = parts_->queue.take()) {
+      const auto* const event = std::get_if<EventMessage>(&*message);
+      if (event != nullptr && event->severity == Severity::error) found.push_back(event->text);
+    }
+    return found;
+  }
+
+  struct Parts {
+    explicit Parts(const Config& config)
+        : slm(config.slm, {shown, counters, events,
+                           [this](const SlmSnapshot& now) {
+                             if (now.healthy) opened_with_id = now.hologram_id;
+                           }}),
+          pipeline(config.pipeline, {counters, shown, settings}),
+          store(config.state, events) {}
+    Counters counters;
+    std::atomic<std::uint64_t> opened_with_id{kNotOpened};  ///< hologram of the open display
+    StreamQueue queue;
+    Events events{queue};
+    LatestValue<ShownHologram> shown;
+    LatestValue<AppliedSettings> settings;
+    SlmLoop slm;
+    Pipeline pipeline;
+    DaemonStore store;
+  };
+  Screen screen_;
+  const std::string folder_ = own_folder("sensor_keeper");
+  Config config_ = seen_bench();
+  std::atomic<bool> running_{true};
+  std::unique_ptr<Parts> parts_;
+  std::thread display_;
+  std::unique_ptr<SensorKeeper> keeper_;
+  Hold::By holder_ = Hold::By::nobody;  ///< as on_hold said
+};
+
+}  // namespace ovws::test
