@@ -1,5 +1,6 @@
 """ovws measure: results and errors for good and bad image files."""
 import json
+import math
 import os
 import random
 import resource
@@ -141,7 +142,7 @@ class Measure(unittest.TestCase):
         self.assertTrue(link.is_symlink() and (self.folder / "new.png").is_file())
         self.ovws("farfield", "-o", "/dev/null")
 
-    def lenslets(self, modes, seed, px=272, across=9):
+    def lenslets(self, modes, seed, px=272, across=9, turn_deg=0.0):
         """Pixels of a square array's image: each spot is that of its lenslet alone, where the slope at the lenslet's centre moves it."""
         pitch, spot, radius = 150 / 5.3, 632e-3 * 7e3 / 150 / 5.3, across * 150 / 5.3 / 2
         slope = 632e-3 * 7e3 / 5.3**2 / radius
@@ -149,8 +150,10 @@ class Measure(unittest.TestCase):
                      8: lambda u, v: (8**0.5 * (9 * u * u + 3 * v * v - 2), 8**0.5 * 6 * u * v)}
         pixels = np.arange(px) - (px - 1) / 2
         light = np.full((px, px), 10.0)
-        for y in pitch * (np.arange(across) - across // 2):
-            for x in pitch * (np.arange(across) - across // 2):
+        sine, cosine = math.sin(math.radians(turn_deg)), math.cos(math.radians(turn_deg))
+        for b in pitch * (np.arange(across) - across // 2):
+            for a in pitch * (np.arange(across) - across // 2):
+                x, y = cosine * a - sine * b, sine * a + cosine * b
                 moved = slope * sum((waves * np.array(gradients[j](x / radius, y / radius)) for j, waves in modes.items()), start=np.zeros(2))
                 to_row, to_column = (np.sinc((pixels - at) / spot) ** 2 for at in (y + moved[1], x + moved[0]))
                 light += 180 * np.outer(to_row, to_column)
@@ -184,6 +187,22 @@ class Measure(unittest.TestCase):
         path.write_text(json.dumps(config | {"optics": optics | {"px_per_cycle": [156.9, -13.7, 13.7, 156.9]}}))  # 5 degrees
         (line,) = self.ovws("measure", "--model-reference", "--config", path, files[1], status=1)
         self.assertIn("optics.px_per_cycle", json.dumps(line))
+
+    def test_an_array_that_is_turned_in_the_image_is_refused(self):
+        path = self.folder / "array.json"
+        path.write_text(json.dumps({"modulator": "fixed", "camera": {"roi": {"width": 272, "height": 272}}, "sensor": {"charge": 0, "grid": "square"},
+                                    "array": {"pupil_mm": 1.35}, "tracking": {"mode_count": 14},
+                                    "optics": {"focal_length_mm": 7.0, "camera_pitch_um": 5.3}}))
+        wanted = {3: 0.02, 4: 0.03, 8: -0.02}
+        for turn_deg in (0.4, 2.0, -5.0):
+            files = [self.save(name, self.lenslets(modes, 6, turn_deg=turn_deg)) for name, modes in (("flat.png", {}), ("image.png", wanted))]
+            words = ("measure", "--reference", files[0], "--config", path, "--tracker", "lg", files[1])
+            (line,) = self.ovws(*words, status=0 if turn_deg == 0.4 else 1)
+            if turn_deg == 0.4:
+                modes = dict(zip(line["j"], line["coefficients"]))
+                self.assertLess(max(abs(modes[j] - waves) for j, waves in wanted.items()), 0.0015)
+            else:
+                self.assertIn(f"turned by {turn_deg:.1f} degrees", json.dumps(line))
 
     def test_split_spots_are_measured(self):
         drawn = random.Random(2)

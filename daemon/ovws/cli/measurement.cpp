@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/pipeline/frame_rules.hpp"
 #include "core/pipeline/position_modes.hpp"
@@ -68,6 +69,38 @@ std::string missing(const Measured& measured) {
   return fmt::format("{}", fmt::join(numbers, ", "));
 }
 
+/// How far the lattice at `seen` is turned against `expected`, degrees. No wavefront turns it: the
+/// displacements that it makes are a gradient.
+double rotation_deg(std::span<const Vec2> expected, std::span<const Vec2> seen) {
+  const double count = double(expected.size());
+  Vec2 from, to;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    from = from + (1.0 / count) * expected[i];
+    to = to + (1.0 / count) * seen[i];
+  }
+  double along = 0.0, across = 0.0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const Vec2 a = expected[i] - from, b = seen[i] - to;
+    along += a.x * b.x + a.y * b.y;
+    across += a.x * b.y - a.y * b.x;
+  }
+  return std::atan2(across, along) * 180.0 / std::numbers::pi;
+}
+
+/// Refuses an array that is turned in the image: its slopes would be along the camera's axes, and
+/// its lenslets along its own.
+Result<void> check_rotation(const Config& config, const MeasurementPlan& plan,
+                            std::span<const Vec2> seen) {
+  constexpr double kMaxDeg = 0.5;  // of 0.15 wave of coma, less than 0.002 are lost
+  if (config.modulator != Modulator::fixed) return {};
+  const double turned = rotation_deg(plan.predicted_px, seen);
+  if (std::abs(turned) <= kMaxDeg) return {};
+  return fail(Errc::refused, "reference",
+              fmt::format("the array is turned by {:.1f} degrees in the image, which is not "
+                          "modelled: turn the camera or the images",
+                          turned));
+}
+
 }  // namespace
 
 Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan)
@@ -107,6 +140,9 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
                                                 : ""));
     }
     taken.positions_px = positions_of(measured.spots);
+    if (auto straight = check_rotation(config, *first.plan_, taken.positions_px); !straight) {
+      return fail(straight.error());
+    }
     absolute = measured.coefficients;
   } else if (*mode_operator) {
     const std::vector<Vec2>& flat_px = (*mode_operator)->flat_px;
