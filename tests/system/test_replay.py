@@ -316,12 +316,12 @@ class Replay(BenchCase):
         limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096)), "restore_signals": False}
         for option in ("--npz", "--fits"):
             out = folder / f"out{option}"
-            out.write_text("the file of before")
+            out.write_text("the previous file")
             for path, more in ((out, limit), (folder / "nowhere" / "out", {}), (folder, {})):  # as on a full disk; no such folder; a folder
                 said = self.export("good", option, path, status=1, **more).stderr
                 self.assertIn(f"{path} cannot be written: ", said)
                 self.assertNotIn("damaged", said)
-            self.assertEqual((out.read_text(), list(folder.glob("*.part"))), ("the file of before", []))
+            self.assertEqual((out.read_text(), list(folder.glob("*.part"))), ("the previous file", []))
             self.export("good", option, out)
             self.assertGreater(out.stat().st_size, 4096)
 

@@ -266,7 +266,7 @@ class Page(WebCase):
         orange, blue = "rgb(224, 154, 62)", "rgb(11, 92, 173)"
         meant = "return [...document.querySelectorAll('#figures > div')].map((e) => e.title)"
         self.assertEqual([text for text in self.browser.run(meant) if len(text) < 20], [], "each figure says what it is")
-        self.assertEqual(self.browser.run(keys), [[blue, orange], [], [blue, orange], [], [], []], "two curves are told apart by their colours")
+        self.assertEqual(self.browser.run(keys), [[blue, orange], [], [blue, orange], [], [], []], "two curves differ in their colours")
         self.check_console()
 
     def test_nothing_can_be_changed_while_the_daemon_is_silent(self):

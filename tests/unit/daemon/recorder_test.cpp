@@ -73,7 +73,7 @@ TEST_F(RecorderTest, DocumentsOfALoopDoNotFillTheMemoryWhileTheDiskStandsStill) 
                                        {"more", std::string(std::size_t{1} << 20, 'x')}});
   }
   recorder_->add_loop("loop_steps", {{"t_closed_ns", t_closed_ns}, {"frames", json::array()}});
-  log.closed({}, {}, nullptr);  // the next run begins anew
+  log.closed({}, {}, nullptr);  // the next run starts again
   const RecordReport ended = stop();
   EXPECT_EQ(ended.documents_dropped, std::uint64_t(kMany + 1 - kFit));
   auto reader = file();
