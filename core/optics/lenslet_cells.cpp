@@ -11,8 +11,8 @@
 namespace ovws {
 namespace {
 
-constexpr int kParts = 4;              // parts along the side of a cell, for its covered share
-constexpr double kReachPitches = 3.5;  // of a lenslet's far field
+constexpr int kParts = 2;              // parts along the side of a cell, for its covered share
+constexpr double kReachPitches = 4.5;  // of a lenslet's far field
 
 bool covers(LensletShape shape, double half_px, Vec2 at) {
   const Vec2 a{std::abs(at.x), std::abs(at.y)};

@@ -14,11 +14,11 @@ namespace ovws {
 /// grating at the cell's centre. There is no light outside of the lenslets in use. `turn`: how the
 /// camera sees the array; its scale is ignored.
 PupilCells cut_lenslets(const SensorConfig& sensor, const PxPerCycle& turn);
-constexpr int kLensletCells = 64;
+constexpr int kLensletCells = 128;
 
-/// Adds the far field of one lenslet to the pixels of `far` within three pitches and a half of its
-/// centre. With 5 x 5 lenslets a spot then agrees with Fresnel's integral within 2.5 % of its peak
-/// (0.4 % RMS) if it is bright, and within 6 % (1.2 % RMS) if it is a vortex, whose neighbours'
+/// Adds the far field of one lenslet to the pixels of `far` within four pitches and a half of its
+/// centre. With 5 x 5 lenslets a spot then agrees with Fresnel's integral within 1 % of its peak
+/// (0.15 % RMS) if it is bright, and within 3.5 % (0.8 % RMS) if it is a vortex, whose neighbours'
 /// light reaches far. `width_px`: the pitch; `runs`: its cells; `pupil`: the field, as
 /// SensorField::pupil().
 void add_lenslet(const PupilCells& cells, double width_px, std::span<const CellRun> runs,

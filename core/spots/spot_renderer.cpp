@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kAmplitudeModes = 9, kFewAmplitudeModes = 5, kManySpots = 19;
 static_assert(kMinSide >= kMinProductRows, "a window is wide enough for PieceMoments");
-constexpr double kNearestPitches = 1.2;  // of a lattice: the nearest ones only
+constexpr double kNearestPitches = 1.6;  // of a lattice: those beside and across
 constexpr double kMaxDerivatives = 1e8;  // 400 MB
 constexpr double kAmplitudeRidge = 1e-3, kLeastAmplitude = 0.05;
 

@@ -12,7 +12,7 @@ namespace ovws::twin {
 namespace {
 
 constexpr int kMaxAcross = 128, kMinReachPx = 4, kMaxReachPx = 256;
-constexpr int kMinSamples = 32, kMaxSamples = 96, kSamplesStep = 8;
+constexpr int kMinSamples = 32, kMaxSamples = 144, kSamplesStep = 8;
 
 void read_optional(ObjectReader& r, const char* key, std::optional<double>& out) {
   if (!r.has(key)) return;
@@ -39,11 +39,11 @@ void read_plate(ObjectReader& r, PlateConfig& plate) {
 }
 
 /// Samples that a cell needs so that the next diffraction order of the samples, which is as many
-/// lambda/d away, falls outside twice the reach.
+/// lambda/d away, falls outside three times the reach.
 int wanted_samples(const ArrayConfig& array, const OpticsConfig& optics) {
   const double lambda_d_um =
       1e-3 * optics.wavelength_nm * 1e3 * optics.focal_length_mm / array.pitch_um;
-  const double wanted = 2.2 * array.reach_pitches * array.pitch_um / lambda_d_um;
+  const double wanted = 3.3 * array.reach_pitches * array.pitch_um / lambda_d_um;
   return int(std::min(1e6, kSamplesStep * std::ceil(wanted / kSamplesStep)));
 }
 
