@@ -1,5 +1,6 @@
 """Prepared lattices: measured once, used by name, right against the twin's truth, and there again after a restart."""
 import os
+import random
 import statistics
 import subprocess
 import threading
@@ -13,6 +14,7 @@ HIDDEN = {3: 0.06, 4: -0.05, 5: 0.03}  # waves: modes that every lattice here de
 CORRECTION = {"modes": [{"j": 4, "waves": 0.02}]}
 BOUND_WAVES = 0.012
 STEEP, STEEP_WAVES = {"spacing": 0.7}, 1.7  # together too steep for the SLM; each alone is not
+SWITCHES = int(os.environ.get("OVWS_SWITCHES", "60"))
 COARSE, FINE = {"subapertures_across": 3}, {"subapertures_across": 5}
 EXAMPLE = ROOT / "proto" / "python" / "examples" / "adapt_lattice.py"
 PYTHON = bench_module.find_programs().parent / "python"
@@ -186,6 +188,49 @@ class Lattices(BenchCase):
         self.assertEqual(used[0]["exposure_us"], coarse["exposure_us"])
         self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], coarse["exposure_us"])
         self.call("camera.set", {"exposure_us": 900.0})
+
+    def test_switches_undo_no_change_that_was_accepted(self):
+        """Clients set what a lattice has and what it leaves, at random moments of each switch."""
+        self.prepare_both()
+        other, choose = Client(), random.Random(6)
+        self.addCleanup(other.close)
+        exposure_us = {name: one["exposure_us"] for name, one in self.listed().items()}
+        duration_s, accepted, busy = 0.02, 0, 0
+        for k in range(SWITCHES):
+            name = ("fine", "coarse")[k % 2]
+            exposed_us, tilted = 1000.0 + k, {"modes": [{"j": 2, "waves": 0.001 * (1 + k % 9)}]}
+            changes = {"camera.set": {"exposure_us": exposed_us}, "aberration.set": tilted, "correction.set": tilted,
+                       "slm.set": {"settle_ms": 10.0 + k % 7}, "refine.set": {"rate_hz": 1.0 + k % 5}}
+            method, params = choose.choice(list(changes.items()))
+            ended_s = []
+            begun_s = time.monotonic()
+            switch = threading.Thread(target=lambda name=name: ended_s.append(other.call("lattice.use", {"name": name}) and time.monotonic()))
+            switch.start()
+            time.sleep(choose.uniform(0.0, 1.5 * duration_s))
+            asked_s = time.monotonic()
+            try:
+                self.call(method, params)
+                accepted += 1
+            except ClientError as error:
+                self.assertIn("being taken into use", str(error))
+                busy, method = busy + 1, None
+            switch.join()
+            self.assertTrue(ended_s, name)
+            duration_s = ended_s[0] - begun_s
+            used_us = self.call("camera.get")["settings"]["exposure_us"]
+            expected_us = {exposure_us[name]}
+            if method == "camera.set":
+                expected_us = {exposed_us} if asked_s > ended_s[0] else {exposed_us, exposure_us[name]}
+            self.assertIn(used_us, expected_us)
+            self.assertTrue(self.listed()[name]["in_use"])
+            if method in ("aberration.set", "correction.set"):
+                self.assertEqual(self.call(method.replace("set", "get"))["modes"][0]["waves"], tilted["modes"][0]["waves"])
+            elif method in ("slm.set", "refine.set"):
+                (key, value), = params.items()
+                self.assertEqual(self.call("config.get")[method.partition(".")[0]][key], value)
+        print(f"\n  {SWITCHES} switches: {accepted} changes accepted, {busy} refused, none undone")
+        self.assertGreater(accepted, 0)
+        self.assertGreater(busy, 0)
 
     def test_a_mode_count_is_checked_once(self):
         """The check renders spots in the thread that shows the loop's holograms. What the thread computes, in CPU time, tells it apart:
