@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .mode_names import MODE_NAMES
+from .values import plain
 from .zernike import MAX_J, orders, osa_index
 
 ModeKey = int | str | tuple[int, int]
@@ -72,5 +73,5 @@ def coefficient(j: NDArray[np.int64], waves: NDArray[np.float64], mode: ModeKey)
     """Coefficient of a mode among those of `j`. Raises ValueError if it is not there."""
     found = np.flatnonzero(j == mode_index(mode))
     if not found.size:
-        raise ValueError(f"mode {mode!r} is not measured; the modes are j = {j.tolist()}")
+        raise ValueError(f"mode {plain(mode)!r} is not measured; the modes are j = {j.tolist()}")
     return float(waves[found[0]])

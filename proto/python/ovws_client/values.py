@@ -18,7 +18,7 @@ def number(name: str, value: Any, least: float = -math.inf) -> float:
     """A number that is at least `least`; may be infinite. Raises ValueError with the parameter's `name`."""
     given = plain(value)
     if not isinstance(given, (int, float)) or not given >= least:
-        raise ValueError(f"{name}: must be a number" + (f" of at least {least:g}" if math.isfinite(least) else "") + f", not {value!r}")
+        raise ValueError(f"{name}: must be a number" + (f" of at least {least:g}" if math.isfinite(least) else "") + f", not {given!r}")
     return float(given)
 
 
@@ -26,7 +26,7 @@ def whole(name: str, value: Any, least: int = 1) -> int:
     """A whole number that is at least `least`; 5.0 is 5. Raises ValueError with the parameter's `name`."""
     given = plain(value)
     if not isinstance(given, (int, float)) or not math.isfinite(given) or given != int(given) or given < least:
-        raise ValueError(f"{name}: must be a whole number of at least {least}, not {value!r}")
+        raise ValueError(f"{name}: must be a whole number of at least {least}, not {given!r}")
     return int(given)
 
 

@@ -67,7 +67,7 @@ def _unsendable(name: str, value: object, depth: int = 0) -> str:
         elif isinstance(value, (list, tuple)) or isinstance(value, np.ndarray) and value.ndim:
             parts = ((f"{name}[{k}]", each) for k, each in enumerate(value))
         found = (text for part in parts if depth < MAX_DEPTH and (text := _unsendable(*part, depth + 1)))
-        return next(found, f"{name}: {value!r}")
+        return next(found, f"{name}: {plain(value)!r}")
 
 
 def request_text(request_id: int, method: str, params: Mapping[str, object] | None) -> bytes:
