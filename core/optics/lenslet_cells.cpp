@@ -7,12 +7,17 @@
 
 #include "core/base/angle.hpp"
 #include "core/optics/complex_matrices.hpp"
+#include "core/optics/phasors.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr int kParts = 2;              // parts along the side of a cell, for its covered share
 constexpr double kReachPitches = 4.5;  // of a lenslet's far field
+
+std::complex<float> phasor(double waves) {
+  return unit_phasors()[phase16(waves)];
+}
 
 bool covers(LensletShape shape, double half_px, Vec2 at) {
   const Vec2 a{std::abs(at.x), std::abs(at.y)};
@@ -39,20 +44,20 @@ double plate_waves(const SpiralPlate& plate, int charge, Vec2 at) {
 
 /// Mean field of a cell of one lenslet. `at`: the cell's centre from the lenslet's, along the
 /// camera's axes.
-std::complex<double> cell_field(const SensorConfig& sensor, const PupilCells& cells, Vec2 at) {
+std::complex<float> cell_field(const SensorConfig& sensor, const PupilCells& cells, Vec2 at) {
   const Lenslets& lenslets = sensor.lenslets;
   const double bin_px = cells.grid.bin_px;
   const double turn = lenslets.rotation_deg * std::numbers::pi / 180.0;
-  std::complex<double> sum = 0.0;
+  const Vec2 along{std::cos(turn), std::sin(turn)};
+  std::complex<float> sum = 0.0F;
   for (int k = 0; k < kParts * kParts; ++k) {
     const Vec2 part = cells.turn.back({at.x + bin_px * ((k % kParts + 0.5) / kParts - 0.5),
                                        at.y + bin_px * ((k / kParts + 0.5) / kParts - 0.5)});
-    const Vec2 on_lenslet{std::cos(turn) * part.x + std::sin(turn) * part.y,
-                          std::cos(turn) * part.y - std::sin(turn) * part.x};
+    const Vec2 on_lenslet{along.x * part.x + along.y * part.y, along.x * part.y - along.y * part.x};
     if (!covers(lenslets.shape, 0.5 * lenslets.width_px, on_lenslet)) continue;
-    sum += unit_phasor(plate_waves(lenslets.plate, sensor.charge, on_lenslet));
+    sum += phasor(plate_waves(lenslets.plate, sensor.charge, on_lenslet));
   }
-  return sum / double(kParts * kParts);
+  return sum / float(kParts * kParts);
 }
 
 /// Appends the runs of a lenslet: in each row of cells, from the first covered cell to the last.
@@ -64,12 +69,12 @@ void append_lenslet(const SensorConfig& sensor, int piece, PupilCells& cells) {
     CellRun run{piece, y, 0, 0, cells.light.size()};
     for (int x = int(middle.x - half_cells); x <= int(middle.x + half_cells) + 1; ++x) {
       const Vec2 place = cells.grid.at_px(x, y);
-      const std::complex<double> field = cell_field(sensor, cells, place - own.centre_px);
-      if (field == 0.0 && run.begin == run.end) continue;  // not begun
+      const std::complex<float> field = cell_field(sensor, cells, place - own.centre_px);
+      if (field == 0.0F && run.begin == run.end) continue;  // not begun
       if (run.begin == run.end) run.begin = run.end = x;
       const Vec2 from_half = place - 0.5 * own.centre_px;
       const double cycles = own.grating_cpp.x * from_half.x + own.grating_cpp.y * from_half.y;
-      cells.light.emplace_back(field * unit_phasor(cycles));
+      cells.light.push_back(field * phasor(cycles));
       ++run.end;
     }
     if (run.end > run.begin) cells.runs.push_back(run);
@@ -138,7 +143,7 @@ void add_lenslet(const PupilCells& cells, double width_px, std::span<const CellR
       const Vec2 at = cells.grid.at_px(x, run.y);
       const double cycles = piece.grating_cpp.x * at.x + piece.grating_cpp.y * at.y;
       field(run.y - top, x - left) =
-          pupil[run.first + std::size_t(x - run.begin)] * std::complex<float>(unit_phasor(-cycles));
+          pupil[run.first + std::size_t(x - run.begin)] * phasor(-cycles);
     }
   }
   const Vec2 spot = (1.0 / window.step_cpp) * (piece.grating_cpp - window.origin_cpp);
