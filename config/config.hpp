@@ -143,8 +143,8 @@ struct Config {
 void use_modulator(Config& config);
 /// Lenslets in use of an array: their places on the camera and how the array lies there.
 struct ArrayOnCamera {
-  double magnification = 1.0;  ///< from the array's focal plane to the camera
-  double rotation_deg = 0.0;   ///< as in Lenslets
+  double pitch_px = 0.0;      ///< distance of neighbouring lenslets, camera pixels
+  double rotation_deg = 0.0;  ///< as in Lenslets
   double pupil_diameter_px = 0.0;
   std::vector<Vec2> centres_px{};
 };
@@ -152,6 +152,8 @@ struct ArrayOnCamera {
 SensorConfig sensor_with(const Config& config, ArrayOnCamera lenslets);
 /// Expected distance of neighbouring lenslets on the camera, camera pixels.
 double lenslet_pitch_px(const ArrayConfig& array, const OpticsConfig& optics);
+/// Magnification from the array's focal plane to the camera, by the lenslets' distance there.
+double magnification_of(const Config& config, double pitch_px);
 
 /// Parses strictly: unknown keys, wrong types and values out of range are errors that name the
 /// dotted path and, for an unknown key, the closest valid one. Allows comments (// and /* */).

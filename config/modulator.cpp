@@ -34,18 +34,21 @@ double lenslet_pitch_px(const ArrayConfig& array, const OpticsConfig& optics) {
   return array.pitch_um * optics.magnification / optics.camera_pitch_um;
 }
 
+double magnification_of(const Config& config, double pitch_px) {
+  return pitch_px * config.optics.camera_pitch_um / config.array.pitch_um;
+}
+
 SensorConfig sensor_with(const Config& config, ArrayOnCamera lenslets) {
   const OpticsConfig& optics = config.optics;
   const ArrayConfig& array = config.array;
   // Size of a camera pixel on the array.
-  const double pixel_um = optics.camera_pitch_um / lenslets.magnification;
-  const double pitch_px = array.pitch_um / pixel_um;
+  const double pixel_um = array.pitch_um / lenslets.pitch_px;
   SensorConfig out = config.sensor;
   out.pupil_diameter_px = lenslets.pupil_diameter_px;
-  out.subapertures_across = std::max(1, int(lenslets.pupil_diameter_px / pitch_px + 1e-6));
+  out.subapertures_across = std::max(1, int(lenslets.pupil_diameter_px / lenslets.pitch_px + 1e-6));
   out.grooves = {0.0, 0.0};
   out.lenslets = {array.shape.value_or(filling_shape(out.grid)),
-                  pitch_px,
+                  lenslets.pitch_px,
                   lenslets.rotation_deg,
                   {array.plate.levels, array.plate.depth, (1.0 / pixel_um) * array.plate.shift_um},
                   optics.wavelength_nm * optics.focal_length_mm / (pixel_um * pixel_um),
@@ -71,7 +74,7 @@ void use_modulator(Config& config) {
   const double px_per_mm = 1e3 * pitch_px / config.array.pitch_um;
   const double diameter_px = config.array.pupil_mm ? px_per_mm * *config.array.pupil_mm
                                                    : double(std::min(roi.width, roi.height));
-  config.sensor = sensor_with(config, {optics.magnification, 0.0, diameter_px,
+  config.sensor = sensor_with(config, {pitch_px, 0.0, diameter_px,
                                        centred_lattice(config.sensor.grid, pitch_px, diameter_px)});
 }
 

@@ -27,16 +27,16 @@ double rotation_on_array(double seen_deg, Grid grid, const PxPerCycle& direction
 
 /// The array that was found on the camera, along the axes of the array.
 FoundArray array_of(const LensletMap& map, const LensletPupil& pupil, const Config& config) {
-  const double magnification = map.pitch_px * config.optics.camera_pitch_um / config.array.pitch_um;
   const PxPerCycle direction = config.optics.registered.value_or(PxPerCycle(1.0));
   std::vector<Vec2> centres_px = pupil.centres_px;
   for (Vec2& centre : centres_px) centre = direction.back(centre);
   std::sort(centres_px.begin(), centres_px.end(),
             [](Vec2 a, Vec2 b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
   const SensorConfig sensor = sensor_with(
-      config, {magnification, rotation_on_array(map.rotation_deg, config.sensor.grid, direction),
+      config, {map.pitch_px, rotation_on_array(map.rotation_deg, config.sensor.grid, direction),
                pupil.diameter_px, std::move(centres_px)});
-  return {sensor.lenslets, map.lit(), magnification, pupil.diameter_px, sensor.subapertures_across};
+  return {sensor.lenslets, map.lit(), magnification_of(config, map.pitch_px), pupil.diameter_px,
+          sensor.subapertures_across};
 }
 
 /// Emits a warning event if the lenslets in use fill much less than the pupil.

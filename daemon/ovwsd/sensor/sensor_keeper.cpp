@@ -52,9 +52,9 @@ MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored)
     return stored;
   }
   const Lenslets before = array.lenslets;
-  array.magnification = before.width_px * config.optics.camera_pitch_um / config.array.pitch_um;
-  const SensorConfig sensor = sensor_with(config, {array.magnification, before.rotation_deg,
-                                                   array.pupil_diameter_px, before.centres_px});
+  array.magnification = magnification_of(config, before.width_px);
+  const SensorConfig sensor = sensor_with(
+      config, {before.width_px, before.rotation_deg, array.pupil_diameter_px, before.centres_px});
   array.lenslets = sensor.lenslets;
   if (array.plate_fitted) array.lenslets.plate = before.plate;
   array.subapertures_across = sensor.subapertures_across;
