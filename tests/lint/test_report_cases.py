@@ -112,6 +112,7 @@ class ReportCases(unittest.TestCase):
 
     def test_a_program_that_did_not_run_is_listed(self):
         self.assertEqual(report_of(absent="", present="OK"), ["skipped: 1 test cases", "  absent: 1: see its output"])
+        self.assertEqual(report_of("notrun", format="checks\nanother version\n"), ["skipped: 1 test cases", "  format: 1: another version"])
 
     def test_nothing_skipped_is_said(self):
         self.assertEqual(report_of(present="OK"), ["skipped: no test cases"])

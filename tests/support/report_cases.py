@@ -70,7 +70,8 @@ def main():
         output = test.findtext("system-out") or ""
         if test.get("status") == "fail":
             failed += [f"  {test.get('name')}: {error}" for error in errors(output, getattr(test.find("failure"), "attrib", {}).get("message"))]
-        for case, reason in skipped_cases(output) or ([("all", UNKNOWN)] if test.get("status") == "notrun" else []):
+        last = (output.strip() or UNKNOWN).splitlines()[-1]
+        for case, reason in skipped_cases(output) or ([("all", last)] if test.get("status") == "notrun" else []):
             found.setdefault((test.get("name"), reason), []).append(case)
     print(f"skipped: {sum(map(len, found.values())) or 'no'} test cases")
     for (test, reason), cases in sorted(found.items()):
