@@ -41,10 +41,20 @@ class BridgeCase(BenchCase):
         self.start_daemon()
         self.wait_until("running")
 
-    def connections(self):
-        """TCP connections of the daemon's control and stream ports."""
-        listed = subprocess.run(["ss", "-Htn", "state", "established", "( sport = :7701 or sport = :7702 )"], capture_output=True, text=True, check=True)
-        return len(listed.stdout.splitlines())
+    @staticmethod
+    def established(which, *options):
+        """Established TCP connections that `which` selects: each line of ss."""
+        listed = subprocess.run(["ss", "-Htn", *options, "state", "established", which], capture_output=True, text=True, check=True)
+        return listed.stdout.splitlines()
+
+    def connections(self, pid):
+        """The client's ports of a process's connections to the daemon's control and stream ports."""
+        lines = self.established("( dport = :7701 or dport = :7702 )", "-p")
+        return {line.split()[2].rpartition(":")[2] for line in lines if f"pid={pid}," in line}
+
+    def daemon_has(self, ports):
+        """Whether the daemon still has one of these connections."""
+        return any(line.split()[3].rpartition(":")[2] in ports for line in self.established("( sport = :7701 or sport = :7702 )"))
 
     def schema(self, name):
         """A schema of system.describe."""

@@ -119,15 +119,16 @@ class Device(BridgeCase):
     def test_two_at_once_and_a_killed_one(self):
         code = f"from ovws_bridges.bluesky import WavefrontSensor\ns = WavefrontSensor()\ns.subscribe(lambda r: None)\ns.trigger().wait({PATIENCE_S})\nprint('ready', flush=True)\nimport time\ntime.sleep(600)"
         self.sensor.trigger().wait(PATIENCE_S)
-        alone, seen = self.connections(), []
+        seen = []
         other = self.bench.start("other", [sys.executable, "-c", code], env=environment())
         other.wait_for_line("ready")
         self.sensor.describe()
         self.sensor.subscribe(lambda readings: seen.append(readings["ovws-seq"]["value"]))
-        self.assertGreater(self.connections(), alone)
+        others = self.connections(other.popen.pid)
+        self.assertTrue(self.daemon_has(others), others)
         wait_for(lambda: len(seen) > 25, what="frames")
         other.popen.kill()
-        wait_for(lambda: self.connections() == alone, what="the end of its connections")
+        wait_for(lambda: not self.daemon_has(others), what="the end of its connections")
         wait_for(lambda: len(seen) > 75, what="frames")
         self.assertEqual(set(np.diff(seen)), {1})
         self.sensor.gain_db.set(1.0).wait(PATIENCE_S)

@@ -171,7 +171,6 @@ class Server(BridgeCase):
         self.assertFalse(self.attribute("valid").value)
 
     def test_it_outlives_the_daemon_and_leaves_nothing(self):
-        alone = self.connections()
         watching = self.events("State", "rms_waves")
         self.bench.stop("ovwsd")
         self.attribute("rms_waves", tango.AttrQuality.ATTR_INVALID)
@@ -190,8 +189,11 @@ class Server(BridgeCase):
         self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], 2000.0, "what was given up is not carried out later")
         returning.wait_for(lambda events: [event["quality"] for event in events.received][-2:] == ["INVALID", "VALID"], "the valid exposure")
         returning.end()
-        self.bench.process("tango bench").popen.kill()
-        wait_for(lambda: self.connections() < alone, what="the end of its connections")
+        device = self.bench.process("tango bench").popen
+        connections = self.connections(device.pid)
+        self.assertTrue(self.daemon_has(connections), connections)
+        device.kill()
+        wait_for(lambda: not self.daemon_has(connections), what="the end of its connections")
         self.wait_until("running")
 
 
