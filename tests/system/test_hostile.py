@@ -21,7 +21,7 @@ CLIENTS = 64
 BATCHES = 40
 ENDPOINT, PORT, PORTS = "tcp://127.0.0.1:7702", 7702, (7701, 7702, 7703)
 MOST_GROWTH_MIB = 64
-MOST_ALLOCATOR_MIB, MOST_ALLOCATOR_GROWTH_MIB = 70, 1  # with glibc's own thresholds 118 to 136
+MOST_ALLOCATOR_MIB, MOST_ALLOCATOR_GROWTH_MIB = 70, 2  # with glibc's own thresholds 118 to 136
 BATCH = 100  # requests in it
 MOST_UNREAD = 40  # requests: 5 batches, each of 6 replies before it is full, and what libzmq and the kernel take of them
 GREETING = b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL" + bytes(48)
@@ -254,12 +254,12 @@ class Hostile(BenchCase):
         changes = [("sensor.set", {"charge": charge, "tracker": tracker, "subapertures_across": across})
                    for charge, tracker, across in itertools.product((1, 0, 2), ("fit", "lg", "weighted"), (5, 3))]
         sizes_mib = []
-        for _ in range(5):
+        for _ in range(10):
             self.mixed_commands(clients, changes, regions)
             sizes_mib.append(self.allocator_mib())
-        print(f"\n  {len(changes)} commands of each of three clients, five times: the allocator has {', '.join(f'{size:.1f}' for size in sizes_mib)} MiB")
+        print(f"\n  {len(changes)} commands of each of three clients, ten times: the allocator has {', '.join(f'{size:.1f}' for size in sizes_mib)} MiB")
         self.assertLess(max(sizes_mib), MOST_ALLOCATOR_MIB)
-        self.assertLess(sizes_mib[-1] - sizes_mib[2], MOST_ALLOCATOR_GROWTH_MIB)  # what the daemon keeps is there after three rounds
+        self.assertLess(sizes_mib[-1] - sizes_mib[4], MOST_ALLOCATOR_GROWTH_MIB)  # what the daemon keeps is there after five rounds
 
     def test_a_client_that_reads_no_replies(self):
         before, mute = self.resident_mib(), self.mute()
