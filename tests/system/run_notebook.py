@@ -2,7 +2,7 @@
 """Executes the cells of a notebook in order, as Jupyter would, without a kernel: run_notebook.py NOTEBOOK
 
 What a cell shows goes to standard output: what it prints, and the HTML or the text of its last expression. At the end comes one line of JSON
-with the notebook's numbers and texts by name. Without matplotlib, its calls do nothing; without IPython, `display` shows its values likewise.
+with the notebook's numbers and texts by name. Without matplotlib, its calls do nothing; without IPython, `display` shows its values in the same way.
 """
 import ast
 import contextlib
