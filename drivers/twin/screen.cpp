@@ -59,22 +59,18 @@ void Screen::work(const std::stop_token& stop) {
 
 void Screen::follow(XOutput& output, const std::stop_token& stop) {
   Patterns patterns = dark_patterns(dmd_, slm_.geometry.width_px, slm_.geometry.height_px);
-  // Earliest time of a change that is found now: the previous check, or the end of the last wait.
-  auto since = std::chrono::steady_clock::now();
-  if (!forward(output, patterns, since)) return;
+  if (!forward(output, patterns, std::chrono::steady_clock::now())) return;
   while (!stop.stop_requested()) {
     const std::uint64_t asked_now = asked();
     // A waiting catch_up requires a round trip to the server; else the received events are enough.
-    const auto checked_at = std::chrono::steady_clock::now();
-    XOutput::Change change = asked_now != answered_ ? output.sync_changes() : output.read_changes();
+    const XOutput::Change change =
+        asked_now != answered_ ? output.sync_changes() : output.read_changes();
     if (change == XOutput::Change::lost) return;
-    if (change == XOutput::Change::pixels && !forward(output, patterns, since)) return;
-    answer(asked_now);
-    since = checked_at;
-    if (change == XOutput::Change::none) {
-      wait_for_events(output.descriptor());
-      since = std::chrono::steady_clock::now();
+    if (change == XOutput::Change::pixels && !forward(output, patterns, output.changed_at())) {
+      return;
     }
+    answer(asked_now);
+    if (change == XOutput::Change::none) wait_for_events(output.descriptor());
   }
 }
 

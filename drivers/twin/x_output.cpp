@@ -34,6 +34,17 @@ bool requests_succeeded(::Display* display) {
   return !std::exchange(x_error, false);
 }
 
+/// The moment of a server time: milliseconds of the machine's monotonic clock in 32 bits, which
+/// wrap. A server with another clock, or that is ahead, counts as prompt.
+std::chrono::steady_clock::time_point moment_of(Time server_ms) {
+  constexpr std::uint32_t kLongestDelayMs = 10'000;
+  const auto now = std::chrono::steady_clock::now();
+  const auto now_ms =
+      std::chrono::duration_cast<std::chrono::milliseconds>(now.time_since_epoch()).count();
+  const std::uint32_t age_ms = std::uint32_t(now_ms) - std::uint32_t(server_ms);
+  return age_ms < kLongestDelayMs ? now - std::chrono::milliseconds(age_ms) : now;
+}
+
 struct Rectangle {
   int x = 0, y = 0, width = 0, height = 0;
 };
@@ -70,6 +81,7 @@ struct XOutput::Impl {
   Impl& operator=(const Impl&) = delete;
   ~Impl();
 
+  std::chrono::steady_clock::time_point changed_at;
   bool dead = false;  // set by Xlib's I/O error handler, which keeps this address
   ::Display* display = nullptr;
   Rectangle area;
@@ -192,6 +204,8 @@ XOutput::Change XOutput::read_changes() {
     XEvent event;
     XNextEvent(impl_->display, &event);
     if (event.type == impl_->damage_event + XDamageNotify) {
+      const auto& notice = reinterpret_cast<const XDamageNotifyEvent&>(event);
+      if (change == Change::none) impl_->changed_at = moment_of(notice.timestamp);
       // Clear the damage before reading pixels, so that a change during the read is reported again.
       XDamageSubtract(impl_->display, impl_->damage, None, None);
       change = Change::pixels;
@@ -206,6 +220,10 @@ XOutput::Change XOutput::read_changes() {
 XOutput::Change XOutput::sync_changes() {
   if (!impl_->dead) XSync(impl_->display, False);
   return read_changes();
+}
+
+std::chrono::steady_clock::time_point XOutput::changed_at() const {
+  return impl_->changed_at;
 }
 
 bool XOutput::grab(const std::function<void(const std::uint32_t* pixels, int y)>& visit_row) {

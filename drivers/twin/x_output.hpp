@@ -2,6 +2,7 @@
 /// header includes no X headers.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -31,6 +32,9 @@ class XOutput {
   Change read_changes();
   /// Makes a round trip to the server, then read_changes: includes all changes before this call.
   Change sync_changes();
+  /// When the server changed the pixels that read_changes last reported, by its own clock (1 ms):
+  /// a process that has waited for a processor reads of them late.
+  std::chrono::steady_clock::time_point changed_at() const;
 
   /// Reads the pixels, 0x00RRGGBB: calls visit_row(pixels, y) for each row. False if the server
   /// refuses; then treat the output as `lost`.

@@ -2,7 +2,11 @@
 
 How near the measured time is to the true one is printed by tests/bench/settle.
 """
-from case import main, wait_for
+import os
+import signal
+import time
+
+from case import BenchCase, main, next_message, wait_for
 from slm_case import SlmCase
 
 
@@ -66,6 +70,27 @@ class Settling(SlmCase):
                 self.assertIn("start it again when", ended["error"]["message"])
                 self.start_display(display)
                 self.wait_until("running")
+
+
+class Waiting(BenchCase):
+    """A twin that waits for a processor. It shows an image from when the display did, so no settled frame has the image before."""
+    small = True
+    daemon_config = {"slm": {"settle_ms": 60}, "tracking": {"tracker": "lg"}}
+    twin_config = {"noise": "pool", "slm": {"settle_ms": 40}}
+
+    def test_settled_frames_have_the_image_that_they_name(self):
+        self.take_reference()
+        frames = self.stream("wavefront")
+        twin = self.bench.process("ovws-twin").pid
+        self.addCleanup(os.kill, twin, signal.SIGCONT)
+        for waves in (0.1, -0.1) * 5:
+            os.kill(twin, signal.SIGSTOP)
+            shown = self.call("aberration.set", {"modes": [{"j": 4, "waves": waves}]})
+            time.sleep(0.1)  # longer than it takes to settle
+            os.kill(twin, signal.SIGCONT)
+            while (frame := next_message(frames))["hologram_id"] != shown["hologram_id"] or not frame["settled"]:
+                pass
+            self.assertAlmostEqual(frame["coefficients"][frame["j"].index(4)], waves, delta=0.03)
 
 
 if __name__ == "__main__":
