@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/optics/lattice.hpp"
@@ -14,6 +15,7 @@ namespace ovws {
 namespace {
 
 constexpr double kMaxStep = 0.01;     // lambda/d, motion between two measurements, beyond noise
+constexpr double kMaxChange = 0.02;   // of a mode's response between two measurements, beyond noise
 constexpr double kNoiseFactor = 4.0;  // standard errors that count as noise
 constexpr int kMaxTries = 4;          // repetitions of a poke while the bench moves
 constexpr int kMinFrames = 2;
@@ -66,6 +68,27 @@ double step_px(const Poke& first, const Poke& second) {
   const SpotDrift minus = drift_between(first.places.minus, second.places.minus);
   return std::max(plus.rms_px - kNoiseFactor * plus.noise_px,
                   minus.rms_px - kNoiseFactor * minus.noise_px);
+}
+
+/// Relative change of a mode's response from one measurement of a poke to the next, beyond noise.
+/// Shows what is small beside a motion of the bench, but not beside a weak poke: a frame of the
+/// hologram before.
+double response_change(const PushPull& first, const PushPull& second) {
+  double changes = 0.0, squares = 0.0, variance = 0.0;
+  for (std::size_t i = 0; i < first.plus.at_px.size(); ++i) {
+    const Vec2 one = first.plus.at_px[i] - first.minus.at_px[i];
+    const Vec2 other = second.plus.at_px[i] - second.minus.at_px[i];
+    const Vec2 mean = 0.5 * (one + other), change = other - one;
+    if (std::isnan(mean.x)) continue;
+    changes += mean.x * change.x + mean.y * change.y;
+    squares += mean.x * mean.x + mean.y * mean.y;
+    for (const SpotMeans* part : {&first.plus, &first.minus, &second.plus, &second.minus}) {
+      const Vec2& error = part->standard_error_px[i];
+      variance += std::pow(mean.x * error.x, 2) + std::pow(mean.y * error.y, 2);
+    }
+  }
+  if (squares == 0.0) return 0.0;
+  return (std::abs(changes) - kNoiseFactor * std::sqrt(variance)) / squares;
 }
 
 Poke mean_of_both(const Poke& first, const Poke& second) {
@@ -187,18 +210,25 @@ Result<Poke> Pokes::once(int j, double amplitude_waves) {
               {amplitude_waves, std::move(plus->cells), std::move(minus->cells)}};
 }
 
-/// Repeats a poke until two successive measurements agree, and returns their mean. Motion of the
-/// bench during a poke would add to the derivative.
+/// Repeats a poke until two successive measurements agree, and returns their mean: motion of the
+/// bench during a poke would add to the derivative, and a frame of the hologram before would change
+/// it. If none agree, those that agree best are used, unless the bench has moved.
 Result<Poke> Pokes::twice(int j, double amplitude_waves) {
   auto last = once(j, amplitude_waves);
-  double step = 0.0;
-  for (int tries = 0; last && tries < kMaxTries; ++tries) {
+  std::optional<Poke> best;
+  double step = 0.0, least_change = std::numeric_limits<double>::infinity();
+  for (int tries = 0; last && tries < kMaxTries && least_change > kMaxChange; ++tries) {
     auto next = once(j, amplitude_waves);
     if (!next) return next;
     step = step_px(*last, *next);
-    if (step <= max_step_px_) return mean_of_both(*last, *next);
+    const double change = response_change(last->places, next->places);
+    if (step <= max_step_px_ && change < least_change) {
+      best = mean_of_both(*last, *next);
+      least_change = change;
+    }
     last = std::move(next);
   }
+  if (best) return std::move(*best);
   if (!last) return last;
   return fail(
       Errc::refused, "",
