@@ -57,7 +57,8 @@ class Procedures(PanelCase):
         """Runs what a reference or a calibration depends on, after a change of mind."""
         within = f"#procedure-{name}"
         self.run_it(name, **params)
-        self.browser.wait_text(f"{within} .question", lambda text: question in text)
+        asked = "return document.querySelector(`${arguments[0]} .confirm:not([hidden]) .question`)?.textContent"
+        wait_for(lambda: question in (self.browser.run(asked, within) or ""), what="the question")
         self.browser.press("Escape")
         self.run_it(name)
         self.press("Run", f"{within} .confirm")

@@ -57,7 +57,7 @@ export class JobButton {
 
   /**
    * `params()`: params at the moment of the click. `before()`: what a click does first; resolves to a reason not to start the
-   * job, or "". `question()`: what a click asks first, or "". `onDone(result)`: returns the text to show, or nothing.
+   * job, or "". `question()`: resolves to what a click asks first, or to "". `onDone(result)`: returns the text to show, or nothing.
    */
   constructor({ body, error, help = () => {}, why = null }, text, method, { params = () => ({}), before = async () => "", question = null, onDone = () => {} } = {}) {
     this.error = error;

@@ -12,7 +12,11 @@ let made = null; // the procedures of the page
 let status = null;
 const asked = new Set(); // jobs that were asked for
 
-const hasReferenceOrCalibration = () => Boolean(status?.sensor.referenced || made.get("calibration").isKnown);
+/** Asks the daemon: the status may be older than what a click depends on. Without an answer: yes. */
+async function hasReferenceOrCalibration() {
+  const [reference, calibration] = await Promise.all([call("reference.get"), call("calibration.get")]);
+  return (reference.result?.taken ?? true) || (calibration.result?.calibrated ?? true);
+}
 
 class Procedure {
   #row;
@@ -55,7 +59,7 @@ class Procedure {
     this.#frame = field(this.#controls, "Measurement");
     this.#job = new JobButton(this.#frame, "Run", this.#method, {
       params: given,
-      question: this.#row.endangers && (() => (hasReferenceOrCalibration() ? this.#row.endangers : "")),
+      question: this.#row.endangers && (async () => ((await hasReferenceOrCalibration()) ? this.#row.endangers : "")),
       onDone: (result) => {
         const before = this.#report;
         this.show(result);
