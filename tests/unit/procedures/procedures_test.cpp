@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <future>
 #include <numbers>
 #include <stdexcept>
@@ -16,21 +15,18 @@
 #include "daemon/ovwsd/procedures/presentation.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "tests/support/simulated_bench.hpp"
+#include "tests/unit/procedures/on_bench.hpp"
 
 namespace ovws {
 namespace {
 
+using test::calibrate_on;
 using test::SimulatedBench;
 using test::small_daemon_config;
 using test::small_twin_config;
+using test::take_reference_on;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-
-Result<nlohmann::json> take_reference_on(SimulatedBench& bench, int frames) {
-  return bench.run("reference.take", [frames](Bench& on) {
-    return take_reference(on, {frames, false, {}});
-  });
-}
 
 /// The coefficient of mode j among mean_waves.
 double wave_of(const SimulatedBench& bench, const std::vector<double>& waves, int j) {
@@ -71,23 +67,6 @@ Result<Registration> register_on(SimulatedBench& bench) {
     if (!measured) return fail(measured.error());
     found = *measured;
     if (auto used = on.use(use_registration(*measured)); !used) return fail(used.error());
-    return nlohmann::json{};
-  });
-  if (!run) return fail(run.error());
-  return found;
-}
-
-/// Measures pokes of `modes_j` and uses them.
-Result<MeasuredCalibration> calibrate_on(SimulatedBench& bench, double amplitude_waves,
-                                         const std::vector<int>& modes_j) {
-  MeasuredCalibration found;
-  const auto run = bench.run("calibration.run", [&](Bench& on) -> Result<nlohmann::json> {
-    const std::uint64_t epoch = on.sensor()->sensor_epoch;
-    auto measured =
-        measure_calibration(on, bench.config().slm.geometry, {amplitude_waves, 5, modes_j});
-    if (!measured) return fail(measured.error());
-    found = *measured;
-    if (auto used = on.use(use_calibration(epoch, *measured)); !used) return fail(used.error());
     return nlohmann::json{};
   });
   if (!run) return fail(run.error());
@@ -257,70 +236,6 @@ TEST(Procedures, ACalibrationPokesOnlyWhatTheSlmCanShow) {
   ASSERT_EQ(found->matrix.dropped.size(), 1U);
   EXPECT_EQ(found->matrix.dropped[0].j, 9);
   EXPECT_NE(found->matrix.dropped[0].reason.find("the SLM cannot show it"), std::string::npos);
-}
-
-/// Changes the bench by `change` before picture `begin` is shown, and back before picture `end`;
-/// the first is 1.
-class Bump {
- public:
-  Bump(SimulatedBench& bench, int begin, int end, const std::function<void(twin::Truth&)>& change)
-      : optics_(bench.optics()), resting_(optics_.truth()), begin_(begin), end_(end) {
-    twin::Truth changed = resting_;
-    change(changed);
-    optics_.before_show([this, changed] {
-      ++picture_;
-      if (picture_ == begin_) optics_.set_truth(changed);
-      if (picture_ == end_) optics_.set_truth(resting_);
-    });
-  }
-  ~Bump() {
-    optics_.before_show({});
-    EXPECT_GE(picture_, end_);
-  }
-
- private:
-  test::SimulatedOptics& optics_;
-  const twin::Truth resting_;
-  const int begin_, end_;
-  int picture_ = 0;
-};
-
-/// A bump begins between the two images of one mode and ends between those of another.
-TEST(Procedures, ABumpOfTheBenchIsNotTakenForAModesResponse) {
-  SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
-  ASSERT_TRUE(take_reference_on(bench, 10));
-  const auto still = calibrate_on(bench, 0.1, {1, 2, 3, 4, 5});
-  ASSERT_TRUE(still) << still.error().reason;
-  for (const int begin : {1, 2, 3, 4}) {
-    const Bump bump(bench, begin, begin + 6,
-                    [](twin::Truth& moved) { moved.geometry.centre_px.x += 3.0; });
-    const auto found = calibrate_on(bench, 0.1, {1, 2, 3, 4, 5});
-    ASSERT_TRUE(found) << found.error().reason;
-    ASSERT_EQ(found->matrix.modes_j, still->matrix.modes_j);
-    const double error = (found->matrix.slopes - still->matrix.slopes).norm();
-    EXPECT_LT(error, 0.02 * still->matrix.slopes.norm()) << "from picture " << begin;
-  }
-}
-
-/// As if a tenth of the frames of one picture still had the picture before it.
-TEST(Procedures, ALatePictureIsNotTakenForAModesResponse) {
-  constexpr double kPoke = 0.05;
-  SimulatedBench bench;
-  ASSERT_TRUE(bench.is_running());
-  ASSERT_TRUE(take_reference_on(bench, 10));
-  const auto prompt = calibrate_on(bench, kPoke, {5});
-  ASSERT_TRUE(prompt) << prompt.error().reason;
-  for (const int picture : {1, 2, 3, 4}) {
-    const double part = picture % 2 == 0 ? 0.1 : -0.1;  // weakens the poke of this picture
-    const Bump bump(bench, picture, picture + 1, [=](twin::Truth& late) {
-      late.aberration.push_back({5, 2 * part * kPoke});
-    });
-    const auto found = calibrate_on(bench, kPoke, {5});
-    ASSERT_TRUE(found) << found.error().reason;
-    const double error = (found->matrix.slopes - prompt->matrix.slopes).norm();
-    EXPECT_LT(error, 0.015 * prompt->matrix.slopes.norm()) << "picture " << picture;
-  }
 }
 
 /// An SLM with the phase 2 pi depth (grey / 256)^gamma.

@@ -1,0 +1,81 @@
+/// A calibration on a bench that moves, or whose SLM is late.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
+
+#include "tests/unit/procedures/on_bench.hpp"
+
+namespace ovws {
+namespace {
+
+using test::calibrate_on;
+using test::SimulatedBench;
+using test::take_reference_on;
+
+/// Changes the bench by `change` before picture `begin` is shown, and back before picture `end`;
+/// the first is 1.
+class Bump {
+ public:
+  Bump(SimulatedBench& bench, int begin, int end, const std::function<void(twin::Truth&)>& change)
+      : optics_(bench.optics()), resting_(optics_.truth()), begin_(begin), end_(end) {
+    twin::Truth changed = resting_;
+    change(changed);
+    optics_.before_show([this, changed] {
+      ++picture_;
+      if (picture_ == begin_) optics_.set_truth(changed);
+      if (picture_ == end_) optics_.set_truth(resting_);
+    });
+  }
+  ~Bump() {
+    optics_.before_show({});
+    EXPECT_GE(picture_, end_);
+  }
+
+ private:
+  test::SimulatedOptics& optics_;
+  const twin::Truth resting_;
+  const int begin_, end_;
+  int picture_ = 0;
+};
+
+/// A bump begins between the two images of one mode and ends between those of another.
+TEST(Pokes, ABumpOfTheBenchIsNotTakenForAModesResponse) {
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  ASSERT_TRUE(take_reference_on(bench, 10));
+  const auto still = calibrate_on(bench, 0.1, {1, 2, 3, 4, 5});
+  ASSERT_TRUE(still) << still.error().reason;
+  for (const int begin : {1, 2, 3, 4}) {
+    const Bump bump(bench, begin, begin + 6,
+                    [](twin::Truth& moved) { moved.geometry.centre_px.x += 3.0; });
+    const auto found = calibrate_on(bench, 0.1, {1, 2, 3, 4, 5});
+    ASSERT_TRUE(found) << found.error().reason;
+    ASSERT_EQ(found->matrix.modes_j, still->matrix.modes_j);
+    const double error = (found->matrix.slopes - still->matrix.slopes).norm();
+    EXPECT_LT(error, 0.02 * still->matrix.slopes.norm()) << "from picture " << begin;
+  }
+}
+
+/// As if a tenth of the frames of one picture still had the picture before it.
+TEST(Pokes, ALatePictureIsNotTakenForAModesResponse) {
+  constexpr double kPoke = 0.05;
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  ASSERT_TRUE(take_reference_on(bench, 10));
+  const auto prompt = calibrate_on(bench, kPoke, {5});
+  ASSERT_TRUE(prompt) << prompt.error().reason;
+  for (const int picture : {1, 2, 3, 4}) {
+    const double part = picture % 2 == 0 ? 0.1 : -0.1;  // weakens the poke of this picture
+    const Bump bump(bench, picture, picture + 1, [=](twin::Truth& late) {
+      late.aberration.push_back({5, 2 * part * kPoke});
+    });
+    const auto found = calibrate_on(bench, kPoke, {5});
+    ASSERT_TRUE(found) << found.error().reason;
+    const double error = (found->matrix.slopes - prompt->matrix.slopes).norm();
+    EXPECT_LT(error, 0.015 * prompt->matrix.slopes.norm()) << "picture " << picture;
+  }
+}
+
+}  // namespace
+}  // namespace ovws
