@@ -153,12 +153,23 @@ void warn_of_dropped(Bench& bench, const InteractionMatrix& matrix) {
              {{"lost_spots", matrix.lost_spots}, {"dropped_modes", dropped_j}});
 }
 
+void warn_of_unsteady(Bench& bench, const std::vector<int>& modes_j) {
+  if (modes_j.empty()) return;
+  bench.warn("calibration",
+             fmt::format("the response to modes j = {} differed by more than 2 % each time they "
+                         "were poked: let the bench settle, check slm.settle_ms by slm.settle, "
+                         "and calibrate again with more frames",
+                         listed_spots(modes_j)),
+             {{"unsteady_modes", modes_j}});
+}
+
 Result<Json> calibrate(const Services& services, Bench& bench, const CalibrationRun& run) {
   const std::uint64_t epoch = bench.sensor()->sensor_epoch;
   const auto measured = measure_calibration(bench, services.config.slm.geometry, run);
   if (!measured) return fail(measured.error());
   auto result = use<calibration_of>(services, bench, use_calibration(epoch, *measured));
   if (result) warn_of_dropped(bench, measured->matrix);
+  if (result) warn_of_unsteady(bench, measured->unsteady_j);
   return result;
 }
 

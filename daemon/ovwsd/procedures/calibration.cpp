@@ -58,6 +58,7 @@ struct MeasuredPokes {
   std::vector<int> cells_j;
   SpotCells resting;
   std::vector<DroppedMode> dropped;
+  std::vector<int> unsteady_j;
   bool any_lost = false;
 };
 
@@ -65,6 +66,7 @@ struct MeasuredPokes {
 /// determine its mode.
 void add(Poke poke, const ModeOperator& model, MeasuredPokes& measured) {
   const int j = poke.places.j;
+  if (!poke.is_steady) measured.unsteady_j.push_back(j);
   if (poke.cells.plus.size() > 0) {
     measured.cells.push_back(std::move(poke.cells));
     measured.cells_j.push_back(j);
@@ -168,6 +170,7 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
   calibration.frames = run.frames;
   calibration.t_taken_ns = utc_ns();
   calibration.comparison = compare(*matrix, model);
+  calibration.unsteady_j = std::move(measured->unsteady_j);
   calibration.shapes = shapes_of(pokes.meter(), *measured, matrix->modes_j, model.modes_j,
                                  shown_modes(HologramKind::sensor, now.aberration, now.correction));
   calibration.matrix = std::move(*matrix);

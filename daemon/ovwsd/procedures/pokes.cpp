@@ -17,7 +17,7 @@ namespace {
 constexpr double kMaxStep = 0.01;     // lambda/d, motion between two measurements, beyond noise
 constexpr double kMaxChange = 0.02;   // of a mode's response between two measurements, beyond noise
 constexpr double kNoiseFactor = 4.0;  // standard errors that count as noise
-constexpr int kMaxTries = 4;          // repetitions of a poke while the bench moves
+constexpr int kMaxTries = 4;          // repetitions of a poke until two are the same
 constexpr int kMinFrames = 2;
 constexpr int kMaxHalvings = 2;  // of the poke amplitude
 // Least share of its light at rest that a found spot keeps, relative to the best spot's share.
@@ -224,6 +224,7 @@ Result<Poke> Pokes::twice(int j, double amplitude_waves) {
     const double change = response_change(last->places, next->places);
     if (step <= max_step_px_ && change < least_change) {
       best = mean_of_both(*last, *next);
+      best->is_steady = change <= kMaxChange;
       least_change = change;
     }
     last = std::move(next);

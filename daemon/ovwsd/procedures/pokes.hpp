@@ -47,7 +47,8 @@ class SpotMeter {
 
 struct Poke {
   PushPull places;
-  PokedSpots cells;  ///< empty: measured by the tracker's positions
+  PokedSpots cells;       ///< empty: measured by the tracker's positions
+  bool is_steady = true;  ///< the response was the same in both measurements, but for noise
 };
 
 /// Result of a poke; without `poke`, `reason` tells why the SLM cannot show the mode.
@@ -68,8 +69,9 @@ class Pokes {
   Result<ShownSpots> rest();
   /// Pokes mode `j` with both signs and measures it at least twice. Halves the amplitude up to two
   /// times if the SLM cannot show it, or if spots of `resting` are lost: strong pokes of high modes
-  /// may lose spots at the rim. Errors: those of Bench; Errc::refused: the bench moved between all
-  /// repetitions.
+  /// may lose spots at the rim. Repeats a poke whose response or spots differ from those before; if
+  /// no two are the same, the two that differ least are used, and it is not steady. Errors: those
+  /// of Bench; Errc::refused: the bench moved between all repetitions.
   Result<Poked> poke(int j, double amplitude_waves, const SpotMeans& resting);
 
  private:

@@ -49,6 +49,7 @@ struct MeasuredCalibration {
   std::int64_t t_taken_ns = 0;
   InteractionMatrix matrix;
   MatrixComparison comparison;
+  std::vector<int> unsteady_j{};  ///< modes whose response differed from poke to poke
   std::shared_ptr<const MeasuredShapes> shapes;  ///< null unless the tracker is `fit`
 };
 

@@ -77,5 +77,30 @@ TEST(Pokes, ALatePictureIsNotTakenForAModesResponse) {
   }
 }
 
+/// Responses that differ by 10 % each time: those used are named.
+TEST(Pokes, AnUnsteadyResponseIsReported) {
+  constexpr double kPoke = 0.05;
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  ASSERT_TRUE(take_reference_on(bench, 10));
+  const auto steady = calibrate_on(bench, kPoke, {5});
+  ASSERT_TRUE(steady) << steady.error().reason;
+  EXPECT_TRUE(steady->unsteady_j.empty());
+  const twin::Truth resting = bench.optics().truth();
+  bench.optics().before_show([&bench, resting, picture = 0]() mutable {
+    const bool is_plus = picture % 2 == 0, is_strong = picture / 2 % 2 == 0;
+    twin::Truth truth = resting;
+    truth.aberration.push_back({5, is_plus == is_strong ? 0.05 * kPoke : -0.05 * kPoke});
+    bench.optics().set_truth(truth);
+    ++picture;
+  });
+  const auto found = calibrate_on(bench, kPoke, {5});
+  bench.optics().before_show({});
+  ASSERT_TRUE(found) << found.error().reason;
+  EXPECT_EQ(found->unsteady_j, (std::vector<int>{5}));
+  const double error = (found->matrix.slopes - steady->matrix.slopes).norm();
+  EXPECT_LT(error, 0.02 * steady->matrix.slopes.norm()) << "the mean of two";
+}
+
 }  // namespace
 }  // namespace ovws
