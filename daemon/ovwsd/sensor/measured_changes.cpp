@@ -13,7 +13,7 @@ namespace ovws {
 namespace {
 
 constexpr double kSamePlace = 0.005;  // of the pitch: the same lenslet, found again
-constexpr double kSameMap = 6.0;      // residuals. Noise makes 0.1 % of the maps differ by more.
+constexpr double kSameMap = 7.0;      // residuals. Noise makes 0.2 % of the maps differ by more.
 
 using Written = std::function<void(const std::string& sha256)>;
 
@@ -150,14 +150,14 @@ bool keep_if_alike(Registration& found, const SensorState& state) {
 }
 
 /// Whether the map found is the present one, of the same camera and settings: spots are expected
-/// within the maps' noise of where they are expected now.
+/// within its noise of where they are expected now. A present map with more noise is replaced.
 bool is_same_map(const Registration& found, const SensorEdit& edit) {
   const auto& now = edit.state.registration;
   if (!now || now->camera != camera_json(edit.knowledge.camera)) return false;
   if (!edit.bench.registrations.kind().changed_settings(*now).empty()) return false;
   SensorState next = edit.state;
   next.registration = MeasuredRegistration{found, {}, ""};
-  const double noise_px = kSameMap * std::max(found.residual_px, now->residual_px),
+  const double noise_px = kSameMap * found.residual_px,
                most_px = kPositionTolerance * lambda_d_of(edit.state, edit.bench.optics);
   return farthest_px(edit.state, next, edit.bench.optics) <= std::min(noise_px, most_px);
 }

@@ -165,6 +165,21 @@ TEST(Procedures, ARegistrationOfAnUnchangedBenchChangesNothing) {
   EXPECT_NE(bench.sensor()->obstacle.reason.find("expected spot positions"), std::string::npos);
 }
 
+TEST(Procedures, ABetterRegistrationReplacesAPoorOne) {
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  auto poor = register_on(bench);
+  ASSERT_TRUE(poor) << poor.error().reason;
+  poor->base_px.x += 1.0;
+  poor->residual_px = 1.0;
+  ASSERT_TRUE(bench.edit(forget_registration()));
+  ASSERT_TRUE(bench.edit(use_registration(*poor)));
+  ASSERT_EQ(bench.sensor()->registration->base_px, poor->base_px);
+  const auto better = register_on(bench);
+  ASSERT_TRUE(better) << better.error().reason;
+  EXPECT_EQ(bench.sensor()->registration->base_px, better->base_px);
+}
+
 twin::CameraGeometry camera_at(double rotation_deg, twin::Mirror mirror, double magnification,
                                Vec2 centre_px) {
   twin::CameraGeometry geometry;
