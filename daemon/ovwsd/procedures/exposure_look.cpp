@@ -16,6 +16,8 @@ constexpr double kSignificance = 6.0;  // of light, in standard deviations of th
 constexpr double kDarkShare = 0.05;    // fraction of the pixels that are darker than `dark`
 constexpr double kHotContrast = 10.0;  // a hot pixel exceeds all its neighbours by this factor
 constexpr double kResolvedPx = 1.5;    // narrower spots may look like hot pixels
+// In spots as wide as this (lambda/d), light beside the top is at least 0.8 of it.
+constexpr double kWidePx = 4.0, kBesideTop = 0.75;
 constexpr std::array kShares{0.6, 0.4, 0.3};  // of the spots that must be about equally bright
 constexpr int kMinEven = 6;                   // ... but more than the first side lobes
 constexpr double kBeyondFull = 2.0;  // height that a saturated peak may have, per full scale
@@ -29,8 +31,8 @@ float or_full(float dn, double full) {
   return std::isnan(dn) ? float(full) : dn;
 }
 
-/// Whether pixel `at` is much brighter than each of its neighbours.
-bool is_hot(const Image<float>& image, std::size_t at, double dark, double full) {
+/// Height of the brightest neighbour of pixel `at` above the black level.
+double beside(const Image<float>& image, std::size_t at, double dark, double full) {
   const int x = int(at % std::size_t(image.width)), y = int(at / std::size_t(image.width));
   double nearest = 0.0;
   for (int j = std::max(0, y - 1); j <= std::min(image.height - 1, y + 1); ++j) {
@@ -39,7 +41,20 @@ bool is_hot(const Image<float>& image, std::size_t at, double dark, double full)
         nearest = std::max(nearest, double(or_full(image.at(i, j), full)) - dark);
     }
   }
-  return double(or_full(image.pixels[at], full)) - dark > kHotContrast * std::max(nearest, 1e-9);
+  return nearest;
+}
+
+/// Whether pixel `at` is much brighter than each of its neighbours.
+bool is_hot(const Image<float>& image, std::size_t at, double dark, double full) {
+  const double height = double(or_full(image.pixels[at], full)) - dark;
+  return height > kHotContrast * std::max(beside(image, at, dark, full), 1e-9);
+}
+
+/// Whether pixel `at` of a wide spot is at full scale and its neighbours are not near it, as
+/// beside the top of a spot: it is stuck, whatever the exposure.
+bool is_stuck(const Image<float>& image, std::size_t at, double dark, double full) {
+  return or_full(image.pixels[at], full) >= full &&
+         beside(image, at, dark, full) < kBesideTop * (full - dark);
 }
 
 /// The value that this share of the pixels does not exceed.
@@ -96,7 +111,8 @@ std::vector<double> peak_heights(const Image<float>& image, const ExpectedSpots&
   return heights;
 }
 
-/// Heights of the found spots above the black level, the highest first; hot pixels do not count.
+/// Heights of the found spots above the black level, the highest first; hot and stuck pixels do not
+/// count.
 std::vector<double> spot_heights(const Image<float>& image, const ExpectedSpots& expected,
                                  double dark, double full) {
   const double reach_px = std::max(1.0, kOfDistance * expected.apart_px);
@@ -110,7 +126,9 @@ std::vector<double> spot_heights(const Image<float>& image, const ExpectedSpots&
         const double height = double(or_full(image.at(x, y), full)) - dark;
         if (height <= best || norm(Vec2{double(x), double(y)} - spot) > reach_px) continue;
         const std::size_t at = std::size_t(y) * image.width + x;
-        if (expected.size_px < kResolvedPx || !is_hot(image, at, dark, full)) best = height;
+        if (expected.size_px >= kResolvedPx && is_hot(image, at, dark, full)) continue;
+        if (expected.size_px >= kWidePx && is_stuck(image, at, dark, full)) continue;
+        best = height;
       }
     }
     heights.push_back(best);
