@@ -142,7 +142,7 @@ constexpr auto kActions = [] {
       {{x, x, o, x, x, o, x, x, x, x}},  // set_correction
       {{x, x, o, o, x, o, x, o, x, x}},  // reload_config
       {{x, x, o, o, o, o, o, o, o, o}},  // record
-      {{x, x, x, x, x, o, o, o, o, o}},  // watch
+      {{x, x, x, x, x, o, o, o, x, x}},  // watch
       {{x, x, o, o, o, o, x, x, x, x}},  // present
       {{x, x, x, o, o, o, o, o, o, o}},  // grab
       {{x, x, o, o, o, o, o, o, o, o}},  // set_corrector

@@ -70,7 +70,7 @@ void advise(Services& services, const SensorAdvise& wanted, Reply<JobNumber> rep
 }
 
 constexpr std::array kLayoutRows{
-    row<kSensorAdvise, advise>(Role::control, Action::record),
+    row<kSensorAdvise, advise>(Role::control, Action::watch),
     row<kSensorGet, get<sensor_of>>(Role::read, Action::read),
     row<kSensorSet, change_sensor>(Role::control, Action::set_sensor),
 };

@@ -28,7 +28,7 @@ namespace ovws {
 struct ReloadDeps {
   const Config& config;           ///< configuration at the daemon's start
   Guarded<LoadedConfig>& loaded;  ///< last loaded; an applied reload replaces it
-  StateKeeper& state;
+  const StateKeeper& state;
   CameraActor& camera;
   SlmLoop& slm;
   SensorKeeper& keeper;
