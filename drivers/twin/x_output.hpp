@@ -32,8 +32,8 @@ class XOutput {
   Change read_changes();
   /// Makes a round trip to the server, then read_changes: includes all changes before this call.
   Change sync_changes();
-  /// When the server changed the pixels that read_changes last reported, by its own clock (1 ms):
-  /// a process that has waited for a processor reads of them late.
+  /// When the server made the earliest change that read_changes last reported, by its own clock
+  /// (1 ms): a process that has waited for a processor reads of it late.
   std::chrono::steady_clock::time_point changed_at() const;
 
   /// Reads the pixels, 0x00RRGGBB: calls visit_row(pixels, y) for each row. False if the server
