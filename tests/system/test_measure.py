@@ -194,15 +194,19 @@ class Measure(unittest.TestCase):
                                     "array": {"pupil_mm": 1.35}, "tracking": {"mode_count": 14},
                                     "optics": {"focal_length_mm": 7.0, "camera_pitch_um": 5.3}}))
         wanted = {3: 0.02, 4: 0.03, 8: -0.02}
-        for turn_deg in (0.4, 2.0, -5.0):
+        for turn_deg in (0.4, 0.8, 2.0, -5.0):
             files = [self.save(name, self.lenslets(modes, 6, turn_deg=turn_deg)) for name, modes in (("flat.png", {}), ("image.png", wanted))]
-            words = ("measure", "--reference", files[0], "--config", path, "--tracker", "lg", files[1])
-            (line,) = self.ovws(*words, status=0 if turn_deg == 0.4 else 1)
-            if turn_deg == 0.4:
-                modes = dict(zip(line["j"], line["coefficients"]))
-                self.assertLess(max(abs(modes[j] - waves) for j, waves in wanted.items()), 0.0015)
-            else:
-                self.assertIn(f"turned by {turn_deg:.1f} degrees", json.dumps(line))
+            for zero in (("--reference", files[0]), ("--model-reference",)):
+                # The array that is not turned comes first: it must not speak for the next image.
+                straight = [self.save("straight.png", self.lenslets(wanted, 7))] if len(zero) == 1 else []
+                words = ("measure", *zero, "--config", path, "--tracker", "lg", *straight, files[1])
+                *before, line = self.ovws(*words, status=0 if turn_deg == 0.4 else 1)
+                for good in before + ([line] if turn_deg == 0.4 else []):
+                    self.assertTrue(good["valid"], good)
+                    modes = dict(zip(good["j"], good["coefficients"]))
+                    self.assertLess(max(abs(modes[j] - waves) for j, waves in wanted.items()), 0.0015)
+                if turn_deg != 0.4:
+                    self.assertIn(f"turned by {turn_deg:.1f} degrees", json.dumps(line))
 
     def test_split_spots_are_measured(self):
         drawn = random.Random(2)

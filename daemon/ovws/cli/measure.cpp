@@ -226,10 +226,15 @@ class ImageMeasurer {
     Instrument& instrument = instrument_for(image);
     if (!instrument.measurement) return fail(instrument.measurement.error());
     const Measured measured = instrument.measurement->measure(image);
+    const MeasurementPlan& plan = instrument.measurement->plan();
+    const bool enough = enough_found(measured.spots, plan.reference_px);
+    if (enough && !reference_) {  // a reference image is checked when it is measured
+      const auto straight = check_rotation(config_, plan, measured.spots, "image");
+      if (!straight) return fail(straight.error());
+    }
     json line = image_line(page, config_, *instrument.measurement, measured);
     if (options_.refine) put_refined(line, measured, options_.spot_amplitudes);
-    const auto& reference_px = instrument.measurement->plan().reference_px;
-    return MeasuredPage{std::move(line), enough_found(measured.spots, reference_px)};
+    return MeasuredPage{std::move(line), enough};
   }
 
  private:

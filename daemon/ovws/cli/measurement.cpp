@@ -54,9 +54,13 @@ Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
   return std::make_unique<const ModeOperator>(std::move(*made));
 }
 
+Vec2 position_of(const SpotFix& spot) {
+  return {double(spot.x), double(spot.y)};
+}
+
 std::vector<Vec2> positions_of(std::span<const SpotFix> spots) {
   std::vector<Vec2> positions;
-  for (const SpotFix& spot : spots) positions.push_back({double(spot.x), double(spot.y)});
+  for (const SpotFix& spot : spots) positions.push_back(position_of(spot));
   return positions;
 }
 
@@ -69,39 +73,42 @@ std::string missing(const Measured& measured) {
   return fmt::format("{}", fmt::join(numbers, ", "));
 }
 
-/// How far the lattice at `seen` is turned against `expected`, degrees. No wavefront turns it: the
-/// displacements that it makes are a gradient.
-double rotation_deg(std::span<const Vec2> expected, std::span<const Vec2> seen) {
-  const double count = double(expected.size());
+/// How far the lattice of the spots found is turned against `expected`, degrees. No wavefront turns
+/// it: the displacements that it makes are a gradient.
+double rotation_deg(std::span<const Vec2> expected, std::span<const SpotFix> spots) {
+  double count = 0.0;
   Vec2 from, to;
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    from = from + (1.0 / count) * expected[i];
-    to = to + (1.0 / count) * seen[i];
+    if (!spots[i].found()) continue;
+    from = from + expected[i];
+    to = to + position_of(spots[i]);
+    ++count;
   }
+  if (count == 0.0) return 0.0;
   double along = 0.0, across = 0.0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    const Vec2 a = expected[i] - from, b = seen[i] - to;
+    if (!spots[i].found()) continue;
+    const Vec2 a = expected[i] - (1.0 / count) * from;
+    const Vec2 b = position_of(spots[i]) - (1.0 / count) * to;
     along += a.x * b.x + a.y * b.y;
     across += a.x * b.y - a.y * b.x;
   }
   return std::atan2(across, along) * 180.0 / std::numbers::pi;
 }
 
-/// Refuses an array that is turned in the image: its slopes would be along the camera's axes, and
-/// its lenslets along its own.
+}  // namespace
+
 Result<void> check_rotation(const Config& config, const MeasurementPlan& plan,
-                            std::span<const Vec2> seen) {
+                            std::span<const SpotFix> spots, std::string_view field) {
   constexpr double kMaxDeg = 0.5;  // of 0.15 wave of coma, less than 0.002 are lost
   if (config.modulator != Modulator::fixed) return {};
-  const double turned = rotation_deg(plan.predicted_px, seen);
+  const double turned = rotation_deg(plan.predicted_px, spots);
   if (std::abs(turned) <= kMaxDeg) return {};
-  return fail(Errc::refused, "reference",
+  return fail(Errc::refused, std::string(field),
               fmt::format("the array is turned by {:.1f} degrees in the image, which is not "
                           "modelled: turn the camera or the images",
                           turned));
 }
-
-}  // namespace
 
 Measurement::Measurement(std::unique_ptr<MeasurementPlan> plan)
     : plan_(std::move(plan)),
@@ -140,9 +147,8 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
                                                 : ""));
     }
     taken.positions_px = positions_of(measured.spots);
-    if (auto straight = check_rotation(config, *first.plan_, taken.positions_px); !straight) {
-      return fail(straight.error());
-    }
+    const auto straight = check_rotation(config, *first.plan_, measured.spots, "reference");
+    if (!straight) return fail(straight.error());
     absolute = measured.coefficients;
   } else if (*mode_operator) {
     const std::vector<Vec2>& flat_px = (*mode_operator)->flat_px;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "config/config.hpp"
@@ -70,5 +71,11 @@ class Measurement {
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;
 };
+
+/// Refuses a fixed array that is turned in the image by more than 0.5 degrees: its slopes would be
+/// along the camera's axes, and its lenslets along its own. `plan`: one whose predicted positions
+/// are those of the model. Errc::refused, field `field`.
+Result<void> check_rotation(const Config& config, const MeasurementPlan& plan,
+                            std::span<const SpotFix> spots, std::string_view field);
 
 }  // namespace ovws::cli
