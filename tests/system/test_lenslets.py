@@ -2,6 +2,7 @@
 import json
 import math
 import signal
+import struct
 
 from case import BenchCase, ClientError, main, merged, wait_for
 
@@ -117,6 +118,33 @@ class Array(BenchCase):
         self.call("sensor.set", {"tracker": "fit"})
         given("tracker", both[0].tobytes() + both[1].tobytes())
 
+    def test_an_array_that_was_not_found_gets_no_reference(self):
+        """Nothing tells then how far it is turned, and modes would be valid and wrong."""
+        places = [(x + 239.5, y + 199.5) for x, y in self.call("sensor.get")["lenslets"]["centres_px"]]
+        given = struct.pack(f"<{4 * len(places)}f", *(v for place in places for v in place), *[0.01] * (2 * len(places)))
+
+        def is_refused(method, params, binary=None, field="registration"):
+            with self.assertRaises(ClientError) as caught:
+                self.client.call(method, params, binary)
+            self.assertEqual(caught.exception.data["field"], field, caught.exception)
+            self.assertIn("the array has not been found yet, and modes would be wrong if it is turned: call registration.run", str(caught.exception))
+            self.assertFalse(self.call("reference.get")["taken"])
+
+        def all_are_refused():
+            is_refused("reference.take", {})
+            is_refused("reference.set", {"source": "model"})
+            is_refused("reference.give", {}, given)
+
+        all_are_refused()
+        self.run_job("registration.run", {"frames": 10})
+        self.assertEqual(self.call("reference.set", {"source": "model"})["source"], "model")
+        self.call("reference.save", {"name": "found"})
+        self.call("registration.clear")
+        all_are_refused()
+        is_refused("reference.load", {"name": "found"}, field="name")
+        (saved,) = self.call("reference.list")["references"]
+        self.assertIn("registration.run", saved["reason"])
+
     def test_stays_over_a_restart(self):
         self.read_back()
         before = self.call("registration.get")
@@ -222,6 +250,7 @@ class Mirrored(Array):
     turn_deg = -0.8
     test_bright_spots_read_known_modes_back = None
     test_known_tilts_give_a_reference = None
+    test_an_array_that_was_not_found_gets_no_reference = None
     test_stays_over_a_restart = None
     test_wrong_arrays_are_refused = None
     test_commands_know_that_there_is_no_slm = None
@@ -244,6 +273,7 @@ class Vortices(Array):
     exposure_us = 1400.0
     test_bright_spots_read_known_modes_back = None
     test_known_tilts_give_a_reference = None
+    test_an_array_that_was_not_found_gets_no_reference = None
     test_stays_over_a_restart = None
     test_a_registration_in_other_light_says_that_the_reference_is_not_used = None
     test_wrong_arrays_are_refused = None

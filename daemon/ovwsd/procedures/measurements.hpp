@@ -106,9 +106,9 @@ LoopTiming estimated_timing(const Config& config, const CameraSettings& camera, 
 /// Errc::refused: the spot is saturated or too dark.
 Result<MeasuredLut> measure_lut(Bench& bench, const SlmGeometry& slm, const LutRun& run);
 
-/// Checks whether a reference can be taken. Errc::refused: the SLM does not show the sensor.
-/// Errc::refused, field "allow_aberration": an aberration is introduced, which would become part of
-/// the reference.
+/// Checks whether a reference can be taken. Errors: those of check_array_found. Errc::refused: the
+/// SLM does not show the sensor. Errc::refused, field "allow_aberration": an aberration is
+/// introduced, which would become part of the reference.
 Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take);
 
 /// `reference.take`: averages the spots of settled frames and the pixels of some of these frames.

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "daemon/ovwsd/sensor/reference_spots.hpp"
+#include "daemon/ovwsd/sensor/sensor_state.hpp"
 
 namespace ovws {
 namespace {
@@ -73,11 +74,8 @@ void warn_of_introduced(Bench& bench, double rms_waves) {
 
 Result<void> can_take_reference(const SensorSnapshot& sensor, const ReferenceTake& take) {
   if (auto shown = check_shows_one_sensor(sensor); !shown) return shown;
-  if (!sensor.sensor.lenslets.empty() && !sensor.registration) {
-    return fail(Errc::refused, "registration",
-                "the array has not been found yet, and modes would be wrong if it is turned: call "
-                "registration.run first");
-  }
+  auto found = check_array_found(sensor.sensor, sensor.registration.has_value());
+  if (!found) return found;
   const auto is_named = [&](const BeamShown& one) { return one.name == take.beam; };
   if (!take.beam.empty() && take.beam != kMainBeam &&
       std::none_of(sensor.beams.begin(), sensor.beams.end(), is_named)) {

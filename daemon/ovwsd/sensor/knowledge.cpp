@@ -85,6 +85,7 @@ bool predicts_same_positions(const Reference& reference, const SensorState& stat
 std::shared_ptr<const Reference> find_reference(const SensorState& state,
                                                 const Knowledge& knowledge,
                                                 const BenchOptics& bench) {
+  if (!check_array_found(state)) return nullptr;
   const auto& all = knowledge.references;
   const auto found = std::find_if(all.rbegin(), all.rend(), [&](const auto& one) {
     return is_for(*one, state, knowledge) && predicts_same_positions(*one, state, bench);
@@ -156,6 +157,7 @@ std::string unused_reason(const Reference& reference, const SensorState& state,
                           const Knowledge& knowledge, const BenchOptics& bench) {
   if (!(reference.key == reference_key(state)))
     return other_key_reason(reference.key, reference_key(state));
+  if (auto found = check_array_found(state); !found) return found.error().reason;
   if (of_other_camera(reference, knowledge.camera)) return "it was taken with another camera";
   if (!has_same_slm(reference, state)) {
     return "it was taken with another look-up table or flatness";

@@ -1,6 +1,5 @@
 /// Sensor changes that activate or delete measured data: references, calibrations, LUTs and so on.
 #include <algorithm>
-#include <limits>
 #include <memory>
 
 #include "core/port/clock.hpp"
@@ -183,36 +182,6 @@ void keep_registration(SensorEdit& edit, const MeasuredRegistration& registratio
   write_registration(edit, registration);
 }
 
-/// The nearest of the other places, and its number.
-std::size_t nearest_other(const std::vector<Vec2>& places, std::size_t of) {
-  std::size_t nearest = of;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const double away = norm(places[k] - places[of]);
-    if (k == of || away >= least) continue;
-    least = away;
-    nearest = k;
-  }
-  return nearest;
-}
-
-/// Whether spots that are neighbours in the lattice lie beside each other in the same direction, as
-/// they do under every wavefront that a tracker can follow. Errc::invalid, field "positions".
-Result<void> check_order(const SpotAverage& given, const std::vector<Vec2>& model) {
-  constexpr double kLeastPart = 0.25;  // of their distance in the model
-  for (std::size_t i = 0; i < model.size(); ++i) {
-    const std::size_t k = nearest_other(model, i);
-    if (given.found[i] == 0 || given.found[k] == 0) continue;
-    const Vec2 due = model[k] - model[i], is = given.mean_px[k] - given.mean_px[i];
-    if (is.x * due.x + is.y * due.y > kLeastPart * (due.x * due.x + due.y * due.y)) continue;
-    return fail(Errc::invalid, "positions",
-                fmt::format("spots {} and {} do not lie beside each other as in the lattice: send "
-                            "the spots in the order of reference.get",
-                            i, k));
-  }
-  return {};
-}
-
 /// Checks a client's positions as those of use_reference.
 Result<ReferenceSpots> judge_given(const SpotAverage& given, const std::vector<Vec2>& model,
                                    const SensorState& state, const BenchOptics& optics) {
@@ -314,6 +283,7 @@ SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
   return [sensor_epoch, taken = std::move(taken),
           spots = std::move(spots)](SensorEdit& edit) -> Result<void> {
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
+    if (auto found = check_array_found(edit.state); !found) return found;
     if (edit.bench.camera && !(*edit.bench.camera == taken.settings)) {
       return fail(Errc::refused, "camera",
                   "the camera's settings changed during the job; start it again");
@@ -329,6 +299,7 @@ SensorChange use_reference(std::uint64_t sensor_epoch, TakenReference taken,
 
 SensorChange use_model_reference() {
   return [](SensorEdit& edit) -> Result<void> {
+    if (auto found = check_array_found(edit.state); !found) return found;
     Reference model = new_reference(edit, ReferenceSource::model);
     model.positions_px = model_positions(edit.state, edit.bench.optics);
     model.standard_error_px.assign(model.positions_px.size(), Vec2{});
@@ -339,6 +310,7 @@ SensorChange use_model_reference() {
 
 SensorChange use_given_reference(SpotAverage given) {
   return [given = std::move(given)](SensorEdit& edit) -> Result<void> {
+    if (auto found = check_array_found(edit.state); !found) return found;
     if (edit.state.tracking.tracker == TrackerKind::fit) {
       return fail(Errc::refused, "tracker",
                   "the tracker fit needs the image of a reference, and positions are not one: "

@@ -108,6 +108,7 @@ void NamedReferences::remove(const std::string& name, Done done) {
 
 std::string misfit(const Reference& reference, const SensorEdit& now) {
   const SensorState& state = now.state;
+  if (auto found = check_array_found(state); !found) return found.error().reason;
   const json then = json_of_key(reference.key), wanted = json_of_key(reference_key(state));
   for (const auto& [part, value] : then.items()) {
     auto differs = first_difference(part, value, wanted[part]);

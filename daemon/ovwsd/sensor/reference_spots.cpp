@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
+#include <limits>
 
 #include "core/base/decompositions.hpp"
 #include "core/wavefront/reconstructor.hpp"
@@ -36,6 +37,19 @@ Growth growth_without(const std::vector<int>& lost, const ModeOperator& modes) {
   return growth;
 }
 
+/// The nearest of the other places, and its number.
+std::size_t nearest_other(const std::vector<Vec2>& places, std::size_t of) {
+  std::size_t nearest = of;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const double away = norm(places[k] - places[of]);
+    if (k == of || away >= least) continue;
+    least = away;
+    nearest = k;
+  }
+  return nearest;
+}
+
 }  // namespace
 
 Result<ReferenceSpots> judge_spots(const SpotAverage& average, const ModeOperator& modes) {
@@ -60,6 +74,21 @@ Result<ReferenceSpots> judge_spots(const SpotAverage& average, const ModeOperato
                   "pupil, the exposure, and that the region of interest contains the "
                   "spots; or use fewer subapertures",
                   listed_spots(spots.lost), listed_spots(growth.undetermined_j)));
+}
+
+Result<void> check_order(const SpotAverage& given, const std::vector<Vec2>& model) {
+  constexpr double kLeastPart = 0.25;  // of their distance in the model
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const std::size_t k = nearest_other(model, i);
+    if (given.found[i] == 0 || given.found[k] == 0) continue;
+    const Vec2 due = model[k] - model[i], is = given.mean_px[k] - given.mean_px[i];
+    if (is.x * due.x + is.y * due.y > kLeastPart * (due.x * due.x + due.y * due.y)) continue;
+    return fail(Errc::invalid, "positions",
+                fmt::format("spots {} and {} do not lie beside each other as in the lattice: send "
+                            "the spots in the order of reference.get",
+                            i, k));
+  }
+  return {};
 }
 
 void place_lost(const std::vector<int>& lost, const std::vector<Vec2>& model_px,

@@ -25,6 +25,11 @@ constexpr double kWeakGrowth = 1.5;
 /// determined, by the criterion of Reconstructor. `modes` must have as many spots as `average`.
 Result<ReferenceSpots> judge_spots(const SpotAverage& average, const ModeOperator& modes);
 
+/// Checks that spots that are neighbours in the lattice lie beside each other in the same
+/// direction, as they do under every wavefront that a tracker can follow. Errc::invalid, field
+/// "positions".
+Result<void> check_order(const SpotAverage& given, const std::vector<Vec2>& model);
+
 /// Predicts positions for the lost spots, as start points for trackers: the model's position plus
 /// an affine displacement fitted to the other spots. Sets the standard errors of lost spots to NaN.
 /// `model_px`: model position of every spot, camera pixels.

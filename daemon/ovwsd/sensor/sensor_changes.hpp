@@ -54,6 +54,9 @@ struct TakenReference {
   std::shared_ptr<const ReferenceImage> picture;
   CameraSettings settings;  ///< camera settings of the averaged frames
 };
+// The changes that make a reference active also return the errors of check_array_found;
+// use_saved_reference returns them with field "name".
+
 /// Makes a measured reference active. Adds the lost and weak spots of each source that was taken to
 /// `spots` before that, in the order of TakenReference.
 /// Errors: those of check_average, judge_spots and check_branch_points; Errc::refused, field

@@ -77,6 +77,13 @@ void drop_registration(SensorState& state, const SensorConfig& configured) {
   ++state.sensor_epoch;
 }
 
+Result<void> check_array_found(const SensorConfig& sensor, bool registered) {
+  if (sensor.lenslets.empty() || registered) return {};
+  return fail(Errc::refused, "registration",
+              "the array has not been found yet, and modes would be wrong if it is turned: call "
+              "registration.run first");
+}
+
 std::optional<Registration> registration_of(const SensorState& state, const BenchOptics& bench) {
   if (!state.registration) return std::nullopt;
   return rebased(*state.registration, base_grating_cpp(state.sensor, bench.slm));

@@ -63,6 +63,13 @@ std::shared_ptr<const Image<std::uint8_t>> hologram_of(const SensorState& state)
 /// Stops using the registration. The lenslets that it found are replaced by the `configured` ones.
 void drop_registration(SensorState& state, const SensorConfig& configured);
 
+/// Refuses (Errc::refused, field "registration") a fixed array that no registration has found: its
+/// rotation is unknown, and a reference would give valid but wrong modes if it is turned.
+Result<void> check_array_found(const SensorConfig& sensor, bool registered);
+inline Result<void> check_array_found(const SensorState& state) {
+  return check_array_found(state.sensor, state.registration.has_value());
+}
+
 /// The registration, converted from the base grating of its measurement to the current base
 /// grating.
 std::optional<Registration> registration_of(const SensorState& state, const BenchOptics& bench);

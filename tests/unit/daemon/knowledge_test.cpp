@@ -102,8 +102,12 @@ TEST_F(Known, AReferenceOfAnArrayThatWasFoundElsewhereSaysSo) {
   state_.sensor.lenslets.centres_px.clear();  // no position is needed
   Reference reference = taken(5);
   reference.key = reference_key(before.sensor, before.tracking, before.roi);
+  reference.source = ReferenceSource::model;  // of any registration
   known_.references.push_back(std::make_shared<const Reference>(reference));
   state_ = before;
+  EXPECT_EQ(why_not(reference).find("the array has not been found yet"), 0U);
+  EXPECT_FALSE(found()) << "an older version may have stored one";
+  state_.registration.emplace();
   EXPECT_EQ(why_not(reference), "");
   state_.sensor.lenslets.centres_px[1].x = 31.0;
   state_.sensor.subapertures_across = 5;

@@ -187,6 +187,70 @@ TEST_F(Keeper, AReferenceOutlivesARestartUntilItIsForgotten) {
   EXPECT_FALSE(keeper_->snapshot()->reference);
 }
 
+/// Its rotation is not known before that, and modes would be valid and wrong.
+TEST_F(Keeper, AnArrayHasNoReferenceBeforeARegistrationHasFoundIt) {
+  end();
+  config_ = Config{};
+  config_.modulator = Modulator::fixed;
+  config_.state.directory = folder_;
+  config_.optics.focal_length_mm = 5.2;
+  config_.sensor.charge = 0;
+  config_.sensor.grid = Grid::square;
+  config_.array.pupil_mm = 1.35;
+  config_.tracking.tracker = TrackerKind::lg;
+  config_.camera.settings.roi = {0, 0, 400, 400};
+  use_modulator(config_);
+  start();
+  std::vector<Vec2> places;
+  Reference before;  // as if a version without this rule had made it
+  ASSERT_TRUE(edit([&](SensorEdit& edit) -> Result<void> {
+    places = model_positions(edit.state, edit.bench.optics);
+    before.key = reference_key(edit.state);
+    before.source = ReferenceSource::model;
+    before.origin = std::make_shared<const nlohmann::json>(edit.bench.origins.origin(
+        {before.key, {}, std::nullopt, std::nullopt, std::nullopt, nullptr}));
+    before.positions_px = places;
+    before.standard_error_px.assign(places.size(), {});
+    replace_reference(edit.knowledge, edit.state, before);
+    return {};
+  }));
+  SpotAverage given;
+  given.frames = 1;
+  given.mean_px = places;
+  given.standard_error_px.assign(places.size(), {0.01, 0.01});
+  given.found.assign(places.size(), 1);
+  const TakenReference taken{{}, given, {}, nullptr, config_.camera.settings};
+  const auto spots = std::make_shared<std::vector<ReferenceSpots>>();
+  const auto changes = [&] {
+    return std::vector<SensorChange>{use_reference(keeper_->snapshot()->sensor_epoch, taken, spots),
+                                     use_model_reference(), use_given_reference(given),
+                                     use_saved_reference(before)};
+  };
+  EXPECT_FALSE(keeper_->snapshot()->reference);
+  for (const SensorChange& change : changes()) {
+    const auto refused = edit(change);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Errc::refused);
+    EXPECT_NE(refused.error().reason.find("call registration.run first"), std::string::npos)
+        << refused.error().reason;
+  }
+  EXPECT_FALSE(keeper_->snapshot()->reference);
+  ASSERT_TRUE(edit([&](SensorEdit& edit) -> Result<void> {
+    Registration found;
+    found.array.lenslets = edit.state.sensor.lenslets;
+    found.array.pupil_diameter_px = edit.state.sensor.pupil_diameter_px;
+    found.array.subapertures_across = edit.state.sensor.subapertures_across;
+    found.base_px = {199.5, 199.5};
+    found.px_per_cycle = PxPerCycle(edit.state.sensor.lenslets.px_per_cycle);
+    return use_registration(found)(edit);
+  }));
+  for (const SensorChange& change : changes()) {
+    const auto used = edit(change);
+    ASSERT_TRUE(used) << used.error().reason;
+    EXPECT_TRUE((*used)->reference);
+  }
+}
+
 TEST_F(Keeper, ForgettingWhatWasNotMeasuredChangesNoPlan) {
   const SensorView before = keeper_->snapshot();
   ASSERT_TRUE(edit(forget_lut()));
