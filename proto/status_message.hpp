@@ -44,6 +44,7 @@ struct StatusMessage {
     TemplateReport templates;
     OperatorReport mode_operator;
     int subapertures = 0, modes = 0;
+    bool measurable = true;  ///< whether there is a measurement plan for the camera's image
     bool referenced = false;
     std::string reference = "none";               ///< "none", "in_force", "stale"
     double reference_introduced_rms_waves = 0.0;  ///< introduced aberration within the reference

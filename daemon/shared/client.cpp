@@ -10,6 +10,7 @@
 #include "daemon/shared/key_file.hpp"
 #include "proto/endpoint.hpp"
 #include "proto/json_text.hpp"
+#include "proto/measurable_image.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -168,6 +169,7 @@ std::string why_not_valid(const json& message, const json& status) {
     const std::string what = pattern == "grating" ? "a grating" : "the pattern \"" + pattern + "\"";
     return "the SLM shows " + what + ": no wavefront is measured";
   }
+  if (std::string why = why_not_measurable(status); !why.empty()) return why;
   if (!message.value("settled", false)) {
     const bool is_displayed =
         slm.value("settled", false) &&

@@ -9,6 +9,7 @@
 #include "daemon/shared/client.hpp"
 #include "proto/dark_image.hpp"
 #include "proto/limits.hpp"
+#include "proto/measurable_image.hpp"
 #include "proto/slow_camera.hpp"
 
 namespace ovws::web {
@@ -101,6 +102,10 @@ std::string action_of(const json& status) {
 /// Checks frames, reference, validity, saturation and lost spots; requires both devices to work.
 void check_wavefront(const BenchFacts& facts, Findings& findings) {
   const json& wavefront = facts.wavefront;
+  if (const std::string why = why_not_measurable(facts.status); !why.empty()) {
+    findings.bad("No wavefront: " + why, lead("Show the image", "camera"));
+    return;
+  }
   if (wavefront.is_null() || facts.wavefront_age_s > kNoFramesS) {
     findings.bad("No frames arrive from the camera: check its cable and power, or run ovws doctor",
                  lead("Show the frame rate", "bench"));
@@ -164,8 +169,9 @@ void check_rate(const BenchFacts& facts, Findings& findings) {
                    lead("Show the frame rate", "bench"));
 }
 
-void check_counts(const BenchFacts& facts, Findings& findings) {
-  const double introduced = facts.status.at("sensor").value("reference_introduced_rms_waves", 0.0);
+/// A reference that a new one should replace.
+void check_reference(const json& status, Findings& findings) {
+  const double introduced = status.at("sensor").value("reference_introduced_rms_waves", 0.0);
   if (introduced > 0.0) {
     findings.warning(
         fmt::format(
@@ -176,11 +182,14 @@ void check_counts(const BenchFacts& facts, Findings& findings) {
             {call_of("aberration.clear"),
              call_of("reference.take", {{"frames", kReferenceFrames}})}));
   }
-  if (facts.status.at("sensor").at("reference") == "stale") {
+  if (status.at("sensor").at("reference") == "stale") {
     findings.note(
         "The reference was taken with another gain, exposure or pixel format: take a new one",
         take_reference("Take a new one"));
   }
+}
+
+void check_counts(const BenchFacts& facts, Findings& findings) {
   const json layout = facts.status.at("sensor").value("layout_fault", json());
   if (layout.is_string()) {
     findings.warning(layout.get<std::string>(), lead("Show the image", "camera"));
@@ -212,6 +221,7 @@ std::vector<HealthFinding> examine_bench(const BenchFacts& facts) {
   if (camera) check_light(facts.status, findings);
   if (camera) check_rate(facts, findings);
   if (camera && slm) check_wavefront(facts, findings);
+  if (why_not_measurable(facts.status).empty()) check_reference(facts.status, findings);
   check_counts(facts, findings);
   return findings.sorted();
 }

@@ -82,6 +82,7 @@ inline constexpr auto kTable<StatusMessage::SensorPart> = [] {
       inlined(&P::mode_operator),
       field<&P::subapertures>("number of subapertures", Bounds::at_least(0)),
       field<&P::modes>("number of reconstructed modes", Bounds::at_least(0)),
+      field<&P::measurable>("whether the camera's image can be measured; `invalid` says why not"),
       field<&P::referenced>("whether there is a reference"),
       field<&P::reference>("in_force: active; stale: active, but taken with another gain, exposure "
                            "or pixel format, which reference.get reports")

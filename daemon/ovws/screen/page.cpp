@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "proto/dark_image.hpp"
+#include "proto/measurable_image.hpp"
 
 namespace ovws::screen {
 namespace {
@@ -121,7 +122,9 @@ void draw_state(Canvas& canvas, const View& view) {
 
 void draw_frame(Canvas& canvas, const View& view) {
   if (view.wavefront.is_null()) {
-    if (!view.status.is_null()) canvas.text(0, 1, canvas.width(), "no frames arrive", Style::alarm);
+    if (view.status.is_null()) return;
+    const std::string why = why_not_measurable(view.status);
+    canvas.text(0, 1, canvas.width(), why.empty() ? "no frames arrive" : why, Style::alarm);
     return;
   }
   const json& frame = view.wavefront;

@@ -56,6 +56,7 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const Camera
   part.mode_operator = sensor.mode_operator;
   part.subapertures = sensor.subapertures;
   part.modes = int(sensor.modes_j.size());
+  part.measurable = sensor.plan_id != 0;
   part.referenced = sensor.reference != nullptr;
   part.reference = reference_state(sensor, camera);
   if (sensor.reference) {

@@ -83,6 +83,9 @@ TEST(Page, SaysWhyThereAreNoNumbers) {
   EXPECT_FALSE(has(page(view), "RMS"));
   view.wavefront = json();
   EXPECT_TRUE(has(page(view), "no frames arrive"));
+  view.status["sensor"]["measurable"] = false;
+  view.status["sensor"]["invalid"] = {{"reason", "too small"}, {"action", "change the region"}};
+  EXPECT_TRUE(has(page(view), "too small; change the region"));
   view.status = json();
   view.silent_s = 7.0;
   EXPECT_TRUE(has(page(view), "no message for 7 s: waiting for the daemon"));

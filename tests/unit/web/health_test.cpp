@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "daemon/shared/client.hpp"
 #include "daemon/web/commands.hpp"
 
 namespace ovws::web {
@@ -32,6 +33,13 @@ class HealthTest : public testing::Test {
     ASSERT_FALSE(found.empty());
     EXPECT_EQ(found.front().wellness, wellness) << found.front().text;
     EXPECT_NE(found.front().text.find(text), std::string::npos) << found.front().text;
+  }
+
+  /// The image that the camera now sends has no measurement plan.
+  void make_unmeasurable() {
+    facts.status["sensor"]["measurable"] = false;
+    facts.status["sensor"]["invalid"] = {{"reason", "the camera's image cannot be measured: why"},
+                                         {"action", "change the region (camera.set)"}};
   }
 };
 
@@ -136,6 +144,31 @@ TEST_F(HealthTest, SaysWhatToDoWithoutAReference) {
   facts.status["sensor"]["invalid"] = {{"reason", "it was taken with another camera"},
                                        {"action", "take a new reference"}};
   expect_worst(Wellness::warning, "No reference: it was taken with another camera");
+}
+
+TEST_F(HealthTest, AnImageThatCannotBeMeasuredIsNotASilentCamera) {
+  make_unmeasurable();
+  const std::string why =
+      "the camera's image cannot be measured: why; change the region (camera.set)";
+  facts.wavefront_age_s = 60.0;  // each frame has an unexpected size
+  expect_worst(Wellness::bad, "No wavefront: " + why);
+  facts.wavefront = nullptr;
+  expect_worst(Wellness::bad, "No wavefront: " + why);
+  EXPECT_EQ(examine_bench(facts).size(), 1U);
+}
+
+TEST_F(HealthTest, AnImageThatCannotBeMeasuredNeedsNoReference) {
+  make_unmeasurable();
+  facts.wavefront["valid"] = facts.wavefront["settled"] = false;
+  for (const bool referenced : {true, false}) {
+    facts.status["sensor"]["referenced"] = referenced;
+    facts.status["sensor"]["reference"] = referenced ? "stale" : "none";
+    expect_worst(Wellness::bad, "No wavefront: the camera's image cannot be measured");
+    EXPECT_EQ(examine_bench(facts).size(), 1U);
+    EXPECT_EQ(examine_bench(facts).front().action.at("section"), "camera");
+  }
+  EXPECT_NE(cli::why_not_valid(facts.wavefront, facts.status).find("cannot be measured"),
+            std::string::npos);
 }
 
 TEST_F(HealthTest, AReferenceThatHoldsAnIntroducedAberrationIsNotWell) {
