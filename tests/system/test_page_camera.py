@@ -132,6 +132,20 @@ class Bar(PageCase):
         self.assertEqual(self.browser.run(folded), ["map"])
         self.check_console()
 
+    def test_findings_leave_camera_and_daily_controls_in_one_view(self):
+        browser = self.browser
+        browser.wait_text("#verdict", lambda text: "OK" in text)
+        header = browser.box("header")[3]
+        self.call("aberration.set", {"modes": [{"j": 7, "waves": 0.1}]})
+        self.take_reference(allow_aberration=True)
+        self.call("camera.set", {"exposure_us": 9000.0})  # saturates; the reference is stale
+        wait_for(lambda: browser.run("return document.querySelectorAll('#findings li').length") >= 2, what="three findings")
+        self.assertGreater(browser.box("header")[3], header + 50)
+        for selector in ("#camera-canvas", "#saturation", "#bar .wide input[type=range]", "#bar .wide button"):
+            self.check_box(selector)
+        self.assertGreater(browser.box("#camera-canvas")[3], 400)
+        self.check_console()
+
     def test_every_control_of_the_bar_acts_on_the_bench(self):
         browser = self.browser
         wait_for(lambda: browser.run(SLIDER_MAX), what="a slider that can be moved")

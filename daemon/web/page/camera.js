@@ -46,9 +46,20 @@ function onKey(event) {
   return true;
 }
 
+/** Gives the canvas the height that the banner, the bar and the figures leave: the panel stays in one view with the bar. */
+function fitHeight() {
+  const main = byId("views");
+  const observer = new ResizeObserver(() => {
+    main.style.setProperty("--above", `${main.offsetTop}px`);
+    redraw();
+  });
+  for (const above of document.querySelectorAll("header, #bar, #figures")) observer.observe(above);
+}
+
 /** `requestDraw`: asks for a call of draw. */
 export function build(requestDraw) {
   redraw = requestDraw;
+  fitHeight();
   byId("camera-scale").append(...Object.entries(SCALES).map(([name, { title }]) => new Option(title, name)));
   byId("camera-scale").value = remembered("camera-scale", "grey", (name) => name in SCALES);
   view = new CameraView(byId("camera-canvas"), {
