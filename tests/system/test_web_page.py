@@ -107,7 +107,7 @@ class Page(WebCase):
                 self.resize(width)
                 self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
                 for canvas in CANVASES:
-                    self.assertGreater(self.colours(canvas), 10 if canvas != "#strip-canvas" else 2, canvas)
+                    wait_for(lambda canvas=canvas: self.colours(canvas) > (10 if canvas != "#strip-canvas" else 2), what=f"a drawn {canvas}")
         wait_for(lambda: self.median_age_ms() < 100, what="an age on screen below 100 ms")  # other programs may delay it
         self.check_console()
 
@@ -258,7 +258,7 @@ class Page(WebCase):
         check("#bar-now .value", r"0\.(29|30)\d\d wave")
         self.call("aberration.clear")
         check("#bar-now .value", r"0\.00\d\d wave")
-        self.assertEqual(self.browser.run("return document.querySelector('#bar-now').dataset.wellness"), "good")
+        wait_for(lambda: self.browser.run("return document.querySelector('#bar-now').dataset.wellness") == "good", what="the verdict of a bench that is well")
         self.browser.run("window.scrollTo(0, document.body.scrollHeight)")
         left, top, wide, high = self.browser.box("#bar-now")
         self.assertTrue(left > 0.0 and top >= 0.0 and left + wide <= 1440.0 and top + high < 100.0, "in view at the end of the page")
