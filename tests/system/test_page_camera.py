@@ -69,15 +69,26 @@ class PageCase(WebCase):
         """The position that the readout shows."""
         return [int(self.readout()[k]) for k in (1, 2)]
 
+    def in_still_canvas(self, act):
+        """What `act(its box)` gives, done again until the canvas stood still: remarks above it come and go, move it and change its size."""
+        def attempt():
+            box = self.browser.box("#camera-canvas")
+            given = act(box)
+            return self.browser.box("#camera-canvas") == box and [given]
+        return wait_for(attempt, what="a canvas that stays as it is")[0]
+
     def pixel_in_middle(self):
-        """The position that the readout shows of the canvas's middle: remarks above the image come and go, and move it."""
-        def read():
-            middle = self.canvas_at(0.5, 0.5)
-            self.browser.mouse(("move", middle[0] + 9, middle[1]), ("move", *middle))
+        """The position that the readout shows of the canvas's middle."""
+        def read(_):
+            x, y = self.canvas_at(0.5, 0.5)
+            self.browser.mouse(("move", x + 9, y), ("move", x, y))
             self.browser.run("await new Promise((drawn) => requestAnimationFrame(() => setTimeout(drawn)))")
-            pixel = self.pixel()
-            return self.canvas_at(0.5, 0.5) == middle and pixel
-        return wait_for(read, what="a canvas that stays where it is")
+            return self.pixel()
+        return self.in_still_canvas(read)
+
+    def zoom_out(self):
+        self.browser.press("0")
+        wait_for(lambda: self.zoom() == 0, what="the whole image")
 
     def zoom(self):
         """What the page shows, CSS pixels per camera pixel; 0: the whole image."""
@@ -305,12 +316,16 @@ class Camera(PageCase):
 
     def test_zoom_pan_and_the_value_of_a_pixel(self):
         browser = self.browser
-        middle = self.canvas_at(0.5, 0.5)
-        fitted = min(browser.box("#camera-canvas")[2:]) / 512
-        wheeled = self.wheel(4)
-        self.assertAlmostEqual(wheeled / fitted, 1.4 ** 4, delta=0.05)
+
+        def zoomed_by_the_wheel(box):
+            self.zoom_out()
+            return self.wheel(4) / (min(box[2:]) / 512)
+
+        self.assertAlmostEqual(self.in_still_canvas(zoomed_by_the_wheel), 1.4 ** 4, delta=0.05)
+        wheeled = self.zoom()
         x, y = self.pixel_in_middle()
         self.assertTrue(250 <= x <= 262 and 250 <= y <= 262, (x, y))
+        middle = self.canvas_at(0.5, 0.5)
         browser.drag(middle, (middle[0] - 200, middle[1] + 100))
         moved = self.pixel_in_middle()
         self.assertAlmostEqual(moved[0] - x, 200 / wheeled, delta=3)  # both are rounded, and so is the zoom
@@ -323,11 +338,11 @@ class Camera(PageCase):
         browser.wait_text("#camera-readout", lambda text: "Point at the image" in text)
         browser.press("+")
         wait_for(lambda: abs(self.zoom() / wheeled - 1.4) < 0.02, what="the key's zoom")
-        browser.press("0")
-        wait_for(lambda: self.zoom() == 0, what="the whole image")
-        browser.pinch(middle, 100.0, 250.0)
-        wait_for(lambda: abs(self.zoom() / fitted - 2.5) < 0.1, what="a zoom by what the fingers move apart")
-        browser.press("0")
+        self.zoom_out()
+        before = self.wheel(1)
+        browser.pinch(self.canvas_at(0.5, 0.5), 100.0, 250.0)
+        wait_for(lambda: abs(self.zoom() / before - 2.5) < 0.1, what="a zoom by what the fingers move apart")
+        self.zoom_out()
         browser.click("#camera-tools >> text=1:1")
         wait_for(lambda: self.zoom() == 1.0 or self.zoom() == 0, what="pixel by pixel")
         browser.click("#camera-tools >> text=Fit")
@@ -363,11 +378,15 @@ class Camera(PageCase):
     def test_profile_histogram_and_colours(self):
         browser = self.browser
         browser.click("#camera-tools >> text=Profile")
-        browser.drag(self.canvas_at(0.3, 0.4), self.canvas_at(0.7, 0.6))
-        length = float(re.search(r"along ([\d.]+) px", browser.wait_text("#profile-text", lambda text: "DN along" in text))[1])
-        width, height = self.browser.box("#camera-canvas")[2:]
-        zoom = min(width, height) / 512
-        self.assertAlmostEqual(length, ((0.4 * width) ** 2 + (0.2 * height) ** 2) ** 0.5 / zoom, delta=3)
+
+        def drag(box):
+            browser.drag(self.canvas_at(0.3, 0.4), self.canvas_at(0.7, 0.6))
+            return box[2:]
+
+        width, height = self.in_still_canvas(drag)
+        length = ((0.4 * width) ** 2 + (0.2 * height) ** 2) ** 0.5 * 512 / min(width, height)
+        shown = lambda: float(re.search(r"along ([\d.]+) px", browser.wait_text("#profile-text", lambda text: "DN along" in text))[1])
+        wait_for(lambda: abs(shown() - length) < 3, what=f"a profile along {length} px")
         colours = """const c = document.querySelector(arguments[0]);
             return new Set(new Uint32Array(c.getContext("2d").getImageData(0, 0, c.width, c.height).data.buffer)).size"""
         for canvas in ("#profile-canvas", "#histogram-canvas"):
