@@ -10,6 +10,7 @@
 #include <numbers>
 #include <string>
 
+#include "core/base/median.hpp"
 #include "core/base/number_text.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/tracking/candidates.hpp"
@@ -25,6 +26,8 @@ constexpr int kMaxSpots = kMaxSubapertures + kMaxSubapertures / 4;
 constexpr double kCapture = 0.35;  // of the pitch: largest distance from the expected place
 constexpr double kMinOrder = 0.5;  // share of neighbours that lie in the lattice's directions
 constexpr double kMinIndexed = 0.6;
+// A pupil is often a whole number of pitches, with lenslets just inside: noise does not drop them.
+constexpr double kAtRim = 0.02;
 
 struct Spot {
   Vec2 at_px;
@@ -48,8 +51,7 @@ Directions directions_of(Grid grid) {
           {{1, 0}, {0, 1}, {-1, 1}, {-1, 0}, {0, -1}, {1, -1}}};
 }
 
-std::vector<Spot> spots_in(const Image<float>& mean_dn, const SpotModel& model) {
-  const Image<std::uint16_t> image = in_16_bits(mean_dn);
+std::vector<Spot> spots_in(const Image<std::uint16_t>& image, const SpotModel& model) {
   const ImageView view = view_of(image, PixelFormat::mono16);
   const auto tracker = make_tracker({.tracker = TrackerKind::lg}, model);
   if (!tracker) return {};
@@ -137,6 +139,7 @@ FirstDirection first_direction(const std::vector<Spot>& spots, double reach_px, 
 struct LatticeFit {
   Complex origin, step;
   double residual_px = 0.0;
+  double step_error_px = 0.0;  ///< standard error of both parts of `step`
 
   Vec2 at(GridIndex index, Complex second) const {
     const Complex place = origin + step * (double(index.first) + double(index.second) * second);
@@ -198,6 +201,7 @@ class Indexing {
       sum += off.x * off.x + off.y * off.y;
     }
     fit.residual_px = std::sqrt(sum / (2.0 * double(spot_at_.size())));
+    fit.step_error_px = squares > 0.0 ? fit.residual_px / std::sqrt(squares) : 0.0;
     return fit;
   }
 
@@ -247,8 +251,8 @@ std::vector<LensletNode> nodes_of(const Indexing& indexing, const std::vector<Sp
     for (int a = least.first - 1; a <= most.first + 1; ++a) {
       const auto found = indexing.spot_at().find({a, b});
       const bool lit = found != indexing.spot_at().end();
-      nodes.push_back(
-          {a, b, fit.at({a, b}, second), lit ? spots[std::size_t(found->second)].level : 0.0, lit});
+      nodes.push_back({a, b, fit.at({a, b}, second),
+                       lit ? spots[std::size_t(found->second)].level : 0.0, 0.0, lit});
     }
   }
   return nodes;
@@ -263,28 +267,71 @@ Result<void> check_pitch(double measured_px, const LensletSearch& search) {
                   "optics.magnification");
 }
 
-/// Dark nodes outside of the light: those that a path over dark nodes connects to the border.
-std::vector<Vec2> outside_px(const LensletMap& map) {
-  std::map<GridIndex, const LensletNode*> dark;
+/// Share of a lenslet's cell that its light makes part of the lit region: 0 at kLitLevel, 1 from
+/// kWholeLevel on. A threshold alone would let a lenslet at the rim jump in and out by its noise.
+double share_of(const LensletNode& node) {
+  return std::clamp((node.level - kLitLevel) / (kWholeLevel - kLitLevel), 0.0, 1.0);
+}
+
+/// Nodes that are not whole outside of the light: those that a path over such nodes connects to
+/// the border.
+std::vector<LensletNode> outside_of(const LensletMap& map) {
+  std::map<GridIndex, const LensletNode*> dim;
   GridIndex least{std::numeric_limits<int>::max(), 0};
   for (const LensletNode& node : map.nodes) {
     least = std::min(least, GridIndex{node.a, node.b});
-    if (!node.lit) dark[{node.a, node.b}] = &node;
+    if (share_of(node) < 1.0) dim[{node.a, node.b}] = &node;
   }
   std::deque<GridIndex> open{least};  // a corner of the box, which is dark
-  std::vector<Vec2> outside;
+  std::vector<LensletNode> outside;
   while (!open.empty()) {
     const GridIndex at = open.front();
     open.pop_front();
-    const auto found = dark.find(at);
-    if (found == dark.end()) continue;
-    outside.push_back(found->second->at_px);
-    dark.erase(found);
+    const auto found = dim.find(at);
+    if (found == dim.end()) continue;
+    outside.push_back(*found->second);
+    dim.erase(found);
     for (const GridIndex& next : directions_of(Grid::square).neighbours) {
       open.emplace_back(at.first + next.first, at.second + next.second);
     }
   }
   return outside;
+}
+
+/// Sum of the pixels above `background` in the disc of a lenslet's spot.
+double light_at(const Image<std::uint16_t>& image, Vec2 at, double radius_px, double background) {
+  double sum = 0.0;
+  const int left = std::max(0, int(at.x - radius_px)), top = std::max(0, int(at.y - radius_px));
+  for (int y = top; y < std::min(image.height, int(at.y + radius_px) + 2); ++y) {
+    for (int x = left; x < std::min(image.width, int(at.x + radius_px) + 2); ++x) {
+      if (norm(Vec2{double(x), double(y)} - at) <= radius_px) sum += image.at(x, y) - background;
+    }
+  }
+  return sum;
+}
+
+/// Measures the light of all nodes, found or not.
+void measure_light(LensletMap& map, const Image<std::uint16_t>& image) {
+  constexpr double kRadius = 0.4;  // of the pitch
+  const double background = median(image.pixels);
+  std::vector<double> lit;
+  for (LensletNode& node : map.nodes) {
+    node.light = light_at(image, node.at_px, kRadius * map.pitch_px, background);
+    if (node.lit) lit.push_back(node.light);
+  }
+  const double typical = median(lit);
+  for (LensletNode& node : map.nodes) node.light = std::clamp(node.light / typical, 0.0, 1.0);
+}
+
+/// Mean place of the light.
+Vec2 centre_of(const LensletMap& map) {
+  Vec2 sum;
+  double light = 0.0;
+  for (const LensletNode& node : map.nodes) {
+    sum = sum + node.light * node.at_px;
+    light += node.light;
+  }
+  return light > 0.0 ? (1.0 / light) * sum : Vec2{};
 }
 
 }  // namespace
@@ -294,7 +341,8 @@ int LensletMap::lit() const {
 }
 
 Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearch& search) {
-  std::vector<Spot> spots = spots_in(mean_dn, search.spots);
+  const Image<std::uint16_t> image = in_16_bits(mean_dn);
+  std::vector<Spot> spots = spots_in(image, search.spots);
   drop_dark(spots);
   if (spots.size() < kMinSubapertures) {
     return fail(Errc::refused, "camera",
@@ -325,24 +373,25 @@ Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearc
   const double turn = 2.0 * std::numbers::pi / directions.symmetry;
   map.rotation_deg = std::remainder(std::arg(fit.step), turn) * 180.0 / std::numbers::pi;
   map.residual_px = fit.residual_px;
+  map.pitch_error_px = fit.step_error_px;
   map.nodes = nodes_of(indexing, spots, fit, directions.second);
+  measure_light(map, image);
   return map;
 }
 
 LensletPupil lenslet_pupil(const LensletMap& map, std::optional<double> diameter_px) {
   LensletPupil pupil;
-  const double lit = map.lit();
-  for (const LensletNode& node : map.nodes) {
-    if (node.lit) pupil.centre_px = pupil.centre_px + (1.0 / lit) * node.at_px;
-  }
+  pupil.centre_px = centre_of(map);
   double radius_px = 0.5 * diameter_px.value_or(std::numeric_limits<double>::infinity());
   if (!diameter_px) {
-    for (const Vec2 dark : outside_px(map)) {
-      radius_px = std::min(radius_px, norm(dark - pupil.centre_px) - 0.5 * map.pitch_px);
+    for (const LensletNode& node : outside_of(map)) {
+      const double reach =
+          norm(node.at_px - pupil.centre_px) + (share_of(node) - 0.5) * map.pitch_px;
+      radius_px = std::min(radius_px, reach);
     }
   }
   pupil.diameter_px = 2.0 * radius_px;
-  const double reach_px = radius_px - 0.5 * map.pitch_px + 1e-6 * map.pitch_px;
+  const double reach_px = radius_px - (0.5 - kAtRim) * map.pitch_px;
   for (const LensletNode& node : map.nodes) {
     if (!node.lit || norm(node.at_px - pupil.centre_px) > reach_px) continue;
     pupil.centres_px.push_back(node.at_px - pupil.centre_px);

@@ -26,16 +26,22 @@ struct LensletNode {
       b = 0;   ///< along the lattice's two directions, from the spot nearest the middle of all
   Vec2 at_px;  ///< by the fitted lattice
   double level = 0.0;  ///< mean of the spot's bright part, relative to the upper quartile; 0: none
-  bool lit = false;    ///< level is at least kLitLevel
+  /// Light on the lenslet, relative to the median of lit ones; at most 1. Known of dark ones,
+  /// too: a cut spot at the rim may be found or not.
+  double light = 0.0;
+  bool lit = false;  ///< level is at least kLitLevel
 };
 /// A lenslet with less light, relative to the upper quartile of all spots, counts as dark: its spot
 /// may be stray light of its neighbours.
 constexpr double kLitLevel = 0.2;
+/// From this level on a lenslet counts in full to the lit region, below it in part.
+constexpr double kWholeLevel = 0.3;
 
 struct LensletMap {
   double pitch_px = 0.0;
-  double rotation_deg = 0.0;  ///< from the camera's +x towards +y, at most half of the symmetry
-  double residual_px = 0.0;   ///< RMS distance of the spots from the lattice, over x and y
+  double pitch_error_px = 0.0;  ///< its standard error, from the spots' distances from the lattice
+  double rotation_deg = 0.0;    ///< from the camera's +x towards +y, at most half of the symmetry
+  double residual_px = 0.0;     ///< RMS distance of the spots from the lattice, over x and y
   std::vector<LensletNode> nodes;  ///< all lit ones, and the dark ones between and around them
 
   int lit() const;
@@ -51,12 +57,13 @@ Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearc
 
 /// The circle on the array over which the modes are measured, and the lit lenslets inside.
 struct LensletPupil {
-  Vec2 centre_px;                ///< on the camera: the mean position of the lit lenslets
+  Vec2 centre_px;                ///< on the camera: mean place of the light
   double diameter_px = 0.0;      ///< camera pixels
   std::vector<Vec2> centres_px;  ///< of the lenslets in use, from centre_px; sorted by y, then x
 };
 /// Places the pupil. `diameter_px`: its diameter; none: the largest circle around the lit lenslets'
-/// centre that meets no dark cell, except dark ones that lit lenslets enclose.
+/// centre that meets no dark cell, except dark ones that lit lenslets enclose. Both change
+/// continuously with the lenslets' light.
 LensletPupil lenslet_pupil(const LensletMap& map, std::optional<double> diameter_px);
 
 }  // namespace ovws

@@ -39,6 +39,14 @@ FoundArray array_of(const LensletMap& map, const LensletPupil& pupil, const Conf
           sensor.subapertures_across};
 }
 
+/// Standard error of `scale`, which grows with the square of the pitch on the camera. The direction
+/// is that of the configuration, and has none.
+PxPerCycle error_of(const PxPerCycle& scale, const LensletMap& map) {
+  const double relative = 2.0 * map.pitch_error_px / map.pitch_px;
+  return {relative * std::abs(scale.xx), relative * std::abs(scale.xy),
+          relative * std::abs(scale.yx), relative * std::abs(scale.yy)};
+}
+
 /// Emits a warning event if the lenslets in use fill much less than the pupil.
 void warn_of_dark_pupil(Bench& bench, const FoundArray& array, Grid grid) {
   constexpr double kLeastShare = 0.75;
@@ -86,6 +94,7 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
   const double error_px = map->residual_px / std::sqrt(double(map->lit()));
   found.px_per_cycle = config.optics.registered.value_or(PxPerCycle(1.0))
                            .scaled_to(found.array.lenslets.px_per_cycle);
+  found.standard_error = error_of(found.px_per_cycle, *map);
   found.base_px = pupil.centre_px + Vec2{double(camera.roi.x), double(camera.roi.y)};
   found.base_standard_error_px = {error_px, error_px};
   found.residual_px = map->residual_px;
