@@ -68,6 +68,35 @@ void FoundArray::use_in(SensorConfig& sensor) const {
   sensor.subapertures_across = subapertures_across;
 }
 
+std::optional<Vec2> shift_if_same(const FoundArray& now, const FoundArray& next) {
+  constexpr double kSamePlace = 0.005, kMostShift = 0.05, kRim = 0.1;  // of the pitch
+  const double pitch = now.lenslets.width_px;
+  if (std::abs(next.pupil_diameter_px - now.pupil_diameter_px) > kRim * pitch) return {};
+  const double inner_px = 0.5 * (now.pupil_diameter_px - pitch) - kRim * pitch;
+  std::vector<Vec2> offs;
+  std::vector<bool> again(now.lenslets.centres_px.size(), false);
+  for (const Vec2 at : next.lenslets.centres_px) {
+    const std::size_t before = offs.size();
+    for (std::size_t i = 0; i < again.size() && offs.size() == before; ++i) {
+      const Vec2 off = at - now.lenslets.centres_px[i];
+      if (norm(off) > kMostShift * pitch) continue;
+      again[i] = true;
+      offs.push_back(off);
+    }
+    if (offs.size() == before && norm(at) < inner_px) return {};
+  }
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    if (!again[i] && norm(now.lenslets.centres_px[i]) < inner_px) return {};
+  }
+  if (offs.empty()) return {};
+  Vec2 mean;
+  for (const Vec2 off : offs) mean = mean + (1.0 / double(offs.size())) * off;
+  for (const Vec2 off : offs) {
+    if (norm(off - mean) > kSamePlace * pitch) return {};
+  }
+  return Vec2{} - mean;
+}
+
 Registration rebased(const Registration& registration, Vec2 base_cpp) {
   Registration out = registration;
   out.base_px = out.base_px + out.px_per_cycle * (base_cpp - registration.base_cpp);

@@ -33,6 +33,11 @@ struct FoundArray {
   void use_in(SensorConfig& sensor) const;
 };
 
+/// Whether `next` are the lenslets of `now`, found again. Then: how far the centre of `next` is
+/// from that of `now`, along the array's axes. Noise may move it by a little, and so take in or
+/// leave out lenslets at the rim of the pupil.
+std::optional<Vec2> shift_if_same(const FoundArray& now, const FoundArray& next);
+
 /// The affine map at = base_px + px_per_cycle * offset.
 struct Registration {
   Vec2 base_cpp;  ///< grating of the base subaperture, whose spot is at base_px

@@ -149,9 +149,7 @@ class Array(BenchCase):
         self.read_back()
         before = self.call("registration.get")
         reference = self.call("reference.get")
-        self.bench.stop("ovwsd")
-        self.start_daemon()
-        self.wait_until("running")
+        self.restart()
         self.call("camera.set", {"exposure_us": self.exposure_us})
         self.assertEqual(self.call("registration.get"), before)
         self.assertEqual(self.call("reference.get")["positions_px"], reference["positions_px"])
@@ -178,6 +176,34 @@ class Array(BenchCase):
         self.assertIn("was measured with other settings: " + changed + "148.0; it is used", self.bench.log("ovwsd"))
         self.call("registration.clear")
         self.assertFalse(self.call("reference.get")["taken"])
+
+    def restart(self, **changed):
+        self.bench.stop("ovwsd")
+        self.start_daemon(**changed)
+        self.wait_until("running")
+
+    def test_what_was_corrected_is_measured_as_if_nothing_was_stored(self):
+        """A square lattice looks the same after a half or quarter turn, and few lenslets may lie between two pupils."""
+        def found():
+            result = self.run_job("registration.run", {"frames": 10})["result"]
+            array = result["array"]
+            return result["px_per_cycle"] + [array["pupil_diameter_px"], array["lit"], result["sights"], len(array["lenslets"]["centres_px"])]
+
+        found()
+        for changed in ({"optics": {"px_per_cycle": [0, -100, 100, 0]}}, {"optics": {"px_per_cycle": [-100, 0, 0, -100]}}, {"array": {"pupil_mm": 1.7}},
+                        {"array": {"pupil_mm": 1.75}}):
+            with self.subTest(changed):
+                self.restart(**changed)
+                corrected = found()
+                self.call("registration.clear")
+                for value, fresh in zip(corrected, found()):
+                    self.assertAlmostEqual(value, fresh, delta=0.1)
+        self.bench.stop("ovws-twin")
+        self.start_twin(array={"beam_diameter_mm": 1.75})
+        self.wait_until("running")
+        dimmer = found()
+        self.assertEqual(dimmer[-3], dimmer[-2])
+        self.assertAlmostEqual(dimmer[-3], 101, delta=3)  # of 143
 
     def test_a_registration_in_other_light_says_that_the_reference_is_not_used(self):
         self.run_job("registration.run", {"frames": 10})
@@ -227,13 +253,9 @@ class Array(BenchCase):
         self.twin.call("twin.set", {"peak_electrons": 1.0})
         self.fails("registration.run", "camera")
         self.twin.call("twin.set", {"peak_electrons": 6000.0})
-        self.bench.stop("ovwsd")
-        self.start_daemon(array={"pitch_um": 130.0})
-        self.wait_until("running")
+        self.restart(array={"pitch_um": 130.0})
         self.fails("registration.run", "array.pitch_um")
-        self.bench.stop("ovwsd")
-        self.start_daemon(sensor={"grid": "hexagonal"})
-        self.wait_until("running")
+        self.restart(sensor={"grid": "hexagonal"})
         self.fails("registration.run", "sensor.grid")
 
     def fails(self, method, field):
@@ -252,6 +274,7 @@ class Mirrored(Array):
     test_known_tilts_give_a_reference = None
     test_an_array_that_was_not_found_gets_no_reference = None
     test_stays_over_a_restart = None
+    test_what_was_corrected_is_measured_as_if_nothing_was_stored = None
     test_wrong_arrays_are_refused = None
     test_commands_know_that_there_is_no_slm = None
 
@@ -260,9 +283,7 @@ class Mirrored(Array):
         before = self.call("registration.get")
         self.assertTrue(before["mirrored"])
         self.assertAlmostEqual(before["px_per_cycle"][1] / before["scale_px_per_cycle"], -1.0)
-        self.bench.stop("ovwsd")
-        self.start_daemon()
-        self.wait_until("running")
+        self.restart()
         self.assertEqual(self.call("registration.get"), before)
 
 
@@ -275,6 +296,7 @@ class Vortices(Array):
     test_known_tilts_give_a_reference = None
     test_an_array_that_was_not_found_gets_no_reference = None
     test_stays_over_a_restart = None
+    test_what_was_corrected_is_measured_as_if_nothing_was_stored = None
     test_a_registration_in_other_light_says_that_the_reference_is_not_used = None
     test_wrong_arrays_are_refused = None
     test_commands_know_that_there_is_no_slm = None
@@ -298,12 +320,14 @@ class Vortices(Array):
         before = self.call("registration.get")
         self.assertTrue(before["array"]["plate_fitted"])
         self.run_job("registration.run", {"frames": 10})
-        self.bench.stop("ovwsd")
-        self.start_daemon()
-        self.wait_until("running")
+        self.restart()
         plate = self.call("registration.get")["array"]["lenslets"]["plate"]
         self.assertEqual(plate, before["array"]["lenslets"]["plate"])
         self.assertEqual(self.call("sensor.get")["lenslets"]["plate"], plate)
+        self.restart(array={"plate": {"levels": 12}})
+        self.assertEqual({**self.call("sensor.get")["lenslets"]["plate"], "shift_px": None}, {"levels": 12, "depth": 1.0, "shift_px": None})
+        self.assertIn("the plates that array.fit measured are not used: array.plate.levels was 16, and is 12", self.bench.log("ovwsd"))
+        self.restart()
         self.call("registration.clear")
         self.assertEqual(self.call("sensor.get")["lenslets"]["plate"]["depth"], 1.0)
 

@@ -11,8 +11,7 @@
 namespace ovws {
 namespace {
 
-constexpr double kSamePlace = 0.005;  // of the pitch: the same lenslet, found again
-constexpr double kSameMap = 7.0;      // residuals. Noise makes 0.2 % of the maps differ by more.
+constexpr double kSameMap = 7.0;  // residuals. Noise makes 0.2 % of the maps differ by more.
 
 using Written = std::function<void(const std::string& sha256)>;
 
@@ -134,26 +133,34 @@ void schedule_slm_removal(Kept<Kind>& kept, SensorEdit& edit,
   };
 }
 
-/// Keeps the present lenslets if the same are found again. False: they are others.
-bool keep_if_alike(Registration& found, const SensorState& state) {
-  const Lenslets& now = state.sensor.lenslets;
-  Lenslets& next = found.array.lenslets;
-  if (now.empty() && next.empty()) return true;
-  if (!state.registration || now.centres_px.size() != next.centres_px.size()) return false;
-  for (std::size_t i = 0; i < now.centres_px.size(); ++i) {
-    if (norm(now.centres_px[i] - next.centres_px[i]) > kSamePlace * now.width_px) return false;
-  }
-  found.array = state.registration->array;
-  found.px_per_cycle = state.registration->px_per_cycle;
+/// Whether the registration in use is of the present camera and settings.
+bool is_of_this_bench(const SensorEdit& edit) {
+  const auto& now = edit.state.registration;
+  return now && now->camera == camera_json(edit.knowledge.camera) &&
+         edit.bench.registrations.kind().changed_settings(*now).empty();
+}
+
+/// Keeps the present lenslets, and the pupil about them, if the same are found again on the same
+/// bench: references stay in use. A lattice alone does not tell: it looks the same after a quarter
+/// turn. False: they are others.
+bool keep_if_alike(Registration& found, const SensorEdit& edit) {
+  if (edit.state.sensor.lenslets.empty() && found.array.empty()) return true;
+  if (!is_of_this_bench(edit)) return false;
+  const FoundArray& now = edit.state.registration->array;
+  const auto shift = shift_if_same(now, found.array);
+  if (!shift) return false;
+  const int lit = found.array.lit;
+  found.array = now;
+  found.array.lit = lit;
+  found.px_per_cycle = edit.state.registration->px_per_cycle;
+  found.base_px = found.base_px - found.px_per_cycle.seen(*shift);  // of the pupil that stays
   return true;
 }
 
-/// Whether the map found is the present one, of the same camera and settings: spots are expected
-/// within its noise of where they are expected now. A present map with more noise is replaced.
+/// Whether the map found is the present one: spots are expected within its noise of where they are
+/// expected now. A present map with more noise is replaced.
 bool is_same_map(const Registration& found, const SensorEdit& edit) {
-  const auto& now = edit.state.registration;
-  if (!now || now->camera != camera_json(edit.knowledge.camera)) return false;
-  if (!edit.bench.registrations.kind().changed_settings(*now).empty()) return false;
+  if (!is_of_this_bench(edit)) return false;
   SensorState next = edit.state;
   next.registration = MeasuredRegistration{found, {}, ""};
   const double noise_px = kSameMap * found.residual_px,
@@ -360,10 +367,12 @@ SensorChange forget_reference() {
 
 SensorChange use_registration(Registration registration) {
   return [registration](SensorEdit& edit) mutable -> Result<void> {
-    const bool alike = keep_if_alike(registration, edit.state);
+    const bool alike = keep_if_alike(registration, edit);
     if (alike && is_same_map(registration, edit)) {
       MeasuredRegistration confirmed = *edit.state.registration;
       confirmed.t_taken_ns = registration.t_taken_ns;
+      confirmed.array.lit = registration.array.lit;
+      confirmed.sights = registration.sights;
       write_registration(edit, confirmed);
       return {};
     }

@@ -74,6 +74,25 @@ json registration_settings(const Config& config) {
   return settings;
 }
 
+MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored) {
+  FoundArray& array = stored.array;
+  if (array.empty() || config.modulator != Modulator::fixed) {
+    array = {};
+    return stored;
+  }
+  const Lenslets before = array.lenslets;
+  array.magnification = magnification_of(config, before.width_px);
+  const SensorConfig sensor = sensor_with(
+      config, {before.width_px, before.rotation_deg, array.pupil_diameter_px, before.centres_px});
+  array.lenslets = sensor.lenslets;
+  // array.fit measures depth and shift for the configured number of steps.
+  array.plate_fitted = array.plate_fitted && before.plate.levels == array.lenslets.plate.levels;
+  if (array.plate_fitted) array.lenslets.plate = before.plate;
+  array.subapertures_across = sensor.subapertures_across;
+  stored.px_per_cycle = stored.px_per_cycle.scaled_to(sensor.lenslets.px_per_cycle);
+  return stored;
+}
+
 json RegistrationKind::content(const MeasuredRegistration& registration) const {
   json numbers = to_json(KnownRegistration{registration});
   numbers["base_grating_cpp"] = to_json(registration.base_cpp);

@@ -23,6 +23,10 @@ struct MeasuredRegistration : Registration {
 /// The configuration's values that a registration measures or builds on, by their keys.
 nlohmann::json registration_settings(const Config& config);
 
+/// A stored registration whose array has the numbers of the present configuration: only the places
+/// of the lenslets were measured, and plates if array.fit measured them for as many steps.
+MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored);
+
 /// Registrations of one SLM, as the item type of Kept.
 struct RegistrationKind {
   using Item = MeasuredRegistration;

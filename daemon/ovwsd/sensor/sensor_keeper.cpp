@@ -43,25 +43,6 @@ std::shared_ptr<const T> newest(const std::vector<std::shared_ptr<const T>>& all
   return all.empty() ? nullptr : all.back();
 }
 
-/// A stored registration whose array has the numbers of the present configuration: only the places
-/// of the lenslets were measured.
-MeasuredRegistration array_by(const Config& config, MeasuredRegistration stored) {
-  FoundArray& array = stored.array;
-  if (array.empty() || config.modulator != Modulator::fixed) {
-    array = {};
-    return stored;
-  }
-  const Lenslets before = array.lenslets;
-  array.magnification = magnification_of(config, before.width_px);
-  const SensorConfig sensor = sensor_with(
-      config, {before.width_px, before.rotation_deg, array.pupil_diameter_px, before.centres_px});
-  array.lenslets = sensor.lenslets;
-  if (array.plate_fitted) array.lenslets.plate = before.plate;
-  array.subapertures_across = sensor.subapertures_across;
-  stored.px_per_cycle = stored.px_per_cycle.scaled_to(sensor.lenslets.px_per_cycle);
-  return stored;
-}
-
 /// Warns if settings that a stored registration builds on have changed since it was measured, or
 /// if it is not used (`why_not`).
 void warn_of_registration(const MeasuredRegistration& registration, const RegistrationKind& kind,
@@ -79,6 +60,16 @@ void warn_of_registration(const MeasuredRegistration& registration, const Regist
            "; restore the settings, or run registration.run again";
   }
   events.emit("registration", Severity::warning, text, {{"used", why_not.empty()}});
+}
+
+/// Warns if plates that array.fit has measured, in `kept`, are not used.
+void warn_of_plates(const FoundArray& kept, const FoundArray& used, Events& events) {
+  if (!kept.plate_fitted || used.plate_fitted || used.empty()) return;
+  events.emit("registration", Severity::warning,
+              fmt::format("the plates that array.fit measured are not used: array.plate.levels was "
+                          "{}, and is {}; run array.fit again",
+                          kept.lenslets.plate.levels, used.lenslets.plate.levels),
+              {{"used", false}});
 }
 
 }  // namespace
@@ -115,6 +106,7 @@ Result<void> SensorKeeper::begin() {
   bench_.origins.use_slm(*state.slm);
   if (const auto kept = newest(bench_.registrations.load())) {
     state.registration = array_by(bench_.config, *kept);
+    warn_of_plates(kept->array, state.registration->array, deps_.events);
     state.registration->array.use_in(state.sensor);
   }
   auto drawn = renew_renderer(state);

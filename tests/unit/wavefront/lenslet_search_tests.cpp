@@ -10,6 +10,7 @@
 
 #include "core/tracking/spot_geometry.hpp"
 #include "core/wavefront/lenslet_search.hpp"
+#include "core/wavefront/registration.hpp"
 
 namespace ovws {
 namespace {
@@ -34,6 +35,7 @@ struct ArrayImage {
   Vec2 middle_px{320.4, 255.8};
   double defocus_px = 0.0;  ///< displacement at 200 pixels from the middle
   double noise_dn = 1.0;
+  unsigned seed = 7;
   std::function<double(Vec2)> light = [](Vec2) { return 1.0; };  ///< at the place from the middle
 
   std::vector<Vec2> places() const {
@@ -65,7 +67,7 @@ struct ArrayImage {
         }
       }
     }
-    std::mt19937 random(7);
+    std::mt19937 random(seed);
     std::normal_distribution<float> noise(0.0F, float(noise_dn));
     for (float& pixel : image.pixels) pixel += noise(random);
     return image;
@@ -109,6 +111,76 @@ TEST(LensletSearch, RoundBeamGivesItsPupil) {
   const LensletPupil smaller = lenslet_pupil(*map, 200.0);
   EXPECT_EQ(smaller.diameter_px, 200.0);
   EXPECT_LT(smaller.centres_px.size(), pupil.centres_px.size());
+}
+
+/// An iris cuts lenslets at the rim: their light is that of the part inside, squared in the peak.
+double behind_iris(Vec2 at, double radius_px, double pitch_px) {
+  constexpr int kSide = 20;
+  int inside = 0;
+  for (int k = 0; k < kSide * kSide; ++k) {
+    const Vec2 part{(k % kSide + 0.5) / kSide - 0.5, (k / kSide + 0.5) / kSide - 0.5};
+    inside += norm(at + pitch_px * part) < radius_px ? 1 : 0;
+  }
+  const double share = double(inside) / (kSide * kSide);
+  return share * share;
+}
+
+FoundArray found_as(const LensletPupil& pupil, const LensletMap& map) {
+  FoundArray array;
+  array.pupil_diameter_px = pupil.diameter_px;
+  array.lenslets.width_px = map.pitch_px;
+  array.lenslets.centres_px = pupil.centres_px;
+  return array;
+}
+
+TEST(LensletSearch, NoiseDoesNotMoveThePupilBehindAnIris) {
+  for (const double radius_px : {199.0, 202.0, 205.0, 208.0, 211.0, 214.0}) {
+    std::vector<LensletPupil> pupils;
+    for (unsigned seed = 1; seed <= 6; ++seed) {
+      ArrayImage array{.rotation_deg = 0.0, .seed = seed};
+      array.light = [&](Vec2 at) { return behind_iris(at, radius_px, array.pitch_px); };
+      const auto map = find_lenslets(array.render(), array.search());
+      ASSERT_TRUE(map) << map.error().reason;
+      EXPECT_LT(map->pitch_error_px, 0.003);
+      EXPECT_LT(std::abs(map->pitch_px - 28.3), 4.0 * map->pitch_error_px + 1e-3);
+      pupils.push_back(lenslet_pupil(*map, std::nullopt));
+      const LensletPupil& pupil = pupils.back();
+      EXPECT_LT(norm(pupil.centre_px - array.middle_px), 0.15) << radius_px;
+      EXPECT_NEAR(pupil.diameter_px, pupils[0].diameter_px, 0.1 * array.pitch_px) << radius_px;
+      EXPECT_TRUE(shift_if_same(found_as(pupils[0], *map), found_as(pupil, *map))) << radius_px;
+    }
+  }
+}
+
+/// Lenslets 10 pixels apart, whose centres are less than 41 pixels from `centre`.
+FoundArray array_about(Vec2 centre, double scale = 1.0) {
+  FoundArray array;
+  array.pupil_diameter_px = 92.0;
+  array.lenslets.width_px = 10.0;
+  for (int k = 0; k < 121; ++k) {
+    const Vec2 at = scale * Vec2{10.0 * (k % 11 - 5), 10.0 * (k / 11 - 5)} - centre;
+    if (norm(at) < 41.0) array.lenslets.centres_px.push_back(at);
+  }
+  return array;
+}
+
+TEST(LensletSearch, LensletsThatNoiseMovesAreTheSame) {
+  const FoundArray now = array_about({0.0, 0.0}), next = array_about({0.2, -0.1});
+  const auto shift = shift_if_same(now, next);
+  ASSERT_TRUE(shift);
+  EXPECT_LT(norm(*shift - Vec2{0.2, -0.1}), 1e-12);
+  FoundArray others = now;  // one at the rim more
+  others.lenslets.centres_px.push_back({-40.0, 10.0});
+  EXPECT_TRUE(shift_if_same(now, others));
+  EXPECT_TRUE(shift_if_same(others, now));
+  EXPECT_FALSE(shift_if_same(now, array_about({1.0, 0.0})));
+  EXPECT_FALSE(shift_if_same(now, array_about({0.0, 0.0}, 1.003))) << "another pitch";
+  FoundArray wider = now, without = now;
+  wider.pupil_diameter_px += 2.0;
+  EXPECT_FALSE(shift_if_same(now, wider));
+  without.lenslets.centres_px.erase(without.lenslets.centres_px.begin() + 24);
+  EXPECT_FALSE(shift_if_same(now, without)) << "a lenslet inside";
+  EXPECT_FALSE(shift_if_same(without, now));
 }
 
 TEST(LensletSearch, RefusesWhatItDoesNotKnow) {
