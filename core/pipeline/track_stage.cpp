@@ -45,7 +45,20 @@ void TrackStage::begin(Entry& entry) OVWS_NONBLOCKING {
   entry.spot_count = entry.plan->subapertures();
   entry.searched = false;
   if (history_.fit_to(*entry.plan)) search_back_off_.reset();
+  watch_settings(entry);
   history_.starts(entry, entry.starts);
+}
+
+/// Restarts the search's backoff when gain or exposure have changed: spots that were too dark or
+/// too bright may be found now.
+void TrackStage::watch_settings(const FrameStamp& frame) OVWS_NONBLOCKING {
+  if (!frame.settings_known) return;
+  const CameraSettings before = known_;
+  known_.gain_db = frame.gain_db;
+  known_.gain_raw = frame.gain_raw;
+  known_.exposure_us = frame.exposure_us;
+  const bool same = same_gain(before, known_) && before.exposure_us == known_.exposure_us;
+  if (!same) search_back_off_.reset();
 }
 
 void TrackStage::resume(const MeasurementPlan& plan, std::span<const SpotStart> starts,

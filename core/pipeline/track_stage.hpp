@@ -20,8 +20,8 @@ namespace ovws {
 /// of slices.
 ///
 /// Whole-image search: runs for a frame without history or with more than a few spots lost, with
-/// exponential backoff (BackOff) up to every 16th frame. Its result is used only if it finds more
-/// spots.
+/// exponential backoff (BackOff) up to every 16th frame. A change of gain or exposure restarts the
+/// backoff. The result is used only if it finds more spots.
 ///
 /// Templates of a plan (MeasurementPlan::fit) are tried first. If they describe the frame
 /// (FittedFrame::credible), they give its spots and modes, and no tracker runs.
@@ -44,6 +44,7 @@ class TrackStage {
   static int few(int subapertures) { return subapertures / 8 > 2 ? subapertures / 8 : 2; }
 
  private:
+  void watch_settings(const FrameStamp& frame) OVWS_NONBLOCKING;
   void track(Entry& entry, int begin, int end, TrackScratch& scratch) OVWS_NONBLOCKING;
   void fit(Entry& entry) OVWS_NONBLOCKING;
   void reject_implausible(Entry& entry) OVWS_NONBLOCKING;
@@ -58,6 +59,7 @@ class TrackStage {
   LatencyHistogram& latency_;
   SpotHistory history_;
   BackOff search_back_off_;
+  CameraSettings known_;  ///< gain and exposure of the last frame for which they were known
   std::optional<bool> forced_search_;  ///< overrides search_if_needed for the next frame
   std::vector<char> duplicate_;
   std::vector<SpotFix> searched_;

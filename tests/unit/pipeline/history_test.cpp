@@ -175,6 +175,23 @@ TEST(History, ABlackImageIsSearchedEverMoreSeldom) {
   EXPECT_EQ(rig.count(Counter::acquisitions), before + 1);  // at once again
 }
 
+TEST(History, AnotherExposureOrGainIsSearchedAtOnce) {
+  Tracking rig;
+  std::uint64_t id = 1;
+  const auto lose = [&] {  // the next search is 16 frames away
+    for (int k = 0; k < 32; ++k) EXPECT_EQ(rig.tracked(id++, SpotBench::black()), 0);
+    EXPECT_EQ(rig.tracked(id++, rig.still), 0);
+  };
+  lose();
+  rig.applied.exposure_us = 500.0;
+  rig.settings.write(rig.applied);
+  EXPECT_EQ(rig.tracked(id++, rig.still), 19);
+  lose();
+  rig.applied.gain_db = 6.0;
+  rig.settings.write(rig.applied);
+  EXPECT_EQ(rig.tracked(id++, rig.still), 19);
+}
+
 TEST(History, ManySpotsDarkForGoodDoNotCostASearchEachFrame) {
   Tracking rig;
   EXPECT_EQ(rig.tracked(1, rig.still), 19);
