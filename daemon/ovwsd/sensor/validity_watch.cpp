@@ -6,6 +6,7 @@
 
 #include "daemon/ovwsd/sensor/branch_check.hpp"
 #include "proto/dark_image.hpp"
+#include "proto/limits.hpp"
 
 namespace ovws {
 namespace {
@@ -16,6 +17,16 @@ std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
   return fmt::format(
       "the image's wavefront was searched {}; again in {:.1f} s, or at once when the image changes",
       search.searches == 1 ? "once" : fmt::format("{} times", search.searches), wait_s);
+}
+
+/// What to do about an image that is too dark, or in which too much light has lost spots; else
+/// empty.
+std::string light_text(const ValidityWatch::Lack& lack) {
+  if (lack.brightest && is_dark(*lack.brightest)) return dark_text(*lack.brightest);
+  if (lack.enough_found || !(lack.saturated > limits::kMaxSaturatedSpots)) return "";
+  return fmt::format(
+      "too bright, {:.0f} % of the spots are saturated: lower the exposure or the gain",
+      100.0 * lack.saturated);
 }
 
 /// What the branch points of the newest frame mean; empty if there are none.
@@ -72,7 +83,8 @@ StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& l
                                : lack.waits      ? ", but templates have not confirmed them yet"
                                : unexplained     ? ", but no wavefront explains their positions"
                                                  : "");
-  invalid.action = lack.brightest && is_dark(*lack.brightest) ? dark_text(*lack.brightest)
+  const std::string light = light_text(lack);
+  invalid.action = !light.empty() ? light
                    : has_branch_points
                        ? "no smooth wavefront exists: remove what splits the light, or wait"
                    : !lack.searched ? "use the tracker fit: it also finds strong aberrations"

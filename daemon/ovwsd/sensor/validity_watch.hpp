@@ -44,6 +44,7 @@ class ValidityWatch {
     bool too_close = false;         ///< the spots are too close to those of another source
     bool undetermined = false;      ///< enough spots are found, but do not determine the modes
     bool enough_found = true;       ///< see enough_found of frame_rules.hpp
+    double saturated = 0.0;         ///< fraction of the spots with a saturated pixel
   };
 
   /// `brightness`: of the camera's images; must outlive this object.

@@ -157,6 +157,7 @@ void WavefrontSearch::on_frame(const FrameRecord& record) {
   lack.too_close = std::ranges::any_of(
       record.beams(), [&](const FrameRecord* beam) { return !are_apart(record, *beam); });
   lack.enough_found = enough_found(record);
+  lack.saturated = double(record.saturated_fraction);
   lack.undetermined = !record.reconstruction.determined && lack.enough_found;
   validity_.on_frame(record.valid, lack, monotonic_ns());
 }

@@ -147,6 +147,26 @@ TEST(ValidityWatch, ADarkImageIsTheReason) {
   EXPECT_TRUE(why().starts_with("use the tracker fit"));
 }
 
+TEST(ValidityWatch, TooBrightLightIsTheReasonIfSpotsAreLost) {
+  for (const bool searched : {false, true}) {
+    const auto why = [&](int tracked, double saturated) {
+      const ValidityWatch::Lack lack{.since_ns = 2 * kS,
+                                     .tracked = tracked,
+                                     .spots = 81,
+                                     .searched = searched,
+                                     .brightest = 1.0,
+                                     .enough_found = tracked > 67,
+                                     .saturated = saturated};
+      return invalid_in_words(lack, {false, 3, 5 * kS}, 4 * kS, 0).action;
+    };
+    const std::string bright =
+        "too bright, 100 % of the spots are saturated: lower the exposure or the gain";
+    EXPECT_EQ(why(0, 1.0), bright);
+    EXPECT_NE(why(80, 1.0), bright) << "the spots are found";
+    EXPECT_EQ(why(0, 1.0 / 81.0), why(0, 0.0)) << "a hot pixel";
+  }
+}
+
 TEST(ImageBrightness, IsThatOfThe16BrightestPixelsForThreeSeconds) {
   ImageBrightness brightness;
   EXPECT_FALSE(brightness.newest(0));
