@@ -8,7 +8,7 @@ import tempfile
 from pathlib import Path
 
 import screen
-from case import PROGRAM_PATIENCE_S, BenchCase, main, own_mounts, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, main, next_message, own_mounts, wait_for
 
 SLM = (1920, 0, 1280, 768)  # on the desktop
 VERDICTS = {"ok", "warning", "fault", "not_here"}
@@ -118,10 +118,13 @@ class Well(DoctorCase):
         self.check(self.examine(named=False), "configuration", "fault", "the settings that the daemon uses", "outside")
         self.check(self.examine(), "configuration", "ok")  # the file
 
-    def test_a_dark_image(self):
+    def test_a_dark_and_a_too_bright_image(self):
         self.call("camera.set", {"exposure_us": 20})
         wait_for(lambda: (self.call("system.status")["camera"]["brightest"] or 1.0) < 0.05, what="a dark image")
         self.check(self.examine(), "camera.light", "warning", "% of full scale", "ovws exposure auto")
+        self.call("camera.set", {"exposure_us": 8000})
+        wait_for(lambda: next_message(self.stream("wavefront"))["saturated"] == 1.0, what="saturated spots")
+        self.check(self.examine(), "camera.light", "warning", "100 % of the spots are saturated", "ovws exposure auto")
 
     def test_real_time_is_what_the_daemon_met(self):
         """The doctor predicts which privileges the same user's daemon lacks."""

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/cli/setup.hpp"
 #include "daemon/shared/client.hpp"
 #include "proto/json_text.hpp"
@@ -75,6 +76,10 @@ doctor::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
     facts.status = std::move(*status);
     if (const auto in_use = call(common, "config.get", nlohmann::json::object())) {
       if (const auto config = parse_config(json_text(*in_use))) facts.config = *config;
+    }
+    const auto wavefront = newest_wavefront(common);
+    if (wavefront && wavefront->is_object()) {
+      facts.saturated = wavefront->at("saturated").get<double>();
     }
     if (!doctor::shows_holograms(facts)) return facts;
     facts.why_no_levels = doctor::why_not_verify(facts);

@@ -1,6 +1,5 @@
 /// ovws status and describe: what a daemon is and does.
 #include <algorithm>
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "daemon/ovws/cli/commands.hpp"
@@ -18,18 +17,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kStatusColumn = 11;
-
-/// The next wavefront message; null if none comes within a second.
-tl::expected<json, CallFailure> newest_wavefront(const Common& common) {
-  constexpr std::chrono::milliseconds kLongestWait{1000};
-  const auto endpoint = stream_endpoint(common, "endpoint");
-  if (!endpoint) return tl::make_unexpected(endpoint.error());
-  auto stream = subscribe(common, *endpoint, {"wavefront"}, 1);
-  if (!stream)
-    return tl::make_unexpected(CallFailure{true, {{"message", text_of(stream.error())}}});
-  const auto message = stream->receive(kLongestWait);
-  return message ? json_of(message->json) : json();
-}
 
 tl::expected<BenchState, CallFailure> state_of_bench(const Common& common, const json& status) {
   BenchState bench{status, {}, {}, {}, {}, {}, {}};

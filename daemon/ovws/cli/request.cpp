@@ -86,6 +86,17 @@ tl::expected<json, CallFailure> call_and_wait(const Common& common, const std::s
   return is_job ? end_of_job(common, answer->at("job")) : answer;
 }
 
+tl::expected<json, CallFailure> newest_wavefront(const Common& common) {
+  constexpr std::chrono::milliseconds kLongestWait{1000};
+  const auto endpoint = stream_endpoint(common, "endpoint");
+  if (!endpoint) return tl::make_unexpected(endpoint.error());
+  auto stream = subscribe(common, *endpoint, {"wavefront"}, 1);
+  if (!stream)
+    return tl::make_unexpected(CallFailure{true, {{"message", text_of(stream.error())}}});
+  const auto message = stream->receive(kLongestWait);
+  return message ? json_of(message->json) : json();
+}
+
 int print_answer(const Common& common, const json& answer, const std::string& text) {
   constexpr std::size_t kIndent = 2;
   print("{}\n", common.json ? json_text(answer) : wrapped(text, terminal_columns(), kIndent));

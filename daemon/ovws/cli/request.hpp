@@ -24,6 +24,9 @@ tl::expected<nlohmann::json, CallFailure> call_and_wait(const Common& common,
                                                         const std::string& method,
                                                         const nlohmann::json& params);
 
+/// The next wavefront message; null if none comes within a second.
+tl::expected<nlohmann::json, CallFailure> newest_wavefront(const Common& common);
+
 /// Prints `text` wrapped for the terminal, or with --json `answer` on one line. Returns kOk.
 int print_answer(const Common& common, const nlohmann::json& answer, const std::string& text);
 

@@ -93,6 +93,12 @@ Finding judge_light(const DaemonFacts& facts) {
   const double brightest = facts.status->at(pointer).get<double>();
   const std::string says = fmt::format(
       "the brightest pixels of the image reach {:.1f} % of full scale", 100.0 * brightest);
+  if (facts.saturated.value_or(0.0) > limits::kMaxSaturatedSpots) {
+    return warning(fmt::format("the image is too bright: {:.0f} % of the spots are saturated; "
+                               "lower the exposure or the gain",
+                               100.0 * *facts.saturated),
+                   "ovws exposure auto");
+  }
   if (!is_dark(brightest)) return ok(says);
   return warning("the image is dark: " + says + "; " + dark_advice("set the exposure"),
                  "ovws exposure auto");

@@ -1,5 +1,6 @@
-/// Daemon checks of `ovws doctor`: a daemon answers, has this version, its status shows no fault,
-/// no dark image and no slow camera, and the SLM's output shows the hologram.
+/// Daemon checks of `ovws doctor`: a daemon answers, has this version, its status shows no fault
+/// and no slow camera, the image is neither dark nor too bright, and the SLM's output shows the
+/// hologram.
 #pragma once
 
 #include <chrono>
@@ -16,6 +17,7 @@ namespace ovws::doctor {
 struct DaemonFacts {
   std::string endpoint;
   std::optional<nlohmann::json> status;  ///< the reply to system.status
+  std::optional<double> saturated;       ///< fraction of the newest frame's spots; none: no frame
   std::optional<Config> config;          ///< the settings in use, by config.get; none: not known
   std::optional<nlohmann::json> levels;  ///< the reply to slm.verify; none: not called, or refused
   std::string why_no_levels;             ///< why there is none although it shows holograms
@@ -25,8 +27,8 @@ struct DaemonFacts {
   std::string own_version;               ///< version of this program
 };
 
-/// Requests system.status, config.get and, where it disturbs nothing, slm.verify from the daemon at
-/// this endpoint.
+/// Requests system.status, config.get, the newest frame and, where it disturbs nothing, slm.verify
+/// from the daemon at this endpoint.
 using AskDaemon = std::function<DaemonFacts(const std::string& endpoint)>;
 /// The daemon's answer. One that waits for a camera or display, or is at fault without a camera, is
 /// asked again until it has run for 5 s, after this pause each time and twelve times in all at

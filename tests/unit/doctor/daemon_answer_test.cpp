@@ -121,6 +121,17 @@ TEST(DoctorDaemon, ADarkImageIsAWarning) {
   expect(facts, "camera.light", Verdict::not_here);
 }
 
+TEST(DoctorDaemon, ATooBrightImageIsAWarning) {
+  auto facts = running();
+  (*facts.status)["camera"]["brightest"] = 1.0;
+  facts.saturated = 1.0 / 19.0;
+  expect(facts, "camera.light", Verdict::ok);
+  facts.saturated = 1.0;
+  expect(facts, "camera.light", Verdict::warning, "ovws exposure auto");
+  EXPECT_NE(named(judge(facts), "camera.light").meaning.find("100 % of the spots are saturated"),
+            std::string::npos);
+}
+
 TEST(DoctorDaemon, ASlowCameraIsAWarning) {
   auto facts = running();
   (*facts.status)["rates"]["grabbed_hz"] = 71.3;
