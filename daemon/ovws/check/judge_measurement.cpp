@@ -305,10 +305,12 @@ Finding judge_settle(const Facts& facts) {
   if (measured.settle.result.is_object()) {
     proposed = measured.settle.result.at("proposed_settle_ms").get<double>();
     short_by_job = !measured.settle.result.at("long_enough").get<bool>();
-    found.text +=
-        short_by_job
-            ? fmt::format("; measured: {:g} ms are needed", proposed)
-            : fmt::format("; long enough by the measurement (it proposes {:g} ms)", proposed);
+    found.text += short_by_job
+                      ? fmt::format("; measured: {:g} ms are needed", proposed)
+                      : fmt::format(
+                            "; long enough: a change takes {:.1f} ms at most; with the usual "
+                            "margin: {:g} ms",
+                            measured.settle.result.at("max_ms").get<double>(), proposed);
   } else {
     found.text += "; not measured: " + measured.settle.reason;
     if (std::isnan(first)) found.verdict = Verdict::note;

@@ -240,8 +240,8 @@ std::string settle_answer(const json& result) {
   const std::string reason = text_or(result, "reason", "");
   if (!reason.empty()) return "settle time: " + reason;
   return fmt::format(
-      "settle time: {:.1f} ms (median), {:.1f} ms at most\nslm.settle_ms is {:g} ms, {}; proposed: "
-      "{:g} ms",
+      "settle time: {:.1f} ms (median), {:.1f} ms at most\nslm.settle_ms is {:g} ms, {}; with the "
+      "usual margin: {:g} ms",
       number(result, "p50_ms"), number(result, "worst_ms"), number(result, "configured_settle_ms"),
       is_true(result, "long_enough") ? "long enough" : "TOO SHORT",
       number(result, "proposed_settle_ms"));
