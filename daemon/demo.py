@@ -103,7 +103,7 @@ class Demo:
         self.worst_error = max(self.worst_error, error)
         latency = statistics.median(m["latency_us"] for m in frames)
         tracked = min(m["tracked"] for m in frames)
-        columns = " ".join(f"{mean[j]:+8.4f}" for j in SHOWN_J)
+        columns = " ".join(f"{mean[j]:+z8.4f}" for j in SHOWN_J)
         answer = "-" if first_s is None else f"{1e3 * first_s:.0f}"
         print(f"{what:<34} {columns}  {error:7.4f}  {spread:7.4f}  {tracked:2d}/{frames[0]['subapertures']}  {latency:7.0f}  {answer:>6}")
 
@@ -174,7 +174,7 @@ class Demo:
 def live_row(message):
     if not message["valid"]:
         return f"frame {message['frame_id']}  tracked {message['tracked']}/{message['subapertures']}"
-    values = " ".join(f"{message['coefficients'][j - 1]:+.3f}" for j in SHOWN_J)
+    values = " ".join(f"{message['coefficients'][j - 1]:+z.3f}" for j in SHOWN_J)
     return f"frame {message['frame_id']:6d}  {values}  rms {message['rms_waves']:.3f}  {message['latency_us']:.0f} us"
 
 

@@ -33,6 +33,12 @@ std::string with_decimals(double value, int decimals) {
   return written(value, std::chars_format::fixed, decimals);
 }
 
+std::string signed_decimals(double value, int decimals) {
+  const std::string size = with_decimals(std::abs(value), decimals);
+  if (size.find_first_not_of("0.") == std::string::npos) return size;
+  return (std::signbit(value) ? "-" : "+") + size;
+}
+
 std::string with_digits(double value, int digits) {
   return written(value, std::chars_format::general, digits);
 }

@@ -13,6 +13,9 @@ namespace ovws {
 std::optional<double> finite_number(std::string_view text);
 /// `value` with this number of decimals: "0.50".
 std::string with_decimals(double value, int decimals);
+/// `value` with its sign and this number of decimals: "+0.50"; "0.00" without a sign if it rounds
+/// to zero.
+std::string signed_decimals(double value, int decimals);
 /// `value` with at most this number of significant digits: "0.5", "1e+20".
 std::string with_digits(double value, int digits);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/number_text.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/check/response.hpp"
 
@@ -163,7 +164,7 @@ std::string matrix_svg(const Response& response) {
           "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" stroke=\"#ccc\" "
           "stroke-width=\"0.5\"><title>j = {} shown, j = {} read: {}</title></rect>\n",
           x, y, kCell, kCell, poke.read ? colour_of(shown) : "#eee", poke.j, read_j,
-          poke.read ? fmt::format("{:+.4f}", gain) : "not readable");
+          poke.read ? signed_decimals(gain, 4) : "not readable");
     }
   }
   return svg + "</svg>\n";

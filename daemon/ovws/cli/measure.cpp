@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/base/number_text.hpp"
 #include "core/pipeline/frame_rules.hpp"
 #include "core/spots/spot_fit.hpp"
 #include "core/tracking/tracker.hpp"
@@ -172,7 +173,8 @@ void print_table(const Page& page, const json& line, bool enough_found) {
   if (!line["valid"].get<bool>()) return print_why_not_valid(line, enough_found);
   for (std::size_t k = 0; k < line["j"].size(); ++k) {
     const int j = line["j"][k].get<int>();
-    print("{:>4} {:<32} {:+9.4f}\n", j, zernike_name(j), line["coefficients"][k].get<double>());
+    print("{:>4} {:<32} {:>9}\n", j, zernike_name(j),
+          signed_decimals(line["coefficients"][k].get<double>(), 4));
   }
   print("RMS {:.4f} wave without tilts", line["rms_waves"].get<double>());
   if (line["fit_residual_px"].is_number()) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/base/number_text.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
@@ -57,10 +58,11 @@ double print_modes(const json& message) {
     const double waves = message.at("coefficients").at(i).get<double>();
     const std::string bar = signed_bar(waves, full_scale);
     if (has_errors) {
-      print("{:>3} {:<{}} {:+10.5f} +-{:.5f} {}\n", j, zernike_name(j), name_width, waves,
-            sigma.at(i).get<double>(), bar);
+      print("{:>3} {:<{}} {:>10} +-{:.5f} {}\n", j, zernike_name(j), name_width,
+            signed_decimals(waves, 5), sigma.at(i).get<double>(), bar);
     } else {
-      print("{:>3} {:<{}} {:+9.4f} {}\n", j, zernike_name(j), name_width, waves, bar);
+      print("{:>3} {:<{}} {:>9} {}\n", j, zernike_name(j), name_width, signed_decimals(waves, 4),
+            bar);
     }
   }
   return full_scale;

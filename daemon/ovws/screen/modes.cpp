@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/number_text.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/screen/page.hpp"
 
@@ -92,7 +93,7 @@ void draw_modes(Canvas& canvas, Rect rect, const View& view, int& first_mode) {
     const int x = rect.x + kIndexWidth + name_width;
     const bool has_value = values.at(k).is_number();
     const std::string number =
-        has_value ? fmt::format("{:+9.4f}", values.at(k).get<double>()) : fmt::format("{:>9}", "-");
+        fmt::format("{:>9}", has_value ? signed_decimals(values.at(k).get<double>(), 4) : "-");
     canvas.text(x, y, kNumberWidth, number);
     if (has_value) {
       draw_bar(canvas, x + kNumberWidth + 1, y, rect.x + rect.width - x - kNumberWidth - 1,

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/number_text.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/quantity.hpp"
@@ -225,15 +226,16 @@ std::string focus_answer(const json& result) {
                                std::abs(shift_mm), shift_mm > 0.0 ? "behind" : "in front of",
                                shift_mm > 0.0 ? "towards" : "away from");
   text += fmt::format(
-      "\ndefocus {:+.4f} wave RMS (standard error {:.4f}), astigmatism {:.4f}, coma {:.4f}, "
+      "\ndefocus {} wave RMS (standard error {:.4f}), astigmatism {:.4f}, coma {:.4f}, "
       "spherical aberration {:.4f}",
-      number(result, "defocus_waves"), number(result, "defocus_standard_error_waves"),
-      rms_of(modes, 2, 2), rms_of(modes, 3, 1), rms_of(modes, 4, 0));
+      signed_decimals(number(result, "defocus_waves"), 4),
+      number(result, "defocus_standard_error_waves"), rms_of(modes, 2, 2), rms_of(modes, 3, 1),
+      rms_of(modes, 4, 0));
   if (!result.at("flatness_defocus_waves").is_number()) return text;
   return text + fmt::format(
-                    "\nnot in it: {:+.4f} wave of defocus that the flatness compensates; to focus "
+                    "\nnot in it: {} wave of defocus that the flatness compensates; to focus "
                     "the camera itself, call flatness.clear first",
-                    number(result, "flatness_defocus_waves"));
+                    signed_decimals(number(result, "flatness_defocus_waves"), 4));
 }
 
 std::string settle_answer(const json& result) {
@@ -392,7 +394,7 @@ std::string modes_text(const json& modes) {
     const double waves = number(mode, "waves");
     if (waves == 0.0) continue;
     square += waves * waves;
-    text += fmt::format(", {} {:+.4f}", text_or(mode, "name", "?"), waves);
+    text += fmt::format(", {} {}", text_or(mode, "name", "?"), signed_decimals(waves, 4));
   }
   return text.empty() ? "" : fmt::format("{:.4f} wave RMS{}", std::sqrt(square), text);
 }

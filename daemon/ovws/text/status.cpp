@@ -7,6 +7,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/base/number_text.hpp"
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/losses.hpp"
 #include "daemon/ovws/text/quantity.hpp"
@@ -191,7 +192,8 @@ std::string correction_text(const json& modes, const json& loop) {
   shown.resize(std::min(shown.size(), kMostModes));
   std::string text = fmt::format("{:.4f} wave RMS", std::sqrt(square));
   for (const json& mode : shown) {
-    text += fmt::format(", {} {:+.4f}", text_of(mode, "name"), mode.at("waves").get<double>());
+    text += fmt::format(", {} {}", text_of(mode, "name"),
+                        signed_decimals(mode.at("waves").get<double>(), 4));
   }
   if (shown.size() < modes.size()) text += ", …";
   return loop.at("closed") == true ? text : text + "; remove it with: ovws loop clear";

@@ -30,6 +30,15 @@ TEST(NumberText, WritesADecimalPoint) {
   EXPECT_EQ(with_digits(1e20, 10), "1e+20");
 }
 
+TEST(NumberText, ZeroHasNoSign) {
+  EXPECT_EQ(signed_decimals(0.5, 4), "+0.5000");
+  EXPECT_EQ(signed_decimals(-0.00005001, 4), "-0.0001");
+  EXPECT_EQ(signed_decimals(-0.00004, 4), "0.0000");
+  EXPECT_EQ(signed_decimals(0.00004, 4), "0.0000");
+  EXPECT_EQ(signed_decimals(-0.0, 0), "0");
+  EXPECT_EQ(signed_decimals(-100.0, 0), "-100");
+}
+
 /// Libraries call setlocale(LC_ALL, "") when they like: see core/port/c_locale.cpp.
 TEST(CLocale, IsWhatTheEnvironmentOfEveryProgramNames) {
   EXPECT_STREQ(std::setlocale(LC_ALL, nullptr), "C");

@@ -57,9 +57,9 @@ TEST(Answer, FocusSaysWhereToMoveTheCamera) {
   EXPECT_TRUE(before.starts_with(
       "the camera is 0.200 mm in front of the focus: move it away from the lens by 0.200 mm\n"));
   EXPECT_NE(before.find("+0.1000 wave of defocus that the flatness compensates"), before.npos);
-  focus["camera_shift_mm"] = -0.003;
-  EXPECT_TRUE(
-      answer_text("focus.run", focus).starts_with("the camera is in focus, within 0.010 mm"));
+  focus["camera_shift_mm"] = -0.003, focus["defocus_waves"] = -0.00002;
+  EXPECT_TRUE(answer_text("focus.run", focus)
+                  .starts_with("the camera is in focus, within 0.010 mm\ndefocus 0.0000 wave RMS"));
 }
 
 TEST(Answer, OtherResultsHaveALineForEachKey) {
