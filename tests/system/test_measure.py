@@ -261,6 +261,16 @@ class Measure(unittest.TestCase):
         for error in self.operator_errors("slopes", 0.3, "fit", modes):
             self.assertLess(error, 0.001)
 
+    def test_a_saved_operator_of_the_daemon_becomes_slopes(self):
+        image, config = self.farfield("image.png", "2,-2:0.05"), self.folder / "saved.json"
+        config.write_text(json.dumps({"tracking": {"tracker": "lg", "operator": "measured"}}))
+        (slopes,) = self.measure(image, more=("--tracker", "lg", "--operator", "slopes"))
+        (line,) = self.measure(image, more=("--config", config))
+        self.assertEqual((line["operator"], line["operator_in_force"], line["coefficients"]), ("measured", "slopes", slopes["coefficients"]))
+        self.assertIn("running daemon", line["operator_reason"])
+        done = subprocess.run([OVWS, "measure", "--model-reference", "--config", config, image, image], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S)
+        self.assertEqual((done.returncode, done.stderr), (0, "ovws: the operator is slopes, not measured: only a running daemon has the measured matrix\n"))
+
     def test_refined_it_is_right_to_a_few_thousandths(self):
         camera = ("--refine", "--electrons-per-dn", 10000 / 4095, "--black-level", 2, "--read-noise", 6)
         image = self.farfield("both.png", "2,-2:0.4;3,1:-0.3")

@@ -158,10 +158,6 @@ void print_table(const Page& page, const json& line, bool enough_found) {
   if (line["template_reason"].is_string()) {
     print("{}\n", line["template_reason"].get<std::string>());
   }
-  if (line["operator_reason"].is_string()) {
-    print("the operator is {}: {}\n", line["operator_in_force"].get<std::string>(),
-          line["operator_reason"].get<std::string>());
-  }
   if (line.contains("refined") && line["refined"]["reason"].is_string()) {
     print("refined: {}\n", line["refined"]["reason"].get<std::string>());
   }
@@ -321,6 +317,10 @@ int measure_images(const Common& common, const MeasureOptions& options) {
   }
   const auto config = measuring_config(options);
   if (!config) return report(common, config.error());
+  if (const auto used = operator_report(config->tracking); !used.reason.empty()) {
+    fmt::print(stderr, "ovws: the operator is {}, not {}: {}\n", wire_name(used.in_force),
+               wire_name(config->tracking.mode_operator), used.reason);
+  }
   ImageMeasurer measurer(options, *config);
   if (auto read = measurer.read_reference(); !read) return report(common, read.error());
   int status = kOk;

@@ -39,13 +39,10 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   return builder->plan(1, 1, {});
 }
 
-/// The configured mode operator for images of this size; null: use the plan's slopes operator.
+/// The configured mode operator for images of this size; null: use the plan's slopes operator,
+/// which replaces a measured matrix, too (operator_report).
 Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
                                                          const ImageView& like) {
-  if (config.tracking.mode_operator == OperatorKind::measured) {
-    return fail(Errc::refused, "operator",
-                "a measured matrix exists only in a running daemon: choose slopes or diffractive");
-  }
   if (config.tracking.mode_operator != OperatorKind::diffractive) return nullptr;
   const OperatorKey key =
       operator_key(config.sensor, config.tracking, config.optics, {0, 0, like.width, like.height});
@@ -97,6 +94,11 @@ double rotation_deg(std::span<const Vec2> expected, std::span<const SpotFix> spo
 }
 
 }  // namespace
+
+OperatorReport operator_report(const TrackingSettings& tracking) {
+  if (tracking.mode_operator != OperatorKind::measured) return {tracking.mode_operator, ""};
+  return {OperatorKind::slopes, "only a running daemon has the measured matrix"};
+}
 
 Result<void> check_rotation(const Config& config, const MeasurementPlan& plan,
                             std::span<const SpotFix> spots, std::string_view field) {
@@ -160,6 +162,7 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   if (!plan) return fail(plan.error());
   Measurement made(std::move(*plan));
   made.camera_ = camera;
+  made.mode_operator_ = operator_report(config.tracking);
   if (config.tracking.tracker != TrackerKind::fit) return made;
   if (auto used = made.use_templates(config, like, reference, absolute); !used) {
     return fail(used.error());
@@ -253,7 +256,7 @@ Measured Measurement::measure(const ImageView& image) {
   measured.spots.resize(std::size_t(plan_->subapertures()));
   measured.coefficients.resize(plan_->modes_j.size(), NAN);
   measured.sigma_waves.resize(plan_->modes_j.size(), NAN);
-  measured.mode_operator = {plan_->mode_operator, ""};
+  measured.mode_operator = mode_operator_;
   acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
   measured.valid = by_positions(measured);
   const bool fits = model_ && image.width == plan_->roi.width && image.height == plan_->roi.height;

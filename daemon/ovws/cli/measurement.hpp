@@ -66,11 +66,15 @@ class Measurement {
   std::unique_ptr<MeasurementPlan> plan_;
   std::optional<PointModel> model_;  ///< used by the tracker `fit` only
   std::optional<RefineCamera> camera_;
+  OperatorReport mode_operator_;
   bool counts_from_image_ = false;  ///< modes are relative to the reference image; false: absolute
   Acquisition acquisition_;
   TrackScratch track_scratch_;
   Reconstructor::Scratch solve_scratch_;
 };
+
+/// The operator that measures images with these settings, and why it is not the configured one.
+OperatorReport operator_report(const TrackingSettings& tracking);
 
 /// Refuses a fixed array that is turned in the image by more than 0.5 degrees: its slopes would be
 /// along the camera's axes, and its lenslets along its own. `plan`: one whose predicted positions
