@@ -331,6 +331,19 @@ class Vortices(Array):
         self.call("registration.clear")
         self.assertEqual(self.call("sensor.get")["lenslets"]["plate"]["depth"], 1.0)
 
+    def test_plates_that_the_camera_sees_mirrored_are_doubted(self):
+        self.bench.stop("ovws-twin")
+        self.start_twin(camera={"mirror": "x", "rotation_deg": 0.0})
+        self.wait_until("running")
+        self.run_job("registration.run", {"frames": 10})
+        self.call("camera.set", {"exposure_us": self.exposure_us})
+        events = self.stream("event")
+        fit = self.run_job("array.fit", {})["result"]
+        print("\n ", fit)
+        event = wait_for(lambda: (event := events.next(0.5)) and event["kind"] == "array" and event, what="the warning")
+        self.assertEqual(event["severity"], "warning")
+        self.assertIn("mirrored or turned against optics.px_per_cycle", event["text"])
+
 
 if __name__ == "__main__":
     main()

@@ -282,8 +282,9 @@ Result<Json> fit_array(const Services& services, Bench& bench, const ArrayFit& r
     bench.warn(
         "array",
         fmt::format("the plates explain the image only with a misfit of {:.2f}, which is below "
-                    "0.1 in good light: they may be wrong; look for dim or changing light, and "
-                    "run array.fit again",
+                    "0.1 in good light: they may be wrong; look for dim or changing light, and for "
+                    "a camera that sees the array mirrored or turned against "
+                    "optics.px_per_cycle, then run array.fit again",
                     fit->misfit),
         {{"misfit", fit->misfit}});
   }
