@@ -16,7 +16,7 @@ struct Integers {
 constexpr Numbers kGainDb{-100.0, 100.0};
 constexpr Numbers kGainRaw{-1e9, 1e9};
 constexpr Numbers kExposureUs{0.1, 60e6};
-constexpr Numbers kExposureTarget{0.05, 0.95};  ///< brightest pixels, fraction of full scale
+constexpr Numbers kExposureTarget{0.05, 0.95};  ///< of most spots, fraction of full scale
 constexpr Numbers kFrameRateHz{0.001, 100e3};
 constexpr Integers kRoiOffset{0, 65535};
 constexpr Integers kRoiSize{1, 65535};

@@ -101,10 +101,10 @@ inline constexpr auto kCalibrationSet =
             "standard error");
 inline constexpr auto kCameraAutoExposure = method<AutoExposure, JobNumber>(
     "camera.auto_exposure",
-    "Changes the exposure until the brightest pixels of the image are at a fraction of full scale; "
-    "lowers the gain if the shortest exposure is still too bright. Works with every pattern that "
-    "the SLM shows. Returns at once; the job's result is the settings in use. If the job fails or "
-    "is cancelled, the previous exposure and gain are restored.");
+    "Changes the exposure until most spots reach a fraction of full scale, or the brightest spot "
+    "reaches 95 %; lowers the gain if the shortest exposure is still too bright. Works with every "
+    "pattern that the SLM shows. Returns at once; the job's result is the settings in use. If the "
+    "job fails or is cancelled, the previous exposure and gain are restored.");
 inline constexpr auto kCameraGet = method<Nothing, CameraReport>(
     "camera.get", "Returns the camera's settings and its current limits.");
 inline constexpr auto kCameraGrab =

@@ -38,8 +38,8 @@ Outcome run_exposure(Bench& bench, Memory& memory) {
   const json& gain_db = found->at("gain_db");
   return passed(
       Wellness::good,
-      fmt::format("Exposure {:.0f} us (it was {:.0f}){}: the brightest pixels are at {:.0f} % of "
-                  "full scale.",
+      fmt::format("Exposure {:.0f} us (it was {:.0f}){}: most spots reach up to {:.0f} % of full "
+                  "scale.",
                   found->at("exposure_us").get<double>(), before_us,
                   gain_db.is_null() ? "" : fmt::format(", gain {:.1f} dB", gain_db.get<double>()),
                   100.0 * found->at("brightest").get<double>()));
@@ -230,9 +230,8 @@ const std::array kLightSteps{
           return is_registered ? std::optional(true) : std::nullopt;
         },
         run_spot, undo_spot, false, false, Needs::holograms},
-    Step{"exposure", "Exposure",
-         "Sets the exposure so that the brightest pixels are below full scale.", has_reference,
-         run_exposure, undo_exposure}};
+    Step{"exposure", "Exposure", "Sets the exposure so that the spots are below full scale.",
+         has_reference, run_exposure, undo_exposure}};
 
 const Step kBrightness{"brightness",
                        "Exposure of the sensor",

@@ -109,7 +109,9 @@ inline constexpr auto kTable<AutoExposureReport> = Fields{
     field<&AutoExposureReport::gain_raw>("gain in use in the camera's own steps, or null")
         .or_null(),
     field<&AutoExposureReport::brightest>(
-        "brightness of the brightest pixels, fraction of full scale", {0, 1}),
+        "brightness that most spots reach: the 80th percentile of the brightest pixels of the "
+        "spots, fraction of full scale",
+        {0, 1}),
     field<&AutoExposureReport::saturated_pixels>(
         "number of pixels that were at full scale in one of the frames", Bounds::at_least(0)),
     field<&AutoExposureReport::looks>("number of images that were judged", Bounds::at_least(1))};

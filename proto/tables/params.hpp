@@ -85,15 +85,13 @@ struct AutoExposure {
   std::optional<double> max_exposure_us;  ///< none: only the camera and its frame rate limit it
 };
 template <>
-inline constexpr auto kTable<AutoExposure> =
-    Fields{"AutoExposure",
-           field<&AutoExposure::target>(
-               "brightness that the brightest pixels shall have, fraction of full scale",
-               limits::kExposureTarget),
-           field<&AutoExposure::max_exposure_us>(
-               "longest exposure to use, microseconds; null: what the camera allows at its frame "
-               "rate",
-               limits::kExposureUs)};
+inline constexpr auto kTable<AutoExposure> = Fields{
+    "AutoExposure",
+    field<&AutoExposure::target>("brightness that most spots shall reach, fraction of full scale",
+                                 limits::kExposureTarget),
+    field<&AutoExposure::max_exposure_us>(
+        "longest exposure to use, microseconds; null: what the camera allows at its frame rate",
+        limits::kExposureUs)};
 
 struct RegistrationRun {
   int frames = 5;

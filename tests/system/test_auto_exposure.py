@@ -91,7 +91,7 @@ class AutoExposure(BenchCase):
         said = self.run_ovws("exposure", "auto")
         print("\n ", said.stdout)
         self.assertEqual(said.returncode, 0, said.stderr)
-        self.assertRegex(said.stdout, r"^exposure [\d.]+ ms, gain 0 dB: the brightest pixels are at \d\d % of full scale, \d+ pixels\s+are\s+saturated\n$")
+        self.assertRegex(said.stdout, r"^exposure [\d.]+ ms, gain 0 dB: most spots reach up to \d\d % of full scale, \d+ pixels\s+are\s+saturated\n$")
         self.assertIn("brightest", json.loads(self.run_ovws("--json", "exposure", "auto").stdout))
         self.light(0.0)
         said = self.run_ovws("exposure", "auto")

@@ -16,8 +16,8 @@ void add_exposure(CLI::App& app, const Common& common, int& status) {
   auto time = std::make_shared<std::string>();
   command->add_option(
       "time", *time,
-      "time with its unit: 2ms, 2000us, 0.5s; or auto: the brightest pixels come to "
-      "70 % of full scale");
+      "time with its unit: 2ms, 2000us, 0.5s; or auto: most spots reach up to 70 % of "
+      "full scale");
   command->callback([&common, &status, time] { status = exposure_verb(common, *time); });
 }
 

@@ -100,9 +100,9 @@ std::string slm_settings_answer(const json& result) {
 std::string exposure_answer(const json& result) {
   const int saturated = result.at("saturated_pixels").get<int>();
   return fmt::format(
-      "exposure {}, gain {}: the brightest pixels are at {:.0f} % of full scale, {}",
+      "exposure {}, gain {}: most spots reach up to {:.0f} % of full scale, {}",
       exposure_text(result, {}), gain_text(result, {}), 100.0 * number(result, "brightest"),
-      saturated == 0 ? "none is saturated" : fmt::format("{} pixels are saturated", saturated));
+      saturated == 0 ? "no pixel is saturated" : fmt::format("{} pixels are saturated", saturated));
 }
 
 std::string aberration_answer(const json& result) {

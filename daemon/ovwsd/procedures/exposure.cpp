@@ -58,8 +58,7 @@ Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm, bool fine) {
   return judge_exposure(on_plane(*image, lit.plane), *expected, settings);
 }
 
-/// Search for the exposure with which the brightest pixels are at the target, and no spot is
-/// saturated.
+/// Search for the exposure with which most spots reach the target, and no spot is saturated.
 class ExposureSearch {
  public:
   ExposureSearch(Bench& bench, const SlmGeometry& slm, const AutoExposure& asked)
@@ -242,7 +241,7 @@ class ExposureSearch {
                                                  times, 20.0 * std::log10(times))
                                    : "fewer peaks stand out than the pattern has spots";
     return {Errc::refused, most.field,
-            fmt::format("too dark: at the longest exposure of {:g} ms the brightest pixels reach "
+            fmt::format("too dark: at the longest exposure of {:g} ms most spots reach only "
                         "{:.0f} % of full scale; {}raise the laser's power or camera.gain_db: {}",
                         1e-3 * most.us, 100.0 * look.fraction(), most.advice, needed)};
   }
@@ -256,9 +255,8 @@ class ExposureSearch {
                   100.0 * look.dark / look.full)
             : "lower the laser's power or insert a neutral-density filter";
     return {Errc::refused, "camera.exposure_us",
-            fmt::format("too bright: at the shortest exposure of {:g} us and the lowest gain the "
-                        "brightest pixels reach {:.0f} % of full scale and {} pixels are "
-                        "saturated; {}",
+            fmt::format("too bright: at the shortest exposure of {:g} us and the lowest gain most "
+                        "spots reach up to {:.0f} % of full scale and {} pixels are saturated; {}",
                         look.settings.exposure_us, 100.0 * look.fraction(), look.saturated_pixels,
                         advice)};
   }

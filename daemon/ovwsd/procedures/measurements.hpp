@@ -36,10 +36,10 @@ Result<PlateFit> measure_plate(Bench& bench, const SlmGeometry& slm, int frames)
 Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry& slm,
                                                 const CalibrationRun& run);
 
-/// `camera.auto_exposure`: changes the exposure until the brightest pixels are at the target,
-/// within 5 % of it, or 10 % after eight looks, or as near as the camera's steps allow. Lowers the
-/// gain if the shortest exposure is too bright. The brightest pixels are those of the spots in
-/// the mean of three frames (judge_exposure). Keeps the camera's settings. Errc::refused, with the
+/// `camera.auto_exposure`: changes the exposure until most spots reach the target, within 5 % of
+/// it, or 10 % after eight looks, or as near as the camera's steps allow. Lowers the gain if the
+/// shortest exposure is too bright. The spots are those in the mean of three frames
+/// (judge_exposure). Keeps the camera's settings. Errc::refused, with the
 /// field that limits the exposure: no light, too dark, too bright, or the brightness does not
 /// follow the exposure.
 Result<AutoExposureReport> set_exposure(Bench& bench, const SlmGeometry& slm,

@@ -39,7 +39,7 @@ function buildCamera(parent) {
     params: () => ({ target: AUTO_TARGET }),
     onDone: (result) => exposure.show(result.exposure_us, true),
   });
-  auto.button.title = `Sets the exposure so that the brightest pixels reach ${100 * AUTO_TARGET} % of full scale`;
+  auto.button.title = `Sets the exposure so that most spots reach up to ${100 * AUTO_TARGET} % of full scale`;
   const gain = new NumberControl(parent, "Gain", "dB", { onChange: (value) => sender.send({ [gainOf(bench.camera.settings).key]: value }) });
   return { exposure, auto, gain };
 }
