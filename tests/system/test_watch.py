@@ -74,9 +74,10 @@ class Watch(BenchCase):
     @staticmethod
     def shows(terminal, modes):
         """Whether the screen shows exactly these modes (j, waves), each with its bar on the side of its sign."""
-        found = [re.match(r" *(\d+) (\S.*?) +([-+]\d\.\d{4})(.*?)│(.{0,8})", row) for row in terminal.rows()[4:19]]
+        found = [re.match(r" *(\d+) (\S.*?) +([-+]?\d\.\d{4})(.*?)│(.{0,8})", row) for row in terminal.rows()[4:19]]
         seen = [(int(row[1]), float(row[3]), "█" in row[4] or "▐" in row[4], "█" in row[5][:6] or "▌" in row[5][:6]) for row in found if row]
-        return [j for j, *_ in seen] == [j for j, _ in modes] and all(
+        signs_fit = all((row[3][0] in "+-") == (float(row[3]) != 0.0) for row in found if row)  # a zero has none
+        return signs_fit and [j for j, *_ in seen] == [j for j, _ in modes] and all(
             abs(value - waves) <= 0.0000501 and (left, right) == (waves < -0.04, waves > 0.04) for (_, value, left, right), (_, waves) in zip(seen, modes))
 
     def check_map(self, rows, message):
@@ -177,7 +178,7 @@ class Watch(BenchCase):
         os.kill(self.bench.process("ovwsd").pid, signal.SIGKILL)
         self.wait_for_text(terminal, r"no message for \d+ s: waiting for the daemon")
         # a drawing may arrive in pieces, its first line before the numbers of the last one are gone
-        wait_for(lambda: not re.search(r"RMS \d|[-+]\d\.\d{4}", terminal.text()), what="a screen without old numbers")
+        wait_for(lambda: not re.search(r"RMS \d|\d\.\d{4}", terminal.text()), what="a screen without old numbers")
         self.bench.stop("ovwsd")
         self.start_daemon()
         self.wait_for_text(terminal, r"running .*frames/s")
