@@ -86,10 +86,6 @@ class PageCase(WebCase):
             return self.pixel()
         return self.in_still_canvas(read)
 
-    def zoom_out(self):
-        self.browser.press("0")
-        wait_for(lambda: self.zoom() == 0, what="the whole image")
-
     def zoom(self):
         """What the page shows, CSS pixels per camera pixel; 0: the whole image."""
         return float(self.browser.run("return (document.querySelector('#camera-sub').textContent.match(/([\\d.]+) \u00d7$/) ?? [0, 0])[1]"))
@@ -318,7 +314,8 @@ class Camera(PageCase):
         browser = self.browser
 
         def zoomed_by_the_wheel(box):
-            self.zoom_out()
+            browser.click("#camera-tools >> text=Fit")  # a key acts only once the canvas has the focus
+            wait_for(lambda: self.zoom() == 0, what="the whole image")
             return self.wheel(4) / (min(box[2:]) / 512)
 
         self.assertAlmostEqual(self.in_still_canvas(zoomed_by_the_wheel), 1.4 ** 4, delta=0.05)
@@ -338,11 +335,12 @@ class Camera(PageCase):
         browser.wait_text("#camera-readout", lambda text: "Point at the image" in text)
         browser.press("+")
         wait_for(lambda: abs(self.zoom() / wheeled - 1.4) < 0.02, what="the key's zoom")
-        self.zoom_out()
+        browser.press("0")
+        wait_for(lambda: self.zoom() == 0, what="the whole image by its key")
         before = self.wheel(1)
         browser.pinch(self.canvas_at(0.5, 0.5), 100.0, 250.0)
         wait_for(lambda: abs(self.zoom() / before - 2.5) < 0.1, what="a zoom by what the fingers move apart")
-        self.zoom_out()
+        browser.press("0")
         browser.click("#camera-tools >> text=1:1")
         wait_for(lambda: self.zoom() == 1.0 or self.zoom() == 0, what="pixel by pixel")
         browser.click("#camera-tools >> text=Fit")
@@ -369,8 +367,13 @@ class Camera(PageCase):
         self.assertAlmostEqual(float(share), 100 * int(level) / 255, delta=0.06)
         time.sleep(0.5)
         self.assertIn(f"frame {frame}", browser.text("#camera-sub"))
-        view = Image.open(io.BytesIO(browser.download("#camera-tools >> text=PNG")[1]))
-        self.assertEqual(view.size, tuple(browser.run("const c = document.querySelector('#camera-canvas'); return [c.width, c.height]")))
+
+        def sizes(_):
+            """Of the saved view, and of the canvas."""
+            view = Image.open(io.BytesIO(browser.download("#camera-tools >> text=PNG")[1]))
+            return [*view.size], browser.run("const c = document.querySelector('#camera-canvas'); return [c.width, c.height]")
+
+        self.assertEqual(*self.in_still_canvas(sizes))
         browser.click("#camera-tools >> text=Freeze")
         wait_for(lambda: f"frame {frame}" not in browser.text("#camera-sub"), what="newer frames")
         self.check_console()
