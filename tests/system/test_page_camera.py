@@ -153,6 +153,31 @@ class Bar(PageCase):
         self.assertGreater(browser.box("#camera-canvas")[3], 400)
         self.check_console()
 
+    def test_what_is_set_or_typed_while_a_reply_is_awaited_is_not_lost(self):
+        browser, gain = self.browser, "#bar .field:nth-child(2) input[type=number]"
+        wait_for(lambda: browser.run(SLIDER_MAX), what="a slider that can be moved")
+        browser.run("""const real = window.fetch, released = new Promise((release) => { window.release = release; });
+            window.pending = 0;
+            window.fetch = async (...given) => {
+              if (!String(given[0]).includes("/rpc")) return real(...given);
+              window.pending += 1;
+              await released;
+              const reply = await real(...given);
+              setTimeout(() => { window.pending -= 1; }, 100);
+              return reply;
+            };""")
+        for selector, value in (("#bar .wide input[type=number]", "1200"), ("#bar .wide input[type=number]", "1300"), (gain, "3")):
+            browser.fill(selector, value)
+            browser.press("Enter")
+        browser.fill(gain, "4")
+        browser.run("release()")
+        wait_for(lambda: [self.settings()[key] for key in ("exposure_us", "gain_db")] == [1300.0, 3.0], what="exposure and gain")
+        wait_for(lambda: browser.run("return window.pending") == 0, what="the replies")
+        self.assertEqual(browser.run("return document.querySelector(arguments[0]).value", gain), "4")
+        browser.press("Enter")
+        wait_for(lambda: self.settings()["gain_db"] == 4.0, what="the gain that was typed meanwhile")
+        self.check_console()
+
     def test_every_control_of_the_bar_acts_on_the_bench(self):
         browser = self.browser
         wait_for(lambda: browser.run(SLIDER_MAX), what="a slider that can be moved")

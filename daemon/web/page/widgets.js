@@ -85,7 +85,7 @@ export class Sender {
   }
 
   async send(params) {
-    this.#next = params;
+    this.#next = { ...this.#next, ...params }; // what waits for a reply is sent with it
     if (this.#busy) return;
     this.#busy = true;
     while (this.#next) {
@@ -106,6 +106,7 @@ export class NumberControl {
   #map;
   #unit;
   #touched = -Infinity;
+  #isTyped = false; // the number was typed, and is not sent yet
   #range = { min: -Infinity, max: Infinity };
   #shown = null; // the active value
 
@@ -127,13 +128,20 @@ export class NumberControl {
       this.#number.value = String(value);
       onChange(value);
     });
+    this.#number.addEventListener("input", () => {
+      this.#isTyped = true;
+    });
     this.#number.addEventListener("change", () => {
       this.#touched = performance.now();
+      this.#isTyped = false;
       if (this.#number.value !== "" && this.#isPossible(Number(this.#number.value))) onChange(Number(this.#number.value));
     });
     // Another page may have changed the value meanwhile.
     const showLater = () => setTimeout(() => this.show(this.#shown), 1.1 * EDIT_MS);
-    this.#number.addEventListener("blur", showLater);
+    this.#number.addEventListener("blur", () => {
+      this.#isTyped = false;
+      showLater();
+    });
     this.#slider.addEventListener("change", showLater);
   }
 
@@ -171,10 +179,10 @@ export class NumberControl {
     return document.activeElement === this.#number || performance.now() - this.#touched < EDIT_MS;
   }
 
-  /** Shows the active value, unless the user is changing it. */
+  /** Shows the active value, unless the user is changing it. `force`: only what is being typed stays. */
   show(value, force = false) {
     this.#shown = value;
-    if (value === null || (this.isEditing && !force)) return;
+    if (value === null || this.#isTyped || (this.isEditing && !force)) return;
     this.#slider.value = String(this.#map.toSlider(value));
     this.#number.value = String(Number(value.toPrecision(5)));
   }
