@@ -267,30 +267,23 @@ Result<void> check_pitch(double measured_px, const LensletSearch& search) {
                   "optics.magnification");
 }
 
-/// Share of a lenslet's cell that its light makes part of the lit region: 0 at kLitLevel, 1 from
-/// kWholeLevel on. A threshold alone would let a lenslet at the rim jump in and out by its noise.
-double share_of(const LensletNode& node) {
-  return std::clamp((node.level - kLitLevel) / (kWholeLevel - kLitLevel), 0.0, 1.0);
-}
-
-/// Nodes that are not whole outside of the light: those that a path over such nodes connects to
-/// the border.
-std::vector<LensletNode> outside_of(const LensletMap& map) {
-  std::map<GridIndex, const LensletNode*> dim;
+/// Dark nodes outside of the light: those that a path over dark nodes connects to the border.
+std::vector<Vec2> outside_px(const LensletMap& map) {
+  std::map<GridIndex, const LensletNode*> dark;
   GridIndex least{std::numeric_limits<int>::max(), 0};
   for (const LensletNode& node : map.nodes) {
     least = std::min(least, GridIndex{node.a, node.b});
-    if (share_of(node) < 1.0) dim[{node.a, node.b}] = &node;
+    if (!node.lit) dark[{node.a, node.b}] = &node;
   }
   std::deque<GridIndex> open{least};  // a corner of the box, which is dark
-  std::vector<LensletNode> outside;
+  std::vector<Vec2> outside;
   while (!open.empty()) {
     const GridIndex at = open.front();
     open.pop_front();
-    const auto found = dim.find(at);
-    if (found == dim.end()) continue;
-    outside.push_back(*found->second);
-    dim.erase(found);
+    const auto found = dark.find(at);
+    if (found == dark.end()) continue;
+    outside.push_back(found->second->at_px);
+    dark.erase(found);
     for (const GridIndex& next : directions_of(Grid::square).neighbours) {
       open.emplace_back(at.first + next.first, at.second + next.second);
     }
@@ -298,28 +291,32 @@ std::vector<LensletNode> outside_of(const LensletMap& map) {
   return outside;
 }
 
-/// Sum of the pixels above `background` in the disc of a lenslet's spot.
-double light_at(const Image<std::uint16_t>& image, Vec2 at, double radius_px, double background) {
-  double sum = 0.0;
-  const int left = std::max(0, int(at.x - radius_px)), top = std::max(0, int(at.y - radius_px));
-  for (int y = top; y < std::min(image.height, int(at.y + radius_px) + 2); ++y) {
-    for (int x = left; x < std::min(image.width, int(at.x + radius_px) + 2); ++x) {
-      if (norm(Vec2{double(x), double(y)} - at) <= radius_px) sum += image.at(x, y) - background;
+/// Light of the spot at a lenslet's place: sum over a disc, above the mean of the rim of its cell.
+/// Stray light is rarely even.
+double light_at(const Image<std::uint16_t>& image, Vec2 at, double pitch_px) {
+  const double disc_px = 0.38 * pitch_px, rim_px = 0.5 * pitch_px;
+  double sum = 0.0, rim = 0.0;
+  int pixels = 0, rim_pixels = 0;
+  const int left = std::max(0, int(at.x - rim_px)), top = std::max(0, int(at.y - rim_px));
+  for (int y = top; y < std::min(image.height, int(at.y + rim_px) + 2); ++y) {
+    for (int x = left; x < std::min(image.width, int(at.x + rim_px) + 2); ++x) {
+      const double away = norm(Vec2{double(x), double(y)} - at);
+      if (away > rim_px) continue;
+      (away <= disc_px ? sum : rim) += image.at(x, y);
+      ++(away <= disc_px ? pixels : rim_pixels);
     }
   }
-  return sum;
+  return rim_pixels == 0 ? 0.0 : sum - rim / rim_pixels * pixels;
 }
 
 /// Measures the light of all nodes, found or not.
 void measure_light(LensletMap& map, const Image<std::uint16_t>& image) {
-  constexpr double kRadius = 0.4;  // of the pitch
-  const double background = median(image.pixels);
   std::vector<double> lit;
   for (LensletNode& node : map.nodes) {
-    node.light = light_at(image, node.at_px, kRadius * map.pitch_px, background);
+    node.light = light_at(image, node.at_px, map.pitch_px);
     if (node.lit) lit.push_back(node.light);
   }
-  const double typical = median(lit);
+  const double typical = std::max(median(lit), 1e-9);
   for (LensletNode& node : map.nodes) node.light = std::clamp(node.light / typical, 0.0, 1.0);
 }
 
@@ -384,10 +381,8 @@ LensletPupil lenslet_pupil(const LensletMap& map, std::optional<double> diameter
   pupil.centre_px = centre_of(map);
   double radius_px = 0.5 * diameter_px.value_or(std::numeric_limits<double>::infinity());
   if (!diameter_px) {
-    for (const LensletNode& node : outside_of(map)) {
-      const double reach =
-          norm(node.at_px - pupil.centre_px) + (share_of(node) - 0.5) * map.pitch_px;
-      radius_px = std::min(radius_px, reach);
+    for (const Vec2 dark : outside_px(map)) {
+      radius_px = std::min(radius_px, norm(dark - pupil.centre_px) - 0.5 * map.pitch_px);
     }
   }
   pupil.diameter_px = 2.0 * radius_px;

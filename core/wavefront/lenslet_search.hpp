@@ -34,8 +34,6 @@ struct LensletNode {
 /// A lenslet with less light, relative to the upper quartile of all spots, counts as dark: its spot
 /// may be stray light of its neighbours.
 constexpr double kLitLevel = 0.2;
-/// From this level on a lenslet counts in full to the lit region, below it in part.
-constexpr double kWholeLevel = 0.3;
 
 struct LensletMap {
   double pitch_px = 0.0;
@@ -62,8 +60,7 @@ struct LensletPupil {
   std::vector<Vec2> centres_px;  ///< of the lenslets in use, from centre_px; sorted by y, then x
 };
 /// Places the pupil. `diameter_px`: its diameter; none: the largest circle around the lit lenslets'
-/// centre that meets no dark cell, except dark ones that lit lenslets enclose. Both change
-/// continuously with the lenslets' light.
+/// centre that meets no dark cell, except dark ones that lit lenslets enclose.
 LensletPupil lenslet_pupil(const LensletMap& map, std::optional<double> diameter_px);
 
 }  // namespace ovws

@@ -168,9 +168,15 @@ bool is_same_map(const Registration& found, const SensorEdit& edit) {
   return farthest_px(edit.state, next, edit.bench.optics) <= std::min(noise_px, most_px);
 }
 
-/// Keeps plates that array.fit has measured.
+/// Keeps plates that array.fit has measured, if they were seen in the same direction.
 void keep_fitted_plate(Registration& found, const SensorState& state) {
   if (!state.registration || !state.registration->array.plate_fitted) return;
+  const PxPerCycle now = state.registration->px_per_cycle.scaled_to(1.0),
+                   next = found.px_per_cycle.scaled_to(1.0);
+  if (norm({now.xx - next.xx, now.yx - next.yx}) > 1e-3 ||
+      norm({now.xy - next.xy, now.yy - next.yy}) > 1e-3) {
+    return;
+  }
   found.array.plate_fitted = true;
   found.array.lenslets.plate = state.registration->array.lenslets.plate;
 }
