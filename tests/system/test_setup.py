@@ -171,6 +171,8 @@ class NoLight(SetupCase):
 
 
 class CameraGone(SetupCase):
+    daemon_config = {"slm": {"settle_ms": 1000}}  # the step takes long enough to be interrupted
+
     def test_exposure_and_pattern_are_restored_when_it_is_back(self):
         before = self.call("camera.get")["settings"]
         command = self.ovws_command("setup", "--yes", "spot")
