@@ -65,7 +65,7 @@ std::vector<Spot> spots_in(const Image<std::uint16_t>& image, const SpotModel& m
   return spots;
 }
 
-/// Marks the level of each spot relative to the median of the brighter half, and drops dark ones.
+/// Drops dark spots, by their level relative to the median of the brighter half.
 void drop_dark(std::vector<Spot>& spots) {
   if (spots.empty()) return;
   std::vector<double> levels;
@@ -73,8 +73,7 @@ void drop_dark(std::vector<Spot>& spots) {
   const auto quarter = levels.begin() + std::ptrdiff_t(levels.size() / 4);
   std::nth_element(levels.begin(), quarter, levels.end(), std::greater<>());
   const double typical = *quarter;
-  for (Spot& spot : spots) spot.level /= typical;
-  std::erase_if(spots, [](const Spot& spot) { return !(spot.level >= kLitLevel); });
+  std::erase_if(spots, [&](const Spot& spot) { return !(spot.level >= kLitLevel * typical); });
 }
 
 /// The spots, sorted into square cells, to find the one nearest to a place.
@@ -239,8 +238,7 @@ class Indexing {
 };
 
 /// All nodes of the smallest box of indices around the lit ones, with one more on each side.
-std::vector<LensletNode> nodes_of(const Indexing& indexing, const std::vector<Spot>& spots,
-                                  const LatticeFit& fit, Complex second) {
+std::vector<LensletNode> nodes_of(const Indexing& indexing, const LatticeFit& fit, Complex second) {
   GridIndex least{0, 0}, most{0, 0};
   for (const auto& [index, spot] : indexing.spot_at()) {
     least = {std::min(least.first, index.first), std::min(least.second, index.second)};
@@ -249,10 +247,8 @@ std::vector<LensletNode> nodes_of(const Indexing& indexing, const std::vector<Sp
   std::vector<LensletNode> nodes;
   for (int b = least.second - 1; b <= most.second + 1; ++b) {
     for (int a = least.first - 1; a <= most.first + 1; ++a) {
-      const auto found = indexing.spot_at().find({a, b});
-      const bool lit = found != indexing.spot_at().end();
-      nodes.push_back({a, b, fit.at({a, b}, second),
-                       lit ? spots[std::size_t(found->second)].level : 0.0, 0.0, lit});
+      const bool lit = indexing.spot_at().contains({a, b});
+      nodes.push_back({a, b, fit.at({a, b}, second), 0.0, lit});
     }
   }
   return nodes;
@@ -371,7 +367,7 @@ Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearc
   map.rotation_deg = std::remainder(std::arg(fit.step), turn) * 180.0 / std::numbers::pi;
   map.residual_px = fit.residual_px;
   map.pitch_error_px = fit.step_error_px;
-  map.nodes = nodes_of(indexing, spots, fit, directions.second);
+  map.nodes = nodes_of(indexing, fit, directions.second);
   measure_light(map, image);
   return map;
 }

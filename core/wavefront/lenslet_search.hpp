@@ -25,11 +25,10 @@ struct LensletNode {
   int a = 0,
       b = 0;   ///< along the lattice's two directions, from the spot nearest the middle of all
   Vec2 at_px;  ///< by the fitted lattice
-  double level = 0.0;  ///< mean of the spot's bright part, relative to the upper quartile; 0: none
   /// Light on the lenslet, relative to the median of lit ones; at most 1. Known of dark ones,
   /// too: a cut spot at the rim may be found or not.
   double light = 0.0;
-  bool lit = false;  ///< level is at least kLitLevel
+  bool lit = false;  ///< a spot was found, and its bright part has at least kLitLevel
 };
 /// A lenslet with less light, relative to the upper quartile of all spots, counts as dark: its spot
 /// may be stray light of its neighbours.
@@ -59,8 +58,8 @@ struct LensletPupil {
   double diameter_px = 0.0;      ///< camera pixels
   std::vector<Vec2> centres_px;  ///< of the lenslets in use, from centre_px; sorted by y, then x
 };
-/// Places the pupil. `diameter_px`: its diameter; none: the largest circle around the lit lenslets'
-/// centre that meets no dark cell, except dark ones that lit lenslets enclose.
+/// Places the pupil. `diameter_px`: its diameter; none: the largest circle around the
+/// light's centre that meets no dark cell, except dark ones that lit lenslets enclose.
 LensletPupil lenslet_pupil(const LensletMap& map, std::optional<double> diameter_px);
 
 }  // namespace ovws
