@@ -9,8 +9,8 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <utility>
 
-#include "core/base/median.hpp"
 #include "core/base/number_text.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/tracking/candidates.hpp"
@@ -28,6 +28,9 @@ constexpr double kMinOrder = 0.5;  // share of neighbours that lie in the lattic
 constexpr double kMinIndexed = 0.6;
 // A pupil is often a whole number of pitches, with lenslets just inside: noise does not drop them.
 constexpr double kAtRim = 0.02;
+// A lenslet with this share of the light of those around it counts in full, and with the share
+// kNone of that not at all.
+constexpr double kWhole = 0.5, kNone = 0.2;
 
 struct Spot {
   Vec2 at_px;
@@ -65,14 +68,18 @@ std::vector<Spot> spots_in(const Image<std::uint16_t>& image, const SpotModel& m
   return spots;
 }
 
-/// Drops dark spots, by their level relative to the median of the brighter half.
+double upper_quartile(std::vector<double> values) {
+  const auto quarter = values.begin() + std::ptrdiff_t(values.size() / 4);
+  std::nth_element(values.begin(), quarter, values.end(), std::greater<>());
+  return *quarter;
+}
+
+/// Drops dark spots, by their level relative to the upper quartile.
 void drop_dark(std::vector<Spot>& spots) {
   if (spots.empty()) return;
   std::vector<double> levels;
   for (const Spot& spot : spots) levels.push_back(spot.level);
-  const auto quarter = levels.begin() + std::ptrdiff_t(levels.size() / 4);
-  std::nth_element(levels.begin(), quarter, levels.end(), std::greater<>());
-  const double typical = *quarter;
+  const double typical = upper_quartile(std::move(levels));
   std::erase_if(spots, [&](const Spot& spot) { return !(spot.level >= kLitLevel * typical); });
 }
 
@@ -206,6 +213,22 @@ class Indexing {
 
   const std::map<GridIndex, int>& spot_at() const { return spot_at_; }
 
+  /// The lit nodes among the eight around a node.
+  std::vector<GridIndex> lit_around(const GridIndex& index) const {
+    std::vector<GridIndex> around;
+    for (int k = 0; k < 9; ++k) {
+      const GridIndex near{index.first + k % 3 - 1, index.second + k / 3 - 1};
+      if (near != index && spot_at_.contains(near)) around.push_back(near);
+    }
+    return around;
+  }
+
+  /// How far a lit node's spot is from the fitted lattice.
+  Vec2 displacement(const GridIndex& index, const LatticeFit& fit) const {
+    const Vec2 spot_px = spots_[std::size_t(spot_at_.at(index))].at_px;
+    return spot_px - fit.at(index, directions_.second);
+  }
+
  private:
   Complex offset(const GridIndex& index) const {
     return double(index.first) + double(index.second) * directions_.second;
@@ -263,23 +286,25 @@ Result<void> check_pitch(double measured_px, const LensletSearch& search) {
                   "optics.magnification");
 }
 
-/// Dark nodes outside of the light: those that a path over dark nodes connects to the border.
-std::vector<Vec2> outside_px(const LensletMap& map) {
-  std::map<GridIndex, const LensletNode*> dark;
+/// Nodes outside of the light: dark ones that a path over dark ones connects to the border, and
+/// those beside them that count in part.
+std::vector<LensletNode> outside_of(const LensletMap& map) {
+  std::map<GridIndex, const LensletNode*> partial;
   GridIndex least{std::numeric_limits<int>::max(), 0};
   for (const LensletNode& node : map.nodes) {
     least = std::min(least, GridIndex{node.a, node.b});
-    if (!node.lit) dark[{node.a, node.b}] = &node;
+    if (!node.lit || node.share < 1.0) partial[{node.a, node.b}] = &node;
   }
   std::deque<GridIndex> open{least};  // a corner of the box, which is dark
-  std::vector<Vec2> outside;
+  std::vector<LensletNode> outside;
   while (!open.empty()) {
     const GridIndex at = open.front();
     open.pop_front();
-    const auto found = dark.find(at);
-    if (found == dark.end()) continue;
-    outside.push_back(found->second->at_px);
-    dark.erase(found);
+    const auto found = partial.find(at);
+    if (found == partial.end()) continue;
+    outside.push_back(*found->second);
+    partial.erase(found);
+    if (outside.back().lit) continue;
     for (const GridIndex& next : directions_of(Grid::square).neighbours) {
       open.emplace_back(at.first + next.first, at.second + next.second);
     }
@@ -305,26 +330,44 @@ double light_at(const Image<std::uint16_t>& image, Vec2 at, double pitch_px) {
   return rim_pixels == 0 ? 0.0 : sum - rim / rim_pixels * pixels;
 }
 
-/// Measures the light of all nodes, found or not.
-void measure_light(LensletMap& map, const Image<std::uint16_t>& image) {
-  std::vector<double> lit;
-  for (LensletNode& node : map.nodes) {
-    node.light = light_at(image, node.at_px, map.pitch_px);
-    if (node.lit) lit.push_back(node.light);
+/// Measures how much each node counts to the pupil, whether or not its spot was found. A dark one
+/// is looked for where the lit ones around it are displaced to.
+void measure_share(LensletMap& map, const Image<std::uint16_t>& image, const Indexing& indexing,
+                   const LatticeFit& fit) {
+  std::map<GridIndex, double> light;
+  std::vector<double> lights;
+  for (const LensletNode& node : map.nodes) {
+    if (!node.lit) continue;
+    const GridIndex index{node.a, node.b};
+    lights.push_back(light_at(image, node.at_px + indexing.displacement(index, fit), map.pitch_px));
+    light[index] = lights.back();
   }
-  const double typical = std::max(median(lit), 1e-9);
-  for (LensletNode& node : map.nodes) node.light = std::clamp(node.light / typical, 0.0, 1.0);
+  const double lit = kLitLevel * std::max(upper_quartile(std::move(lights)), 1e-9);
+  for (LensletNode& node : map.nodes) {
+    const std::vector<GridIndex> around = indexing.lit_around({node.a, node.b});
+    if (around.empty()) continue;
+    Vec2 off;
+    std::vector<double> others;
+    for (const GridIndex& near : around) {
+      off = off + (1.0 / double(around.size())) * indexing.displacement(near, fit);
+      others.push_back(light.at(near));
+    }
+    const double here =
+        node.lit ? light.at({node.a, node.b}) : light_at(image, node.at_px + off, map.pitch_px);
+    const double whole = std::max(kWhole * upper_quartile(std::move(others)), lit);
+    node.share = std::clamp((here / whole - kNone) / (1.0 - kNone), 0.0, 1.0);
+  }
 }
 
-/// Mean place of the light.
+/// Mean place of the lit lenslets, by their shares.
 Vec2 centre_of(const LensletMap& map) {
   Vec2 sum;
-  double light = 0.0;
+  double share = 0.0;
   for (const LensletNode& node : map.nodes) {
-    sum = sum + node.light * node.at_px;
-    light += node.light;
+    sum = sum + node.share * node.at_px;
+    share += node.share;
   }
-  return light > 0.0 ? (1.0 / light) * sum : Vec2{};
+  return share > 0.0 ? (1.0 / share) * sum : Vec2{};
 }
 
 }  // namespace
@@ -368,7 +411,7 @@ Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearc
   map.residual_px = fit.residual_px;
   map.pitch_error_px = fit.step_error_px;
   map.nodes = nodes_of(indexing, fit, directions.second);
-  measure_light(map, image);
+  measure_share(map, image, indexing, fit);
   return map;
 }
 
@@ -377,8 +420,9 @@ LensletPupil lenslet_pupil(const LensletMap& map, std::optional<double> diameter
   pupil.centre_px = centre_of(map);
   double radius_px = 0.5 * diameter_px.value_or(std::numeric_limits<double>::infinity());
   if (!diameter_px) {
-    for (const Vec2 dark : outside_px(map)) {
-      radius_px = std::min(radius_px, norm(dark - pupil.centre_px) - 0.5 * map.pitch_px);
+    for (const LensletNode& node : outside_of(map)) {
+      const double inner_px = norm(node.at_px - pupil.centre_px) - 0.5 * map.pitch_px;
+      radius_px = std::min(radius_px, inner_px + node.share * map.pitch_px);
     }
   }
   pupil.diameter_px = 2.0 * radius_px;

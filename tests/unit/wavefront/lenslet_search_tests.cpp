@@ -33,7 +33,8 @@ struct ArrayImage {
   int charge = 0;
   double pitch_px = 28.3, rotation_deg = 1.3;
   Vec2 middle_px{320.4, 255.8};
-  double defocus_px = 0.0;  ///< displacement at 200 pixels from the middle
+  double defocus_px = 0.0;      ///< displacement at 200 pixels from the middle
+  double astigmatism_px = 0.0;  ///< the same, oblique
   double noise_dn = 1.0;
   unsigned seed = 7;
   double stray_dn = 0.0;  ///< from one side of the image to the other
@@ -57,7 +58,9 @@ struct ArrayImage {
     Image<float> image(640, 512, 3.0F);
     for (const Vec2 place : places()) {
       const double peak = 150.0 * light(place);
-      const Vec2 at = middle_px + (1.0 + defocus_px / 200.0) * place;
+      const Vec2 across{place.y, place.x};
+      const Vec2 at =
+          middle_px + (1.0 + defocus_px / 200.0) * place + (astigmatism_px / 200.0) * across;
       const int reach = 13;
       for (int y = int(at.y) - reach; y <= int(at.y) + reach; ++y) {
         for (int x = int(at.x) - reach; x <= int(at.x) + reach; ++x) {
@@ -149,12 +152,60 @@ TEST(LensletSearch, NoiseAndStrayLightDoNotMoveThePupilBehindAnIris) {
         ASSERT_TRUE(map) << map.error().reason;
         EXPECT_LT(map->pitch_error_px, 0.003);
         EXPECT_LT(std::abs(map->pitch_px - 28.3), 4.0 * map->pitch_error_px + 1e-3);
-        const LensletPupil pupil = lenslet_pupil(*map, 300.0);
+        const LensletPupil pupil = lenslet_pupil(*map, std::nullopt);
         EXPECT_LT(norm(pupil.centre_px - array.middle_px), 0.02 * array.pitch_px) << radius_px;
+        EXPECT_NEAR(pupil.diameter_px, 2.0 * radius_px, array.pitch_px) << radius_px;
         found.push_back(found_as(pupil, *map));
         EXPECT_TRUE(shift_if_same(found[0], found.back())) << radius_px;
       }
     }
+  }
+}
+
+TEST(LensletSearch, UnevenLightHardlyMovesThePupilBehindAnIris) {
+  struct Case {
+    std::function<double(Vec2)> profile;
+    double most_pitches;  ///< that the centre may be off
+  };
+  const auto slope = [](double part) {
+    return [part](Vec2 at) { return 1.0 + part * at.x / 200.0; };
+  };
+  const auto beam = [](double off_px) {
+    return [off_px](Vec2 at) {
+      const double away = norm(at - Vec2{off_px, 0.0}) / 240.0;
+      return std::exp(-2.0 * away * away);
+    };
+  };
+  const auto half = [](Vec2 at) { return at.x < -5.0 ? 0.5 : 1.0; };
+  const std::vector<Case> cases{{slope(0.1), 0.02}, {slope(0.2), 0.02}, {slope(0.5), 0.05},
+                                {beam(0.0), 0.02},  {beam(20.0), 0.05}, {beam(40.0), 0.12},
+                                {half, 0.05}};
+  for (std::size_t k = 0; k < cases.size(); ++k) {
+    for (const double radius_px : {199.0, 205.0, 211.0}) {
+      ArrayImage array{.rotation_deg = 0.0, .noise_dn = 0.2};
+      array.light = [&](Vec2 at) {
+        return behind_iris(at, radius_px, array.pitch_px) * cases[k].profile(at);
+      };
+      const auto map = find_lenslets(array.render(), array.search());
+      ASSERT_TRUE(map) << map.error().reason;
+      const LensletPupil pupil = lenslet_pupil(*map, std::nullopt);
+      EXPECT_LT(norm(pupil.centre_px - array.middle_px), cases[k].most_pitches * array.pitch_px)
+          << k << " " << radius_px;
+      EXPECT_NEAR(pupil.diameter_px, 2.0 * radius_px, array.pitch_px) << k << " " << radius_px;
+    }
+  }
+}
+
+TEST(LensletSearch, ABentLatticeKeepsItsPupil) {
+  for (const double bend : {0.0, 0.05, 0.1, 0.15}) {
+    ArrayImage array{.rotation_deg = 0.0};
+    array.light = [&](Vec2 at) { return behind_iris(at, 165.0, array.pitch_px); };
+    array.astigmatism_px = 200.0 * bend;
+    const auto map = find_lenslets(array.render(), array.search());
+    ASSERT_TRUE(map) << map.error().reason;
+    const LensletPupil pupil = lenslet_pupil(*map, std::nullopt);
+    EXPECT_LT(norm(pupil.centre_px - array.middle_px), 0.05 * array.pitch_px) << bend;
+    EXPECT_NEAR(pupil.diameter_px, 330.0, array.pitch_px) << bend;
   }
 }
 
