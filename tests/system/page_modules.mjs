@@ -8,6 +8,6 @@ const plain = (key, value) => (ArrayBuffer.isView(value) ? Array.from(value) : v
 for await (const line of createInterface({ input: process.stdin })) {
   const { module, body, values } = JSON.parse(line);
   const names = await import(`${process.argv[2]}/${module}`);
-  const result = new Function("m", ...Object.keys(values), body)(names, ...Object.values(values));
+  const result = await new Function("m", ...Object.keys(values), body)(names, ...Object.values(values));
   process.stdout.write(`${JSON.stringify(result, plain)}\n`);
 }

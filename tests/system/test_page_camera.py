@@ -18,6 +18,10 @@ WHY = """const shown = (e) => e && e.offsetParent !== null && e.textContent !== 
     return [...document.querySelectorAll(":is(button, input, select):disabled")].filter((e) => e.offsetParent !== null)
         .filter((e) => !e.title || !(e.getAttribute("aria-describedby") ?? "").split(" ").some((id) => shown(document.getElementById(id)) && document.getElementById(id).textContent === e.title))
         .map((e) => e.outerHTML)"""
+# Calls wait for release(); `pending`: those without a reply.
+HOLD_CALLS = """const real = window.fetch, released = new Promise((release) => { Object.assign(window, { release, pending: 0 }); });
+    const held = (given) => { window.pending += 1; return released.then(() => real(...given)).finally(() => setTimeout(() => { window.pending -= 1; }, 100)); };
+    window.fetch = (...given) => String(given[0]).includes("/rpc") ? held(given) : real(...given);"""
 
 
 class PageCase(WebCase):
@@ -156,16 +160,7 @@ class Bar(PageCase):
     def test_what_is_set_or_typed_while_a_reply_is_awaited_is_not_lost(self):
         browser, gain = self.browser, "#bar .field:nth-child(2) input[type=number]"
         wait_for(lambda: browser.run(SLIDER_MAX), what="a slider that can be moved")
-        browser.run("""const real = window.fetch, released = new Promise((release) => { window.release = release; });
-            window.pending = 0;
-            window.fetch = async (...given) => {
-              if (!String(given[0]).includes("/rpc")) return real(...given);
-              window.pending += 1;
-              await released;
-              const reply = await real(...given);
-              setTimeout(() => { window.pending -= 1; }, 100);
-              return reply;
-            };""")
+        browser.run(HOLD_CALLS)
         for selector, value in (("#bar .wide input[type=number]", "1200"), ("#bar .wide input[type=number]", "1300"), (gain, "3")):
             browser.fill(selector, value)
             browser.press("Enter")
@@ -177,6 +172,19 @@ class Bar(PageCase):
         browser.press("Enter")
         wait_for(lambda: self.settings()["gain_db"] == 4.0, what="the gain that was typed meanwhile")
         self.check_console()
+
+    def test_clear_is_not_overtaken_by_what_a_slider_set_before(self):
+        browser, defocus = self.browser, "#aberration input[aria-label^='Z4'] + input"
+        self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.1}]})
+        browser.wait_text("#bar .fields", lambda text: "0.1000 wave" in text)
+        browser.run(HOLD_CALLS)
+        for value in ("0.02", "0.03"):
+            browser.fill(defocus, value)
+            browser.press("Enter")
+        self.press("Clear$")
+        browser.run("release()")
+        wait_for(lambda: browser.run("return window.pending") == 0, what="the replies")
+        self.assertEqual(self.call("aberration.get")["modes"], [])
 
     def test_every_control_of_the_bar_acts_on_the_bench(self):
         browser = self.browser

@@ -75,6 +75,18 @@ class PageModules(unittest.TestCase):
             angle = 0.0 if m >= 0 else math.pi / (2 * -m)
             self.assertAlmostEqual(float(zernike(j, math.cos(angle), math.sin(angle))), factor, 9, j)
 
+    def test_a_change_that_failed_says_so_although_the_next_one_succeeded(self):
+        send = """globalThis.location = { hash: "" };
+            const refused = { error: { data: { reason: "too long" } } }, shown = [];
+            let calls = 0;
+            globalThis.fetch = async () => ({ ok: true, json: async () => (calls++ ? { result: {} } : refused) });
+            const sender = new m.Sender("camera.set", (reply) => shown.push(m.reasonOf(reply)));
+            const sent = sender.send({ exposure_us: 9 });
+            sender.send(next);
+            return sent.then(() => shown)"""
+        for following, expected in (({"gain_db": 3}, ["too long"]), ({"exposure_us": 1}, [""])):
+            self.assertEqual(self.run_js("widgets.js", send, next=following), expected)
+
     def test_numbers_have_digits_and_axis_labels_are_short(self):
         found = self.run_js("format.js", "return values.map(m.brief)", values=[0.0003, -0.0012, 0.0123, 0.02, 0.4, 1.5, 12.34, 456.7, 1e-12, 0])
         self.assertEqual(found, ["0.00030", "\u22120.0012", "0.012", "0.020", "0.400", "1.50", "12.3", "457", "0.000000", "0"])

@@ -84,6 +84,7 @@ export const isIntroduced = () => patterns > 0 || inForce.some((mode) => mode.wa
 
 /** Removes the introduced aberration; resolves to the daemon's reply. */
 export async function clear() {
+  await sender.forget(); // it would bring the aberration back
   const reply = await call("aberration.clear");
   if (reply.error) return reply;
   waves.clear();

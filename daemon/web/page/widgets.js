@@ -68,12 +68,15 @@ export function allowIn(frame, controls, reason) {
 /** The daemon's reason for an error; empty on success. */
 export const reasonOf = (reply) => (reply.error ? reply.error.data.reason || reply.error.message : "");
 
-/** Sends the newest request as soon as the previous one is answered; requests in between are skipped. */
+/**
+ * Sends what was set while the previous request was answered as one request. `onReply` gets the last reply, with the
+ * error of an earlier one unless what it refused was set again.
+ */
 export class Sender {
   #method;
   #onReply;
   #next = null;
-  #busy = false;
+  #sending = null; // a promise, until there is nothing to send
 
   constructor(method, onReply) {
     this.#method = method;
@@ -81,20 +84,36 @@ export class Sender {
   }
 
   get busy() {
-    return this.#busy;
+    return this.#sending !== null;
   }
 
-  async send(params) {
+  /** Resolves when all is answered. */
+  send(params) {
     this.#next = { ...this.#next, ...params }; // what waits for a reply is sent with it
-    if (this.#busy) return;
-    this.#busy = true;
-    while (this.#next) {
-      const request = this.#next;
-      this.#next = null;
-      const reply = await call(this.#method, request);
-      if (!this.#next) this.#onReply(reply);
+    this.#sending ??= this.#sendAll();
+    return this.#sending;
+  }
+
+  /** Drops what waits to be sent; resolves when the request under way is answered. */
+  forget() {
+    this.#next = null;
+    return this.#sending;
+  }
+
+  async #sendAll() {
+    let refused = null;
+    try {
+      while (this.#next) {
+        const request = this.#next;
+        this.#next = null;
+        const reply = await call(this.#method, request);
+        if (reply.error) refused = { request, error: reply.error };
+        else if (refused && Object.keys(refused.request).every((key) => key in request)) refused = null;
+        if (!this.#next) this.#onReply(refused ? { ...reply, error: refused.error } : reply);
+      }
+    } finally {
+      this.#sending = null;
     }
-    this.#busy = false;
   }
 }
 
