@@ -75,17 +75,23 @@ class PageModules(unittest.TestCase):
             angle = 0.0 if m >= 0 else math.pi / (2 * -m)
             self.assertAlmostEqual(float(zernike(j, math.cos(angle), math.sin(angle))), factor, 9, j)
 
-    def test_a_change_that_failed_says_so_although_the_next_one_succeeded(self):
+    def test_a_change_that_is_refused_says_so_and_takes_no_other_with_it(self):
         send = """globalThis.location = { hash: "" };
-            const refused = { error: { data: { reason: "too long" } } }, shown = [];
-            let calls = 0;
-            globalThis.fetch = async () => ({ ok: true, json: async () => (calls++ ? { result: {} } : refused) });
+            const refused = { error: { data: { field: "camera.exposure_us", reason: "too long" } } }, sent = [], shown = [];
+            const answer = (params) => { sent.push(params); return params.exposure_us > 5 ? refused : { result: {} }; };
+            globalThis.fetch = async (path, { body }) => ({ ok: true, json: async () => answer(JSON.parse(body).params) });
             const sender = new m.Sender("camera.set", (reply) => shown.push(m.reasonOf(reply)));
-            const sent = sender.send({ exposure_us: 9 });
-            sender.send(next);
-            return sent.then(() => shown)"""
-        for following, expected in (({"gain_db": 3}, ["too long"]), ({"exposure_us": 1}, [""])):
-            self.assertEqual(self.run_js("widgets.js", send, next=following), expected)
+            for (const params of changes) sender.send(params);
+            return sender.send({}).then(() => [sent.filter((params) => Object.keys(params).length), shown])"""
+        first, gain, long, short = {"exposure_us": 1}, {"gain_db": 3}, {"exposure_us": 9}, {"exposure_us": 2}
+        both = {**long, **gain}
+        for changes, sent, shown in (
+            ([long, gain], [long, gain], "too long"),
+            ([long, short], [long, short], ""),
+            ([first, long, gain], [first, both, gain], "too long"),
+            ([gain, long], [gain, long], "too long"),
+        ):
+            self.assertEqual(self.run_js("widgets.js", send, changes=changes), [sent, [shown]], changes)
 
     def test_numbers_have_digits_and_axis_labels_are_short(self):
         found = self.run_js("format.js", "return values.map(m.brief)", values=[0.0003, -0.0012, 0.0123, 0.02, 0.4, 1.5, 12.34, 456.7, 1e-12, 0])

@@ -100,6 +100,14 @@ export class Sender {
     return this.#sending;
   }
 
+  /** Sends the rest of a refused request again, if it names the field at fault; returns what stays refused. */
+  #without(field, request) {
+    const { [field]: fault, ...rest } = request;
+    if (fault === undefined || Object.keys(rest).length === 0) return request;
+    this.#next = { ...rest, ...this.#next };
+    return { [field]: fault };
+  }
+
   async #sendAll() {
     let refused = null;
     try {
@@ -107,7 +115,7 @@ export class Sender {
         const request = this.#next;
         this.#next = null;
         const reply = await call(this.#method, request);
-        if (reply.error) refused = { request, error: reply.error };
+        if (reply.error) refused = { request: this.#without(reply.error.data.field.split(".").at(-1), request), error: reply.error };
         else if (refused && Object.keys(refused.request).every((key) => key in request)) refused = null;
         if (!this.#next) this.#onReply(refused ? { ...reply, error: refused.error } : reply);
       }
