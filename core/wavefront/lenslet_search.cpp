@@ -31,6 +31,8 @@ constexpr double kAtRim = 0.02;
 // A lenslet with this share of the light of those around it counts in full, and with the share
 // kNone of that not at all.
 constexpr double kWhole = 0.5, kNone = 0.2;
+// Fewer of those around it may be brighter: beside a step of the light, three of eight are.
+constexpr double kAround = 0.4;
 
 struct Spot {
   Vec2 at_px;
@@ -68,10 +70,11 @@ std::vector<Spot> spots_in(const Image<std::uint16_t>& image, const SpotModel& m
   return spots;
 }
 
-double upper_quartile(std::vector<double> values) {
-  const auto quarter = values.begin() + std::ptrdiff_t(values.size() / 4);
-  std::nth_element(values.begin(), quarter, values.end(), std::greater<>());
-  return *quarter;
+/// The value that `part` of the others exceed.
+double upper_quantile(std::vector<double> values, double part) {
+  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size()));
+  std::nth_element(values.begin(), at, values.end(), std::greater<>());
+  return *at;
 }
 
 /// Drops dark spots, by their level relative to the upper quartile.
@@ -79,7 +82,7 @@ void drop_dark(std::vector<Spot>& spots) {
   if (spots.empty()) return;
   std::vector<double> levels;
   for (const Spot& spot : spots) levels.push_back(spot.level);
-  const double typical = upper_quartile(std::move(levels));
+  const double typical = upper_quantile(std::move(levels), 0.25);
   std::erase_if(spots, [&](const Spot& spot) { return !(spot.level >= kLitLevel * typical); });
 }
 
@@ -342,7 +345,7 @@ void measure_share(LensletMap& map, const Image<std::uint16_t>& image, const Ind
     lights.push_back(light_at(image, node.at_px + indexing.displacement(index, fit), map.pitch_px));
     light[index] = lights.back();
   }
-  const double lit = kLitLevel * std::max(upper_quartile(std::move(lights)), 1e-9);
+  const double lit = kLitLevel * std::max(upper_quantile(std::move(lights), 0.25), 1e-9);
   for (LensletNode& node : map.nodes) {
     const std::vector<GridIndex> around = indexing.lit_around({node.a, node.b});
     if (around.empty()) continue;
@@ -354,12 +357,12 @@ void measure_share(LensletMap& map, const Image<std::uint16_t>& image, const Ind
     }
     const double here =
         node.lit ? light.at({node.a, node.b}) : light_at(image, node.at_px + off, map.pitch_px);
-    const double whole = std::max(kWhole * upper_quartile(std::move(others)), lit);
+    const double whole = std::max(kWhole * upper_quantile(std::move(others), kAround), lit);
     node.share = std::clamp((here / whole - kNone) / (1.0 - kNone), 0.0, 1.0);
   }
 }
 
-/// Mean place of the lit lenslets, by their shares.
+/// Mean place of the lenslets, by their shares.
 Vec2 centre_of(const LensletMap& map) {
   Vec2 sum;
   double share = 0.0;

@@ -25,9 +25,9 @@ struct LensletNode {
   int a = 0,
       b = 0;   ///< along the lattice's two directions, from the spot nearest the middle of all
   Vec2 at_px;  ///< by the fitted lattice
-  /// How much the lenslet counts to the pupil, 0 to 1: by its light relative to that of the lit
-  /// ones around it, 1 from half of that on, so that the light's profile moves the pupil little,
-  /// and its noise little, too. Dark ones have one, too: a cut spot at the rim may be found or not.
+  /// How much the lenslet counts to the pupil, 0 to 1: by its light relative to the median of the
+  /// lit ones around it, 1 from half of that on, so that neither noise nor the light's profile
+  /// moves the pupil much. Dark ones have one, too: a cut spot at the rim may be found or not.
   double share = 0.0;
   bool lit = false;  ///< a spot was found, and its bright part has at least kLitLevel
 };
@@ -55,7 +55,7 @@ Result<LensletMap> find_lenslets(const Image<float>& mean_dn, const LensletSearc
 
 /// The circle on the array over which the modes are measured, and the lit lenslets inside.
 struct LensletPupil {
-  Vec2 centre_px;                ///< on the camera: mean place of the lit lenslets, by their shares
+  Vec2 centre_px;                ///< on the camera: mean place of the lenslets, by their shares
   double diameter_px = 0.0;      ///< camera pixels
   std::vector<Vec2> centres_px;  ///< of the lenslets in use, from centre_px; sorted by y, then x
 };
