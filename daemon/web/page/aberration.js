@@ -14,7 +14,9 @@ let limits = { min: -1000, max: 1000 };
 
 const show = (force) => sliders.forEach((slider, j) => slider.show(waves.get(j) ?? 0, force));
 
-const sender = new Sender("aberration.set", (reply) => {
+// No modes end a DMD's sequence, too.
+const post = ({ modes }) => (modes.length ? call("aberration.set", { modes }) : call("aberration.clear"));
+const sender = new Sender(post, (reply) => {
   showError(byId("aberration-error"), reasonOf(reply));
   const modes = reply.result?.modes ?? inForce;
   waves = new Map(modes.map((mode) => [mode.j, mode.waves]));
@@ -83,13 +85,10 @@ export function build(mayControl) {
 export const isIntroduced = () => patterns > 0 || inForce.some((mode) => mode.waves !== 0);
 
 /** Removes the introduced aberration; resolves to the daemon's reply. */
-export async function clear() {
-  await sender.forget(); // it would bring the aberration back
-  const reply = await call("aberration.clear");
-  if (reply.error) return reply;
+export function clear() {
   waves.clear();
   show(true);
-  return reply;
+  return sender.send({ modes: [] });
 }
 
 export function takeBench({ aberration, sensor, limits: wire }) {

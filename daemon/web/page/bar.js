@@ -32,7 +32,7 @@ function buildCamera(parent) {
     exposure.show(applied.exposure_us, true);
     gain.show(gainOf(applied).value, true);
   };
-  const sender = new Sender("camera.set", onReply);
+  const sender = new Sender((params) => call("camera.set", params), onReply);
   const exposure = new NumberControl(parent, "Exposure", "\u00b5s", { map: LOG, onChange: (value) => sender.send({ exposure_us: value }) });
   exposure.frame.box.classList.add("wide");
   const auto = new JobButton({ body: exposure.frame.body, error: (text) => exposure.error(text) }, "Auto", "camera.auto_exposure", {

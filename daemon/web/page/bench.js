@@ -16,7 +16,7 @@ export function gainOf(settings) {
 }
 
 function buildRate(parent) {
-  const sender = new Sender("camera.set", (reply) => {
+  const sender = new Sender((params) => call("camera.set", params), (reply) => {
     rate.error(reasonOf(reply));
     if (reply.result) rate.show(reply.result.applied.frame_rate_hz, true);
   });

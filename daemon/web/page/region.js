@@ -1,6 +1,7 @@
 // Region of interest of the camera: proposed by dragging a rectangle or by numbers, then applied.
 import { stroke } from "./camera_marks.js";
 import { byId, element, setText } from "./format.js";
+import { call } from "./link.js";
 import { whyNot } from "./rights.js";
 import { allow, button, field, reasonOf, Sender } from "./widgets.js";
 
@@ -84,7 +85,7 @@ export function build(parent, handlers) {
     }),
   );
   inputs.x.id = frame.id;
-  const sender = new Sender("camera.set", (reply) => {
+  const sender = new Sender((params) => call("camera.set", params), (reply) => {
     frame.error(reasonOf(reply));
     if (reply.result) onEnd();
   });

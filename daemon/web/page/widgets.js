@@ -69,17 +69,17 @@ export function allowIn(frame, controls, reason) {
 export const reasonOf = (reply) => (reply.error ? reply.error.data.reason || reply.error.message : "");
 
 /**
- * Sends what was set while the previous request was answered as one request. `onReply` gets the last reply, with the
- * error of an earlier one unless what it refused was set again.
+ * Sends what was set while the previous request was answered as one request. `post` sends it and resolves as `call`.
+ * `onReply` gets the last reply, with the error of an earlier one unless what it refused was set again.
  */
 export class Sender {
-  #method;
+  #post;
   #onReply;
   #next = null;
   #sending = null; // a promise, until there is nothing to send
 
-  constructor(method, onReply) {
-    this.#method = method;
+  constructor(post, onReply) {
+    this.#post = post;
     this.#onReply = onReply;
   }
 
@@ -87,38 +87,34 @@ export class Sender {
     return this.#sending !== null;
   }
 
-  /** Resolves when all is answered. */
+  /** Resolves to the last reply, when all is answered. */
   send(params) {
     this.#next = { ...this.#next, ...params }; // what waits for a reply is sent with it
     this.#sending ??= this.#sendAll();
     return this.#sending;
   }
 
-  /** Drops what waits to be sent; resolves when the request under way is answered. */
-  forget() {
-    this.#next = null;
-    return this.#sending;
-  }
-
-  /** Sends the rest of a refused request again, if it names the field at fault; returns what stays refused. */
-  #without(field, request) {
-    const { [field]: fault, ...rest } = request;
-    if (fault === undefined || Object.keys(rest).length === 0) return request;
+  /** Sends the rest of a refused request again, if the field at fault is one of several; returns what stays refused. */
+  #without(fault, request) {
+    const { [fault.split(".").at(-1)]: value, ...rest } = request;
+    if (value === undefined || Object.keys(rest).length === 0) return Object.keys(request);
     this.#next = { ...rest, ...this.#next };
-    return { [field]: fault };
+    return Object.keys(request).filter((key) => !(key in rest));
   }
 
   async #sendAll() {
-    let refused = null;
+    let [refused, error, reply] = [[], null, null];
     try {
       while (this.#next) {
         const request = this.#next;
         this.#next = null;
-        const reply = await call(this.#method, request);
-        if (reply.error) refused = { request: this.#without(reply.error.data.field.split(".").at(-1), request), error: reply.error };
-        else if (refused && Object.keys(refused.request).every((key) => key in request)) refused = null;
-        if (!this.#next) this.#onReply(refused ? { ...reply, error: refused.error } : reply);
+        reply = await this.#post(request);
+        if (reply.error) [refused, error] = [this.#without(reply.error.data.field, request), reply.error];
+        else if (refused.every((key) => key in request)) error = null;
+        if (error) reply = { ...reply, error };
+        if (!this.#next) this.#onReply(reply);
       }
+      return reply;
     } finally {
       this.#sending = null;
     }
