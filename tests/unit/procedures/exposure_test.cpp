@@ -66,6 +66,26 @@ INSTANTIATE_TEST_SUITE_P(Benches, AutoExposureFrom,
                                          Bright{5.0, 20.0}, Bright{2.0, 2500.0, 12.0},
                                          Bright{10.0, 2000.0, 30.0}, Bright{1.0, 10.0, 0.0, 0.3}));
 
+TEST(AutoExposureJob, LeavesNoSpotSaturated) {
+  auto twin = small_twin_config();
+  twin.light.shape = twin::LightShape::gaussian;  // the middle spot is half as bright again
+  twin.light.diameter_px = 1.5 * small_daemon_config().sensor.pupil_diameter_px;
+  SimulatedBench bench(small_daemon_config(), twin);
+  ASSERT_TRUE(bench.is_running());
+  const auto found = expose_on(bench);
+  ASSERT_TRUE(found) << found.error().reason;
+  EXPECT_GT(found->brightest, 0.5);
+  int saturated = -1;
+  const auto run = bench.run("reference.take", [&](Bench& on) -> Result<nlohmann::json> {
+    const auto average = on.spots(10);
+    if (!average) return fail(average.error());
+    saturated = int(saturated_spots(*average).size());
+    return nlohmann::json{};
+  });
+  ASSERT_TRUE(run) << run.error().reason;
+  EXPECT_EQ(saturated, 0);
+}
+
 TEST(AutoExposureJob, JudgesTheGratingsSpot) {
   auto twin = small_twin_config();
   twin.truth.peak_electrons *= 0.1;
