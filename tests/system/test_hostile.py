@@ -21,7 +21,7 @@ CLIENTS = 64
 BATCHES = 40
 ENDPOINT, PORT, PORTS = "tcp://127.0.0.1:7702", 7702, (7701, 7702, 7703)
 MOST_GROWTH_MIB = 64
-MOST_ALLOCATOR_MIB, MOST_ALLOCATOR_GROWTH_MIB = 70, 2  # with glibc's own thresholds 118 to 136
+MOST_ALLOCATOR_MIB, MOST_ALLOCATOR_GROWTH_MIB = 70, 0.3  # in all; typically in one round. With glibc's own thresholds 118 to 136 in all
 BATCH = 100  # requests in it
 MOST_UNREAD = 40  # requests: 5 batches, each of 6 replies before it is full, and what libzmq and the kernel take of them
 GREETING = b"\xff\0\0\0\0\0\0\0\1\x7f\3\0NULL" + bytes(48)
@@ -259,7 +259,9 @@ class Hostile(BenchCase):
             sizes_mib.append(self.allocator_mib())
         print(f"\n  {len(changes)} commands of each of three clients, ten times: the allocator has {', '.join(f'{size:.1f}' for size in sizes_mib)} MiB")
         self.assertLess(max(sizes_mib), MOST_ALLOCATOR_MIB)
-        self.assertLess(sizes_mib[-1] - sizes_mib[4], MOST_ALLOCATOR_GROWTH_MIB)  # what the daemon keeps is there after five rounds
+        # What the daemon keeps is there after five rounds. A leak grows in each, fragments of its free memory in a few: 1.4 MiB at once.
+        growth_mib = [after - before for before, after in itertools.pairwise(sizes_mib[4:])]
+        self.assertLess(statistics.median(growth_mib), MOST_ALLOCATOR_GROWTH_MIB)
 
     def test_a_client_that_reads_no_replies(self):
         before, mute = self.resident_mib(), self.mute()
