@@ -57,7 +57,9 @@ TEST(Pokes, ABumpOfTheBenchIsNotTakenForAModesResponse) {
   }
 }
 
-/// As if a tenth of the frames of one picture still had the picture before it.
+/// As if a tenth of the frames of one picture still had the picture before it: 5 % of the response,
+/// 2.5 % in a mean of two measurements. On a busy machine only some frames have it: what differs by
+/// less than 2 % beyond noise counts as the same.
 TEST(Pokes, ALatePictureIsNotTakenForAModesResponse) {
   constexpr double kPoke = 0.05;
   SimulatedBench bench;
@@ -73,7 +75,7 @@ TEST(Pokes, ALatePictureIsNotTakenForAModesResponse) {
     const auto found = calibrate_on(bench, kPoke, {5});
     ASSERT_TRUE(found) << found.error().reason;
     const double error = (found->matrix.slopes - prompt->matrix.slopes).norm();
-    EXPECT_LT(error, 0.015 * prompt->matrix.slopes.norm()) << "picture " << picture;
+    EXPECT_LT(error, 0.02 * prompt->matrix.slopes.norm()) << "picture " << picture;
   }
 }
 
