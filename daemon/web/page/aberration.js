@@ -14,7 +14,7 @@ let limits = { min: -1000, max: 1000 };
 
 const show = (force) => sliders.forEach((slider, j) => slider.show(waves.get(j) ?? 0, force));
 
-// No modes end a DMD's sequence, too.
+// While a DMD shows a sequence aberration.set is refused, and aberration.clear ends it.
 const post = ({ modes }) => (modes.length ? call("aberration.set", { modes }) : call("aberration.clear"));
 const sender = new Sender(post, (reply) => {
   showError(byId("aberration-error"), reasonOf(reply));
