@@ -15,9 +15,14 @@ namespace ovws {
 /// the frame path.
 class MeasuredModel {
  public:
-  /// `spots`: see measured_spots, with derivatives for `modes_j`.
+  /// `spots`: see measured_spots, with derivatives for `modes_j`. Coefficients count from the
+  /// wavefront of the calibration until a reference is used.
   MeasuredModel(std::vector<RenderedSpot> spots, std::vector<int> modes_j, int estimates)
-      : spots_(std::move(spots)), modes_j_(std::move(modes_j)), estimates_(estimates) {}
+      : spots_(std::move(spots)),
+        modes_j_(std::move(modes_j)),
+        estimates_(estimates),
+        reference_waves_(modes_j_.size(), 0.0),
+        reference_levels_(spots_.size(), 1.0) {}
 
   std::span<const RenderedSpot> spots() const { return spots_; }
   /// Wavefront of the reference, relative to that of the calibration, waves.
@@ -27,9 +32,8 @@ class MeasuredModel {
   /// "reference": that wavefront is too far from the wavefront of the calibration.
   Result<void> use_reference(const ImageView& image, const PixelNoise& noise);
 
-  /// Makes templates for the last of `images`, of which there are at least two; all give the noise
-  /// (noise_of). Call it after a use_reference that succeeded. Errc::refused, field "image": the
-  /// spots differ from the measured ones.
+  /// Makes templates for the last of `images`, of which there is at least one; all give the noise
+  /// (noise_of). Errc::refused, field "image": the spots differ from the measured ones.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images) const;
 
  private:

@@ -20,9 +20,12 @@ namespace ovws {
 /// renderings, or fifty if the bench deviates strongly from the model.
 class PointModel {
  public:
-  /// `estimates`: number of estimates per spot, 2 to kMaxSpotEstimates.
+  /// Uses the ideal model at first. `estimates`: number of estimates per spot, 2 to
+  /// kMaxSpotEstimates.
   PointModel(SpotRenderer renderer, int estimates)
-      : renderer_(std::move(renderer)), estimates_(estimates) {}
+      : renderer_(std::move(renderer)), estimates_(estimates) {
+    use_model();
+  }
 
   /// Fits the image of a reference: its wavefront, from which coefficients count, and the bench's
   /// deviations from the model (SpotDeviations). `start_waves` is near the reference's wavefront;
@@ -50,13 +53,13 @@ class PointModel {
 
   /// Start wavefronts of a search, as coefficients relative to the reference.
   using Starts = std::span<const std::vector<double>>;
-  /// Finds the wavefront of the last of `images`, of which there are at least two, and makes
-  /// templates about it. Call it after use_reference or use_model, as the others. Tries `starts` in
-  /// order, with at most `renderings` renderings each. A start that loses no spot ends the search.
-  /// If no start leads to the wavefront exactly, a few more renderings about the nearest result
-  /// allow for modes above the measured ones. All images give the noise (noise_of; the smallest of
-  /// the last successful searches counts). From a flat start, 12 renderings find 0.8 wave RMS in 59
-  /// of 60 images (j = 3 to 18). Errc::refused, field "image": the spots do not look as rendered.
+  /// Finds the wavefront of the last of `images`, of which there is at least one, and makes
+  /// templates about it. Tries `starts` in order, with at most `renderings` renderings each. A
+  /// start that loses no spot ends the search. If no start leads to the wavefront exactly, a few
+  /// more renderings about the nearest result allow for modes above the measured ones. All images
+  /// give the noise (noise_of; the smallest of the last successful searches counts). From a flat
+  /// start, 12 renderings find 0.8 wave RMS in 59 of 60 images (j = 3 to 18). Errc::refused, field
+  /// "image": the spots do not look as rendered.
   Result<std::shared_ptr<const FrameFit>> templates(std::span<const ImageView> images,
                                                     Starts starts, std::span<const Mode> fixed,
                                                     int renderings);

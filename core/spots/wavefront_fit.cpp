@@ -263,6 +263,7 @@ PairNoise noise_between(const ImageView& one, const ImageView& other,
 }  // namespace
 
 PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedSpot> rendered) {
+  if (images.size() == 1) return noise_of(images[0], rendered);
   PairNoise least = noise_between(images[0], images[1], rendered);
   for (std::size_t k = 2; k < images.size(); ++k) {
     const PairNoise next = noise_between(images[k - 1], images[k], rendered);

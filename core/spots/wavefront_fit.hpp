@@ -57,10 +57,11 @@ std::optional<WavefrontStep> damped_step(const SpotPass& pass);
 /// previous estimate, `pass.higher_waves`, is part of the whitening.
 double higher_waves_of(const SpotPass& pass, const WavefrontStep& step);
 
-/// Estimates pixel noise from two or more successive images: half the squared differences of binned
-/// pixels as a straight line over intensity. Changes of the light and of the wavefront between the
-/// images are removed by least squares (leverages: MacKinnon and White, J. Econometrics 29, 305,
-/// 1985). Uses the pair that differs least. `rendered` must be near the images.
+/// Estimates pixel noise from successive images: half the squared differences of binned pixels as a
+/// straight line over intensity. Changes of the light and of the wavefront between the images are
+/// removed by least squares (leverages: MacKinnon and White, J. Econometrics 29, 305, 1985). Uses
+/// the pair that differs least; of a single image, the estimate below. `rendered` must be near the
+/// images.
 PixelNoise noise_of(std::span<const ImageView> images, std::span<const RenderedSpot> rendered);
 /// Estimates pixel noise from one image with a kernel that removes smooth intensity (Immerkaer,
 /// CVIU 64, 300, 1996). The result is too large if lambda/d is below some 8 pixels (of one colour,

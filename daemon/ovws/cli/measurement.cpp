@@ -180,9 +180,7 @@ Result<void> Measurement::use_templates(const Config& config, const ImageView& l
   if (!renderer && !reference && !camera_) return {};  // the image is too small for a spot
   if (!renderer) return fail(renderer.error());
   PointModel model(std::move(*renderer), config.tracking.estimates);
-  if (!reference) {
-    model.use_model();
-  } else {
+  if (reference) {
     const std::vector<double> waves = known(start);
     const PixelNoise noise =
         camera_ ? pixel_noise(*camera_) : noise_of(*reference, model.rendered(waves));

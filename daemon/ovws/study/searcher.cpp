@@ -19,7 +19,6 @@ Searcher::Searcher(const Geometry& geometry, const Measurer& measurer)
   if (measurer.method().tracking.tracker != TrackerKind::fit) return;
   model_.emplace(renderer_of(geometry, measurer.method().charge, measurer.modes_j()),
                  kMaxSpotEstimates);
-  model_->use_model();
 }
 
 std::vector<SpotFix> Searcher::find(const Exposure& exposure, double read_noise_e) {

@@ -95,10 +95,7 @@ Result<PointModel> rendered_model(const SensorSnapshot& sensor, const SlmGeometr
                                      {.lit = lit});
   if (!renderer) return fail(renderer.error());
   PointModel model(std::move(*renderer), sensor.tracking.estimates);
-  if (!sensor.reference || sensor.reference->source == ReferenceSource::model) {
-    model.use_model();
-    return model;
-  }
+  if (!sensor.reference || sensor.reference->source == ReferenceSource::model) return model;
   if (!sensor.reference->picture) return fail(Errc::refused, "reference", kNoImage);
   const PixelFormat taken = sensor.reference->picture->format;
   if (lit_pixels(taken, sensor.optics.wavelength_nm) != lit) {

@@ -160,7 +160,6 @@ class RefineTest : public testing::Test {
   RefineTest() {
     std::iota(modes_j_.begin(), modes_j_.end(), 1);
     model_.emplace(SpotRenderer::make({}, {}, {}, kImagePx, kImagePx, modes_j_, {}).value(), 8);
-    model_->use_model();
   }
 
   /// Refines an image of `waves` of mode 3, with new noise.

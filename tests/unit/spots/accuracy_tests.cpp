@@ -199,7 +199,6 @@ TEST_F(Accuracy, TheWholeSensorIsNearTheBoundOfAllPixels) {
     const Image<float> electrons = light(1, truth);
     const double half_width = window_half_width(modes, sensor_of(1).subapertures_across);
     PointModel model(renderer(1, modes, half_width), kMaxSpotEstimates);
-    model.use_model();
     const Noisy camera(snr);
     const double found = error_of_frames(model, truth, electrons, camera);
     const auto& all =

@@ -31,9 +31,7 @@ class ColourTemplates : public Templates, public testing::WithParamInterface<Col
   }
   static PointModel model_of(const Colour& camera) {
     const double half_width = window_half_width(camera.modes, sensor_of(1).subapertures_across);
-    PointModel model(renderer(1, camera.modes, half_width, camera.lit()), kMaxSpotEstimates);
-    model.use_model();
-    return model;
+    return {renderer(1, camera.modes, half_width, camera.lit()), kMaxSpotEstimates};
   }
 };
 

@@ -27,11 +27,7 @@ class HigherModes : public Templates {
     for (double& w : waves) w *= rms / std::sqrt(squares);
     return waves;
   }
-  static PointModel model(int modes) {
-    PointModel made(renderer(1, modes, 0.0), kMaxSpotEstimates);
-    made.use_model();
-    return made;
-  }
+  static PointModel model(int modes) { return {renderer(1, modes, 0.0), kMaxSpotEstimates}; }
 };
 
 TEST_F(HigherModes, HaveKolmogorovsSpectrum) {

@@ -37,6 +37,18 @@ struct Measured : Templates {
   }
 };
 
+TEST_F(Measured, TemplatesCountFromTheCalibrationUntilThereIsAReference) {
+  const Waves resting = random(18, 0.05, 1), away = random(18, 0.02, 2);
+  const MeasuredModel measured(calibrated(18, resting), first_modes(18), kMaxSpotEstimates);
+  Waves waves = resting;
+  for (std::size_t k = 0; k < waves.size(); ++k) waves[k] += away[k];
+  const auto image = exposed(light(1, waves), kReadNoiseE, 1);
+  const auto fit = measured.templates(std::vector{view(image)});
+  ASSERT_TRUE(fit) << fit.error().reason;
+  const auto read = (*fit)->measure(view(image)).coefficients;
+  EXPECT_LT(error(Eigen::Map<const Eigen::VectorXf>(read.data(), 18).cast<double>(), away), 0.006);
+}
+
 TEST_F(Measured, TemplatesReadWavefrontsNearTheCalibration) {
   for (const int modes : {18, 44}) {
     const Waves resting = random(modes, 0.05, 1);

@@ -125,7 +125,6 @@ TEST_P(AwayFromTheirPoint, TemplatesKnowTheirError) {
   const auto [charge, modes, rms] = GetParam();
   const PixelNoise noise{kReadNoiseE * kReadNoiseE, 1.0};
   PointModel model(renderer(charge, modes), kMaxSpotEstimates);
-  model.use_model();
   int credible = 0;
   double worst = 0.0, squares = 0.0, claims = 0.0;
   for (unsigned draw = 1; draw <= 3; ++draw) {
@@ -216,7 +215,6 @@ TEST_F(Templates, FindStrongWavefrontsFromAFlatStart) {
 TEST_F(Templates, OfDimLightAreRefusedHalfWay) {
   const Waves flat(44, 0.0);
   PointModel points(renderer(1, 44, 0.0), 8);
-  points.use_model();
   for (const auto& [rms, seed] : {std::pair(0.4, 13U), {0.6, 17U}, {0.6, 29U}}) {
     const Waves truth = random(44, rms, seed);
     const auto image = exposed(light(1, truth, 100.0), kReadNoiseE, seed);
@@ -224,6 +222,15 @@ TEST_F(Templates, OfDimLightAreRefusedHalfWay) {
                                       std::vector<Waves>{flat}, {}, 12);
     EXPECT_TRUE(!fit || error(measured(**fit, view(image)).waves, truth) < 0.05) << seed;
   }
+}
+
+TEST_F(Templates, OfASingleImageNeedNoReference) {
+  const Waves flat(18, 0.0), truth = random(18, 0.1, 1);
+  const auto image = exposed(light(1, truth, 2000.0), kReadNoiseE, 1);
+  PointModel points(renderer(1, 18), 8);
+  const auto fit = points.templates(std::vector{view(image)}, std::vector<Waves>{flat}, {}, 12);
+  ASSERT_TRUE(fit) << fit.error().reason;
+  EXPECT_LT(error(measured(**fit, view(image)).waves, truth), 0.01);
 }
 
 TEST_F(Templates, DoNotDescribeAnotherWavefront) {
