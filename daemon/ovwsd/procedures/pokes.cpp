@@ -10,6 +10,7 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/spots/wavefront_fit.hpp"
+#include "daemon/ovwsd/sensor/reference_spots.hpp"
 
 namespace ovws {
 namespace {
@@ -99,23 +100,26 @@ Poke mean_of_both(const Poke& first, const Poke& second) {
            0.5F * (first.cells.minus + second.cells.minus)}};
 }
 
-/// Spot positions of the reference. Without a reference: positions found in frames, and model
-/// positions for lost spots.
-Result<std::vector<Vec2>> places_of_spots(Bench& bench, const SlmGeometry& slm, int frames) {
+struct RestingPlaces {
+  std::vector<Vec2> found_px;     ///< NaN: lost
+  std::vector<Vec2> expected_px;  ///< also of lost spots
+};
+
+/// Spot positions of the reference; without a reference, those found in frames, and those of the
+/// model.
+Result<RestingPlaces> places_of_spots(Bench& bench, const SlmGeometry& slm, int frames) {
   const SensorView sensor = bench.sensor();
-  if (sensor->reference) return sensor->reference->positions_px;
+  if (sensor->reference) {
+    return RestingPlaces{known_positions(*sensor->reference), sensor->reference->positions_px};
+  }
   const auto lattice = make_lattice(sensor->sensor, slm);
   if (!lattice) return fail(lattice.error());
   const auto average = bench.spots(frames);
   if (!average) return fail(average.error());
   const Roi roi = bench.camera().settings.roi;
-  std::vector<Vec2> places_px = means_of(*average).at_px;
-  const auto model_px =
-      model_spots_px(*lattice, sensor->sensor, slm, sensor->optics, roi.width, roi.height);
-  for (std::size_t i = 0; i < places_px.size(); ++i) {
-    if (std::isnan(places_px[i].x)) places_px[i] = model_px[i];
-  }
-  return places_px;
+  return RestingPlaces{
+      means_of(*average).at_px,
+      model_spots_px(*lattice, sensor->sensor, slm, sensor->optics, roi.width, roi.height)};
 }
 
 }  // namespace
@@ -138,14 +142,15 @@ Result<SpotMeter> SpotMeter::of_images(Bench& bench, const SlmGeometry& slm, int
   if (window.width_px() > std::min(cols, rows)) {
     return fail(Errc::refused, "camera.roi", "is smaller than the window around a spot");
   }
-  auto places_px = places_of_spots(bench, slm, frames);
-  if (!places_px) return fail(places_px.error());
-  meter.places_px_ = std::move(*places_px);
-  for (const Vec2 place_px : meter.places_px_) {
-    meter.windows_.push_back(moved_to(place_px, window, cols, rows));
+  const auto places = places_of_spots(bench, slm, frames);
+  if (!places) return fail(places.error());
+  for (std::size_t i = 0; i < places->found_px.size(); ++i) {
+    const bool is_lost = std::isnan(places->found_px[i].x);
+    if (is_lost) meter.lost_.push_back(Eigen::Index(i));
+    meter.places_px_.push_back((is_lost ? places->expected_px : places->found_px)[i]);
+    meter.windows_.push_back(moved_to(meter.places_px_.back(), window, cols, rows));
   }
-  const SpotCells resting =
-      0.5F * (cells_in(pictures[0], meter.windows_) + cells_in(pictures[1], meter.windows_));
+  const SpotCells resting = 0.5F * (meter.cells_of(pictures[0]) + meter.cells_of(pictures[1]));
   meter.resting_ = measured_spots(meter.windows_, meter.places_px_, resting, {});
   const auto first = in_16_bits(pictures[0], meter.format_),
              second = in_16_bits(pictures[1], meter.format_);
@@ -154,6 +159,12 @@ Result<SpotMeter> SpotMeter::of_images(Bench& bench, const SlmGeometry& slm, int
       to_16_bits(meter.format_) * intensity_of(resting, meter.windows_) / (window.bin * window.bin);
   meter.noise_ = even(noise_of(views, meter.resting_), mean_intensity);
   return meter;
+}
+
+SpotCells SpotMeter::cells_of(const Image<float>& mean_dn) const {
+  SpotCells cells = cells_in(mean_dn, windows_);
+  for (const Eigen::Index i : lost_) cells.col(i).setConstant(NAN);
+  return cells;
 }
 
 Result<ShownSpots> SpotMeter::measure(Bench& bench, int frames) const {
@@ -170,7 +181,7 @@ Result<ShownSpots> SpotMeter::measure(Bench& bench, int frames) const {
 ShownSpots SpotMeter::measured_in(const Image<float>& mean_dn) const {
   const auto image = in_16_bits(mean_dn, format_);
   const SpotPass pass = fit_spots(view_of(image, PixelFormat::mono16), resting_, noise_, 2);
-  ShownSpots shown{{}, cells_in(mean_dn, windows_)};
+  ShownSpots shown{{}, cells_of(mean_dn)};
   const std::vector<double> levels_dn = pass.levels_dn();
   const double brightest = *std::max_element(levels_dn.begin(), levels_dn.end());
   for (std::size_t i = 0; i < pass.found.size(); ++i) {

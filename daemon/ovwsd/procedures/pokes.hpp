@@ -19,7 +19,8 @@ struct ShownSpots {
 };
 
 /// Spot meter: uses either the tracker's positions in frames, or positions fitted to the spots'
-/// pixels in a mean image. Pixels give a position for every lit spot, even if trackers lose it.
+/// pixels in a mean image. Pixels give a position for every lit spot, even if trackers lose it
+/// while it is poked. Spots that are lost at rest, or that the reference lacks, stay lost.
 class SpotMeter {
  public:
   /// Measures the spots at rest (without a poke) in two mean images. The SLM must already show the
@@ -37,9 +38,11 @@ class SpotMeter {
 
  private:
   ShownSpots measured_in(const Image<float>& mean_dn) const;
+  SpotCells cells_of(const Image<float>& mean_dn) const;  ///< NaN: a lost spot's
 
   std::vector<SpotWindow> windows_;  ///< empty: measures by the tracker's positions
   std::vector<Vec2> places_px_;
+  std::vector<Eigen::Index> lost_;  ///< numbers of the spots without light of their own
   PixelFormat format_ = PixelFormat::mono8;
   std::vector<RenderedSpot> resting_;
   PixelNoise noise_;  ///< pixel noise of a mean image scaled to 16 bits
