@@ -36,6 +36,14 @@ std::string look_there() {
   return std::string(cli::kLookThere) + "; the step doctor judges the zeroth order.";
 }
 
+/// Warns of the lost spots, if any, after the verdict's other words.
+void warn_of(Bench& bench, const std::vector<int>& lost, const char* what, Verdict& verdict) {
+  if (lost.empty()) return;
+  verdict.wellness = Wellness::warning;
+  verdict.text += fmt::format(" {}: {}.", what, named(bench, lost));
+  verdict.advice += (verdict.advice.empty() ? "" : " ") + look_there();
+}
+
 // Reference ---------------------------------------------------------------------------------------
 
 Outcome run_reference(Bench& bench, Memory& memory) {
@@ -59,11 +67,6 @@ Outcome run_reference(Bench& bench, Memory& memory) {
              fmt::format("Taken from {} frames: noise {:.4f} pixels, drift {:.4f} pixels.",
                          taken->at("frames").get<int>(), taken->at("noise_px").get<double>(),
                          taken->at("drift_px").get<double>()));
-  if (const auto lost = taken->at("lost_spots").get<std::vector<int>>(); !lost.empty()) {
-    outcome.verdict.wellness = Wellness::warning;
-    outcome.verdict.text += fmt::format(" Lost spots are left out: {}.", named(bench, lost));
-    outcome.verdict.advice = look_there();
-  }
   if (!is_fixed_array(*config) && flatness->at("measured") == false) {
     outcome.verdict.wellness = Wellness::warning;
     outcome.verdict.text +=
@@ -72,6 +75,7 @@ Outcome run_reference(Bench& bench, Memory& memory) {
     outcome.verdict.advice = "Measure the flatness first.";
     outcome.ways = {{{"flatness", "measure the flatness first"}, {}, "flatness"}};
   }
+  warn_of(bench, taken->at("lost_spots"), "Lost spots are left out", outcome.verdict);
   return outcome;
 }
 
@@ -100,13 +104,9 @@ Outcome run_calibration(Bench& bench, Memory& memory) {
     outcome.verdict.text += " The bench agrees with the model.";
   } else {
     outcome.verdict.wellness = Wellness::warning;
-    outcome.verdict.advice = made->at("disagreement_reason").get<std::string>();
+    outcome.verdict.advice = made->at("disagreement_reason").get<std::string>() + ".";
   }
-  if (const auto lost = made->at("lost_spots").get<std::vector<int>>(); !lost.empty()) {
-    outcome.verdict.wellness = Wellness::warning;
-    outcome.verdict.text += fmt::format(" It lacks lost spots: {}.", named(bench, lost));
-    outcome.verdict.advice += (outcome.verdict.advice.empty() ? "" : ". ") + look_there();
-  }
+  warn_of(bench, made->at("lost_spots"), "It lacks lost spots", outcome.verdict);
   outcome.picture = graph_of_factors(made->at("modes"));
   return outcome;
 }

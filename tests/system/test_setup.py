@@ -2,6 +2,7 @@
 import json
 import os
 import random
+import re
 import subprocess
 
 from case import PROGRAM_PATIENCE_S, SMALL_SIZE, BenchCase, Client, main, wait_for
@@ -10,6 +11,8 @@ from terminal import Terminal
 
 MODES = range(3, 15)
 MOST_WAVES = 0.01
+CENTRE_PX = [(size - 1) / 2 for size in SMALL_SIZE]
+PITCH_PX = SMALL_SIZE[1] / 5
 
 
 def hidden_aberration(rms_waves):
@@ -168,6 +171,35 @@ class NoLight(SetupCase):
         self.set_up("--yes", "exposure", status=1)
         self.assertEqual(self.call("system.status")["slm"]["pattern"], "flat")
         self.assertEqual(self.call("camera.get")["settings"]["exposure_us"], exposure_us)
+
+
+class DarkPupil(SetupCase):
+    def shade(self, *disc):
+        keys = ("x_px", "y_px", "radius_px")
+        self.twin.call("twin.set", {"shades": [dict(zip(keys, disc)) | {"transmission": 0.0}] if disc else []})
+
+    def test_lost_spots_are_named_by_number_and_place(self):
+        """First number 9 in the middle is dark, and then all but the lowest row, of a reference that has them."""
+        self.places = self.call("reference.set", {"source": "model"})["positions_px"]
+        self.shade(*CENTRE_PX, 0.52 * PITCH_PX)
+        self.assert_named([9], "Lost spots are left out: ", self.set_up("--yes", "reference"))
+        self.assert_named([9], "It lacks lost spots: ", self.set_up("--yes", "calibration"))
+        self.shade()
+        self.assertNotIn("ost spots", self.set_up("--yes", "reference"))
+        self.shade(CENTRE_PX[0], CENTRE_PX[1] - 10 * PITCH_PX, 11.4 * PITCH_PX)
+        text = self.set_up("--yes", "loop", status=1)
+        self.assert_named(range(8), "no frame was valid, and these spots are lost: ", text)
+        self.assertIn("px and 8 more", " ".join(text.split()))
+
+    def assert_named(self, numbers, before, text):
+        text = " ".join(text.split())
+        self.assertIn(before, text)
+        named = re.findall(r"(\d+) at \((\d+), (\d+)\) px", text[text.index(before):])
+        self.assertEqual([int(number) for number, _, _ in named], list(numbers), text)
+        for number, *place in named:
+            for found, expected in zip(place, self.places[int(number)]):
+                self.assertAlmostEqual(int(found), expected, delta=3.0)
+        self.assertIn("Look there for a dark part of the beam", text)
 
 
 class CameraGone(SetupCase):
