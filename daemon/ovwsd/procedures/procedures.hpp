@@ -37,9 +37,9 @@ class Procedures : public Agent {
   explicit Procedures(ProceduresDeps deps) : deps_(std::move(deps)) {}
 
   /// Starts a job, which holds the sensor until the job ends, unless it `holds` nothing.
-  /// Thread-safe. Calls `done` in the prepare thread with the job's number. Errc::refused: another
-  /// job is running, the loop or a reload holds the sensor that the job needs, or the daemon is
-  /// stopping.
+  /// Thread-safe. Calls `done` in the prepare thread with the job's number, and begins the
+  /// procedure after `done` has returned. Errc::refused: another job is running, the loop or a
+  /// reload holds the sensor that the job needs, or the daemon is stopping.
   void start(const std::string& kind, Procedure procedure, std::function<void(Result<int>)> done,
              Holds holds = Holds::sensor);
   /// Calls `then` when no procedure runs: at once, or later in the procedure thread.

@@ -381,6 +381,25 @@ TEST(Procedures, ACancelledProcedureEndsAndGivesTheSensorBack) {
   EXPECT_TRUE(bench.sensor()->aberration.empty());
 }
 
+TEST(Procedures, AProcedureBeginsAfterItsNumberWasTold) {
+  using namespace std::chrono_literals;
+  SimulatedBench bench;
+  ASSERT_TRUE(bench.is_running());
+  std::atomic<bool> is_told{false};
+  std::promise<bool> told_before;
+  bench.procedures().start(
+      "calibration.run",
+      [&](Bench&) -> Result<nlohmann::json> {
+        told_before.set_value(is_told);
+        return nlohmann::json{};
+      },
+      [&](const Result<int>&) {
+        std::this_thread::sleep_for(200ms);  // time for a procedure that does not wait
+        is_told = true;
+      });
+  EXPECT_TRUE(told_before.get_future().get());
+}
+
 TEST(Presentations, EveryOrderIsAnsweredEvenAfterAnException) {
   using namespace std::chrono_literals;
   SimulatedBench bench;
