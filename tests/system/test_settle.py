@@ -41,6 +41,8 @@ class Settling(SlmCase):
         short_ms = self.check(10.0)
         self.renew_twin(60)
         self.assertGreater(self.check(60.0), short_ms)
+        self.renew_twin(150)  # so that the previous hologram appears while the change is watched
+        self.assertGreaterEqual(self.run_job("slm.settle", {"repetitions": 3, "watch_ms": 600})["result"]["p50_ms"], 145.0)
         self.check_too_short()
         self.check_lost_display()
 

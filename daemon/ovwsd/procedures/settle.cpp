@@ -100,6 +100,14 @@ Result<void> show_at(Bench& bench, const ToAndFro& moves, std::size_t place) {
   });
 }
 
+/// Shows the spot at one of its places until it stands there, which may take longer than
+/// slm.settle_ms says.
+Result<void> rest_at(Bench& bench, const ToAndFro& moves, std::size_t place, double watch_ms) {
+  if (auto shown = show_at(bench, moves, place); !shown) return shown;
+  const auto watch = bench.watch([](const FrameRecord&) { return true; });
+  return bench.wait_watching(*watch, watch_ms, 1);
+}
+
 /// Moves the spot to one of its places and watches the light.
 Result<StepTime> watch_move(Bench& bench, const ToAndFro& moves, std::size_t place,
                             double watch_ms) {
@@ -125,8 +133,7 @@ Result<StepTime> watch_move(Bench& bench, const ToAndFro& moves, std::size_t pla
 
 Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const SettleRun& run) {
   const ToAndFro moves = to_and_fro(*bench.sensor(), slm, bench.camera().settings.roi);
-  if (auto shown = show_at(bench, moves, 0); !shown) return fail(shown.error());
-  if (auto stands = bench.picture(1); !stands) return fail(stands.error());
+  if (auto rests = rest_at(bench, moves, 0, run.watch_ms); !rests) return fail(rests.error());
   std::vector<StepTime> steps;
   int disturbed = 0;
   for (std::size_t place = 1; int(steps.size()) < run.repetitions;) {
@@ -139,8 +146,9 @@ Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const Se
     }
     if (step.error().field != "watch_ms" || ++disturbed > kMaxDisturbed) return fail(step.error());
     bench.warn("slm", "slm.settle repeats a change, because " + step.error().reason, {});
-    if (auto back = show_at(bench, moves, 1 - place); !back) return fail(back.error());
-    if (auto stands = bench.picture(1); !stands) return fail(stands.error());
+    if (auto back = rest_at(bench, moves, 1 - place, run.watch_ms); !back) {
+      return fail(back.error());
+    }
   }
   return settle_time(steps);
 }
