@@ -13,8 +13,7 @@
 namespace ovws {
 
 /// Binned pixels of all spots in a mean image: one column per spot, DN. NaN: a pixel was saturated,
-/// or the spot is lost.
-/// Pixels that the laser does not reach are 0.
+/// or the spot is lost. Pixels that the laser does not reach are 0.
 using SpotCells = Eigen::MatrixXf;
 SpotCells cells_in(const Image<float>& mean_dn, std::span<const SpotWindow> windows);
 

@@ -385,19 +385,18 @@ TEST(Procedures, AProcedureBeginsAfterItsNumberWasTold) {
   using namespace std::chrono_literals;
   SimulatedBench bench;
   ASSERT_TRUE(bench.is_running());
-  std::atomic<bool> is_told{false};
-  std::promise<bool> told_before;
+  std::promise<void> begins;
+  const auto begun = begins.get_future().share();
+  std::atomic<bool> waits{false};
   bench.procedures().start(
       "calibration.run",
       [&](Bench&) -> Result<nlohmann::json> {
-        told_before.set_value(is_told);
+        begins.set_value();
         return nlohmann::json{};
       },
-      [&](const Result<int>&) {
-        std::this_thread::sleep_for(200ms);  // time for a procedure that does not wait
-        is_told = true;
-      });
-  EXPECT_TRUE(told_before.get_future().get());
+      [&](const Result<int>&) { waits = begun.wait_for(200ms) == std::future_status::timeout; });
+  ASSERT_EQ(begun.wait_for(30s), std::future_status::ready);
+  EXPECT_TRUE(waits);
 }
 
 TEST(Presentations, EveryOrderIsAnsweredEvenAfterAnException) {
