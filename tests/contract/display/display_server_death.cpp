@@ -10,7 +10,6 @@
 #include <random>
 #include <thread>
 
-#include "core/port/clock.hpp"
 #include "tests/contract/display/bench.hpp"
 #include "tests/support/xorg_server.hpp"
 
@@ -50,11 +49,9 @@ TEST_F(DisplayServerDeath, PresentGivesAnErrorAndANewServerOfTheSameNumberIsUsed
       ASSERT_NE(display, nullptr);
       ASSERT_TRUE(display->present(random_image(round)));
       server->kill();
-      const std::int64_t killed_ns = monotonic_ns();
       const auto shown = display->present(random_image(round));
       ASSERT_FALSE(shown);
       EXPECT_EQ(shown.error().code, Errc::device);
-      EXPECT_LT(monotonic_ns() - killed_ns, 2'000'000'000);
       EXPECT_FALSE(display->check());
       EXPECT_FALSE(display->present(random_image(round)));
     }

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstdio>
+#include <ctime>
 #include <numbers>
 #include <numeric>
 #include <optional>
@@ -308,7 +308,8 @@ TEST(Plate, HasStepsADepthAndAnAxis) {
   EXPECT_NEAR(plate_radians(steps, 1, {1.0, 1.1}), 3.0 * kPi / 8, 1e-12);
 }
 
-TEST(ArrayModel, TimesOfANewWavefront) {
+/// In processor time, which a busy machine hardly changes.
+TEST(ArrayModel, ANewWavefrontTakesLessThanASecond) {
   for (const int across : {9, 47}) {
     const Config config = array_of("{\"columns\": " + std::to_string(across) +
                                        ", \"rows\": " + std::to_string(across == 9 ? 9 : 35) + "}",
@@ -316,10 +317,9 @@ TEST(ArrayModel, TimesOfANewWavefront) {
     ArrayModel model(config);
     model.set_window({-600, -600, 1280, 1280}, config.truth.geometry);
     const auto took_ms = [&] {
-      const auto start = std::chrono::steady_clock::now();
+      const std::clock_t start = std::clock();
       model.intensity(kNoGrey);
-      return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-          .count();
+      return 1e3 * double(std::clock() - start) / CLOCKS_PER_SEC;
     };
     const double first = took_ms();
     model.set_light({{{4, 0.3}}, {}});
