@@ -95,13 +95,13 @@ struct App::Parts {
   Counters counters;
   StreamQueue queue;
   Events events{queue};
+  Leases leases{events, config.modulator == Modulator::fixed};
   std::unique_ptr<ClientGuard> clients;  ///< outlives all sockets, which use its gate
   Disk disk;
   DaemonStore store{config.state, events, &disk};
   ExperimentArchive experiments{store};
   NamedReferences named{store, events};
   PreparedLattices lattices{store, events};
-  StateKeeper state{events};
   LatestValue<ShownHologram> shown;
   LatestValue<AppliedSettings> settings;
   LatencyHistogram published_latency;
@@ -139,12 +139,9 @@ struct App::Parts {
         recorder(config, pipeline, events),
         beams(config.beams),
         slm(config.slm,
-            {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); },
-             [this] { return state.check(Action::reload_config); }}),
+            {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
         camera(config.camera, {pipeline, settings, counters, events,
-                               [this] { return state.check(Action::set_camera); },
-                               [this](const CameraSnapshot& now) { camera_changed(now); },
-                               [this] { return state.check(Action::reload_config); }}),
+                               [this](const CameraSnapshot& now) { camera_changed(now); }}),
         finder([this] {
           CameraConfig now = config.camera;
           now.id = camera.snapshot().id;
@@ -152,7 +149,6 @@ struct App::Parts {
         }),
         threads(config.realtime, config.pipeline.cpus,
                 [this](const ThreadFailure& failure) { thread_failed(failure); }) {
-    state.set(&Conditions::fixed, config.modulator == Modulator::fixed);
     disk.each_turn([this] { return store.turn(); });
   }
 
@@ -161,15 +157,10 @@ struct App::Parts {
       keeper->camera_changed(now.settings, now.info);
     }
     recorder.camera_changed(now.settings, now.info);
-    state.set_device("camera", &Conditions::camera, now.connected, now.at_fault ? now.fault : "");
+    leases.set_device("camera", &Conditions::camera, now.connected, now.at_fault ? now.fault : "");
   }
   void display_changed(const SlmSnapshot& now) {
-    state.set_device("slm", &Conditions::display, now.healthy, now.at_fault ? now.fault : "");
-  }
-
-  void holder_changed(Hold::By by) {
-    state.set(&Conditions::reload, by == Hold::By::reload);
-    state.set(&Conditions::lattice, by == Hold::By::lattice);
+    leases.set_device("slm", &Conditions::display, now.healthy, now.at_fault ? now.fault : "");
   }
 
   void thread_failed(const ThreadFailure& failure) {
@@ -191,31 +182,27 @@ struct App::Parts {
 };
 
 Result<void> App::Parts::make_sensor() {
-  auto made = SensorKeeper::make(config, {pipeline, slm, events, store,
+  auto made = SensorKeeper::make(config, {pipeline, slm, events, store, leases,
                                           [this](const MeasurementPlan& plan, SensorView now) {
                                             corrector.sensor_changed(now->modes_j);
                                             recorder.add_plan(plan, std::move(now));
-                                          },
-                                          [this](Hold::By by) { holder_changed(by); }});
+                                          }});
   if (!made) return fail(made.error());
   keeper = std::move(*made);
-  procedures = std::make_unique<Procedures>(
-      ProceduresDeps{{*keeper, camera, frames, slm, jobs, events}, [this](Holds holds, bool runs) {
-                       state.set(&Conditions::job, runs);
-                       if (holds == Holds::sensor) state.set(&Conditions::measuring, runs);
+  leases.on_turn([this](Holder holder, std::function<void()> then) {
+    keeper->take_turn(holder, std::move(then));
+  });
+  procedures = std::make_unique<Procedures>(BenchDeps{*keeper, camera, frames, slm, jobs, events});
+  presentations = std::make_unique<Presentations>(leases, *procedures, config.slm.geometry);
+  loop = std::make_unique<ClosedLoop>(
+      ClosedLoopDeps{*keeper, leases, slm, events, [this] { return search->found_ns(); },
+                     [this] {
+                       const auto why = search->why_invalid();
+                       return why ? why->reason + "; " + why->action : std::string();
+                     },
+                     [this](std::string kind, nlohmann::json content) {
+                       recorder.add_loop(std::move(kind), std::move(content));
                      }});
-  presentations = std::make_unique<Presentations>(*procedures, config.slm.geometry);
-  loop = std::make_unique<ClosedLoop>(ClosedLoopDeps{
-      *keeper, slm, events, [this](bool closed) { state.set(&Conditions::loop, closed); },
-      [this] { return search->found_ns(); },
-      [this] {
-        const auto why = search->why_invalid();
-        return why ? why->reason + "; " + why->action : std::string();
-      },
-      [this] { return state.has_bench(); },
-      [this](std::string kind, nlohmann::json content) {
-        recorder.add_loop(std::move(kind), std::move(content));
-      }});
   search =
       std::make_unique<WavefrontSearch>(config.slm.geometry, frames, brightness, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
@@ -239,9 +226,9 @@ Result<void> App::Parts::bind_streams() {
   images = std::make_unique<ImagePublisher>(std::move(*image_socket), image_config, pipeline,
                                             counters, frames, grabs, brightness);
   reloader = std::make_unique<Reloader>(
-      ReloadDeps{config, loaded, state, camera, slm, *keeper, *refiner, *images, events, disk});
+      ReloadDeps{config, loaded, leases, camera, slm, *keeper, *refiner, *images, events, disk});
   status =
-      std::make_unique<StatusReporter>(StatusDeps{state,    camera,
+      std::make_unique<StatusReporter>(StatusDeps{leases,   camera,
                                                   slm,      *keeper,
                                                   *search,  beams,
                                                   *images,  brightness,
@@ -257,7 +244,7 @@ Result<void> App::Parts::bind_streams() {
 
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(Services{
-      config,         loaded,  state,       camera,   finder,   *keeper, jobs,     *procedures,
+      config,         loaded,  leases,      camera,   finder,   *keeper, jobs,     *procedures,
       *presentations, grabs,   experiments, named,    lattices, *loop,   *refiner, recorder,
       corrector,      *status, slm,         counters, *clients, disk});
   const ControlHandler handle = [this](ControlRequest request, SendReply reply) {
@@ -332,7 +319,7 @@ Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
 
 Result<void> App::run(const std::atomic<bool>& stop) {
   if (auto started = parts_->start_threads(); !started) return started;
-  parts_->state.set(&Conditions::started, true);
+  parts_->leases.set(&Conditions::started, true);
   service::notify_ready();
   spdlog::info("listening: control {}, streams {} and {}", parts_->config.control.endpoint,
                parts_->config.stream.endpoint, parts_->config.stream.image_endpoint);
@@ -403,7 +390,7 @@ void App::Parts::end_without_display() {
 Result<void> App::Parts::stop() {
   while (ending.exchange(true)) ::pause();  // the status thread is ending the process
   service::notify_stopping();
-  state.set(&Conditions::stopping, true);
+  leases.set(&Conditions::stopping, true);
   procedures->end_soon();
   store.end_soon();
   refiner->end_soon();

@@ -302,17 +302,22 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
   own_agents_.push_back(std::make_unique<Publish>(pipeline_, frames_));
   camera_ = std::make_unique<CameraActor>(
       config_.camera,
-      CameraActorDeps{pipeline_, settings_, counters_, events_, [] { return Result<void>{}; },
-                      [this](const CameraSnapshot& now) {
+      CameraActorDeps{pipeline_, settings_, counters_, events_, [this](const CameraSnapshot& now) {
                         if (now.connected) keeper_->camera_changed(now.settings, now.info);
                       }});
   start(*own_agents_[0]);
-  auto made = SensorKeeper::make(
-      config_, {pipeline_, slm_, events_, store_, [](const MeasurementPlan&, SensorView) {}});
+  auto made = SensorKeeper::make(config_, {pipeline_, slm_, events_, store_, leases_,
+                                           [](const MeasurementPlan&, SensorView) {}});
   if (!made) throw std::runtime_error(made.error().field + " " + made.error().reason);
   keeper_ = std::move(*made);
-  procedures_ = std::make_unique<Procedures>(
-      ProceduresDeps{{*keeper_, *camera_, frames_, slm_, jobs_, events_}, [](Holds, bool) {}});
+  leases_.on_turn([this](Holder holder, std::function<void()> then) {
+    keeper_->take_turn(holder, std::move(then));
+  });
+  for (const auto condition : {&Conditions::started, &Conditions::camera, &Conditions::display}) {
+    leases_.set(condition, true);
+  }
+  procedures_ =
+      std::make_unique<Procedures>(BenchDeps{*keeper_, *camera_, frames_, slm_, jobs_, events_});
   start(*own_agents_[1]);
   start(pipeline_.acquisition());
   start(*keeper_);
@@ -338,15 +343,15 @@ bool SimulatedBench::is_running() {
 }
 
 Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure procedure,
-                                           Holds holds) {
+                                           Request request) {
+  auto lease = leases_.take(request);
+  if (!lease) return fail(lease.error());
   std::promise<Result<int>> begun;
-  procedures_->start(
-      kind, std::move(procedure),
-      [this, &begun](Result<int> job) {
-        if (job) job_ = *job;  // now: the procedure may cancel itself at once
-        begun.set_value(std::move(job));
-      },
-      holds);
+  procedures_->start(std::move(*lease), kind, std::move(procedure),
+                     [this, &begun](Result<int> job) {
+                       if (job) job_ = *job;  // now: the procedure may cancel itself at once
+                       begun.set_value(std::move(job));
+                     });
   const Result<int> job = begun.get_future().get();
   if (!job) return fail(job.error());
   for (const auto end = std::chrono::steady_clock::now() + 60s;
@@ -354,7 +359,7 @@ Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure pr
     const auto report = jobs_.get(*job);
     if (report->state == JobState::running) continue;
     std::promise<void> free;  // a cancelled job ends before the sensor is given back
-    procedures_->when_free([&free] { free.set_value(); });
+    procedures_->when_over(*job, [&free] { free.set_value(); });
     free.get_future().get();
     if (report->error) return fail(*report->error);
     if (report->state == JobState::cancelled) return fail(Errc::refused, "", "it was cancelled");
@@ -364,8 +369,10 @@ Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure pr
 }
 
 Result<SensorView> SimulatedBench::edit(SensorChange change) {
+  const auto lease = leases_.take(Request::set_sensor);
+  if (!lease) return fail(lease.error());
   std::promise<Result<SensorView>> done;
-  keeper_->edit(Hold::unheld(), std::move(change),
+  keeper_->edit(std::move(change),
                 [&done](Result<SensorView> now) { done.set_value(std::move(now)); });
   return done.get_future().get();
 }

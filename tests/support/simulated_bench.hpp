@@ -67,10 +67,11 @@ class SimulatedBench {
   /// Runs a procedure like the daemon and returns when the sensor is free again. Errors: the
   /// procedure's own; Errc::unavailable after a minute.
   Result<nlohmann::json> run(const std::string& kind, Procedure procedure,
-                             Holds holds = Holds::sensor);
+                             Request request = Request::run_job);
   /// Cancels the procedure that runs. Any thread.
   void cancel() { (void)jobs_.cancel(job_); }
-  /// Changes the sensor and returns when the change is active.
+  /// Changes the sensor as a client does, and returns when the change is active. Errors: those of
+  /// the lease, too.
   Result<SensorView> edit(SensorChange change);
   /// The mean coefficients, waves, of the next `frames` settled and valid frames of the current
   /// hologram; empty if they do not arrive within 10 s.
@@ -84,6 +85,7 @@ class SimulatedBench {
   Procedures& procedures() { return *procedures_; }
   FrameBroker& frames() { return frames_; }
   Events& events() { return events_; }
+  Leases& leases() { return leases_; }
   SlmLoop& slm() { return slm_; }
   const Config& config() const { return config_; }
 
@@ -99,6 +101,7 @@ class SimulatedBench {
   Counters counters_;
   StreamQueue queue_;
   Events events_{queue_};
+  Leases leases_{events_, false};
   DaemonStore store_;
   LatestValue<ShownHologram> shown_;
   LatestValue<AppliedSettings> settings_;

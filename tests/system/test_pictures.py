@@ -147,7 +147,7 @@ class Pictures(PictureCase):
             for method, params in (("aberration.set", {"modes": []}), ("sensor.set", {"charge": 0}), ("slm.show", {"pattern": "flat"}),
                                    ("correction.set", {"modes": []}), ("loop.close", {}), ("reference.take", {}), ("lut.run", {})):
                 self.assertIn("job", self.refused(method, params).reason, method)
-            self.assertIn("another job is running", str(self.refused_by(other, Presentation(other).show, self.grey())))
+            self.assertIn("a job is running", str(self.refused_by(other, Presentation(other).show, self.grey())))
             # The camera is the client's.
             self.assertEqual(other.call("camera.set", {"exposure_us": 500})["applied"]["exposure_us"], 500)
             self.assertEqual(slm.grab().frames[0]["exposure_us"], 500)

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "core/control/state_machine.hpp"
 #include "core/optics/zernike.hpp"
+#include "proto/daemon_state.hpp"
 
 namespace ovws::metrics {
 namespace {
@@ -172,10 +172,8 @@ MetricFamily one_of(const char* name, const char* help, const char* label, const
 }
 
 void add_states(Families& out, const json& status) {
-  std::vector<std::string_view> names;
-  for (const auto& row : control::kStates) names.push_back(row.name);
-  out.push_back(one_of("ovws_state", "The daemon's state: 1 for the current one.", "state", names,
-                       text_at(status, "/state")));
+  out.push_back(one_of("ovws_state", "The daemon's state: 1 for the current one.", "state",
+                       kStateNames, text_at(status, "/state")));
   out.push_back(one_of("ovws_reference", "State of the reference: 1 for the current one.", "state",
                        std::array{"none", "in_force", "stale"},
                        text_at(status, "/sensor/reference")));

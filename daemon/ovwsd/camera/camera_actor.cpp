@@ -80,17 +80,13 @@ void CameraActor::on_close() {
   if (camera_ && !close_camera()) (void)camera_.release();
 }
 
-void CameraActor::change(Asker as, CameraSet change, Applied done) {
+void CameraActor::change(CameraSet change, Applied done) {
   // Reply in the caller's thread: a silent camera may block the camera thread for seconds.
   const CameraSnapshot now = snapshot_.get();
   if (!now.connected && !now.at_fault) return done(not_connected(now));
   if (change.gives(&CameraSettings::gain_db) && now.limits && now.limits->gain_raw)
     return done(fail(no_gain_in_db("gain_db", *now.limits)));
-  mailbox_.post([this, as, change, done = std::move(done)] {
-    const auto allowed = as == Asker::client ? deps_.may_change() : Result<void>{};
-    if (!allowed) return done(fail(allowed.error()));
-    carry_out(change, done);
-  });
+  mailbox_.post([this, change, done = std::move(done)] { carry_out(change, done); });
 }
 
 void CameraActor::change_or_keep(CameraSet change, Applied done) {
@@ -107,13 +103,9 @@ void CameraActor::keep_for_next(const CameraSet& change) {
   publish(snapshot_.get());
 }
 
-void CameraActor::select(Asker as, std::string id, CameraSet change, bool wait, Applied done) {
-  mailbox_.post(
-      [this, as, id = std::move(id), change = std::move(change), wait, done = std::move(done)] {
-        const auto allowed = as == Asker::client ? deps_.may_select() : Result<void>{};
-        if (!allowed) return done(fail(allowed.error()));
-        carry_out_selection(id, change, wait, done);
-      });
+void CameraActor::select(std::string id, CameraSet change, bool wait, Applied done) {
+  mailbox_.post([this, id = std::move(id), change = std::move(change), wait,
+                 done = std::move(done)] { carry_out_selection(id, change, wait, done); });
 }
 
 void CameraActor::carry_out_selection(const std::string& id, const CameraSet& change, bool wait,

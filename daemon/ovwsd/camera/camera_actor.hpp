@@ -13,7 +13,6 @@
 #include "core/pipeline/pipeline.hpp"
 #include "core/rt/agent.hpp"
 #include "core/rt/latest_value.hpp"
-#include "daemon/ovwsd/actor/asker.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
 #include "daemon/shared/guarded.hpp"
@@ -47,14 +46,10 @@ struct CameraActorDeps {
   LatestValue<AppliedSettings>& settings;
   Counters& counters;
   Events& events;
-  /// Checks whether a client may change settings now. Camera thread.
-  std::function<Result<void>()> may_change;
   /// Called in the camera thread at each change of settings, connection or fault, before its
   /// events. New settings may change the image's size or format. snapshot() waits meanwhile: other
   /// threads see the change and what this call makes of it together. It must not call snapshot().
   std::function<void(const CameraSnapshot&)> on_change;
-  /// Checks whether a client may select another camera now. Camera thread.
-  std::function<Result<void>()> may_select = [] { return Result<void>{}; };
 };
 
 /// Agent of the camera thread: owns the camera.
@@ -72,18 +67,15 @@ class CameraActor : public Agent {
   /// afterwards. A camera at fault is reopened with the change. Without a camera, or for a gain in
   /// dB that the camera does not have, `done` gets the error at once in the caller's thread.
   /// Thread-safe.
-  void change(Asker as, CameraSet change, Applied done);
-  /// Applies a holder's change as `change` does, or keeps it for the next connection of a camera.
+  void change(CameraSet change, Applied done);
+  /// Applies a change as `change` does, or keeps it for the next connection of a camera.
   void change_or_keep(CameraSet change, Applied done);
   /// Disconnects the camera and connects to the one with this id, with `change` applied to the
   /// requested settings. `done` gets the state afterwards, which is without a camera if that one
   /// cannot use the settings, or with `wait` if it does not answer; the change is then kept for the
   /// next connection. Otherwise, if it cannot be opened, the former camera is opened again with the
   /// former settings and `done` gets the error. Thread-safe.
-  void select(Asker as, std::string id, CameraSet change, bool wait, Applied done);
-  /// Calls `then` in the camera thread when all changes requested so far have been carried out, or
-  /// destroys it uncalled if that thread has ended. Thread-safe.
-  void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
+  void select(std::string id, CameraSet change, bool wait, Applied done);
   /// Restores the settings of `before`, now or at the next connection. `then` is called
   /// in the camera thread, or destroyed uncalled if that thread has ended. Thread-safe.
   void restore(CameraSet before, std::function<void()> then);

@@ -2,7 +2,7 @@
 #include "config/config.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/camera/camera_finder.hpp"
-#include "daemon/ovwsd/control/method_table.hpp"
+#include "daemon/ovwsd/control/sensor_handlers.hpp"
 #include "daemon/ovwsd/frames/frame_grabs.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
@@ -15,51 +15,49 @@
 namespace ovws {
 namespace {
 
-void get_camera(Services& services, Reply<CameraReport> reply) {
+void get_camera(Services& services, const Reply<CameraReport>& reply) {
   const CameraSnapshot camera = services.camera.snapshot();
   reply(CameraReport{camera.info, camera.settings, camera.limits});
 }
 
-void set_camera(Services& services, const CameraSet& change, Reply<CameraSetReport> reply) {
+void set_camera(Services& services, const CameraSet& change, const Reply<CameraSetReport>& reply) {
   if (change.gives(&CameraSettings::pixel_format)) {
     const auto suits = can_measure(*services.keeper.snapshot(), services.config.slm.geometry,
                                    change.applied_to({}).pixel_format);
     if (!suits) return reply(suits.error());
   }
-  services.camera.change(Asker::client, change,
-                         [&services, change, reply](Result<CameraSnapshot> applied) {
-                           if (!applied) return reply(applied.error());
-                           services.keeper.after_changes([change, reply, camera = *applied] {
-                             reply(CameraSetReport{change, camera.settings, camera.limits});
-                           });
-                         });
+  services.camera.change(change, [&services, change, reply](Result<CameraSnapshot> applied) {
+    if (!applied) return reply(applied.error());
+    services.keeper.after_changes([change, reply, camera = *applied] {
+      reply(CameraSetReport{change, camera.settings, camera.limits});
+    });
+  });
 }
 
-void start_exposure(Services& services, const AutoExposure& params, Reply<JobNumber> reply) {
+void start_exposure(Services& services, const AutoExposure& params, const Reply<JobNumber>& reply) {
   if (auto can = check_no_sequence(*services.keeper.snapshot()); !can) return reply(can.error());
-  services.procedures.start(
-      kCameraAutoExposure.name,
-      [slm = services.config.slm.geometry, params](Bench& bench) -> Result<Json> {
-        const auto found = set_exposure(bench, slm, params);
-        if (!found) return fail(found.error());
-        return to_json(*found);
-      },
-      with_job_number(std::move(reply)));
+  start_job(services, kCameraAutoExposure.name, reply,
+            [slm = services.config.slm.geometry, params](Bench& bench) -> Result<Json> {
+              const auto found = set_exposure(bench, slm, params);
+              if (!found) return fail(found.error());
+              return to_json(*found);
+            });
 }
 
-void grab(Services& services, const CameraGrab& params, Reply<GrabReport> reply) {
+void grab(Services& services, const CameraGrab& params, const Reply<GrabReport>& reply) {
   services.grabs.grab(params, [reply](const Result<GrabReport>& grabbed, auto pixels) {
     if (!grabbed) return reply(grabbed.error());
     reply(*grabbed, std::move(pixels));
   });
 }
 
-void list_cameras(Services& services, Reply<CameraList> reply) {
+void list_cameras(Services& services, const Reply<CameraList>& reply) {
   services.finder.list(
       [reply](const std::vector<CameraListing>& listed) { reply(CameraList{listed}); });
 }
 
-void select_camera(Services& services, const CameraSelect& params, Reply<CameraReport> reply) {
+void select_camera(Services& services, const CameraSelect& params,
+                   const Reply<CameraReport>& reply) {
   if (services.config.camera.driver == kReplayDriver && !params.id.starts_with('/')) {
     return reply(Error{Errc::invalid, "id", "must be the absolute path of a recording"});
   }
@@ -67,7 +65,7 @@ void select_camera(Services& services, const CameraSelect& params, Reply<CameraR
     if (!found) return reply(found.error());
     CameraSet clamped;  // the present settings, as far as the other camera has them
     clamped.set_clamp(true);
-    services.camera.select(Asker::client, params.id, clamped, params.wait,
+    services.camera.select(params.id, clamped, params.wait,
                            [&services, reply](const Result<CameraSnapshot>& selected) {
                              if (!selected) return reply(selected.error());
                              services.keeper.after_changes([reply, camera = *selected] {
@@ -80,13 +78,13 @@ void select_camera(Services& services, const CameraSelect& params, Reply<CameraR
 }
 
 constexpr std::array kCameraRows{
-    row<kCameraAutoExposure, start_exposure>(Role::control, Action::start_job),
-    row<kCameraGet, get_camera>(Role::read, Action::read),
-    row<kCameraGrab, grab>(Role::read, Action::grab),
-    row<kCameraList, list_cameras>(Role::read, Action::read),
+    row<kCameraAutoExposure, start_exposure>(Role::control, Request::run_job),
+    row<kCameraGet, get_camera>(Role::read, Request::read),
+    row<kCameraGrab, grab>(Role::read, Request::grab),
+    row<kCameraList, list_cameras>(Role::read, Request::read),
     // Another camera or output is like a reload: no job and no closed loop may depend on it.
-    row<kCameraSelect, select_camera>(Role::control, Action::reload_config),
-    row<kCameraSet, set_camera>(Role::control, Action::set_camera),
+    row<kCameraSelect, select_camera>(Role::control, Request::set_devices),
+    row<kCameraSet, set_camera>(Role::control, Request::set_camera),
 };
 
 }  // namespace

@@ -6,26 +6,26 @@
 namespace ovws {
 namespace {
 
-void get_corrector(Services& services, Reply<KnownCorrector> reply) {
+void get_corrector(Services& services, const Reply<KnownCorrector>& reply) {
   reply(services.corrector.report(services.keeper.snapshot()->modes_j));
 }
 
 void set_corrector(Services& services, const CorrectorSet& given, std::string matrix,
-                   Reply<KnownCorrector> reply) {
+                   const Reply<KnownCorrector>& reply) {
   const auto set = services.corrector.set(given, matrix, services.keeper.snapshot()->modes_j);
   if (!set) return reply(set.error());
-  get_corrector(services, std::move(reply));
+  get_corrector(services, reply);
 }
 
-void clear_corrector(Services& services, Reply<KnownCorrector> reply) {
+void clear_corrector(Services& services, const Reply<KnownCorrector>& reply) {
   services.corrector.clear();
-  get_corrector(services, std::move(reply));
+  get_corrector(services, reply);
 }
 
 constexpr std::array kCorrectorRows{
-    row<kCorrectorGet, get_corrector>(Role::read, Action::read),
-    row<kCorrectorSet, set_corrector>(Role::control, Action::set_corrector),
-    row<kCorrectorClear, clear_corrector>(Role::control, Action::set_corrector),
+    row<kCorrectorGet, get_corrector>(Role::read, Request::read),
+    row<kCorrectorSet, set_corrector>(Role::control, Request::act),
+    row<kCorrectorClear, clear_corrector>(Role::control, Request::act),
 };
 
 }  // namespace

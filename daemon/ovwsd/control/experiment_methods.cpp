@@ -53,7 +53,8 @@ ExperimentRun asked_now(const Services& services, const GainSweepRun& asked) {
                                            to_json(services.config.optics)));
 }
 
-void start(Services& services, const ExperimentRun& run, const Reply<JobNumber>& reply) {
+void start(Services& services, LeasePtr lease, const ExperimentRun& run,
+           const Reply<JobNumber>& reply) {
   const SlmGeometry slm = services.config.slm.geometry;
   ExperimentArchive& archive = services.experiments;
   const auto measure = [slm, run, &archive](Bench& bench) -> Result<Json> {
@@ -62,15 +63,16 @@ void start(Services& services, const ExperimentRun& run, const Reply<JobNumber>&
     if (!measured) return fail(measured.error());
     return Json{{"run", run.name}};
   };
-  services.procedures.start(kExperimentGainSweep.name, measure,
+  services.procedures.start(std::move(lease), kExperimentGainSweep.name, measure,
                             [reply, &archive, run](Result<int> job) {
                               if (job) archive.begin_job(run, *job);
-                              with_job_number(reply)(job);
+                              if (!job) return reply(job.error());
+                              reply(JobNumber{*job});
                             });
 }
 
 /// Starts a gain sweep. Replies with the job's number if a job already measures the run.
-void gain_sweep(Services& services, GainSweepRun asked, Reply<JobNumber> reply) {
+void gain_sweep(Services& services, GainSweepRun asked, const Reply<JobNumber>& reply) {
   if (const auto limits = services.camera.snapshot().limits) {
     auto possible = within(std::move(asked), *limits);
     if (!possible) return reply(possible.error());
@@ -79,17 +81,16 @@ void gain_sweep(Services& services, GainSweepRun asked, Reply<JobNumber> reply) 
   const ExperimentRun run = asked_now(services, asked);
   const auto job = services.experiments.job_of(run.name);
   if (job && services.jobs.runs(*job) && !asked.anew) return reply(JobNumber{*job});
-  if (auto allowed = services.state.check(Action::start_hologram_job); !allowed) {
-    return reply(allowed.error());
-  }
-  start(services, run, reply);
+  auto lease = services.leases.take(Request::run_hologram_job);
+  if (!lease) return reply(lease.error());
+  start(services, std::move(*lease), run, reply);
 }
 
-void get_experiment(Services& services, Reply<KnownExperiment> reply) {
+void get_experiment(Services& services, const Reply<KnownExperiment>& reply) {
   reply(JsonOf<KnownExperiment>{services.experiments.result()});
 }
 
-void get_cell(Services& services, const ExperimentCell& which, Reply<CellReport> reply) {
+void get_cell(Services& services, const ExperimentCell& which, const Reply<CellReport>& reply) {
   services.experiments.cell(which.cell, [reply](Result<Json> cell) {
     if (!cell) return reply(cell.error());
     reply(JsonOf<CellReport>{std::move(*cell)});
@@ -97,9 +98,9 @@ void get_cell(Services& services, const ExperimentCell& which, Reply<CellReport>
 }
 
 constexpr std::array kExperimentRows{
-    row<kExperimentGainSweep, gain_sweep>(Role::control, Action::read),
-    row<kExperimentGet, get_experiment>(Role::read, Action::read),
-    row<kExperimentCell, get_cell>(Role::read, Action::read),
+    row<kExperimentGainSweep, gain_sweep>(Role::control, Request::read),
+    row<kExperimentGet, get_experiment>(Role::read, Request::read),
+    row<kExperimentCell, get_cell>(Role::read, Request::read),
 };
 
 }  // namespace

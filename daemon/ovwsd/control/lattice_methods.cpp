@@ -6,7 +6,7 @@
 
 #include "config/config.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/control/method_table.hpp"
+#include "daemon/ovwsd/control/sensor_handlers.hpp"
 #include "daemon/ovwsd/procedures/lattices.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/prepared_lattices.hpp"
@@ -16,19 +16,19 @@ namespace ovws {
 namespace {
 
 /// Makes a question to the sensor that replies with the list.
-auto listing(const Services& services, Reply<LatticeList> reply) {
-  return [all = services.lattices.all(), reply = std::move(reply)](const SensorEdit& now) {
+auto listing(const Services& services, const Reply<LatticeList>& reply) {
+  return [all = services.lattices.all(), reply](const SensorEdit& now) {
     LatticeList list;
     for (const auto& [name, lattice] : all) list.lattices.push_back(report_of(lattice, now));
     reply(list);
   };
 }
 
-void list(Services& services, Reply<LatticeList> reply) {
-  services.keeper.ask_in_spare_time(listing(services, std::move(reply)));
+void list(Services& services, const Reply<LatticeList>& reply) {
+  services.keeper.ask_in_spare_time(listing(services, reply));
 }
 
-void remove(Services& services, const LatticeName& params, Reply<LatticeList> reply) {
+void remove(Services& services, const LatticeName& params, const Reply<LatticeList>& reply) {
   services.lattices.remove(params.name, [&services, reply](const Result<void>& done) {
     if (!done) return reply(done.error());
     services.keeper.ask(listing(services, reply));
@@ -69,16 +69,13 @@ Result<void> check_requests(const LatticePrepare& asked, const SensorEdit& now) 
   return {};
 }
 
-void prepare(Services& services, const LatticePrepare& asked, Reply<JobNumber> reply) {
+void prepare(Services& services, const LatticePrepare& asked, const Reply<JobNumber>& reply) {
   if (auto named = check_names(asked, services.lattices.all()); !named) return reply(named.error());
   services.keeper.ask([&services, asked, reply](const SensorEdit& now) {
     if (auto good = check_requests(asked, now); !good) return reply(good.error());
-    services.procedures.start(
-        kLatticePrepare.name,
-        [&services, asked](Bench& bench) {
-          return prepare_lattices(bench, services.config.slm.geometry, asked, services.lattices);
-        },
-        with_job_number(reply));
+    start_job(services, kLatticePrepare.name, reply, [&services, asked](Bench& bench) {
+      return prepare_lattices(bench, services.config.slm.geometry, asked, services.lattices);
+    });
   });
 }
 
@@ -101,77 +98,61 @@ CameraSet exposure_change(const CameraSettings& now, const PreparedLattice& want
   return change;
 }
 
-using Used = std::function<void(const Result<LatticeInUse>&)>;
-
-/// The error of a switch of which a step threw or was dropped.
-Error not_ended() {
-  return {Errc::internal, "",
-          "the switch to the lattice did not end: see the events for the cause, check the settings "
-          "of camera and sensor, and repeat the request"};
-}
-
 /// Changes the sensor. If that fails, the camera's settings `before` return before the answer.
 void show_lattice(Services& services, const PreparedLattice& lattice, const CameraSet& before,
-                  const Used& done) {
-  const auto shown = [&services, name = lattice.name, before, done](const Result<SensorView>& now) {
+                  const Reply<LatticeInUse>& reply) {
+  const auto shown = [&services, name = lattice.name, before,
+                      reply](const Result<SensorView>& now) {
     if (now) {
-      return done(LatticeInUse{name, (*now)->subapertures,
-                               services.camera.snapshot().settings.exposure_us,
-                               (*now)->hologram_id});
+      return reply(LatticeInUse{name, (*now)->subapertures,
+                                services.camera.snapshot().settings.exposure_us,
+                                (*now)->hologram_id});
     }
     const Error error = about_name(now.error());
-    if (before.given().empty()) return done(fail(error));
-    services.camera.restore(before, [done, error] { done(fail(error)); });
+    if (before.given().empty()) return reply(error);
+    services.camera.restore(before, [reply, error] { reply(error); });
   };
-  services.keeper.edit(Hold::of_lattice(), use_lattice(lattice), shown);
+  services.keeper.edit(use_lattice(lattice), shown);
 }
 
-/// The exposure changes first: no settled frame of the lattice then has another one. Camera thread,
-/// or without a camera any thread.
-void expose_and_show(Services& services, const PreparedLattice& lattice, const Used& done) {
+/// The exposure changes first: no settled frame of the lattice then has another one.
+void expose_and_show(Services& services, const PreparedLattice& lattice,
+                     const Reply<LatticeInUse>& reply) {
   const CameraSnapshot camera = services.camera.snapshot();
   const CameraSet change = exposure_change(camera.settings, lattice);
-  if (change.given().empty()) return show_lattice(services, lattice, {}, done);
+  if (change.given().empty()) return show_lattice(services, lattice, {}, reply);
   CameraSet back;
   for (const auto member :
        {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {
     const double asked = camera.asked.*member;
     if (change.gives(member)) back.put(member, std::isnan(asked) ? camera.settings.*member : asked);
   }
-  services.camera.change(Asker::holder, change,
-                         [&services, lattice, back, done](const Result<CameraSnapshot>& set) {
-                           if (!set) return done(fail(about_name(set.error())));
-                           show_lattice(services, lattice, back, done);
+  services.camera.change(change,
+                         [&services, lattice, back, reply](const Result<CameraSnapshot>& set) {
+                           if (!set) return reply(about_name(set.error()));
+                           show_lattice(services, lattice, back, reply);
                          });
 }
 
-/// Holds the bench from the check to the end, so that nothing comes between its two changes. Waits
-/// for a change that the camera permitted before: settings that are restored must contain it.
-/// Without a camera there is none.
-void use(Services& services, const LatticeName& params, Reply<LatticeInUse> reply) {
+/// Nothing comes between its two changes, because the request has a lease of both.
+void use(Services& services, const LatticeName& params, const Reply<LatticeInUse>& reply) {
   const auto lattice = services.lattices.find(params.name);
   if (!lattice) return reply(lattice.error());
-  services.keeper.ask([&services, lattice = *lattice, reply](const SensorEdit& now) {
-    if (auto free = services.keeper.may_hold(); !free) return reply(free.error());
-    SensorEdit edit = now;
-    if (auto usable = use_lattice(lattice)(edit); !usable) return reply(about_name(usable.error()));
-    services.keeper.hold(Hold::of_lattice());
-    const auto outcome = services.keeper.release_with_last<Result<LatticeInUse>>(
-        Hold::of_lattice(), fail(not_ended()),
-        [reply](const Result<LatticeInUse>& used) { reply(used); });
-    const Used done = [outcome](const Result<LatticeInUse>& used) { *outcome = used; };
-    const auto show = [&services, lattice, done] { expose_and_show(services, lattice, done); };
-    const CameraSnapshot camera = services.camera.snapshot();
-    if (!camera.connected && !camera.at_fault) return show();
-    services.camera.after_changes(show);
+  reply.begin_lease([&services, lattice = *lattice, reply] {
+    services.keeper.ask([&services, lattice, reply](const SensorEdit& now) {
+      SensorEdit edit = now;
+      auto usable = use_lattice(lattice)(edit);
+      if (!usable) return reply(about_name(usable.error()));
+      expose_and_show(services, lattice, reply);
+    });
   });
 }
 
 constexpr std::array kLatticeRows{
-    row<kLatticeList, list>(Role::read, Action::read),
-    row<kLatticePrepare, prepare>(Role::control, Action::start_hologram_job),
-    row<kLatticeRemove, remove>(Role::control, Action::record),
-    row<kLatticeUse, use>(Role::control, Action::show_pattern),
+    row<kLatticeList, list>(Role::read, Request::read),
+    row<kLatticePrepare, prepare>(Role::control, Request::run_hologram_job),
+    row<kLatticeRemove, remove>(Role::control, Request::act),
+    row<kLatticeUse, use>(Role::control, Request::use_lattice),
 };
 
 }  // namespace

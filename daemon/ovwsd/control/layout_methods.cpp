@@ -23,13 +23,14 @@ Error in_params(Error error) {
   return error;
 }
 
-void change_sensor(Services& services, const SensorSet& change, Reply<SensorSetReport> reply) {
+void change_sensor(Services& services, const SensorSet& change,
+                   const Reply<SensorSetReport>& reply) {
   const auto done = [change, reply](const Result<SensorView>& applied) {
     if (!applied) return reply(in_params(applied.error()));
     const SensorSnapshot& now = **applied;
     reply(SensorSetReport{change, {now.sensor, now.tracking}, now.hologram_id});
   };
-  services.keeper.edit(Hold::unheld(), set_sensor(change), done);
+  services.keeper.edit(set_sensor(change), done);
 }
 
 Json report_of(const design::AdviceList& list) {
@@ -48,7 +49,7 @@ Json report_of(const design::AdviceList& list) {
   return to_json(report);
 }
 
-void advise(Services& services, const SensorAdvise& wanted, Reply<JobNumber> reply) {
+void advise(Services& services, const SensorAdvise& wanted, const Reply<JobNumber>& reply) {
   Config config = services.config;
   if (config.modulator == Modulator::fixed) {
     return reply(Error{Errc::refused, "", "the lenslets of a fixed array cannot be chosen"});
@@ -59,20 +60,17 @@ void advise(Services& services, const SensorAdvise& wanted, Reply<JobNumber> rep
   const double interval_us = 1e6 / config.camera.settings.frame_rate_hz;
   const design::Light light{wanted.photo_electrons_per_s, wanted.full_well_e, wanted.read_noise_e,
                             wanted.longest_us.value_or(interval_us)};
-  services.procedures.start(
-      kSensorAdvise.name,
-      [config, bench, light](Bench& on) -> Result<Json> {
-        const auto list = design::advise(bench, light, config, [&on] { return on.stopped(); });
-        if (on.stopped()) return fail(Errc::refused, "", "the job was stopped");
-        return report_of(list);
-      },
-      with_job_number(std::move(reply)), Holds::nothing);
+  start_job(services, kSensorAdvise.name, reply, [config, bench, light](Bench& on) -> Result<Json> {
+    const auto list = design::advise(bench, light, config, [&on] { return on.stopped(); });
+    if (on.stopped()) return fail(Errc::refused, "", "the job was stopped");
+    return report_of(list);
+  });
 }
 
 constexpr std::array kLayoutRows{
-    row<kSensorAdvise, advise>(Role::control, Action::watch),
-    row<kSensorGet, get<sensor_of>>(Role::read, Action::read),
-    row<kSensorSet, change_sensor>(Role::control, Action::set_sensor),
+    row<kSensorAdvise, advise>(Role::control, Request::watch),
+    row<kSensorGet, get<sensor_of>>(Role::read, Request::read),
+    row<kSensorSet, change_sensor>(Role::control, Request::set_sensor),
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 /// The method table of the control socket (JSON-RPC). Each row holds the role that a caller needs,
-/// the action that the daemon's state must allow, and the handler. Names and types are in
+/// the kind of request, for which the call has a lease, and the handler. Names and types are in
 /// proto/methods.hpp.
 #pragma once
 
@@ -8,8 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "core/control/state_machine.hpp"
-#include "daemon/ovwsd/actor/state_keeper.hpp"
+#include "daemon/ovwsd/lease/leases.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/methods.hpp"
 #include "proto/rpc.hpp"
@@ -39,14 +38,13 @@ class Procedures;
 class Recorder;
 class SensorKeeper;
 class SlmLoop;
-class StateKeeper;
 class StatusReporter;
 
 /// The parts of the daemon that the handlers use.
 struct Services {
   const Config& config;                 ///< configuration at the daemon's start
   const Guarded<LoadedConfig>& loaded;  ///< last loaded, at the start or by a reload
-  StateKeeper& state;
+  Leases& leases;
   CameraActor& camera;
   CameraFinder& finder;
   SensorKeeper& keeper;
@@ -74,42 +72,49 @@ inline RpcAnswer failed(const Error& error) {
 }
 
 /// Reply to one JSON-RPC call: call it exactly once, from any thread, with an R or an error. All
-/// copies reply to the same call.
+/// copies reply to the same call, and share its lease, which ends before the client gets the reply.
 template <class R>
 class Reply {
  public:
-  explicit Reply(RpcReply reply) : reply_(std::move(reply)) {}
-  void operator()(const R& result) const { reply_(RpcResult{to_json(result)}); }
+  explicit Reply(RpcReply reply, LeasePtr lease = nullptr)
+      : reply_(std::move(reply)), lease_(std::make_shared<LeasePtr>(std::move(lease))) {}
+  void operator()(const R& result) const { send(RpcResult{to_json(result)}); }
   /// Replies with a binary frame after the JSON.
   void operator()(const R& result, std::shared_ptr<const std::string> binary) const {
-    reply_(RpcResult{to_json(result), std::move(binary)});
+    send(RpcResult{to_json(result), std::move(binary)});
   }
   /// Replies with JSON that already has the fields of R.
-  void operator()(JsonOf<R> result) const { reply_(RpcResult{std::move(result.json)}); }
-  void operator()(const Error& error) const { reply_(failed(error)); }
+  void operator()(JsonOf<R> result) const { send(RpcResult{std::move(result.json)}); }
+  void operator()(const Error& error) const { send(failed(error)); }
   template <class Value>
   void operator()(const Result<Value>& result) const {
     if (!result) return (*this)(result.error());
     (*this)(*result);
   }
+  /// Calls `then` when the lease of the call has begun, see Lease::begin.
+  void begin_lease(std::function<void()> then) const { (*lease_)->begin(std::move(then)); }
+  /// The lease of the call, which now ends with what takes it. Once.
+  LeasePtr take_lease() const { return std::exchange(*lease_, nullptr); }
+  /// A reply to the same call with this lease.
+  Reply with(LeasePtr lease) const { return Reply(reply_, std::move(lease)); }
+  /// Ends the lease before the reply, when all that it was for is done.
+  void end_lease() const { lease_->reset(); }
 
  private:
-  RpcReply reply_;
-};
+  void send(RpcAnswer answer) const {
+    end_lease();
+    reply_(std::move(answer));
+  }
 
-/// Makes a callback that replies with the number of the started job, or with its error.
-inline auto with_job_number(Reply<JobNumber> reply) {
-  return [reply = std::move(reply)](Result<int> job) {
-    if (!job) return reply(job.error());
-    reply(JobNumber{*job});
-  };
-}
+  RpcReply reply_;
+  std::shared_ptr<LeasePtr> lease_;
+};
 
 struct MethodRow {
   const char* name;
   Role role;  ///< minimum role of the client
-  Action action;
-  /// Decodes the params, checks that the daemon's state allows the action, and calls the handler.
+  Request request;
+  /// Decodes the params, takes the lease of the request, and calls the handler.
   void (*call)(const MethodRow& row, Services& services, RpcCall call, RpcReply reply);
 };
 
@@ -118,26 +123,25 @@ struct MethodRow {
 /// params, binary, Reply<R>)` for a method with a binary frame. It runs in the control thread and
 /// must not block; it may reply later.
 template <const auto& method, auto answer>
-constexpr MethodRow row(Role role, Action action) {
+constexpr MethodRow row(Role role, Request request) {
   using M = std::remove_cvref_t<decltype(method)>;
   using P = typename M::Params;
-  return {method.name, role, action,
+  return {method.name, role, request,
           [](const MethodRow& row, Services& services, RpcCall call, RpcReply reply) {
             const auto decoded = decode_params<P>(call.params);
             if (!decoded) return reply(failed(decoded.error()));
             if (method.binary_params == nullptr && !call.binary.empty()) {
               return reply(failed({Errc::invalid, "", "this method takes no binary frame"}));
             }
-            if (const auto allowed = services.state.check(row.action); !allowed) {
-              return reply(failed(allowed.error()));
-            }
-            Reply<typename M::Result> typed(std::move(reply));
+            auto lease = services.leases.take(row.request);
+            if (!lease) return reply(failed(lease.error()));
+            const Reply<typename M::Result> typed(std::move(reply), std::move(*lease));
             if constexpr (method.binary_params != nullptr) {
-              answer(services, *decoded, std::move(call.binary), std::move(typed));
+              answer(services, *decoded, std::move(call.binary), typed);
             } else if constexpr (std::is_same_v<P, Nothing>) {
-              answer(services, std::move(typed));
+              answer(services, typed);
             } else {
-              answer(services, *decoded, std::move(typed));
+              answer(services, *decoded, typed);
             }
           }};
 }
@@ -154,8 +158,8 @@ std::span<const MethodRow> reference_methods();
 std::span<const MethodRow> system_methods();
 
 /// Calls a method for a client. Checks the client's key (empty without `security`) and role, then
-/// the params, then the daemon's state, so that a typo is reported even if the state forbids the
-/// call. The error for an unknown method names the nearest known method.
+/// the params, then what the request needs, so that a typo is reported even if the call is refused
+/// now. The error for an unknown method names the nearest known method.
 void dispatch(Services& services, const std::string& key, RpcCall call, RpcReply reply);
 /// Names of all methods with the minimum role of each.
 std::vector<std::pair<std::string, Role>> method_roles();

@@ -36,11 +36,11 @@ Result<Json> refer(const Services& /*services*/, Bench& bench, const ReferenceTa
   return take_reference(bench, take);
 }
 
-void run_reference(Services& services, const ReferenceTake& params, Reply<JobNumber> reply) {
+void run_reference(Services& services, const ReferenceTake& params, const Reply<JobNumber>& reply) {
   if (auto can = can_take_reference(*services.keeper.snapshot(), params); !can) {
     return reply(can.error());
   }
-  run<kReferenceTake, refer>(services, params, std::move(reply));
+  run<kReferenceTake, refer>(services, params, reply);
 }
 
 /// Positions and standard errors of a request's binary frame, see kReferenceGive.
@@ -73,20 +73,19 @@ Result<SpotAverage> positions_from(const ReferenceGive& given, const std::string
 }
 
 void give_reference(Services& services, const ReferenceGive& params, const std::string& positions,
-                    Reply<KnownReference> reply) {
+                    const Reply<KnownReference>& reply) {
   auto given = positions_from(params, positions);
   if (!given) return reply(given.error());
-  edit<reference_of>(services, Hold::unheld(), use_given_reference(std::move(*given)),
-                     std::move(reply));
+  edit<reference_of>(services, use_given_reference(std::move(*given)), reply);
 }
 
-void use_model(Services& services, const ReferenceSet& /*to*/, Reply<KnownReference> reply) {
-  edit<reference_of>(services, Hold::unheld(), use_model_reference(), std::move(reply));
+void use_model(Services& services, const ReferenceSet& /*to*/, const Reply<KnownReference>& reply) {
+  edit<reference_of>(services, use_model_reference(), reply);
 }
 
 /// Makes a question to the sensor that replies with the list.
-auto listing(const Services& services, Reply<ReferenceList> reply) {
-  return [all = services.named.all(), reply = std::move(reply)](const SensorEdit& now) {
+auto listing(const Services& services, const Reply<ReferenceList>& reply) {
+  return [all = services.named.all(), reply](const SensorEdit& now) {
     ReferenceList list;
     for (const auto& [name, reference] : all) {
       list.references.push_back({name, reference->t_taken_ns, misfit(*reference, now)});
@@ -95,54 +94,56 @@ auto listing(const Services& services, Reply<ReferenceList> reply) {
   };
 }
 
-void list_references(Services& services, Reply<ReferenceList> reply) {
-  services.keeper.ask_in_spare_time(listing(services, std::move(reply)));
+void list_references(Services& services, const Reply<ReferenceList>& reply) {
+  services.keeper.ask_in_spare_time(listing(services, reply));
 }
 
 /// Makes a callback that replies with the list, or with the error.
-NamedReferences::Done then_list(Services& services, Reply<ReferenceList> reply) {
-  return [&services, reply = std::move(reply)](const Result<void>& done) {
+NamedReferences::Done then_list(Services& services, const Reply<ReferenceList>& reply) {
+  return [&services, reply](const Result<void>& done) {
     if (!done) return reply(done.error());
     services.keeper.ask(listing(services, reply));
   };
 }
 
-void save_reference(Services& services, const ReferenceName& params, Reply<ReferenceList> reply) {
+void save_reference(Services& services, const ReferenceName& params,
+                    const Reply<ReferenceList>& reply) {
   const auto active = services.keeper.snapshot()->reference;
   if (!active) {
     return reply(Error{Errc::refused, "", "there is no reference: take one with reference.take"});
   }
-  services.named.save(params.name, active, then_list(services, std::move(reply)));
+  services.named.save(params.name, active, then_list(services, reply));
 }
 
-void load_reference(Services& services, const ReferenceName& params, Reply<KnownReference> reply) {
+void load_reference(Services& services, const ReferenceName& params,
+                    const Reply<KnownReference>& reply) {
+  reply.end_lease();  // the disk may not answer for minutes
   services.named.find(params.name, [&services, reply](Result<Reference> found) {
     if (!found) return reply(found.error());
-    services.keeper.edit(Hold::unheld(), use_saved_reference(std::move(*found)),
-                         [&services, reply](const Result<SensorView>& changed) {
-                           if (!changed) return reply(changed.error());
-                           reply(reference_of(services, **changed));
-                         });
+    auto lease = services.leases.take(Request::set_measured);
+    if (!lease) return reply(lease.error());
+    edit<reference_of>(services, use_saved_reference(std::move(*found)), reply.with(*lease));
   });
 }
 
-void delete_reference(Services& services, const ReferenceName& params, Reply<ReferenceList> reply) {
-  services.named.remove(params.name, then_list(services, std::move(reply)));
+void delete_reference(Services& services, const ReferenceName& params,
+                      const Reply<ReferenceList>& reply) {
+  services.named.remove(params.name, then_list(services, reply));
 }
 
 // Saving and deleting change files only, whatever the bench is doing.
-constexpr Action kFilesOnly = Action::record;
+constexpr Request kFilesOnly = Request::act;
 
 constexpr std::array kReferenceRows{
-    row<kReferenceTake, run_reference>(Role::control, Action::start_job),
-    row<kReferenceGet, get<reference_of>>(Role::read, Action::read),
-    row<kReferenceSet, use_model>(Role::control, Action::clear_reference),
-    row<kReferenceGive, give_reference>(Role::control, Action::clear_reference),
+    row<kReferenceTake, run_reference>(Role::control, Request::run_job),
+    row<kReferenceGet, get<reference_of>>(Role::read, Request::read),
+    row<kReferenceSet, use_model>(Role::control, Request::set_measured),
+    row<kReferenceGive, give_reference>(Role::control, Request::set_measured),
     row<kReferenceClear, clear<reference_of, forget_reference>>(Role::control,
-                                                                Action::clear_reference),
+                                                                Request::set_measured),
     row<kReferenceDelete, delete_reference>(Role::control, kFilesOnly),
-    row<kReferenceList, list_references>(Role::read, Action::read),
-    row<kReferenceLoad, load_reference>(Role::control, Action::clear_reference),
+    row<kReferenceList, list_references>(Role::read, Request::read),
+    row<kReferenceLoad, load_reference>(Role::control, Request::set_measured),
     row<kReferenceSave, save_reference>(Role::control, kFilesOnly),
 };
 

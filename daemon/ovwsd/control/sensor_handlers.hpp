@@ -15,32 +15,43 @@ template <auto report>
 using ReportOf = std::invoke_result_t<decltype(report), const Services&, const SensorSnapshot&>;
 
 template <auto report>
-void get(Services& services, Reply<ReportOf<report>> reply) {
+void get(Services& services, const Reply<ReportOf<report>>& reply) {
   reply(report(services, *services.keeper.snapshot()));
 }
 
 /// Makes the change, and replies with `report(services, sensor)` of the changed sensor.
 template <auto report>
-void edit(Services& services, Hold as, SensorChange change, Reply<ReportOf<report>> reply) {
-  services.keeper.edit(as, std::move(change),
-                       [&services, reply = std::move(reply)](const Result<SensorView>& changed) {
-                         if (!changed) return reply(changed.error());
-                         reply(report(services, **changed));
-                       });
+void edit(Services& services, SensorChange change, const Reply<ReportOf<report>>& reply) {
+  services.keeper.edit(
+      std::move(change),
+      [&services, reply](const Result<SensorView>& changed) {
+        if (!changed) return reply(changed.error());
+        reply(report(services, **changed));
+      },
+      [reply] { reply.end_lease(); });  // its files may take minutes
 }
 
 template <auto report, auto change>
-void clear(Services& services, Reply<ReportOf<report>> reply) {
-  edit<report>(services, Hold::unheld(), change(), std::move(reply));
+void clear(Services& services, const Reply<ReportOf<report>>& reply) {
+  edit<report>(services, change(), reply);
+}
+
+/// Starts a job with the lease of the call, and replies with its number.
+inline void start_job(Services& services, const char* kind, const Reply<JobNumber>& reply,
+                      Procedure procedure) {
+  services.procedures.start(reply.take_lease(), kind, std::move(procedure),
+                            [reply](Result<int> job) {
+                              if (!job) return reply(job.error());
+                              reply(JobNumber{*job});
+                            });
 }
 
 /// Starts the job of a method, whose result `measure(services, bench, params)` returns.
 template <const auto& method, auto measure>
 void run(Services& services, const typename std::remove_cvref_t<decltype(method)>::Params& params,
-         Reply<JobNumber> reply) {
-  services.procedures.start(
-      method.name, [&services, params](Bench& bench) { return measure(services, bench, params); },
-      with_job_number(std::move(reply)));
+         const Reply<JobNumber>& reply) {
+  start_job(services, method.name, reply,
+            [&services, params](Bench& bench) { return measure(services, bench, params); });
 }
 
 /// Activates the measurement of a job. Returns the job's result, which is the report of the sensor.

@@ -34,12 +34,12 @@ ModesReport correction_of(const Services& /*services*/, const SensorSnapshot& no
 }
 
 // An aberration may be introduced even while the loop is closed: the loop then corrects it.
-void introduce(Services& services, const ModesSet& change, Reply<AberrationReport> reply) {
-  edit<aberration_of>(services, Hold::of_loop(), set_aberration(change.modes), std::move(reply));
+void introduce(Services& services, const ModesSet& change, const Reply<AberrationReport>& reply) {
+  edit<aberration_of>(services, set_aberration(change.modes), reply);
 }
 
-void introduce_none(Services& services, Reply<AberrationReport> reply) {
-  introduce(services, {}, std::move(reply));
+void introduce_none(Services& services, const Reply<AberrationReport>& reply) {
+  introduce(services, {}, reply);
 }
 
 /// Whether the configured bench can show a sequence and take a frame of each pattern.
@@ -92,7 +92,7 @@ Result<PatternCycle> cycle_of(const Services& services) {
 }
 
 void show_sequence(Services& services, const AberrationSequence& given,
-                   Reply<AberrationReport> reply) {
+                   const Reply<AberrationReport>& reply) {
   if (auto can = check_shows_sensor(*services.keeper.snapshot()); !can) return reply(can.error());
   if (services.recorder.report().state == "recording") {
     return reply(Error{Errc::refused, "", "a recording does not know patterns: stop it first"});
@@ -108,16 +108,15 @@ void show_sequence(Services& services, const AberrationSequence& given,
   }
   std::vector<std::vector<Mode>> patterns;
   for (const ModesSet& one : given.patterns) patterns.push_back(one.modes);
-  edit<aberration_of>(services, Hold::unheld(), set_sequence(std::move(patterns), *cycle),
-                      std::move(reply));
+  edit<aberration_of>(services, set_sequence(std::move(patterns), *cycle), reply);
 }
 
-void correct(Services& services, const ModesSet& change, Reply<ModesReport> reply) {
-  edit<correction_of>(services, Hold::unheld(), set_correction(change.modes), std::move(reply));
+void correct(Services& services, const ModesSet& change, const Reply<ModesReport>& reply) {
+  edit<correction_of>(services, set_correction(change.modes), reply);
 }
 
-void correct_nothing(Services& services, Reply<ModesReport> reply) {
-  correct(services, {}, std::move(reply));
+void correct_nothing(Services& services, const Reply<ModesReport>& reply) {
+  correct(services, {}, reply);
 }
 
 KnownCalibration calibration_of(const Services& /*services*/, const SensorSnapshot& now) {
@@ -173,16 +172,16 @@ Result<Json> calibrate(const Services& services, Bench& bench, const Calibration
   return result;
 }
 
-void run_calibration(Services& services, const CalibrationRun& params, Reply<JobNumber> reply) {
+void run_calibration(Services& services, const CalibrationRun& params,
+                     const Reply<JobNumber>& reply) {
   if (auto can = check_shows_one_sensor(*services.keeper.snapshot()); !can)
     return reply(can.error());
-  run<kCalibrationRun, calibrate>(services, params, std::move(reply));
+  run<kCalibrationRun, calibrate>(services, params, reply);
 }
 
 void give(Services& services, const CalibrationSet& given, std::string matrix,
-          Reply<KnownCalibration> reply) {
-  edit<calibration_of>(services, Hold::unheld(), give_calibration(given, std::move(matrix)),
-                       std::move(reply));
+          const Reply<KnownCalibration>& reply) {
+  edit<calibration_of>(services, give_calibration(given, std::move(matrix)), reply);
 }
 
 FlatnessReport flatness_of(const Services& services, const SensorSnapshot& now) {
@@ -240,9 +239,9 @@ Result<Json> linearise(const Services& services, Bench& bench, const LutRun& run
   return use<lut_of>(services, bench, use_lut(std::move(*lut)));
 }
 
-void run_lut(Services& services, const LutRun& params, Reply<JobNumber> reply) {
+void run_lut(Services& services, const LutRun& params, const Reply<JobNumber>& reply) {
   if (services.config.modulator != Modulator::dmd) {
-    return run<kLutRun, linearise>(services, params, std::move(reply));
+    return run<kLutRun, linearise>(services, params, reply);
   }
   reply(Error{Errc::refused, "",
               "a DMD has two levels, so there is no look-up table to measure; its hologram needs "
@@ -294,21 +293,21 @@ Result<Json> fit_array(const Services& services, Bench& bench, const ArrayFit& r
                                 fit->misfit, fit->spots});
 }
 
-void start_array_fit(Services& services, const ArrayFit& params, Reply<JobNumber> reply) {
+void start_array_fit(Services& services, const ArrayFit& params, const Reply<JobNumber>& reply) {
   if (auto can = can_fit_array(*services.keeper.snapshot()); !can) return reply(can.error());
-  run<kArrayFit, fit_array>(services, params, std::move(reply));
+  run<kArrayFit, fit_array>(services, params, reply);
 }
 
 ShowReport shown_pattern(const Services& /*services*/, const SensorSnapshot& now) {
   return {now.pattern, now.hologram_id};
 }
 
-void show(Services& services, const SlmShow& what, Reply<ShowReport> reply) {
-  edit<shown_pattern>(services, Hold::unheld(), show_pattern(what.pattern), std::move(reply));
+void show(Services& services, const SlmShow& what, const Reply<ShowReport>& reply) {
+  edit<shown_pattern>(services, show_pattern(what.pattern), reply);
 }
 
 void present(Services& services, const SlmPresent& params, std::string picture,
-             Reply<PresentReport> reply) {
+             const Reply<PresentReport>& reply) {
   services.presentations.present(params, std::move(picture), reply);
 }
 
@@ -318,22 +317,22 @@ Result<Json> settle(const Services& services, Bench& bench, const SettleRun& run
   return to_json(SettleReport{*time, run.repetitions, services.slm.snapshot().settings.settle_ms});
 }
 
-void list_outputs(Services& services, Reply<OutputList> reply) {
+void list_outputs(Services& services, const Reply<OutputList>& reply) {
   services.slm.list_outputs([reply](const Result<std::vector<DisplayOutput>>& outputs) {
     if (!outputs) return reply(outputs.error());
     reply(OutputList{*outputs});
   });
 }
 
-void set_slm(Services& services, const SlmChange& given, Reply<SlmSettings> reply) {
+void set_slm(Services& services, const SlmChange& given, const Reply<SlmSettings>& reply) {
   SlmSet change;
   if (given.display) change.put(&SlmSettings::display, *given.display);
   if (given.allow_primary) change.put(&SlmSettings::allow_primary, *given.allow_primary);
   if (given.settle_ms) change.put(&SlmSettings::settle_ms, *given.settle_ms);
-  services.slm.change(Asker::client, change, reply);
+  services.slm.change(change, reply);
 }
 
-void verify(Services& services, Reply<VerifyReport> reply) {
+void verify(Services& services, const Reply<VerifyReport>& reply) {
   services.slm.verify([reply](const Result<SlmVerdict>& seen) {
     if (!seen) return reply(seen.error());
     reply(VerifyReport{seen->hologram_id, seen->crc32, seen->crc32_shown, seen->differing_pixels});
@@ -341,38 +340,37 @@ void verify(Services& services, Reply<VerifyReport> reply) {
 }
 
 constexpr std::array kSensorRows{
-    row<kAberrationGet, get<aberration_of>>(Role::read, Action::read),
-    row<kAberrationSequence, show_sequence>(Role::control, Action::show_pattern),
-    row<kAberrationSet, introduce>(Role::control, Action::set_aberration),
-    row<kAberrationClear, introduce_none>(Role::control, Action::set_aberration),
-    row<kCalibrationRun, run_calibration>(Role::control, Action::start_hologram_job),
-    row<kCalibrationSet, give>(Role::control, Action::clear_reference),
-    row<kCalibrationGet, get<calibration_of>>(Role::read, Action::read),
+    row<kAberrationGet, get<aberration_of>>(Role::read, Request::read),
+    row<kAberrationSequence, show_sequence>(Role::control, Request::show_pattern),
+    row<kAberrationSet, introduce>(Role::control, Request::set_aberration),
+    row<kAberrationClear, introduce_none>(Role::control, Request::set_aberration),
+    row<kCalibrationRun, run_calibration>(Role::control, Request::run_hologram_job),
+    row<kCalibrationSet, give>(Role::control, Request::set_measured),
+    row<kCalibrationGet, get<calibration_of>>(Role::read, Request::read),
     row<kCalibrationClear, clear<calibration_of, forget_calibration>>(Role::control,
-                                                                      Action::clear_reference),
-    row<kCorrectionGet, get<correction_of>>(Role::read, Action::read),
-    row<kCorrectionSet, correct>(Role::control, Action::set_correction),
-    row<kCorrectionClear, correct_nothing>(Role::control, Action::set_correction),
-    row<kFlatnessRun, run<kFlatnessRun, flatten>>(Role::control, Action::start_hologram_job),
-    row<kFlatnessGet, get<flatness_of>>(Role::read, Action::read),
-    row<kFlatnessClear, clear<flatness_of, forget_flatness>>(Role::control,
-                                                             Action::clear_reference),
-    row<kFocusRun, run<kFocusRun, focus>>(Role::control, Action::start_hologram_job),
-    row<kLutRun, run_lut>(Role::control, Action::start_hologram_job),
-    row<kLutGet, get<lut_of>>(Role::read, Action::read),
-    row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Action::clear_reference),
-    row<kArrayFit, start_array_fit>(Role::control, Action::start_job),
-    row<kMapRun, run<kMapRun, map_bench>>(Role::control, Action::start_hologram_job),
-    row<kRegistrationRun, run<kRegistrationRun, register_camera>>(Role::control, Action::start_job),
-    row<kRegistrationGet, get<known_registration>>(Role::read, Action::read),
-    row<kRegistrationClear, clear<known_registration, forget_registration>>(
-        Role::control, Action::clear_reference),
-    row<kSlmOutputs, list_outputs>(Role::read, Action::read),
-    row<kSlmPresent, present>(Role::control, Action::present),
-    row<kSlmSet, set_slm>(Role::control, Action::reload_config),
-    row<kSlmShow, show>(Role::control, Action::show_pattern),
-    row<kSlmSettle, run<kSlmSettle, settle>>(Role::control, Action::start_hologram_job),
-    row<kSlmVerify, verify>(Role::read, Action::read),
+                                                                      Request::set_measured),
+    row<kCorrectionGet, get<correction_of>>(Role::read, Request::read),
+    row<kCorrectionSet, correct>(Role::control, Request::set_correction),
+    row<kCorrectionClear, correct_nothing>(Role::control, Request::set_correction),
+    row<kFlatnessRun, run<kFlatnessRun, flatten>>(Role::control, Request::run_hologram_job),
+    row<kFlatnessGet, get<flatness_of>>(Role::read, Request::read),
+    row<kFlatnessClear, clear<flatness_of, forget_flatness>>(Role::control, Request::set_measured),
+    row<kFocusRun, run<kFocusRun, focus>>(Role::control, Request::run_hologram_job),
+    row<kLutRun, run_lut>(Role::control, Request::run_hologram_job),
+    row<kLutGet, get<lut_of>>(Role::read, Request::read),
+    row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Request::set_measured),
+    row<kArrayFit, start_array_fit>(Role::control, Request::run_job),
+    row<kMapRun, run<kMapRun, map_bench>>(Role::control, Request::run_hologram_job),
+    row<kRegistrationRun, run<kRegistrationRun, register_camera>>(Role::control, Request::run_job),
+    row<kRegistrationGet, get<known_registration>>(Role::read, Request::read),
+    row<kRegistrationClear, clear<known_registration, forget_registration>>(Role::control,
+                                                                            Request::set_measured),
+    row<kSlmOutputs, list_outputs>(Role::read, Request::read),
+    row<kSlmPresent, present>(Role::control, Request::act),
+    row<kSlmSet, set_slm>(Role::control, Request::set_devices),
+    row<kSlmShow, show>(Role::control, Request::show_pattern),
+    row<kSlmSettle, run<kSlmSettle, settle>>(Role::control, Request::run_hologram_job),
+    row<kSlmVerify, verify>(Role::read, Request::read),
 };
 
 }  // namespace

@@ -113,8 +113,8 @@ StatusMessage StatusReporter::current() const {
   StatusMessage status;
   status.t_ns = utc_ns();
   status.uptime_s = 1e-9 * double(monotonic_ns() - started_ns_);
-  status.state = deps_.state.name();
-  status.fault = deps_.state.fault();
+  status.state = deps_.leases.name();
+  status.fault = deps_.leases.fault();
   status.loop_closed = deps_.loop.is_closed();
   status.loop_paused = deps_.loop.is_paused();
   const CameraSnapshot camera = deps_.camera.snapshot();

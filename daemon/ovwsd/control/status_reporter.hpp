@@ -8,14 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/control/state_machine.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/rt/agent.hpp"
 #include "daemon/ovwsd/access/client_guard.hpp"
 #include "daemon/ovwsd/actor/jobs.hpp"
-#include "daemon/ovwsd/actor/state_keeper.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/lease/leases.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
@@ -35,7 +34,7 @@ namespace ovws {
 std::vector<std::pair<std::string, std::string>> versions();
 
 struct StatusDeps {
-  const StateKeeper& state;
+  const Leases& leases;
   const CameraActor& camera;
   const SlmLoop& slm;
   const SensorKeeper& keeper;

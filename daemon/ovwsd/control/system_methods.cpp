@@ -2,7 +2,7 @@
 #include "config/config.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/access/client_guard.hpp"
-#include "daemon/ovwsd/control/method_table.hpp"
+#include "daemon/ovwsd/control/sensor_handlers.hpp"
 #include "daemon/ovwsd/control/status_reporter.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
@@ -26,12 +26,12 @@ Config in_use(const Services& services) {
                        services.keeper, services.refiner);
 }
 
-void get_config(Services& services, Reply<Config> reply) {
+void get_config(Services& services, const Reply<Config>& reply) {
   // dump_config uses the file's format: gain_db is 0 if the camera has no gain in dB.
   reply(JsonOf<Config>{json_of(dump_config(in_use(services)))});
 }
 
-void save_config(Services& services, const ConfigSave& params, Reply<SavedReport> reply) {
+void save_config(Services& services, const ConfigSave& params, const Reply<SavedReport>& reply) {
   const LoadedConfig loaded = services.loaded.get();
   if (!loaded.overlay) {
     return reply(Error{Errc::refused, "state.directory",
@@ -43,6 +43,7 @@ void save_config(Services& services, const ConfigSave& params, Reply<SavedReport
                                    loaded.file.camera.settings);
   const SavedValues values = values_to_save(loaded, now);
   if (params.preview) return reply(SavedReport{*loaded.overlay, values.keys});
+  reply.end_lease();  // the disk may not answer for minutes
   const auto asked = services.disk.request([path = *loaded.overlay, values, reply] {
     const auto saved = write_saved(path, values);
     if (!saved) return reply(saved.error());
@@ -51,33 +52,32 @@ void save_config(Services& services, const ConfigSave& params, Reply<SavedReport
   if (!asked) reply(asked.error());
 }
 
-void get_job(Services& services, const JobNumber& which, Reply<JobReport> reply) {
+void get_job(Services& services, const JobNumber& which, const Reply<JobReport>& reply) {
   reply(services.jobs.get(which.job));
 }
 
-void cancel_job(Services& services, const JobNumber& which, Reply<JobReport> reply) {
+void cancel_job(Services& services, const JobNumber& which, const Reply<JobReport>& reply) {
   const bool ran = services.jobs.runs(which.job);
   const auto cancelled = services.jobs.cancel(which.job);
   if (!ran || services.jobs.runs(which.job)) return reply(cancelled);
   // Replies when the sensor is free again, so that the client can start the next job at once.
-  services.procedures.when_free([&services, reply, cancelled] {
-    services.keeper.after_changes([reply, cancelled] { reply(cancelled); });
-  });
+  services.procedures.when_over(which.job, [reply, cancelled] { reply(cancelled); });
 }
 
-void close_loop(Services& services, const LoopSettings& settings, Reply<LoopReport> reply) {
-  services.loop.close(settings, reply);
+void close_loop(Services& services, const LoopSettings& settings, const Reply<LoopReport>& reply) {
+  services.loop.close(reply.take_lease(), settings, reply);
 }
 
-void open_loop(Services& services, const LoopOpen& how, Reply<LoopReport> reply) {
+void open_loop(Services& services, const LoopOpen& how, const Reply<LoopReport>& reply) {
   services.loop.open(how.keep, reply);
 }
 
-void pause_loop(Services& services, const LoopPause& how, Reply<LoopReport> reply) {
+void pause_loop(Services& services, const LoopPause& how, const Reply<LoopReport>& reply) {
   services.loop.pause(how.paused, reply);
 }
 
-void start_recording(Services& services, const RecordStart& asked, Reply<RecordReport> reply) {
+void start_recording(Services& services, const RecordStart& asked,
+                     const Reply<RecordReport>& reply) {
   if (auto can = check_no_sequence(*services.keeper.snapshot()); !can) return reply(can.error());
   const Config now = in_use(services);
   services.recorder.start({asked, dump_config(now), now.camera.settings,
@@ -85,7 +85,7 @@ void start_recording(Services& services, const RecordStart& asked, Reply<RecordR
                           reply);
 }
 
-void stop_recording(Services& services, Reply<RecordReport> reply) {
+void stop_recording(Services& services, const Reply<RecordReport>& reply) {
   services.recorder.stop(reply);
 }
 
@@ -93,11 +93,11 @@ PixelFormat camera_format(const Services& services) {
   return services.camera.snapshot().settings.pixel_format;
 }
 
-void get_refine(Services& services, Reply<RefineReport> reply) {
+void get_refine(Services& services, const Reply<RefineReport>& reply) {
   reply(RefineReport{in_format(services.refiner.settings(), camera_format(services))});
 }
 
-void set_refine(Services& services, const RefineSet& change, Reply<RefineSetReport> reply) {
+void set_refine(Services& services, const RefineSet& change, const Reply<RefineSetReport>& reply) {
   const auto applied = services.refiner.change(change, camera_format(services));
   if (!applied) return reply(applied.error());
   reply(RefineSetReport{change, {*applied}});
@@ -122,16 +122,16 @@ Json make_description() {
   return to_json(all);
 }
 
-void describe(Services& /*services*/, Reply<Description> reply) {
+void describe(Services& /*services*/, const Reply<Description>& reply) {
   static const Json kDescription = make_description();  // made once, because it takes milliseconds
   reply(JsonOf<Description>{kDescription});
 }
 
-void status(Services& services, Reply<StatusMessage> reply) {
+void status(Services& services, const Reply<StatusMessage>& reply) {
   reply(services.status.current());
 }
 
-void get_loop(Services& services, Reply<LoopReport> reply) {
+void get_loop(Services& services, const Reply<LoopReport>& reply) {
   reply(services.loop.report());
 }
 
@@ -139,7 +139,7 @@ KnownLoopModel known(const std::shared_ptr<const LoopModel>& model) {
   return {model ? std::optional(*model) : std::nullopt};
 }
 
-void get_loop_model(Services& services, Reply<KnownLoopModel> reply) {
+void get_loop_model(Services& services, const Reply<KnownLoopModel>& reply) {
   reply(known(services.loop.model()));
 }
 
@@ -175,49 +175,49 @@ Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify&
   return to_json(known(services.loop.model()));
 }
 
-void start_identification(Services& services, const LoopIdentify& params, Reply<JobNumber> reply) {
+void start_identification(Services& services, const LoopIdentify& params,
+                          const Reply<JobNumber>& reply) {
   if (auto can = check_shows_one_sensor(*services.keeper.snapshot()); !can)
     return reply(can.error());
-  services.procedures.start(
-      kLoopIdentify.name,
-      [&services, params](Bench& bench) { return identify_loop(services, bench, params); },
-      with_job_number(std::move(reply)), Holds::nothing);
+  start_job(services, kLoopIdentify.name, reply,
+            [&services, params](Bench& bench) { return identify_loop(services, bench, params); });
 }
 
-void get_recording(Services& services, Reply<RecordReport> reply) {
+void get_recording(Services& services, const Reply<RecordReport>& reply) {
   reply(services.recorder.report());
 }
 
-void estimate_recording(Services& services, const RecordEstimate& asked, Reply<RecordSize> reply) {
+void estimate_recording(Services& services, const RecordEstimate& asked,
+                        const Reply<RecordSize>& reply) {
   services.recorder.size_of(services.camera.snapshot().settings, asked.pictures_every, reply);
 }
 
-void list_recordings(Services& services, Reply<RecordingList> reply) {
+void list_recordings(Services& services, const Reply<RecordingList>& reply) {
   const auto asked = services.disk.request(
       [folder = RecordFolder(services.config), reply] { reply(folder.list()); });
   if (!asked) reply(asked.error());
 }
 
 constexpr std::array kSystemRows{
-    row<kConfigGet, get_config>(Role::read, Action::read),
-    row<kConfigSave, save_config>(Role::control, Action::save_config),
-    row<kJobGet, get_job>(Role::read, Action::read),
-    row<kJobCancel, cancel_job>(Role::control, Action::cancel_job),
-    row<kLoopClose, close_loop>(Role::control, Action::close_loop),
-    row<kLoopIdentify, start_identification>(Role::control, Action::watch),
-    row<kLoopModel, get_loop_model>(Role::read, Action::read),
-    row<kLoopOpen, open_loop>(Role::control, Action::open_loop),
-    row<kLoopPause, pause_loop>(Role::control, Action::open_loop),
-    row<kLoopGet, get_loop>(Role::read, Action::read),
-    row<kRecordEstimate, estimate_recording>(Role::read, Action::read),
-    row<kRecordList, list_recordings>(Role::read, Action::read),
-    row<kRecordStart, start_recording>(Role::control, Action::record),
-    row<kRecordStop, stop_recording>(Role::control, Action::record),
-    row<kRecordGet, get_recording>(Role::read, Action::read),
-    row<kRefineGet, get_refine>(Role::read, Action::read),
-    row<kRefineSet, set_refine>(Role::control, Action::set_refine),
-    row<kSystemDescribe, describe>(Role::read, Action::read),
-    row<kSystemStatus, status>(Role::read, Action::read),
+    row<kConfigGet, get_config>(Role::read, Request::read),
+    row<kConfigSave, save_config>(Role::control, Request::save_settings),
+    row<kJobGet, get_job>(Role::read, Request::read),
+    row<kJobCancel, cancel_job>(Role::control, Request::act),
+    row<kLoopClose, close_loop>(Role::control, Request::close_loop),
+    row<kLoopIdentify, start_identification>(Role::control, Request::watch),
+    row<kLoopModel, get_loop_model>(Role::read, Request::read),
+    row<kLoopOpen, open_loop>(Role::control, Request::act),
+    row<kLoopPause, pause_loop>(Role::control, Request::act),
+    row<kLoopGet, get_loop>(Role::read, Request::read),
+    row<kRecordEstimate, estimate_recording>(Role::read, Request::read),
+    row<kRecordList, list_recordings>(Role::read, Request::read),
+    row<kRecordStart, start_recording>(Role::control, Request::act),
+    row<kRecordStop, stop_recording>(Role::control, Request::act),
+    row<kRecordGet, get_recording>(Role::read, Request::read),
+    row<kRefineGet, get_refine>(Role::read, Request::read),
+    row<kRefineSet, set_refine>(Role::control, Request::set_refinement),
+    row<kSystemDescribe, describe>(Role::read, Request::read),
+    row<kSystemStatus, status>(Role::read, Request::read),
 };
 
 }  // namespace

@@ -105,8 +105,20 @@ bool is_rough_guide(const FrameRecord& record) {
 
 }  // namespace
 
-void ClosedLoop::close(const LoopSettings& settings, Done done) {
-  mailbox_.post([this, settings, done = std::move(done)] { done(begin(settings)); });
+/// The sensor is as the check saw it until the loop has begun, because the lease is the loop's.
+void ClosedLoop::close(LeasePtr lease, const LoopSettings& settings, Done done) {
+  Lease& taken = *lease;
+  taken.begin([this, lease = std::move(lease), settings, done = std::move(done)] {
+    const auto known = model();
+    const auto sensor = checked(settings, known.get());
+    if (!sensor) {
+      lease->end();
+      return done(fail(sensor.error()));
+    }
+    mailbox_.post([this, lease, settings, known, sensor = *sensor, done] {
+      done(begin(lease, settings, known, *sensor));
+    });
+  });
 }
 
 void ClosedLoop::open(bool keep, Done done) {
@@ -152,7 +164,7 @@ std::string ClosedLoop::why_no_frame() const {
 /// While the camera or the display is away, the watch begins again and again. Afterwards only new
 /// frames count, and the step over that time tells no times.
 void ClosedLoop::notice_bench() {
-  const bool away = !deps_.has_bench();
+  const bool away = !deps_.leases.has_bench();
   if (away) watch_.emplace(report_.get().settings, monotonic_ns());
   if (std::exchange(away_, away) == away) return;
   stepped_ = true;
@@ -211,16 +223,10 @@ void ClosedLoop::observe(const LoopFrame& frame) {
   stepped_ = false;
 }
 
-Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
-  if (is_closed())
-    return fail(Errc::refused, "", "the loop is already closed: call loop.open first");
-  const auto known = model();
-  const auto held = ask([&](SensorKeeper::Done done) {
-    deps_.keeper.after_changes(
-        [this, settings, known, done = std::move(done)] { done(hold(settings, known.get())); });
-  });
-  if (!held) return fail(held.error());
-  const SensorSnapshot& sensor = **held;
+LoopReport ClosedLoop::begin(const LeasePtr& lease, const LoopSettings& settings,
+                             const std::shared_ptr<const LoopModel>& known,
+                             const SensorSnapshot& sensor) {
+  lease_ = lease;
   control_.emplace(settings, sensor.correction, laws_of(settings, known));
   watch_.emplace(settings, monotonic_ns());
   log_.closed(settings, sensor.correction, known.get());
@@ -238,20 +244,23 @@ Result<LoopReport> ClosedLoop::begin(const LoopSettings& settings) {
   return this->report();
 }
 
-/// Runs in the prepare thread: checks the settings against the present sensor, then holds the
-/// sensor for the loop.
-Result<SensorView> ClosedLoop::hold(const LoopSettings& settings, const LoopModel* model) {
-  if (auto free = deps_.keeper.may_hold(); !free) return fail(free.error());
+/// The present sensor, if the loop can be closed with these settings.
+Result<SensorView> ClosedLoop::checked(const LoopSettings& settings, const LoopModel* model) const {
   SensorView sensor = deps_.keeper.snapshot();
   if (auto good = check_against(settings, *sensor); !good) return fail(good.error());
   if (auto known = check_model(settings, model, sensor->modes_j); !known) {
     return fail(known.error());
   }
-  deps_.keeper.hold(Hold::of_loop());
   return sensor;
 }
 
 Result<LoopReport> ClosedLoop::end(bool keep) {
+  LeasePtr lease;
+  if (!keep && !is_closed()) {
+    auto taken = deps_.leases.take(Request::set_correction);
+    if (!taken) return fail(taken.error());
+    lease = std::move(*taken);
+  }
   if (!keep) {
     if (auto cleared = show({}); !cleared) return fail(cleared.error());
   }
@@ -294,7 +303,7 @@ void ClosedLoop::step(const LoopFrame& frame) {
   if (end != LoopEnd::none) return open_because(end);
   if (auto shown = show(control_->correction()); !shown) {
     log_.decided(t_for_ns, 0);
-    if (!deps_.has_bench()) return;
+    if (!deps_.leases.has_bench()) return;
     return set_closed(false, "the correction cannot be shown: " + shown.error().reason,
                       Severity::warning);
   }
@@ -338,21 +347,14 @@ void ClosedLoop::add_times(const LoopFrame& frame, std::int64_t decided_ns,
   times_.add({times, ms(frame.middle_ns(), shown_ns), newest});
 }
 
+/// Blocks until the prepare thread has shown it.
 Result<void> ClosedLoop::show(const std::vector<Mode>& correction) {
-  const auto shown = ask([&](SensorKeeper::Done done) {
-    deps_.keeper.edit(Hold::of_loop(), set_correction(correction), std::move(done));
-  });
-  if (!shown) return fail(shown.error());
-  return {};
-}
-
-/// Sends a request to the prepare thread, and blocks until the thread has answered.
-Result<SensorView> ClosedLoop::ask(const std::function<void(SensorKeeper::Done)>& what) {
-  auto promise = std::make_shared<std::promise<Result<SensorView>>>();
+  auto promise = std::make_shared<std::promise<Result<void>>>();
   auto answer = promise->get_future();
-  what([promise = std::move(promise)](Result<SensorView> now) {
-    promise->set_value(std::move(now));
-  });
+  deps_.keeper.edit(set_correction(correction),
+                    [promise = std::move(promise)](const Result<SensorView>& now) {
+                      promise->set_value(now ? Result<void>{} : fail(now.error()));
+                    });
   try {
     return answer.get();
   } catch (const std::future_error&) {  // the prepare thread has ended
@@ -366,12 +368,9 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
   report.paused = paused_ = false;
   report.opened_because = why;
   report.t_opened_ns = utc_ns();
-  if (!closed) {
-    log_.opened();
-    deps_.keeper.release(Hold::of_loop(), [] {});
-  }
-  deps_.on_change(closed);
-  // After the state: a client that reads of an open loop may close it at once.
+  if (!closed) log_.opened();
+  // Before the report: a client that reads of an open loop may close it at once.
+  if (!closed) std::exchange(lease_, nullptr)->end();
   closed_ = closed;
   report_.set(report);
   deps_.events.emit("loop", severity, closed ? "the loop is closed" : "the loop is open: " + why,

@@ -30,19 +30,15 @@ namespace ovws {
 
 struct ClosedLoopDeps {
   SensorKeeper& keeper;
+  Leases& leases;
   const SlmLoop& slm;
   Events& events;
-  /// Called in the loop thread when the loop is closed (true) or opened (false), before is_closed
-  /// and report tell it.
-  std::function<void(bool)> on_change;
   /// CLOCK_MONOTONIC time (ns) of the last search that found lost spots; 0: there was none. Called
   /// in the loop thread.
   std::function<std::int64_t()> spots_found_ns;
   /// Why frames are not valid, and what to do; empty: they are, or the camera sends none. Called in
   /// the loop thread.
   std::function<std::string()> why_invalid;
-  /// Whether camera and display are connected. Called in the loop thread.
-  std::function<bool()> has_bench;
   /// Adds a document to the recording, if there is one. Called in the loop thread.
   LoopLog::Write record;
 };
@@ -63,12 +59,12 @@ class ClosedLoop : public Agent {
   bool do_work() override;
   void on_close() override { mailbox_.close(); }
 
-  // Thread-safe methods; `done` is called in the loop thread.
-  /// Closes the loop, starting from the present correction. Errc::refused: the loop is already
-  /// closed, the sensor's hologram is not shown, there is no reference, or the correction exceeds
-  /// the limit; field "law": the law needs a model that loop.identify has not made. Errc::invalid:
-  /// invalid settings, or a mode that is not measured.
-  void close(const LoopSettings& settings, Done done);
+  // Thread-safe methods; `done` is called in the loop thread, a refusal of `close` in any.
+  /// Closes the loop, starting from the present correction; it has `lease`, that of close_loop,
+  /// until it opens. Errc::refused: the sensor's hologram is not shown, there is no reference, or
+  /// the correction exceeds the limit; field "law": the law needs a model that loop.identify has
+  /// not made. Errc::invalid: invalid settings, or a mode that is not measured.
+  void close(LeasePtr lease, const LoopSettings& settings, Done done);
   /// Opens the loop. With `keep`, the correction stays on the SLM; otherwise it is cleared first.
   /// If clearing fails, the loop stays as it was.
   void open(bool keep, Done done);
@@ -88,7 +84,8 @@ class ClosedLoop : public Agent {
 
  private:
   static constexpr std::size_t kFrames = 64;  ///< that may wait; more are dropped
-  Result<LoopReport> begin(const LoopSettings& settings);
+  LoopReport begin(const LeasePtr& lease, const LoopSettings& settings,
+                   const std::shared_ptr<const LoopModel>& known, const SensorSnapshot& sensor);
   Result<LoopReport> end(bool keep);
   Result<LoopReport> set_paused(bool paused);
   void notice_bench();
@@ -100,8 +97,7 @@ class ClosedLoop : public Agent {
   Result<void> show(const std::vector<Mode>& correction);
   void open_because(LoopEnd end);
   std::string why_no_frame() const;
-  Result<SensorView> hold(const LoopSettings& settings, const LoopModel* model);
-  Result<SensorView> ask(const std::function<void(SensorKeeper::Done)>& what);
+  Result<SensorView> checked(const LoopSettings& settings, const LoopModel* model) const;
   void set_closed(bool closed, const std::string& why, Severity severity);
   void report_step();
 
@@ -115,6 +111,7 @@ class ClosedLoop : public Agent {
   Guarded<LoopReport> report_;
 
   // Used by the loop thread only.
+  LeasePtr lease_;  ///< while the loop is closed
   std::optional<ModalControl> control_;
   std::optional<LoopWatch> watch_;
   LoopLog log_;

@@ -88,7 +88,7 @@ Result<void> Bench::edit(SensorChange change) {
   };
   promise.reset();
   deps_.keeper.edit(
-      Hold::of_job(job_), std::move(change),
+      std::move(change),
       [answer, pending = files_->add()](const Result<SensorView>& done) {
         if (!done) answer(fail(done.error()));
       },
@@ -150,26 +150,13 @@ Result<CameraSnapshot> Bench::try_camera(const CameraSet& change) {
   if (stopped()) return fail(stopped_error());
   auto promise = std::make_shared<std::promise<Result<CameraSnapshot>>>();
   auto future = promise->get_future();
-  deps_.camera.change(Asker::holder, change,
-                      [promise = std::move(promise)](Result<CameraSnapshot> set) {
-                        promise->set_value(std::move(set));
-                      });
-  return wait_for(std::move(future));
-}
-
-/// Waits for the changes that the camera permitted before the job: settings that are restored must
-/// contain them.
-Result<void> Bench::await_clients_changes() {
-  auto promise = std::make_shared<std::promise<Result<void>>>();
-  auto future = promise->get_future();
-  deps_.camera.after_changes([promise = std::move(promise)] { promise->set_value({}); });
+  deps_.camera.change(change, [promise = std::move(promise)](Result<CameraSnapshot> set) {
+    promise->set_value(std::move(set));
+  });
   return wait_for(std::move(future));
 }
 
 Result<CameraSnapshot> Bench::set_camera(const CameraSet& change) {
-  if (camera_before_.given().empty()) {
-    if (auto done = await_clients_changes(); !done) return fail(done.error());
-  }
   const CameraSnapshot before = camera();
   for (const auto member :
        {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {

@@ -134,7 +134,6 @@ class Bench {
  private:
   template <class T>
   Result<T> wait_for(std::future<Result<T>> future);
-  Result<void> await_clients_changes();
   Result<CameraSnapshot> try_camera(const CameraSet& change);
   Result<void> check_display() const;
   Error no_frame(double waited_s) const;

@@ -171,9 +171,11 @@ void Presentations::present(const SlmPresent& wish, std::string bytes, Done done
 }
 
 void Presentations::begin(std::function<void(const std::shared_ptr<Show>&)> order, Done done) {
+  auto lease = leases_.take(Request::present);
+  if (!lease) return done(fail(lease.error()));
   auto show = std::make_shared<Show>();
   procedures_.start(
-      kSlmPresent.name, [this, show](Bench& bench) { return run(bench, show); },
+      std::move(*lease), kSlmPresent.name, [this, show](Bench& bench) { return run(bench, show); },
       [this, show, order = std::move(order), done = std::move(done)](Result<int> job) {
         if (!job) return done(fail(job.error()));
         show->job = *job;
@@ -182,8 +184,7 @@ void Presentations::begin(std::function<void(const std::shared_ptr<Show>&)> orde
           running_ = show;
         }
         order(show);
-      },
-      Holds::hologram);
+      });
 }
 
 /// Takes no more orders, and refuses those that wait. An order that throws does not keep the others

@@ -23,12 +23,12 @@ class Presentations {
  public:
   using Done = std::function<void(Result<PresentReport>)>;
 
-  Presentations(Procedures& procedures, const SlmGeometry& slm)
-      : procedures_(procedures), slm_(slm) {}
+  Presentations(Leases& leases, Procedures& procedures, const SlmGeometry& slm)
+      : leases_(leases), procedures_(procedures), slm_(slm) {}
 
   /// Carries out slm.present; `bytes` is the picture, empty if there is none. `done` is called in
   /// any thread, when the SLM has settled. Errors: Errc::invalid, of shape, size or pixels;
-  /// Errc::refused, the job is not a presentation that runs, or another job runs; those of
+  /// Errc::refused, the job is not a presentation that runs; those of Leases::take and
   /// Bench::show, and Errc::unavailable, too little memory: the presentation goes on, or ends if
   /// this was its first picture.
   void present(const SlmPresent& wish, std::string bytes, Done done);
@@ -40,6 +40,7 @@ class Presentations {
   void end(Show& show);
   Result<nlohmann::json> run(Bench& bench, const std::shared_ptr<Show>& show);
 
+  Leases& leases_;
   Procedures& procedures_;
   const SlmGeometry slm_;
   std::mutex mutex_;

@@ -21,30 +21,19 @@ namespace ovws {
 /// A procedure: measures with the bench and returns the job's result as JSON.
 using Procedure = std::function<Result<nlohmann::json>(Bench&)>;
 
-/// What a job holds. `hologram`: the sensor, but clients may change the camera's settings.
-/// `nothing`: it only watches frames, and blocks nothing but other jobs.
-enum class Holds { sensor, hologram, nothing };
-
-struct ProceduresDeps {
-  BenchDeps bench;
-  /// Called in any thread when a job that holds something has begun (true) or ended (false).
-  std::function<void(Holds, bool)> on_job;
-};
-
 /// Agent of the procedure thread: runs one procedure at a time.
 class Procedures : public Agent {
  public:
-  explicit Procedures(ProceduresDeps deps) : deps_(std::move(deps)) {}
+  explicit Procedures(BenchDeps deps) : deps_(std::move(deps)) {}
 
-  /// Starts a job, which holds the sensor until the job ends, unless it `holds` nothing.
-  /// Thread-safe. Calls `done` in the prepare thread with the job's number, and begins the
-  /// procedure after `done` has returned. Errc::refused: another job is running, the loop or a
-  /// reload holds the sensor that the job needs, or the daemon is stopping.
-  void start(const std::string& kind, Procedure procedure, std::function<void(Result<int>)> done,
-             Holds holds = Holds::sensor);
-  /// Calls `then` when no procedure runs: at once, or later in the procedure thread.
-  /// Thread-safe.
-  void when_free(std::function<void()> then);
+  /// Starts a job, which has `lease`, one of a job, until it ends. Thread-safe. Calls `done` in the
+  /// prepare thread with the job's number, and begins the procedure after `done` has returned.
+  /// Errc::refused: the daemon is stopping.
+  void start(LeasePtr lease, const std::string& kind, Procedure procedure,
+             std::function<void(Result<int>)> done);
+  /// Calls `then` when the job's lease has ended and what it had changed for itself is restored: at
+  /// once, or later in the procedure thread. Thread-safe.
+  void when_over(int job, std::function<void()> then);
   /// Refuses new jobs and stops the running job within a fraction of a second. Thread-safe.
   void end_soon();
 
@@ -53,24 +42,26 @@ class Procedures : public Agent {
  private:
   struct Run {
     int job = 0;
-    Holds holds = Holds::sensor;
+    LeasePtr lease;
     Procedure procedure;
     std::atomic<bool> stop{false};
     std::atomic<double> progress{0.0};
     std::unique_ptr<Bench> bench;
+    bool told = false;                             ///< its number was told: it may run
+    std::vector<std::function<void()>> waiting{};  ///< of when_over
   };
-  void begin(const std::string& kind, Procedure procedure,
-             const std::function<void(Result<int>)>& done, Holds holds);
+  void begin(const LeasePtr& lease, const std::string& kind, Procedure procedure,
+             const std::function<void(Result<int>)>& done);
   Result<nlohmann::json> carry_out(Run& run);
   void finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result);
-  void release();
+  void restore_sensor(Run& run);
 
-  ProceduresDeps deps_;
+  BenchDeps deps_;
   std::mutex mutex_;
   std::condition_variable asked_;
-  std::shared_ptr<Run> run_;  ///< null: no job runs or waits to run
-  std::vector<std::function<void()>> waiting_;
-  bool begun_ = false;  ///< true while run_ is prepared or running
+  /// The job that runs, and one more that waits while it ends. `told` and `waiting` of each are
+  /// guarded by mutex_.
+  std::vector<std::shared_ptr<Run>> runs_;
   bool ending_ = false;
 };
 

@@ -190,7 +190,7 @@ void write_registration(SensorEdit& edit, const MeasuredRegistration& registrati
 
 void keep_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
   registration.array.use_in(edit.state.sensor);
-  if (edit.lease) registration.array.use_in(edit.lease->sensor);
+  if (edit.before_job) registration.array.use_in(edit.before_job->sensor);
   ++edit.state.sensor_epoch;  // previous spot positions are useless as start points
   write_registration(edit, registration);
 }
@@ -427,10 +427,10 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
         origin_of(edit, calibration.key.sensor, shown_modes(edit.state), edit.bench.levels.get()));
     const auto replaced = replace_calibration(edit.knowledge, std::move(calibration));
     schedule_write(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
-    const bool stays = edit.lease && edit.lease->sensor == edit.state.sensor &&
-                       edit.lease->tracking == edit.state.tracking;
+    const bool stays = edit.before_job && edit.before_job->sensor == edit.state.sensor &&
+                       edit.before_job->tracking == edit.state.tracking;
     edit.state.tracking.mode_operator = OperatorKind::measured;
-    if (stays) edit.lease->tracking.mode_operator = OperatorKind::measured;
+    if (stays) edit.before_job->tracking.mode_operator = OperatorKind::measured;
     return {};
   };
 }

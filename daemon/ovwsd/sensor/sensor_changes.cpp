@@ -109,8 +109,8 @@ SensorChange show_request(ShowRequest what) {
 
 SensorChange restore_previous() {
   return [](SensorEdit& edit) -> Result<void> {
-    if (!edit.lease) return {};
-    static_cast<SensorShown&>(edit.state) = *edit.lease;
+    if (!edit.before_job) return {};
+    static_cast<SensorShown&>(edit.state) = *edit.before_job;
     edit.state.painted.reset();
     return {};
   };

@@ -61,7 +61,7 @@ struct SensorBench {
 struct SensorEdit {
   SensorState state;
   Knowledge knowledge;
-  std::optional<SensorShown> lease;  ///< what to restore when the job that holds the sensor ends
+  std::optional<SensorShown> before_job;  ///< what to restore when the job that runs ends
   SensorBench& bench;
   bool files_only = false;  ///< state and knowledge are unchanged
 

@@ -151,10 +151,9 @@ bool SensorKeeper::do_work() {
   return worked;
 }
 
-void SensorKeeper::edit(Hold as, SensorChange change, Done done, std::function<void()> active) {
+void SensorKeeper::edit(SensorChange change, Done done, std::function<void()> active) {
   mailbox_.post(
-      [this, as, change = std::move(change), done = std::move(done), active = std::move(active)] {
-        if (auto free = may_change(state_.hold, as); !free) return done(fail(free.error()));
+      [this, change = std::move(change), done = std::move(done), active = std::move(active)] {
         SensorEdit edit = new_edit();
         if (auto made = change(edit); !made) return done(fail(made.error()));
         if (!edit.files_only) {
@@ -173,16 +172,22 @@ void SensorKeeper::ask_in_spare_time(std::function<void(const SensorEdit&)> ques
   mailbox_.post([this, question = std::move(question)] { questions_.push_back(question); });
 }
 
-void SensorKeeper::hold(Hold by) {
-  if (by.by == Hold::By::job) lease_ = state_;
-  set_hold(by);
+void SensorKeeper::take_turn(Holder holder, std::function<void()> then) {
+  mailbox_.post([this, holder, then = std::move(then)] {
+    if (holder != state_.holder) {
+      if (before_job_) restore_from_before_job();
+      if (holder == Holder::job) before_job_ = state_;
+      set_holder(holder);
+      if (holder == Holder::nobody) publish_stale();
+    }
+    if (then) then();
+  });
 }
 
-void SensorKeeper::set_hold(Hold by) {
+void SensorKeeper::set_holder(Holder holder) {
   const bool took = takes_templates(state_);
-  state_.hold = by;
-  held_by_.store(by.by);
-  deps_.on_hold(by.by);
+  state_.holder = holder;
+  holder_.store(holder);
   if (took != takes_templates(state_)) plan_again(new_edit());
 }
 
@@ -194,21 +199,10 @@ void SensorKeeper::plan_again(SensorEdit edit) {
   if (plan) adopt(std::move(edit), bound, std::move(*plan));
 }
 
-void SensorKeeper::release(Hold by, std::function<void()> then) {
-  mailbox_.post([this, by, then = std::move(then)] {
-    if (state_.hold == by) {
-      if (lease_) restore_lease();
-      set_hold(Hold::unheld());
-      publish_stale();
-    }
-    then();
-  });
-}
-
-void SensorKeeper::restore_lease() {
+void SensorKeeper::restore_from_before_job() {
   SensorEdit edit = new_edit();
   (void)restore_previous()(edit);
-  lease_.reset();
+  before_job_.reset();
   if (same_hologram(edit.state, state_) && edit.state.tracking == state_.tracking) return;
   const auto restored = activate(edit, Show::when_possible);
   if (!restored) adopt_without_plan(std::move(edit), restored.error());
@@ -264,8 +258,8 @@ void SensorKeeper::discard_for_camera(SensorEdit& edit, const std::optional<Came
         "registration", Severity::warning,
         "the registration is not used: it was measured with another camera; run registration.run",
         {{"t_taken_ns", state.registration->t_taken_ns}, {"used", false}});
-    if (edit.lease && !state.registration->array.empty()) {
-      edit.lease->sensor = bench_.config.sensor;
+    if (edit.before_job && !state.registration->array.empty()) {
+      edit.before_job->sensor = bench_.config.sensor;
     }
     drop_registration(state, bench_.config.sensor);
   }
@@ -344,7 +338,7 @@ void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
   const SensorView before = snapshot();
   state_ = std::move(edit.state);
   knowledge_ = std::move(edit.knowledge);
-  if (lease_) lease_ = std::move(edit.lease);
+  if (before_job_) before_job_ = std::move(edit.before_job);
   auto now = std::make_shared<SensorSnapshot>();
   describe(*now, bound);
   now->mode_operator = {plan->mode_operator, bound.operator_reason};
@@ -373,7 +367,7 @@ void SensorKeeper::adopt_without_plan(SensorEdit edit, const Error& why) {
   (void)present(edit.state, same ? bench_.hologram_id : next_hologram_id_++, Show::when_possible);
   state_ = std::move(edit.state);
   knowledge_ = std::move(edit.knowledge);
-  if (lease_) lease_ = std::move(edit.lease);
+  if (before_job_) before_job_ = std::move(edit.before_job);
   auto now = std::make_shared<SensorSnapshot>(*snapshot());
   describe(*now, bind(state_, knowledge_, bench_.optics));
   now->plan_id = 0;
@@ -407,7 +401,7 @@ void SensorKeeper::describe(SensorSnapshot& now, const Bound& bound) {
 
 /// Not while camera and sensor change together: they fit each other again in the end.
 void SensorKeeper::publish_stale() {
-  if (state_.hold.changes_camera()) return;
+  if (state_.holder != Holder::nobody && state_.holder != Holder::loop) return;
   events_.publish_stale(snapshot()->reference.get(), bench_.camera);
 }
 
@@ -437,8 +431,8 @@ void SensorKeeper::update_files(SensorEdit edit, SensorView changed, Done done) 
 
 void SensorKeeper::undo(SensorEdit& edit, Error why, const Done& done) {
   SensorEdit undo = new_edit();
-  Result<void> undone = may_hold();
-  if (undone) undone = edit.undo(undo);
+  const auto lease = deps_.leases.take(Request::set_measured);
+  Result<void> undone = lease ? edit.undo(undo) : fail(lease.error());
   if (undone) undone = activate(std::move(undo), Show::when_possible);
   if (!undone) {
     why.reason += fmt::format(

@@ -17,7 +17,7 @@
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
 #include "daemon/ovwsd/actor/time_share.hpp"
-#include "daemon/ovwsd/sensor/hold.hpp"
+#include "daemon/ovwsd/lease/leases.hpp"
 #include "daemon/ovwsd/sensor/plans.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 #include "daemon/ovwsd/sensor/sensor_events.hpp"
@@ -32,11 +32,10 @@ struct SensorKeeperDeps {
   SlmLoop& slm;
   Events& events;
   DaemonStore& store;
+  Leases& leases;
   /// Called before a plan becomes active, in the prepare thread. For the first plan it is called in
   /// the thread that calls SensorKeeper::make.
   std::function<void(const MeasurementPlan&, SensorView)> on_plan;
-  /// Called in the prepare thread when the sensor gets a holder, or none.
-  std::function<void(Hold::By)> on_hold = [](Hold::By) {};
 };
 
 /// Agent of the prepare thread. All changes of the sensor are made in this thread.
@@ -56,18 +55,19 @@ class SensorKeeper : public Agent {
   }
 
   SensorView snapshot() const { return snapshot_.get(); }
-  /// Any thread. Held by a job, the sensor takes no templates; with another tracker than `fit`, it
-  /// takes them only while it is held by the loop.
-  Hold::By held_by() const { return held_by_.load(); }
+  /// Who has the sensor for longer than a change. Any thread. While a job has it, it takes no
+  /// templates; with another tracker than `fit`, it takes them only while the loop has it.
+  Holder holder() const { return holder_.load(); }
 
   // Any thread. Requests are carried out in order by the prepare thread, which also calls the
   // callbacks.
 
-  /// Applies a change completely, or not at all. `active` is called once the change is active, and
-  /// not on an error. `done` is called when the change's files have been written or removed, too,
-  /// or at once if it has no files. Errors: those of may_change and of the change; the SLM cannot
-  /// sample the hologram; no plan can be built; the display does not take the hologram.
-  void edit(Hold as, SensorChange change, Done done, std::function<void()> active = nullptr);
+  /// Applies a change completely, or not at all; the caller has a lease of what it changes.
+  /// `active` is called once the change is active, and not on an error. `done` is called when the
+  /// change's files have been written or removed, too, or at once if it has no files. Errors: those
+  /// of the change; the SLM cannot sample the hologram; no plan can be built; the display does not
+  /// take the hologram.
+  void edit(SensorChange change, Done done, std::function<void()> active = nullptr);
   /// Calls `question` with the present state, after all changes requested so far. It changes
   /// nothing.
   void ask(std::function<void(const SensorEdit&)> question);
@@ -76,33 +76,16 @@ class SensorKeeper : public Agent {
   void ask_in_spare_time(std::function<void(const SensorEdit&)> question);
   /// Calls `then` when all changes requested so far have been carried out.
   void after_changes(std::function<void()> then) { mailbox_.post(std::move(then)); }
-  /// Releases the sensor if `by` holds it, then calls `then`. After a job, restores the previous
-  /// settings, and the previous hologram as soon as a display is connected.
-  void release(Hold by, std::function<void()> then);
-  /// For a change in several steps, which different threads carry out. Each step keeps a copy of
-  /// the pointer, and may write its outcome there. When the last copy is destroyed, calls
-  /// `release`, and `then` with the outcome. So a step that throws, or that a closed mailbox drops,
-  /// does not leave the sensor held.
-  template <class T>
-  std::shared_ptr<T> release_with_last(Hold by, T outcome, std::function<void(const T&)> then) {
-    return std::shared_ptr<T>(new T(std::move(outcome)), [this, by, then](T* last) {
-      release(by, [then, last = std::shared_ptr<const T>(last)] { then(*last); });
-    });
-  }
+  /// See Leases::Turn. When a job's turn ends, restores the previous settings, and the previous
+  /// hologram as soon as a display is connected.
+  void take_turn(Holder holder, std::function<void()> then);
   /// Call when the camera's settings or identity have changed. If region or pixel format differ, a
   /// plan for the new image becomes active. Measurements made with another camera are not used.
   void camera_changed(const CameraSettings& camera, const std::optional<CameraInfo>& info);
   /// Builds a plan that measures frames with these templates. No effect if the sensor's epoch has
-  /// changed, or if the sensor takes no templates (held_by). Templates for another reference are
-  /// not used.
+  /// changed, or if the sensor takes no templates (holder). Templates for another reference are not
+  /// used.
   void use_templates(ActiveTemplates templates);
-
-  // Prepare thread only.
-
-  /// Whether the sensor is free to be held. Errc::refused: the message says what to wait for.
-  Result<void> may_hold() const { return may_change(state_.hold, Hold::unheld()); }
-  /// Reserves the sensor for `by` until `release`. The sensor must be free (may_hold).
-  void hold(Hold by);
 
  private:
   SensorKeeper(const Config& config, const SensorKeeperDeps& deps, HologramConfig hologram);
@@ -117,13 +100,13 @@ class SensorKeeper : public Agent {
   bool load_for_slm(const ActiveSlm& slm, Knowledge& knowledge);
   void plan_again(SensorEdit edit);
   void publish_stale();
-  void set_hold(Hold by);
-  void restore_lease();
+  void set_holder(Holder holder);
+  void restore_from_before_job();
   void discard_for_camera(SensorEdit& edit, const std::optional<CameraInfo>& info);
   void update_files(SensorEdit edit, SensorView changed, Done done);
   void undo(SensorEdit& edit, Error why, const Done& done);
   void set_checksum(SensorEdit& edit, const std::string& sha256);
-  SensorEdit new_edit() { return {state_, knowledge_, lease_, bench_}; }
+  SensorEdit new_edit() { return {state_, knowledge_, before_job_, bench_}; }
 
   SensorKeeperDeps deps_;
   SensorBench bench_;
@@ -131,8 +114,8 @@ class SensorKeeper : public Agent {
   Knowledge knowledge_;
   Plans plans_;
   SensorEvents events_;
-  std::atomic<Hold::By> held_by_{Hold::By::nobody};  ///< copy of state_.hold.by for other threads
-  std::optional<SensorShown> lease_;                 ///< settings to restore when the job ends
+  std::atomic<Holder> holder_{Holder::nobody};  ///< copy of state_.holder for other threads
+  std::optional<SensorShown> before_job_;       ///< settings to restore when the job ends
   Mailbox mailbox_;
   std::deque<std::function<void(const SensorEdit&)>> questions_;  ///< of ask_in_spare_time
   TimeShare spare_time_;

@@ -10,8 +10,8 @@
 namespace ovws {
 
 bool takes_templates(const SensorState& state) {
-  if (state.tracking.tracker == TrackerKind::fit) return state.hold.by != Hold::By::job;
-  return state.hold.by == Hold::By::loop;
+  if (state.tracking.tracker == TrackerKind::fit) return state.holder != Holder::job;
+  return state.holder == Holder::loop;
 }
 
 bool shows_sequence(const SensorState& state) {

@@ -12,8 +12,8 @@
 #include "core/optics/hologram.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
+#include "daemon/ovwsd/lease/request_table.hpp"
 #include "daemon/ovwsd/sensor/active_templates.hpp"
-#include "daemon/ovwsd/sensor/hold.hpp"
 #include "daemon/ovwsd/sensor/registration_file.hpp"
 #include "daemon/ovwsd/sensor/sensor_snapshot.hpp"
 #include "daemon/ovwsd/slm/slm_measured.hpp"
@@ -37,12 +37,12 @@ struct SensorState : SensorShown {
   std::shared_ptr<const HologramRenderer> renderer;  ///< draws holograms of `sensor` with `slm`
   /// Increases with every change that invalidates earlier measurements.
   std::uint64_t sensor_epoch = 1;
-  Hold hold;
+  Holder holder = Holder::nobody;
   ActiveTemplates templates;  ///< used if their epoch, reference and calibration match
 };
 
-/// Whether templates may measure frames: with the tracker `fit` unless a job holds the sensor, with
-/// another one only while the loop does.
+/// Whether templates may measure frames: with the tracker `fit` unless a job has the sensor, with
+/// another one only while the loop has it.
 bool takes_templates(const SensorState& state);
 /// Whether the hologram shown is a DMD's sequence of patterns.
 bool shows_sequence(const SensorState& state);

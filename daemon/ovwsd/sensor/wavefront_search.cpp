@@ -183,14 +183,14 @@ bool WavefrontSearch::may_search(const FrameRecord& record) {
   is_flat_.store(!plan.wants_templates() && plan.fit != nullptr && is_flat,
                  std::memory_order_relaxed);
   if (plan.wants_templates()) return true;
-  return plan.may_use_templates() && keeper_.held_by() == Hold::By::loop && !is_flat &&
+  return plan.may_use_templates() && keeper_.holder() == Holder::loop && !is_flat &&
          (plan.fit != nullptr || now_ns - t_valid_ns_ > kLostNs);
 }
 
 bool WavefrontSearch::do_work() {
   validity_.announce(events_, monotonic_ns());
   const bool asked = wanted_.load(std::memory_order_relaxed) || looks_for_calibration();
-  const bool wanted = asked && keeper_.held_by() != Hold::By::job;
+  const bool wanted = asked && keeper_.holder() != Holder::job;
   if (!wanted) {
     giving_up_.reset();
     undescribed_ = explained_ = 0;  // a job's frames may be dark

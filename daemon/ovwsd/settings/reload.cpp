@@ -50,14 +50,13 @@ Result<LoadedConfig> read_again(const std::string& path) {
 
 void Reloader::poll() {
   if (busy_.load() || !requested_.exchange(false)) return;
-  const Turn turn = deps_.keeper.release_with_last<Outcome>(
-      Hold::of_reload(), Outcome(), [this](const Outcome& outcome) { end(outcome); });
+  const auto turn = std::make_shared<Outcome>(*this);
   busy_.store(true);
   service::notify_reloading();
   deps_.disk.post([this, turn] { read(turn); });
 }
 
-/// Reads the file before the reload holds the bench, because a disk may not answer for minutes.
+/// Reads the file before the reload has the bench, because a disk may not answer for minutes.
 void Reloader::read(const Turn& turn) {
   const std::string path = deps_.loaded.get().path;
   if (path.empty()) {
@@ -67,29 +66,10 @@ void Reloader::read(const Turn& turn) {
   }
   const auto read = read_again(path);
   if (!read) return refuse(turn, read.error());
-  deps_.keeper.after_changes([this, turn, read = *read] { begin(turn, read); });
-}
-
-void Reloader::begin(const Turn& turn, const LoadedConfig& read) {
-  if (const auto allowed = deps_.state.check(Action::reload_config); !allowed) {
-    return refuse(turn, allowed.error());
-  }
-  if (const auto free = deps_.keeper.may_hold(); !free) return refuse(turn, free.error());
-  deps_.keeper.hold(Hold::of_reload());
-  await_earlier_changes(turn, read);
-}
-
-/// Waits for the changes that camera and SLM permitted before the reload began: a rollback must
-/// return to what they set. An SLM whose settings stay is not waited for, because a display may not
-/// answer for minutes.
-void Reloader::await_earlier_changes(const Turn& turn, const LoadedConfig& read) {
-  const auto go_on = [this, turn, read] {
-    deps_.keeper.after_changes([this, turn, read] { change(turn, read); });
-  };
-  deps_.camera.after_changes([this, go_on, wanted = settings_of(read.effective.slm)] {
-    if (wanted == deps_.slm.snapshot().settings) return go_on();
-    deps_.slm.change(Asker::holder, {}, [go_on](const Result<SlmSettings>&) { go_on(); });
-  });
+  auto lease = deps_.leases.take(Request::reload);
+  if (!lease) return refuse(turn, lease.error());
+  turn->lease = std::move(*lease);
+  turn->lease->begin([this, turn, read = *read] { change(turn, read); });
 }
 
 void Reloader::change(const Turn& turn, const LoadedConfig& read) {
@@ -110,7 +90,7 @@ void Reloader::change(const Turn& turn, const LoadedConfig& read) {
 void Reloader::change_slm(const Reload& reload) {
   const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
   if (after == before) return select_camera(reload);
-  deps_.slm.change(Asker::holder, SlmSet::difference(before, after),
+  deps_.slm.change(SlmSet::difference(before, after),
                    [this, reload](const Result<SlmSettings>& used) {
                      if (!used)
                        return refuse(reload.turn, with_section("slm", used.error(), reload.read));
@@ -131,7 +111,7 @@ void Reloader::select_camera(const Reload& reload) {
       return roll_back_devices(reload, Error{Errc::invalid, "camera", used->fault});
     change_sensor(reload);
   };
-  deps_.camera.select(Asker::holder, id, change, true, selected);
+  deps_.camera.select(id, change, true, selected);
 }
 
 void Reloader::change_camera(const Reload& reload) {
@@ -158,7 +138,7 @@ void Reloader::change_sensor(const Reload& reload) {
   }
   const bool same = to_json(after) == to_json(before);
   if (same) return finish(reload);
-  deps_.keeper.edit(Hold::of_reload(), set_sensor(std::move(change), after.sensor.masks),
+  deps_.keeper.edit(set_sensor(std::move(change), after.sensor.masks),
                     [this, reload](const Result<SensorView>& used) {
                       if (!used) {
                         return roll_back_camera(reload,
@@ -191,7 +171,7 @@ void Reloader::roll_back_devices(const Reload& reload, const Refusal& refusal) {
   const Config &before = reload.before, &after = reload.after;
   if (after.camera.id == before.camera.id) return roll_back_slm(reload, refusal);
   const CameraSet change = CameraSet::difference(after.camera.settings, before.camera.settings);
-  deps_.camera.select(Asker::holder, before.camera.id, change, true,
+  deps_.camera.select(before.camera.id, change, true,
                       [this, reload, refusal](const Result<CameraSnapshot>& used) {
                         Refusal both = refusal;
                         if (!used) {
@@ -206,7 +186,7 @@ void Reloader::roll_back_devices(const Reload& reload, const Refusal& refusal) {
 void Reloader::roll_back_slm(const Reload& reload, const Refusal& refusal) {
   const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
   if (after == before) return refuse(reload.turn, refusal);
-  deps_.slm.change(Asker::holder, SlmSet::difference(after, before),
+  deps_.slm.change(SlmSet::difference(after, before),
                    [turn = reload.turn, refusal](const Result<SlmSettings>& used) {
                      Refusal both = refusal;
                      if (!used) both.add("SLM's settings", used.error().reason);
@@ -226,13 +206,14 @@ void Reloader::finish(const Reload& reload) {
   deps_.images.set_rate(reload.after.stream.image_rate_hz);
   set_log_level(reload.after.log.level);
   deps_.loaded.set(reload.read);
+  const Turn turn = used.turn;
   deps_.disk.post([used = std::move(used)]() mutable {
     set_aside_if_invalid(used.read);
     report(used);
   });
-  // All is changed: do not hold the bench while the disk may not answer. A client's config.save
+  // All is changed: do not keep the bench while the disk may not answer. A client's config.save
   // comes to the disk after this task.
-  deps_.keeper.release(Hold::of_reload(), [] {});
+  turn->lease->end();
 }
 
 void Reloader::report(const Reload& reload) {
@@ -249,13 +230,12 @@ void Reloader::report(const Reload& reload) {
   }
   const bool all_used =
       restart.empty() && reload.read.unused_reason.empty() && !reload.refine_error;
-  *reload.turn = {all_used ? Severity::info : Severity::warning,
-                  std::move(text),
-                  {{"reloaded", true},
-                   {"applied", live},
-                   {"restart", restart},
-                   {"saved", reload.read.saved},
-                   {"edited", reload.read.edited}}};
+  reload.turn->say(all_used ? Severity::info : Severity::warning, std::move(text),
+                   {{"reloaded", true},
+                    {"applied", live},
+                    {"restart", restart},
+                    {"saved", reload.read.saved},
+                    {"edited", reload.read.edited}});
 }
 
 void Reloader::refuse(const Turn& turn, const Refusal& refusal) {
@@ -264,14 +244,14 @@ void Reloader::refuse(const Turn& turn, const Refusal& refusal) {
                                      ? "nothing has changed"
                                      : fmt::format("all but the {} is unchanged",
                                                    fmt::join(refusal.not_restored, " and the "));
-  *turn = {Severity::error,
-           fmt::format("configuration not reloaded, {}: {}", what_stays, text_of(why)),
-           {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}}};
+  turn->say(Severity::error,
+            fmt::format("configuration not reloaded, {}: {}", what_stays, text_of(why)),
+            {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }
 
-/// Called when the bench has been released, because a client may start a job as soon as it receives
-/// the event.
-void Reloader::end(const Outcome& outcome) {
+/// Ends the lease first, because a client may start a job as soon as it receives the event.
+void Reloader::end(Outcome& outcome) {
+  outcome.lease.reset();
   deps_.events.emit("config", outcome.severity, outcome.text, outcome.data);
   service::notify_ready();
   busy_.store(false);

@@ -13,8 +13,8 @@
 #include "config/config.hpp"
 #include "daemon/ovwsd/actor/disk.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
-#include "daemon/ovwsd/actor/state_keeper.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
+#include "daemon/ovwsd/lease/leases.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
@@ -28,7 +28,7 @@ namespace ovws {
 struct ReloadDeps {
   const Config& config;           ///< configuration at the daemon's start
   Guarded<LoadedConfig>& loaded;  ///< last loaded; an applied reload replaces it
-  const StateKeeper& state;
+  Leases& leases;
   CameraActor& camera;
   SlmLoop& slm;
   SensorKeeper& keeper;
@@ -41,10 +41,9 @@ struct ReloadDeps {
 /// Applies one reload at a time, completely or not at all. Changes SLM, camera, then sensor, as the
 /// methods of the control socket do; refinement (an error is a warning), image rate and log follow.
 /// If one of the first three refuses, the earlier changes are rolled back. A reload reads the file
-/// first. Then, from before it reads what is in use until all is changed, it holds the bench: no
-/// job starts, and clients' changes of SLM, camera, sensor and refinement are refused, so it never
-/// undoes one. Keys that need a restart are reported, but not applied. An event of kind `config`
-/// reports the outcome.
+/// first. Then, from before it reads what is in use until all is changed, it has a lease of the
+/// bench, so it never undoes a client's change. Keys that need a restart are reported, but not
+/// applied. An event of kind `config` reports the outcome.
 class Reloader {
  public:
   explicit Reloader(ReloadDeps deps) : deps_(std::move(deps)) {}
@@ -55,15 +54,27 @@ class Reloader {
   void poll();
 
  private:
-  /// What the event at the end of a reload says. At first: that a step threw or was dropped.
+  /// One reload. Every step keeps a pointer to it, and when the last one is gone, the reload ends,
+  /// and an event says how: at first, that a step threw or was dropped.
   struct Outcome {
+    explicit Outcome(Reloader& of) : reloader(of) {}
+    ~Outcome() { reloader.end(*this); }
+    Outcome(const Outcome&) = delete;
+    Outcome& operator=(const Outcome&) = delete;
+    void say(Severity how_bad, std::string what, nlohmann::json with) {
+      severity = how_bad;
+      text = std::move(what);
+      data = std::move(with);
+    }
+
+    Reloader& reloader;
+    LeasePtr lease;  ///< from `begin` on, until all is changed
     Severity severity = Severity::error;
     std::string text =
         "configuration not reloaded: a step of the reload did not end; see the events for the "
         "cause, check the settings in use, and reload again";
     nlohmann::json data{{"reloaded", false}, {"field", ""}, {"reason", "a step did not end"}};
   };
-  /// Every step of a reload keeps a copy. When the last one is destroyed, the reload ends.
   using Turn = std::shared_ptr<Outcome>;
   struct Reload {
     Turn turn;
@@ -82,8 +93,6 @@ class Reloader {
   };
 
   void read(const Turn& turn);
-  void begin(const Turn& turn, const LoadedConfig& read);
-  void await_earlier_changes(const Turn& turn, const LoadedConfig& read);
   void change(const Turn& turn, const LoadedConfig& read);
   void change_slm(const Reload& reload);
   void select_camera(const Reload& reload);
@@ -95,7 +104,7 @@ class Reloader {
   void roll_back_devices(const Reload& reload, const Refusal& refusal);
   void roll_back_slm(const Reload& reload, const Refusal& refusal);
   static void refuse(const Turn& turn, const Refusal& refusal);
-  void end(const Outcome& outcome);
+  void end(Outcome& outcome);
 
   ReloadDeps deps_;
   std::atomic<bool> requested_{false};

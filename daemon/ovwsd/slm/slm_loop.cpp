@@ -193,11 +193,11 @@ void SlmLoop::list_outputs(OutputsDone done) {
   done(fail(stopping()));
 }
 
-void SlmLoop::change(Asker as, SlmSet change, SettingsDone done) {
+void SlmLoop::change(SlmSet change, SettingsDone done) {
   {
     const std::lock_guard lock(mutex_);
     if (!closed_) {
-      pending_.changes.push_back({as, std::move(change), std::move(done)});
+      pending_.changes.push_back({std::move(change), std::move(done)});
       ready_.notify_one();
       return;
     }
@@ -206,8 +206,6 @@ void SlmLoop::change(Asker as, SlmSet change, SettingsDone done) {
 }
 
 Result<SlmSettings> SlmLoop::use(const Change& asked) {
-  const auto allowed = asked.as == Asker::client ? deps_.may_change() : Result<void>{};
-  if (!allowed) return fail(allowed.error());
   const SlmSettings before = settings_of(config_), wanted = asked.change.applied_to(before);
   SlmConfig next = config_;
   use_settings(next, wanted);

@@ -21,7 +21,6 @@
 #include "core/rt/agent.hpp"
 #include "core/rt/counters.hpp"
 #include "core/rt/latest_value.hpp"
-#include "daemon/ovwsd/actor/asker.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/time_share.hpp"
 #include "daemon/shared/guarded.hpp"
@@ -69,8 +68,6 @@ struct SlmLoopDeps {
   /// before its events. snapshot() waits meanwhile: other threads see the change and what this call
   /// makes of it together. It must not call snapshot().
   std::function<void(const SlmSnapshot&)> on_change;
-  /// Checks whether a client may change the settings now. Main thread.
-  std::function<Result<void>()> may_change = [] { return Result<void>{}; };
 };
 
 /// The settings of a configuration that can change at run time, and a configuration with others.
@@ -112,7 +109,7 @@ class SlmLoop : public Agent {
   /// Changes the settings, all or nothing, and reopens the display if it is another output.
   /// Thread-safe; `done` gets the settings in use, in the main thread (after close: in the
   /// caller's). Errors: the output cannot be used; the former settings stay in use.
-  void change(Asker as, SlmSet change, SettingsDone done);
+  void change(SlmSet change, SettingsDone done);
 
   SlmSnapshot snapshot() const { return snapshot_.get(); }
 
@@ -125,7 +122,6 @@ class SlmLoop : public Agent {
   };
   /// A call of `change`.
   struct Change {
-    Asker as;
     SlmSet change;
     SettingsDone done;
   };

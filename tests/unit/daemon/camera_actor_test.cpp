@@ -94,11 +94,9 @@ class CameraActorTest : public testing::Test {
 
   void open() {
     actor_.emplace(config_, CameraActorDeps{pipeline_, settings_, counters_, events_,
-                                            [this] { return may_change_; },
                                             [this](const CameraSnapshot& now) {
                                               if (on_change_) on_change_(now);
-                                            },
-                                            [this] { return may_select_; }});
+                                            }});
     actor_->do_work();
     EXPECT_TRUE(actor_->snapshot().connected) << actor_->snapshot().fault;
   }
@@ -106,8 +104,7 @@ class CameraActorTest : public testing::Test {
     CameraSet change;
     change.put(&CameraSettings::gain_db, gain_db);
     std::optional<Result<CameraSnapshot>> answer;
-    actor_->change(Asker::holder, change,
-                   [&](Result<CameraSnapshot> set) { answer = std::move(set); });
+    actor_->change(change, [&](Result<CameraSnapshot> set) { answer = std::move(set); });
     actor_->do_work();
     return answer.value_or(fail(Errc::internal, "", "no answer"));
   }
@@ -123,8 +120,7 @@ class CameraActorTest : public testing::Test {
     CameraSet change;
     if (gain_db) change.put(&CameraSettings::gain_db, *gain_db);
     std::optional<Result<CameraSnapshot>> answer;
-    actor_->select(Asker::client, id, change, wait,
-                   [&](Result<CameraSnapshot> now) { answer = std::move(now); });
+    actor_->select(id, change, wait, [&](Result<CameraSnapshot> now) { answer = std::move(now); });
     actor_->do_work();
     return answer.value_or(fail(Errc::internal, "", "no answer"));
   }
@@ -153,7 +149,6 @@ class CameraActorTest : public testing::Test {
   LatestValue<ShownHologram> shown_;
   LatestValue<AppliedSettings> settings_;
   Pipeline pipeline_{PipelineConfig{}, {counters_, shown_, settings_}};
-  Result<void> may_change_, may_select_;
   std::function<void(const CameraSnapshot&)> on_change_;
   std::optional<CameraActor> actor_;
   std::atomic<bool> ended_{false};
@@ -197,8 +192,7 @@ TEST_F(CameraActorTest, GainThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
   device_.rounds_gains = true;
   CameraSet change;
   change.put(&CameraSettings::gain_db, 4.3);
-  actor_->change(Asker::client, change,
-                 [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
+  actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
   actor_->do_work();
   EXPECT_EQ(actor_->snapshot().settings.gain_db, 4.0);
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
@@ -208,8 +202,7 @@ TEST_F(CameraActorTest, GainThatTheCameraRoundsIsKnownAsReadBackAndAsAskedFor) {
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
   device_.refuses_gains = true;
   change.put(&CameraSettings::gain_db, 7.1);
-  actor_->change(Asker::client, change,
-                 [](const Result<CameraSnapshot>& set) { EXPECT_FALSE(set); });
+  actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_FALSE(set); });
   actor_->do_work();
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 4.3);
 }
@@ -218,8 +211,7 @@ TEST_F(CameraActorTest, GainBroughtIntoRangeIsAskedForAsThat) {
   CameraSet change;
   change.put(&CameraSettings::gain_db, 60.0);
   change.set_clamp(true);
-  actor_->change(Asker::client, change,
-                 [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
+  actor_->change(change, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
   actor_->do_work();
   EXPECT_EQ(actor_->snapshot().asked.gain_db, 48.0);
 }
@@ -241,8 +233,7 @@ TEST_F(CameraActorTest, GainThatCannotBePutBackIsAnEventAndIsAskedForNextTime) {
   CameraSet exposure;
   exposure.put(&CameraSettings::exposure_us, 500.0);
   bool set = false;
-  actor_->change(Asker::client, exposure,
-                 [&set](const Result<CameraSnapshot>& now) { set = bool(now); });
+  actor_->change(exposure, [&set](const Result<CameraSnapshot>& now) { set = bool(now); });
   actor_->do_work();
   EXPECT_TRUE(set);
   ASSERT_TRUE(device_.asked);
@@ -319,8 +310,7 @@ TEST_F(CameraActorTest, TheDaemonsStateIsUpdatedBeforeAnEventOrASnapshotReportsT
 TEST_F(CameraActorTest, CameraThatLostPowerDuringASetIsOpenedAgainWithAllThatWasAsked) {
   CameraSet exposure;
   exposure.put(&CameraSettings::exposure_us, 300.0);
-  actor_->change(Asker::client, exposure,
-                 [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
+  actor_->change(exposure, [](const Result<CameraSnapshot>& set) { EXPECT_TRUE(set); });
   actor_->do_work();
   device_.loses_power = true;
   const auto set = set_for_job(5.0);
@@ -371,43 +361,6 @@ TEST_F(CameraActorTest, AnAbsentCameraIsOnlySelectedIfItIsWaitedFor) {
   EXPECT_FALSE(waits->connected);
   EXPECT_EQ(waits->id, "absent");
   EXPECT_EQ(waits->settings.gain_db, 7.0) << "for its next connection";
-}
-
-TEST_F(CameraActorTest, NoCameraIsSelectedWhenItMayNotBeAnyMore) {
-  may_select_ = fail(Errc::refused, "", "the loop is closed");
-  const auto refused = select("other", 7.0, true);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().reason, "the loop is closed");
-  EXPECT_TRUE(actor_->snapshot().connected);
-  EXPECT_NE(actor_->snapshot().id, "other");
-}
-
-TEST_F(CameraActorTest, AHolderChangesWhatClientsMayNot) {
-  CameraSet change;
-  change.put(&CameraSettings::gain_db, 5.0);
-  std::vector<std::string> order;
-  const auto note = [&order](const char* who) {
-    return [&order, who](const Result<CameraSnapshot>& set) {
-      order.push_back(std::string(who) + (set ? " changed" : " refused"));
-    };
-  };
-  actor_->change(Asker::client, change, note("early client"));
-  actor_->after_changes([&order] { order.push_back("all before"); });
-  actor_->do_work();
-  may_change_ = may_select_ = fail(Errc::refused, "", "the configuration is being reloaded");
-  change.put(&CameraSettings::gain_db, 7.0);
-  actor_->change(Asker::client, change, note("client"));
-  actor_->select(Asker::client, "other", {}, true, note("client"));
-  change.put(&CameraSettings::gain_db, 6.0);
-  actor_->change(Asker::holder, change, note("holder"));
-  actor_->change_or_keep(change, note("holder"));
-  actor_->select(Asker::holder, "other", {}, true, note("holder"));
-  for (int turn = 0; turn < 6; ++turn) actor_->do_work();
-  EXPECT_EQ(order, (std::vector<std::string>{"early client changed", "all before", "client refused",
-                                             "client refused", "holder changed", "holder changed",
-                                             "holder changed"}));
-  EXPECT_EQ(actor_->snapshot().settings.gain_db, 6.0);
-  EXPECT_EQ(actor_->snapshot().id, "other");
 }
 
 TEST_F(CameraActorTest, SaysWhyNoFrameCanBeUsed) {

@@ -55,7 +55,10 @@ class ClosedLoopTest : public testing::Test {
     bench_.optics().set_truth(dark);
   }
   Result<LoopReport> close(const LoopSettings& settings = {}) {
-    return answer_of([&](auto reply) { loop_.close(settings, std::move(reply)); });
+    auto lease = bench_.leases().take(Request::close_loop);
+    if (!lease) return fail(lease.error());
+    return answer_of(
+        [&](auto reply) { loop_.close(std::move(*lease), settings, std::move(reply)); });
   }
   Result<LoopReport> open(bool keep) {
     return answer_of([&](auto reply) { loop_.open(keep, std::move(reply)); });
@@ -107,22 +110,12 @@ class ClosedLoopTest : public testing::Test {
     return waves;
   }
 
-  /// The state changes first: who reads the report, or of the loop in a frame, may act upon it.
-  void tell(bool closed) {
-    EXPECT_NE(loop_.report().closed, closed);
-    EXPECT_NE(loop_.is_closed(), closed);
-    is_closed_ = closed;
-  }
-
   test::SimulatedBench bench_;
-  ClosedLoop loop_{
-      {bench_.keeper(), bench_.slm(), bench_.events(), [this](bool closed) { tell(closed); },
-       [this] { return finds_ ? monotonic_ns() : 0; }, [this] { return why_invalid_; },
-       [this] { return has_bench_.load(); }, [](const std::string&, const nlohmann::json&) {}}};
+  ClosedLoop loop_{{bench_.keeper(), bench_.leases(), bench_.slm(), bench_.events(),
+                    [this] { return finds_ ? monotonic_ns() : 0; }, [this] { return why_invalid_; },
+                    [](const std::string&, const nlohmann::json&) {}}};
   std::string why_invalid_;         ///< set it before the loop closes
   std::atomic<bool> finds_{false};  ///< lost spots are found all the time
-  std::atomic<bool> has_bench_{true};
-  std::atomic<bool> is_closed_{false};  ///< as on_change last said
   std::atomic<int> turns_{0};
   std::atomic<bool> end_{false};
 
@@ -148,7 +141,7 @@ TEST_F(ClosedLoopTest, CorrectsAHiddenWavefrontAndKeepsOrDropsTheCorrectionWhenO
   EXPECT_FALSE(kept->closed);
   EXPECT_EQ(kept->opened_because, LoopReport::kOpenedOnRequest);
   EXPECT_LT(*kept->residual_rms_waves, 0.02);
-  EXPECT_FALSE(is_closed_);
+  EXPECT_FALSE(loop_.is_closed());
   EXPECT_NEAR(correction_of(3), -0.05, 0.01);
   EXPECT_NEAR(correction_of(4), 0.08, 0.01);
   for (const double waves : bench_.mean_waves(10)) EXPECT_NEAR(waves, 0.0, 0.01);
@@ -215,7 +208,7 @@ TEST_F(ClosedLoopTest, IsWatchedForItsDisturbance) {
         series = std::move(*found);
         return nlohmann::json();
       },
-      Holds::nothing);
+      Request::watch);
   ASSERT_TRUE(watched) << watched.error().reason;
   ASSERT_GE(series.modes_j.size(), 4U);
   EXPECT_EQ(series.modes_j[3], 4);
@@ -254,7 +247,7 @@ TEST_F(ClosedLoopTest, OpensByItselfWhenNoUsableFrameComes) {
   take_reference_frames();
   ASSERT_TRUE(close({.patience_s = kPatienceS}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
-  ASSERT_TRUE(is_closed_);
+  ASSERT_TRUE(loop_.is_closed());
   switch_off_the_light();
   ASSERT_TRUE(opens_by_itself());
   EXPECT_EQ(loop_.report().opened_because,
@@ -279,7 +272,7 @@ TEST_F(ClosedLoopTest, StaysClosedAsLongAsLostSpotsAreFound) {
   switch_off_the_light();
   finds_ = true;
   pass_twice_the_patience();
-  EXPECT_TRUE(is_closed_) << loop_.report().opened_because;
+  EXPECT_TRUE(loop_.is_closed()) << loop_.report().opened_because;
   finds_ = false;
   ASSERT_TRUE(opens_by_itself());
 }
@@ -288,11 +281,11 @@ TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileTheBenchIsNotConnected) {
   take_reference_frames();
   ASSERT_TRUE(close({.patience_s = kPatienceS}));
   ASSERT_TRUE(wait_for([&] { return loop_.report().steps >= 1; }));
-  has_bench_ = false;
+  bench_.leases().set(&Conditions::display, false);
   switch_off_the_light();
   pass_twice_the_patience();
-  EXPECT_TRUE(is_closed_) << loop_.report().opened_because;
-  has_bench_ = true;
+  EXPECT_TRUE(loop_.is_closed()) << loop_.report().opened_because;
+  bench_.leases().set(&Conditions::display, true);
   ASSERT_TRUE(opens_by_itself());
 }
 

@@ -87,10 +87,10 @@ class Keeper : public testing::Test {
     });
     auto made =
         SensorKeeper::make(config_, {parts_->pipeline, parts_->slm, parts_->events, parts_->store,
-                                     [](const MeasurementPlan&, SensorView) {},
-                                     [this](Hold::By by) { holder_ = by; }});
+                                     parts_->leases, [](const MeasurementPlan&, SensorView) {}});
     ASSERT_TRUE(made) << made.error().reason;
     keeper_ = std::move(*made);
+    parts_->leases.set(&Conditions::started, true);
   }
   void end() {
     keeper_.reset();
@@ -100,14 +100,13 @@ class Keeper : public testing::Test {
   }
 
   /// Makes a change, carries out all queued work, and returns the keeper's answer.
-  Result<SensorView> edit(Hold as, SensorChange change) {
+  Result<SensorView> edit(SensorChange change) {
     std::optional<Result<SensorView>> answer;
-    keeper_->edit(as, std::move(change), [&](Result<SensorView> now) { answer = std::move(now); });
+    keeper_->edit(std::move(change), [&](Result<SensorView> now) { answer = std::move(now); });
     work();
     EXPECT_TRUE(answer);
     return answer ? *answer : fail(Errc::internal, "", "no answer");
   }
-  Result<SensorView> edit(SensorChange change) { return edit(Hold::unheld(), std::move(change)); }
   void work() {
     bool idle = false;
     keeper_->after_changes([] {});
@@ -124,8 +123,9 @@ class Keeper : public testing::Test {
     }
     return texts;
   }
-  void release(Hold by) {
-    keeper_->release(by, [] {});
+  /// Lets `holder` have the sensor from now on.
+  void turn_to(Holder holder) {
+    keeper_->take_turn(holder, nullptr);
     work();
   }
 
@@ -135,11 +135,9 @@ class Keeper : public testing::Test {
     map.px_per_cycle = {scale, 0.0, 0.0, scale};
     map.base_px = {130.0, 120.0};
     map.t_taken_ns = 5;
-    const Hold job = Hold::of_job(1);
-    work();
-    keeper_->hold(job);
-    ASSERT_TRUE(edit(job, use_registration(map)));
-    release(job);
+    turn_to(Holder::job);
+    ASSERT_TRUE(edit(use_registration(map)));
+    turn_to(Holder::nobody);
   }
   /// The texts of the queued events of severity `error`.
   std::vector<std::string> errors() {
@@ -163,6 +161,7 @@ class Keeper : public testing::Test {
     std::atomic<std::uint64_t> opened_with_id{kNotOpened};  ///< hologram of the open display
     StreamQueue queue;
     Events events{queue};
+    Leases leases{events, false};
     LatestValue<ShownHologram> shown;
     LatestValue<AppliedSettings> settings;
     SlmLoop slm;
@@ -176,7 +175,6 @@ class Keeper : public testing::Test {
   std::unique_ptr<Parts> parts_;
   std::thread display_;
   std::unique_ptr<SensorKeeper> keeper_;
-  Hold::By holder_ = Hold::By::nobody;  ///< as on_hold said
 };
 
 }  // namespace ovws::test

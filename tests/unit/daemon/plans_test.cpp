@@ -162,9 +162,9 @@ TEST_F(PlansTest, APlanGetsTheTemplatesOfItsStateAndNoOthers) {
 
 TEST_F(PlansTest, NoTemplatesAreAwaitedWherePositionsCount) {
   state_.templates = templates();
-  state_.hold = Hold::of_job(1);
+  state_.holder = Holder::job;
   expect_no_templates(false, "a job measures by positions");
-  state_.hold = Hold::unheld();
+  state_.holder = Holder::nobody;
   state_.templates.fit = nullptr;
   expect_no_templates(true, "not rendered yet");
   state_.templates.given_up = true;
@@ -182,7 +182,7 @@ TEST_F(PlansTest, AnotherTrackerUsesTemplatesOnlyInAClosedLoop) {
   state_.tracking.tracker = TrackerKind::lg;
   state_.templates = templates();
   EXPECT_EQ(built()->fit, nullptr) << "loop open";
-  state_.hold = Hold::of_loop();
+  state_.holder = Holder::loop;
   EXPECT_EQ(built()->fit, state_.templates.fit);
   state_.templates.fit = nullptr;
   expect_no_templates(false, "it does not wait for them");

@@ -13,14 +13,13 @@ using test::Keeper, test::kFirst, test::kSecond;
 
 TEST_F(Keeper, WhatWasMeasuredOfAnotherImageIsRefused) {
   const std::uint64_t epoch = keeper_->snapshot()->sensor_epoch;
-  const Hold job = Hold::of_job(1);
-  keeper_->hold(job);
+  turn_to(Holder::job);
   CameraSettings camera = config_.camera.settings;
   camera.roi = {16, 0, 640, 816};
   keeper_->camera_changed(camera, std::nullopt);
   work();
   const auto spots = std::make_shared<std::vector<ReferenceSpots>>();
-  const auto refused = edit(job, use_reference(epoch, {}, spots));
+  const auto refused = edit(use_reference(epoch, {}, spots));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().field, "camera");
   EXPECT_FALSE(keeper_->snapshot()->reference);
@@ -91,13 +90,12 @@ TEST_F(Keeper, AnotherCameraIsJudgedByItsOwnImageAlone) {
 TEST_F(Keeper, WhatAJobHadChangedIsRestoredEvenIfTheCamerasImageCannotBeMeasuredAnyMore) {
   use_map(160.0);  // lambda/d of 5 px: too small for a colour camera
   const Image<std::uint8_t> user = screen_.picture();
-  const Hold job = Hold::of_job(2);
-  keeper_->hold(job);
+  turn_to(Holder::job);
   const Painter white = [](const HologramRenderer&, Image<std::uint8_t>& grey) {
     grey = Image<std::uint8_t>(160, 96);
     std::fill(grey.pixels.begin(), grey.pixels.end(), std::uint8_t(255));
   };
-  ASSERT_TRUE(edit(job, show_request({{}, white})));
+  ASSERT_TRUE(edit(show_request({{}, white})));
   ASSERT_NE(screen_.picture().pixels, user.pixels);
   CameraSettings colour = config_.camera.settings;
   colour.pixel_format = PixelFormat::bayer_rg8;
@@ -105,11 +103,10 @@ TEST_F(Keeper, WhatAJobHadChangedIsRestoredEvenIfTheCamerasImageCannotBeMeasured
   work();
   EXPECT_EQ(errors().size(), 1U);
   const std::int64_t t_since_ns = keeper_->snapshot()->obstacle.t_since_ns;
-  release(job);
+  turn_to(Holder::nobody);
   EXPECT_EQ(errors().size(), 1U);
   EXPECT_EQ(keeper_->snapshot()->plan_id, 0U);
   EXPECT_EQ(keeper_->snapshot()->obstacle.t_since_ns, t_since_ns) << "it goes on";
-  EXPECT_TRUE(keeper_->may_hold());
   EXPECT_EQ(screen_.picture().pixels, user.pixels);
   keeper_->camera_changed(config_.camera.settings, std::nullopt);
   work();
@@ -122,8 +119,8 @@ TEST_F(Keeper, AStartWithAnotherLensThanTheRegistrationsSaysSo) {
   map.px_per_cycle = {900.0, 0.0, 0.0, 900.0};
   map.base_px = {130.0, 120.0};
   map.t_taken_ns = 5;
-  keeper_->hold(Hold::of_job(1));
-  ASSERT_TRUE(edit(Hold::of_job(1), use_registration(map)));
+  turn_to(Holder::job);
+  ASSERT_TRUE(edit(use_registration(map)));
   const auto warned = [this] {
     bool found = false;
     while (const auto message = parts_->queue.take()) {

@@ -69,69 +69,33 @@ TEST_F(Keeper, ChangesNothingWithoutADisplay) {
   EXPECT_EQ(keeper_->snapshot(), before);
 }
 
-TEST_F(Keeper, IsChangedByWhoHoldsItOnly) {
-  const Hold job = Hold::of_job(7);
-  ASSERT_TRUE(keeper_->may_hold());
+TEST_F(Keeper, WhatAJobShowsIsTakenBackWhenItsTurnEnds) {
   ASSERT_TRUE(edit(set_aberration({{3, 0.1}})));
-  keeper_->hold(job);
-  EXPECT_FALSE(keeper_->may_hold());
   const Image<std::uint8_t> user = screen_.picture();
-  for (const Hold& other : {Hold::unheld(), Hold::of_loop(), Hold::of_job(8)}) {
-    const auto refused = edit(other, set_aberration({}));
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, Errc::refused);
-  }
-  const auto shown = edit(job, show_request({{{5, 0.3}}, nullptr}));
+  turn_to(Holder::job);
+  EXPECT_EQ(keeper_->holder(), Holder::job);
+  const auto shown = edit(show_request({{{5, 0.3}}, nullptr}));
   ASSERT_TRUE(shown);
   EXPECT_EQ((*shown)->aberration, (std::vector<Mode>{{5, 0.3}}));
-  release(Hold::of_job(8));
-  EXPECT_FALSE(keeper_->may_hold()) << "it is another job's";
-  release(job);
-  EXPECT_TRUE(keeper_->may_hold());
+  turn_to(Holder::nobody);
+  EXPECT_EQ(keeper_->holder(), Holder::nobody);
   EXPECT_EQ(keeper_->snapshot()->aberration, (std::vector<Mode>{{3, 0.1}}));
   EXPECT_EQ(screen_.picture().pixels, user.pixels);
-  EXPECT_FALSE(edit(job, show_request({{{5, 0.3}}, nullptr}))) << "it has ended";
 }
 
 TEST_F(Keeper, AJobThatEndsWithoutADisplayIsTakenBackAllTheSame) {
-  const Hold job = Hold::of_job(1);
-  keeper_->hold(job);
-  ASSERT_TRUE(edit(job, show_request({{{5, 0.3}}, nullptr})));
+  turn_to(Holder::job);
+  ASSERT_TRUE(edit(show_request({{{5, 0.3}}, nullptr})));
   screen_.there = false;
-  release(job);
-  EXPECT_TRUE(keeper_->may_hold());
+  turn_to(Holder::nobody);
   EXPECT_TRUE(keeper_->snapshot()->aberration.empty());
 }
 
-TEST_F(Keeper, LetsTheAberrationChangeWhileTheLoopIsClosed) {
-  keeper_->hold(Hold::of_loop());
-  EXPECT_TRUE(edit(Hold::of_loop(), set_aberration({{3, 0.1}})));
-  EXPECT_TRUE(edit(Hold::of_loop(), set_correction({{3, 0.1}})));
-  EXPECT_FALSE(edit(set_correction({})));
-  EXPECT_FALSE(edit(show_pattern(HologramKind::flat)));
-  release(Hold::of_loop());
-  EXPECT_TRUE(edit(set_correction({})));
-}
-
-TEST_F(Keeper, IsReleasedByTheLastStepOfAChangeAlsoIfThatThrowsOrIsDropped) {
-  for (const bool throws : {true, false}) {
-    Mailbox other;
-    std::string outcome;
-    keeper_->hold(Hold::of_lattice());
-    auto turn = keeper_->release_with_last<std::string>(
-        Hold::of_lattice(), "did not end", [&](const std::string& last) { outcome = last; });
-    other.post([turn] { throw std::runtime_error(*turn); });
-    turn.reset();
-    work();
-    EXPECT_EQ(holder_, Hold::By::lattice) << "a step waits";
-    if (throws) {
-      EXPECT_THROW(other.run_one(std::chrono::milliseconds(0)), std::runtime_error);
-    }
-    other.close();
-    work();
-    EXPECT_EQ(holder_, Hold::By::nobody);
-    EXPECT_EQ(outcome, "did not end");
-  }
+TEST_F(Keeper, WhatTheLoopShowsStaysWhenItsTurnEnds) {
+  turn_to(Holder::loop);
+  ASSERT_TRUE(edit(set_correction({{3, 0.1}})));
+  turn_to(Holder::nobody);
+  EXPECT_EQ(keeper_->snapshot()->correction, (std::vector<Mode>{{3, 0.1}}));
 }
 
 TEST_F(Keeper, DropsItsQuestionsWhenItsThreadEnds) {

@@ -112,25 +112,26 @@ TEST(Procedures, AJobRestoresWhatAClientSetJustBeforeIt) {
   });
   CameraSet change;
   change.put(&CameraSettings::exposure_us, 900.0);
+  auto lease = bench.leases().take(Request::set_camera);
+  ASSERT_TRUE(lease);
   std::atomic<bool> accepted{false};
-  bench.camera_actor().change(Asker::client, change,
-                              [&](const Result<CameraSnapshot>& set) { accepted = bool(set); });
+  bench.camera_actor().change(
+      change, [&accepted, lease = std::move(*lease)](const Result<CameraSnapshot>& set) mutable {
+        accepted = bool(set);
+        lease.reset();
+      });
   begun.get_future().wait();
-  std::thread later;
+  std::thread client([&] { may_end.set_value(); });
   const auto run = bench.run("test", [&](Bench& on) -> Result<nlohmann::json> {
-    later = std::thread([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));  // while the job asks, too
-      may_end.set_value();
-    });
+    EXPECT_TRUE(accepted) << "the job begins when the change has ended";
     CameraSet own;
     own.put(&CameraSettings::exposure_us, 500.0);
     if (auto set = on.set_camera(own); !set) return fail(set.error());
     return nlohmann::json{};
   });
-  later.join();
+  client.join();
   bench.optics().before_apply({});
   ASSERT_TRUE(run) << run.error().reason;
-  EXPECT_TRUE(accepted);
   EXPECT_EQ(bench.camera().settings.exposure_us, 900.0);
 }
 
@@ -388,8 +389,10 @@ TEST(Procedures, AProcedureBeginsAfterItsNumberWasTold) {
   std::promise<void> begins;
   const auto begun = begins.get_future().share();
   std::atomic<bool> waits{false};
+  auto lease = bench.leases().take(Request::run_job);
+  ASSERT_TRUE(lease);
   bench.procedures().start(
-      "calibration.run",
+      std::move(*lease), "calibration.run",
       [&](Bench&) -> Result<nlohmann::json> {
         begins.set_value();
         return nlohmann::json{};
@@ -404,7 +407,7 @@ TEST(Presentations, EveryOrderIsAnsweredEvenAfterAnException) {
   SimulatedBench bench;
   ASSERT_TRUE(bench.is_running());
   const SlmGeometry& slm = bench.config().slm.geometry;
-  Presentations presentations(bench.procedures(), slm);
+  Presentations presentations(bench.leases(), bench.procedures(), slm);
   SlmPresent order;
   order.type = PictureType::grey;
   order.shape = {slm.height_px, slm.width_px};
