@@ -41,7 +41,6 @@ struct ReferenceName;
 struct RefineReport;
 struct RefineSetReport;
 struct SavedReport;
-struct SensorAdvise;
 struct SensorReport;
 struct SensorSetReport;
 struct ShowReport;
@@ -340,12 +339,6 @@ inline constexpr auto kRegistrationRun = method<RegistrationRun, JobNumber>(
     "is shown with known gratings, and its spot is found. Returns at once; the job's result is "
     "that of registration.get, and is active from then on. Uses a shorter exposure for the "
     "time of the job if the spot is saturated.");
-inline constexpr auto kSensorAdvise = method<SensorAdvise, JobNumber>(
-    "sensor.advise",
-    "Compares 3 to 13 subapertures across and charges 0 to 2 on the configured bench, and says "
-    "which measures the wanted modes with the smallest error at this light, as ovws advise. "
-    "Changes nothing. Returns at once; the job takes some seconds, and its result are the sensors, "
-    "best first.");
 inline constexpr auto kSensorGet = method<Nothing, SensorReport>(
     "sensor.get", "Returns the sensor shown on the SLM and its tracking settings.");
 inline constexpr auto kSensorSet = method<SensorSet, SensorSetReport>(

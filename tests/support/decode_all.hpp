@@ -2,7 +2,6 @@
 
 #include "proto/requests.hpp"
 #include "proto/rpc.hpp"
-#include "proto/tables/advice.hpp"
 #include "proto/tables/corrector.hpp"
 #include "proto/tables/devices.hpp"
 #include "proto/tables/experiment.hpp"
@@ -22,7 +21,6 @@ inline void decode_all(const Json& params) {
   (void)decode<ReferenceSet>(params);
   (void)decode<RegistrationRun>(params);
   (void)decode<ArrayFit>(params);
-  (void)decode<SensorAdvise>(params);
   (void)decode<LutRun>(params);
   (void)decode<FlatnessRun>(params);
   (void)decode<MapRun>(params);

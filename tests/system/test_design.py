@@ -97,6 +97,15 @@ class Advice(unittest.TestCase):
                                   timeout=PROGRAM_PATIENCE_S, check=True).stdout
         self.assertRegex(text, r"the configuration as it is:\n +5 +19 +1 .*\n  warning: .*zeroth order")
 
+    def test_sensors_of_one_charge_are_compared_whatever_the_configurations_has(self):
+        sensor = {"charges": [0, 1, -1] * 6 + [0], "mask": {"modes": [{"j": 4, "waves": 0.05}], "subapertures": [18]}}
+        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+            json.dump({"sensor": sensor}, file)
+            file.flush()
+            advice = self.advise("--modes", "5", "--photons", "1e9", "--config", file.name)
+        self.assertIn(3, [one["subapertures_across"] for one in advice["best_first"]])
+        self.assertNotIn("charges", json.dumps(advice["unfit"]))
+
     def test_bright_light_is_limited_by_the_full_well(self):
         advice = self.advise("--modes", "18", "--photons", "1e12")
         self.assertEqual({one["limited_by"] for one in advice["best_first"]}, {"full well"})

@@ -102,15 +102,6 @@ class Charges(MaskCase):
         wait_for(lambda: self.call("sensor.get")["operator_in_force"] == "diffractive", what="the operator")
 
 
-class ConfiguredCharges(MaskCase):
-    daemon_config = MaskCase.daemon_config | {"sensor": {"charges": [0, 1, -1] * 6 + [0], "mask": {"modes": [{"j": 4, "waves": 0.05}], "subapertures": [18]}}}
-
-    def test_advice_is_for_sensors_of_one_charge(self):
-        advice = self.run_job("sensor.advise", {"modes": 5, "photo_electrons_per_s": 1e9})["result"]
-        self.assertIn(3, [one["subapertures_across"] for one in advice["best_first"]])
-        self.assertNotIn("charges", json.dumps(advice["unfit"]))
-
-
 class MaskFile(Mask):
     def start(self):
         self.file = self.bench.directory / "mask.txt"

@@ -108,8 +108,6 @@ class Messages(BenchCase):
         call("reference.give", {"frames": 10}, struct.pack(f"<{2 * len(positions)}f", *positions, *[0.01] * len(positions)))
         call("reference.clear")
         call("sensor.set", {"tracker": "fit"})
-        call("job.cancel", {"job": call("sensor.advise", {"modes": 18, "photo_electrons_per_s": 1e8})["job"]})
-        self.wait_until("running")
 
     def call_calibrations(self):
         call = self.checked_call

@@ -60,8 +60,7 @@ std::optional<Unfit> too_dim(const Advice& advice, const Light& light) {
   return unfit;
 }
 
-tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Light& light,
-                                       const std::function<bool()>& stopped) {
+tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Light& light) {
   const auto unfit = [&config](std::string reason) {
     return tl::make_unexpected(
         Unfit{config.sensor.subapertures_across, config.sensor.charge, std::move(reason)});
@@ -71,7 +70,6 @@ tl::expected<Advice, Unfit> advice_for(const Config& config, int modes, const Li
   const double peak_limit_e = kFill * light.full_well_e;
   const auto scale = errors_at(config, modes, light, peak_limit_e);
   if (!scale) return unfit(text_of(scale.error()));
-  if (stopped()) return unfit("stopped");
   Advice advice;
   advice.subapertures_across = config.sensor.subapertures_across;
   advice.subapertures = int(lattice->subapertures.size());
@@ -107,18 +105,16 @@ tl::expected<Advice, Unfit> advise_on(const Config& config, int modes, const Lig
     return tl::make_unexpected(
         Unfit{config.sensor.subapertures_across, config.sensor.charge, text_of(seen.error()), 0.0});
   }
-  auto advice = advice_for(config, modes, light, [] { return false; });
+  auto advice = advice_for(config, modes, light);
   const auto dark = check_zeroth_order(config);
   if (advice && !dark) advice->warning = text_of(dark.error());
   return advice;
 }
 
-AdviceList advise(const Bench& bench, const Light& light, const Config& base,
-                  const std::function<bool()>& stopped) {
+AdviceList advise(const Bench& bench, const Light& light, const Config& base) {
   AdviceList all;
   for (const int across : kAcross) {
     for (const int charge : kAdvisedCharges) {
-      if (stopped()) return all;
       Bench with = bench;
       with.charge = charge;
       const auto config = designed(with, base, across);
@@ -126,8 +122,7 @@ AdviceList advise(const Bench& bench, const Light& light, const Config& base,
         all.unfit.push_back({across, charge, config.error().reason, 0.0});
         continue;
       }
-      if (stopped()) return all;
-      auto advice = advice_for(*config, *bench.modes, light, stopped);
+      auto advice = advice_for(*config, *bench.modes, light);
       if (!advice) {
         all.unfit.push_back(std::move(advice.error()));
         continue;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -62,10 +61,7 @@ constexpr double kLeastSnr = 1.0;
 
 /// Compares sensors for `bench.modes` modes, which must be given, on this bench. Errors are
 /// standard errors of the tracker `fit` about a flat wavefront. Takes some seconds. Deterministic.
-/// `stopped`: whether to return early, called several times for each sensor.
-AdviceList advise(
-    const Bench& bench, const Light& light, const Config& base = {},
-    const std::function<bool()>& stopped = [] { return false; });
+AdviceList advise(const Bench& bench, const Light& light, const Config& base = {});
 
 /// The advice for the sensor that a configuration describes, as it is. Errors: as
 /// AdviceList::unfit.

@@ -149,7 +149,6 @@ constexpr MethodRow row(Role role, Request request) {
 // Method rows: of the camera, of an external corrector, of the sensor, of experiments, of
 // prepared lattices, of references, and all others. Add a method as a function and a row.
 std::span<const MethodRow> camera_methods();
-std::span<const MethodRow> layout_methods();
 std::span<const MethodRow> corrector_methods();
 std::span<const MethodRow> sensor_methods();
 std::span<const MethodRow> experiment_methods();

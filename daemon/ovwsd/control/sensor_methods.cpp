@@ -1,5 +1,5 @@
 /// Methods that measure the bench or change its hologram: aberration, calibration, correction,
-/// flatness, focus, lut, registration, slm.
+/// flatness, focus, lut, registration, sensor, slm.
 #include <spdlog/fmt/fmt.h>
 
 #include <cmath>
@@ -298,6 +298,30 @@ void start_array_fit(Services& services, const ArrayFit& params, const Reply<Job
   run<kArrayFit, fit_array>(services, params, reply);
 }
 
+SensorReport sensor_of(const Services& /*services*/, const SensorSnapshot& now) {
+  return {{now.sensor, now.tracking}, now.templates, now.mode_operator,
+          now.subapertures,           now.modes_j,   now.hologram_id};
+}
+
+/// Removes "sensor." and "tracking." from the error's field: the core reports configuration keys,
+/// but clients use the names of params.
+Error in_params(Error error) {
+  for (const std::string_view section : {"sensor.", "tracking."}) {
+    if (error.field.starts_with(section)) error.field.erase(0, section.size());
+  }
+  return error;
+}
+
+void change_sensor(Services& services, const SensorSet& change,
+                   const Reply<SensorSetReport>& reply) {
+  const auto done = [change, reply](const Result<SensorView>& applied) {
+    if (!applied) return reply(in_params(applied.error()));
+    const SensorSnapshot& now = **applied;
+    reply(SensorSetReport{change, {now.sensor, now.tracking}, now.hologram_id});
+  };
+  services.keeper.edit(set_sensor(change), done);
+}
+
 ShowReport shown_pattern(const Services& /*services*/, const SensorSnapshot& now) {
   return {now.pattern, now.hologram_id};
 }
@@ -365,6 +389,8 @@ constexpr std::array kSensorRows{
     row<kRegistrationGet, get<known_registration>>(Role::read, Request::read),
     row<kRegistrationClear, clear<known_registration, forget_registration>>(Role::control,
                                                                             Request::set_measured),
+    row<kSensorGet, get<sensor_of>>(Role::read, Request::read),
+    row<kSensorSet, change_sensor>(Role::control, Request::set_sensor),
     row<kSlmOutputs, list_outputs>(Role::read, Request::read),
     row<kSlmPresent, present>(Role::control, Request::act),
     row<kSlmSet, set_slm>(Role::control, Request::set_devices),

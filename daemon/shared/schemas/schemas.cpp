@@ -7,7 +7,6 @@
 #include "proto/field_schema.hpp"
 #include "proto/json_text.hpp"
 #include "proto/method_list.hpp"
-#include "proto/tables/advice.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/description.hpp"
 #include "proto/tables/devices.hpp"

@@ -9,7 +9,6 @@
 #include "daemon/shared/schemas/schemas.hpp"
 #include "proto/encode.hpp"
 #include "proto/requests.hpp"
-#include "proto/tables/advice.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/corrector.hpp"
 #include "proto/tables/devices.hpp"
@@ -348,7 +347,6 @@ void print_results() {
   print_result("registration.clear", to_json(KnownRegistration{}));
   print_result("registration.run", to_json(JobNumber{2}));
   print_result("array.fit", to_json(JobNumber{2}));
-  print_result("sensor.advise", to_json(JobNumber{2}));
   print_calibrations();
   print_experiments();
   print_luts();
@@ -455,10 +453,6 @@ void print_all_params() {
   print_params<AutoExposure>("camera.auto_exposure", {"target", "max_exposure_us", "targets"});
   print_params<LutRun>("lut.run", {"levels", "frames", "level"});
   print_params<ArrayFit>("array.fit", {"frames", "frame"});
-  print_params<SensorAdvise>(
-      "sensor.advise",
-      {"modes", "photo_electrons_per_s", "full_well_e", "read_noise_e", "longest_us"}, 1000,
-      {{"modes", 18}, {"photo_electrons_per_s", 1e8}});
   print_params<ReferenceSet>("reference.set", {"source"}, 3000);
   print_params<ReferenceGive>("reference.give", {"frames", "frame"});
   print_params<CalibrationRun>("calibration.run", {"amplitude_waves", "frames", "modes", "mode"});

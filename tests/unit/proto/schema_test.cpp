@@ -4,7 +4,6 @@
 
 #include "daemon/shared/schemas/schemas.hpp"
 #include "proto/method_list.hpp"
-#include "proto/tables/advice.hpp"
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/description.hpp"
 #include "proto/tables/devices.hpp"
