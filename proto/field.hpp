@@ -70,12 +70,6 @@ template <class E>
 std::string_view wire_name(E value) {
   return kNames<E>()[std::size_t(value)];
 }
-/// Enumeration value of the name with this index in kNames. Specialised where kNames ends with
-/// names of older versions.
-template <class E>
-E named(std::size_t name) {
-  return E(name);
-}
 
 /// Properties of a field besides its type.
 struct FieldInfo {

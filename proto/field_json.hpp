@@ -300,7 +300,7 @@ void decode_value(ObjectReader& reader, const FieldInfo& field, T& out) {
   } else if constexpr (std::is_enum_v<T>) {
     int value = int(out);
     reader.choice(key, value, (field.names != nullptr ? field.names : kNames<T>)());
-    out = named<T>(std::size_t(value));
+    out = T(value);
   } else if constexpr (is_optional<T>) {
     typename T::value_type given{};
     if (reader.is_null(key)) return out.reset();

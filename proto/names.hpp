@@ -23,8 +23,6 @@ inline constexpr NamesOf kShowablePatterns = texts<"sensor", "grating", "flat", 
 template <>
 inline constexpr NamesOf kNames<ZernikeNorm> = texts<"rms", "unit">;
 template <>
-inline constexpr NamesOf kNames<TemplateKind> = texts<"model", "reference">;
-template <>
 inline constexpr NamesOf kNames<OperatorKind> = texts<"slopes", "diffractive", "measured">;
 template <>
 inline constexpr NamesOf kNames<PixelFormat> = []() -> const std::vector<std::string>& {
@@ -35,23 +33,11 @@ inline constexpr NamesOf kNames<PixelFormat> = []() -> const std::vector<std::st
   }();
   return names;
 };
-/// Tracker name of older versions. In settings it means `fit` with kFormerEstimates numbers from
-/// each spot, unless `estimates` is given. Recorded plans of this tracker are refused.
-inline constexpr std::string_view kFormerTracker = "matched";
-constexpr int kFormerEstimates = 2;
-/// Names of all trackers, then kFormerTracker.
 template <>
 inline constexpr NamesOf kNames<TrackerKind> = []() -> const std::vector<std::string>& {
-  static const auto names = [] {
-    std::vector<std::string> all(all_tracker_names().begin(), all_tracker_names().end());
-    all.emplace_back(kFormerTracker);
-    return all;
-  }();
+  static const std::vector<std::string> names(all_tracker_names().begin(),
+                                              all_tracker_names().end());
   return names;
 };
-template <>
-inline TrackerKind named(std::size_t name) {
-  return name < all_tracker_names().size() ? TrackerKind(name) : TrackerKind::fit;
-}
 
 }  // namespace ovws

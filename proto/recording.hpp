@@ -12,8 +12,6 @@
 namespace ovws {
 
 constexpr const char* kRecordingSchema = "ovws.recording/2";
-/// Of older versions: `spots`, `coefficients` and `sigma_waves` have one dimension.
-constexpr const char* kFlatRecordingSchema = "ovws.recording/1";
 /// What coefficients and positions mean, in every message, recording and export.
 constexpr const char* kBasisName = "zernike-osa-rms";       ///< in waves of the laser
 constexpr const char* kOrientationName = "x-right-y-down";  ///< of image and pupil
@@ -37,7 +35,7 @@ struct RecordedFrame {
   double fit_residual_px = 0.0, rms_waves = 0.0;
   float saturated = 0.0F;
   std::uint32_t tracked = 0;
-  /// Its row of `spots` and of `coefficients`. With kFlatRecordingSchema: its first row of them.
+  /// Its row of `spots` and of `coefficients`.
   std::uint64_t first_spot = 0, first_coefficient = 0;
   std::uint32_t spots = 0, coefficients = 0;  ///< how many columns, or rows
   std::int64_t picture = -1;                  ///< row of the image in `pictures`; -1: no image

@@ -41,7 +41,6 @@ struct StatusMessage {
   } slm;
   struct SensorPart {
     SensorSettings settings;
-    TemplateReport templates;
     OperatorReport mode_operator;
     int subapertures = 0, modes = 0;
     bool measurable = true;  ///< whether there is a measurement plan for the camera's image

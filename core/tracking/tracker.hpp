@@ -14,10 +14,6 @@
 
 namespace ovws {
 
-/// Obsolete template choice of the tracker `matched` in older versions: accepted, but without
-/// effect.
-enum class TemplateKind : std::uint8_t { model, reference };
-
 /// The operator that reconstructs modes from spot displacements.
 enum class OperatorKind : std::uint8_t {
   slopes,       ///< geometric: each mode's tilt as the tracker weights it (slope_matrix)
@@ -27,7 +23,6 @@ enum class OperatorKind : std::uint8_t {
 
 /// Tracking settings: TrackingConfig plus the settings of the mode reconstruction.
 struct TrackingSettings : TrackingConfig {
-  TemplateKind templates = TemplateKind::model;
   OperatorKind mode_operator = OperatorKind::slopes;
   /// Number of modes to measure, from j = 1 on. None: as many as spot positions determine; a larger
   /// number requires templates.

@@ -36,13 +36,11 @@ struct FreeDecompressor {
 /// Dataset of rows, or of rows and columns.
 struct Rows {
   Handle set;
-  hsize_t count = 0;
-  std::optional<hsize_t> columns;  ///< none: it has one dimension
+  hsize_t count = 0, columns = 0;
 
-  /// Whether it has the cells of a frame: columns of one row, or consecutive rows.
-  bool has(std::uint64_t first, std::uint32_t cells) const {
-    if (columns) return cells == 0 || (first < count && cells <= *columns);
-    return first <= count && cells <= count - first;
+  /// Whether the row has as many columns.
+  bool has(std::uint64_t row, std::uint32_t cells) const {
+    return cells == 0 || (row < count && cells <= columns);
   }
 };
 
@@ -55,33 +53,22 @@ bool read_attribute(hid_t file, const char* name, hid_t type, void* value) {
          H5Tget_class(stored) == H5Tget_class(type) && H5Aread(attribute, type, value) >= 0;
 }
 
-bool read_variable_text(hid_t attribute, hid_t type, std::string& text) {
-  char* read = nullptr;
-  if (H5Aread(attribute, type, static_cast<void*>(&read)) < 0 || read == nullptr) return false;
-  const std::size_t size = ::strnlen(read, kMaxAttributeBytes + 1);
-  text.assign(read, size);
-  H5free_memory(read);
-  return size <= kMaxAttributeBytes;
-}
-
-/// Reads a text attribute of variable length, or of fixed length as in recordings of older
-/// versions.
+/// Reads a text attribute of variable length.
 bool read_attribute(hid_t file, const char* name, std::string& text) {
   const Handle attribute(H5Aopen(file, name, H5P_DEFAULT), H5Aclose);
   if (!attribute) return false;
   const Handle space(H5Aget_space(attribute), H5Sclose);
   const Handle stored(H5Aget_type(attribute), H5Tclose);
   if (!space || H5Sget_simple_extent_npoints(space) != 1 || !stored ||
-      H5Tget_class(stored) != H5T_STRING) {
+      H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) <= 0) {
     return false;
   }
-  if (H5Tis_variable_str(stored) > 0) return read_variable_text(attribute, stored, text);
-  const std::size_t size = H5Tget_size(stored);
-  if (size == 0 || size > kMaxAttributeBytes) return false;
-  text.assign(size, '\0');
-  if (H5Aread(attribute, stored, text.data()) < 0) return false;
-  text.resize(std::strlen(text.c_str()));
-  return true;
+  char* read = nullptr;
+  if (H5Aread(attribute, stored, static_cast<void*>(&read)) < 0 || read == nullptr) return false;
+  const std::size_t size = ::strnlen(read, kMaxAttributeBytes + 1);
+  text.assign(read, size);
+  H5free_memory(read);
+  return size <= kMaxAttributeBytes;
 }
 
 /// Whether the file is large enough for `rows` uncompressed rows. The check prevents huge
@@ -100,10 +87,10 @@ bool chunks_fit(hid_t layout, int dimensions, std::size_t row_bytes) {
          chunk[1] <= kMaxChunkBytes / row_bytes / std::max<hsize_t>(chunk[0], 1);
 }
 
-/// Opens a dataset. False unless it exists, has exactly the type `type`, one dimension or at most
-/// `max_dimensions`, and its chunks fit into memory.
+/// Opens a dataset. False unless it exists, has exactly the type `type` and as many dimensions, and
+/// its chunks fit into memory.
 bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, hsize_t max_rows,
-               Rows& out, int max_dimensions = 1) {
+               Rows& out, int dimensions = 1) {
   out.set = Handle(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
   if (!out.set) return false;
   const Handle stored(H5Dget_type(out.set), H5Tclose);
@@ -113,16 +100,15 @@ bool open_rows(hid_t file, const char* name, hid_t type, std::size_t row_bytes, 
       H5Pget_external_count(layout) != 0) {
     return false;
   }
-  const int dimensions = H5Sget_simple_extent_ndims(space);
   std::array<hsize_t, 2> extent{};
-  if (dimensions < 1 || dimensions > max_dimensions ||
+  if (H5Sget_simple_extent_ndims(space) != dimensions ||
       H5Sget_simple_extent_dims(space, extent.data(), nullptr) != dimensions) {
     return false;
   }
   out.count = extent[0];
-  if (dimensions == 2) out.columns = extent[1];
+  out.columns = extent[1];
   // Only datasets of one dimension are read as a whole.
-  return out.count <= max_rows && (out.columns || fits_file_size(file, out.count, row_bytes)) &&
+  return out.count <= max_rows && (dimensions == 2 || fits_file_size(file, out.count, row_bytes)) &&
          chunks_fit(layout, dimensions, row_bytes);
 }
 
@@ -137,11 +123,10 @@ bool read_rows(const Rows& rows, hid_t type, hsize_t first, hsize_t count, void*
 }
 
 /// Reads the cells of one frame.
-bool read_cells(const Rows& rows, hid_t type, hsize_t first, std::uint32_t cells, void* out) {
-  if (!rows.columns) return read_rows(rows, type, first, cells, out);
+bool read_cells(const Rows& rows, hid_t type, hsize_t row, std::uint32_t cells, void* out) {
   if (cells == 0) return true;
-  if (!rows.has(first, cells)) return false;
-  const std::array<hsize_t, 2> at{first, 0}, size{1, cells};
+  if (!rows.has(row, cells)) return false;
+  const std::array<hsize_t, 2> at{row, 0}, size{1, cells};
   const Handle space(H5Dget_space(rows.set), H5Sclose);
   const Handle memory(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
   return space && memory &&
@@ -180,9 +165,7 @@ struct RecordingReader::Impl {
   Handle pictures;
   hsize_t image_count = 0;
   Rows spots, coefficients, sigma_waves, text, documents;
-  Rows beam_spots;              ///< empty: without further light sources
-  bool flat = false;            ///< of schema kFlatRecordingSchema
-  bool has_sigma_waves = true;  ///< older versions did not record them
+  Rows beam_spots;  ///< empty: without further light sources
   RecordingHeader header;
   RecordedSummary summary;
   std::vector<RecordedFrame> frames;
@@ -213,9 +196,7 @@ bool RecordingReader::Impl::open_file() {
 
 bool RecordingReader::Impl::read_header() {
   std::string schema, format;
-  if (!read_attribute(file, "schema", schema)) return false;
-  flat = schema == kFlatRecordingSchema;
-  if (schema != kRecordingSchema && !flat) return false;
+  if (!read_attribute(file, "schema", schema) || schema != kRecordingSchema) return false;
   const bool read =
       read_attribute(file, "program", header.program) &&
       read_attribute(file, "pixel_format", format) &&
@@ -268,17 +249,13 @@ bool RecordingReader::Impl::open_tables() {
       !read_rows(last, summary_type, 0, 1, &summary)) {
     return false;
   }
-  const htri_t sigmas = H5Lexists(file, "sigma_waves", H5P_DEFAULT);
-  has_sigma_waves = sigmas > 0;
-  return sigmas >= 0 &&
-         open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots, 2) &&
+  return open_rows(file, "spots", spot_type, sizeof(RecordedSpot), kMaxRows, spots, 2) &&
          open_rows(file, "coefficients", H5T_IEEE_F32LE, sizeof(float), kMaxRows, coefficients,
                    2) &&
          (H5Lexists(file, "beam_spots", H5P_DEFAULT) <= 0 ||
           open_rows(file, "beam_spots", spot_type, sizeof(RecordedSpot), kMaxRows, beam_spots,
                     2)) &&
-         (!has_sigma_waves || open_rows(file, "sigma_waves", H5T_IEEE_F32LE, sizeof(float),
-                                        kMaxRows, sigma_waves, 2)) &&
+         open_rows(file, "sigma_waves", H5T_IEEE_F32LE, sizeof(float), kMaxRows, sigma_waves, 2) &&
          open_rows(file, "documents", document_type, sizeof(RecordedDocument),
                    kMaxRecordedDocuments, documents) &&
          open_rows(file, "text", H5T_STD_U8LE, 1, kMaxRecordedTextBytes, text);
@@ -288,7 +265,7 @@ bool RecordingReader::Impl::is_complete(const RecordedFrame& frame) const {
   return frame.spots <= kMaxPartsPerFrame && frame.coefficients <= kMaxPartsPerFrame &&
          spots.has(frame.first_spot, frame.spots) &&
          coefficients.has(frame.first_coefficient, frame.coefficients) &&
-         (!has_sigma_waves || sigma_waves.has(frame.first_coefficient, frame.coefficients)) &&
+         sigma_waves.has(frame.first_coefficient, frame.coefficients) &&
          frame.picture >= -1 && frame.picture < std::int64_t(image_count) &&
          frame.left_justified_bits < 16;
 }
@@ -312,8 +289,8 @@ Result<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string
   }
   if (!impl->read_header()) {
     return fail(Errc::invalid, "path",
-                path + " is not a recording of schema " + kRecordingSchema + " or " +
-                    kFlatRecordingSchema + ": give a file that record.start wrote");
+                path + " is not a recording of schema " + kRecordingSchema +
+                    ": give a file that record.start wrote");
   }
   // Read the frame rows first. While a recording is still being written, the data that these rows
   // refer to are then already in the file.
@@ -352,7 +329,7 @@ Result<std::vector<RecordedSpot>> RecordingReader::beam_spots(const RecordedFram
                                                               std::size_t count) {
   const Rows& rows = impl_->beam_spots;
   std::vector<RecordedSpot> all;
-  if (count > 0 && rows.columns && count <= *rows.columns) all.resize(count);
+  if (count <= rows.columns) all.resize(count);
   if (all.size() != count ||
       !read_cells(rows, impl_->spot_type, frame.first_spot, std::uint32_t(count), all.data())) {
     return impl_->unreadable("the file is damaged: spots of a further light source are missing");
@@ -370,7 +347,6 @@ Result<std::vector<float>> RecordingReader::coefficients(const RecordedFrame& fr
 }
 
 Result<std::vector<float>> RecordingReader::sigma_waves(const RecordedFrame& frame) {
-  if (!impl_->has_sigma_waves) return {};
   std::vector<float> all(frame.coefficients);
   if (!read_cells(impl_->sigma_waves, H5T_IEEE_F32LE, frame.first_coefficient, frame.coefficients,
                   all.data())) {
@@ -379,8 +355,7 @@ Result<std::vector<float>> RecordingReader::sigma_waves(const RecordedFrame& fra
   return all;
 }
 
-Result<std::optional<std::vector<int>>> RecordingReader::columns_j() {
-  if (impl_->flat) return std::nullopt;
+Result<std::vector<int>> RecordingReader::columns_j() {
   Rows modes;
   if (!open_rows(impl_->file, "mode", H5T_STD_I32LE, sizeof(int), kMaxPartsPerFrame, modes)) {
     return impl_->unreadable("the modes of the columns cannot be read");

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,19 +30,17 @@ class RecordingReader {
   /// All frames. Every spot, coefficient and image row that a frame refers to exists.
   const std::vector<RecordedFrame>& frames() const;
   std::size_t image_bytes() const;
-  /// Documents that are missing because the disk was too slow; 0 for recordings of older versions.
+  /// Documents that are missing because the disk was too slow.
   std::uint64_t documents_dropped() const;
 
   Result<std::vector<RecordedSpot>> spots(const RecordedFrame& frame);
   /// The first `count` spots of the further light sources. Errc::invalid: the file has fewer.
   Result<std::vector<RecordedSpot>> beam_spots(const RecordedFrame& frame, std::size_t count);
   Result<std::vector<float>> coefficients(const RecordedFrame& frame);
-  /// Standard errors of the coefficients, waves. Empty for recordings of older versions, which do
-  /// not have them.
+  /// Standard errors of the coefficients, waves.
   Result<std::vector<float>> sigma_waves(const RecordedFrame& frame);
-  /// OSA/ANSI indices of the columns of the coefficients; 0: it changed, or no frame has it. None
-  /// for recordings of older versions, whose plans have them.
-  Result<std::optional<std::vector<int>>> columns_j();
+  /// OSA/ANSI indices of the columns of the coefficients; 0: it changed, or no frame has it.
+  Result<std::vector<int>> columns_j();
   /// Reads the image of a frame that has one: image_bytes() into `out`.
   Result<void> picture(const RecordedFrame& frame, std::span<std::byte> out);
   /// The JSON documents of the recording (plans, and what they refer to: proto/RECORDING.md) in

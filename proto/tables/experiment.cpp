@@ -23,7 +23,7 @@ void Wire<SweepTracker>::decode(ObjectReader& reader, const FieldInfo& field, Sw
   int value = int(out.kind);
   reader.choice(field.key, value, sweep_tracker_names());
   out.fixed_cell = std::size_t(value) == kNames<TrackerKind>().size();
-  out.kind = out.fixed_cell ? TrackerKind::centroid : named<TrackerKind>(std::size_t(value));
+  out.kind = out.fixed_cell ? TrackerKind::centroid : TrackerKind(value);
 }
 
 std::vector<ModesSet> paper_aberrations() {

@@ -126,8 +126,6 @@ template <>
 inline constexpr auto kTable<TrackingSettings> =
     Fields{"TrackingSettings",
            field<&TrackingSettings::tracker>("algorithm that finds the spots"),
-           field("template", &TrackingSettings::templates,
-                 "no effect; accepted for compatibility with older versions (tracker matched)"),
            field("operator", &TrackingSettings::mode_operator,
                  "matrix from displacements to modes: slopes, from each mode's local tilt as the "
                  "tracker measures it; diffractive, from the diffraction model of each mode, exact "
@@ -142,31 +140,8 @@ inline constexpr auto kTable<TrackingSettings> =
                                                "2 give its position, 4 also its astigmatism",
                                                limits::kEstimates)};
 template <>
-struct Rules<TrackingSettings> {
-  static void check(TrackingSettings& settings, const ObjectReader& reader) {
-    const bool former = reader.is_text("tracker", kFormerTracker) && !reader.has("estimates");
-    if (former) settings.estimates = kFormerEstimates;
-  }
-};
-
-template <>
 inline constexpr auto kTable<SensorSettings> =
     Fields{"SensorSettings", inlined(&SensorSettings::sensor), inlined(&SensorSettings::tracking)};
-
-/// Report on the setting `template` of older versions. The setting has no effect since the tracker
-/// `fit` has replaced `matched`.
-struct TemplateReport {
-  int own = 0;
-  std::string reason;  ///< empty: nothing was requested
-};
-template <>
-inline constexpr auto kTable<TemplateReport> =
-    Fields{"TemplateReport",
-           field("own_templates", &TemplateReport::own, "always 0; kept for older clients",
-                 Bounds::at_least(0)),
-           field("template_reason", &TemplateReport::reason,
-                 "what to do if template is reference, which has no effect; null: nothing")
-               .or_null()};
 
 /// Active operator (matrix) from spot displacements to modes. It differs from the requested
 /// operator while that is not available.
@@ -186,7 +161,6 @@ inline constexpr auto kTable<OperatorReport> =
 /// Result of `sensor.get`.
 struct SensorReport {
   SensorSettings settings;
-  TemplateReport templates;
   OperatorReport mode_operator;
   int subapertures = 0;
   std::vector<int> modes_j;
@@ -196,7 +170,6 @@ template <>
 inline constexpr auto kTable<SensorReport> =
     Fields{"SensorReport",
            inlined(&SensorReport::settings),
-           inlined(&SensorReport::templates),
            inlined(&SensorReport::mode_operator),
            field<&SensorReport::subapertures>("number of subapertures", Bounds::at_least(0)),
            field<&SensorReport::modes_j>("OSA/ANSI indices of the reconstructed modes",

@@ -78,7 +78,6 @@ inline constexpr auto kTable<StatusMessage::SensorPart> = [] {
   return Fields{
       "StatusSensor",
       inlined(&P::settings),
-      inlined(&P::templates),
       inlined(&P::mode_operator),
       field<&P::subapertures>("number of subapertures", Bounds::at_least(0)),
       field<&P::modes>("number of reconstructed modes", Bounds::at_least(0)),

@@ -228,16 +228,6 @@ class Measure(unittest.TestCase):
         (line,) = self.measure(self.farfield("defocus.png", "2,0:0.2"))
         self.assert_mode(line, {4: 0.2})
 
-    def test_the_tracker_of_older_versions_is_fit(self):
-        bench = "2,-2:0.4;3,3:0.15"
-        flat, image = self.farfield("bench.png", bench), self.farfield("7.png", f"{bench};3,-1:0.05")
-        (line,) = self.measure(image, reference=flat, more=("--tracker", "matched", "--template", "reference"))
-        self.assertEqual((line["tracker"], line["template"], line["own_templates"]), ("fit", "reference", 0))
-        self.assertIn("no effect", line["template_reason"])
-        self.assertAlmostEqual(line["coefficients"][6], 0.05, delta=0.003)
-        (line,) = self.ovws("measure", "--model-reference", "--template", "reference", image)
-        self.assertIn("no effect", line["template_reason"])
-
     def operator_errors(self, operator, waves, tracker, modes):
         """Error of each noise-free image: root sum square over all modes, waves."""
         images = [self.farfield(f"{j}.png", f"{mode}:{waves}", 12, "--noise-free", "--peak", 9000) for j, mode in modes.items()]

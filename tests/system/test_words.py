@@ -119,7 +119,7 @@ class Completions(unittest.TestCase):
     def test_words_before_do_not_confuse_it(self):
         self.assertEqual(self.completed("ovws", "--endpoint", "tcp", ":", "//127.0.0.1", ":", "7702", "call", "-w", "sensor.s"), {"sensor.set"})
         self.assertEqual(self.completed("ovws", "--timeout", "3", "--json", "sta"), {"status"})
-        self.assertEqual(self.completed("ovws", "measure", "--tracker", "=", "mat"), {"matched"})
+        self.assertEqual(self.completed("ovws", "measure", "--tracker", "=", "wei"), {"weighted"})
         self.assertEqual(self.completed("ovws", "no-such-command", ""), set())
 
     def test_at_a_prompt(self):
@@ -127,7 +127,7 @@ class Completions(unittest.TestCase):
         self.addCleanup(shell.close)
         shell.press(f"source {MADE / 'completion.bash'}; clear\n")
         for keys, line in (("ovws wa\t--pl\t", "ovws watch --plain"), ("ovws call sensor.se\t", "ovws call sensor.set"),
-                           ("ovws call sensor.set track\tmat\t", "ovws call sensor.set tracker=matched"),
+                           ("ovws call sensor.set track\twei\t", "ovws call sensor.set tracker=weighted"),
                            ("ovws call camera.set \tgain_d\t12 cl\ttr\t", "ovws call camera.set gain_db=12 clamp=true")):
             with self.subTest(line):
                 shell.press("\x15\x0c" + keys)

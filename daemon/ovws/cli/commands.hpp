@@ -119,7 +119,6 @@ struct MeasureOptions {
   std::string reference;
   bool model_reference = false;
   std::string tracker;
-  std::string templates;
   std::string mode_operator;
   bool refine = false;
   RefineCamera camera;  ///< used with `refine` only

@@ -37,44 +37,11 @@ tl::unexpected<Error> modes_changed() {
               "read it frame by frame (proto/RECORDING.md)");
 }
 
-/// The modes of the columns in a recording of an older version: those of its plans.
-Result<std::vector<int>> modes_of_plans(RecordingReader& reader) {
-  const auto texts = reader.documents();
-  if (!texts) return fail(texts.error());
-  std::map<std::string, json> operators;
-  std::vector<int> all;
-  for (const RecordedText& one : *texts) {
-    if (one.kind != "plan" && one.kind != "operator") continue;
-    if (sha256_hex(one.text) != one.sha256) return damaged("the checksum of a " + one.kind);
-    const auto content = parse_strict_json(one.text, kMaxDepth, JsonComments::refused);
-    if (!content || !content->is_object()) return damaged("a " + one.kind + " cannot be read");
-    if (one.kind == "operator") {
-      operators[one.sha256] = content->value("j", json::array());
-      continue;
-    }
-    const json listed =  // older versions have them in the operator only
-        content->contains("modes_j") ? content->at("modes_j")
-                                     : operators[content->value("operator", "")];
-    const bool numbers = listed.is_array() && std::ranges::all_of(listed, [](const json& j) {
-                           return j.is_number_integer();
-                         });
-    if (!numbers) return damaged("the modes of a plan");
-    const auto modes_j = listed.get<std::vector<int>>();
-    const std::size_t both = std::min(all.size(), modes_j.size());
-    if (!std::equal(all.begin(), all.begin() + std::ptrdiff_t(both), modes_j.begin())) {
-      return modes_changed();
-    }
-    if (modes_j.size() > all.size()) all = modes_j;
-  }
-  return all;
-}
-
 /// OSA/ANSI indices of the columns of a recording, as far as a frame has values in them.
 Result<std::vector<int>> recorded_modes(RecordingReader& reader) {
   auto columns_j = reader.columns_j();
-  if (!columns_j) return fail(columns_j.error());
-  if (!*columns_j) return modes_of_plans(reader);
-  std::vector<int>& modes_j = **columns_j;
+  if (!columns_j) return columns_j;
+  std::vector<int>& modes_j = *columns_j;
   std::size_t used = 0;
   for (const RecordedFrame& f : reader.frames()) {
     used = std::max<std::size_t>(used, f.coefficients);

@@ -28,19 +28,8 @@ using nlohmann::json;
 Result<Config> measuring_config(const MeasureOptions& options) {
   auto config = load_config_and_masks(options.config_path);
   if (!config) return config;
-  if (options.tracker == kFormerTracker) {
-    config->tracking.tracker = TrackerKind::fit;
-    config->tracking.estimates = kFormerEstimates;
-  } else if (!options.tracker.empty()) {
-    config->tracking.tracker = *tracker_from_name(options.tracker);
-  }
-  if (options.refine) {
-    config->tracking.tracker = TrackerKind::fit;
-  }
-  if (!options.templates.empty()) {
-    config->tracking.templates =
-        options.templates == "reference" ? TemplateKind::reference : TemplateKind::model;
-  }
+  if (!options.tracker.empty()) config->tracking.tracker = *tracker_from_name(options.tracker);
+  if (options.refine) config->tracking.tracker = TrackerKind::fit;
   if (!options.mode_operator.empty()) {
     const auto& names = kNames<OperatorKind>();
     const auto at = std::find(names.begin(), names.end(), options.mode_operator);
@@ -109,8 +98,6 @@ json image_line(const Page& page, const Config& config, const Measurement& measu
   line["page"] = page.number + 1;
   line["spots"] = spots_of(measured);
   line["torn"] = json::array();
-  line["template"] = wire_name(config.tracking.templates);
-  put_fields(line, template_report(config.tracking));
   line["operator"] = wire_name(config.tracking.mode_operator);
   put_fields(line, measured.mode_operator);
   return line;
@@ -154,9 +141,6 @@ void print_table(const Page& page, const json& line, bool enough_found) {
   if (const double saturated = line["saturated"].get<double>(); saturated > 0.0) {
     print("{:.0f} of {} spots are saturated: lower the exposure or the gain\n", saturated * spots,
           spots);
-  }
-  if (line["template_reason"].is_string()) {
-    print("{}\n", line["template_reason"].get<std::string>());
   }
   if (line.contains("refined") && line["refined"]["reason"].is_string()) {
     print("refined: {}\n", line["refined"]["reason"].get<std::string>());
@@ -272,8 +256,7 @@ std::optional<Error> fault_of(const MeasureOptions& options) {
     return Error{Errc::invalid, "reference",
                  "the reference is missing: give --reference FILE, or --model-reference"};
   }
-  const bool other_tracker =
-      !options.tracker.empty() && options.tracker != "fit" && options.tracker != kFormerTracker;
+  const bool other_tracker = !options.tracker.empty() && options.tracker != "fit";
   if (options.refine && other_tracker) {
     return Error{Errc::invalid, "--tracker", "--refine measures by the tracker fit"};
   }

@@ -98,10 +98,6 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
   command->add_option("--tracker", options->tracker, "tracker, instead of the configuration's")
       ->check(CLI::IsMember(kNames<TrackerKind>()));
   command
-      ->add_option("--template", options->templates,
-                   "no effect; accepted for compatibility with older versions (tracker matched)")
-      ->check(CLI::IsMember(kNames<TemplateKind>()));
-  command
       ->add_option("--operator", options->mode_operator,
                    "operator from displacements to modes, instead of the configuration's: "
                    "diffractive is better up to about 0.1 wave")

@@ -299,7 +299,7 @@ void start_array_fit(Services& services, const ArrayFit& params, const Reply<Job
 }
 
 SensorReport sensor_of(const Services& /*services*/, const SensorSnapshot& now) {
-  return {{now.sensor, now.tracking}, now.templates, now.mode_operator,
+  return {{now.sensor, now.tracking}, now.mode_operator,
           now.subapertures,           now.modes_j,   now.hologram_id};
 }
 

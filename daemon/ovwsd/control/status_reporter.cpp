@@ -52,7 +52,6 @@ StatusMessage::SensorPart sensor_part(const SensorSnapshot& sensor, const Camera
   StatusMessage::SensorPart part;
   part.settings = {sensor.sensor, sensor.tracking};
   part.settings.sensor.lenslets = {};  // too many for each message; sensor.get has them
-  part.templates = sensor.templates;
   part.mode_operator = sensor.mode_operator;
   part.subapertures = sensor.subapertures;
   part.modes = int(sensor.modes_j.size());

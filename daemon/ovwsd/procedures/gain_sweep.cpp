@@ -42,7 +42,6 @@ SensorSet sensor_of(const SweepArm& arm) {
   set.put(&SensorConfig::alternate_charge, std::optional<int>());
   set.put(&SensorConfig::charges, std::vector<int>());
   set.put(&TrackingSettings::tracker, arm.tracker.kind);
-  set.put(&TrackingSettings::templates, TemplateKind::model);
   set.put(&TrackingSettings::mode_operator, OperatorKind::slopes);
   set.put(&TrackingSettings::mode_count, std::optional<int>());
   return set;

@@ -100,8 +100,6 @@ json source_content(const MeasurementPlan& plan, const SensorSnapshot& now) {
 json plan_content(const PlanFacts& facts) {
   const SensorSnapshot& now = *facts.sensor;
   json content = source_content(facts.plan, now);
-  content["template"] = wire_name(now.tracking.templates);
-  content["own_templates"] = now.templates.own;
   content["pattern"] = wire_name(now.pattern);
   content["sensor"] = to_json(now.sensor);
   content["optics"] = to_json(now.optics);

@@ -208,11 +208,6 @@ Result<void> PointReader::use_bench(const json& content, const OperatingPoint& p
 
 /// Makes the renderer, unless it is that of the last document.
 Result<void> PointReader::use_model(const json& content, const MeasurementPlan& plan) {
-  if (!content.value("ln_amplitude", json::array()).empty()) {
-    return fail(Errc::refused, "path",
-                "the recording was made by an older version of ovwsd, whose templates this version "
-                "cannot compute: replay it with that version");
-  }
   const json& model = content.at("model");
   std::string key = model.dump() + lit_content(plan.spots.lit).dump();
   if (renderer_ && key == renderer_key_) return {};

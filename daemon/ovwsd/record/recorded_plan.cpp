@@ -119,11 +119,6 @@ Result<RecordedPlans> RecordedPlans::of(RecordingReader& reader) {
 
 /// Decodes a plan document of plan_facts.cpp; other content throws a JSON library exception.
 Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read(const json& from) {
-  // Older versions searched for spots outside the frame path, which a replay cannot repeat.
-  const json none = json::array();
-  if (!from.value("torn", none).empty() || !from.value("search_px", none).empty()) {
-    return fail(Errc::refused, "path", "an older version's search for spots is not in a recording");
-  }
   auto plan = read_source(from);
   if (!plan) return plan;
   if (!(*plan)->beam.empty()) return unfit("is that of a further light source");
@@ -149,12 +144,7 @@ Result<std::unique_ptr<MeasurementPlan>> RecordedPlans::read_source(const json& 
   plan->can_fit_shapes = from.value("can_fit_shapes", false);
   plan->roi = roi(from.at("roi"));
   const auto format = pixel_format_from_name(from.at("pixel_format").get<std::string>());
-  const auto tracker_is = from.at("tracker").get<std::string>();
-  if (tracker_is == kFormerTracker) {
-    return fail(Errc::refused, "path",
-                "it was measured by 'matched', a tracker of an older version, which fit replaces");
-  }
-  const auto tracker = tracker_from_name(tracker_is);
+  const auto tracker = tracker_from_name(from.at("tracker").get<std::string>());
   if (!format || !tracker)
     return unfit("needs a tracker or pixel format that this program does not have");
   plan->format = *format;

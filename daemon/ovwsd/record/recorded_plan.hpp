@@ -24,7 +24,7 @@ class RecordedPlans {
   static Result<RecordedPlans> of(RecordingReader& reader);
 
   /// Makes the plan with number `plan_id`. Errc::invalid: there is no such plan, or its parts are
-  /// inconsistent. Errc::refused: an older version measured by a method that this version lacks.
+  /// inconsistent. Errc::refused: it was measured by a method that this program lacks.
   Result<std::unique_ptr<MeasurementPlan>> make(std::uint64_t plan_id);
 
   /// The configuration of the daemon when the recording began. Errc::invalid, field "path": it is

@@ -76,7 +76,7 @@ Result<EncodedMatrices> read_fields(const json& content, Calibration& calibratio
   }
   r.integer("frames", calibration.frames, limits::kPokeFrames.min, limits::kPokeFrames.max);
   r.string("t_taken", t_taken);
-  int source = 0;  // files of older versions have none: measured by calibration.run
+  int source = 0;
   r.choice("source", source, kNames<MatrixSource>());
   matrix.source = MatrixSource(source);
   const json* const t_taken_ns = r.raw("t_taken_ns");
@@ -128,12 +128,6 @@ std::string CalibrationKind::name(const Calibration& calibration) const {
 
 std::string CalibrationKind::obstacle(Calibration& calibration) const {
   const ReferenceKey& key = calibration.key.sensor;
-  if (calibration.origin->value("/tracking/tracker"_json_pointer, "") == kFormerTracker) {
-    return "it was measured by 'matched', a tracker of an older version";
-  }
-  if (!calibration.shapes && key.tracking.tracker == TrackerKind::fit) {
-    return "it has no spot shapes, because an older version measured it";
-  }
   std::string why =
       bench->obstacle(*calibration.origin, key, std::size_t(calibration.matrix.spots()));
   if (!why.empty()) return why;

@@ -63,11 +63,6 @@ Result<void> check_daemon_tracker(const TrackingSettings& tracking) {
   return {};
 }
 
-TemplateReport template_report(const TrackingSettings& tracking) {
-  if (tracking.templates == TemplateKind::model) return {};
-  return {0, "template has no effect any more: fit takes the spots' shapes from the reference"};
-}
-
 PlanBuilder::PlanBuilder(const PlanInputs& inputs)
     : lattice_(inputs.lattice),
       sensor_(inputs.sensor),

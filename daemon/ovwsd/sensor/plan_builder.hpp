@@ -50,9 +50,6 @@ Eigen::MatrixXd rotation_column(const Lattice& lattice, const SensorConfig& sens
 /// Errc::invalid (field "tracker"): the tracker is too slow to run on every frame.
 Result<void> check_daemon_tracker(const TrackingSettings& tracking);
 
-/// Reports that the obsolete setting `template` has no effect, if it is set.
-TemplateReport template_report(const TrackingSettings& tracking);
-
 /// Builds the plans of one sensor, which differ only in their hologram. They share what takes
 /// milliseconds to make: tracker, reconstructor and slopes. Not thread-safe.
 class PlanBuilder {

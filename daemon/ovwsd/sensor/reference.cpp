@@ -8,7 +8,6 @@ ReferenceKey reference_key(const SensorConfig& sensor, const TrackingSettings& t
                            const Roi& roi) {
   ReferenceKey key{sensor, tracking, roi};
   if (tracking.tracker == TrackerKind::fit) key.tracking.tracker = TrackerKind::lg;
-  key.tracking.templates = TemplateKind::model;
   key.tracking.mode_operator = OperatorKind::slopes;
   key.tracking.mode_count.reset();
   key.tracking.estimates = TrackingSettings{}.estimates;

@@ -381,7 +381,6 @@ void SensorKeeper::adopt_without_plan(SensorEdit edit, const Error& why) {
 /// Writes the state, and what is bound to it, into its snapshot. Events report what changes.
 void SensorKeeper::describe(SensorSnapshot& now, const Bound& bound) {
   static_cast<SensorShown&>(now) = state_;
-  now.templates = template_report(state_.tracking);
   now.correction = state_.correction;
   now.hologram_id = bench_.hologram_id;
   now.sensor_epoch = state_.sensor_epoch;

@@ -39,7 +39,6 @@ struct Obstacle {
 
 /// The sensor's settings and active measurements. Immutable and shared by all readers.
 struct SensorSnapshot : SensorShown {
-  TemplateReport templates;      ///< how much of tracking.templates is active
   OperatorReport mode_operator;  ///< the operator of plan `plan_id`
   std::vector<Mode> correction;  ///< subtracted from the hologram
   std::uint64_t hologram_id = 0;

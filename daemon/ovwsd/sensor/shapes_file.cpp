@@ -53,16 +53,16 @@ RenderedSpot spot_from(const json& one, const SpotWindow& size, std::size_t mode
   return spot;
 }
 
-/// Reads how the modes were poked, which older files do not have.
+/// Reads how the modes were poked.
 void read_pokes(const json& content, MeasuredShapes& shapes) {
   constexpr double kMinPokeWaves = 1e-4, kMaxFixedWaves = 1000.0;
-  shapes.poke_waves = content.value("poke_waves", std::vector<double>{});
+  shapes.poke_waves = content.at("poke_waves").get<std::vector<double>>();
   demand(shapes.poke_waves.empty() || shapes.poke_waves.size() == shapes.modes_j.size(),
          "it has another number of pokes than of modes");
   for (const double waves : shapes.poke_waves) {
     demand(waves >= kMinPokeWaves && waves <= limits::kPokeWaves.max, "a poke is out of range");
   }
-  const json fixed = content.value("fixed", json::array());
+  const json fixed = content.at("fixed");
   demand(fixed.size() <= std::size_t(kMaxZernikeIndex), "it has too many other modes");
   for (const json& one : fixed) {
     const Mode& mode =
@@ -114,7 +114,7 @@ Result<MeasuredShapes> shapes_from(const json& content, int spots,
     SpotWindow window{0, 0, content.at("side").get<int>(), content.at("bin").get<int>()};
     demand(window.side >= kMinSide && window.side <= kMaxWindowSide,
            "its windows have an invalid size");
-    if (content.contains("lit")) window.lit = lit_from(content["lit"]);
+    window.lit = lit_from(content.at("lit"));
     const int largest_bin = window.lit.plane.everything() ? 2 : 1;
     demand(window.lit.exist() && window.bin >= 1 && window.bin <= largest_bin,
            "its windows have invalid pixels");

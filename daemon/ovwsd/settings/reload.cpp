@@ -18,7 +18,7 @@ namespace {
 /// its section. For a saved value, adds the overlay's path to the reason: a person would otherwise
 /// look in the configuration file.
 Error with_section(std::string section, Error error, const LoadedConfig& read) {
-  for (const char* key : {"tracker", "template", "operator", "mode_count", "estimates"}) {
+  for (const char* key : {"tracker", "operator", "mode_count", "estimates"}) {
     if (error.field == key) section = "tracking";
   }
   const bool is_key = error.field.starts_with(section + ".") ||

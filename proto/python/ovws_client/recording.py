@@ -6,7 +6,7 @@ import json
 import h5py
 import numpy
 
-SCHEMAS = ("ovws.recording/2", "ovws.recording/1")  # of the first, a row of spots and coefficients is a frame
+SCHEMA = "ovws.recording/2"
 
 FRAME_FIELDS = ("frame_id", "t_arrival_ns", "plan_id", "first_spot", "spots", "first_coefficient", "coefficients", "picture",
                 "left_justified_bits", "valid", "settings_known")
@@ -41,8 +41,8 @@ class Recording:
         self.file = h5py.File(path, "r", libver="latest", swmr=True)
         try:
             with reading("attributes"):
-                if self.attributes.get("schema") not in SCHEMAS:
-                    raise ValueError(f"{path}: not a recording of schema {' or '.join(SCHEMAS)}")
+                if self.attributes.get("schema") != SCHEMA:
+                    raise ValueError(f"{path}: not a recording of schema {SCHEMA}")
             #: One row per frame: `frame_id`, `t_arrival_ns`, `valid`, `picture`, …; RECORDING.md lists fields and units.
             self.frames = self._rows("frames")
             with reading("frames"):  # the file has 0 where the stream has null
@@ -92,11 +92,7 @@ class Recording:
         return self._parts("coefficients", "first_coefficient", "coefficients", frame)
 
     def sigma_waves(self, frame=None):
-        """Standard errors of `coefficients`, waves. NaN where positions measured the frame, and in recordings of older versions."""
-        with reading("sigma_waves"):
-            known = self.file.get("sigma_waves", getlink=True) is not None
-        if not known:
-            return numpy.full_like(self.coefficients(frame), numpy.nan)
+        """Standard errors of `coefficients`, waves. NaN where positions measured the frame."""
         return self._parts("sigma_waves", "first_coefficient", "coefficients", frame)
 
     def modes(self, frame):
@@ -104,8 +100,8 @@ class Recording:
         return self.modes_of(self.plan(frame))
 
     def modes_of(self, plan):
-        """OSA/ANSI indices of the coefficients of frames of this plan; older files have them in the operator only."""
-        return plan["modes_j"] if "modes_j" in plan else self.document("operator", plan["operator"])["j"]
+        """OSA/ANSI indices of the coefficients of frames of this plan."""
+        return plan["modes_j"]
 
     def plan(self, frame):
         """Measurement plan of a frame: the settings that it was measured with."""
@@ -152,16 +148,12 @@ class Recording:
             if len(counts) > 1:
                 raise ValueError(f"{table}: {counts[0]} to {counts[-1]} per frame; read them frame by frame")
             width = int(counts[0]) if len(counts) else 0
-            if self.file[table].ndim == 1:
-                return self._slice(table, 0, width * len(self.frames)).reshape(len(self.frames), width)
             if self.file[table].shape[1] < width:
                 raise LookupError(f"its columns end at {self.file[table].shape[1]}, before {width}")
             return self._slice(table, 0, len(self.frames))[:, :width]
 
     def _cells(self, table, row, size):
-        """The cells of a frame: columns of one row, or in older recordings `size` rows."""
-        if self.file[table].ndim == 1:
-            return self._slice(table, row, size)
+        """The cells of a frame: columns of one row."""
         if not size <= self.file[table].shape[1]:
             raise LookupError(f"its columns end at {self.file[table].shape[1]}, before {size}")
         return self._slice(table, row, 1)[0, :size]

@@ -86,7 +86,6 @@ Config random_config(unsigned seed) {
               dice.number(limits::kSpacing)};
   c.tracking =
       TrackingSettings{{TrackerKind(dice.integer({0, 5})), dice.number(limits::kKernelRadius)},
-                       TemplateKind(dice.integer({0, 1})),
                        OperatorKind(dice.integer({0, 2}))};
   c.refine.format = c.camera.settings.pixel_format;
   c.refine.rate_hz = dice.number(limits::kRefineRateHz);
@@ -220,8 +219,6 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of(R"({"optics": {"wavelength_nm": 0.632}})").field, "optics.wavelength_nm");
   EXPECT_EQ(error_of(R"({"sensor": {"charge": 1.5}})").field, "sensor.charge");
   EXPECT_EQ(error_of(R"({"tracking": {"tracker": "lgs"}})").nearest, "lg");
-  EXPECT_EQ(error_of(R"({"tracking": {"template": "modell"}})").nearest, "model");
-  EXPECT_EQ(error_of(R"({"tracking": {"template": true}})").field, "tracking.template");
   EXPECT_EQ(error_of(R"({"tracking": {"operator": "diffractiv"}})").nearest, "diffractive");
   EXPECT_EQ(error_of(R"({"realtime": "maybe"})").field, "realtime");
   EXPECT_EQ(error_of(R"({"pipeline": {"records": 65}})").field, "pipeline.records");

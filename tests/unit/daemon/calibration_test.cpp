@@ -116,17 +116,6 @@ class Calibrations : public testing::Test {
   const Config config_ = test::small_bench();
 };
 
-TEST_F(Calibrations, OfTheTrackerThatFitReplacesAreRefusedByName) {
-  const auto daemon = started(config_);
-  Calibration calibration = measured(*daemon, config_);
-  const CalibrationKind kind{&daemon->bench};
-  EXPECT_EQ(kind.obstacle(calibration), "");
-  json origin = *calibration.origin;
-  origin["tracking"]["tracker"] = "matched";
-  calibration.origin = std::make_shared<const json>(origin);
-  EXPECT_NE(kind.obstacle(calibration).find("matched"), std::string::npos);
-}
-
 TEST_F(Calibrations, BelongToAllThatMovesTheirSpots) {
   const CalibrationKey key = key_of(config_);
   EXPECT_TRUE(differences(key, key).empty());

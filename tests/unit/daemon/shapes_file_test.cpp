@@ -43,23 +43,6 @@ TEST(ShapesFile, HoldsTheShapesAndTheirLitPixels) {
   }
 }
 
-TEST(ShapesFile, OfAnOlderVersionHoldsShapesOfAllPixels) {
-  json content = shapes_content(shapes_with({}));
-  content.erase("lit");
-  const auto read = shapes_from(content, 2, {1, 2});
-  ASSERT_TRUE(read) << read.error().reason;
-  EXPECT_EQ(read->lit(), LitPixels{});
-}
-
-TEST(ShapesFile, OfAnOlderVersionDoesNotKnowThePokes) {
-  json content = shapes_content(shapes_with({}));
-  content.erase("poke_waves");
-  content.erase("fixed");
-  const auto read = shapes_from(content, 2, {1, 2});
-  ASSERT_TRUE(read) << read.error().reason;
-  EXPECT_TRUE(read->poke_waves.empty() && read->fixed.empty());
-}
-
 TEST(ShapesFile, WithImpossiblePokesIsRefused) {
   const json good = shapes_content(shapes_with({}));
   for (const auto& [key, value] : {std::pair{"poke_waves", json{0.03}},

@@ -119,8 +119,6 @@ void print_status() {
       status.camera.info = kInfo;
       status.slm.info = DisplayInfo{"DUMMY1", 1280, 768, 60.0, "x11"};
       status.fault = "none really";
-      status.sensor.settings.tracking.templates = TemplateKind::reference;
-      status.sensor.templates = {0, "there is no reference"};
       status.sensor.settings.tracking.mode_operator = OperatorKind::diffractive;
       status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
       status.sensor.reference = "stale";
@@ -287,8 +285,7 @@ void print_results() {
   print_result("camera.get", to_json(CameraReport{kInfo, {}, kLimits}));
   print_result("camera.set", to_json(CameraSetReport{*CameraSet::decode(params), {}, kLimits}));
   print_result("camera.set", to_json(CameraSetReport{}));
-  const SensorReport sensor{
-      {}, {2, "spot 3 is dark"}, {OperatorKind::diffractive, ""}, 19, {1, 2, 3}, 7};
+  const SensorReport sensor{{}, {OperatorKind::diffractive, ""}, 19, {1, 2, 3}, 7};
   print_result("sensor.get", to_json(sensor));
   print_result("sensor.set", to_json(SensorSetReport{
                                  *SensorSet::decode({{"charge", 90}, {"clamp", true}}), {}, 7}));
@@ -424,7 +421,7 @@ void print_all_params() {
       "camera.set", {"gain_db", "exposure_us", "frame_rate_hz", "pixel_format", "roi", "gian_db"});
   print_params<SensorSet>(
       "sensor.set", {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves",
-                     "spacing", "alternate_charge", "charges", "tracker", "template", "operator",
+                     "spacing", "alternate_charge", "charges", "tracker", "operator",
                      "mode_count", "estimates"});
   print_params<RefineSet>("refine.set", {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e",
                                          "black_level_dn", "saturation_dn", "spot_amplitudes"});

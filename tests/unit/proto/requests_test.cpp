@@ -142,13 +142,13 @@ TEST(RefineSetRequest, RefusesOrClampsNumbersOutOfRange) {
 TEST(SensorSetRequest, ReadsEveryKey) {
   const auto set = SensorSet::decode(json::parse(
       R"({"charge": -2, "grid": "square", "subapertures_across": 7, "pupil_diameter_px": 600.5,
-          "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour", "template": "reference",
+          "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour",
           "operator": "diffractive", "mode_count": 44, "estimates": 4})"));
   ASSERT_TRUE(set);
   const SensorConfig wanted{-2, Grid::square, 7, 600.5, {100, -30}, 0.5};
   EXPECT_EQ(set->applied_to({}).sensor, wanted);
   const TrackingSettings tracking{
-      {TrackerKind::lg_contour, 0.3}, TemplateKind::reference, OperatorKind::diffractive, 44, 4};
+      {TrackerKind::lg_contour, 0.3}, OperatorKind::diffractive, 44, 4};
   EXPECT_EQ(set->applied_to({}).tracking, tracking);
   const auto nothing = SensorSet::decode(json::object());
   ASSERT_TRUE(nothing);
@@ -167,9 +167,9 @@ TEST(SensorSetRequest, RefusesWhatNoSensorHas) {
   EXPECT_EQ(error_of(SensorSet::decode({{"grooves", {1, 2, 3}}})).field, "grooves");
   EXPECT_EQ(error_of(SensorSet::decode({{"grooves", {1, 1e9}}})).field, "grooves[1]");
   EXPECT_EQ(error_of(SensorSet::decode({{"tracker", "lgg"}})).nearest, "lg");
-  EXPECT_EQ(error_of(SensorSet::decode({{"template", "referenc"}})).nearest, "reference");
   EXPECT_EQ(error_of(SensorSet::decode({{"operator", "slope"}})).nearest, "slopes");
-  EXPECT_EQ(error_of(SensorSet::decode({{"charge", 0}, {"template", nullptr}})).field, "template");
+  EXPECT_EQ(error_of(SensorSet::decode({{"charge", 0}, {"tracker", nullptr}})).field, "tracker");
+  EXPECT_EQ(error_of(SensorSet::decode({{"template", "model"}})).field, "template");
 }
 
 TEST(AberrationRequest, TakesModesByIndexOrByOrder) {
@@ -325,20 +325,6 @@ json numbers_to(std::size_t count) {
   json numbers = json::array();
   for (std::size_t k = 0; k < count; ++k) numbers.push_back(k);
   return numbers;
-}
-
-TEST(FormerTracker, IsFitWithTwoEstimates) {
-  const auto set = SensorSet::decode({{"tracker", "matched"}, {"template", "reference"}});
-  ASSERT_TRUE(set) << set.error().reason;
-  const TrackingSettings now = set->applied_to({}).tracking;
-  EXPECT_EQ(now.tracker, TrackerKind::fit);
-  EXPECT_EQ(now.estimates, 2);
-  EXPECT_EQ(to_json(now).at("tracker"), "fit");
-  const auto with = SensorSet::decode({{"tracker", "matched"}, {"estimates", 4}});
-  EXPECT_EQ(with->applied_to({}).tracking.estimates, 4);
-  const auto sweep = decode<GainSweep>({{"arms", {{{"charge", 0}, {"tracker", "matched"}}}}});
-  ASSERT_TRUE(sweep);
-  EXPECT_EQ(sweep->arms[0], (SweepArm{0, {TrackerKind::fit}}));
 }
 
 /// Sweep arms that all differ in charge or tracker.

@@ -83,8 +83,7 @@ TEST(Params, AMistakeNamesTheKeyAndWhatIsAllowed) {
               "exposure_us: must be a number from 0.1 to 60000000, not \"2ms\"");
   expect_text(refusal("camera.set", "roi.width=1.5"), "must be a whole number from 1 to 65535");
   expect_text(refusal("camera.set", "clamp=yes"), "must be true or false");
-  expect_text(refusal("sensor.set", "tracker=ft"),
-              "lg, fit, matched, not \"ft\"; did you mean fit?");
+  expect_text(refusal("sensor.set", "tracker=ft"), "lg, fit, not \"ft\"; did you mean fit?");
   expect_text(refusal("sensor.get", "x=1"), "the method has no keys");
   for (const char* word : {"{not json", "[1]", "gain_db", "=1", "12", "@no/such/file", "@/"}) {
     EXPECT_FALSE(refusal("camera.set", word).empty());
