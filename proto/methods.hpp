@@ -16,17 +16,14 @@ struct ArrayFitReport;
 struct CameraGrab;
 struct CameraReport;
 struct CameraSetReport;
-struct CellReport;
 struct Config;
 struct ConfigSave;
 struct CorrectorSet;
 struct Description;
 struct FlatnessReport;
-struct GainSweepRun;
 struct GrabReport;
 struct KnownCalibration;
 struct KnownCorrector;
-struct KnownExperiment;
 struct KnownReference;
 struct KnownRegistration;
 struct LatticeInUse;
@@ -160,22 +157,6 @@ inline constexpr auto kCorrectorSet =
         .taking(
             "float32, little-endian, actuators x modes by rows: commands per RMS-normalised "
             "wave, in any unit");
-inline constexpr auto kExperimentCell = method<ExperimentCell, CellReport>(
-    "experiment.cell", "Returns one measured cell of the gain sweep, frame by frame.");
-inline constexpr auto kExperimentGainSweep = method<GainSweepRun, JobNumber>(
-    "experiment.gain_sweep",
-    "Runs the paper's gain sweep: the residual variance of each arm against the camera's gain, at "
-    "the current exposure, with introduced aberrations. A reference of each arm without an "
-    "aberration is measured first, then cell by cell; a cell is one arm with one aberration at one "
-    "gain. Returns at once; experiment.get and experiment.cell report what was measured so far. "
-    "The same params on the same bench continue with the missing cells, also after a cancel or a "
-    "restart, if the spots of the run's first reference are still within lambda/(20 d) of their "
-    "positions; otherwise the job is refused and the cells stay. A request for the run in progress "
-    "returns its job. Gain, sensor and aberration are restored at the end; the user's reference is "
-    "not touched.");
-inline constexpr auto kExperimentGet = method<Nothing, KnownExperiment>(
-    "experiment.get",
-    "Returns the last requested gain sweep and what was measured of it so far; or nulls.");
 inline constexpr auto kFlatnessClear =
     method<Nothing, FlatnessReport>("flatness.clear",
                                     "Deletes the measured flatness, also on disk; only that of the "

@@ -18,7 +18,6 @@
 #include "daemon/ovwsd/control/method_table.hpp"
 #include "daemon/ovwsd/control/status_reporter.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
-#include "daemon/ovwsd/procedures/experiment_archive.hpp"
 #include "daemon/ovwsd/procedures/presentation.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
@@ -99,7 +98,6 @@ struct App::Parts {
   std::unique_ptr<ClientGuard> clients;  ///< outlives all sockets, which use its gate
   Disk disk;
   DaemonStore store{config.state, events, &disk};
-  ExperimentArchive experiments{store};
   NamedReferences named{store, events};
   PreparedLattices lattices{store, events};
   LatestValue<ShownHologram> shown;
@@ -243,10 +241,10 @@ Result<void> App::Parts::bind_streams() {
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(Services{
-      config,         loaded,  leases,      camera,   finder,   *keeper, jobs,     *procedures,
-      *presentations, grabs,   experiments, named,    lattices, *loop,   *refiner, recorder,
-      corrector,      *status, slm,         counters, *clients, disk});
+  services = std::make_unique<Services>(
+      Services{config,      loaded,         leases,  camera, finder,   *keeper,  jobs,
+               *procedures, *presentations, grabs,   named,  lattices, *loop,    *refiner,
+               recorder,    corrector,      *status, slm,    counters, *clients, disk});
   const ControlHandler handle = [this](ControlRequest request, SendReply reply) {
     const RpcDispatch call = [&](RpcCall asked, RpcReply give) {
       dispatch(*services, request.client_key, std::move(asked), std::move(give));
@@ -305,7 +303,6 @@ Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
   if (!lock) return fail(lock.error());
   auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
   if (auto made = parts->make_sensor(); !made) return fail(made.error());
-  parts->experiments.load();
   parts->named.load();
   parts->lattices.load();
   auto clients =
@@ -392,7 +389,6 @@ Result<void> App::Parts::stop() {
   service::notify_stopping();
   leases.set(&Conditions::stopping, true);
   procedures->end_soon();
-  store.end_soon();
   refiner->end_soon();
   grabs.end_soon();
   slm.close();

@@ -75,13 +75,15 @@ std::string reachable_endpoint(const std::string& stream, const std::string& con
 }
 
 /// Sends a JSON-RPC request or batch and returns the parsed reply.
-tl::expected<json, CallFailure> ask(const Common& common, const json& request) {
+tl::expected<json, CallFailure> ask(const Common& common, const json& request,
+                                    std::vector<std::byte>* binary = nullptr) {
   const auto keys = keys_of(common);
   if (!keys) return no_answer(keys.error().reason);
   auto client = ControlClient::connect(common.endpoint, *keys);
   if (!client) return no_answer(client.error().reason);
-  const auto reply = client->request(
-      json_text(request), std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)));
+  const auto reply =
+      client->request(json_text(request),
+                      std::chrono::milliseconds(std::int64_t(1000.0 * common.timeout_s)), binary);
   if (!reply) return no_answer(reply.error().reason);
   return json_of(*reply);
 }
@@ -114,6 +116,18 @@ tl::expected<json, CallFailure> call(const Common& common, const std::string& me
   auto answer = ask(common, request_of(1, method, params));
   if (!answer) return answer;
   return result_of(*answer);
+}
+
+tl::expected<BinaryAnswer, CallFailure> call_for_binary(const Common& common,
+                                                        const std::string& method,
+                                                        const json& params) {
+  BinaryAnswer all;
+  auto answer = ask(common, request_of(1, method, params), &all.binary);
+  if (!answer) return tl::make_unexpected(answer.error());
+  auto result = result_of(*answer);
+  if (!result) return tl::make_unexpected(result.error());
+  all.result = std::move(*result);
+  return all;
 }
 
 tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,

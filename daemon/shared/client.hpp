@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <cstddef>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -43,6 +44,15 @@ struct CallFailure {
 /// Calls a method and returns its result. Blocks for at most `common.timeout_s`.
 tl::expected<nlohmann::json, CallFailure> call(const Common& common, const std::string& method,
                                                const nlohmann::json& params);
+
+struct BinaryAnswer {
+  nlohmann::json result;
+  std::vector<std::byte> binary;  ///< of the reply's binary frame; empty: it had none
+};
+/// The same for a method whose reply has a binary frame.
+tl::expected<BinaryAnswer, CallFailure> call_for_binary(const Common& common,
+                                                        const std::string& method,
+                                                        const nlohmann::json& params);
 
 /// Calls several methods without params in one JSON-RPC batch and returns their results in order.
 /// If one method fails, the whole call fails.

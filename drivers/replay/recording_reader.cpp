@@ -265,9 +265,8 @@ bool RecordingReader::Impl::is_complete(const RecordedFrame& frame) const {
   return frame.spots <= kMaxPartsPerFrame && frame.coefficients <= kMaxPartsPerFrame &&
          spots.has(frame.first_spot, frame.spots) &&
          coefficients.has(frame.first_coefficient, frame.coefficients) &&
-         sigma_waves.has(frame.first_coefficient, frame.coefficients) &&
-         frame.picture >= -1 && frame.picture < std::int64_t(image_count) &&
-         frame.left_justified_bits < 16;
+         sigma_waves.has(frame.first_coefficient, frame.coefficients) && frame.picture >= -1 &&
+         frame.picture < std::int64_t(image_count) && frame.left_justified_bits < 16;
 }
 
 bool RecordingReader::Impl::read_frames() {

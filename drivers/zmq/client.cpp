@@ -125,13 +125,19 @@ Result<ControlClient> ControlClient::connect(const std::string& endpoint,
 }
 
 Result<std::string> ControlClient::request(std::string_view bytes,
-                                           std::chrono::milliseconds timeout) {
+                                           std::chrono::milliseconds timeout,
+                                           std::vector<std::byte>* binary) {
   (void)impl_->socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
   const int event = impl_->wait(timeout);
   const auto parts = receive_parts(impl_->socket);
   if (!parts.empty()) {
     const bool delimited = parts.size() > 1 && parts.front().size() == 0;  // by other programs
-    return parts[delimited ? 1 : 0].to_string();
+    const std::size_t first = delimited ? 1 : 0;
+    if (binary != nullptr && parts.size() > first + 1) {
+      const auto* const data = parts[first + 1].data<std::byte>();
+      binary->assign(data, data + parts[first + 1].size());
+    }
+    return parts[first].to_string();
   }
   if (auto opened = impl_->open(); !opened) return fail(opened.error());
   if (event != 0) {

@@ -24,11 +24,12 @@ class ControlClient {
   static Result<ControlClient> connect(const std::string& endpoint,
                                        const std::optional<ClientKeys>& keys = std::nullopt);
 
-  /// Sends one request and waits for its reply, whose binary frame is dropped. Errors:
-  /// Errc::unavailable if no reply arrives within `timeout`; Errc::refused at once, with the
-  /// reason, if the daemon rejects this client. A late reply to an earlier request is never
+  /// Sends one request and waits for its reply, whose binary frame goes to `binary`, if given.
+  /// Errors: Errc::unavailable if no reply arrives within `timeout`; Errc::refused at once, with
+  /// the reason, if the daemon rejects this client. A late reply to an earlier request is never
   /// returned.
-  Result<std::string> request(std::string_view bytes, std::chrono::milliseconds timeout);
+  Result<std::string> request(std::string_view bytes, std::chrono::milliseconds timeout,
+                              std::vector<std::byte>* binary = nullptr);
 
  private:
   struct Impl;

@@ -107,38 +107,4 @@ inline constexpr auto kTable<Origin> =
            field<&Origin::hologram_sha256>("SHA-256 of the shown hologram's grey levels, row by "
                                            "row; null: the reference is the model's")};
 
-/// Bench and settings that stay constant during a gain sweep.
-struct SweepBench {
-  std::string program;
-  std::optional<CameraName> camera;
-  CameraSettings settings;
-  JsonObject sensor;
-  double kernel_radius = 0.0;
-  JsonOf<OpticsConfig> optics;
-  JsonOf<SlmIdentity> slm;
-  std::optional<std::int64_t> registration_t_taken_ns;
-  std::vector<Mode> correction;
-};
-template <>
-inline constexpr auto kTable<SweepBench> =
-    Fields{"SweepBench",
-           field<&SweepBench::program>("version of the daemon"),
-           field<&SweepBench::camera>("identity of the camera"),
-           computed(
-               "exposure_us", [](auto& b) { return b.settings.exposure_us; },
-               "exposure time of every cell, microseconds"),
-           computed(
-               "pixel_format", [](auto& b) { return b.settings.pixel_format; }, "GenICam name"),
-           computed(
-               "roi", [](auto& b) { return b.settings.roi; }, "as in camera.set"),
-           field<&SweepBench::sensor>("as in sensor.get, without the charge"),
-           field<&SweepBench::kernel_radius>("kernel radius of the tracker lg, units of lambda/d"),
-           field<&SweepBench::optics>("as in the configuration"),
-           field<&SweepBench::slm>(
-               "geometry of the SLM, and checksums of the active look-up table and flatness map"),
-           field<&SweepBench::registration_t_taken_ns>(
-               "time of the active registration, UNIX epoch UTC, nanoseconds; null: none"),
-           field<&SweepBench::correction>(
-               "correction subtracted from every hologram, RMS-normalised waves")};
-
 }  // namespace ovws

@@ -246,12 +246,4 @@ inline constexpr auto kTable<LoopIdentify> =
     Fields{"LoopIdentify", field<&LoopIdentify::seconds>("time to watch the disturbance, seconds",
                                                          limits::kIdentifyS)};
 
-struct ExperimentCell {
-  int cell = 0;
-};
-template <>
-inline constexpr auto kTable<ExperimentCell> = Fields{
-    "ExperimentCell",
-    field<&ExperimentCell::cell>("number of the cell, from 0", limits::kSweepCell).mandatory()};
-
 }  // namespace ovws

@@ -124,8 +124,7 @@ struct SensorSettings {
 
 template <>
 inline constexpr auto kTable<TrackingSettings> =
-    Fields{"TrackingSettings",
-           field<&TrackingSettings::tracker>("algorithm that finds the spots"),
+    Fields{"TrackingSettings", field<&TrackingSettings::tracker>("algorithm that finds the spots"),
            field("operator", &TrackingSettings::mode_operator,
                  "matrix from displacements to modes: slopes, from each mode's local tilt as the "
                  "tracker measures it; diffractive, from the diffraction model of each mode, exact "

@@ -4,7 +4,6 @@
 #include "proto/rpc.hpp"
 #include "proto/tables/corrector.hpp"
 #include "proto/tables/devices.hpp"
-#include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
 #include "proto/tables/lattices.hpp"
 #include "proto/tables/picture.hpp"
@@ -40,8 +39,6 @@ inline void decode_all(const Json& params) {
   (void)decode<CalibrationRun>(params);
   (void)decode<CalibrationSet>(params);
   (void)decode<CorrectorSet>(params);
-  (void)decode<GainSweepRun>(params);
-  (void)decode<ExperimentCell>(params);
   (void)decode<SlmShow>(params);
   (void)decode<SlmPresent>(params);
   (void)decode<CameraGrab>(params);

@@ -46,7 +46,7 @@ class Messages(BenchCase):
         return message, binary
 
     def test_every_method(self):
-        for part in (self.call_settings, self.call_references, self.call_loop, self.call_calibrations, self.call_experiment, self.call_slm,
+        for part in (self.call_settings, self.call_references, self.call_loop, self.call_calibrations, self.call_slm,
                      self.call_refinement, self.call_records):
             part()
         self.called |= {"array.fit", "aberration.sequence"}  # of a fixed array: test_lenslets; of a DMD: test_patterns
@@ -130,15 +130,6 @@ class Messages(BenchCase):
         call("corrector.set", {"shape": [2, modes]}, bytes(4 * 2 * modes))
         call("corrector.get")
         call("corrector.clear")
-
-    def call_experiment(self):
-        call = self.checked_call
-        call("experiment.get")
-        call("camera.set", {"exposure_us": 1000.0})
-        self.checked_job("experiment.gain_sweep", {"gains_db": [0], "reference_gain_db": 0, "frames": 2, "reference_frames": 5,
-                                                   "arms": [{"charge": 1, "tracker": "lg"}], "picture_gains_db": [0]})
-        call("experiment.get")
-        call("experiment.cell", {"cell": 0})
 
     def call_slm(self):
         call = self.checked_call

@@ -156,7 +156,7 @@ class Secured(BenchCase):
         described = guest.call("system.describe")
         roles = described["roles"]
         self.assertEqual(set(roles), set(described["methods"]), "each method has a role")
-        reading = {m for m in roles if m.endswith((".get", ".list")) or m.startswith("system.")} | {"slm.verify", "camera.grab", "experiment.cell", "loop.model", "record.estimate", "slm.outputs"}
+        reading = {m for m in roles if m.endswith((".get", ".list")) or m.startswith("system.")} | {"slm.verify", "camera.grab", "loop.model", "record.estimate", "slm.outputs"}
         self.assertEqual({m for m, role in roles.items() if role == "read"}, reading)
         for method in sorted(set(roles) - reading):
             with self.assertRaises(ClientError, msg=method) as caught:

@@ -57,7 +57,7 @@ class Web(WebCase):
             ("token", 401, dict(method="POST", path="/rpc", body=body)),
             ("token", 401, dict(method="GET", path="/stream", token=look[:-1])),
             ("right", 403, dict(method="POST", path="/rpc", body=body, token=look)),
-            ("command", 403, dict(method="POST", path="/rpc", body=b'{"method": "experiment.gain_sweep"}', token=control)),
+            ("command", 403, dict(method="POST", path="/rpc", body=b'{"method": "focus.run"}', token=control)),
             ("path", 404, dict(method="GET", path="/../../etc/passwd", token=look)),
             ("path", 404, dict(method="GET", path="/page/%2e%2e/main.cpp")),
             ("method", 405, dict(method="DELETE", path="/", token=control)),

@@ -201,10 +201,9 @@ std::string part_name(const Positions& range);
 /// Prints the name of a file that was written.
 int report_file(const Common& common, const std::filesystem::path& file);
 
-/// The paper's gain sweep on a daemon's bench. Starts experiment.gain_sweep with `params`, or joins
-/// a running sweep. Writes each cell as soon as it is measured; table, figures and summary at the
-/// end. The first cell replaces the study's earlier files in the folder. Ctrl-C cancels the job; an
-/// error of this program does not. The same command then continues the sweep.
+/// The paper's gain sweep on a daemon's bench, with params of GainSweep. Writes each cell as soon
+/// as it is measured; table, figures and summary at the end. The first cell replaces the study's
+/// earlier files in the folder. On return, also after Ctrl-C, the bench is as before.
 int run_experiment(const Common& common, const nlohmann::json& params,
                    const std::filesystem::path& folder);
 

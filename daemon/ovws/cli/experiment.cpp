@@ -4,412 +4,339 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <fstream>
 #include <map>
-#include <opencv2/imgproc.hpp>
+#include <memory>
 #include <optional>
-#include <thread>
+#include <set>
 #include <vector>
 
-#include "core/wavefront/phase_map.hpp"
+#include "core/base/pixels.hpp"
+#include "core/port/clock.hpp"
 #include "daemon/ovws/cli/commands.hpp"
-#include "daemon/ovws/cli/image_file.hpp"
+#include "daemon/ovws/cli/experiment_bench.hpp"
+#include "daemon/ovws/cli/experiment_images.hpp"
+#include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/gain_sweep_report.hpp"
 #include "daemon/ovws/study/parallel.hpp"
-#include "daemon/shared/client.hpp"
-#include "daemon/shared/encoding.hpp"
+#include "daemon/ovws/study/sweep_sensor.hpp"
+#include "daemon/ovws/text/quantity.hpp"
 #include "proto/json_text.hpp"
+#include "proto/tables/camera.hpp"
 
 namespace ovws::cli {
 namespace {
 
-using namespace std::chrono_literals;
 using nlohmann::json;
+using study::SweepSensor;
 
-constexpr auto kCellPollInterval = 300ms;
-constexpr int kStartTries = 10;  // a cancelled job may still be ending
-constexpr int kRefusedCode = -32000;
-
-/// Results of experiment.cell by number.
-using SweepCells = std::map<int, json>;
-
-volatile std::sig_atomic_t stop_asked = 0;
-
-void note_interrupt(int) {
-  stop_asked = 1;
+/// Checks the gains against the camera's range. With `clamp`, leaves out those outside it.
+Result<GainSweep> within(GainSweep sweep, const Range<double>& range) {
+  const auto has = [&range](double gain_db) {
+    return gain_db >= range.min && gain_db <= range.max;
+  };
+  const auto outside = [&range](const char* field, double gain_db) {
+    return fail(Error{Errc::invalid, field,
+                      fmt::format("{} dB is outside the camera's range of {} to {} dB: choose "
+                                  "another gain, or leave out such gains with \"clamp\"",
+                                  gain_db, range.min, range.max),
+                      range.min, range.max});
+  };
+  if (!has(sweep.reference_gain_db)) return outside("reference_gain_db", sweep.reference_gain_db);
+  if (sweep.clamp) std::erase_if(sweep.gains_db, [&](double gain_db) { return !has(gain_db); });
+  const auto wrong = std::ranges::find_if_not(sweep.gains_db, has);
+  if (wrong != sweep.gains_db.end()) return outside("gains_db", *wrong);
+  if (sweep.gains_db.empty()) return outside("gains_db", range.max);
+  return sweep;
 }
 
-using Answer = tl::expected<json, CallFailure>;
-
-Answer start(const Common& common, const json& params) {
-  for (int tries = 1;; ++tries) {
-    Answer answer = call(common, "experiment.gain_sweep", params);
-    const bool busy =
-        !answer && answer.error().answered && answer.error().error.value("code", 0) == kRefusedCode;
-    if (!busy || tries == kStartTries || stop_asked != 0) return answer;
-    std::this_thread::sleep_for(kCellPollInterval);
-  }
-}
-
-tl::unexpected<Error> no_csv() {
-  return fail(Errc::unavailable, "output", "a CSV file cannot be written");
-}
-
-/// Cells fetched from one run of the gain sweep. Each cell is written to both CSV files as soon as
-/// it is fetched.
-class Fetched {
+/// The measured cells. Each is written to both CSV files as soon as it is measured; the first one
+/// replaces the files of an earlier run.
+class CellFiles {
  public:
-  Fetched(int job, std::filesystem::path folder) : job_(job), folder_(std::move(folder)) {}
-  int job() const { return job_; }
-  /// Whether a result of experiment.get belongs to this job's run. The daemon may hold the results
-  /// of another run.
-  bool is_own(const json& experiment) {
-    if (experiment.at("job") == job_) run_ = experiment.at("run");
-    return !run_.is_null() && experiment.at("run") == run_;
-  }
-  void set_run(const json& name) { run_ = name; }
-  /// Whether the cell is already fetched: same number, same start time.
-  bool has(const json& summary) const {
-    const auto found = cells_.find(summary.at("cell").get<int>());
-    return found != cells_.end() && is_same(found->second, summary);
-  }
-  static bool is_same(const json& cell, const json& summary) {
-    return cell.at("cell") == summary.at("cell") &&
-           cell.at("t_begun_ns") == summary.at("t_begun_ns");
-  }
-  /// Adds a cell to both CSV files. Only the first cell removes earlier results from the folder, so
-  /// that a refused job leaves the results in place.
+  explicit CellFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
   Result<void> add(json cell) {
     if (cells_.empty()) {
-      // Earlier results may come from another run: do not mix them with the new cells.
       if (auto removed = remove_findings("experiment", folder_); !removed) return removed;
-      begin_files();
+      begin();
     }
-    const bool written = write(cell);
     const int number = cell.at("cell").get<int>();
-    cells_[number] = std::move(cell);
-    if (!written) return no_csv();
-    return {};
+    const json& kept = cells_[number] = std::move(cell);
+    return write(kept);
   }
-  /// Rewrites both CSV files in the order of cell numbers. False if a file cannot be written.
-  bool write_in_order() {
-    begin_files();
-    return std::all_of(cells_.begin(), cells_.end(),
-                       [this](const auto& one) { return write(one.second); });
+  /// Rewrites both files in the order of the cells' numbers.
+  Result<void> write_in_order() {
+    begin();
+    for (const auto& [number, cell] : cells_) {
+      if (auto written = write(cell); !written) return written;
+    }
+    return {};
   }
   const SweepCells& cells() const { return cells_; }
 
  private:
-  void begin_files() {
+  void begin() {
     cells_file_ = std::ofstream(folder_ / "cells.csv");
     frames_file_ = std::ofstream(folder_ / "frames.csv");
     cells_file_ << study::cells_csv_header() << std::flush;
   }
-  bool write(const json& cell) {
+  Result<void> write(const json& cell) {
     if (frames_file_.tellp() == 0) frames_file_ << study::frames_csv_header(cell);
     cells_file_ << study::cells_csv_row(cell) << std::flush;
     frames_file_ << study::frames_csv_rows(cell) << std::flush;
-    return cells_file_.good() && frames_file_.good();
+    if (cells_file_.good() && frames_file_.good()) return {};
+    return fail(Errc::unavailable, "output", "a CSV file cannot be written");
   }
 
-  int job_;
-  json run_;  ///< name of the run; null: not yet known
   std::filesystem::path folder_;
   std::ofstream cells_file_, frames_file_;
   SweepCells cells_;
 };
 
-void print_cells_done(const Common& common, const json& experiment) {
-  if (common.json) return;
-  std::string left = "";
-  if (experiment.at("time_left_s").is_number()) {
-    const int seconds = int(experiment.at("time_left_s").get<double>());
-    left = fmt::format(", {}:{:02} min left", seconds / 60, seconds % 60);
-  }
-  study::print_progress(fmt::format("{} of {} cells{}", experiment.at("cells_done").get<int>(),
-                                    experiment.at("cells_total").get<int>(), left));
-}
-
-/// Fetches the cells of this run that are new since the last call. Returns the result of
-/// experiment.get.
-Answer fetch(const Common& common, Fetched& fetched) {
-  Answer experiment = call(common, "experiment.get", json::object());
-  if (!experiment || !fetched.is_own(*experiment)) return experiment;
-  for (const json& summary : experiment->at("cells")) {
-    if (fetched.has(summary) || stop_asked != 0) continue;
-    Answer cell = call(common, "experiment.cell", {{"cell", summary.at("cell")}});
-    if (!cell) return cell;
-    if (!Fetched::is_same(*cell, summary)) break;  // another run has begun since
-    if (const auto added = fetched.add(std::move(*cell)); !added) {
-      const Error& why = added.error();
-      return tl::make_unexpected(
-          CallFailure{true, {{"message", text_of(why)}, {"data", {{"field", why.field}}}}});
+Image<std::uint8_t> eight_bits(const ImageView& image) {
+  const int shift = significant_bits(image.format) - 8;
+  Image<std::uint8_t> out(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const bool words = traits_of(image.format).layout == PixelLayout::words;
+      const int dn =
+          words ? image.row<std::uint16_t>(y)[x] >> shift : image.row<std::uint8_t>(y)[x];
+      out.at(x, y) = std::uint8_t(dn);
     }
   }
-  print_cells_done(common, *experiment);
-  return experiment;
+  return out;
 }
 
-/// Polls the job until it ends, fetching cells as they are measured. Ctrl-C cancels the job.
-/// Returns the last result of job.get.
-Answer follow(const Common& common, Fetched& fetched) {
-  const json job{{"job", fetched.job()}};
-  while (true) {
-    Answer report = call(common, "job.get", job);
-    if (stop_asked != 0) {
-      report = call(common, "job.cancel", job);
-      if (!report) return report;
-      stop_asked = 0;  // a second Ctrl-C stops the fetching
-    } else if (!report) {
-      return report;
-    }
-    if (report->at("result").is_object()) fetched.set_run(report->at("result").at("run"));
-    if (Answer experiment = fetch(common, fetched); !experiment && stop_asked == 0) {
-      return experiment;
-    }
-    if (report->at("state") != "running") return report;
-    std::this_thread::sleep_for(kCellPollInterval);
-  }
-}
-
-constexpr int kPanelPx = 320, kTextPx = 52, kGapPx = 10;
-constexpr double kResidualGainDb = 36.0;
-const cv::Scalar kPaper(255, 255, 255), kInk(0, 0, 0);
-
-/// Row of image panels, side by side. Each panel is below two lines of text.
-class Row {
+/// The whole sweep. A row is one aberration at one gain. In each row all arms of a charge measure
+/// the same images; the charges come in alternating order, so that a slow drift favours none.
+class Sweep {
  public:
-  void add(const cv::Mat& picture, const std::string& title, const std::string& more) {
-    cv::Mat panel(kPanelPx + kTextPx, kPanelPx + kGapPx, CV_8UC3, kPaper);
-    cv::Mat scaled;
-    cv::resize(picture, scaled, {kPanelPx, kPanelPx}, 0, 0, cv::INTER_AREA);
-    scaled.copyTo(panel(cv::Rect(0, kTextPx, kPanelPx, kPanelPx)));
-    const auto write = [&panel](const std::string& text, int y) {
-      cv::putText(panel, text, {4, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1, cv::LINE_AA);
-    };
-    write(title, 18);
-    write(more, 40);
-    if (all_.empty()) {
-      all_ = panel;
-    } else {
-      cv::hconcat(all_, panel, all_);
+  Sweep(GainSweep sweep, ExperimentBench& bench, std::filesystem::path folder)
+      : sweep_(std::move(sweep)), bench_(bench), files_(std::move(folder)) {}
+
+  Answered<void> measure() {
+    if (auto made = make_sensors(); !made) return made;
+    const std::vector<int> charges(charges_.begin(), charges_.end());
+    for (const int charge : charges) {
+      const auto taken = take_references(charge);
+      if (was_interrupted()) return {};
+      if (!taken) return taken;
     }
+    const std::size_t rows = sweep_.aberrations.size() * sweep_.gains_db.size();
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (std::size_t k = 0; k < charges.size(); ++k) {
+        const int charge = charges[row % 2 == 0 ? k : charges.size() - 1 - k];
+        const auto done = measure_row(row, charge);
+        if (was_interrupted()) return {};  // which may have ended a call
+        if (!done) return done;
+        show_progress();
+      }
+    }
+    return {};
   }
-  const cv::Mat& picture() const { return all_; }
+  bool is_complete() const { return files_.cells().size() == sweep_.cells(); }
+  CellFiles& files() { return files_; }
+  const CameraFrames& camera_frames() const { return frames_; }
+  json report() const;
 
  private:
-  cv::Mat all_;
+  Answered<void> make_sensors();
+  Answered<void> take_references(int charge);
+  Answered<void> measure_row(std::size_t row, int charge);
+  Answered<std::vector<Vec2>> starts(std::size_t aberration, int charge);
+  void keep_image(const GainSweep::Cell& at, int charge, const GrabbedImages& images,
+                  double peak_dn);
+  void show_progress() const;
+
+  const GainSweep sweep_;
+  ExperimentBench& bench_;
+  CellFiles files_;
+  const std::int64_t t_begun_ns_ = utc_ns();
+  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
+  std::set<int> charges_;
+  std::vector<SweepSensor> sensors_;  ///< one per arm
+  std::vector<ReferenceMeasured> references_;
+  std::map<int, std::vector<Vec2>> flat_px_;  ///< places of the spots without an aberration
+  /// The same with the aberration, by it and the charge: found at the reference's gain, as bright
+  /// spots with saturated tops are not found elsewhere.
+  std::map<std::pair<std::size_t, int>, std::vector<Vec2>> starts_px_;
+  CameraFrames frames_;
 };
 
-cv::Mat coloured(const Image<float>& waves, double scale) {
-  const cv::Mat raw(waves.height, waves.width, CV_32FC1, const_cast<float*>(waves.pixels.data()));
-  return phase_colours(raw, scale, kPaper);
-}
-
-double largest(const Image<float>& waves) {
-  double most = 1e-4;
-  for (const float w : waves.pixels) most = std::fmax(most, std::abs(double(w)));
-  return most;
-}
-
-/// Index of the frame with the median variance; none if no frame has coefficients.
-std::optional<std::size_t> median_frame(const json& cell) {
-  std::vector<std::pair<double, std::size_t>> valid_frames;
-  const json& variances = cell.at("variances_rad2");
-  for (std::size_t k = 0; k < variances.size(); ++k) {
-    if (variances[k].is_number()) valid_frames.emplace_back(variances[k].get<double>(), k);
+Answered<void> Sweep::make_sensors() {
+  for (const SweepArm& arm : sweep_.arms) {
+    auto made = SweepSensor::make(arm, bench_.config());
+    if (!made) return failed(made.error());
+    sensors_.push_back(std::move(*made));
+    charges_.insert(arm.charge);
   }
-  if (valid_frames.empty()) return std::nullopt;
-  std::sort(valid_frames.begin(), valid_frames.end());
-  return valid_frames[valid_frames.size() / 2].second;
+  references_.resize(sensors_.size());
+  return {};
 }
 
-std::size_t next_gain(const json& request) {
-  const auto gains = request.at("gains_db").get<std::vector<double>>();
-  const auto next = std::min_element(gains.begin(), gains.end(), [](double a, double b) {
-    return std::abs(a - kResidualGainDb) < std::abs(b - kResidualGainDb);
-  });
-  return std::size_t(next - gains.begin());
-}
-
-std::vector<float> introduced_waves(const json& aberration, const std::vector<int>& modes_j) {
-  std::vector<float> waves(modes_j.size(), 0.0F);
-  for (const json& mode : aberration.at("modes")) {
-    const auto at = std::find(modes_j.begin(), modes_j.end(), mode.at("j").get<int>());
-    if (at != modes_j.end())
-      waves[std::size_t(at - modes_j.begin())] = mode.at("waves").get<float>();
-  }
-  return waves;
-}
-
-struct Residual {
-  Image<float> waves;
-  std::string title, more;
-};
-
-/// Residual wavefront of the cell's median frame; none if no frame has coefficients.
-std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
-                                    const std::vector<float>& introduced) {
-  const auto frame = median_frame(cell);
-  if (!frame) return std::nullopt;
-  auto left = cell.at("coefficients_waves").at(*frame).get<std::vector<float>>();
-  for (std::size_t i = 0; i < left.size(); ++i) left[i] = introduced[i] - left[i];
-  Residual residual;
-  map.render(left, residual.waves);
-  residual.title = study::arm_name(cell) + ", residual";
-  residual.more =
-      fmt::format("{:.3g} rad^2, +-{:.3f} wave", cell.at("variances_rad2").at(*frame).get<double>(),
-                  largest(residual.waves));
-  return residual;
-}
-
-/// Writes experiment-images-charge-L.png for each charge L that has stored frames. It shows these
-/// frames side by side, with unscaled grey levels. Errors: a file cannot be written.
-Result<void> draw_camera_frames(const SweepCells& cells, const std::filesystem::path& folder) {
-  std::map<int, Row> rows;
-  for (const auto& [number, cell] : cells) {
-    const json& kept = cell.at("picture");
-    if (kept.is_null()) continue;
-    const int width = kept.at("width").get<int>(), height = kept.at("height").get<int>();
-    auto bytes = bytes_of(kept.at("base64").get_ref<const std::string&>(),
-                          std::size_t(width) * std::size_t(height));
-    if (!bytes) {
-      return fail(Errc::internal, "picture",
-                  "the daemon sent an incomplete image: repeat the command");
-    }
-    const cv::Mat grey(height, width, CV_8UC1, bytes->data());
-    cv::Mat picture;
-    cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
-    picture.setTo(cv::Scalar(60, 60, 255), grey == 255);
-    rows[cell.at("charge").get<int>()].add(
-        picture,
-        fmt::format("charge {}, {:g} dB", cell.at("charge").get<int>(),
-                    cell.at("gain_db").get<double>()),
-        fmt::format("brightest {:g} DN; red: full scale", cell.at("peak_dn").get<double>()));
-  }
-  for (const auto& [charge, row] : rows) {
-    auto written =
-        write_image(folder / fmt::format("experiment-images-charge-{}.png", charge), row.picture());
-    if (!written) return written;
+Answered<void> Sweep::take_references(int charge) {
+  if (auto set = bench_.set_gain(sweep_.reference_gain_db); !set) return set;
+  if (auto shown = bench_.show(charge, {}); !shown) return shown;
+  const auto places = bench_.find_spots();
+  if (!places) return tl::make_unexpected(places.error());
+  const std::int64_t now_ns = utc_ns();
+  const auto images = bench_.grab(sweep_.reference_frames);
+  if (!images) return tl::make_unexpected(images.error());
+  for (std::size_t k = 0; k < sensors_.size(); ++k) {
+    if (sweep_.arms[k].charge != charge) continue;
+    auto taken = sensors_[k].take_reference(images->views, *places);
+    if (!taken) return failed(taken.error());
+    taken->arm = int(k);
+    taken->gain_db = images->gain_db;
+    taken->t_begun_ns = now_ns;
+    references_[k] = std::move(*taken);
   }
   return {};
 }
 
-/// Writes experiment-residual.png, as in the paper, for the measured gain nearest to 36 dB. Shows
-/// the second aberration (or the only one) and each arm's residual wavefront, on one colour scale.
-/// The residual comes from the frame with the cell's median variance. Writes nothing if no cell was
-/// measured at this gain.
-Result<void> draw_residuals(const json& request, const SweepCells& cells,
-                            const std::filesystem::path& folder) {
-  const std::size_t aberration = std::min<std::size_t>(1, request.at("aberrations").size() - 1);
-  const std::size_t arms = request.at("arms").size(), gain = next_gain(request);
-  const std::size_t first = (aberration * request.at("gains_db").size() + gain) * arms;
-  const json& introduced = request.at("aberrations").at(aberration);
-  Row row;
-  for (std::size_t k = 0; k < arms; ++k) {
-    const auto cell = cells.find(int(first + k));
-    if (cell == cells.end()) continue;
-    const auto modes_j = cell->second.at("modes_j").get<std::vector<int>>();
-    const PhaseMap map(modes_j, kPanelPx);
-    const std::vector<float> waves = introduced_waves(introduced, modes_j);
-    Image<float> shown;
-    map.render(waves, shown);
-    const double scale = largest(shown);  // one colour scale for all panels
-    if (row.picture().empty()) {
-      row.add(coloured(shown, scale),
-              fmt::format("introduced, {:g} dB", request.at("gains_db").at(gain).get<double>()),
-              fmt::format("+-{:.3f} wave", scale));
-    }
-    const auto residual = residual_of(cell->second, map, waves);
-    if (!residual) continue;
-    row.add(coloured(residual->waves, scale), residual->title, residual->more);
+/// Where the spots of this aberration are. Shows it.
+Answered<std::vector<Vec2>> Sweep::starts(std::size_t aberration, int charge) {
+  if (auto shown = bench_.show(charge, sweep_.aberrations[aberration].modes); !shown) {
+    return tl::make_unexpected(shown.error());
   }
-  if (row.picture().empty()) return {};
-  return write_image(folder / "experiment-residual.png", row.picture());
+  const auto known = starts_px_.find({aberration, charge});
+  if (known != starts_px_.end()) return known->second;
+  if (auto set = bench_.set_gain(sweep_.reference_gain_db); !set) {
+    return tl::make_unexpected(set.error());
+  }
+  auto found = bench_.find_spots();
+  if (found) starts_px_[{aberration, charge}] = *found;
+  return found;
 }
 
-/// Writes summary, table, figures and images of the gain sweep.
-Result<void> write_all(const json& experiment, const SweepCells& cells,
-                       const std::filesystem::path& folder) {
+Answered<void> Sweep::measure_row(std::size_t row, int charge) {
+  const std::size_t first = row * sweep_.arms.size();
+  const GainSweep::Cell place = sweep_.cell(first);
+  const auto places = starts(place.aberration, charge);
+  if (!places) return tl::make_unexpected(places.error());
+  if (auto set = bench_.set_gain(sweep_.gains_db[place.gain]); !set) return set;
+  const std::int64_t now_ns = utc_ns();
+  const auto images = bench_.grab(sweep_.frames);
+  if (!images) return tl::make_unexpected(images.error());
+  bool kept = false;
+  for (std::size_t k = 0; k < sensors_.size(); ++k) {
+    if (sweep_.arms[k].charge != charge) continue;
+    CellMeasured cell;
+    cell.cell = int(first + k);
+    cell.at = sweep_.cell(first + k);
+    cell.gain_db = images->gain_db;
+    cell.exposure_us = bench_.config().camera.settings.exposure_us;
+    cell.frame_rate_hz = bench_.config().camera.settings.frame_rate_hz;
+    cell.t_begun_ns = now_ns;
+    sensors_[k].measure(images->views, *places, sweep_.aberrations[place.aberration].modes, cell);
+    if (!std::exchange(kept, true)) keep_image(place, charge, *images, cell.levels.peak_dn);
+    const auto added = files_.add(to_json(CellReport{CellSummary(std::move(cell))}));
+    if (!added) return failed(added.error());
+  }
+  return {};
+}
+
+void Sweep::keep_image(const GainSweep::Cell& at, int charge, const GrabbedImages& images,
+                       double peak_dn) {
+  const double gain_db = sweep_.gains_db[at.gain];
+  const auto& wanted = sweep_.picture_gains_db;
+  if (at.aberration != 0 || std::ranges::find(wanted, gain_db) == wanted.end()) return;
+  frames_.push_back({charge, images.gain_db, peak_dn, eight_bits(images.views.front())});
+}
+
+void Sweep::show_progress() const {
+  const double done = double(files_.cells().size()) / double(sweep_.cells());
+  const double passed_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+  study::print_progress(fmt::format("{} of {} cells, {} left", files_.cells().size(),
+                                    sweep_.cells(),
+                                    time_text(std::ceil(passed_s * (1.0 - done) / done))));
+}
+
+json Sweep::report() const {
+  json cells = json::array(), references = json::array();
+  for (const auto& [number, cell] : files_.cells()) {
+    json summary = cell;
+    for (const char* key :
+         {"modes_j", "variances_rad2", "coefficients_waves", "saturated_fractions", "tracked"}) {
+      summary.erase(key);
+    }
+    cells.push_back(std::move(summary));
+  }
+  for (const ReferenceMeasured& one : references_) references.push_back(to_json(one));
+  const CameraSettings& camera = bench_.config().camera.settings;
+  return {{"t_begun_ns", t_begun_ns_},
+          {"request", to_json(sweep_)},
+          {"bench",
+           {{"exposure_us", camera.exposure_us},
+            {"pixel_format", pixel_format_name(camera.pixel_format)},
+            {"roi", to_json(camera.roi)},
+            {"optics", to_json(bench_.config().optics)}}},
+          {"references", std::move(references)},
+          {"cells_total", sweep_.cells()},
+          {"cells_done", files_.cells().size()},
+          {"cells", std::move(cells)}};
+}
+
+/// Writes summary, table, figures and images.
+Result<void> write_all(Sweep& sweep, const json& experiment, const std::filesystem::path& folder) {
+  if (auto done = sweep.files().write_in_order(); !done) return done;
   json summary = study::sweep_summary(experiment);
   summary["version"] = OVWS_VERSION;
   const auto draw_images = [&]() -> Result<void> {
-    if (auto done = draw_camera_frames(cells, folder); !done) return done;
-    return draw_residuals(experiment.at("request"), cells, folder);
+    if (auto done = draw_camera_frames(sweep.camera_frames(), folder); !done) return done;
+    return draw_residuals(experiment.at("request"), sweep.files().cells(), folder);
   };
   auto done = study::write_text(study::sweep_table(experiment), folder / "table.txt");
   if (!done) return done;
   return write_findings(summary, study::sweep_figures(experiment), folder, draw_images);
 }
 
-void print_bench(const json& experiment) {
-  const json& bench = experiment.at("bench");
-  print("run {} of {}: {} us at every gain, {}, {} x {} px\n",
-        experiment.at("run").get<std::string>(), experiment.at("t_begun").get<std::string>(),
-        bench.at("exposure_us").get<double>(), bench.at("pixel_format").get<std::string>(),
-        bench.at("roi").at("width").get<int>(), bench.at("roi").at("height").get<int>());
-  if (experiment.at("not_kept_reason").is_string()) {
-    print("the results do not survive a restart of the daemon: {}\n",
-          experiment.at("not_kept_reason").get<std::string>());
-  }
-}
-
-int write_and_print_findings(const Common& common, Fetched& fetched,
-                             const std::filesystem::path& folder) {
-  const Answer experiment = fetch(common, fetched);
-  if (!experiment) return report_failure(common, experiment.error());
-  if (!fetched.is_own(*experiment) || experiment->at("complete") != true) {
-    return report(common, {Errc::refused, "",
-                           "another gain sweep has started since: repeat this command when it has "
-                           "ended to fetch this one"});
-  }
-  auto written = write_all(*experiment, fetched.cells(), folder);
-  if (!fetched.write_in_order()) {
-    written = no_csv();
-  }
-  const json summary = study::sweep_summary(*experiment);
+int print_findings(const Common& common, const json& experiment,
+                   const std::filesystem::path& folder) {
+  const json summary = study::sweep_summary(experiment);
   if (common.json) {
     print("{}\n", json_text(summary));
-  } else {
-    print_bench(*experiment);
-    print("{}\n", study::sweep_table(*experiment));
-    for (const json& one : summary.at("comparisons")) {
-      print("{} is below {} in {} of {} cells\n", one.at("arm").get<std::string>(),
-            one.at("other").get<std::string>(), one.at("lower").get<int>(),
-            one.at("cells").get<int>());
-    }
-    print("see {}\n", folder.string());
+    return kOk;
   }
-  return written ? kOk : report(common, written.error());
-}
-
-/// Message for a job that did not finish. Errors in the fields `anew` and `reference_frames`
-/// already say what to do; for all other errors, adds the hint to continue.
-std::string why_it_ended(const json& report, std::size_t cells) {
-  const json& error = report.at("error");
-  const std::string state = report.at("state").get<std::string>();
-  const std::string why = error.is_object() ? error.value("message", state) : state;
-  const json field = error.is_object() ? error.at("data").value("field", json()) : json();
-  if (field == "anew" || field == "reference_frames") return why;
-  return fmt::format("{}; {} cells are measured and stored: repeat the command to continue", why,
-                     cells);
+  print("{}\n", study::sweep_table(experiment));
+  for (const json& one : summary.at("comparisons")) {
+    print("{} is below {} in {} of {} cells\n", one.at("arm").get<std::string>(),
+          one.at("other").get<std::string>(), one.at("lower").get<int>(),
+          one.at("cells").get<int>());
+  }
+  print("see {}\n", folder.string());
+  return kOk;
 }
 
 }  // namespace
 
 int run_experiment(const Common& common, const json& params, const std::filesystem::path& folder) {
-  std::signal(SIGINT, note_interrupt);
-  const Answer started = start(common, params);
-  if (!started) return report_failure(common, started.error());
-  Fetched fetched(started->at("job").get<int>(), folder);
-  const Answer ended = follow(common, fetched);
-  if (!common.json) study::print_progress("");
-  if (!ended) return report_failure(common, ended.error());
-  const std::string state = ended->at("state").get<std::string>();
-  if (state == "done") return write_and_print_findings(common, fetched, folder);
-  return report(common, {Errc::refused, "", why_it_ended(*ended, fetched.cells().size())});
+  catch_interrupts();
+  const auto asked = decode<GainSweep>(params);
+  if (!asked) return report_mistake(common, asked.error());
+  auto bench = ExperimentBench::open(common);
+  if (!bench) return report_failure(common, bench.error());
+  auto possible = within(*asked, bench->gains_db());
+  if (!possible) return report(common, possible.error());
+  Sweep sweep(std::move(*possible), *bench, folder);
+  const auto measured = sweep.measure();
+  const auto restored = bench->restore();
+  study::print_progress("");
+  if (!measured) return report_failure(common, measured.error());
+  if (!restored) return report_failure(common, restored.error());
+  if (!sweep.is_complete()) {
+    return report(common, {Errc::refused, "",
+                           fmt::format("the study was stopped; {} cells are in {}",
+                                       sweep.files().cells().size(), folder.string())});
+  }
+  const json experiment = sweep.report();
+  if (auto written = write_all(sweep, experiment, folder); !written) {
+    return report(common, written.error());
+  }
+  return print_findings(common, experiment, folder);
 }
 
 }  // namespace ovws::cli

@@ -283,10 +283,10 @@ void add_study(CLI::App& app, const Common& common, int& status) {
           "law")
       ->check(number_from(5.0, 86400.0))
       ->capture_default_str();
-  command->add_option(
-      "--params", options->params,
-      "experiment and rejection only: params of experiment.gain_sweep or loop.close as a JSON "
-      "object; see ovws describe");
+  command->add_option("--params", options->params,
+                      "experiment and rejection only: what to measure (see the guide), or params "
+                      "of loop.close as a JSON "
+                      "object; see ovws describe");
   command->callback([&common, &status, options] { status = study_command(common, *options); });
 }
 

@@ -184,7 +184,7 @@ Comparison compare_arms(const json& experiment, std::size_t arm, std::size_t oth
 json sweep_summary(const json& experiment) {
   json summary{{"study", "experiment"}, {"comparisons", json::array()}};
   for (const char* key :
-       {"run", "t_begun", "request", "bench", "references", "cells_total", "cells_done", "cells"}) {
+       {"t_begun_ns", "request", "bench", "references", "cells_total", "cells_done", "cells"}) {
     summary[key] = experiment[key];
   }
   const json& arms = experiment["request"]["arms"];

@@ -1,4 +1,5 @@
-/// CSV, table and figures of a gain sweep that a daemon measured (experiment.gain_sweep).
+/// CSV, table and figures of a gain sweep. `cell`: JSON of a CellReport. `experiment`: an object
+/// with the `request`, the `bench`, and the JSON of all references and cells.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,7 +10,7 @@
 
 namespace ovws::study {
 
-/// CSV files from results of experiment.cell; column names contain the units.
+/// CSV files; column names contain the units.
 std::string cells_csv_header();
 std::string cells_csv_row(const nlohmann::json& cell);
 std::string frames_csv_header(const nlohmann::json& cell);  ///< last columns: the cell's modes
@@ -21,8 +22,7 @@ std::string arm_name(const nlohmann::json& arm);
 /// "oblique astigmatism, 0.204 wave RMS (0.5 unit amplitude)".
 std::string aberration_name(const nlohmann::json& aberration);
 
-/// Table of residual variances from a result of experiment.get: one row per gain, one column per
-/// arm.
+/// Table of residual variances: one row per gain, one column per arm.
 std::string sweep_table(const nlohmann::json& experiment);
 /// Figures of the residual variances, one per aberration.
 std::vector<Figure> sweep_figures(const nlohmann::json& experiment);
@@ -34,8 +34,7 @@ struct Comparison {
 };
 Comparison compare_arms(const nlohmann::json& experiment, std::size_t arm, std::size_t other);
 
-/// JSON summary of the sweep: the result of experiment.get without the job number, and a comparison
-/// of each pair of arms.
+/// JSON summary of the sweep: the experiment, and a comparison of each pair of arms.
 nlohmann::json sweep_summary(const nlohmann::json& experiment);
 
 }  // namespace ovws::study

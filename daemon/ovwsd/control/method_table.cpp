@@ -11,9 +11,8 @@ namespace {
 
 std::vector<const MethodRow*> all_methods() {
   std::vector<const MethodRow*> all;
-  for (const auto& table :
-       {camera_methods(), corrector_methods(), sensor_methods(), experiment_methods(),
-        reference_methods(), system_methods(), lattice_methods()}) {
+  for (const auto& table : {camera_methods(), corrector_methods(), sensor_methods(),
+                            reference_methods(), system_methods(), lattice_methods()}) {
     for (const MethodRow& method : table) all.push_back(&method);
   }
   return all;

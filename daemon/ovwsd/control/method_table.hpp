@@ -26,7 +26,6 @@ struct Config;
 class Corrector;
 class Counters;
 class Disk;
-class ExperimentArchive;
 class Jobs;
 class LiveRefiner;
 class FrameGrabs;
@@ -52,7 +51,6 @@ struct Services {
   Procedures& procedures;
   Presentations& presentations;
   FrameGrabs& grabs;
-  ExperimentArchive& experiments;
   NamedReferences& named;
   PreparedLattices& lattices;
   ClosedLoop& loop;
@@ -146,12 +144,11 @@ constexpr MethodRow row(Role role, Request request) {
           }};
 }
 
-// Method rows: of the camera, of an external corrector, of the sensor, of experiments, of
-// prepared lattices, of references, and all others. Add a method as a function and a row.
+// Method rows: of the camera, of an external corrector, of the sensor, of prepared lattices, of
+// references, and all others. Add a method as a function and a row.
 std::span<const MethodRow> camera_methods();
 std::span<const MethodRow> corrector_methods();
 std::span<const MethodRow> sensor_methods();
-std::span<const MethodRow> experiment_methods();
 std::span<const MethodRow> lattice_methods();
 std::span<const MethodRow> reference_methods();
 std::span<const MethodRow> system_methods();

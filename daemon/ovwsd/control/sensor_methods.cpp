@@ -299,8 +299,11 @@ void start_array_fit(Services& services, const ArrayFit& params, const Reply<Job
 }
 
 SensorReport sensor_of(const Services& /*services*/, const SensorSnapshot& now) {
-  return {{now.sensor, now.tracking}, now.mode_operator,
-          now.subapertures,           now.modes_j,   now.hologram_id};
+  return {{now.sensor, now.tracking},
+          now.mode_operator,
+          now.subapertures,
+          now.modes_j,
+          now.hologram_id};
 }
 
 /// Removes "sensor." and "tracking." from the error's field: the core reports configuration keys,

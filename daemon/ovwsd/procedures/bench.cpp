@@ -173,14 +173,6 @@ Result<CameraSnapshot> Bench::set_camera(const CameraSet& change) {
   }
 }
 
-Result<double> Bench::set_gain(double gain_db) {
-  CameraSet change;
-  change.put(&CameraSettings::gain_db, gain_db);
-  const auto set = set_camera(change);
-  if (!set) return fail(set.error());
-  return set->settings.gain_db;
-}
-
 Result<void> Bench::keep_camera() {
   if (!deps_.jobs.use_result(job_)) return fail(stopped_error());
   camera_before_ = {};
@@ -262,19 +254,6 @@ Result<TakenReference> Bench::reference(int frames, const std::string& only) {
   if (!average) return fail(average.error());
   if (auto same = same_camera(); !same) return fail(same.error());
   return TakenReference{only, std::move(*average), std::move(beams), picture.mean(), settings};
-}
-
-Result<std::vector<SeriesFrame>> Bench::series(int frames, FromPixels from) {
-  const SensorView now = sensor();
-  FrameSeries taken(frames, now->subapertures, std::move(from));
-  const auto needs =
-      taken.needs_pixels() ? FrameBroker::Needs::pixels : FrameBroker::Needs::numbers;
-  const MeasuredWith with{measured_under(*now), now->tracking.tracker, camera().settings.gain_db};
-  const auto request = deps_.frames.request(needs, frames, [&](const FrameRecord& record) {
-    return with.settled(record) && taken.add(record);
-  });
-  if (auto all = wait_for(*request); !all) return fail(all.error());
-  return taken.take();
 }
 
 /// Averages images into `to`, which must outlive the request.

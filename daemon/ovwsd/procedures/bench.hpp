@@ -17,7 +17,7 @@
 #include "daemon/ovwsd/actor/jobs.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/frames/frame_broker.hpp"
-#include "daemon/ovwsd/frames/frame_series.hpp"
+#include "daemon/ovwsd/frames/measured_under.hpp"
 #include "daemon/ovwsd/procedures/pending_files.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/sensor/reference_image.hpp"
@@ -76,15 +76,10 @@ class Bench {
   /// are restored when the procedure ends, unless keep_camera is called. Waits for a disconnected
   /// camera for as long as for a frame, at least 10 s.
   Result<CameraSnapshot> set_camera(const CameraSet& change);
-  /// The same for the gain; returns the value in dB read back.
-  Result<double> set_gain(double gain_db);
   /// Makes the camera's settings the job's result: they are not restored. Errc::refused: the job
   /// was cancelled.
   Result<void> keep_camera();
 
-  /// Records the next `frames` settled frames of the current hologram at the current gain. For
-  /// `from` see FrameSeries.
-  Result<std::vector<SeriesFrame>> series(int frames, FromPixels from = {});
   /// Check that is called periodically while a call waits for frames; an error ends the wait.
   using Check = std::function<Result<void>(const FrameBroker::Request&)>;
   /// Averages the spots of the next `frames` settled frames of the current hologram: those of the

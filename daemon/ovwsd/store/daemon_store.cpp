@@ -14,7 +14,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::int64_t kRetryNs = 2'000'000'000;
-constexpr std::chrono::milliseconds kStopPoll(20);
 
 }  // namespace
 
@@ -199,7 +198,6 @@ bool DaemonStore::turn() {
     events_.emit("store", Severity::info, "all waiting items have been written",
                  {{"path", *directory_}});
   }
-  tried_.notify_all();
   return more;
 }
 
@@ -287,21 +285,6 @@ DaemonStore::Tried DaemonStore::reporting(std::string kind, std::string title,
   };
 }
 
-std::optional<std::string> DaemonStore::why_queued(std::string_view kind) const {
-  const std::lock_guard lock(mutex_);
-  std::optional<std::string> why;
-  for (const Item& item : items_) {
-    if (item.kind == kind && item.why) why = item.why;
-  }
-  return why;
-}
-
-bool DaemonStore::is_queued(std::string_view kind, std::string_view name) const {
-  const std::lock_guard lock(mutex_);
-  return std::any_of(items_.begin(), items_.end(),
-                     [&](const Item& one) { return one.kind == kind && one.name == name; });
-}
-
 StatusMessage::StorePart DaemonStore::report() const {
   const std::lock_guard lock(mutex_);
   StatusMessage::StorePart report{directory_, store_ ? why_read_only_ : why_none_};
@@ -322,84 +305,6 @@ Result<void> DaemonStore::request(Disk::Task task) {
   if (disk_ != nullptr) return disk_->request(std::move(task));
   task();
   return {};
-}
-
-/// Waits, with mutex_ locked, until `done`, `stop` or the daemon's end. Returns `done`.
-bool DaemonStore::wait_until(std::unique_lock<std::mutex>& lock, const std::function<bool()>& done,
-                             const Stop& stop) {
-  const auto ended = [&] { return done() || ending_; };
-  while (!tried_.wait_for(lock, kStopPoll, ended) && !(stop && stop())) {
-  }
-  return done();
-}
-
-/// Calls `ask`, and blocks until its callback has answered, the daemon stops, or `stop` says so.
-template <class T>
-Result<T> DaemonStore::wait_for(const std::function<void(std::function<void(Result<T>)>)>& ask,
-                                const Stop& stop) {
-  auto answer = std::make_shared<std::optional<Result<T>>>();
-  ask([this, answer](Result<T> done) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (!*answer) *answer = std::move(done);
-    }
-    tried_.notify_all();
-  });
-  std::unique_lock lock(mutex_);
-  if (wait_until(
-          lock, [&] { return answer->has_value(); }, stop))
-    return std::move(**answer);
-  return fail(Errc::unavailable, "", ending_ ? "the daemon is stopping" : "the job was stopped");
-}
-
-Result<std::string> DaemonStore::put_and_wait(std::string_view kind, std::string_view name,
-                                              const json& content, const Stop& stop) {
-  return wait_for<std::string>(
-      [&](Tried tried) { put(kind, name, content, Older::stays, std::move(tried)); }, stop);
-}
-
-Result<void> DaemonStore::drop_and_wait(std::string_view kind, std::string_view name,
-                                        const Stop& stop) {
-  return wait_for<void>([&](Dropped dropped) { drop(kind, name, std::move(dropped)); }, stop);
-}
-
-Result<std::vector<StateItem>> DaemonStore::load_and_wait(std::string_view kind, const Stop& stop) {
-  using Items = std::vector<StateItem>;
-  const auto read = [this, kind = std::string(kind)]() -> Result<Items> {
-    try {
-      Items items;
-      load(kind, [&items](StateItem item) { items.push_back(std::move(item)); });
-      return items;
-    } catch (const std::exception& error) {  // the caller must get an answer
-      return fail(Errc::internal, "", error.what());
-    }
-  };
-  return wait_for<Items>(
-      [&](std::function<void(Result<Items>)> done) {
-        auto task = [read, done = std::move(done)] { done(read()); };
-        if (disk_ == nullptr) return task();
-        disk_->post(std::move(task));
-      },
-      stop);
-}
-
-void DaemonStore::try_again_and_wait(const Stop& stop) {
-  {
-    const std::lock_guard lock(mutex_);
-    make_all_due();
-  }
-  wake();
-  std::unique_lock lock(mutex_);
-  (void)wait_until(
-      lock, [this] { return !trying_ && !any_due(); }, stop);
-}
-
-void DaemonStore::end_soon() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  tried_.notify_all();
 }
 
 std::vector<DaemonStore::Item> DaemonStore::queued_of(std::string_view kind) const {

@@ -2,7 +2,6 @@
 /// be written.
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <list>
@@ -64,25 +63,9 @@ class DaemonStore {
   /// `title`. Then it calls `then` with the checksum, which is empty if the item is not stored.
   Tried reporting(std::string kind, std::string title, std::int64_t t_taken_ns,
                   std::function<void(const std::string& sha256)> then);
-  /// Why the write of an item of this kind failed; none if no failed item of the kind is queued.
-  std::optional<std::string> why_queued(std::string_view kind) const;
-  bool is_queued(std::string_view kind, std::string_view name) const;
   StatusMessage::StorePart report() const;
   /// Runs `task` in the disk thread, after all tasks queued earlier. Errors: see Disk::request.
   Result<void> request(Disk::Task task);
-
-  /// Whether the caller's job was stopped. A wait asks every 20 ms, and ends if so.
-  using Stop = std::function<bool()>;
-  // Blocking methods, for threads that may wait for the disk. A failed write keeps the previous
-  // file. Errc::unavailable: the wait has ended before the disk has answered, because the daemon or
-  // the caller's job stops; the disk still does what was requested.
-  Result<std::string> put_and_wait(std::string_view kind, std::string_view name,
-                                   const nlohmann::json& content, const Stop& stop = {});
-  Result<void> drop_and_wait(std::string_view kind, std::string_view name, const Stop& stop = {});
-  /// As `load`, in the disk thread. Also Errc::internal: an item cannot be loaded.
-  Result<std::vector<StateItem>> load_and_wait(std::string_view kind, const Stop& stop = {});
-  /// Retries all queued items now, and returns when each has been tried once.
-  void try_again_and_wait(const Stop& stop = {});
 
   // Methods that read the disk in the calling thread, which then cannot be stopped: for the start
   // and for the disk thread.
@@ -94,8 +77,6 @@ class DaemonStore {
 
   /// Tries to write one queued item; called in the disk thread. True if another item is due.
   bool turn();
-  /// Ends the waits of blocking calls when the daemon stops.
-  void end_soon();
   /// Number of items that are not on the disk yet.
   int queued() const;
 
@@ -122,26 +103,19 @@ class DaemonStore {
   bool any_due() const;  // call with mutex_ locked
   void make_all_due();   // call with mutex_ locked
   void wake();
-  template <class T>
-  Result<T> wait_for(const std::function<void(std::function<void(Result<T>)>)>& ask,
-                     const Stop& stop);
-  bool wait_until(std::unique_lock<std::mutex>& lock, const std::function<bool()>& done,
-                  const Stop& stop);
 
   Events& events_;
   Disk* disk_;
   std::optional<StateStore> store_;  ///< not changed after the constructor
   std::optional<std::string> directory_, why_none_;
 
-  mutable std::mutex mutex_;  ///< never held while the disk works
-  std::condition_variable tried_;
+  mutable std::mutex mutex_;             ///< never held while the disk works
   std::list<Item> items_;                ///< oldest first
   std::optional<std::uint64_t> trying_;  ///< number of the item being written
   std::uint64_t last_number_ = 0;
   std::int64_t next_try_ns_ = 0;
   int refused_ = 0;                           ///< items failed since the queue was last empty
   std::optional<std::string> why_read_only_;  ///< cleared when a write succeeds
-  bool ending_ = false;
 };
 
 }  // namespace ovws

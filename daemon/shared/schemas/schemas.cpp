@@ -10,7 +10,6 @@
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/description.hpp"
 #include "proto/tables/devices.hpp"
-#include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
 #include "proto/tables/lattices.hpp"
 #include "proto/tables/picture.hpp"
@@ -26,7 +25,7 @@ extern const std::string_view kExamples;
 
 namespace {
 
-/// Title of a method: "Experiment: gain sweep" for "experiment.gain_sweep".
+/// Title of a method: "Camera: auto exposure" for "camera.auto_exposure".
 std::string title_of(std::string name) {
   name[0] = char(std::toupper(name[0]));
   std::replace(name.begin(), name.end(), '_', ' ');

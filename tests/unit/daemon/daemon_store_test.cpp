@@ -44,6 +44,11 @@ class Store : public testing::Test {
   void put(const std::string& name, int value, Answers& answers) {
     store_.put("kind", name, {{"value", value}}, DaemonStore::Older::stays, answers.tried());
   }
+  void try_again() {
+    test::skip(std::chrono::seconds(2));
+    while (store_.turn()) {
+    }
+  }
   json value(const std::string& name) const {
     const auto found = store_.find("kind", name);
     return found ? found->content["value"] : json();
@@ -72,14 +77,12 @@ TEST_F(Store, WhatIsRefusedWaitsAndIsWrittenWhenTheDiskTakesIt) {
             std::string::npos);
   EXPECT_EQ(value("a"), 1) << "it is found while it waits";
   EXPECT_EQ(loaded(), std::vector<std::string>{"a"});
-  EXPECT_EQ(store_.why_queued("kind"), a.why);
-  EXPECT_FALSE(store_.why_queued("other"));
-  store_.try_again_and_wait();
+  try_again();
   EXPECT_EQ(a.refused, 1) << "said once";
   unblock("kind.a.json");
   put("b", 2, b);
   EXPECT_EQ(b.kept, 1);
-  store_.try_again_and_wait();
+  try_again();
   EXPECT_EQ(a.kept, 1);
   EXPECT_FALSE(store_.report().reason);
   EXPECT_EQ(store_.queued(), 0);
@@ -108,12 +111,12 @@ TEST_F(Store, TheReasonIsThatOfTheNewestThatWaitsAndGoesWithIt) {
   EXPECT_NE(store_.report().reason->find("; items waiting to be written again: 2"),
             std::string::npos);
   unblock("kind.a.json");
-  store_.try_again_and_wait();
+  try_again();
   EXPECT_NE(store_.report().reason->find("kind.z.json"), std::string::npos);
   EXPECT_NE(store_.report().reason->find("; items waiting to be written again: 1"),
             std::string::npos);
   unblock("kind.z.json");
-  store_.try_again_and_wait();
+  try_again();
   EXPECT_FALSE(store_.report().reason);
 }
 
@@ -124,7 +127,7 @@ TEST_F(Store, OnlyTheNewestOfANameIsWritten) {
   put("a", 2, second);
   EXPECT_EQ(store_.queued(), 1);
   unblock("kind.a.json");
-  store_.try_again_and_wait();
+  try_again();
   EXPECT_EQ(value("a"), 2);
   EXPECT_EQ(first.kept, 0);
   EXPECT_EQ(second.kept, 1);
@@ -142,7 +145,7 @@ TEST_F(Store, ADropThatFailsLosesNoWriteThatWaits) {
   EXPECT_NE(store_.report().reason->find("; items waiting to be written again: 1"),
             std::string::npos);
   unblock("kind.a.json");
-  store_.try_again_and_wait();
+  try_again();
   EXPECT_EQ(a.kept, 1);
   EXPECT_EQ(value("a"), 1);
 }
@@ -173,7 +176,7 @@ TEST_F(Store, AnOutdatedItemIsNotLoadedByARestart) {
     EXPECT_EQ(found_by_restart(), json());
     EXPECT_TRUE(fs::exists(file("kind.a.json.outdated"))) << "a person may want it";
   }
-  store_.try_again_and_wait();
+  try_again();
   EXPECT_EQ(second.kept, 1);
   EXPECT_EQ(found_by_restart(), 2);
   EXPECT_FALSE(fs::exists(file("kind.a.json.outdated")));
@@ -191,7 +194,7 @@ TEST_F(Store, WhatIsDroppedIsNotWrittenAfterAll) {
   EXPECT_TRUE(dropped);
   EXPECT_EQ(store_.queued(), 0);
   EXPECT_FALSE(store_.report().reason);
-  store_.try_again_and_wait();
+  try_again();
   EXPECT_EQ(value("a"), json());
 }
 
@@ -246,30 +249,6 @@ TEST(Disk, TwoDropsThatFailLoseNoWriteThatWaits) {
   fs::remove_all(folder);
 }
 
-TEST(Disk, AWaitForADiskThatStandsStillEndsWithTheCallersJob) {
-  const std::string folder = own_folder("stopped_wait");
-  StreamQueue queue;
-  Events events{queue};
-  Disk disk;
-  DaemonStore store({folder}, events, &disk);
-  disk.begin();  // without a thread: it stands still
-  int asked = 0;
-  const auto stop = [&asked] { return ++asked >= 3; };
-  const auto put = store.put_and_wait("kind", "a", {{"value", 1}}, stop);
-  ASSERT_FALSE(put);
-  EXPECT_EQ(put.error().code, Errc::unavailable);
-  EXPECT_EQ(put.error().reason, "the job was stopped");
-  EXPECT_EQ(asked, 3);
-  EXPECT_FALSE(store.load_and_wait("kind", stop));
-  EXPECT_FALSE(store.drop_and_wait("kind", "b", stop));
-  store.try_again_and_wait(stop);
-  EXPECT_EQ(asked, 6) << "each asks once";
-  for (int turn = 0; turn < 8; ++turn) disk.do_work();
-  EXPECT_EQ(store.queued(), 0) << "what was requested is done all the same";
-  EXPECT_EQ(store.find("kind", "a")->content["value"], 1);
-  fs::remove_all(folder);
-}
-
 /// Of a kind with a limited number of items, the oldest is deleted for each that is added. A
 /// deletion that waits keeps the write that it replaces, in case it fails.
 TEST(Disk, DeletionsDoNotFillTheMemoryWhileItStandsStill) {
@@ -294,7 +273,7 @@ TEST(Disk, DeletionsDoNotFillTheMemoryWhileItStandsStill) {
 }
 
 /// The disk thread waits for a disk that does not answer until the test releases it.
-TEST(Disk, ABlockedDiskDelaysOnlyCallersThatWaitForIt) {
+TEST(Disk, WhileItStandsStillNobodyWaits) {
   const std::string folder = own_folder("standing_disk");
   StreamQueue queue;
   Events events{queue};
@@ -319,16 +298,11 @@ TEST(Disk, ABlockedDiskDelaysOnlyCallersThatWaitForIt) {
     refused += disk.request([] {}) ? 0 : 1;
   }
   EXPECT_EQ(refused, 1);
-  auto waiting = std::async(std::launch::async, [&] {
-    return store.put_and_wait("kind", "b", {{"value", 2}}).has_value();
-  });
   EXPECT_EQ(kept, 0);
   stop = true;
   go.set_value();
   thread.join();
   EXPECT_EQ(kept, 1) << "written before the thread ends";
-  store.end_soon();
-  waiting.wait();
   EXPECT_TRUE(fs::exists(fs::path(folder) / "kind.a.json"));
   fs::remove_all(folder);
 }

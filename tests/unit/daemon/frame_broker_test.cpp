@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "daemon/ovwsd/frames/frame_inbox.hpp"
-#include "daemon/ovwsd/frames/frame_series.hpp"
+#include "daemon/ovwsd/frames/measured_under.hpp"
 
 namespace ovws {
 namespace {
@@ -136,30 +136,23 @@ class MeasuredTest : public testing::Test {
  protected:
   MeasuredTest() {
     plan_.sensor_epoch = 5;
-    plan_.tracker_kind = TrackerKind::lg;
     record_.plan = &plan_;
     record_.hologram_id = 9;
     record_.settled = record_.still = record_.settings_known = true;
-    record_.gain_db = 16.0;
   }
   const MeasuredUnder under_{5, 9};
-  const MeasuredWith with_{under_, TrackerKind::lg, 16.0};
   MeasurementPlan plan_;
   FrameRecord record_;
 };
 
-TEST_F(MeasuredTest, TakesTheFramesOfThisSensorHologramTrackerAndGain) {
+TEST_F(MeasuredTest, TakesTheFramesOfThisSensorAndHologram) {
   EXPECT_TRUE(under_.settled(record_));
   EXPECT_TRUE(under_.still(record_));
-  EXPECT_TRUE(with_.settled(record_));
 }
 
 TEST_F(MeasuredTest, TakesNoFrameOfAnythingElse) {
-  MeasurementPlan other_epoch, other_tracker;
+  MeasurementPlan other_epoch;
   other_epoch.sensor_epoch = 6;
-  other_epoch.tracker_kind = TrackerKind::lg;
-  other_tracker.sensor_epoch = 5;
-  other_tracker.tracker_kind = TrackerKind::weighted;
   std::vector<FrameRecord> others(4, record_);
   others[0].plan = &other_epoch;
   others[1].hologram_id = 8;
@@ -167,17 +160,10 @@ TEST_F(MeasuredTest, TakesNoFrameOfAnythingElse) {
   for (int k = 0; k < 3; ++k) {
     EXPECT_FALSE(under_.settled(others[std::size_t(k)])) << k;
     EXPECT_FALSE(under_.still(others[std::size_t(k)])) << k;
-    EXPECT_FALSE(with_.settled(others[std::size_t(k)])) << k;
   }
   others[3].settings_known = false;
+  EXPECT_TRUE(under_.settled(others[3]));
   EXPECT_FALSE(under_.still(others[3]));
-  EXPECT_FALSE(with_.settled(others[3]));
-  record_.gain_db = 18.0;
-  EXPECT_FALSE(with_.settled(record_));
-  record_.gain_db = 16.0;
-  record_.plan = &other_tracker;
-  EXPECT_FALSE(with_.settled(record_));
-  EXPECT_TRUE(under_.settled(record_));
 }
 
 TEST(FrameCopy, ShowsItsOwnPixelsWhenItIsCopied) {

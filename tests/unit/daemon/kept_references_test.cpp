@@ -363,15 +363,21 @@ TEST_F(KeptReferencesTest, WithoutAFolderNothingIsKeptAndTheReasonIsSaid) {
   DaemonStore none({}, events);
   EXPECT_FALSE(none.report().directory);
   EXPECT_TRUE(none.report().reason);
-  EXPECT_FALSE(none.put_and_wait("reference", "a", {}));
-  EXPECT_TRUE(none.drop_and_wait("reference", "a"));
+  const auto put_in = [](DaemonStore& store) {
+    bool kept = false;
+    store.put("reference", "a", {}, DaemonStore::Older::stays,
+              [&kept](const Result<std::string>& done) { kept = done.has_value(); });
+    return kept;
+  };
+  EXPECT_FALSE(put_in(none));
+  none.drop("reference", "a", [](const Result<void>& dropped) { EXPECT_TRUE(dropped); });
   none.load("reference", [](const StateItem&) { ADD_FAILURE(); });
   ::setenv("STATE_DIRECTORY", (folder_ + ":/elsewhere").c_str(), 1);
   DaemonStore some({}, events);
   ::unsetenv("STATE_DIRECTORY");
   EXPECT_EQ(some.report().directory, folder_);
   EXPECT_FALSE(some.report().reason);
-  EXPECT_TRUE(some.put_and_wait("reference", "a", {}));
+  EXPECT_TRUE(put_in(some));
 }
 
 }  // namespace

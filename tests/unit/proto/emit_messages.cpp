@@ -12,7 +12,6 @@
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/corrector.hpp"
 #include "proto/tables/devices.hpp"
-#include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
 #include "proto/tables/job.hpp"
 #include "proto/tables/lattices.hpp"
@@ -233,51 +232,6 @@ void print_calibrations() {
                              0.1, 20, 1, matrix, comparison, {}, "", {example.at("origin")}}}));
 }
 
-/// Gain sweeps; `bench` comes from the schema's example.
-void print_experiments() {
-  const json example = schema("experiment.get").at("result").at("examples")[0];
-  const GainSweep sweep = *decode<GainSweep>({{"gains_db", {10, 12}}, {"frames", 2}});
-  ExperimentReport report;
-  report.run = "0123456789abcdef";
-  report.request = sweep;
-  report.bench.json = example.at("bench");
-  for (int arm = 0; arm < int(sweep.arms.size()); ++arm) {
-    const SweepArm& with = sweep.arms[std::size_t(arm)];
-    const std::vector<Vec2> cells =
-        with.tracker.fixed_cell ? std::vector<Vec2>{{1, 2}} : std::vector<Vec2>{};
-    report.references.push_back({to_json(ReferenceMeasured{arm,
-                                                           with,
-                                                           16.0,
-                                                           1,
-                                                           2,
-                                                           0,
-                                                           {1.0, std::nan(""), 3.0},
-                                                           {{1, 2}, {std::nan(""), std::nan("")}},
-                                                           cells})});
-  }
-  for (int cell = 0; cell < 10; ++cell) {
-    CellMeasured measured;
-    measured.cell = cell;
-    measured.at = sweep.cell(std::size_t(cell));
-    measured.with = sweep.arms[measured.at.arm];
-    measured.subapertures = 19;
-    measured.modes_j = {1, 2};
-    if (cell > 0) measured.frames.push_back({{}, std::nan(""), 0.5, 3});
-    if (cell > 1) measured.frames.push_back({{0.1, 0.2}, 0.3, 0.0, 19});
-    if (cell > 2) measured.picture = CellMeasured::Picture{1, 1, "/w=="};
-    const json encoded = to_json(CellReport{CellSummary(measured)});
-    print_result("experiment.cell", encoded);
-    report.cells.push_back({only_fields<CellSummary>(encoded)});
-  }
-  print_result("experiment.get", to_json(KnownExperiment{}));
-  print_result("experiment.get", to_json(KnownExperiment{report, sweep.cells()}));
-  report.job = 3;
-  report.time_left_s = 1.5;
-  report.not_kept_reason = "no folder is named";
-  print_result("experiment.get", to_json(KnownExperiment{report, sweep.cells()}));
-  print_result("experiment.gain_sweep", to_json(JobNumber{5}));
-}
-
 void print_results() {
   const json params{{"gain_db", 500}, {"clamp", true}};
   print_result("camera.get", to_json(CameraReport{}));
@@ -345,7 +299,6 @@ void print_results() {
   print_result("registration.run", to_json(JobNumber{2}));
   print_result("array.fit", to_json(JobNumber{2}));
   print_calibrations();
-  print_experiments();
   print_luts();
   print_flatnesses();
   for (int k = 0; k <= int(HologramKind::identify); ++k) {
@@ -420,9 +373,9 @@ void print_all_params() {
   print_params<CameraSet>(
       "camera.set", {"gain_db", "exposure_us", "frame_rate_hz", "pixel_format", "roi", "gian_db"});
   print_params<SensorSet>(
-      "sensor.set", {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves",
-                     "spacing", "alternate_charge", "charges", "tracker", "operator",
-                     "mode_count", "estimates"});
+      "sensor.set",
+      {"charge", "grid", "subapertures_across", "pupil_diameter_px", "grooves", "spacing",
+       "alternate_charge", "charges", "tracker", "operator", "mode_count", "estimates"});
   print_params<RefineSet>("refine.set", {"enabled", "rate_hz", "electrons_per_dn", "read_noise_e",
                                          "black_level_dn", "saturation_dn", "spot_amplitudes"});
   print_result("record.estimate", to_json(RecordSize{}));
@@ -460,12 +413,6 @@ void print_all_params() {
                                1000,
                                {{"lattices", {{{"name", "a"}, {"sensor", {{"charge", 0}}}}}}});
   print_params<CorrectorSet>("corrector.set", {"shape", "shapes"}, 3000);
-  print_params<GainSweepRun>(
-      "experiment.gain_sweep",
-      {"gains_db", "frames", "reference_gain_db", "reference_frames", "aberrations", "arms",
-       "picture_gains_db", "clamp", "anew", "gain_db"},
-      3000);
-  print_params<ExperimentCell>("experiment.cell", {"cell", "cel"}, 2000);
   print_params<SlmShow>("slm.show", {"pattern"});
   print_params<SlmPresent>("slm.present", {"job", "lease_s", "shape", "dtype", "correction",
                                            "flatness", "lut", "inside_pupil", "lease"});

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <vector>
 
-#include "proto/tables/experiment.hpp"
 #include "proto/tables/job.hpp"
 #include "proto/tables/set.hpp"
 
@@ -147,8 +146,7 @@ TEST(SensorSetRequest, ReadsEveryKey) {
   ASSERT_TRUE(set);
   const SensorConfig wanted{-2, Grid::square, 7, 600.5, {100, -30}, 0.5};
   EXPECT_EQ(set->applied_to({}).sensor, wanted);
-  const TrackingSettings tracking{
-      {TrackerKind::lg_contour, 0.3}, OperatorKind::diffractive, 44, 4};
+  const TrackingSettings tracking{{TrackerKind::lg_contour, 0.3}, OperatorKind::diffractive, 44, 4};
   EXPECT_EQ(set->applied_to({}).tracking, tracking);
   const auto nothing = SensorSet::decode(json::object());
   ASSERT_TRUE(nothing);
@@ -277,108 +275,6 @@ TEST(Results, KeepWhatWasRequestedAndSayWhatWasApplied) {
   EXPECT_EQ(result.at("applied").at("gain_db"), 24);
   EXPECT_TRUE(result.at("limits").is_null());
   EXPECT_EQ(to_json(JobNumber{3}), json::parse(R"({"job":3})"));
-}
-
-TEST(GainSweep, IsThePapersUnlessSetOtherwise) {
-  const auto sweep = decode<GainSweep>(json::object());
-  ASSERT_TRUE(sweep);
-  EXPECT_EQ(sweep->gains_db.size(), 16U);
-  EXPECT_EQ(sweep->frames, 100);
-  ASSERT_EQ(sweep->aberrations.size(), 3U);
-  EXPECT_NEAR(sweep->aberrations[2].modes[0].waves, 2.0 / std::sqrt(6.0), 1e-12);
-  EXPECT_EQ(sweep->arms[2], (SweepArm{0, {TrackerKind::centroid, true}}));
-  EXPECT_EQ(sweep->cells(), 192U);
-  const GainSweep::Cell at = sweep->cell(64 + 4 + 3);
-  EXPECT_EQ(at.aberration, 1U);
-  EXPECT_EQ(at.gain, 1U);
-  EXPECT_EQ(at.arm, 3U);
-}
-
-TEST(GainSweep, ComesBackFromItsJson) {
-  const auto asked = decode<GainSweepRun>(
-      {{"gains_db", {3, 1.5}},
-       {"aberrations", {{{"modes", {{{"n", 2}, {"m", 0}, {"waves", 1}}}}, {"norm", "unit"}}}},
-       {"arms", {{{"charge", 0}, {"tracker", "cell_centroid"}}}},
-       {"clamp", true}});
-  ASSERT_TRUE(asked);
-  const GainSweep* const sweep = &asked->sweep;
-  const auto again = decode<GainSweep>(to_json(*sweep));
-  ASSERT_TRUE(again);
-  EXPECT_EQ(to_json(*again), to_json(*sweep));
-  EXPECT_EQ(again->arms, sweep->arms);
-  EXPECT_EQ(again->gains_db, (std::vector<double>{3, 1.5}));
-  EXPECT_NEAR(again->aberrations[0].modes[0].waves, 1.0 / std::sqrt(3.0), 1e-12);
-}
-
-TEST(GainSweep, NamesWhatIsWrong) {
-  const auto field = [](const json& params) { return error_of(decode<GainSweep>(params)).field; };
-  EXPECT_EQ(field({{"gains_db", {1, 2, 1}}}), "gains_db");
-  EXPECT_EQ(field({{"gains_db", json::array()}}), "gains_db");
-  EXPECT_EQ(field({{"frames", 1}}), "frames");
-  EXPECT_EQ(field({{"arms", json::array()}}), "arms");
-  EXPECT_EQ(field({{"arms", {{{"charge", 1}, {"tracker", "lgg"}}}}}), "arms[0].tracker");
-  EXPECT_EQ(field({{"aberrations", {{{"modes", {{{"j", 3}}}}}}}}), "aberrations[0].modes[0].waves");
-  EXPECT_EQ(error_of(decode<ExperimentCell>({{"cell", -1}})).field, "cell");
-}
-
-json numbers_to(std::size_t count) {
-  json numbers = json::array();
-  for (std::size_t k = 0; k < count; ++k) numbers.push_back(k);
-  return numbers;
-}
-
-/// Sweep arms that all differ in charge or tracker.
-json arms_of(std::size_t count) {
-  json arms = json::array();
-  for (std::size_t k = 0; k < count; ++k) {
-    arms.push_back({{"charge", int(k % 9)}, {"tracker", k < 9 ? "lg" : "fit"}});
-  }
-  return arms;
-}
-
-json aberrations_of(std::size_t count) {
-  return json(count, {{"modes", {{{"j", 3}, {"waves", 0.1}}}}});
-}
-
-TEST(GainSweep, HasSixteenThousandCellsAtMost) {
-  const json largest{
-      {"gains_db", numbers_to(64)}, {"arms", arms_of(16)}, {"aberrations", aberrations_of(16)}};
-  const auto sweep = decode<GainSweep>(largest);
-  ASSERT_TRUE(sweep) << sweep.error().reason;
-  EXPECT_EQ(sweep->cells(), 16384U);
-  const GainSweep::Cell last = sweep->cell(16383);
-  EXPECT_EQ((std::array{last.arm, last.aberration, last.gain}),
-            (std::array<std::size_t, 3>{15, 15, 63}));
-  EXPECT_EQ(decode<ExperimentCell>({{"cell", 16383}})->cell, 16383);
-  const auto refusal = [&largest](const char* key, const json& more) {
-    json params = largest;
-    params[key] = more;
-    const Error error = error_of(decode<GainSweep>(params));
-    EXPECT_EQ(error.field, key);
-    return error.reason;
-  };
-  EXPECT_EQ(refusal("gains_db", numbers_to(65)), "must be an array of 1 to 64 numbers");
-  EXPECT_EQ(refusal("arms", arms_of(17)), "must be an array of at most 16 objects");
-  EXPECT_EQ(refusal("aberrations", aberrations_of(17)), "must be an array of 1 to 16 objects");
-  const Error beyond = error_of(decode<ExperimentCell>({{"cell", 16384}}));
-  EXPECT_EQ(beyond.field, "cell");
-  EXPECT_EQ(beyond.reason, "must be a whole number from 0 to 16383, not 16384");
-}
-
-TEST(GainSweep, ReportsSaturatedAndUndeterminedFramesSeparately) {
-  CellMeasured cell;
-  cell.subapertures = 19;
-  cell.modes_j = {1};
-  cell.frames = {{{0.1}, 1.0, 0.0, 19}, {{0.2}, 3.0, 0.1, 19}, {{}, NAN, 0.0, 4}};
-  const json encoded = to_json(CellReport{CellSummary(cell)});
-  EXPECT_EQ(encoded["variance_rad2"], 2.0);
-  EXPECT_NEAR(encoded["standard_deviation_rad2"].get<double>(), std::sqrt(2.0), 1e-12);
-  EXPECT_NEAR(encoded["standard_error_rad2"].get<double>(), 1.0, 1e-12);
-  EXPECT_EQ(encoded["unsaturated_variance_rad2"], 1.0);
-  EXPECT_EQ(encoded["saturated_frames"], 1);
-  EXPECT_EQ(encoded["undetermined_frames"], 1);
-  EXPECT_EQ(encoded["lost_spots"], 15);
-  EXPECT_TRUE(encoded["variances_rad2"][2].is_null());
 }
 
 TEST(WholeNumbers, WithoutLimitsAreThoseThatTheirTypeHolds) {

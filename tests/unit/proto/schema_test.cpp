@@ -7,7 +7,6 @@
 #include "proto/tables/calibration.hpp"
 #include "proto/tables/description.hpp"
 #include "proto/tables/devices.hpp"
-#include "proto/tables/experiment.hpp"
 #include "proto/tables/files.hpp"
 #include "proto/tables/lattices.hpp"
 #include "proto/tables/picture.hpp"

@@ -9,7 +9,7 @@ TEST(Commands, ThatOnlyReadChangeNothing) {
   for (const char* method : {"job.get", "record.list", "loop.model", "slm.verify"}) {
     EXPECT_FALSE(changes_bench({method, {}})) << method;
   }
-  for (const char* method : {"camera.set", "lut.run", "reference.delete", "loop.open"}) {
+  for (const char* method : {"camera.set", "focus.run", "reference.delete", "loop.open"}) {
     EXPECT_TRUE(changes_bench({method, {}})) << method;
   }
 }
@@ -23,8 +23,7 @@ TEST(CommandsTest, TakesWhatThePageNeeds) {
 }
 
 TEST(CommandsTest, RefusesEveryOtherMethod) {
-  for (const char* method :
-       {"experiment.gain_sweep", "refine.set", "system.status", "camera.set ", ""}) {
+  for (const char* method : {"focus.run", "refine.set", "system.status", "camera.set ", ""}) {
     const nlohmann::json body{{"method", method}};
     const auto command = parse_command(body.dump());
     ASSERT_FALSE(command) << method;

@@ -1,4 +1,4 @@
-#include "proto/tables/experiment.hpp"
+#include "daemon/ovws/study/gain_sweep.hpp"
 
 #include <cmath>
 #include <utility>
@@ -42,19 +42,6 @@ GainSweep::Cell GainSweep::cell(std::size_t number) const {
 
 double to_millionth(double value) {
   return std::round(1e6 * value) / 1e6;
-}
-
-std::optional<std::vector<Vec2>> reference_places(const Json& reference, int arm, const char* key) {
-  if (!reference.is_object() || reference.value("arm", -1) != arm) return std::nullopt;
-  std::vector<Vec2> positions;
-  const auto number = [](const Json& value) {
-    return value.is_number() ? value.get<double>() : NAN;
-  };
-  for (const Json& one : reference.value(key, Json::array())) {
-    if (!one.is_array() || one.size() != 2) return std::nullopt;
-    positions.push_back({number(one[0]), number(one[1])});
-  }
-  return positions;
 }
 
 namespace {

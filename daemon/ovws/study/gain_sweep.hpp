@@ -1,5 +1,5 @@
-/// Field tables of `experiment.*`: the paper's gain sweep, which compares sensors by their residual
-/// phase variance over the camera's gain.
+/// The paper's gain sweep, which compares sensors by their residual phase variance over the
+/// camera's gain: params of `ovws study experiment`, and what it measures.
 #pragma once
 
 #include <cstdint>
@@ -56,9 +56,8 @@ inline constexpr auto kTable<SweepArm> = Fields{
 /// RMS-normalised.
 std::vector<ModesSet> paper_aberrations();
 
-/// Params of `experiment.gain_sweep`; the defaults are the paper's experiment. A cell is one arm
-/// with one aberration at one gain. Cells are numbered from 0: arms change fastest, then gains,
-/// aberrations slowest.
+/// Params; the defaults are the paper's experiment. A cell is one arm with one aberration at one
+/// gain. Cells are numbered from 0: arms change fastest, then gains, aberrations slowest.
 struct GainSweep {
   std::vector<double> gains_db{10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30, 32, 34, 36, 38, 40};
   int frames = 100;  ///< settled frames of each cell
@@ -70,7 +69,8 @@ struct GainSweep {
                              {0, {TrackerKind::centroid, true}},
                              {0, {TrackerKind::fit}}};
   std::vector<double> picture_gains_db{10, 20,
-                                       30};  ///< gains at which one image per charge is stored
+                                       30};  ///< gains at which one image per charge is drawn
+  bool clamp = false;                        ///< skip gains that the camera does not support
 
   struct Cell {
     std::size_t arm, aberration, gain;
@@ -98,23 +98,12 @@ inline constexpr auto kTable<GainSweep> = Fields{
         .sized(1, limits::kSweepArms)
         .unlike(),
     field<&GainSweep::picture_gains_db>(
-        "gains at which one image per charge is stored, with the first aberration, dB",
+        "gains at which one image per charge is drawn, with the first aberration, dB",
         limits::kGainDb)
         .sized(0, limits::kSweepImages)
-        .unlike()};
-
-struct GainSweepRun {
-  GainSweep sweep;
-  bool clamp = false;  ///< skip gains that the camera does not support
-  bool anew = false;   ///< discard stored cells and measure them again
-};
-template <>
-inline constexpr auto kTable<GainSweepRun> =
-    Fields{"GainSweepRun", inlined(&GainSweepRun::sweep),
-           field<&GainSweepRun::clamp>(
-               "true: gains that the camera does not support are skipped instead of refused"),
-           field<&GainSweepRun::anew>(
-               "true: the stored cells of this run are discarded and measured again")};
+        .unlike(),
+    field<&GainSweep::clamp>(
+        "true: gains that the camera does not support are skipped instead of refused")};
 
 /// Rounds to 1e-6, which keeps the numbers in files short and is far below any noise.
 double to_millionth(double value);
@@ -171,10 +160,6 @@ inline constexpr auto kTable<ReferenceMeasured> = Fields{
         "[x, y] of each fixed window's centre, camera pixels of the region of interest; empty: the "
         "tracker is not cell_centroid")
         .with_nulls()};
-/// Reads "positions_px" or "cells_px" from the JSON of a ReferenceMeasured; none if it is malformed
-/// or belongs to another arm.
-std::optional<std::vector<Vec2>> reference_places(const Json& reference, int arm,
-                                                  const char* key = "positions_px");
 
 struct CellMeasured {
   int cell = 0;
@@ -193,18 +178,7 @@ struct CellMeasured {
   };
   std::vector<Frame> frames;
   SpotLevels levels;
-  struct Picture {  ///< one camera image
-    int width = 0, height = 0;
-    std::string base64;  ///< 8-bit pixels, row by row; 255: the format's full scale
-  };
-  std::optional<Picture> picture;
 };
-template <>
-inline constexpr auto kTable<CellMeasured::Picture> = Fields{
-    "CellPicture", field<&CellMeasured::Picture::width>("width, pixels", Bounds::at_least(1)),
-    field<&CellMeasured::Picture::height>("height, pixels", Bounds::at_least(1)),
-    field<&CellMeasured::Picture::base64>(
-        "8-bit grey levels in base64, row by row; 255: the format's full scale")};
 
 /// Residual phase variance of a cell's frames, rad^2; NaN: no frame had enough spots to determine
 /// its modes.
@@ -245,32 +219,32 @@ struct CellSummary : CellMeasured {
   explicit CellSummary(CellMeasured measured);
 };
 template <>
-inline constexpr auto kTable<CellSummary> = Fields{
-    "CellSummary",
-    field<&CellSummary::cell>(
-        "number of the cell, from 0: arms change fastest, then gains, aberrations slowest",
-        limits::kSweepCell),
-    computed(
-        "arm", [](auto& s) { return s.at.arm; }, "index in the request's arms"),
-    computed(
-        "charge", [](auto& s) { return s.with.charge; },
-        "topological charge; 0: the Shack-Hartmann sensor", limits::kCharge),
-    computed(
-        "tracker", [](auto& s) { return s.with.tracker; }, "tracker, as in experiment.gain_sweep"),
-    computed(
-        "aberration", [](auto& s) { return s.at.aberration; },
-        "index in the request's aberrations"),
-    field<&CellSummary::gain_db>("gain as read back from the camera, dB"),
-    field<&CellSummary::exposure_us>("exposure time, microseconds"),
-    field<&CellSummary::frame_rate_hz>("frames per second"),
-    field<&CellSummary::t_begun_ns>(kTimeMeaning),
-    computed(
-        "frames", [](auto& s) { return s.frames.size(); },
-        "number of settled frames, all of which count"),
-    inlined(&CellSummary::variance),
-    inlined(&CellSummary::levels)};
+inline constexpr auto kTable<CellSummary> =
+    Fields{"CellSummary",
+           field<&CellSummary::cell>(
+               "number of the cell, from 0: arms change fastest, then gains, aberrations slowest",
+               limits::kSweepCell),
+           computed(
+               "arm", [](auto& s) { return s.at.arm; }, "index in the request's arms"),
+           computed(
+               "charge", [](auto& s) { return s.with.charge; },
+               "topological charge; 0: the Shack-Hartmann sensor", limits::kCharge),
+           computed(
+               "tracker", [](auto& s) { return s.with.tracker; }, "tracker"),
+           computed(
+               "aberration", [](auto& s) { return s.at.aberration; },
+               "index in the request's aberrations"),
+           field<&CellSummary::gain_db>("gain as read back from the camera, dB"),
+           field<&CellSummary::exposure_us>("exposure time, microseconds"),
+           field<&CellSummary::frame_rate_hz>("frames per second"),
+           field<&CellSummary::t_begun_ns>(kTimeMeaning),
+           computed(
+               "frames", [](auto& s) { return s.frames.size(); },
+               "number of settled frames, all of which count"),
+           inlined(&CellSummary::variance),
+           inlined(&CellSummary::levels)};
 
-/// Result of `experiment.cell`.
+/// Results of a cell.
 struct CellReport : CellSummary {
   /// Values of get(frame) for all frames of the cell, in order.
   template <class Get>
@@ -311,57 +285,6 @@ inline constexpr auto kTable<CellReport> = Fields{
              "fraction of spots with a saturated pixel in each frame", {0, 1}),
     computed(
         "tracked", [](auto& c) { return c.of_frames([](auto& f) { return f.tracked; }); },
-        "number of spots found in each frame", Bounds::at_least(0)),
-    field<&CellReport::picture>("an image of the cell, if one was stored")};
-
-struct ExperimentReport {
-  std::string run;  ///< name of the run, 16 hexadecimal digits
-  GainSweep request;
-  JsonOf<SweepBench> bench;
-  std::int64_t t_begun_ns = 0;
-  std::optional<int> job;             ///< job that measures the run now; none: no job
-  std::optional<double> time_left_s;  ///< empty until a cell has been measured
-  std::optional<std::string> not_kept_reason;
-  std::vector<JsonOf<ReferenceMeasured>> references;
-  std::vector<JsonOf<CellSummary>> cells;
-};
-template <>
-inline constexpr auto kTable<ExperimentReport> = Fields{
-    "ExperimentReport",
-    field<&ExperimentReport::run>(
-        "name of the run, 16 hexadecimal digits: the same for the same request on the same bench"),
-    field<&ExperimentReport::job>("job that measures it now; null: none"),
-    field<&ExperimentReport::t_begun_ns>("time of the first request, UNIX epoch UTC, nanoseconds"),
-    time_text("t_begun", &ExperimentReport::t_begun_ns),
-    field<&ExperimentReport::time_left_s>("estimated remaining time, seconds, by the cells that "
-                                          "its job has measured; null: none yet, or no job",
-                                          Bounds::at_least(0)),
-    field<&ExperimentReport::not_kept_reason>(
-        "why cells are not stored and would be lost by a restart; null: all are stored"),
-    field<&ExperimentReport::request>(
-        "the complete params; aberrations are RMS-normalised, skipped gains are not included"),
-    field<&ExperimentReport::bench>("bench and settings of the measurement"),
-    field<&ExperimentReport::references>("references taken so far, one per arm"),
-    field<&ExperimentReport::cells>("cells measured so far, ordered by number")};
-
-/// Result of `experiment.get`.
-struct KnownExperiment {
-  std::optional<ExperimentReport> experiment;
-  std::size_t cells_total = 0;
-
-  std::size_t cells_done() const { return experiment ? experiment->cells.size() : 0; }
-};
-template <>
-inline constexpr auto kTable<KnownExperiment> =
-    Fields{"KnownExperiment",
-           computed(
-               "known", [](auto& k) { return k.experiment.has_value(); }, "whether there is a run"),
-           computed(
-               "complete", [](auto& k) { return k.experiment && k.cells_done() == k.cells_total; },
-               "whether every cell has been measured"),
-           field<&KnownExperiment::cells_total>("number of cells of the request"),
-           computed(
-               "cells_done", [](auto& k) { return k.cells_done(); }, "number of measured cells"),
-           inlined(&KnownExperiment::experiment)};
+        "number of spots found in each frame", Bounds::at_least(0))};
 
 }  // namespace ovws

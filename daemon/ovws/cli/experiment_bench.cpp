@@ -1,0 +1,193 @@
+#include "daemon/ovws/cli/experiment_bench.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "proto/json_text.hpp"
+#include "proto/tables/modes.hpp"
+#include "proto/tables/picture.hpp"
+#include "proto/tables/reference.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+
+constexpr std::size_t kMaxGrabBytes = 60'000'000;  // a reply may have 64 MiB
+constexpr double kGrabPatienceS = 30.0;
+constexpr int kFramesToFind = 20;
+constexpr auto kFindPatience = 10s;
+
+/// The format of the pixels of a grab, which come unpacked.
+PixelFormat unpacked(PixelFormat format) {
+  const PixelFormatTraits& packed = traits_of(format);
+  for (const PixelFormatTraits& one : all_pixel_formats()) {
+    const bool plain = one.layout == PixelLayout::bytes || one.layout == PixelLayout::words;
+    if (plain && one.bits == packed.bits && one.filter == packed.filter) return one.format;
+  }
+  return format;
+}
+
+/// Adds the positions in the binary part of a `spots` message: rows of x, y and four more values.
+void add_spots(const StreamMessage& message, std::vector<Vec2>& sums, std::vector<int>& found) {
+  constexpr std::size_t kColumns = 6;
+  const std::size_t rows = message.binary.size() / (kColumns * sizeof(float));
+  sums.resize(rows);
+  found.resize(rows);
+  for (std::size_t i = 0; i < rows; ++i) {
+    std::array<float, 2> at{};
+    std::memcpy(at.data(), &message.binary[i * kColumns * sizeof(float)], sizeof at);
+    if (std::isnan(at[0])) continue;
+    sums[i] = sums[i] + Vec2{double(at[0]), double(at[1])};
+    ++found[i];
+  }
+}
+
+}  // namespace
+
+tl::unexpected<CallFailure> failed(const Error& error) {
+  return tl::make_unexpected(
+      CallFailure{true, {{"message", text_of(error)}, {"data", {{"field", error.field}}}}});
+}
+
+Answered<json> ExperimentBench::call(const char* method, const json& params) const {
+  return cli::call(common_, method, params);
+}
+
+Answered<ExperimentBench> ExperimentBench::open(const Common& common) {
+  ExperimentBench bench(common);
+  const auto all = call_all(
+      common, {"config.get", "camera.get", "sensor.get", "aberration.get", "registration.get"});
+  if (!all) return tl::make_unexpected(all.error());
+  auto config = parse_config(json_text((*all)[0]));
+  if (!config) return failed(config.error());
+  bench.config_ = std::move(*config);
+  const json& limits = (*all)[1].at("limits");
+  if (!limits.is_object()) return failed({Errc::unavailable, "camera", "no camera is connected"});
+  if (!limits.at("gain_db").is_object()) {
+    return failed(
+        {Errc::refused, "gain_db", "the camera has no gain in dB, which the experiment changes"});
+  }
+  bench.gains_db_ = {limits.at("gain_db").at("min").get<double>(),
+                     limits.at("gain_db").at("max").get<double>()};
+  bench.gain_before_db_ = (*all)[1].at("settings").at("gain_db").get<double>();
+  for (const char* key :
+       {"charge", "alternate_charge", "charges", "tracker", "operator", "mode_count"}) {
+    bench.sensor_before_[key] = (*all)[2].at(key);
+  }
+  bench.aberration_before_ = json::array();
+  for (const json& mode : (*all)[3].at("modes")) {
+    bench.aberration_before_.push_back({{"j", mode.at("j")}, {"waves", mode.at("waves")}});
+  }
+  const json& map = (*all)[4].at("px_per_cycle");
+  if (map.is_array()) {
+    bench.config_.optics.registered = PxPerCycle{map[0].get<double>(), map[1].get<double>(),
+                                                 map[2].get<double>(), map[3].get<double>()};
+  }
+  return bench;
+}
+
+Answered<void> ExperimentBench::show(int charge, const std::vector<Mode>& modes) {
+  if (!shown_ || charge != charge_shown_) {
+    const auto set = call("sensor.set", {{"charge", charge},
+                                         {"alternate_charge", nullptr},
+                                         {"charges", json::array()},
+                                         {"tracker", "lg"},
+                                         {"operator", "slopes"},
+                                         {"mode_count", nullptr}});
+    if (!set) return tl::make_unexpected(set.error());
+    shown_ = true;
+    charge_shown_ = charge;
+  }
+  const auto shown = call("aberration.set", {{"modes", to_json(modes)}});
+  if (!shown) return tl::make_unexpected(shown.error());
+  hologram_id_ = shown->at("hologram_id").get<std::int64_t>();
+  return {};
+}
+
+Answered<void> ExperimentBench::set_gain(double gain_db) {
+  const auto set = call("camera.set", {{"gain_db", gain_db}});
+  if (!set) return tl::make_unexpected(set.error());
+  gain_db_ = set->at("applied").at("gain_db").get<double>();
+  return {};
+}
+
+Answered<GrabbedImages> ExperimentBench::grab(int frames) {
+  const CameraSettings& camera = config_.camera.settings;
+  const PixelFormat format = unpacked(camera.pixel_format);
+  GrabbedImages all;
+  all.gain_db = gain_db_;
+  int width = 0, height = 0;
+  Common patient = common_;
+  patient.timeout_s = kGrabPatienceS + 5.0;
+  for (int left = frames; left > 0;) {
+    const std::size_t image_bytes = std::size_t(camera.roi.width) * std::size_t(camera.roi.height) *
+                                    (traits_of(format).layout == PixelLayout::words ? 2 : 1);
+    const int most = int(std::clamp<std::size_t>(kMaxGrabBytes / image_bytes, 1,
+                                                 std::size_t(limits::kGrabFrames.max)));
+    const auto reply = call_for_binary(patient, "camera.grab",
+                                       {{"frames", std::min(left, most)},
+                                        {"after_hologram", hologram_id_},
+                                        {"timeout_s", kGrabPatienceS}});
+    if (!reply) return tl::make_unexpected(reply.error());
+    const json& shape = reply->result.at("shape");
+    height = shape[1].get<int>(), width = shape[2].get<int>();
+    const std::size_t bytes = reply->binary.size() / shape[0].get<std::size_t>();
+    for (std::size_t k = 0; k < shape[0].get<std::size_t>() && left > 0; ++k) {
+      // A frame whose exposure began before the gain was set.
+      if (reply->result.at("frames")[k].at("gain_db") != gain_db_) continue;
+      const auto at = reply->binary.begin() + std::ptrdiff_t(k * bytes);
+      all.pixels.insert(all.pixels.end(), at, at + std::ptrdiff_t(bytes));
+      --left;
+    }
+  }
+  const std::size_t bytes = all.pixels.size() / std::size_t(frames);
+  for (int k = 0; k < frames; ++k) {
+    all.views.push_back({all.pixels.data() + std::size_t(k) * bytes, width, height,
+                         std::ptrdiff_t(bytes) / height, format});
+  }
+  return all;
+}
+
+Answered<std::vector<Vec2>> ExperimentBench::find_spots() {
+  const auto endpoint = stream_endpoint(common_, "endpoint");
+  if (!endpoint) return tl::make_unexpected(endpoint.error());
+  auto stream = subscribe(common_, *endpoint, {"spots"}, kFramesToFind);
+  if (!stream) return failed(stream.error());
+  std::vector<Vec2> places;
+  std::vector<int> found;
+  int seen = 0;
+  const auto end = std::chrono::steady_clock::now() + kFindPatience;
+  while (seen < kFramesToFind && std::chrono::steady_clock::now() < end) {
+    const auto message = stream->receive(500ms);
+    if (!message) continue;
+    const json header = json_of(message->json);
+    if (header.at("hologram_id") != hologram_id_ || !header.at("settled").get<bool>()) continue;
+    add_spots(*message, places, found);
+    ++seen;
+  }
+  if (seen == 0) {
+    return failed({Errc::unavailable, "", "no settled frame came: see camera in ovws status"});
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    places[i] = found[i] > 0 ? (1.0 / found[i]) * places[i] : Vec2{NAN, NAN};
+  }
+  return places;
+}
+
+Answered<void> ExperimentBench::restore() {
+  const auto gain = call("camera.set", {{"gain_db", gain_before_db_}});
+  const auto sensor = call("sensor.set", sensor_before_);
+  const auto aberration = call("aberration.set", {{"modes", aberration_before_}});
+  for (const auto* const one : {&gain, &sensor, &aberration}) {
+    if (!*one) return tl::make_unexpected(one->error());
+  }
+  return {};
+}
+
+}  // namespace ovws::cli

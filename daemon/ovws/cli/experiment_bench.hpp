@@ -1,0 +1,62 @@
+/// The daemon's bench as the gain sweep uses it: shows an aberration with a charge, and takes
+/// images at a gain.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "config/config.hpp"
+#include "core/base/image.hpp"
+#include "daemon/shared/client.hpp"
+#include "proto/limits.hpp"
+
+namespace ovws::cli {
+
+template <class T>
+using Answered = tl::expected<T, CallFailure>;
+
+/// An error of this program as one of a call.
+tl::unexpected<CallFailure> failed(const Error& error);
+
+/// Images of the camera, of one format.
+struct GrabbedImages {
+  std::vector<std::byte> pixels;
+  std::vector<ImageView> views{};  ///< into `pixels`
+  double gain_db = 0.0;            ///< as read back
+};
+
+/// Other clients may use the bench meanwhile: a grab fails if the hologram is replaced.
+class ExperimentBench {
+ public:
+  /// Reads the bench's state, which `restore` restores. Errors: the camera has no gain in dB.
+  static Answered<ExperimentBench> open(const Common& common);
+
+  /// The configuration in use, with the registration.
+  const Config& config() const { return config_; }
+  const Range<double>& gains_db() const { return gains_db_; }
+
+  /// Shows all subapertures with this charge, and the aberration `modes`.
+  Answered<void> show(int charge, const std::vector<Mode>& modes);
+  Answered<void> set_gain(double gain_db);
+  /// Takes images of what is shown, at the gain that was set.
+  Answered<GrabbedImages> grab(int frames);
+  /// Where the daemon finds the spots of what is shown, one per subaperture: the mean of some
+  /// frames; NaN: it is found in none.
+  Answered<std::vector<Vec2>> find_spots();
+  Answered<void> restore();
+
+ private:
+  explicit ExperimentBench(const Common& common) : common_(common) {}
+  Answered<nlohmann::json> call(const char* method, const nlohmann::json& params) const;
+
+  Common common_;
+  Config config_;
+  Range<double> gains_db_{};
+  nlohmann::json sensor_before_, aberration_before_;
+  double gain_before_db_ = 0.0, gain_db_ = 0.0;
+  int charge_shown_ = 0;
+  bool shown_ = false;
+  std::int64_t hologram_id_ = 0;
+};
+
+}  // namespace ovws::cli

@@ -1,0 +1,163 @@
+#include "daemon/ovws/cli/experiment_images.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/wavefront/phase_map.hpp"
+#include "daemon/ovws/cli/image_file.hpp"
+#include "daemon/ovws/study/gain_sweep_report.hpp"
+
+namespace ovws::cli {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kPanelPx = 320, kTextPx = 52, kGapPx = 10;
+constexpr double kResidualGainDb = 36.0;
+const cv::Scalar kPaper(255, 255, 255), kInk(0, 0, 0);
+
+/// Row of image panels, side by side. Each panel is below two lines of text.
+class Row {
+ public:
+  void add(const cv::Mat& picture, const std::string& title, const std::string& more) {
+    cv::Mat panel(kPanelPx + kTextPx, kPanelPx + kGapPx, CV_8UC3, kPaper);
+    cv::Mat scaled;
+    cv::resize(picture, scaled, {kPanelPx, kPanelPx}, 0, 0, cv::INTER_AREA);
+    scaled.copyTo(panel(cv::Rect(0, kTextPx, kPanelPx, kPanelPx)));
+    const auto write = [&panel](const std::string& text, int y) {
+      cv::putText(panel, text, {4, y}, cv::FONT_HERSHEY_SIMPLEX, 0.5, kInk, 1, cv::LINE_AA);
+    };
+    write(title, 18);
+    write(more, 40);
+    if (all_.empty()) {
+      all_ = panel;
+    } else {
+      cv::hconcat(all_, panel, all_);
+    }
+  }
+  const cv::Mat& picture() const { return all_; }
+
+ private:
+  cv::Mat all_;
+};
+
+cv::Mat coloured(const Image<float>& waves, double scale) {
+  const cv::Mat raw(waves.height, waves.width, CV_32FC1, const_cast<float*>(waves.pixels.data()));
+  return phase_colours(raw, scale, kPaper);
+}
+
+double largest(const Image<float>& waves) {
+  double most = 1e-4;
+  for (const float w : waves.pixels) most = std::fmax(most, std::abs(double(w)));
+  return most;
+}
+
+/// Index of the frame with the median variance; none if no frame has coefficients.
+std::optional<std::size_t> median_frame(const json& cell) {
+  std::vector<std::pair<double, std::size_t>> valid_frames;
+  const json& variances = cell.at("variances_rad2");
+  for (std::size_t k = 0; k < variances.size(); ++k) {
+    if (variances[k].is_number()) valid_frames.emplace_back(variances[k].get<double>(), k);
+  }
+  if (valid_frames.empty()) return std::nullopt;
+  std::sort(valid_frames.begin(), valid_frames.end());
+  return valid_frames[valid_frames.size() / 2].second;
+}
+
+std::size_t next_gain(const json& request) {
+  const auto gains = request.at("gains_db").get<std::vector<double>>();
+  const auto next = std::min_element(gains.begin(), gains.end(), [](double a, double b) {
+    return std::abs(a - kResidualGainDb) < std::abs(b - kResidualGainDb);
+  });
+  return std::size_t(next - gains.begin());
+}
+
+std::vector<float> introduced_waves(const json& aberration, const std::vector<int>& modes_j) {
+  std::vector<float> waves(modes_j.size(), 0.0F);
+  for (const json& mode : aberration.at("modes")) {
+    const auto at = std::find(modes_j.begin(), modes_j.end(), mode.at("j").get<int>());
+    if (at != modes_j.end())
+      waves[std::size_t(at - modes_j.begin())] = mode.at("waves").get<float>();
+  }
+  return waves;
+}
+
+struct Residual {
+  Image<float> waves;
+  std::string title, more;
+};
+
+/// Residual wavefront of the cell's median frame; none if no frame has coefficients.
+std::optional<Residual> residual_of(const json& cell, const PhaseMap& map,
+                                    const std::vector<float>& introduced) {
+  const auto frame = median_frame(cell);
+  if (!frame) return std::nullopt;
+  auto left = cell.at("coefficients_waves").at(*frame).get<std::vector<float>>();
+  for (std::size_t i = 0; i < left.size(); ++i) left[i] = introduced[i] - left[i];
+  Residual residual;
+  map.render(left, residual.waves);
+  residual.title = study::arm_name(cell) + ", residual";
+  residual.more =
+      fmt::format("{:.3g} rad^2, +-{:.3f} wave", cell.at("variances_rad2").at(*frame).get<double>(),
+                  largest(residual.waves));
+  return residual;
+}
+
+}  // namespace
+
+Result<void> draw_camera_frames(const CameraFrames& frames, const std::filesystem::path& folder) {
+  std::map<int, Row> rows;
+  for (const CameraFrame& one : frames) {
+    const cv::Mat grey(one.image.height, one.image.width, CV_8UC1,
+                       const_cast<std::uint8_t*>(one.image.pixels.data()));
+    cv::Mat picture;
+    cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
+    picture.setTo(cv::Scalar(60, 60, 255), grey == 255);
+    rows[one.charge].add(picture, fmt::format("charge {}, {:g} dB", one.charge, one.gain_db),
+                         fmt::format("brightest {:g} DN; red: full scale", one.peak_dn));
+  }
+  for (const auto& [charge, row] : rows) {
+    auto written =
+        write_image(folder / fmt::format("experiment-images-charge-{}.png", charge), row.picture());
+    if (!written) return written;
+  }
+  return {};
+}
+
+Result<void> draw_residuals(const json& request, const SweepCells& cells,
+                            const std::filesystem::path& folder) {
+  const std::size_t aberration = std::min<std::size_t>(1, request.at("aberrations").size() - 1);
+  const std::size_t arms = request.at("arms").size(), gain = next_gain(request);
+  const std::size_t first = (aberration * request.at("gains_db").size() + gain) * arms;
+  const json& introduced = request.at("aberrations").at(aberration);
+  Row row;
+  for (std::size_t k = 0; k < arms; ++k) {
+    const auto cell = cells.find(int(first + k));
+    if (cell == cells.end()) continue;
+    const auto modes_j = cell->second.at("modes_j").get<std::vector<int>>();
+    const PhaseMap map(modes_j, kPanelPx);
+    const std::vector<float> waves = introduced_waves(introduced, modes_j);
+    Image<float> shown;
+    map.render(waves, shown);
+    const double scale = largest(shown);  // one colour scale for all panels
+    if (row.picture().empty()) {
+      row.add(coloured(shown, scale),
+              fmt::format("introduced, {:g} dB", request.at("gains_db").at(gain).get<double>()),
+              fmt::format("+-{:.3f} wave", scale));
+    }
+    const auto residual = residual_of(cell->second, map, waves);
+    if (!residual) continue;
+    row.add(coloured(residual->waves, scale), residual->title, residual->more);
+  }
+  if (row.picture().empty()) return {};
+  return write_image(folder / "experiment-residual.png", row.picture());
+}
+
+}  // namespace ovws::cli
