@@ -15,7 +15,7 @@ from case import PROGRAM_PATIENCE_S, ROOT, BenchCase, bench_module, main, wait_f
 
 CLUSTER = ROOT / "config" / "cluster"
 GUIDE = ROOT / "daemon" / "guide" / "cluster.md"
-STUDY = ("oracle", "--quick")
+STUDY = ("localisation", "--quick")
 SNAKEMAKE = shutil.which("snakemake", path="/usr/bin")
 
 
@@ -85,7 +85,7 @@ class Cluster(BenchCase):
 
     def test_1_2_and_7_shards_give_the_same_bytes(self):
         study, replay = self.whole()
-        self.assertGreaterEqual(study.keys(), {"summary.json", "oracle.png", "oracle.csv", "oracle.gnuplot"})
+        self.assertGreaterEqual(study.keys(), {"summary.json", "localisation.png", "localisation.csv", "localisation.gnuplot"})
         for shards in (1, 2, 7):
             self.assertEqual(self.joined(("study", *STUDY), shards, f"study-{shards}"), study)
             self.assertEqual(self.joined(("replay", self.recording, "--refine"), shards, f"replay-{shards}"), replay)

@@ -1,5 +1,5 @@
-/// Studies of the position errors of one spot: `localisation` against read noise, as in the paper's
-/// figure "Localization precision", and `trackers` against SNR and the Cramer-Rao bound.
+/// Study of the position errors of one spot against read noise, as in the paper's figure
+/// "Localization precision".
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -25,18 +25,16 @@ struct CloudPoint {
 };
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CloudPoint, rms_px, bound_px, lost, x_px, y_px)
 
-/// Errors of every method at every x, which is a read noise or an SNR.
-struct Sweep {
+/// Errors of every method at every read noise.
+struct NoiseSweep {
   std::vector<SpotBench> benches = all_spot_benches();
-  std::vector<double> all_x;
-  double (*read_noise_e_of)(double x);
+  std::vector<double> noises_e;
   int realisations;
   std::uint64_t seed;
 
-  std::size_t size() const { return benches.size() * all_x.size(); }
-  const SpotBench& bench_of(std::size_t k) const { return benches[k / all_x.size()]; }
-  double x_of(std::size_t k) const { return all_x[k % all_x.size()]; }
-  double read_noise_e(std::size_t k) const { return read_noise_e_of(x_of(k)); }
+  std::size_t size() const { return benches.size() * noises_e.size(); }
+  const SpotBench& bench_of(std::size_t k) const { return benches[k / noises_e.size()]; }
+  double read_noise_e(std::size_t k) const { return noises_e[k % noises_e.size()]; }
   CloudPoint measure(std::size_t k) const {
     const Cloud cloud = cloud_of(bench_of(k), read_noise_e(k), realisations, seed + 1000 * k);
     return {root_of(cloud.squares_px2), bound_px(bench_of(k), read_noise_e(k)), cloud.lost};
@@ -45,7 +43,7 @@ struct Sweep {
 
 /// Adds one series per method at this light level. After the last method of each charge, adds the
 /// charge's Cramer-Rao bound.
-Figure sweep_figure(Figure figure, Light light, const Sweep& sweep,
+Figure sweep_figure(Figure figure, Light light, const NoiseSweep& sweep,
                     const std::vector<CloudPoint>& points) {
   const std::vector<SpotBench>& benches = sweep.benches;
   for (std::size_t b = 0; b < benches.size(); ++b) {
@@ -55,8 +53,8 @@ Figure sweep_figure(Figure figure, Light light, const Sweep& sweep,
     Series bound{.name = fmt::format("bound, charge {}", charge), .style = Series::Style::line};
     for (std::size_t k = 0; k < sweep.size(); ++k) {
       if (&sweep.bench_of(k) != &benches[b]) continue;
-      series.add(sweep.x_of(k), points[k].rms_px);
-      bound.add(sweep.x_of(k), points[k].bound_px);
+      series.add(sweep.read_noise_e(k), points[k].rms_px);
+      bound.add(sweep.read_noise_e(k), points[k].bound_px);
     }
     figure.series.push_back(std::move(series));
     const bool more = b + 1 < benches.size() && benches[b + 1].light == light &&
@@ -64,14 +62,6 @@ Figure sweep_figure(Figure figure, Light light, const Sweep& sweep,
     if (!more) figure.series.push_back(std::move(bound));
   }
   return figure;
-}
-
-nlohmann::json study_summary(const char* study, int realisations) {
-  return {{"study", study},
-          {"unit", "px RMS per axis"},
-          {"peak_e", kPeakE},
-          {"realisations", realisations},
-          {"rows", nlohmann::json::array()}};
 }
 
 /// `clouds`: one for each bench at equal peak.
@@ -89,8 +79,13 @@ Figure cloud_figure(const std::vector<SpotBench>& all, std::span<const CloudPoin
 }
 
 /// `points`: those of the sweep, then the clouds.
-Findings localised(const Sweep& sweep, const std::vector<CloudPoint>& points) {
-  Findings found{study_summary("localisation", sweep.realisations), {}};
+Findings localised(const NoiseSweep& sweep, const std::vector<CloudPoint>& points) {
+  Findings found{{{"study", "localisation"},
+                  {"unit", "px RMS per axis"},
+                  {"peak_e", kPeakE},
+                  {"realisations", sweep.realisations},
+                  {"rows", nlohmann::json::array()}},
+                 {}};
   for (std::size_t k = 0; k < sweep.size(); ++k) {
     const CloudPoint& point = points[k];
     found.summary["rows"].push_back({{"light", name_of(sweep.bench_of(k).light)},
@@ -112,30 +107,6 @@ Findings localised(const Sweep& sweep, const std::vector<CloudPoint>& points) {
   return found;
 }
 
-Findings tracked(const Sweep& sweep, const std::vector<CloudPoint>& points) {
-  Findings found{study_summary("trackers", sweep.realisations), {}};
-  for (std::size_t k = 0; k < sweep.size(); ++k) {
-    const CloudPoint& point = points[k];
-    found.summary["rows"].push_back({{"light", name_of(sweep.bench_of(k).light)},
-                                     {"method", sweep.bench_of(k).method.name},
-                                     {"snr", sweep.x_of(k)},
-                                     {"rms_px", point.rms_px.value},
-                                     {"standard_error_px", point.rms_px.standard_error},
-                                     {"bound_px", point.bound_px},
-                                     {"factor", point.rms_px.value / point.bound_px},
-                                     {"lost", point.lost}});
-  }
-  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
-    const bool peak = light == Light::equal_peak;
-    Figure figure{peak ? "trackers" : "trackers-photons",
-                  fmt::format("Every tracker and its bound at {}", name_of(light)),
-                  peak ? "peak SNR" : "peak SNR of the vortex", "position error (px RMS per axis)"};
-    figure.log_x = figure.log_y = true;
-    found.figures.push_back(sweep_figure(std::move(figure), light, sweep, points));
-  }
-  return found;
-}
-
 }  // namespace
 
 /// Its items: the points of the sweep, then a cloud for each bench at equal peak, which are the
@@ -145,11 +116,8 @@ Work localisation(const Settings& settings) {
   const double step_e = settings.quick ? 40.0 : 10.0;
   std::vector<double> noises_e;
   for (double noise_e = 5.0; noise_e <= 85.0; noise_e += step_e) noises_e.push_back(noise_e);
-  const auto sweep =
-      std::make_shared<const Sweep>(Sweep{.all_x = noises_e,
-                                          .read_noise_e_of = [](double noise_e) { return noise_e; },
-                                          .realisations = realisations,
-                                          .seed = settings.seed});
+  const auto sweep = std::make_shared<const NoiseSweep>(
+      NoiseSweep{.noises_e = noises_e, .realisations = realisations, .seed = settings.seed});
   const auto clouds =
       std::count_if(sweep->benches.begin(), sweep->benches.end(),
                     [](const SpotBench& bench) { return bench.light == Light::equal_peak; });
@@ -162,20 +130,6 @@ Work localisation(const Settings& settings) {
   return work_of(
       sweep->size() + std::size_t(clouds), measure,
       [sweep](const std::vector<CloudPoint>& points) { return localised(*sweep, points); });
-}
-
-Work trackers(const Settings& settings) {
-  const std::vector<double> snrs = settings.quick
-                                       ? std::vector<double>{3.0, 8.0, 22.0}
-                                       : std::vector<double>{2.0, 3.0, 4.0, 5.0, 8.0, 12.0, 22.0};
-  const auto sweep =
-      std::make_shared<const Sweep>(Sweep{.all_x = snrs,
-                                          .read_noise_e_of = read_noise_of_snr,
-                                          .realisations = settings.quick ? 100 : 1000,
-                                          .seed = settings.seed});
-  return work_of(
-      sweep->size(), [sweep](std::size_t k) { return sweep->measure(k); },
-      [sweep](const std::vector<CloudPoint>& points) { return tracked(*sweep, points); });
 }
 
 }  // namespace ovws::study

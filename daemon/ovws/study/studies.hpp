@@ -17,12 +17,8 @@ struct Settings {
 
 Work localisation(const Settings& settings);
 Work wavefront(const Settings& settings);
-Work trackers(const Settings& settings);
-Work kernel(const Settings& settings);
 Work range(const Settings& settings);
 Work acquisition(const Settings& settings);
-Work oracle(const Settings& settings);
-Work operators(const Settings& settings);
 Work modes(const Settings& settings);
 Work masks(const Settings& settings);
 Work scintillation(const Settings& settings);
@@ -32,17 +28,12 @@ struct Study {
   const char* what;
   Work (*prepare)(const Settings&);
 };
-constexpr std::array<Study, 11> kStudies{{
+constexpr std::array<Study, 7> kStudies{{
     {"localisation", "position error of one spot against read noise", localisation},
     {"wavefront", "residual phase variance against SNR for astigmatism and defocus", wavefront},
-    {"trackers", "every tracker against the Cramer-Rao bound", trackers},
-    {"kernel", "the LG kernel's best radius against SNR", kernel},
     {"range", "largest amplitude of each mode with all spots found without history", range},
     {"acquisition", "fractions of spots refused and wrong without history, against SNR",
      acquisition},
-    {"oracle", "lg against the paper's contour method, spot by spot", oracle},
-    {"operators", "errors of every operator from displacements to modes, on the same images",
-     operators},
     {"modes", "error against the number of modes, by shapes and by positions of the spots", modes},
     {"masks", "which phase mask in every subaperture gives the smallest error", masks},
     {"scintillation", "residual phase variance against the number of subapertures, by strength",

@@ -32,7 +32,7 @@ TEST(Work, a_result_reads_back_the_same) {
 }
 
 TEST(Work, an_item_has_the_same_result_whoever_measures_it) {
-  for (const char* name : {"oracle", "kernel"}) {
+  for (const char* name : {"localisation", "acquisition"}) {
     const Work work = study_named(name)->prepare({true, 3});
     std::vector<std::size_t> all(work.items);
     std::iota(all.begin(), all.end(), std::size_t{0});
