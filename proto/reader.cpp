@@ -61,10 +61,6 @@ bool ObjectReader::has(const char* key) const {
   return json_.is_object() && json_.contains(key);
 }
 
-bool ObjectReader::is_text(const char* key, std::string_view text) const {
-  return has(key) && json_[key] == text;
-}
-
 const json* ObjectReader::take(const char* key) {
   if (std::find(known_.begin(), known_.end(), key) == known_.end()) known_.emplace_back(key);
   if (error_) return nullptr;

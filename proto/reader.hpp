@@ -32,10 +32,9 @@ class ObjectReader {
   /// If on, a number out of range becomes the nearest limit instead of a fault.
   void clamp(bool on) { clamp_ = on; }
 
-  bool has(const char* key) const;                             ///< present (null counts as present)
-  bool is_null(const char* key);                               ///< marks the key as known
-  bool is_text(const char* key, std::string_view text) const;  ///< whether its value is `text`
-  void require(const char* key);  ///< a fault if absent, reported by `finish` after all others
+  bool has(const char* key) const;  ///< present (null counts as present)
+  bool is_null(const char* key);    ///< marks the key as known
+  void require(const char* key);    ///< a fault if absent, reported by `finish` after all others
 
   void number(const char* key, double& out, double min,
               double max);                                    ///< finite, min <= value <= max

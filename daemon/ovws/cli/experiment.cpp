@@ -257,14 +257,7 @@ void Sweep::show_progress() const {
 
 json Sweep::report() const {
   json cells = json::array(), references = json::array();
-  for (const auto& [number, cell] : files_.cells()) {
-    json summary = cell;
-    for (const char* key :
-         {"modes_j", "variances_rad2", "coefficients_waves", "saturated_fractions", "tracked"}) {
-      summary.erase(key);
-    }
-    cells.push_back(std::move(summary));
-  }
+  for (const auto& [number, cell] : files_.cells()) cells.push_back(only_fields<CellSummary>(cell));
   for (const ReferenceMeasured& one : references_) references.push_back(to_json(one));
   const CameraSettings& camera = bench_.config().camera.settings;
   return {{"t_begun_ns", t_begun_ns_},

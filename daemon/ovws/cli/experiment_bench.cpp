@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "proto/json_text.hpp"
@@ -61,13 +63,22 @@ Answered<json> ExperimentBench::call(const char* method, const json& params) con
 
 Answered<ExperimentBench> ExperimentBench::open(const Common& common) {
   ExperimentBench bench(common);
-  const auto all = call_all(
-      common, {"config.get", "camera.get", "sensor.get", "aberration.get", "registration.get"});
-  if (!all) return tl::make_unexpected(all.error());
-  auto config = parse_config(json_text((*all)[0]));
-  if (!config) return failed(config.error());
+  std::map<std::string, json> now;
+  for (const char* method :
+       {"config.get", "camera.get", "sensor.get", "aberration.get", "registration.get"}) {
+    auto answer = bench.call(method, json::object());
+    if (!answer) return tl::make_unexpected(answer.error());
+    now[method] = std::move(*answer);
+  }
+  auto config = parse_config(json_text(now["config.get"]));
+  if (!config) {
+    return failed({Errc::invalid, "",
+                   "the daemon's reply to config.get is not a configuration, so it may have "
+                   "another version: " +
+                       text_of(config.error())});
+  }
   bench.config_ = std::move(*config);
-  const json& limits = (*all)[1].at("limits");
+  const json& limits = now["camera.get"].at("limits");
   if (!limits.is_object()) return failed({Errc::unavailable, "camera", "no camera is connected"});
   if (!limits.at("gain_db").is_object()) {
     return failed(
@@ -75,16 +86,16 @@ Answered<ExperimentBench> ExperimentBench::open(const Common& common) {
   }
   bench.gains_db_ = {limits.at("gain_db").at("min").get<double>(),
                      limits.at("gain_db").at("max").get<double>()};
-  bench.gain_before_db_ = (*all)[1].at("settings").at("gain_db").get<double>();
+  bench.gain_before_db_ = now["camera.get"].at("settings").at("gain_db").get<double>();
   for (const char* key :
        {"charge", "alternate_charge", "charges", "tracker", "operator", "mode_count"}) {
-    bench.sensor_before_[key] = (*all)[2].at(key);
+    bench.sensor_before_[key] = now["sensor.get"].at(key);
   }
   bench.aberration_before_ = json::array();
-  for (const json& mode : (*all)[3].at("modes")) {
+  for (const json& mode : now["aberration.get"].at("modes")) {
     bench.aberration_before_.push_back({{"j", mode.at("j")}, {"waves", mode.at("waves")}});
   }
-  const json& map = (*all)[4].at("px_per_cycle");
+  const json& map = now["registration.get"].at("px_per_cycle");
   if (map.is_array()) {
     bench.config_.optics.registered = PxPerCycle{map[0].get<double>(), map[1].get<double>(),
                                                  map[2].get<double>(), map[3].get<double>()};

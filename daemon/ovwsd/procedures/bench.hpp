@@ -121,10 +121,6 @@ class Bench {
   /// Returns when they are restored, or when the camera thread has ended.
   void restore_camera();
   bool stopped() const { return stop_.load(); }
-  /// The same as a function, for what waits outside of the Bench. Not longer than the procedure.
-  std::function<bool()> stop() const {
-    return [&stop = stop_] { return stop.load(); };
-  }
 
  private:
   template <class T>
