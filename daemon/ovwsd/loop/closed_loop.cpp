@@ -121,8 +121,11 @@ void ClosedLoop::close(LeasePtr lease, const LoopSettings& settings, Done done) 
   });
 }
 
+/// Comes to the loop thread by the prepare thread, behind a `close` that was requested before.
 void ClosedLoop::open(bool keep, Done done) {
-  mailbox_.post([this, keep, done = std::move(done)] { done(end(keep)); });
+  deps_.keeper.after_changes([this, keep, done = std::move(done)] {
+    mailbox_.post([this, keep, done] { done(end(keep)); });
+  });
 }
 
 void ClosedLoop::pause(bool paused, Done done) {

@@ -171,6 +171,20 @@ TEST_F(ClosedLoopTest, HoldsTheSensorWhileItIsClosed) {
   EXPECT_EQ(close({.law = LawName::predictor}).error().field, "law");
 }
 
+TEST_F(ClosedLoopTest, OpensAfterACloseThatWasRequestedBefore) {
+  take_reference_frames();
+  for (int turn = 0; turn < 20; ++turn) {
+    auto lease = bench_.leases().take(Request::close_loop);
+    ASSERT_TRUE(lease) << lease.error().reason;
+    std::atomic<bool> closed{false};
+    loop_.close(std::move(*lease), {}, [&](const Result<LoopReport>& now) { closed = bool(now); });
+    const auto opened = open(false);
+    ASSERT_TRUE(opened) << opened.error().reason;
+    EXPECT_TRUE(closed);
+    EXPECT_FALSE(loop_.is_closed());
+  }
+}
+
 TEST_F(ClosedLoopTest, HoldsItsCorrectionWhileItIsPaused) {
   EXPECT_EQ(pause(true).error().code, Errc::refused) << "the loop is open";
   take_reference_frames();
