@@ -22,6 +22,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMaxGrabBytes = 60'000'000;  // a reply may have 64 MiB
 constexpr double kGrabPatienceS = 30.0;
+constexpr int kSpareGrabs = 3;  // the first frames may have been exposed at the gain before
 constexpr int kFramesToFind = 20;
 constexpr auto kFindPatience = 10s;
 
@@ -91,6 +92,10 @@ Answered<ExperimentBench> ExperimentBench::open(const Common& common) {
        {"charge", "alternate_charge", "charges", "tracker", "operator", "mode_count"}) {
     bench.sensor_before_[key] = now["sensor.get"].at(key);
   }
+  if (!now["aberration.get"].at("patterns").empty()) {
+    return failed({Errc::refused, "",
+                   "the DMD shows a sequence of patterns: end it with aberration.clear first"});
+  }
   bench.aberration_before_ = json::array();
   for (const json& mode : now["aberration.get"].at("modes")) {
     bench.aberration_before_.push_back({{"j", mode.at("j")}, {"waves", mode.at("waves")}});
@@ -133,34 +138,42 @@ Answered<GrabbedImages> ExperimentBench::grab(int frames) {
   const PixelFormat format = unpacked(camera.pixel_format);
   GrabbedImages all;
   all.gain_db = gain_db_;
-  int width = 0, height = 0;
+  const std::size_t image_bytes = std::size_t(camera.roi.width) * std::size_t(camera.roi.height) *
+                                  (traits_of(format).layout == PixelLayout::words ? 2 : 1);
+  const int most = int(std::clamp<std::size_t>(kMaxGrabBytes / image_bytes, 1,
+                                               std::size_t(limits::kGrabFrames.max)));
+  const int most_tries = frames / most + kSpareGrabs;
   Common patient = common_;
   patient.timeout_s = kGrabPatienceS + 5.0;
-  for (int left = frames; left > 0;) {
-    const std::size_t image_bytes = std::size_t(camera.roi.width) * std::size_t(camera.roi.height) *
-                                    (traits_of(format).layout == PixelLayout::words ? 2 : 1);
-    const int most = int(std::clamp<std::size_t>(kMaxGrabBytes / image_bytes, 1,
-                                                 std::size_t(limits::kGrabFrames.max)));
+  int left = frames;
+  for (int tries = 0; left > 0; ++tries) {
+    if (tries > most_tries) {
+      return failed({Errc::refused, "gain_db", "the camera's gain was changed meanwhile"});
+    }
     const auto reply = call_for_binary(patient, "camera.grab",
                                        {{"frames", std::min(left, most)},
                                         {"after_hologram", hologram_id_},
                                         {"timeout_s", kGrabPatienceS}});
     if (!reply) return tl::make_unexpected(reply.error());
     const json& shape = reply->result.at("shape");
-    height = shape[1].get<int>(), width = shape[2].get<int>();
-    const std::size_t bytes = reply->binary.size() / shape[0].get<std::size_t>();
-    for (std::size_t k = 0; k < shape[0].get<std::size_t>() && left > 0; ++k) {
+    const auto count = shape.at(0).get<std::size_t>();
+    const bool whole = shape.at(1) == camera.roi.height && shape.at(2) == camera.roi.width &&
+                       reply->binary.size() == count * image_bytes;
+    if (!whole)
+      return failed(
+          {Errc::refused, "camera", "the camera's region or pixel format was changed meanwhile"});
+    for (std::size_t k = 0; k < count && left > 0; ++k) {
       // A frame whose exposure began before the gain was set.
       if (reply->result.at("frames")[k].at("gain_db") != gain_db_) continue;
-      const auto at = reply->binary.begin() + std::ptrdiff_t(k * bytes);
-      all.pixels.insert(all.pixels.end(), at, at + std::ptrdiff_t(bytes));
+      const auto at = reply->binary.begin() + std::ptrdiff_t(k * image_bytes);
+      all.pixels.insert(all.pixels.end(), at, at + std::ptrdiff_t(image_bytes));
       --left;
     }
   }
-  const std::size_t bytes = all.pixels.size() / std::size_t(frames);
   for (int k = 0; k < frames; ++k) {
-    all.views.push_back({all.pixels.data() + std::size_t(k) * bytes, width, height,
-                         std::ptrdiff_t(bytes) / height, format});
+    all.views.push_back({all.pixels.data() + std::size_t(k) * image_bytes, camera.roi.width,
+                         camera.roi.height, std::ptrdiff_t(image_bytes) / camera.roi.height,
+                         format});
   }
   return all;
 }

@@ -28,7 +28,8 @@ struct GrabbedImages {
 /// Other clients may use the bench meanwhile: a grab fails if the hologram is replaced.
 class ExperimentBench {
  public:
-  /// Reads the bench's state, which `restore` restores. Errors: the camera has no gain in dB.
+  /// Reads the bench's state, which `restore` restores. Errors: the camera has no gain in dB; a DMD
+  /// shows a sequence, which could not be restored.
   static Answered<ExperimentBench> open(const Common& common);
 
   /// The configuration in use, with the registration.
@@ -38,7 +39,8 @@ class ExperimentBench {
   /// Shows all subapertures with this charge, and the aberration `modes`.
   Answered<void> show(int charge, const std::vector<Mode>& modes);
   Answered<void> set_gain(double gain_db);
-  /// Takes images of what is shown, at the gain that was set.
+  /// Takes images of what is shown, at the gain that was set. Errors: the gain was changed
+  /// meanwhile.
   Answered<GrabbedImages> grab(int frames);
   /// Where the daemon finds the spots of what is shown, one per subaperture: the mean of some
   /// frames; NaN: it is found in none.
