@@ -77,7 +77,7 @@ constexpr Integers kMatrixRows{1, 4096};          ///< x and y of each spot
 constexpr Integers kJob{1, 2147483647};
 constexpr Integers kSweepFrames{2, 1000};  ///< frames of a sweep's cell, or of its reference
 constexpr std::size_t kSweepGains = 64, kSweepAberrations = 16, kSweepArms = 16;  ///< at most
-constexpr std::size_t kSweepImages = 8;  ///< gains with stored images, 12 MB each
+constexpr std::size_t kSweepImages = 8;  ///< gains with an image of each charge
 constexpr Integers kSweepCell{0, 16383};
 
 constexpr Numbers kRefineRateHz{0.001, 100.0};

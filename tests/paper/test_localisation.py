@@ -45,7 +45,7 @@ class Localisation(case.StudyCase):
             own = [Path(folder) / name for name in ("localisation-old.png", "localisation-old.csv", "localisation-old.gnuplot", "summary.json")]
             others = [Path(folder) / name for name in ("localisation-notes.csv", "localisations.png", "kernel.gnuplot", "kernel.png", "cells.csv")]
             for path in (*own, *others):
-                path.write_text("of before")
+                path.write_text("of an earlier run")
             terminal, stderr = pty.openpty()
             study = subprocess.Popen([case.OVWS, "study", "localisation", "--quick", "-o", folder], stdout=subprocess.DEVNULL, stderr=stderr)
             self.addCleanup(study.wait)
@@ -59,7 +59,7 @@ class Localisation(case.StudyCase):
             for earlier, later in itertools.pairwise(("localisation: preparing", "] 0/", "s left", "localisation: drawing")):
                 self.assertLess(shown.index(earlier), shown.index(later), (earlier, later))
             for path in others:
-                self.assertEqual(path.read_text(), "of before", path)
+                self.assertEqual(path.read_text(), "of an earlier run", path)
             self.assertEqual({path.name for path in Path(folder).iterdir()} - {path.name for path in others},
                              {"provenance.json", "summary.json"} | self.files("csv", "gnuplot", "png"))
             self.assertIn("rows", (Path(folder) / "summary.json").read_text())

@@ -17,7 +17,7 @@
 
 namespace ovws {
 
-/// Tracker of one arm of the gain sweep. `fixed_cell` ("cell_centroid" on the wire) selects the
+/// Tracker of one arm of the gain sweep. `fixed_cell` (named "cell_centroid") selects the
 /// paper's Shack-Hartmann sensor: the centroid of a fixed window around the reference position. The
 /// tracker `centroid` measured that position.
 struct SweepTracker {

@@ -17,7 +17,7 @@ enum class Holder : std::uint8_t { nobody, client, job, loop, reload, lattice, c
 /// Kinds of requests. kRequests says what each needs.
 enum class Request : std::uint8_t {
   read,
-  act,   ///< changes nothing that somebody may hold
+  act,   ///< changes no part that a holder may have
   grab,  ///< waits for frames
   set_camera,
   set_devices,  ///< another camera or output

@@ -28,7 +28,7 @@ class Procedures : public Agent {
 
   /// Starts a job, which has `lease`, one of a job, until it ends. Thread-safe. Calls `done` in the
   /// prepare thread with the job's number, and begins the procedure after `done` has returned.
-  /// Errc::refused: the daemon is stopping.
+  /// While the daemon stops, the procedure is stopped from its beginning.
   void start(LeasePtr lease, const std::string& kind, Procedure procedure,
              std::function<void(Result<int>)> done);
   /// Calls `then` when the job's lease has ended and what it had changed for itself is restored: at
