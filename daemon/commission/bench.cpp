@@ -18,22 +18,20 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kPollInterval{100};
 constexpr double kPatience_s = 30.0;  ///< with a daemon that does not answer while a job runs
-constexpr double kRestorePatience_s = 15.0;  ///< with devices that are gone at the end of a step
 constexpr double kImageTimeout_s = 8.0;
 constexpr double kStreamMargin_s = 0.05;  ///< from a frame's arrival to its image message
 
-/// Throws nothing, whatever the daemon sends.
-std::string text_or(const json& object, const char* key, const std::string& otherwise) {
+std::string text_at(const json& object, const char* key, const std::string& otherwise) {
   const auto found = object.find(key);
   return found != object.end() && found->is_string() ? found->get<std::string>() : otherwise;
 }
 
 Error error_of(const cli::CallFailure& failure) {
+  const std::string message = cli::message_of(failure);
+  if (!failure.answered) return {Errc::unavailable, "", "the daemon does not answer: " + message};
   const auto found = failure.error.find("data");
   const json data = found != failure.error.end() ? *found : json();
-  const std::string message = text_or(failure.error, "message", "no reason given");
-  if (!failure.answered) return {Errc::unavailable, "", "the daemon does not answer: " + message};
-  return {Errc::refused, text_or(data, "field", ""), text_or(data, "reason", message)};
+  return {Errc::refused, text_at(data, "field", ""), text_at(data, "reason", message)};
 }
 
 Error cancelled_error() {
@@ -75,19 +73,6 @@ Result<Subscriber> subscribe_to(const cli::Common& common, const char* key,
   return cli::subscribe(common, *endpoint, {topic}, queue);
 }
 
-/// Pattern of the SLM, and exposure and gain of the camera: {"camera": params of camera.set,
-/// "pattern"}.
-Result<json> light_of(Bench& bench) {
-  const auto camera = bench.call("camera.get");
-  if (!camera) return camera;
-  const auto status = bench.call("system.status");
-  if (!status) return status;
-  const json& settings = camera->at("settings");
-  const char* const gain = settings.at("gain_raw").is_null() ? "gain_db" : "gain_raw";
-  return json{{"camera", {{"exposure_us", settings.at("exposure_us")}, {gain, settings.at(gain)}}},
-              {"pattern", status->at("slm").at("pattern")}};
-}
-
 }  // namespace
 
 std::span<const WatchedFrame> newest(std::span<const WatchedFrame> frames, double seconds) {
@@ -119,39 +104,15 @@ Result<json> Bench::call(const std::string& method, const json& params) {
   return std::move(*answer);
 }
 
-Result<json> Bench::call_patiently(const std::string& method, const json& params) {
-  const auto begin = Clock::now();
-  for (;;) {
-    auto answer = call(method, params);
-    const bool is_silent = !answer && answer.error().code == Errc::unavailable;
-    if (!is_silent || seconds_since(begin) > kPatience_s) return answer;
-    std::this_thread::sleep_for(kPollInterval);
-  }
-}
-
 Result<json> Bench::job(const std::string& method, const json& params, const std::string& text) {
   if (cancelled_) return fail(cancelled_error());
-  auto begun = call(method, params);
-  if (!begun) return begun;
-  const json job = begun->at("job");
-  for (bool told = false;;) {
-    auto report = call_patiently("job.get", {{"job", job}});
-    if (!report) return report;
-    const std::string state = report->at("state").get<std::string>();
-    progress_(done_ = report->at("progress").get<double>(), text);
-    if (state == "done") return report->at("result");
-    if (cancelled_ && state == "cancelled") return fail(cancelled_error());
-    if (state != "running") {
-      const json error = report->at("error").is_object() ? report->at("error") : json::object();
-      return fail(
-          error_of({true, error.empty() ? json{{"message", "the job was " + state}} : error}));
-    }
-    if (cancelled_ && !told) {
-      told = true;
-      (void)call_patiently("job.cancel", {{"job", job}});
-    }
-    std::this_thread::sleep_for(kPollInterval);
-  }
+  const auto show = [&](const json& job) {
+    progress_(done_ = job.at("progress").get<double>(), text);
+  };
+  auto result = cli::call_and_wait(settings_.daemon, method, params,
+                                   {[&] { return cancelled_.load(); }, show, kPatience_s});
+  if (result) return std::move(*result);
+  return fail(cancelled_ ? cancelled_error() : error_of(result.error()));
 }
 
 Result<void> Bench::pause(double seconds) {
@@ -227,37 +188,15 @@ Result<std::vector<int>> Bench::lost_spots() {
   return counts.lost(kFoundShare);
 }
 
-Result<void> Bench::restore_patiently(const std::string& what,
-                                      const std::function<Result<void>()>& restore) {
-  const auto begin = Clock::now();
-  for (;;) {
-    auto done = restore();
-    if (done) return done;
-    if (seconds_since(begin) > kRestorePatience_s) {
-      not_restored_ = what + " could not be restored: " + text_of(done.error());
-      return done;
-    }
-    say("waiting to restore " + what);
-    std::this_thread::sleep_for(kPollInterval);
-  }
+Result<cli::Parts> Bench::parts(std::initializer_list<cli::Part> parts) {
+  auto found = cli::parts_of(settings_.daemon, parts);
+  if (!found) return fail(error_of(found.error()));
+  return std::move(*found);
 }
 
-KeptLight::KeptLight(Bench& bench) : bench_(bench) {
-  if (const auto now = light_of(bench)) before_ = *now;
-}
-
-void KeptLight::restore() {
-  const json before = std::exchange(before_, nullptr);
-  if (before.is_null()) return;
-  (void)bench_.restore_patiently("exposure and pattern", [&]() -> Result<void> {
-    const auto now = light_of(bench_);
-    if (!now) return fail(now.error());
-    if (*now == before) return {};
-    const auto shown = bench_.call("slm.show", {{"pattern", before.at("pattern")}});
-    const auto set = bench_.call("camera.set", before.at("camera"));
-    if (shown && set) return {};
-    return fail((shown ? set : shown).error());
-  });
+cli::Borrow::Hooks Bench::restoring() {
+  return {[this] { say("waiting to restore the bench"); },
+          [this](const std::string& message) { not_restored_ = message; }};
 }
 
 }  // namespace ovws::commission

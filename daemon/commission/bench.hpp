@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
@@ -15,7 +16,7 @@
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
 #include "daemon/commission/commissioning.hpp"
-#include "daemon/shared/client.hpp"
+#include "daemon/shared/borrow.hpp"
 
 namespace ovws::commission {
 
@@ -71,39 +72,18 @@ class Bench {
   /// Waits. Fails once the step is cancelled.
   Result<void> pause(double seconds);
 
-  /// Repeats `restore` until it succeeds, also once the step is cancelled: a camera or a display
-  /// that is gone for some seconds refuses it meanwhile. Returns its last result. An error is kept
-  /// for not_restored(), with `what` it is about.
-  Result<void> restore_patiently(const std::string& what,
-                                 const std::function<Result<void>()>& restore);
-  /// What could not be restored, and why; empty if everything was.
+  Result<cli::Parts> parts(std::initializer_list<cli::Part> parts);
+  /// Hooks of a cli::Borrow that restores during a step. They use this object.
+  cli::Borrow::Hooks restoring();
+  /// What could not be restored, and how to do it; empty if everything was.
   const std::string& not_restored() const { return not_restored_; }
 
  private:
-  Result<nlohmann::json> call_patiently(const std::string& method, const nlohmann::json& params);
-
   const Commissioning::Settings& settings_;
   const std::atomic<bool>& cancelled_;
   Progress progress_;
   double done_ = 0.0;
   std::string not_restored_;
-};
-
-/// Pattern, exposure and gain of the camera as they are at the construction; `restore`, or else the
-/// destructor, sets them again if they have changed.
-class KeptLight {
- public:
-  explicit KeptLight(Bench& bench);
-  ~KeptLight() { restore(); }
-  KeptLight(const KeptLight&) = delete;
-  KeptLight& operator=(const KeptLight&) = delete;
-  void restore();
-  /// From now on pattern and exposure in use are kept.
-  void keep_all() { before_ = nullptr; }
-
- private:
-  Bench& bench_;
-  nlohmann::json before_;  ///< {"camera", "pattern"}; null: nothing to restore
 };
 
 }  // namespace ovws::commission

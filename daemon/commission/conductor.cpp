@@ -215,7 +215,7 @@ void Conductor::undo_now(const Step& step) {
     memory = record(step).memory;
   }
   Bench on = bench();
-  Outcome outcome = guarded([&] { return step.undo(on, memory); });
+  Outcome outcome = guarded([&] { return undone(on, step, memory); });
   const bool undone = outcome.passed;
   keep(step, std::move(outcome));
   if (!undone) return;
@@ -234,8 +234,9 @@ State Conductor::state_of(const Step& step) const {
 }
 
 bool Conductor::can_undo(const Step& step) const {
-  const bool is_measured = step.clears && !seen_.empty() && is_done(step, seen_) == true;
-  return step.undo != nullptr && (is_measured || !record(step).memory.before.is_null());
+  const Record& kept = record(step);
+  const bool is_measured = !seen_.empty() && is_done(step, seen_) == true;
+  return kept.memory.undo || (step.clear != nullptr && (is_measured || kept.passed));
 }
 
 StepReport Conductor::report_of(const Step& step) const {

@@ -121,7 +121,9 @@ Outcome run_camera(Bench& bench, Memory& memory) {
   if (!listed) return failed(listed.error());
   if (!camera) return failed(camera.error());
   const std::string id = text_at(config->at("camera"), "id");
-  if (memory.before.is_null()) memory.before = id;
+  if (!memory.undo) {
+    memory.undo = {{}, {{"camera.select", {{"id", id}}}}, "Camera " + id + " is in use again."};
+  }
   const json& info = camera->at("info");
   const bool is_connected = camera->at("connected").get<bool>();
   auto ways = other_cameras(*listed, is_connected ? text_at(info, "serial") : "", memory);
@@ -156,12 +158,6 @@ Outcome run_camera(Bench& bench, Memory& memory) {
   return outcome;
 }
 
-Outcome undo_camera(Bench& bench, const Memory& memory) {
-  const auto done = bench.call("camera.select", {{"id", memory.before}});
-  if (!done) return failed(done.error());
-  return passed(Wellness::note, "Camera " + memory.before.get<std::string>() + " is in use again.");
-}
-
 // Output ------------------------------------------------------------------------------------------
 
 /// Ways to use another output: those that can be the SLM and were not tried. Without any, the
@@ -185,7 +181,9 @@ struct Reaction {
   Image<std::uint8_t> picture;
 };
 Result<Reaction> reaction(Bench& bench) {
-  KeptLight kept(bench);
+  const auto before = bench.parts(kLight);
+  if (!before) return fail(before.error());
+  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
   Reaction seen;
   for (const char* bright : {"sensor", "flat"}) {
     const char* const other = bright == std::string("sensor") ? "flat" : "sensor";
@@ -267,8 +265,11 @@ Outcome run_output(Bench& bench, Memory& memory) {
   const auto config = bench.call("config.get");
   if (!config) return failed(config.error());
   const json& slm = config->at("slm");
-  if (memory.before.is_null()) {
-    memory.before = {{"display", slm.at("display")}, {"allow_primary", slm.at("allow_primary")}};
+  if (!memory.undo) {
+    memory.undo = {
+        {},
+        {{"slm.set", {{"display", slm.at("display")}, {"allow_primary", slm.at("allow_primary")}}}},
+        "Output " + text_at(slm, "display") + " is configured again."};
   }
   const auto listed = bench.call("slm.outputs");
   const auto status = bench.call("system.status");
@@ -292,13 +293,6 @@ Outcome run_output(Bench& bench, Memory& memory) {
   return outcome;
 }
 
-Outcome undo_output(Bench& bench, const Memory& memory) {
-  const auto done = bench.call("slm.set", memory.before);
-  if (!done) return failed(done.error());
-  return passed(Wellness::note,
-                "Output " + text_at(memory.before, "display") + " is configured again.");
-}
-
 /// Whether a result of later steps is in use, which machine, camera and output have to work for.
 /// None otherwise: the daemon does not tell.
 std::optional<bool> has_measured(const Look& look) {
@@ -310,13 +304,13 @@ std::optional<bool> has_measured(const Look& look) {
 const std::array kDeviceSteps{
     Step{"doctor", "This machine",
          "Checks configuration, devices, limits and clock, and proposes a repair for each fault.",
-         has_measured, run_doctor, nullptr},
+         has_measured, run_doctor},
     Step{"camera", "Camera", "Chooses the camera among those that are found, and shows its image.",
          [](const Look& look) -> std::optional<bool> {
            const bool is_connected = look.at("system.status").at("camera").at("connected");
            return is_connected ? has_measured(look) : false;
          },
-         run_camera, undo_camera, false, true},
+         run_camera, nullptr, nullptr, true},
     Step{"output", "SLM output",
          "Chooses the display output of the SLM, and looks whether the camera's image changes with "
          "what it shows.",
@@ -324,7 +318,7 @@ const std::array kDeviceSteps{
            const bool is_connected = look.at("system.status").at("slm").at("connected");
            return is_connected ? has_measured(look) : false;
          },
-         run_output, undo_output, false, true, Needs::holograms}};
+         run_output, nullptr, nullptr, true, Needs::holograms}};
 
 }  // namespace
 

@@ -68,14 +68,16 @@ Result<json> expose(Bench& bench) {
 }
 
 Result<json> expose_spots(Bench& bench) {
-  KeptLight kept(bench);
+  const auto before = bench.parts(kLight);
+  if (!before) return fail(before.error());
+  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
   const auto status = bench.call("system.status");
   if (!status) return status;
   if (status->at("slm").at("pattern") != "sensor") {
     if (auto shown = bench.call("slm.show", {{"pattern", "sensor"}}); !shown) return shown;
   }
   auto found = expose(bench);
-  if (found) kept.keep_all();
+  if (found) kept.keep();
   return found;
 }
 

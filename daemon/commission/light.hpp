@@ -1,6 +1,7 @@
 /// Light on the camera: exposure, and what changes between two images.
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,9 @@
 #include "daemon/commission/bench.hpp"
 
 namespace ovws::commission {
+
+/// What a change of exposure and pattern replaces.
+constexpr std::initializer_list<cli::Part> kLight{cli::Part::pattern, cli::Part::camera};
 
 float brightest(const Image<float>& image);
 

@@ -25,13 +25,12 @@ constexpr double kFarFromMiddle = 4.0;  ///< lambda/d that the base spot may be 
 // Exposure ----------------------------------------------------------------------------------------
 
 Outcome run_exposure(Bench& bench, Memory& memory) {
-  const auto camera = bench.call("camera.get");
-  if (!camera) return failed(camera.error());
-  const json& settings = camera->at("settings");
-  const char* const gain = settings.at("gain_raw").is_null() ? "gain_db" : "gain_raw";
-  const double before_us = settings.at("exposure_us").get<double>();
-  if (memory.before.is_null()) {
-    memory.before = {{"exposure_us", before_us}, {gain, settings.at(gain)}};
+  const auto before = bench.parts({cli::Part::camera});
+  if (!before) return failed(before.error());
+  const double before_us = before->at(cli::Part::camera).at("exposure_us").get<double>();
+  if (!memory.undo) {
+    memory.undo = {
+        *before, {}, fmt::format("The exposure is {:.0f} us again, as before.", before_us)};
   }
   const auto found = expose_spots(bench);
   if (!found) return failed(found.error());
@@ -43,13 +42,6 @@ Outcome run_exposure(Bench& bench, Memory& memory) {
                   found->at("exposure_us").get<double>(), before_us,
                   gain_db.is_null() ? "" : fmt::format(", gain {:.1f} dB", gain_db.get<double>()),
                   100.0 * found->at("brightest").get<double>()));
-}
-
-Outcome undo_exposure(Bench& bench, const Memory& memory) {
-  const auto done = bench.call("camera.set", memory.before);
-  if (!done) return failed(done.error());
-  return passed(Wellness::note, fmt::format("The exposure is {:.0f} us again, as before.",
-                                            memory.before.at("exposure_us").get<double>()));
 }
 
 // Base spot ---------------------------------------------------------------------------------------
@@ -147,7 +139,9 @@ struct Views {
   Image<float> grating, flat;
 };
 Result<Views> views(Bench& bench) {
-  KeptLight kept(bench);
+  const auto before = bench.parts(kLight);
+  if (!before) return fail(before.error());
+  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
   if (auto shown = bench.call("slm.show", {{"pattern", "grating"}}); !shown) {
     return fail(shown.error());
   }
@@ -186,7 +180,11 @@ Outcome run_spot(Bench& bench, Memory& memory) {
   if (!config) return failed(config.error());
   if (!registration) return failed(registration.error());
   if (!camera) return failed(camera.error());
-  if (memory.before.is_null()) memory.before = camera->at("settings").at("roi");
+  if (!memory.undo) {
+    memory.undo = {{},
+                   {{"camera.set", {{"roi", camera->at("settings").at("roi")}}}},
+                   "The camera's region is as before."};
+  }
   bench.say("showing the base grating alone");
   const auto seen = views(bench);
   if (!seen) return failed(seen.error());
@@ -209,12 +207,6 @@ Outcome run_spot(Bench& bench, Memory& memory) {
   return judge_place(*spot, *field, *camera, std::move(outcome));
 }
 
-Outcome undo_spot(Bench& bench, const Memory& memory) {
-  const auto done = bench.call("camera.set", {{"roi", memory.before}});
-  if (!done) return failed(done.error());
-  return passed(Wellness::note, "The camera's region is as before.");
-}
-
 /// Whether frames are measured, which takes a suitable exposure.
 std::optional<bool> has_reference(const Look& look) {
   return has_measured_reference(look) ? std::optional(true) : std::nullopt;
@@ -229,17 +221,17 @@ const std::array kLightSteps{
           const bool is_registered = look.at("registration.get").at("registered");
           return is_registered ? std::optional(true) : std::nullopt;
         },
-        run_spot, undo_spot, false, false, Needs::holograms},
+        run_spot, nullptr, nullptr, false, Needs::holograms},
     Step{"exposure", "Exposure", "Sets the exposure so that the spots are below full scale.",
-         has_reference, run_exposure, undo_exposure}};
+         has_reference, run_exposure}};
 
 const Step kBrightness{"brightness",
                        "Exposure of the sensor",
                        "Sets the exposure again, for the spots of the corrected sensor.",
                        has_reference,
                        run_exposure,
-                       undo_exposure,
-                       false,
+                       nullptr,
+                       nullptr,
                        false,
                        Needs::holograms};
 

@@ -47,7 +47,6 @@ void warn_of(Bench& bench, const std::vector<int>& lost, const char* what, Verdi
 // Reference ---------------------------------------------------------------------------------------
 
 Outcome run_reference(Bench& bench, Memory& memory) {
-  memory.before = true;
   const auto config = bench.call("config.get");
   const auto flatness = bench.call("flatness.get");
   if (!config) return failed(config.error());
@@ -91,7 +90,6 @@ Image<std::uint8_t> graph_of_factors(const json& modes) {
 }
 
 Outcome run_calibration(Bench& bench, Memory& memory) {
-  memory.before = true;
   const auto made = bench.job("calibration.run", {{"frames", kCalibrationFrames}},
                               "showing each mode with both signs");
   if (!made) return failed(made.error());
@@ -116,62 +114,6 @@ Outcome run_calibration(Bench& bench, Memory& memory) {
 struct LoopRun {
   std::vector<WatchedFrame> open, closed;
   json report;  ///< loop.get at the end
-};
-
-/// Params of loop.close for the loop that loop.get reports.
-json params_of(const json& loop) {
-  json params;
-  for (const char* key :
-       {"law", "gain", "leak", "modes", "gains", "offsets", "limit_waves", "patience_s"}) {
-    params[key] = loop.at(key);
-  }
-  return params;
-}
-
-/// What the test of the loop replaces: {"aberration", "correction", "loop"}, each as its method get
-/// reports it.
-Result<json> introduced(Bench& bench) {
-  json found;
-  for (const char* name : {"aberration", "correction", "loop"}) {
-    const auto now = bench.call(std::string(name) + ".get");
-    if (!now) return fail(now.error());
-    found[name] = *now;
-  }
-  return found;
-}
-
-Result<void> restore_introduced(Bench& bench, const json& before) {
-  const json& loop = before.at("loop");
-  (void)bench.call("loop.open", {{"keep", false}});
-  for (const char* name : {"aberration", "correction"}) {
-    const auto done = restore_modes(bench, name, before.at(name).at("modes"));
-    if (!done) return done;
-  }
-  if (loop.at("closed") == false) return {};
-  if (auto closed = bench.call("loop.close", params_of(loop)); !closed) return fail(closed.error());
-  if (loop.at("paused") == false) return {};
-  const auto paused = bench.call("loop.pause");
-  return paused ? Result<void>() : fail(paused.error());
-}
-
-/// Aberration, correction and loop as they were `before`: `restore`, or else the destructor, sets
-/// them again.
-class KeptLoop {
- public:
-  KeptLoop(Bench& bench, json before) : bench_(bench), before_(std::move(before)) {}
-  ~KeptLoop() { (void)restore(); }
-  KeptLoop(const KeptLoop&) = delete;
-  KeptLoop& operator=(const KeptLoop&) = delete;
-  Result<void> restore() {
-    const json before = std::exchange(before_, nullptr);
-    if (before.is_null()) return {};
-    return bench_.restore_patiently("loop, aberration and correction",
-                                    [&] { return restore_introduced(bench_, before); });
-  }
-
- private:
-  Bench& bench_;
-  json before_;
 };
 
 /// RMS that the closed loop leaves; none: no judged frame is valid.
@@ -268,17 +210,16 @@ Outcome judge_loop(Bench& bench, const LoopRun& run) {
 }
 
 Outcome run_loop(Bench& bench, Memory& memory) {
-  const auto before = introduced(bench);
+  const auto before = bench.parts({cli::Part::aberration, cli::Part::correction, cli::Part::loop});
   if (!before) return failed(before.error());
-  if (memory.before.is_null()) memory.before = *before;
-  const bool was_closed = before->at("loop").at("closed").get<bool>();
+  if (!memory.undo) memory.undo = {*before, {}, "Loop, aberration and correction are as before."};
+  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
+  const bool was_closed = kept.before(cli::Part::loop).at("closed").get<bool>();
   bench.say("closing the loop on a known defocus");
-  KeptLoop kept(bench, *before);
   const auto run = watch_loop(bench, was_closed);
   auto outcome = run ? judge_loop(bench, *run) : failed(run.error());
-  const auto restored = kept.restore();
   if (run) outcome.picture = graph_of_rms(*run);
-  if (!restored) return outcome;  // the verdict will say it
+  if (!kept.restore()) return outcome;  // the verdict will say it
   if (outcome.passed && was_closed) {
     outcome.verdict.text += " The loop is closed again, as before.";
   } else if (outcome.passed) {
@@ -289,12 +230,6 @@ Outcome run_loop(Bench& bench, Memory& memory) {
                      After::conclude}};
   }
   return outcome;
-}
-
-Outcome undo_loop(Bench& bench, const Memory& memory) {
-  const auto done = restore_introduced(bench, memory.before);
-  if (!done) return failed(done.error());
-  return passed(Wellness::note, "Loop, aberration and correction are as before.");
 }
 
 // Save --------------------------------------------------------------------------------------------
@@ -315,32 +250,22 @@ Outcome run_save(Bench& bench, Memory&) {
 const std::array kSensorSteps{
     Step{"reference", "Reference", "Takes the wavefront from which coefficients count.",
          [](const Look& look) -> std::optional<bool> { return has_measured_reference(look); },
-         run_reference,
-         [](Bench& bench, const Memory&) {
-           const auto done = bench.call("reference.clear");
-           return done ? passed(Wellness::note, "The reference is cleared.") : failed(done.error());
-         },
-         true, true},
+         run_reference, "reference.clear", "The reference is cleared.", true},
     Step{"calibration", "Calibration",
          "Shows each mode with both signs, and measures what it does to every spot.",
          [](const Look& look) -> std::optional<bool> {
            return look.at("calibration.get").at("in_force") == true;
          },
-         run_calibration,
-         [](Bench& bench, const Memory&) {
-           const auto done = bench.call("calibration.clear");
-           return done ? passed(Wellness::note, "The calibration is cleared.")
-                       : failed(done.error());
-         },
-         true, false, Needs::holograms},
+         run_calibration, "calibration.clear", "The calibration is cleared.", false,
+         Needs::holograms},
     Step{"loop", "First closed loop",
          "Shows a known defocus, closes the loop, and judges whether it is removed.",
          [](const Look& look) -> std::optional<bool> {
            return look.at("loop.get").at("closed") == true ? std::optional(true) : std::nullopt;
          },
-         run_loop, undo_loop, false, false, Needs::holograms},
+         run_loop, nullptr, nullptr, false, Needs::holograms},
     Step{"save", "Save", "Saves the settings in use for the next start of the daemon.",
-         [](const Look&) { return std::optional<bool>(); }, run_save, nullptr}};
+         [](const Look&) { return std::optional<bool>(); }, run_save}};
 
 }  // namespace
 

@@ -28,12 +28,6 @@ std::vector<Way> other_first(const Memory& memory, const char* step, const char*
   return {{{step, text}, {}, step}};
 }
 
-/// An undo that clears what a step measured.
-Outcome cleared(Bench& bench, const char* method, const char* text) {
-  const auto done = bench.call(method);
-  return done ? passed(Wellness::note, text) : failed(done.error());
-}
-
 // Registration ------------------------------------------------------------------------------------
 
 /// The camera's image with a mark at the base spot.
@@ -77,7 +71,6 @@ Outcome run_array(Bench& bench) {
 }
 
 Outcome run_registration(Bench& bench, Memory& memory) {
-  memory.before = true;
   const auto config = bench.call("config.get");
   if (!config) return failed(config.error());
   if (is_fixed_array(*config)) return run_array(bench);
@@ -122,7 +115,6 @@ Image<std::uint8_t> graph_of_phase(const json& lut) {
 }
 
 Outcome run_lut(Bench& bench, Memory& memory) {
-  memory.before = true;
   const auto lut = bench.job("lut.run", {{"levels", kLutLevels}},
                              "showing grey levels in two patches that interfere");
   if (!lut) {
@@ -154,8 +146,13 @@ Outcome run_lut(Bench& bench, Memory& memory) {
 Outcome run_settle(Bench& bench, Memory& memory) {
   const auto config = bench.call("config.get");
   if (!config) return failed(config.error());
-  const json before_ms = config->at("slm").at("settle_ms");
-  if (memory.before.is_null()) memory.before = before_ms;
+  const json& before_ms = config->at("slm").at("settle_ms");
+  if (!memory.undo) {
+    memory.undo = {
+        {},
+        {{"slm.set", {{"settle_ms", before_ms}}}},
+        fmt::format("slm.settle_ms is {:.1f} again, as before.", before_ms.get<double>())};
+  }
   const auto time =
       bench.job("slm.settle", {{"repetitions", kSettleRepetitions}}, "moving one spot to and fro");
   if (!time) return failed(time.error());
@@ -176,23 +173,12 @@ Outcome run_settle(Bench& bench, Memory& memory) {
   return outcome;
 }
 
-Outcome undo_settle(Bench& bench, const Memory& memory) {
-  const auto set = bench.call("slm.set", {{"settle_ms", memory.before}});
-  if (!set) return failed(set.error());
-  return passed(Wellness::note, fmt::format("slm.settle_ms is {:.1f} again, as before.",
-                                            memory.before.get<double>()));
-}
-
 // Aberration and correction -----------------------------------------------------------------------
 
 Outcome run_clear(Bench& bench, Memory& memory) {
-  const auto aberration = bench.call("aberration.get");
-  const auto correction = bench.call("correction.get");
-  if (!aberration || !correction) return failed((aberration ? correction : aberration).error());
-  if (memory.before.is_null()) {
-    memory.before = {{"aberration", aberration->at("modes")},
-                     {"correction", correction->at("modes")}};
-  }
+  const auto before = bench.parts({cli::Part::aberration, cli::Part::correction});
+  if (!before) return failed(before.error());
+  if (!memory.undo) memory.undo = {*before, {}, "Aberration and correction are as before."};
   if (const auto loop = bench.call("loop.get"); loop && loop->at("closed") == true) {
     if (auto open = bench.call("loop.open"); !open) return failed(open.error());
   }
@@ -200,14 +186,6 @@ Outcome run_clear(Bench& bench, Memory& memory) {
     if (auto done = bench.call(method); !done) return failed(done.error());
   }
   return passed(Wellness::good, "The hologram contains no aberration and no correction.");
-}
-
-Outcome undo_clear(Bench& bench, const Memory& memory) {
-  for (const char* name : {"aberration", "correction"}) {
-    const auto done = restore_modes(bench, name, memory.before.at(name));
-    if (!done) return failed(done.error());
-  }
-  return passed(Wellness::note, "Aberration and correction are as before.");
 }
 
 bool nothing_is_introduced(const Look& look) {
@@ -228,7 +206,6 @@ Image<std::uint8_t> graph_of_modes(const json& modes) {
 }
 
 Outcome run_flatness(Bench& bench, Memory& memory) {
-  memory.before = true;
   const auto flatness =
       bench.job("flatness.run", json::object(), "moving one bright spot's aperture over the pupil");
   if (!flatness) {
@@ -256,22 +233,14 @@ const std::array kSlmSteps{
         [](const Look& look) -> std::optional<bool> {
           return is_true(look, "registration.get", "registered");
         },
-        run_registration,
-        [](Bench& bench, const Memory&) {
-          return cleared(bench, "registration.clear", "The registration is cleared.");
-        },
-        true, true},
+        run_registration, "registration.clear", "The registration is cleared.", true},
     Step{"lut", "Look-up table",
          "Measures which grey level of the SLM gives which phase, by the interference of two "
          "patches.",
          [](const Look& look) -> std::optional<bool> {
            return look.at("lut.get").at("source") != "linear";
          },
-         run_lut,
-         [](Bench& bench, const Memory&) {
-           return cleared(bench, "lut.clear", "The measured look-up table is cleared.");
-         },
-         true, false, Needs::phase},
+         run_lut, "lut.clear", "The measured look-up table is cleared.", false, Needs::phase},
     Step{"settle", "Settle time",
          "Measures how long the SLM needs to settle after a change, and waits that long from then "
          "on.",
@@ -280,21 +249,18 @@ const std::array kSlmSteps{
            const bool is_calibrated = is_true(look, "calibration.get", "in_force");
            return is_calibrated ? std::optional(true) : std::nullopt;
          },
-         run_settle, undo_settle, false, false, Needs::holograms},
+         run_settle, nullptr, nullptr, false, Needs::holograms},
     Step{"clear", "Aberration and correction",
          "Removes what was introduced on purpose, so that the bench itself is measured.",
          [](const Look& look) -> std::optional<bool> { return nothing_is_introduced(look); },
-         run_clear, undo_clear, false, false, Needs::holograms},
+         run_clear, nullptr, nullptr, false, Needs::holograms},
     Step{"flatness", "Flatness",
          "Measures the aberration of SLM and optics, and corrects it in every hologram.",
          [](const Look& look) -> std::optional<bool> {
            return is_true(look, "flatness.get", "measured");
          },
-         run_flatness,
-         [](Bench& bench, const Memory&) {
-           return cleared(bench, "flatness.clear", "The measured flatness is cleared.");
-         },
-         true, false, Needs::holograms}};
+         run_flatness, "flatness.clear", "The measured flatness is cleared.", false,
+         Needs::holograms}};
 
 }  // namespace
 

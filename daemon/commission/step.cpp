@@ -29,14 +29,15 @@ bool has_measured_reference(const Look& look) {
   return reference.at("taken") == true && reference.at("source") != "model";
 }
 
-Result<void> restore_modes(Bench& bench, const std::string& name, const nlohmann::json& modes) {
-  nlohmann::json given = nlohmann::json::array();
-  for (const nlohmann::json& mode : modes) {
-    given.push_back({{"j", mode.at("j")}, {"waves", mode.at("waves")}});
+Outcome undone(Bench& bench, const Step& step, const Memory& memory) {
+  Undo undo = memory.undo.value_or(Undo{});
+  if (!memory.undo) undo = {{}, {{step.clear, nlohmann::json::object()}}, step.cleared};
+  cli::Borrow parts(bench.settings().daemon, undo.parts, bench.restoring());
+  if (!parts.restore()) return failed({Errc::refused, "", bench.not_restored()});
+  for (const auto& [method, params] : undo.calls) {
+    if (const auto done = bench.call(method, params); !done) return failed(done.error());
   }
-  const auto done =
-      given.empty() ? bench.call(name + ".clear") : bench.call(name + ".set", {{"modes", given}});
-  return done ? Result<void>() : fail(done.error());
+  return passed(Wellness::note, undo.text);
 }
 
 std::span<const Step> steps() {

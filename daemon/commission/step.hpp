@@ -22,7 +22,7 @@ enum class After { rerun, conclude, stay };
 /// An offer with what it does.
 struct Way {
   Offer offer;
-  std::vector<std::pair<std::string, nlohmann::json>> calls{};  ///< methods and params, in order
+  cli::Calls calls{};
   std::string first{};  ///< step to run before the step is run again
   After after = After::rerun;
 };
@@ -36,10 +36,17 @@ struct Outcome {
   Image<std::uint8_t> picture{};  ///< empty: the camera's image at the end
 };
 
+/// How to restore what was in use before the first run of a step.
+struct Undo {
+  cli::Parts parts{};
+  cli::Calls calls{};
+  std::string text;  ///< what is in use then
+};
+
 /// What this commissioning remembers of a step.
 struct Memory {
-  nlohmann::json before;        ///< settings from before the first run; null: not run yet
-  std::set<std::string> tried;  ///< names of the offers that were taken
+  std::optional<Undo> undo{};     ///< none: not run yet, or nothing to restore
+  std::set<std::string> tried{};  ///< names of the offers that were taken
 };
 
 /// Results of methods without params, by name, as the daemon reported them at one moment.
@@ -67,9 +74,9 @@ struct Step {
   /// Whether its result is in use; none: the daemon does not tell.
   std::optional<bool> (*is_done)(const Look&);
   Outcome (*run)(Bench&, Memory&);
-  Outcome (*undo)(Bench&, const Memory&);  ///< null: nothing to undo
-  bool clears = false;                     ///< `undo` needs no memory: it clears what was measured
-  bool is_needed = false;                  ///< later steps cannot pass without it
+  const char* clear = nullptr;    ///< method that clears what was measured; null: nothing was
+  const char* cleared = nullptr;  ///< says that it is cleared
+  bool is_needed = false;         ///< later steps cannot pass without it
   Needs needs = Needs::light;
 };
 
@@ -82,9 +89,8 @@ std::string needless(const Step& step, const Look& look);
 Outcome failed(const Error& error, std::string advice = {});
 Outcome passed(Wellness wellness, std::string text, std::string advice = {});
 
-/// Introduces modes by a method as `aberration.set`. `modes`: as `aberration.get` reports them;
-/// none clear it.
-Result<void> restore_modes(Bench& bench, const std::string& name, const nlohmann::json& modes);
+/// Restores what the step has changed, or clears what it has measured.
+Outcome undone(Bench& bench, const Step& step, const Memory& memory);
 
 // The steps' functions, by file.
 

@@ -40,7 +40,7 @@ tl::expected<FrameReader, cli::CallFailure> FrameReader::open(const cli::Common&
   const auto endpoint = cli::stream_endpoint(common, "endpoint");
   if (!endpoint) return tl::make_unexpected(endpoint.error());
   auto stream = cli::subscribe(common, *endpoint, {"wavefront", "spots"}, kQueue);
-  if (!stream) return tl::make_unexpected(failure(stream.error().reason));
+  if (!stream) return tl::make_unexpected(cli::failure(stream.error().reason));
   return FrameReader(std::move(*stream), std::move(interrupted));
 }
 

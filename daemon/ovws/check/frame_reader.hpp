@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/ovws/check/borrowed.hpp"
 #include "daemon/ovws/check/response.hpp"
+#include "daemon/shared/job.hpp"
 #include "daemon/shared/lost_spots.hpp"
 
 namespace ovws::check {

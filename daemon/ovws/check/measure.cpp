@@ -6,15 +6,19 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <thread>
+#include <optional>
 
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/check/frame_reader.hpp"
 #include "daemon/ovws/check/stability.hpp"
+#include "daemon/shared/borrow.hpp"
 
 namespace ovws::check {
 namespace {
 
+using cli::Answer;
+using cli::failure;
+using cli::Part;
 using nlohmann::json;
 using Done = tl::expected<void, cli::CallFailure>;
 
@@ -28,7 +32,6 @@ constexpr int kFrames = 20, kQuickFrames = 6;
 constexpr double kExactSigmas = 3.0;
 constexpr int kMostWaits = 3;      // unread modes for whose templates it waits
 constexpr double kSlowSlmS = 1.0;  // watched after the first pokes, in case that the SLM is slow
-constexpr std::chrono::milliseconds kPollInterval{100};
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -36,35 +39,31 @@ std::int64_t now_ns() {
       .count();
 }
 
-std::string message_of(const cli::CallFailure& failed) {
-  return failed.error.value("message", "unknown error");
-}
-
-/// `error` of a job that has ended in `state`.
-JobResult failed_job(const json& error, const std::string& state) {
-  return {json(), error.is_object() ? error.value("message", state) : state};
+Done done(const Answer& answer) {
+  return answer ? Done() : tl::make_unexpected(answer.error());
 }
 
 /// A measurement in progress.
 class Run {
  public:
   Run(const cli::Common& common, const Options& options, const Hooks& hooks)
-      : common_(common), options_(options), hooks_(hooks), borrowed_(common) {
+      : common_(common), options_(options), hooks_(hooks) {
     seconds_ = options.quick ? std::min(options.seconds, kQuickS) : options.seconds;
   }
 
   tl::expected<Measured, cli::CallFailure> operator()() {
+    Done measured;
     for (const auto step : {&Run::look, &Run::may_run, &Run::settle, &Run::table, &Run::record,
                             &Run::response, &Run::loop}) {
-      Done done = (this->*step)();
-      if (done && hooks_.interrupted()) {
-        done = tl::make_unexpected(failure("interrupted; the bench is as before"));
+      measured = (this->*step)();
+      if (measured && hooks_.interrupted()) {
+        measured = tl::make_unexpected(failure("interrupted; the bench is as before"));
       }
-      if (done) continue;
-      if (const Answer back = borrowed_.restore(); !back) return tl::make_unexpected(back.error());
-      return tl::make_unexpected(done.error());
+      if (!measured) break;
     }
-    if (const Answer back = borrowed_.restore(); !back) return tl::make_unexpected(back.error());
+    const Answer back = borrowed_ ? borrowed_->restore() : Answer();
+    if (!back) return tl::make_unexpected(back.error());
+    if (!measured) return tl::make_unexpected(measured.error());
     return std::move(measured_);
   }
 
@@ -82,14 +81,15 @@ class Run {
                            std::pair{"calibration.get", &measured_.calibration},
                            std::pair{"config.get", &measured_.config}};
     for (const auto& [method, part] : parts) {
-      auto answer = cli::call(common_, method, json::object());
+      auto answer = call(method);
       if (!answer) return tl::make_unexpected(answer.error());
       *part = std::move(*answer);
     }
     modes_j_ = measured_.sensor.at("modes_j").get<std::vector<int>>();
-    if (const Answer known = borrowed_.remember(); !known) {
-      return tl::make_unexpected(known.error());
-    }
+    const auto before =
+        cli::parts_of(common_, {Part::lut, Part::aberration, Part::correction, Part::loop});
+    if (!before) return tl::make_unexpected(before.error());
+    borrowed_.emplace(common_, *before);
     return {};
   }
 
@@ -116,14 +116,13 @@ class Run {
       return tl::make_unexpected(
           failure("there is no reference: take one first, ovws reference 100"));
     }
-    if (!borrowed_.loop_was_closed()) return {};
+    if (borrowed_->before(Part::loop).at("closed") == false) return {};
     if (!options_.open_loop) {
       return tl::make_unexpected(failure(
           "the loop is closed: open it first (ovws loop open), or let the check open it and "
           "close it again (--open-loop)"));
     }
-    const Answer opened = borrowed_.open_loop();
-    return opened ? Done() : tl::make_unexpected(opened.error());
+    return done(call("loop.open", {{"keep", true}}));
   }
 
   /// Time left after a step that needs `of_step` more seconds.
@@ -141,26 +140,32 @@ class Run {
   }
   double loop_s() const { return options_.quick ? kQuickLoopS : kLoopS; }
 
+  Answer call(const char* method, const json& params = json::object()) {
+    return cli::call_patiently(common_, method, params);
+  }
+
+  /// Shows the aberration as it was plus `waves` of mode j.
+  Answer poke(int j, double waves) {
+    json params = borrowed_->before(Part::aberration);
+    json& modes = params["modes"];
+    const auto same =
+        std::ranges::find_if(modes, [j](const json& one) { return one.at("j") == j; });
+    if (same == modes.end()) {
+      modes.push_back({{"j", j}, {"waves", waves}});
+    } else {
+      (*same)["waves"] = same->at("waves").get<double>() + waves;
+    }
+    return call("aberration.set", params);
+  }
+
   /// Runs a job; an interrupt cancels it. A failed job is no failure of the check.
   JobResult job(const char* method, const json& params) {
-    const Answer started = cli::call(common_, method, params);
-    if (!started) return {json(), message_of(started.error())};
-    bool cancelled = false;
-    while (true) {
-      const json id{{"job", started->at("job")}};
-      if (hooks_.interrupted() && !cancelled) {
-        cancelled = cli::call(common_, "job.cancel", id).has_value();
-      }
-      const Answer now = cli::call(common_, "job.get", id);
-      if (!now) return {json(), message_of(now.error())};
-      const auto state = now->at("state").get<std::string>();
-      if (state == "done") return {now->at("result"), ""};
-      if (state != "running") {
-        return failed_job(now->at("error"), state);
-      }
-      progress(method, kJobS * (1.0 - now->at("progress").get<double>()));
-      std::this_thread::sleep_for(kPollInterval);
-    }
+    const auto show = [&](const json& now) {
+      progress(method, kJobS * (1.0 - now.at("progress").get<double>()));
+    };
+    Answer result = cli::call_and_wait(common_, method, params, {hooks_.interrupted, show});
+    if (!result) return {json(), cli::message_of(result.error())};
+    return {std::move(*result), ""};
   }
 
   Done settle() {
@@ -179,10 +184,8 @@ class Run {
     if (measured_.lut.at("measured").get<bool>()) return {};
     measured_.lut_run.reason = "left out (--quick)";
     if (options_.quick) return {};
-    borrowed_.will_clear_lut();
     measured_.lut_run = job("lut.run", {{"levels", 17}, {"frames", 2}});
-    const Answer back = borrowed_.clear_lut();
-    return back ? Done() : tl::make_unexpected(back.error());
+    return done(call("lut.clear"));
   }
 
   Done record() {
@@ -191,7 +194,7 @@ class Run {
     if (!reader) return tl::make_unexpected(reader.error());
     measured_.open =
         reader->record(seconds_, [&](double left) { progress("noise and drift", left); });
-    const Answer status = cli::call(common_, "system.status", json::object());
+    const Answer status = call("system.status");
     if (!status) return tl::make_unexpected(status.error());
     measured_.counters_after = status->at("counters");
     return {};
@@ -215,7 +218,7 @@ class Run {
       wanted.least_s = k == 0 ? kSlowSlmS : 0.0;
       for (std::size_t i = 0; i < shown.size() && !hooks_.interrupted(); ++i) {
         const double sign = i == 0 || i == 3 ? 1.0 : -1.0;
-        const Answer poked = borrowed_.poke(modes_j_[k], sign * kPokeWaves);
+        const Answer poked = poke(modes_j_[k], sign * kPokeWaves);
         if (!poked) return tl::make_unexpected(poked.error());
         shown[i] = reader->shown(poked->at("hologram_id").get<std::uint64_t>(), wanted);
         if (!shown[i].rest.empty()) continue;
@@ -226,7 +229,7 @@ class Run {
       measured_.response.pokes.push_back(poke_of(modes_j_[k], shown));
     }
     measured_.response.spots = reader->spots();
-    const Answer shown = borrowed_.unpoke();
+    const Answer shown = call("aberration.set", borrowed_->before(Part::aberration));
     if (!shown) return tl::make_unexpected(shown.error());
     reader->shown(shown->at("hologram_id").get<std::uint64_t>(), wanted);
     return {};
@@ -234,7 +237,7 @@ class Run {
 
   /// Keeps the daemon's first reason for frames of a mode that are not valid.
   void note_why_unread() {
-    const Answer status = cli::call(common_, "system.status", json::object());
+    const Answer status = call("system.status");
     if (!status || !measured_.response.reason.empty()) return;
     const json& invalid = status->at("sensor").at("invalid");
     if (invalid.is_object()) measured_.response.reason = invalid.at("reason").get<std::string>();
@@ -245,8 +248,9 @@ class Run {
     LoopResult& result = measured_.loop;
     result.reason = "left out (--no-loop)";
     if (!options_.close_loop) return {};
-    if (const Answer closed = borrowed_.close_loop(); !closed) {
-      result.reason = message_of(closed.error());
+    const json params = borrowed_->before(Part::loop).value("params", json::object());
+    if (const Answer closed = call("loop.close", params); !closed) {
+      result.reason = cli::message_of(closed.error());
       return {};
     }
     auto reader = FrameReader::open(common_, hooks_.interrupted);
@@ -254,7 +258,7 @@ class Run {
     reader->record(0.5 * loop_s(), [&](double left) { progress("closed loop", left); });
     result.record =
         reader->record(0.5 * loop_s(), [&](double left) { progress("closed loop", left); });
-    const Answer state = cli::call(common_, "loop.get", json::object());
+    const Answer state = call("loop.get");
     if (!state) return tl::make_unexpected(state.error());
     result.failed = !state->at("closed").get<bool>();
     if (!result.failed) {
@@ -268,7 +272,7 @@ class Run {
   const cli::Common& common_;
   const Options& options_;
   const Hooks& hooks_;
-  Borrowed borrowed_;
+  std::optional<cli::Borrow> borrowed_;
   Measured measured_;
   std::vector<int> modes_j_;
   double seconds_ = 0.0, seconds_after_ = 0.0;

@@ -4,7 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "daemon/ovws/check/borrowed.hpp"
+#include "daemon/ovws/check/measured.hpp"
+#include "daemon/shared/client.hpp"
 
 namespace ovws::check {
 

@@ -65,8 +65,7 @@ Answered<json> ExperimentBench::call(const char* method, const json& params) con
 Answered<ExperimentBench> ExperimentBench::open(const Common& common) {
   ExperimentBench bench(common);
   std::map<std::string, json> now;
-  for (const char* method :
-       {"config.get", "camera.get", "sensor.get", "aberration.get", "registration.get"}) {
+  for (const char* method : {"config.get", "camera.get", "registration.get"}) {
     auto answer = bench.call(method, json::object());
     if (!answer) return tl::make_unexpected(answer.error());
     now[method] = std::move(*answer);
@@ -87,19 +86,9 @@ Answered<ExperimentBench> ExperimentBench::open(const Common& common) {
   }
   bench.gains_db_ = {limits.at("gain_db").at("min").get<double>(),
                      limits.at("gain_db").at("max").get<double>()};
-  bench.gain_before_db_ = now["camera.get"].at("settings").at("gain_db").get<double>();
-  for (const char* key :
-       {"charge", "alternate_charge", "charges", "tracker", "operator", "mode_count"}) {
-    bench.sensor_before_[key] = now["sensor.get"].at(key);
-  }
-  if (!now["aberration.get"].at("patterns").empty()) {
-    return failed({Errc::refused, "",
-                   "the DMD shows a sequence of patterns: end it with aberration.clear first"});
-  }
-  bench.aberration_before_ = json::array();
-  for (const json& mode : now["aberration.get"].at("modes")) {
-    bench.aberration_before_.push_back({{"j", mode.at("j")}, {"waves", mode.at("waves")}});
-  }
+  const auto before = parts_of(common, {Part::camera, Part::sensor, Part::aberration});
+  if (!before) return tl::make_unexpected(before.error());
+  bench.before_ = std::make_unique<Borrow>(common, *before);
   const json& map = now["registration.get"].at("px_per_cycle");
   if (map.is_array()) {
     bench.config_.optics.registered = PxPerCycle{map[0].get<double>(), map[1].get<double>(),
@@ -202,16 +191,6 @@ Answered<std::vector<Vec2>> ExperimentBench::find_spots() {
     places[i] = found[i] > 0 ? (1.0 / found[i]) * places[i] : Vec2{NAN, NAN};
   }
   return places;
-}
-
-Answered<void> ExperimentBench::restore() {
-  const auto gain = call("camera.set", {{"gain_db", gain_before_db_}});
-  const auto sensor = call("sensor.set", sensor_before_);
-  const auto aberration = call("aberration.set", {{"modes", aberration_before_}});
-  for (const auto* const one : {&gain, &sensor, &aberration}) {
-    if (!*one) return tl::make_unexpected(one->error());
-  }
-  return {};
 }
 
 }  // namespace ovws::cli

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "config/config.hpp"
 #include "core/base/image.hpp"
-#include "daemon/shared/client.hpp"
+#include "daemon/shared/borrow.hpp"
 #include "proto/limits.hpp"
 
 namespace ovws::cli {
@@ -45,7 +46,8 @@ class ExperimentBench {
   /// Where the daemon finds the spots of what is shown, one per subaperture: the mean of some
   /// frames; NaN: it is found in none.
   Answered<std::vector<Vec2>> find_spots();
-  Answered<void> restore();
+  /// The destructor restores, too.
+  Answer restore() { return before_->restore(); }
 
  private:
   explicit ExperimentBench(const Common& common) : common_(common) {}
@@ -54,8 +56,8 @@ class ExperimentBench {
   Common common_;
   Config config_;
   Range<double> gains_db_{};
-  nlohmann::json sensor_before_, aberration_before_;
-  double gain_before_db_ = 0.0, gain_db_ = 0.0;
+  std::unique_ptr<Borrow> before_;
+  double gain_db_ = 0.0;
   int charge_shown_ = 0;
   bool shown_ = false;
   std::int64_t hologram_id_ = 0;

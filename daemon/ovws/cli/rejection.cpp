@@ -12,6 +12,7 @@
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/rejection.hpp"
+#include "daemon/shared/borrow.hpp"
 #include "daemon/shared/loop_model_json.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
@@ -23,20 +24,13 @@ namespace {
 using namespace std::chrono_literals;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
-using Answer = tl::expected<json, CallFailure>;
 using MeasuredRejection = tl::expected<study::RejectionMeasured, CallFailure>;
 
 constexpr auto kStepsTimeout = 60s;
-constexpr int kRestoreTries = 3;  // a signal may interrupt a call
-constexpr int kFirstMode = 3;     // the study ignores piston and tilts
+constexpr int kFirstMode = 3;  // the study ignores piston and tilts
 
 constexpr int kMinFrames = 16;
 constexpr int kReceiveQueue = 10000;
-
-/// Failure found by this program, reported in the same way as an error of the daemon.
-CallFailure failure(std::string message) {
-  return {true, {{"message", std::move(message)}}};
-}
 
 CallFailure interrupted_failure() {
   return failure("interrupted; the loop is open, and the correction is restored");
@@ -215,45 +209,6 @@ tl::expected<study::RecordedLoop, CallFailure> record(const Common& common,
                           task.seconds, kMinFrames, recorder.why_none())));
 }
 
-/// Closes the loop for the study. Afterwards restores the previous state: loop open, previous
-/// correction.
-class BorrowedLoop {
- public:
-  /// `correction`: the correction to restore, a result of correction.get.
-  BorrowedLoop(const Common& common, const json& correction)
-      : common_(common), modes_(json::array()) {
-    for (const json& mode : correction.at("modes")) {
-      modes_.push_back({{"j", mode.at("j")}, {"waves", mode.at("waves")}});
-    }
-  }
-
-  Answer close(const json& params) {
-    Answer closed = call(common_, "loop.close", params);
-    taken_ = closed || !closed.error().answered;
-    return closed;
-  }
-
-  /// Opens the loop and restores the correction. Does nothing if the study never closed the loop.
-  Answer restore() {
-    Answer done = json();
-    for (int tries = 0; taken_ && tries < kRestoreTries; ++tries) {
-      done = call(common_, "loop.open", {{"keep", true}});
-      if (done) done = call(common_, "correction.set", {{"modes", modes_}});
-      if (done) taken_ = false;
-    }
-    if (done) return done;
-    const std::string why = done.error().error.value("message", "unknown error");
-    return tl::make_unexpected(CallFailure{done.error().answered,
-                                           {{"message", "the correction could not be restored to " +
-                                                            json_text(modes_) + ": " + why}}});
-  }
-
- private:
-  const Common& common_;
-  json modes_;
-  bool taken_ = false;
-};
-
 /// Modes j >= 3 that the sensor measures and the loop corrects, in measured order.
 Answer common_modes(const Common& common, const LoopSettings& settings) {
   const Answer sensor = call(common, "sensor.get", json::object());
@@ -328,9 +283,12 @@ Answer wait_for_steps(const Common& common, int needed) {
 
 /// Closes the loop with the settings of `law`, records what it leaves, and restores the loop.
 tl::expected<void, CallFailure> record_closed(const Common& common, const RecordTask& task,
-                                              BorrowedLoop& loop, study::MeasuredLaw& law) {
+                                              study::MeasuredLaw& law) {
+  const auto restored = parts_of(common, {Part::correction, Part::loop});
+  if (!restored) return tl::make_unexpected(restored.error());
+  Borrow loop(common, *restored);
   const auto record_steps = [&]() -> tl::expected<void, CallFailure> {
-    if (const Answer closed = loop.close(to_json(law.settings)); !closed) {
+    if (const Answer closed = call(common, "loop.close", to_json(law.settings)); !closed) {
       return tl::make_unexpected(closed.error());
     }
     const Answer before = wait_for_steps(common, steps_to_converge(law.settings.gain));
@@ -355,11 +313,13 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
 }
 
 /// Closes the loop for a moment: loop.identify then knows the steps and their delay.
-tl::expected<void, CallFailure> measure_steps(const Common& common, LoopSettings settings,
-                                              BorrowedLoop& loop) {
+tl::expected<void, CallFailure> measure_steps(const Common& common, LoopSettings settings) {
   constexpr int kSteps = 64;
   settings.law = LawName::integrator;
-  const Answer closed = loop.close(to_json(settings));
+  const auto restored = parts_of(common, {Part::correction, Part::loop});
+  if (!restored) return tl::make_unexpected(restored.error());
+  Borrow loop(common, *restored);
+  const Answer closed = call(common, "loop.close", to_json(settings));
   const Answer made = closed ? wait_for_steps(common, kSteps) : closed;
   if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
   if (!made) return tl::make_unexpected(made.error());
@@ -369,21 +329,12 @@ tl::expected<void, CallFailure> measure_steps(const Common& common, LoopSettings
 /// Waits until loop.identify, which watches while this program records, has ended.
 tl::expected<std::shared_ptr<const LoopModel>, CallFailure> identified(const Common& common,
                                                                        const json& job) {
-  while (true) {
-    const Answer now = call(common, "job.get", {{"job", job}});
-    if (!now) return tl::make_unexpected(now.error());
-    const auto state = now->at("state").get<std::string>();
-    if (state == "done") {
-      auto model = loop_model_from(now->at("result").at("model").at("modes"));
-      if (!model) return tl::make_unexpected(failure(text_of(model.error())));
-      return std::make_shared<const LoopModel>(std::move(*model));
-    }
-    if (state != "running") {
-      return tl::make_unexpected(failure("loop.identify: " + json_text(now->at("error"))));
-    }
-    if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
-    std::this_thread::sleep_for(kPollInterval);
-  }
+  const Answer done = end_of_job(common, job, {was_interrupted, {}});
+  if (was_interrupted()) return tl::make_unexpected(interrupted_failure());
+  if (!done) return tl::make_unexpected(failure("loop.identify: " + message_of(done.error())));
+  auto model = loop_model_from(done->at("model").at("modes"));
+  if (!model) return tl::make_unexpected(failure(text_of(model.error())));
+  return std::make_shared<const LoopModel>(std::move(*model));
 }
 
 /// Settings of the loops to measure: those of `params`, with each law if `params` names none.
@@ -405,14 +356,11 @@ MeasuredRejection measure(const Common& common, const json& params, double secon
   if (const auto ready = check_bench(common); !ready) return tl::make_unexpected(ready.error());
   const Answer modes = common_modes(common, loops->front());
   if (!modes) return tl::make_unexpected(modes.error());
-  const Answer correction = call(common, "correction.get", json::object());
-  if (!correction) return tl::make_unexpected(correction.error());
   const bool needs_model = std::ranges::any_of(
       *loops, [](const LoopSettings& one) { return one.law != LawName::integrator; });
-  BorrowedLoop loop(common, *correction);
   Answer job = json();
   if (needs_model) {
-    if (const auto known = measure_steps(common, loops->front(), loop); !known) {
+    if (const auto known = measure_steps(common, loops->front()); !known) {
       return tl::make_unexpected(known.error());
     }
     const double watched_s = std::clamp(seconds, limits::kIdentifyS.min, limits::kIdentifyS.max);
@@ -434,7 +382,7 @@ MeasuredRejection measure(const Common& common, const json& params, double secon
   for (const LoopSettings& settings : *loops) {
     left -= 1.0;
     measured.laws.push_back({settings, {}, {}, {}});
-    const auto done = record_closed(common, {true, seconds, left * seconds, measured.modes_j}, loop,
+    const auto done = record_closed(common, {true, seconds, left * seconds, measured.modes_j},
                                     measured.laws.back());
     if (!done) return tl::make_unexpected(done.error());
   }

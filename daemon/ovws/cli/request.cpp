@@ -2,7 +2,7 @@
 
 #include <atomic>
 #include <cmath>
-#include <thread>
+#include <optional>
 
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/text/quantity.hpp"
@@ -42,30 +42,6 @@ class ProgressLine {
   Clock::time_point begin_ = Clock::now();
 };
 
-/// Waits for the job and returns its result or its error.
-tl::expected<json, CallFailure> end_of_job(const Common& common, const json& job) {
-  catch_interrupts();
-  ProgressLine progress;
-  bool cancelled = false;
-  while (true) {
-    if (was_interrupted() && !cancelled) {
-      if (auto done = call(common, "job.cancel", {{"job", job}}); !done) return done;
-      cancelled = true;
-    }
-    auto report = call(common, "job.get", {{"job", job}});
-    if (!report) return report;
-    progress.show(*report);
-    const std::string state = report->at("state").get<std::string>();
-    if (state == "done") return report->at("result");
-    if (state != "running") {
-      json error = report->at("error");
-      if (!error.is_object()) error = {{"message", "the job was " + state}};
-      return tl::make_unexpected(CallFailure{true, std::move(error)});
-    }
-    std::this_thread::sleep_for(kPollInterval);
-  }
-}
-
 }  // namespace
 
 void catch_interrupts(std::initializer_list<int> signals) {
@@ -78,21 +54,23 @@ bool was_interrupted() {
   return interrupted;
 }
 
-tl::expected<json, CallFailure> call_and_wait(const Common& common, const std::string& method,
-                                              const json& params) {
-  auto answer = call(common, method, params);
-  const bool is_job =
-      answer && answer->is_object() && answer->contains("job") && answer->size() == 1;
-  return is_job ? end_of_job(common, answer->at("job")) : answer;
+Answer call_and_wait(const Common& common, const std::string& method, const json& params) {
+  std::optional<ProgressLine> line;
+  return call_and_wait(common, method, params,
+                       {[&] {
+                          if (!line) catch_interrupts();
+                          if (!line) line.emplace();
+                          return was_interrupted();
+                        },
+                        [&](const json& job) { line->show(job); }});
 }
 
-tl::expected<json, CallFailure> newest_wavefront(const Common& common) {
+Answer newest_wavefront(const Common& common) {
   constexpr std::chrono::milliseconds kLongestWait{1000};
   const auto endpoint = stream_endpoint(common, "endpoint");
   if (!endpoint) return tl::make_unexpected(endpoint.error());
   auto stream = subscribe(common, *endpoint, {"wavefront"}, 1);
-  if (!stream)
-    return tl::make_unexpected(CallFailure{true, {{"message", text_of(stream.error())}}});
+  if (!stream) return tl::make_unexpected(failure(text_of(stream.error())));
   const auto message = stream->receive(kLongestWait);
   return message ? json_of(message->json) : json();
 }

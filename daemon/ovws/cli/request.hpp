@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/base/result.hpp"
-#include "daemon/shared/client.hpp"
+#include "daemon/shared/job.hpp"
 
 namespace ovws::cli {
 
@@ -18,14 +18,12 @@ bool was_interrupted();
 
 constexpr std::chrono::milliseconds kPollInterval{200};  ///< of what a command waits for
 
-/// Calls a method. If it starts a job, waits for its end and returns the job's result or error, and
-/// shows progress and time left on a terminal (stderr). Ctrl-C cancels the job.
-tl::expected<nlohmann::json, CallFailure> call_and_wait(const Common& common,
-                                                        const std::string& method,
-                                                        const nlohmann::json& params);
+/// Calls a method. If it starts a job, waits for its end, and shows progress and time left on a
+/// terminal (stderr). Ctrl-C cancels the job.
+Answer call_and_wait(const Common& common, const std::string& method, const nlohmann::json& params);
 
 /// The next wavefront message; null if none comes within a second.
-tl::expected<nlohmann::json, CallFailure> newest_wavefront(const Common& common);
+Answer newest_wavefront(const Common& common);
 
 /// Prints `text` wrapped for the terminal, or with --json `answer` on one line. Returns kOk.
 int print_answer(const Common& common, const nlohmann::json& answer, const std::string& text);
