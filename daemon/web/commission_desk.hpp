@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "daemon/commission/commissioning.hpp"
+#include "daemon/examine/commission/commissioning.hpp"
 #include "daemon/shared/client.hpp"
 #include "daemon/web/access.hpp"
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "daemon/ovws/check/measure.hpp"
-#include "daemon/ovws/check/report.hpp"
+#include "daemon/examine/check/measure.hpp"
+#include "daemon/examine/check/report.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/study/figure.hpp"

@@ -1,5 +1,5 @@
 /// ovws doctor: checks the bench and prints a fix for each problem.
-#include "daemon/ovws/doctor/doctor.hpp"
+#include "daemon/examine/machine/doctor.hpp"
 
 #include <algorithm>
 #include <array>

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "daemon/commission/commissioning.hpp"
+#include "daemon/examine/commission/commissioning.hpp"
 #include "daemon/ovws/cli/keyboard.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/screen/picture_text.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/ovws/doctor/finding.hpp"
+#include "daemon/examine/machine/finding.hpp"
 #include "daemon/shared/client.hpp"
 
 namespace ovws::cli {

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <random>
 
-#include "daemon/ovws/check/finding.hpp"
-#include "daemon/ovws/check/judge.hpp"
-#include "daemon/ovws/check/report.hpp"
-#include "daemon/ovws/check/response.hpp"
+#include "daemon/examine/check/finding.hpp"
+#include "daemon/examine/check/judge.hpp"
+#include "daemon/examine/check/report.hpp"
+#include "daemon/examine/check/response.hpp"
 #include "daemon/shared/lost_spots.hpp"
 
 namespace ovws::check {

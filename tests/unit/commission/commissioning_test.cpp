@@ -1,5 +1,5 @@
 /// The commissioning without a daemon: names, refusals and its document.
-#include "daemon/commission/commissioning.hpp"
+#include "daemon/examine/commission/commissioning.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <set>
 #include <thread>
 
-#include "daemon/commission/bench.hpp"
-#include "daemon/commission/step.hpp"
+#include "daemon/examine/commission/bench.hpp"
+#include "daemon/examine/commission/step.hpp"
 
 namespace ovws::commission {
 namespace {

@@ -1,5 +1,5 @@
 /// Spots and changes in camera images.
-#include "daemon/commission/light.hpp"
+#include "daemon/examine/commission/light.hpp"
 
 #include <gtest/gtest.h>
 

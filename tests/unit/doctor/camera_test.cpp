@@ -1,4 +1,4 @@
-#include "daemon/ovws/doctor/camera.hpp"
+#include "daemon/examine/machine/camera.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/ovws/doctor/configuration.hpp"
+#include "daemon/examine/machine/configuration.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 

@@ -1,4 +1,4 @@
-#include "daemon/ovws/doctor/daemon_answer.hpp"
+#include "daemon/examine/machine/daemon_answer.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 

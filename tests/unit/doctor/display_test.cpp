@@ -1,4 +1,4 @@
-#include "daemon/ovws/doctor/display.hpp"
+#include "daemon/examine/machine/display.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 

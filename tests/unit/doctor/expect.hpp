@@ -7,7 +7,7 @@
 #include <ostream>
 #include <string>
 
-#include "daemon/ovws/doctor/finding.hpp"
+#include "daemon/examine/machine/finding.hpp"
 
 namespace ovws::doctor {
 

@@ -1,6 +1,6 @@
-#include "daemon/ovws/doctor/host.hpp"
+#include "daemon/examine/machine/host.hpp"
 
-#include "daemon/ovws/doctor/system_files.hpp"
+#include "daemon/examine/machine/system_files.hpp"
 #include "tests/unit/doctor/expect.hpp"
 
 namespace ovws::doctor {

@@ -1,4 +1,4 @@
-#include "daemon/ovws/doctor/state.hpp"
+#include "daemon/examine/machine/state.hpp"
 
 #include <filesystem>
 #include <fstream>

@@ -1,0 +1,125 @@
+#include "daemon/examine/check/report.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/optics/zernike.hpp"
+#include "daemon/examine/check/response.hpp"
+
+namespace ovws::check {
+namespace {
+
+using nlohmann::json;
+
+json number(double value) {
+  return std::isfinite(value) ? json(value) : json();
+}
+
+json text_or_null(const std::string& text) {
+  return text.empty() ? json() : json(text);
+}
+
+json finding_json(const Finding& one) {
+  return {{"name", one.name},
+          {"title", one.title},
+          {"verdict", name_of(one.verdict)},
+          {"text", one.text},
+          {"limit", one.limit},
+          {"fix", text_or_null(one.fix)},
+          {"cost_waves", number(one.cost_waves)},
+          {"cause", text_or_null(one.cause)}};
+}
+
+json response_json(const Response& response) {
+  json modes = json::array();
+  for (const Poke& poke : response.pokes) {
+    json gains = json::array(), errors = json::array();
+    for (const study::Mean& gain : poke.gain) {
+      gains.push_back(number(gain.value));
+      errors.push_back(number(gain.standard_error));
+    }
+    const study::Mean slope = slope_of(poke, response.modes_j);
+    modes.push_back({{"j", poke.j},
+                     {"name", zernike_name(poke.j)},
+                     {"read", poke.read},
+                     {"slope", number(slope.value)},
+                     {"standard_error", number(slope.standard_error)},
+                     {"crosstalk", number(crosstalk_of(poke, response.modes_j))},
+                     {"error_waves", number(error_waves(poke, response.modes_j))},
+                     {"gains", std::move(gains)},
+                     {"gain_standard_errors", std::move(errors)}});
+  }
+  return {{"poke_waves", kPokeWaves}, {"modes_j", response.modes_j}, {"modes", std::move(modes)}};
+}
+
+json stability_json(const Record& record) {
+  const Stability all = stability_of(record);
+  json modes = json::array();
+  for (const ModeStability& mode : all.modes) {
+    modes.push_back({{"j", mode.j},
+                     {"mean_waves", number(mode.mean)},
+                     {"noise_waves", number(mode.noise)},
+                     {"stated_waves", number(mode.stated)},
+                     {"spread_waves", number(mode.spread)},
+                     {"drift_waves", number(mode.drift)}});
+  }
+  return {{"seconds", record.seconds()},
+          {"frames", record.frames.size()},
+          {"frame_rate_hz", number(all.frame_rate_hz)},
+          {"noise_waves", number(all.noise)},
+          {"stated_waves", number(all.stated)},
+          {"motion_waves", number(all.motion)},
+          {"vibration_hz", all.frequency_hz > 0.0 ? json(all.frequency_hz) : json()},
+          {"drift_waves", number(all.drift)},
+          {"modes", std::move(modes)}};
+}
+
+std::string cost_text(const Finding& one) {
+  return std::isnan(one.cost_waves) ? "cost not known"
+                                    : fmt::format("costs {:.4f} wave", one.cost_waves);
+}
+
+}  // namespace
+
+json report_json(const Measured& measured, const Findings& findings) {
+  json all = json::array(), first = json::array();
+  for (const Finding& one : findings) all.push_back(finding_json(one));
+  for (const Finding& one : improve_first(findings)) first.push_back(one.name);
+  json loop = json();
+  if (!measured.loop.loop.is_null()) {
+    loop = {{"rms_waves", number(rms_waves(measured.loop.record))},
+            {"step", measured.loop.loop.at("step")}};
+  }
+  return {{"schema", "ovws.check/1"},
+          {"version", measured.version},
+          {"t_ns", measured.t_ns},
+          {"quick", measured.quick},
+          {"verdict", name_of(worst(findings))},
+          {"improve_first", std::move(first)},
+          {"findings", std::move(all)},
+          {"response", response_json(measured.response)},
+          {"stability", stability_json(measured.open)},
+          {"settle", measured.settle.result},
+          {"loop", std::move(loop)}};
+}
+
+std::string report_text(const Findings& findings) {
+  const Findings first = improve_first(findings);
+  std::string text;
+  if (first.empty()) text += "nothing to improve\n";
+  if (!first.empty()) text += "what to improve first:\n";
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    text += fmt::format("{}. {} ({}): {}\n   {}\n", i + 1, first[i].title, cost_text(first[i]),
+                        first[i].text, first[i].fix);
+  }
+  text += "\n";
+  for (const Finding& one : findings) {
+    text += fmt::format("{:<8} {:<13} {}\n", name_of(one.verdict), one.name, one.text);
+  }
+  return text + fmt::format("verdict: {}", name_of(worst(findings)));
+}
+
+}  // namespace ovws::check

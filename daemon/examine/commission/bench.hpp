@@ -1,0 +1,89 @@
+/// The bench as a step sees it: calls and jobs of the daemon, and camera images. Blocking and
+/// cancellable; used from one thread.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "core/base/result.hpp"
+#include "daemon/examine/commission/commissioning.hpp"
+#include "daemon/shared/borrow.hpp"
+
+namespace ovws::commission {
+
+/// What a step judges of a frame of the stream `wavefront`.
+struct WatchedFrame {
+  std::uint64_t hologram_id = 0;
+  double arrival_s = 0.0;           ///< in the daemon, by its clock
+  std::optional<double> rms_waves;  ///< none: the frame is not valid
+};
+
+/// The frames that arrived within the last `seconds` before the newest one, which is included.
+std::span<const WatchedFrame> newest(std::span<const WatchedFrame> frames, double seconds);
+
+/// Median of the RMS of the valid frames; none: no frame is valid.
+std::optional<double> median_rms_waves(std::span<const WatchedFrame> frames);
+
+class Bench {
+ public:
+  using Progress = std::function<void(double done, const std::string& text)>;
+
+  /// `cancelled` and `settings` must outlive the Bench. `progress` is called in the same thread.
+  Bench(const Commissioning::Settings& settings, const std::atomic<bool>& cancelled,
+        Progress progress)
+      : settings_(settings), cancelled_(cancelled), progress_(std::move(progress)) {}
+
+  const Commissioning::Settings& settings() const { return settings_; }
+  bool cancelled() const { return cancelled_; }
+
+  /// Reports what happens at present. The progress stays.
+  void say(const std::string& text);
+
+  /// Calls a method and returns its result. Errors: as the daemon's, with its field; if it does not
+  /// answer, Errc::unavailable.
+  Result<nlohmann::json> call(const std::string& method,
+                              const nlohmann::json& params = nlohmann::json::object());
+  /// Starts a job, reports its progress, and returns its result. Once the step is cancelled,
+  /// cancels the job and fails. Tolerates a daemon that does not answer for about 30 s.
+  Result<nlohmann::json> job(const std::string& method, const nlohmann::json& params,
+                             const std::string& text);
+
+  /// A camera image, as fractions of full scale, whose exposure began after this call, and after
+  /// the SLM has settled. Errc::unavailable if none comes.
+  Result<Image<float>> image();
+  /// Shows a pattern of slm.show and returns an image of it.
+  Result<Image<float>> image_of(const std::string& pattern);
+  /// The frames of stream `wavefront` that arrive within `seconds`, and further ones until they are
+  /// `enough`, for at most cli::kTemplates_s more. `enough` is asked some times a second.
+  Result<std::vector<WatchedFrame>> frames(
+      double seconds, const std::function<bool(std::span<const WatchedFrame>)>& enough);
+  /// Numbers of the spots that are found in less than half of the settled frames of a second.
+  Result<std::vector<int>> lost_spots();
+
+  /// Waits. Fails once the step is cancelled.
+  Result<void> pause(double seconds);
+
+  Result<cli::Parts> parts(std::initializer_list<cli::Part> parts);
+  /// Hooks of a cli::Borrow that restores during a step. They use this object.
+  cli::Borrow::Hooks restoring();
+  /// What could not be restored, and how to do it; empty if everything was.
+  const std::string& not_restored() const { return not_restored_; }
+
+ private:
+  const Commissioning::Settings& settings_;
+  const std::atomic<bool>& cancelled_;
+  Progress progress_;
+  double done_ = 0.0;
+  std::string not_restored_;
+};
+
+}  // namespace ovws::commission

@@ -1,0 +1,329 @@
+/// Steps that find the devices: this machine, the camera, the SLM's output.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "daemon/examine/commission/drawing.hpp"
+#include "daemon/examine/commission/light.hpp"
+#include "daemon/examine/commission/step.hpp"
+
+namespace ovws::commission {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kPartOfPeriod = 0.9;  ///< of the time between two frames, for an exposure
+
+std::string text_at(const json& object, const char* key) {
+  return object.at(key).is_string() ? object.at(key).get<std::string>() : "";
+}
+
+void add(std::string& all, const std::string& more, const char* between) {
+  all += (all.empty() ? "" : between) + more;
+}
+
+// Doctor ------------------------------------------------------------------------------------------
+
+/// Whether a fix can be run in a shell as it is: it begins with one of a few programs, and contains
+/// neither a place to fill in nor an alternative.
+bool is_command(const std::string& fix) {
+  constexpr std::array kPrograms{"sudo", "xrandr", "xset", "systemctl", "ovws"};
+  constexpr std::array kNotAsItIs{"FILE", "INTERFACE", "NAME", "…", "...", "<", ", or"};
+  const std::string first = fix.substr(0, fix.find(' '));
+  return std::ranges::find(kPrograms, first) != kPrograms.end() &&
+         std::ranges::none_of(kNotAsItIs,
+                              [&](const char* part) { return fix.find(part) != fix.npos; });
+}
+
+/// Whether a later step finds the same, and offers what repairs it.
+bool is_for_later(const Finding& finding) {
+  constexpr std::array kNames{"camera.found", "camera.light", "slm.output", "daemon.state"};
+  return finding.fix.starts_with("ovws setup ") ||
+         std::ranges::find(kNames, finding.name) != kNames.end();
+}
+
+Outcome run_doctor(Bench& bench, Memory&) {
+  bench.say("checking this machine");
+  std::vector<Finding> findings;
+  if (bench.settings().examine) findings = bench.settings().examine();
+  const auto status = bench.call("system.status");
+  if (!status) {
+    auto outcome = failed(status.error(), "Start the daemon.");
+    outcome.commands = {"sudo systemctl start ovwsd"};
+    return outcome;
+  }
+  Outcome outcome;
+  std::string faults, fixes;
+  int good = 0, warnings = 0;
+  for (const Finding& one : findings) {
+    good += one.wellness == Wellness::good ? 1 : 0;
+    warnings += one.wellness == Wellness::warning ? 1 : 0;
+    if (one.wellness != Wellness::bad && one.wellness != Wellness::warning) continue;
+    add(faults, one.name + ": " + one.meaning, "\n");
+    if (is_for_later(one)) {
+      ++warnings;
+      add(fixes, one.name + ": a later step offers the repair", "\n");
+      continue;
+    }
+    add(fixes, one.name + ": " + one.fix, "\n");
+    if (is_command(one.fix)) outcome.commands.push_back(one.fix);
+  }
+  const bool has_fault = std::ranges::any_of(findings, [](const Finding& one) {
+    return one.wellness == Wellness::bad && !is_for_later(one);
+  });
+  outcome.passed = !has_fault;
+  const std::string state = "The daemon is " + text_at(*status, "state") + ".";
+  outcome.verdict = {
+      has_fault      ? Wellness::bad
+      : warnings > 0 ? Wellness::warning
+                     : Wellness::good,
+      faults.empty() ? state + fmt::format(" {} checks are good.", good) : state + "\n" + faults,
+      fixes};
+  return outcome;
+}
+
+// Camera ------------------------------------------------------------------------------------------
+
+/// Ways to use another camera than that of `serial`, of those that were not tried.
+std::vector<Way> other_cameras(const json& listed, const std::string& serial,
+                               const Memory& memory) {
+  std::vector<Way> ways;
+  for (const json& camera : listed.at("cameras")) {
+    const std::string id = camera.at("id").get<std::string>();
+    if (text_at(camera, "serial") == serial || memory.tried.contains("use-" + id)) continue;
+    const std::string address = text_at(camera, "address");
+    ways.push_back({{"use-" + id, "use camera " + id + (address.empty() ? "" : " at " + address)},
+                    {{"camera.select", {{"id", id}}}}});
+  }
+  return ways;
+}
+
+/// The camera is there, but cannot be used with its settings.
+Outcome refused_settings(const std::string& fault, const json& settings, const Memory& memory) {
+  auto outcome = failed({Errc::refused, "", fault});
+  const double period_us = 1e6 / settings.at("frame_rate_hz").get<double>();
+  if (settings.at("exposure_us").get<double>() > period_us && !memory.tried.contains("shorten")) {
+    const double exposure_us = std::floor(kPartOfPeriod * period_us);
+    outcome.ways = {{{"shorten", fmt::format("shorten the exposure to {:.0f} us", exposure_us)},
+                     {{"camera.set", {{"exposure_us", exposure_us}}}}}};
+  }
+  return outcome;
+}
+
+Outcome run_camera(Bench& bench, Memory& memory) {
+  bench.say("listing the cameras");
+  const auto config = bench.call("config.get");
+  const auto listed = bench.call("camera.list");
+  const auto camera = bench.call("camera.get");
+  if (!config) return failed(config.error());
+  if (!listed) return failed(listed.error());
+  if (!camera) return failed(camera.error());
+  const std::string id = text_at(config->at("camera"), "id");
+  if (!memory.undo) {
+    memory.undo = {{}, {{"camera.select", {{"id", id}}}}, "Camera " + id + " is in use again."};
+  }
+  const json& info = camera->at("info");
+  const bool is_connected = camera->at("connected").get<bool>();
+  auto ways = other_cameras(*listed, is_connected ? text_at(info, "serial") : "", memory);
+  if (const auto status = bench.call("system.status"); !is_connected && status) {
+    const std::string fault = text_at(status->at("camera"), "fault");
+    if (!fault.empty() && text_at(*status, "state") == "fault") {
+      return refused_settings(fault, camera->at("settings"), memory);
+    }
+  }
+  if (!is_connected) {
+    auto outcome =
+        failed({Errc::unavailable, "camera.id",
+                id + " does not answer" + (ways.empty() ? ", and no camera was found" : "")},
+               ways.empty() ? "Check the camera's power and cable, and its network address."
+                            : "Use a camera that was found, or check the cable of this one.");
+    outcome.ways = std::move(ways);
+    return outcome;
+  }
+  const auto image = bench.image();
+  if (!image) {
+    auto outcome = failed(image.error());
+    outcome.ways = std::move(ways);
+    return outcome;
+  }
+  auto outcome =
+      passed(Wellness::good,
+             fmt::format("{} {}, serial {}, delivers {} x {} pixels; {} found in all.",
+                         text_at(info, "vendor"), text_at(info, "model"), text_at(info, "serial"),
+                         image->width, image->height, listed->at("cameras").size()));
+  outcome.ways = std::move(ways);
+  outcome.picture = grey_of(*image);
+  return outcome;
+}
+
+// Output ------------------------------------------------------------------------------------------
+
+/// Ways to use another output: those that can be the SLM and were not tried. Without any, the
+/// selected one although it is the primary one.
+std::vector<Way> other_outputs(const json& outputs, const Memory& memory) {
+  std::vector<Way> ways;
+  for (const json& output : outputs) {
+    const std::string name = text_at(output, "name");
+    if (output.at("selected") == true || output.at("usable") == false) continue;
+    if (memory.tried.contains("use-" + name)) continue;
+    ways.push_back({{"use-" + name, "use output " + name + " for the SLM"},
+                    {{"slm.set", {{"display", name}, {"allow_primary", false}}}}});
+  }
+  return ways;
+}
+
+/// Whether the camera's image changes with what the SLM shows, at the exposure for either.
+struct Reaction {
+  bool changes = false;
+  bool is_dark = true;  ///< no light at any exposure
+  Image<std::uint8_t> picture;
+};
+Result<Reaction> reaction(Bench& bench) {
+  const auto before = bench.parts(kLight);
+  if (!before) return fail(before.error());
+  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
+  Reaction seen;
+  for (const char* bright : {"sensor", "flat"}) {
+    const char* const other = bright == std::string("sensor") ? "flat" : "sensor";
+    bench.say(fmt::format("looking whether the image changes: {}", bright));
+    if (auto shown = bench.call("slm.show", {{"pattern", bright}}); !shown) {
+      return fail(shown.error());
+    }
+    const auto exposed = expose(bench);
+    const auto one = bench.image_of(bright);
+    if (!one) return fail(one.error());
+    const auto two = bench.image_of(other);
+    if (!two) return fail(two.error());
+    const auto again = bench.image_of(bright);
+    if (!again) return fail(again.error());
+    seen.picture = grey_of(*one);
+    seen.changes = change(*one, *two, *again) > 1.0;
+    seen.is_dark = seen.is_dark && !exposed && brightest(*one) < 0.5F;
+    if (seen.changes) break;
+  }
+  return seen;
+}
+
+Outcome unusable(const json& status, const json& outputs, const Memory& memory) {
+  Outcome outcome;
+  const std::string fault = text_at(status, "fault") + text_at(status.at("slm"), "fault");
+  std::string selected, reason;
+  for (const json& output : outputs) {
+    if (output.at("selected") == false) continue;
+    selected = text_at(output, "name");
+    reason = text_at(output, "reason");
+  }
+  outcome.verdict = {Wellness::bad, reason.empty() ? fault : selected + ": " + reason, ""};
+  if (outcome.verdict.text.empty()) outcome.verdict.text = "The SLM's output is not in use.";
+  outcome.ways = other_outputs(outputs, memory);
+  if (!outcome.ways.empty()) {
+    outcome.verdict.advice = "Use " + outcome.ways.front().offer.name.substr(4) + ".";
+    return outcome;
+  }
+  outcome.verdict.advice =
+      "Connect the SLM as a second display beside the main one, not mirrored, and switch it on "
+      "with "
+      "xrandr.";
+  const bool is_only = std::ranges::count(outputs, json(true), [](const json& output) {
+                         return output.at("connected");
+                       }) == 1;
+  if (is_only && !selected.empty()) {
+    outcome.ways.push_back(
+        {{"allow-primary", "use " + selected + " although it is the main display", false},
+         {{"slm.set", {{"display", selected}, {"allow_primary", true}}}}});
+  }
+  return outcome;
+}
+
+Outcome no_reaction(const Reaction& seen, const std::string& name, const json& outputs,
+                    const Memory& memory) {
+  Outcome outcome;
+  outcome.picture = seen.picture;
+  outcome.ways = other_outputs(outputs, memory);
+  if (seen.is_dark) {
+    outcome.verdict = {
+        Wellness::bad, "The camera sees no light, at any exposure and whatever " + name + " shows.",
+        "Switch on the laser, open its shutter, take off the camera's cap, and check "
+        "that the beam reaches the SLM and the camera's region."};
+    outcome.ways.clear();
+  } else {
+    outcome.verdict = {Wellness::bad,
+                       "The camera's image does not change with what " + name + " shows.",
+                       "The SLM may be another output, switched off, or not lit."};
+  }
+  outcome.ways.push_back(
+      {{"identify", "show the test image on " + name + ", to see which screen it is"},
+       {{"slm.show", {{"pattern", "identify"}}}},
+       {},
+       After::stay});
+  return outcome;
+}
+
+Outcome run_output(Bench& bench, Memory& memory) {
+  const auto config = bench.call("config.get");
+  if (!config) return failed(config.error());
+  const json& slm = config->at("slm");
+  if (!memory.undo) {
+    memory.undo = {
+        {},
+        {{"slm.set", {{"display", slm.at("display")}, {"allow_primary", slm.at("allow_primary")}}}},
+        "Output " + text_at(slm, "display") + " is configured again."};
+  }
+  const auto listed = bench.call("slm.outputs");
+  const auto status = bench.call("system.status");
+  if (!listed) return failed(listed.error());
+  if (!status) return failed(status.error());
+  const json& outputs = listed->at("outputs");
+  const json& state = status->at("slm");
+  if (state.at("connected") == false) return unusable(*status, outputs, memory);
+  const std::string name = text_at(state.at("info"), "output");
+  auto seen = reaction(bench);
+  if (!seen) return failed(seen.error());
+  if (!seen->changes) return no_reaction(*seen, name, outputs, memory);
+  auto outcome = passed(
+      Wellness::good,
+      fmt::format("The camera's image changes with what {} shows: {} x {} pixels at {:.0f} Hz.",
+                  name, state.at("info").at("width").get<int>(),
+                  state.at("info").at("height").get<int>(),
+                  state.at("info").at("refresh_hz").get<double>()));
+  outcome.picture = std::move(seen->picture);
+  outcome.ways = other_outputs(outputs, memory);
+  return outcome;
+}
+
+/// Whether a result of later steps is in use, which machine, camera and output have to work for.
+/// None otherwise: the daemon does not tell.
+std::optional<bool> has_measured(const Look& look) {
+  const bool has = look.at("lut.get").at("measured") == true ||
+                   look.at("registration.get").at("registered") == true;
+  return has ? std::optional(true) : std::nullopt;
+}
+
+const std::array kDeviceSteps{
+    Step{"doctor", "This machine",
+         "Checks configuration, devices, limits and clock, and proposes a repair for each fault.",
+         has_measured, run_doctor},
+    Step{"camera", "Camera", "Chooses the camera among those that are found, and shows its image.",
+         [](const Look& look) -> std::optional<bool> {
+           const bool is_connected = look.at("system.status").at("camera").at("connected");
+           return is_connected ? has_measured(look) : false;
+         },
+         run_camera, nullptr, nullptr, true},
+    Step{"output", "SLM output",
+         "Chooses the display output of the SLM, and looks whether the camera's image changes with "
+         "what it shows.",
+         [](const Look& look) -> std::optional<bool> {
+           const bool is_connected = look.at("system.status").at("slm").at("connected");
+           return is_connected ? has_measured(look) : false;
+         },
+         run_output, nullptr, nullptr, true, Needs::holograms}};
+
+}  // namespace
+
+std::span<const Step> device_steps() {
+  return kDeviceSteps;
+}
+
+}  // namespace ovws::commission

@@ -1,0 +1,103 @@
+/// The table of steps, and what a step is made of.
+#pragma once
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/image.hpp"
+#include "daemon/examine/commission/bench.hpp"
+#include "daemon/examine/commission/report.hpp"
+
+namespace ovws::commission {
+
+/// What follows when an offer has been taken.
+enum class After { rerun, conclude, stay };
+
+/// An offer with what it does.
+struct Way {
+  Offer offer;
+  cli::Calls calls{};
+  std::string first{};  ///< step to run before the step is run again
+  After after = After::rerun;
+};
+
+/// What a run or an undo of a step found.
+struct Outcome {
+  bool passed = false;
+  Verdict verdict;
+  std::vector<Way> ways{};
+  std::vector<std::string> commands{};
+  Image<std::uint8_t> picture{};  ///< empty: the camera's image at the end
+};
+
+/// How to restore what was in use before the first run of a step.
+struct Undo {
+  cli::Parts parts{};
+  cli::Calls calls{};
+  std::string text;  ///< what is in use then
+};
+
+/// What this commissioning remembers of a step.
+struct Memory {
+  std::optional<Undo> undo{};     ///< none: not run yet, or nothing to restore
+  std::set<std::string> tried{};  ///< names of the offers that were taken
+};
+
+/// Results of methods without params, by name, as the daemon reported them at one moment.
+using Look = std::map<std::string, nlohmann::json>;
+/// The methods that a Look holds.
+std::vector<std::string> looked_at();
+
+/// Whether the sensor is a fixed array of lenslets. `config`: as config.get reports it.
+bool is_fixed_array(const nlohmann::json& config);
+
+/// Whether a reference was taken, by the sensor and not from the model.
+bool has_measured_reference(const Look& look);
+
+/// What the modulator must be able to do for a step.
+enum class Needs {
+  light,      ///< nothing
+  holograms,  ///< a fixed array shows none
+  phase       ///< grey levels that are phases; a DMD has two levels
+};
+
+struct Step {
+  const char* name;
+  const char* title;
+  const char* purpose;
+  /// Whether its result is in use; none: the daemon does not tell.
+  std::optional<bool> (*is_done)(const Look&);
+  Outcome (*run)(Bench&, Memory&);
+  const char* clear = nullptr;    ///< method that clears what was measured; null: nothing was
+  const char* cleared = nullptr;  ///< says that it is cleared
+  bool is_needed = false;         ///< later steps cannot pass without it
+  Needs needs = Needs::light;
+};
+
+std::span<const Step> steps();
+
+/// Why the bench needs no such step, in one sentence; empty: it needs it.
+std::string needless(const Step& step, const Look& look);
+
+/// A failed outcome with what the daemon said.
+Outcome failed(const Error& error, std::string advice = {});
+Outcome passed(Wellness wellness, std::string text, std::string advice = {});
+
+/// Restores what the step has changed, or clears what it has measured.
+Outcome undone(Bench& bench, const Step& step, const Memory& memory);
+
+// The steps' functions, by file.
+
+std::span<const Step> device_steps();  ///< doctor, camera, output
+std::span<const Step> light_steps();   ///< spot, exposure
+std::span<const Step> slm_steps();     ///< registration, lut, settle, clear, flatness
+const Step& brightness_step();         ///< as exposure, when the sensor's spots are right
+std::span<const Step> sensor_steps();  ///< reference, calibration, loop, save
+
+}  // namespace ovws::commission
