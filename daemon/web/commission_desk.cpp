@@ -21,7 +21,7 @@ json error_json(const Error& error) {
 std::shared_ptr<commission::Commissioning> CommissionDesk::commissioning() {
   const std::scoped_lock lock(mutex_);
   if (!commissioning_ && !ended_) {
-    commission::Commissioning::Settings settings;
+    commission::Settings settings;
     settings.daemon = daemon_;
     commissioning_ = std::make_shared<commission::Commissioning>(std::move(settings));
   }

@@ -75,6 +75,7 @@ void Feeds::sleep_unless_stopped(milliseconds time) const {
 }
 
 void Feeds::take_numbers() {
+  facts_.is_followed = true;
   cli::StreamFollower stream(common_, "endpoint",
                              {"wavefront", "refined", "spots", "status", "event"}, kNumbersQueue);
   while (!stop_) {
@@ -155,7 +156,7 @@ void Feeds::take_status(const StreamMessage& message) {
   missed_.add(t_s, status.at("counters").at("deadline_missed").get<std::int64_t>());
   facts_.slow_statuses = slow_camera(status) ? facts_.slow_statuses + 1 : 0;
   for (const char* part : {"slm", "camera", "sensor", "loop"}) {
-    if (facts_.status.is_null() || facts_.status[part] != status[part]) ++hologram_change_;
+    if (!facts_.status || (*facts_.status)[part] != status[part]) ++hologram_change_;
   }
   pattern_.set(status.at("slm").at("pattern").get<std::string>());
   board_.put(Slot::status, framed(message.json));
@@ -198,7 +199,11 @@ void Feeds::publish_health() {
               {"browsers", server.browsers},
               {"refused", server.refused}};
   try {
-    health["findings"] = findings_json(examine_bench(facts_));
+    for (const examine::Finding& one : examine::page_findings(facts_)) {
+      health["findings"].push_back({{"wellness", examine::names_of(one.severity).name},
+                                    {"text", one.text},
+                                    {"action", one.action}});
+    }
   } catch (const json::exception& error) {
     spdlog::warn(
         "a status of the daemon has an unknown format, which another version may have: install the "

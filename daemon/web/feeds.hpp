@@ -12,11 +12,11 @@
 #include <thread>
 #include <utility>
 
+#include "daemon/examine/status_questions.hpp"
 #include "daemon/shared/client.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "daemon/web/bench_view.hpp"
 #include "daemon/web/board.hpp"
-#include "daemon/web/health.hpp"
 #include "daemon/web/picture.hpp"
 #include "daemon/web/trend.hpp"
 
@@ -110,9 +110,9 @@ class Feeds {
   Guarded<std::string> pattern_;  ///< pattern that the SLM shows
 
   // Used only by the thread numbers_.
-  BenchFacts facts_;
+  examine::DaemonFacts facts_;
   Clock::time_point status_at_{}, wavefront_at_{}, health_at_{};
-  RiseLately lost_, missed_;
+  examine::RiseLately lost_, missed_;
   Trend trend_{kTrendBinNs}, history_{kHistoryBinNs};
   HeldValid valid_wavefront_{std::chrono::milliseconds(500)};
 

@@ -42,7 +42,7 @@ VENDORS = {
 }
 USERS_OF_DRIVER = {"hdf5": ("record", "replay"), "zmq": ("twin",)}  # drivers that other drivers use
 # Each program creates threads in one place only.
-THREAD_OWNERS = ("daemon/examine/commission/conductor.", "daemon/ovwsd/threads/thread_plan.", "daemon/examine/machine/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
+THREAD_OWNERS = ("daemon/examine/commission/commissioning.", "daemon/ovwsd/threads/thread_plan.", "daemon/examine/machine/display.", "daemon/ovws/study/parallel.", "daemon/web/feeds.", "drivers/twin/")
 # The locale decides what these read or write; core/base/number_text.hpp does without. A library may switch it: see core/port/c_locale.cpp.
 BY_LOCALE = r"\bstd::sto(d|f|ld)\b|\b(strto(d|f|ld)|atof|[sf]?scanf|v?sn?printf|ostringstream|setlocale|uselocale)\b|std::locale|printf\(.*%[-+ #0-9.*lL]*[aefgAEFG]"
 LOCALE_OWNERS = ("core/port/c_locale.cpp", "daemon/ovws/screen/terminal.cpp")

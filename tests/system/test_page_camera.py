@@ -234,7 +234,7 @@ class Bar(PageCase):
 
     def test_findings_lead_to_their_remedy(self):
         self.call("camera.set", {"exposure_us": 9000.0})
-        self.browser.wait_text("#verdict", lambda text: "spots saturated" in text)
+        self.browser.wait_text("#verdict", lambda text: "spots are saturated" in text)
         self.browser.wait_text("#saturation", lambda text: "spots are measured wrong" in text)
         self.browser.click("#verdict button >> text=Set the exposure")
         wait_for(lambda: self.settings()["exposure_us"] < 6000.0, what="a shorter exposure")

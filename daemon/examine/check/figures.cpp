@@ -10,7 +10,7 @@
 #include "core/optics/zernike.hpp"
 #include "daemon/examine/check/response.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 using study::Figure;
@@ -170,4 +170,4 @@ std::string matrix_svg(const Response& response) {
   return svg + "</svg>\n";
 }
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

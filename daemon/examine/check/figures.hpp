@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "daemon/examine/check/finding.hpp"
+#include "daemon/examine/check/measured.hpp"
 #include "daemon/ovws/study/figure.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 
 /// Slopes, noise, drift, Allan deviation, and the loop; those for which there are numbers.
 std::vector<study::Figure> figures_of(const Measured& measured);
@@ -17,4 +17,4 @@ std::vector<study::Figure> figures_of(const Measured& measured);
 /// is shown as if it were ten times as strong.
 std::string matrix_svg(const Response& response);
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

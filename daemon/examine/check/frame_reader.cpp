@@ -6,7 +6,7 @@
 #include "core/pipeline/frame_rules.hpp"
 #include "proto/json_text.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 using nlohmann::json;
@@ -114,4 +114,4 @@ Record FrameReader::record(double seconds, const std::function<void(double)>& ti
   return record;
 }
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -10,7 +10,7 @@
 #include "daemon/shared/job.hpp"
 #include "daemon/shared/lost_spots.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 
 /// Which frames of a hologram count.
 struct Wanted {
@@ -50,4 +50,4 @@ class FrameReader {
   cli::SpotCounts spots_;
 };
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -1,39 +1,30 @@
-/// The parts of `judge`: one function for each finding.
+/// Judges what ovws check has measured.
 #pragma once
 
-#include <array>
+#include <span>
 
-#include "daemon/examine/check/finding.hpp"
+#include "daemon/examine/check/measured.hpp"
+#include "daemon/examine/check/stability.hpp"
+#include "daemon/examine/finding.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 
 /// What the judges read.
-struct Facts {
+struct MeasuredFacts {
   const Measured& measured;
   Stability open;  ///< of the record with the loop open
 };
 
-/// Worst of a value: good up to `good`, then note, warning and bad above the further limits.
-Verdict verdict_of(double value, double note_above, double warning_above, double bad_above);
+/// Answers all questions of ovws check, and finds which findings explain others.
+Findings answers(const Measured& measured);
 
-// Of the measurement.
-Finding judge_frames(const Facts& facts);
-Finding judge_spots(const Facts& facts);
-Finding judge_saturation(const Facts& facts);
-Finding judge_settle(const Facts& facts);
-Finding judge_response(const Facts& facts);
-Finding judge_noise(const Facts& facts);
-Finding judge_motion(const Facts& facts);
-Finding judge_drift(const Facts& facts);
-Finding judge_loop(const Facts& facts);
-Finding judge_losses(const Facts& facts);
+/// At most five findings that have a fix and no other cause, in the order of their cost in wave.
+/// Findings of unknown cost follow, bad ones first.
+Findings improve_first(const Findings& findings);
 
-// Of what the daemon uses.
-Finding judge_reference(const Facts& facts);
-Finding judge_registration(const Facts& facts);
-Finding judge_lut(const Facts& facts);
-Finding judge_flatness(const Facts& facts);
-Finding judge_calibration(const Facts& facts);
+/// Questions about the measurement, and about what the daemon uses.
+std::span<const Question<MeasuredFacts>> measurement_questions();
+std::span<const Question<MeasuredFacts>> bench_questions();
 
 /// RMS error of the phase that a table shows, in waves: `grey_levels` of a result of lut.get on an
 /// SLM with `phase_rad`, a result of lut.run. A constant phase is no error, nor is a phase
@@ -41,4 +32,4 @@ Finding judge_calibration(const Facts& facts);
 /// that is registered so measures well.
 double table_error_waves(const nlohmann::json& grey_levels, const nlohmann::json& phase_rad);
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -7,7 +7,7 @@
 
 #include "daemon/examine/check/judge.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 using nlohmann::json;
@@ -43,8 +43,8 @@ double spot_px(const Measured& measured, double scale) {
          measured.sensor.at("pupil_diameter_px").get<double>();
 }
 
-void raise(Finding& found, Verdict verdict, const std::string& text) {
-  found.verdict = std::max(found.verdict, verdict);
+void raise(Finding& found, Severity verdict, const std::string& text) {
+  found.severity = std::max(found.severity, verdict);
   found.text += "; " + text;
 }
 
@@ -65,63 +65,56 @@ double error_as_waves(const json& grey_levels, const json& phase_rad, double sig
   return std::sqrt(squares / double(count)) / (2.0 * std::numbers::pi);
 }
 
-}  // namespace
-
-double table_error_waves(const json& grey_levels, const json& phase_rad) {
-  return std::min(error_as_waves(grey_levels, phase_rad, 1.0),
-                  error_as_waves(grey_levels, phase_rad, -1.0));
-}
-
-Finding judge_reference(const Facts& facts) {
+Finding judge_reference(const MeasuredFacts& facts) {
   constexpr double kGood = 0.01, kWarning = 0.1;
   const Measured& measured = facts.measured;
-  Finding found{"reference", "Reference"};
+  Finding found;
   found.limit = fmt::format("at most {:g} h old, present wavefront within {} wave RMS of it",
                             kOldReferenceS / kHourS, kGood);
   found.fix = "ovws reference 100";
   const json& reference = measured.reference;
   if (reference.at("source") == "model") {
-    found.verdict = Verdict::note;
+    found.severity = Severity::note;
     found.text = "the reference is that of the model, which knows no aberration of the bench";
   } else {
     const double age = age_s(measured, reference);
     found.text = fmt::format("{} frames, {}", reference.at("frames").get<int>(), age_text(age));
-    if (age > kOldReferenceS) found.verdict = Verdict::note;
+    if (age > kOldReferenceS) found.severity = Severity::note;
   }
   const json& stale = reference.at("stale");
   if (!stale.empty()) {
-    raise(found, Verdict::warning,
+    raise(found, Severity::warning,
           fmt::format("{} has changed since then", stale.at(0).at("field").get<std::string>()));
   }
   const double introduced = reference.at("introduced_rms_waves").is_number()
                                 ? reference.at("introduced_rms_waves").get<double>()
                                 : 0.0;
   if (introduced > 0.0) {
-    raise(found, Verdict::warning,
+    raise(found, Severity::warning,
           fmt::format("contains an introduced aberration of {:.4f} wave RMS", introduced));
     found.fix = "ovws clear && ovws reference 100";
   }
   if (!facts.open.usable || facts.open.offset <= kGood) return found;
-  raise(found, facts.open.offset > kWarning ? Verdict::warning : Verdict::note,
+  raise(found, facts.open.offset > kWarning ? Severity::warning : Severity::note,
         fmt::format("the present wavefront differs from it by {:.4f} wave RMS", facts.open.offset));
   found.cost_waves = facts.open.offset;
   if (introduced == 0.0) found.fix = "ovws loop close";
   return found;
 }
 
-Finding judge_registration(const Facts& facts) {
+Finding judge_registration(const MeasuredFacts& facts) {
   constexpr double kGoodShare = 0.02, kBadShare = 0.1, kScale = 0.01;
   const Measured& measured = facts.measured;
   const json& registration = measured.registration;
   const double configured = configured_scale(measured.config);
   const double spot = spot_px(measured, configured);
-  Finding found{"registration", "Registration"};
+  Finding found;
   found.limit =
       fmt::format("residual at most {:.2f} px, scale within {:.0f} % of the configuration",
                   kGoodShare * spot, 100.0 * kScale);
   found.fix = "ovws call registration.run --wait && ovws reference 100";
   if (!registration.at("registered").get<bool>()) {
-    found.verdict = Verdict::note;
+    found.severity = Severity::note;
     found.text =
         "none was measured: the spots are expected where the configuration puts them, on a camera "
         "that is neither rotated nor mirrored";
@@ -135,10 +128,10 @@ Finding judge_registration(const Facts& facts) {
       scale / configured, registration.at("rotation_deg").get<double>(),
       registration.at("mirrored").get<bool>() ? "mirrored" : "not mirrored", residual,
       age_text(age));
-  found.verdict = verdict_of(residual / spot, kGoodShare, kGoodShare, kBadShare);
-  if (age > kOldMeasurementS) found.verdict = std::max(found.verdict, Verdict::note);
+  found.severity = severity_of(residual / spot, kGoodShare, kGoodShare, kBadShare);
+  if (age > kOldMeasurementS) found.severity = std::max(found.severity, Severity::note);
   if (std::abs(scale / configured - 1.0) > kScale) {
-    raise(found, Verdict::note,
+    raise(found, Severity::note,
           "focal length, magnification or a pixel pitch of the configuration is not exact; the "
           "measured scale is used");
     found.fix = "ovws call config.get";
@@ -146,10 +139,10 @@ Finding judge_registration(const Facts& facts) {
   return found;
 }
 
-Finding judge_lut(const Facts& facts) {
+Finding judge_lut(const MeasuredFacts& facts) {
   constexpr double kGood = 0.008, kWarning = 0.02, kBad = 0.1;
   const Measured& measured = facts.measured;
-  Finding found{"lut", "Look-up table of the SLM"};
+  Finding found;
   found.limit =
       fmt::format("error at most {} wave RMS (0.8 % of 2 pi); bad above {} wave", kGood, kBad);
   found.fix = "ovws call lut.run --wait && ovws reference 100";
@@ -157,15 +150,15 @@ Finding judge_lut(const Facts& facts) {
   const bool in_use = lut.at("measured").get<bool>();
   const json& known = in_use ? lut : measured.lut_run.result;
   if (!known.is_object()) {
-    found.verdict = Verdict::note;
+    found.severity = Severity::note;
     found.text = fmt::format("the {} table is used; the SLM's phase is not measured: {}",
                              lut.at("source").get<std::string>(), measured.lut_run.reason);
     return found;
   }
   const double depth = std::abs(known.at("depth_rad").get<double>());
   found.cost_waves = table_error_waves(lut.at("grey_levels"), known.at("phase_rad"));
-  found.verdict = verdict_of(found.cost_waves, kGood, kGood, kBad);
-  if (found.cost_waves > kWarning) found.verdict = std::max(found.verdict, Verdict::warning);
+  found.severity = severity_of(found.cost_waves, kGood, kGood, kBad);
+  if (found.cost_waves > kWarning) found.severity = std::max(found.severity, Severity::warning);
   found.text = fmt::format(
       "the {} table is used; its error is {:.4f} wave RMS, and the SLM's depth {:.3f} times 2 pi",
       lut.at("source").get<std::string>(), found.cost_waves,
@@ -173,18 +166,18 @@ Finding judge_lut(const Facts& facts) {
   if (!in_use) return found;
   const double age = age_s(measured, lut);
   found.text += ", " + age_text(age);
-  if (age > kOldMeasurementS) found.verdict = std::max(found.verdict, Verdict::note);
+  if (age > kOldMeasurementS) found.severity = std::max(found.severity, Severity::note);
   return found;
 }
 
-Finding judge_flatness(const Facts& facts) {
+Finding judge_flatness(const MeasuredFacts& facts) {
   constexpr double kGood = 0.01;
   const json& flatness = facts.measured.flatness;
-  Finding found{"flatness", "Flatness of the SLM"};
+  Finding found;
   found.limit = fmt::format("measured, and at most {} wave RMS is left", kGood);
   found.fix = "ovws call flatness.run --wait && ovws reference 100";
   if (!flatness.at("measured").get<bool>()) {
-    found.verdict = Verdict::note;
+    found.severity = Severity::note;
     found.text = flatness.at("path").is_string()
                      ? "a file is used: " + flatness.at("path").get<std::string>()
                      : "not measured: the reference contains the SLM's own shape";
@@ -195,15 +188,15 @@ Finding judge_flatness(const Facts& facts) {
   found.text = fmt::format("{:.4f} wave RMS are corrected, {:.4f} are left, {}",
                            flatness.at("rms_waves").get<double>(), left, age_text(age));
   found.cost_waves = left;
-  found.verdict = verdict_of(left, kGood, 5.0 * kGood, 1.0);
-  if (age > kOldMeasurementS) found.verdict = std::max(found.verdict, Verdict::note);
+  found.severity = severity_of(left, kGood, 5.0 * kGood, 1.0);
+  if (age > kOldMeasurementS) found.severity = std::max(found.severity, Severity::note);
   return found;
 }
 
-Finding judge_calibration(const Facts& facts) {
+Finding judge_calibration(const MeasuredFacts& facts) {
   const json& calibration = facts.measured.calibration;
   const json& sensor = facts.measured.sensor;
-  Finding found{"calibration", "Calibration"};
+  Finding found;
   found.limit = "in use, if there is one";
   found.fix = "ovws call calibration.run --wait";
   if (!calibration.at("calibrated").get<bool>()) {
@@ -213,7 +206,7 @@ Finding judge_calibration(const Facts& facts) {
   found.text = fmt::format("{} modes, {}", calibration.at("modes").size(),
                            age_text(age_s(facts.measured, calibration)));
   if (calibration.at("in_force").get<bool>()) return found;
-  found.verdict = Verdict::note;
+  found.severity = Severity::note;
   found.text += "; not in use";
   if (sensor.at("operator_reason").is_string()) {
     found.text += ": " + sensor.at("operator_reason").get<std::string>();
@@ -221,4 +214,23 @@ Finding judge_calibration(const Facts& facts) {
   return found;
 }
 
-}  // namespace ovws::check
+constexpr std::array<Question<MeasuredFacts>, 5> kBench{{
+    {"reference", kCheck, kDaemon | kLight, judge_reference, "Reference"},
+    {"registration", kCheck, kDaemon, judge_registration, "Registration"},
+    {"lut", kCheck, kDaemon | kLight | kMoves, judge_lut, "Look-up table of the SLM"},
+    {"flatness", kCheck, kDaemon, judge_flatness, "Flatness of the SLM"},
+    {"calibration", kCheck, kDaemon, judge_calibration, "Calibration"},
+}};
+
+}  // namespace
+
+double table_error_waves(const json& grey_levels, const json& phase_rad) {
+  return std::min(error_as_waves(grey_levels, phase_rad, 1.0),
+                  error_as_waves(grey_levels, phase_rad, -1.0));
+}
+
+std::span<const Question<MeasuredFacts>> bench_questions() {
+  return kBench;
+}
+
+}  // namespace ovws::examine

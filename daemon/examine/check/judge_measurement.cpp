@@ -14,7 +14,7 @@
 #include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 using nlohmann::json;
@@ -106,7 +106,7 @@ double first_error(const Response& response) {
 
 /// A finding for which too few frames were valid.
 Finding unmeasured(Finding found) {
-  found.verdict = Verdict::note;
+  found.severity = Severity::note;
   found.text = fmt::format("not measured: fewer than {} frames are valid", kMinFrames);
   return found;
 }
@@ -117,18 +117,16 @@ double mean_saturated(const Record& record) {
   return record.frames.empty() ? 0.0 : sum / double(record.frames.size());
 }
 
-}  // namespace
-
-Finding judge_response(const Facts& facts) {
+Finding judge_response(const MeasuredFacts& facts) {
   constexpr double kGood = 0.002, kWarning = 0.005, kBad = 0.02;
   const Response& response = facts.measured.response;
-  Finding found{"response", "Response to 0.1 wave of each mode"};
+  Finding found;
   found.limit = fmt::format("error at most {} wave; bad above {} wave", kGood, kBad);
   found.fix = better_readings(facts.measured);
   const Poke* const poke = worst_poke(response);
   const std::string unread = unread_modes(response);
   if (poke == nullptr) {
-    found.verdict = Verdict::bad;
+    found.severity = Severity::bad;
     found.text = "no mode could be read: " + unread;
     found.fix = "ovws doctor";
     return found;
@@ -136,22 +134,22 @@ Finding judge_response(const Facts& facts) {
   const double error = error_waves(*poke, response.modes_j);
   const study::Mean slope = slope_of(*poke, response.modes_j);
   found.cost_waves = error;
-  found.verdict = verdict_of(error, kGood, kWarning, kBad);
+  found.severity = severity_of(error, kGood, kWarning, kBad);
   found.text = fmt::format(
       "the worst mode, {}, is read with a slope of {:.4f} ± {:.4f} and a cross-talk of {:.4f}: an "
       "error of {:.4f} wave",
       zernike_name(poke->j), slope.value, slope.standard_error,
       crosstalk_of(*poke, response.modes_j), error);
   if (unread.empty()) return found;
-  found.verdict = Verdict::bad;
+  found.severity = Severity::bad;
   found.text += "; not readable: " + unread;
   return found;
 }
 
-Finding judge_noise(const Facts& facts) {
+Finding judge_noise(const MeasuredFacts& facts) {
   constexpr double kRatio = 1.5, kBadRatio = 10.0, kMost = 0.01;
   const Stability& open = facts.open;
-  Finding found{"noise", "Noise of a single frame"};
+  Finding found;
   found.limit =
       fmt::format("at most {} wave, and at most {} times what the frames state", kMost, kRatio);
   if (!open.usable) return unmeasured(found);
@@ -159,7 +157,7 @@ Finding judge_noise(const Facts& facts) {
   found.text =
       fmt::format("{:.5f} wave (root sum square over {} modes)", open.noise, open.modes.size());
   found.fix = "ovws call camera.auto_exposure --wait";
-  found.verdict = verdict_of(open.noise, kMost, kMost, 10.0 * kMost);
+  found.severity = severity_of(open.noise, kMost, kMost, 10.0 * kMost);
   if (std::isnan(open.stated) || open.stated <= 0.0) {
     found.text += "; the frames state no standard errors";
     return found;
@@ -167,20 +165,20 @@ Finding judge_noise(const Facts& facts) {
   const double ratio = open.noise / open.stated;
   found.text +=
       fmt::format(", {:.2f} times the {:.5f} wave that the frames state", ratio, open.stated);
-  found.verdict = std::max(found.verdict, verdict_of(ratio, kRatio, 2.0 * kRatio, kBadRatio));
+  found.severity = std::max(found.severity, severity_of(ratio, kRatio, 2.0 * kRatio, kBadRatio));
   return found;
 }
 
-Finding judge_motion(const Facts& facts) {
+Finding judge_motion(const MeasuredFacts& facts) {
   constexpr double kGood = 0.005, kWarning = 0.01, kBad = 0.05;
   const Stability& open = facts.open;
-  Finding found{"motion", "Vibration and turbulence"};
+  Finding found;
   found.limit = fmt::format("at most {} wave RMS with tilts; bad above {} wave", kGood, kBad);
   if (!open.usable) return unmeasured(found);
   found.cost_waves = open.motion;
-  found.verdict = verdict_of(open.motion, kGood, kWarning, kBad);
+  found.severity = severity_of(open.motion, kGood, kWarning, kBad);
   found.text = fmt::format("the wavefront moves by {:.4f} wave RMS", open.motion);
-  if (found.verdict == Verdict::good) return found;
+  if (found.severity == Severity::good) return found;
   found.text += fmt::format(", most in {}", zernike_name(open.strongest_j));
   if (open.frequency_hz > 0.0) {
     found.text += fmt::format(
@@ -193,36 +191,36 @@ Finding judge_motion(const Facts& facts) {
   return found;
 }
 
-Finding judge_drift(const Facts& facts) {
+Finding judge_drift(const MeasuredFacts& facts) {
   constexpr double kGood = 0.005, kWarning = 0.02, kBad = 0.1;
-  Finding found{"drift", "Drift over the record"};
+  Finding found;
   found.limit = fmt::format("at most {} wave; bad above {} wave", kGood, kBad);
   if (!facts.open.usable) return unmeasured(found);
   found.cost_waves = facts.open.drift;
-  found.verdict = verdict_of(facts.open.drift, kGood, kWarning, kBad);
+  found.severity = severity_of(facts.open.drift, kGood, kWarning, kBad);
   found.text = fmt::format("{:.4f} wave in {:.0f} s (straight line, all modes)", facts.open.drift,
                            facts.measured.open.seconds());
   found.fix = "ovws loop close";
   // A slow part of a motion looks like a drift.
   if (facts.open.motion > facts.open.drift)
-    found.cause = found.verdict == Verdict::good ? "" : "motion";
+    found.cause = found.severity == Severity::good ? "" : "motion";
   return found;
 }
 
-Finding judge_loop(const Facts& facts) {
+Finding judge_loop(const MeasuredFacts& facts) {
   constexpr double kGood = 0.005, kWarning = 0.02;
   const LoopResult& loop = facts.measured.loop;
-  Finding found{"loop", "Closed loop"};
+  Finding found;
   found.limit = fmt::format("leaves at most {} wave RMS without tilts", kGood);
   if (loop.loop.is_null()) {
-    found.verdict = loop.failed ? Verdict::bad : Verdict::note;
+    found.severity = loop.failed ? Severity::bad : Severity::note;
     found.text = (loop.failed ? "it opened by itself: " : "not measured: ") + loop.reason;
     found.fix = loop.failed ? "ovws doctor" : "";
     return found;
   }
   const double rms = rms_waves(loop.record);
   if (std::isnan(rms)) {
-    found.verdict = Verdict::bad;
+    found.severity = Severity::bad;
     found.text = "no frame is valid while it is closed";
     found.fix = "ovws status";
     return found;
@@ -230,7 +228,7 @@ Finding judge_loop(const Facts& facts) {
   const json& step = loop.loop.at("step");
   const double step_ms = step.at("p50_ms").get<double>();
   found.cost_waves = rms;
-  found.verdict = verdict_of(rms, kGood, kWarning, 1.0);
+  found.severity = severity_of(rms, kGood, kWarning, 1.0);
   found.text = fmt::format(
       "leaves {:.4f} wave RMS without tilts at {:.1f} steps/s, with a delay of {:.0f} ms", rms,
       step_ms > 0.0 ? 1e3 / step_ms : 0.0, step.at("delay_ms").get<double>());
@@ -238,10 +236,10 @@ Finding judge_loop(const Facts& facts) {
   return found;
 }
 
-Finding judge_frames(const Facts& facts) {
+Finding judge_frames(const MeasuredFacts& facts) {
   constexpr double kNote = 0.001, kWarning = 0.01, kBad = 0.1;
   const Record& open = facts.measured.open;
-  Finding found{"frames", "Valid frames"};
+  Finding found;
   found.limit = fmt::format("at least {:.1f} % valid; bad below {:.0f} %", 100.0 * (1.0 - kNote),
                             100.0 * (1.0 - kBad));
   const auto valid = std::ranges::count_if(open.frames, [](const Frame& one) { return one.valid; });
@@ -251,19 +249,19 @@ Finding judge_frames(const Facts& facts) {
       "without a mode shown, {} of {} settled frames are valid, at {:.1f} "
       "frames/s",
       valid, open.frames.size(), facts.open.frame_rate_hz);
-  found.verdict = facts.open.usable ? verdict_of(invalid, kNote, kWarning, kBad) : Verdict::bad;
+  found.severity = facts.open.usable ? severity_of(invalid, kNote, kWarning, kBad) : Severity::bad;
   found.fix = "ovws status";
   return found;
 }
 
-Finding judge_spots(const Facts& facts) {
+Finding judge_spots(const MeasuredFacts& facts) {
   constexpr double kBlinding = 0.5;  // share of saturated spots that loses others
-  Finding found{"spots", "Lost spots"};
+  Finding found;
   found.limit = "every spot is found, and is part of the reference and of the calibration";
   const std::string lost = lost_spots(facts.measured);
   found.text = lost.empty() ? "none is lost" : "lost " + lost;
   if (lost.empty()) return found;
-  found.verdict = Verdict::warning;
+  found.severity = Severity::warning;
   if (mean_saturated(facts.measured.open) > kBlinding) {
     found.cause = "saturation";
     return found;
@@ -274,24 +272,24 @@ Finding judge_spots(const Facts& facts) {
   return found;
 }
 
-Finding judge_saturation(const Facts& facts) {
+Finding judge_saturation(const MeasuredFacts& facts) {
   const double share = mean_saturated(facts.measured.open);
-  Finding found{"saturation", "Saturation"};
+  Finding found;
   found.limit =
       fmt::format("no spot; bad above {:.0f} % of the spots", 100.0 * limits::kMaxSaturatedSpots);
   found.text = fmt::format("{:.1f} % of the spots have a pixel at full scale", 100.0 * share);
   if (share == 0.0) found.text = "no spot has a pixel at full scale";
-  found.verdict = verdict_of(share, 0.0, 0.0, limits::kMaxSaturatedSpots);
+  found.severity = severity_of(share, 0.0, 0.0, limits::kMaxSaturatedSpots);
   found.fix = "ovws call camera.auto_exposure --wait && ovws reference 100";
   return found;
 }
 
-Finding judge_settle(const Facts& facts) {
+Finding judge_settle(const MeasuredFacts& facts) {
   constexpr double kGood = 0.02;  // the first frames after a jump are measured less exactly
   constexpr double kTooLong = 2.0, kTooLongMs = 20.0;
   const Measured& measured = facts.measured;
   const double used = settle_used_ms(measured), first = first_error(measured.response);
-  Finding found{"settle", "Settle time"};
+  Finding found;
   found.limit = fmt::format(
       "first frame after a change within {} wave of the later ones; no longer than {:g} times what "
       "is needed",
@@ -313,29 +311,29 @@ Finding judge_settle(const Facts& facts) {
                             measured.settle.result.at("max_ms").get<double>(), proposed);
   } else {
     found.text += "; not measured: " + measured.settle.reason;
-    if (std::isnan(first)) found.verdict = Verdict::note;
+    if (std::isnan(first)) found.severity = Severity::note;
   }
   // A wavefront that moves changes between two frames, too.
   const bool first_is_off = first > std::hypot(kGood, 3.0 * facts.open.motion);
   if (short_by_job || first_is_off) {
-    found.verdict = first_is_off ? Verdict::bad : Verdict::warning;
+    found.severity = first_is_off ? Severity::bad : Severity::warning;
     if (first_is_off) found.cost_waves = first;
     found.fix = short_by_job ? fmt::format("ovws call slm.set settle_ms={:g}", proposed)
                              : "ovws call slm.settle watch_ms=1000 --wait";
   } else if (proposed > 0.0 && used > kTooLong * proposed + kTooLongMs) {
-    found.verdict = Verdict::note;
+    found.severity = Severity::note;
     found.text += ": the loop is slower than necessary";
     found.fix = fmt::format("ovws call slm.set settle_ms={:g}", proposed);
   }
   return found;
 }
 
-Finding judge_losses(const Facts& facts) {
+Finding judge_losses(const MeasuredFacts& facts) {
   constexpr double kNote = 0.005, kWarning = 0.02, kBad = 0.1;
   constexpr std::array<const char*, 6> kNames{"frames_lost",         "frames_incomplete",
                                               "frames_dropped",      "frames_late",
                                               "frames_out_of_order", "messages_dropped"};
-  Finding found{"losses", "Lost and late frames"};
+  Finding found;
   found.limit =
       fmt::format("at most {:g} %; warning above {:g} %", 100.0 * kNote, 100.0 * kWarning);
   const json before = facts.measured.status.at("counters"), &after = facts.measured.counters_after;
@@ -349,10 +347,31 @@ Finding judge_losses(const Facts& facts) {
   const std::int64_t grabbed = after.value("frames_grabbed", std::int64_t(0)) -
                                before.value("frames_grabbed", std::int64_t(0));
   found.text = fmt::format("{} of {} frames", found.text.empty() ? "none" : found.text, grabbed);
-  found.verdict =
-      verdict_of(grabbed > 0 ? double(lost) / double(grabbed) : 1.0, kNote, kWarning, kBad);
+  found.severity =
+      severity_of(grabbed > 0 ? double(lost) / double(grabbed) : 1.0, kNote, kWarning, kBad);
   found.fix = "ovws doctor";
   return found;
 }
 
-}  // namespace ovws::check
+constexpr unsigned kRecords = kDaemon | kLight;
+constexpr unsigned kMeasures = kRecords | kMoves;
+constexpr std::array<Question<MeasuredFacts>, 10> kMeasurement{{
+    {"response", kCheck, kMeasures, judge_response, "Response to 0.1 wave of each mode"},
+    {"noise", kCheck, kRecords, judge_noise, "Noise of a single frame"},
+    {"motion", kCheck, kRecords, judge_motion, "Vibration and turbulence"},
+    {"drift", kCheck, kRecords, judge_drift, "Drift over the record"},
+    {"loop", kCheck, kMeasures, judge_loop, "Closed loop"},
+    {"frames", kCheck, kRecords, judge_frames, "Valid frames"},
+    {"spots", kCheck, kMeasures, judge_spots, "Lost spots"},
+    {"saturation", kCheck, kRecords, judge_saturation, "Saturation"},
+    {"settle", kCheck, kMeasures, judge_settle, "Settle time"},
+    {"losses", kCheck, kRecords, judge_losses, "Lost and late frames"},
+}};
+
+}  // namespace
+
+std::span<const Question<MeasuredFacts>> measurement_questions() {
+  return kMeasurement;
+}
+
+}  // namespace ovws::examine

@@ -13,7 +13,7 @@
 #include "daemon/examine/check/stability.hpp"
 #include "daemon/shared/borrow.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 using cli::Answer;
@@ -285,4 +285,4 @@ tl::expected<Measured, cli::CallFailure> measure(const cli::Common& common, cons
   return Run(common, options, hooks)();
 }
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -7,7 +7,7 @@
 #include "daemon/examine/check/measured.hpp"
 #include "daemon/shared/client.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 
 struct Options {
   double seconds = 60.0;   ///< of the record with the loop open
@@ -30,4 +30,4 @@ struct Hooks {
 tl::expected<Measured, cli::CallFailure> measure(const cli::Common& common, const Options& options,
                                                  const Hooks& hooks);
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

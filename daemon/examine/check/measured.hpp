@@ -9,7 +9,7 @@
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/shared/lost_spots.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 
 constexpr double kPokeWaves = 0.1;  ///< RMS of a mode that is shown and read back
 
@@ -78,4 +78,4 @@ struct Measured {
   LoopResult loop;
 };
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -9,7 +9,7 @@
 #include "core/optics/zernike.hpp"
 #include "daemon/examine/check/response.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 using nlohmann::json;
@@ -25,7 +25,7 @@ json text_or_null(const std::string& text) {
 json finding_json(const Finding& one) {
   return {{"name", one.name},
           {"title", one.title},
-          {"verdict", name_of(one.verdict)},
+          {"verdict", names_of(one.severity).name},
           {"text", one.text},
           {"limit", one.limit},
           {"fix", text_or_null(one.fix)},
@@ -77,12 +77,12 @@ json stability_json(const Record& record) {
           {"modes", std::move(modes)}};
 }
 
+}  // namespace
+
 std::string cost_text(const Finding& one) {
   return std::isnan(one.cost_waves) ? "cost not known"
                                     : fmt::format("costs {:.4f} wave", one.cost_waves);
 }
-
-}  // namespace
 
 json report_json(const Measured& measured, const Findings& findings) {
   json all = json::array(), first = json::array();
@@ -97,7 +97,7 @@ json report_json(const Measured& measured, const Findings& findings) {
           {"version", measured.version},
           {"t_ns", measured.t_ns},
           {"quick", measured.quick},
-          {"verdict", name_of(worst(findings))},
+          {"verdict", names_of(worst(findings)).name},
           {"improve_first", std::move(first)},
           {"findings", std::move(all)},
           {"response", response_json(measured.response)},
@@ -117,9 +117,9 @@ std::string report_text(const Findings& findings) {
   }
   text += "\n";
   for (const Finding& one : findings) {
-    text += fmt::format("{:<8} {:<13} {}\n", name_of(one.verdict), one.name, one.text);
+    text += fmt::format("{:<8} {:<13} {}\n", names_of(one.severity).name, one.name, one.text);
   }
-  return text + fmt::format("verdict: {}", name_of(worst(findings)));
+  return text + fmt::format("verdict: {}", names_of(worst(findings)).name);
 }
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -8,7 +8,7 @@
 #include "daemon/examine/check/report.hpp"
 #include "daemon/examine/check/response.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 using nlohmann::json;
@@ -59,8 +59,8 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-std::string badge(Verdict verdict) {
-  return fmt::format("<span class=\"verdict {0}\">{0}</span>", name_of(verdict));
+std::string badge(Severity verdict) {
+  return fmt::format("<span class=\"verdict {0}\">{0}</span>", names_of(verdict).name);
 }
 
 std::string local_time(std::int64_t t_ns) {
@@ -70,12 +70,6 @@ std::string local_time(std::int64_t t_ns) {
   std::array<char, 64> text{};
   std::strftime(text.data(), text.size(), "%Y-%m-%d %H:%M:%S %Z", &parts);
   return text.data();
-}
-
-std::string text_at(const json& object, const char* key) {
-  return object.is_object() && object.contains(key) && object.at(key).is_string()
-             ? object.at(key).get<std::string>()
-             : "";
 }
 
 std::string bench_lines(const Measured& measured) {
@@ -94,15 +88,15 @@ std::string bench_lines(const Measured& measured) {
       "<p class=\"facts\">Sensor: charge {}, {} subapertures, {} modes, tracker {}, operator "
       "{}</p>\n",
       local_time(measured.t_ns), measured.open.seconds(), escaped(measured.version),
-      measured.quick ? ", quick" : "", escaped(text_at(camera.at("info"), "vendor")),
-      escaped(text_at(camera.at("info"), "model")), escaped(text_at(camera.at("info"), "serial")),
+      measured.quick ? ", quick" : "", escaped(text_at(camera.at("info"), "/vendor")),
+      escaped(text_at(camera.at("info"), "/model")), escaped(text_at(camera.at("info"), "/serial")),
       settings.at("exposure_us").get<double>(), gain, settings.at("frame_rate_hz").get<double>(),
-      escaped(text_at(settings, "pixel_format")), escaped(text_at(slm, "output")),
+      escaped(text_at(settings, "/pixel_format")), escaped(text_at(slm, "/output")),
       slm.at("width").get<int>(), slm.at("height").get<int>(),
       optics.at("wavelength_nm").get<double>(), optics.at("focal_length_mm").get<double>(),
       sensor.at("charge").get<int>(), sensor.at("subapertures").get<int>(),
-      sensor.at("modes_j").size(), escaped(text_at(sensor, "tracker")),
-      escaped(text_at(sensor, "operator_in_force")));
+      sensor.at("modes_j").size(), escaped(text_at(sensor, "/tracker")),
+      escaped(text_at(sensor, "/operator_in_force")));
 }
 
 std::string improvements(const Findings& findings) {
@@ -111,11 +105,8 @@ std::string improvements(const Findings& findings) {
   if (first.empty()) return html + "<p>Nothing: every check is good.</p>\n";
   html += "<ol>\n";
   for (const Finding& one : first) {
-    const std::string cost = std::isnan(one.cost_waves)
-                                 ? "cost not known"
-                                 : fmt::format("costs {:.4f} wave", one.cost_waves);
     html += fmt::format("<li>{} <strong>{}</strong> ({}): {}.<br><code>{}</code></li>\n",
-                        badge(one.verdict), escaped(one.title), cost, escaped(one.text),
+                        badge(one.severity), escaped(one.title), cost_text(one), escaped(one.text),
                         escaped(one.fix));
   }
   return html + "</ol>\n";
@@ -123,13 +114,13 @@ std::string improvements(const Findings& findings) {
 
 std::string findings_table(const Findings& findings) {
   std::string html =
-      "<h2>Findings</h2>\n<table>\n<thead><tr><th scope=\"col\">Verdict</th><th "
+      "<h2>Findings</h2>\n<table>\n<thead><tr><th scope=\"col\">Severity</th><th "
       "scope=\"col\">Subject</th><th scope=\"col\">Result, and the limit of "
       "“good”</th></tr></thead>\n<tbody>\n";
   for (const Finding& one : findings) {
     html += fmt::format(
         "<tr><td>{}</td><td>{}</td><td>{}{}<div class=\"limit\">{}</div></td></tr>\n",
-        badge(one.verdict), escaped(one.title), escaped(one.text),
+        badge(one.severity), escaped(one.title), escaped(one.text),
         one.cause.empty() ? "" : " (explained by: " + escaped(one.cause) + ")", escaped(one.limit));
   }
   return html + "</tbody>\n</table>\n";
@@ -200,4 +191,4 @@ std::string report_html(const Measured& measured, const Findings& findings) {
       improvements(findings), findings_table(findings), figures(measured), mode_table(measured));
 }
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 study::Mean mean_of_mode(const std::vector<Frame>& frames, std::size_t mode) {
@@ -79,4 +79,4 @@ double crosstalk_of(const Poke& poke, const std::vector<int>& modes_j) {
   return std::sqrt(sum);
 }
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -6,7 +6,7 @@
 
 #include "daemon/examine/check/measured.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 
 /// Frames of one hologram. `first`: the first settled and valid frame; `rest`: the later frames
 /// that count, all measured in the same way. All have the same modes.
@@ -30,4 +30,4 @@ study::Mean slope_of(const Poke& poke, const std::vector<int>& modes_j);
 /// Root sum square of the gains of all other modes.
 double crosstalk_of(const Poke& poke, const std::vector<int>& modes_j);
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

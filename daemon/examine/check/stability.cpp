@@ -5,7 +5,7 @@
 
 #include "core/control/spectrum.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 constexpr int kFirstMode = 3;
@@ -191,4 +191,4 @@ double rms_waves(const Record& record) {
   return count > 0 ? std::sqrt(sum / count) : study::kUnknown;
 }
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

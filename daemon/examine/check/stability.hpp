@@ -5,7 +5,7 @@
 
 #include "daemon/examine/check/measured.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 
 /// A mode in a record; all values in waves.
 struct ModeStability {
@@ -52,4 +52,4 @@ AllanCurve allan_of(const Record& record);
 /// Root mean square over the valid frames of the coefficients without tilts; NaN if there is none.
 double rms_waves(const Record& record);
 
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -15,7 +15,7 @@
 
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
-#include "daemon/examine/commission/commissioning.hpp"
+#include "daemon/examine/finding.hpp"
 #include "daemon/shared/borrow.hpp"
 
 namespace ovws::commission {
@@ -33,16 +33,22 @@ std::span<const WatchedFrame> newest(std::span<const WatchedFrame> frames, doubl
 /// Median of the RMS of the valid frames; none: no frame is valid.
 std::optional<double> median_rms_waves(std::span<const WatchedFrame> frames);
 
+struct Settings {
+  cli::Common daemon;  ///< connection and time-out
+  /// Questions about this machine, some seconds, asked in the thread of the commissioning. Empty:
+  /// the step `doctor` judges by the daemon's status only.
+  std::function<examine::Findings()> examine{};
+};
+
 class Bench {
  public:
   using Progress = std::function<void(double done, const std::string& text)>;
 
   /// `cancelled` and `settings` must outlive the Bench. `progress` is called in the same thread.
-  Bench(const Commissioning::Settings& settings, const std::atomic<bool>& cancelled,
-        Progress progress)
+  Bench(const Settings& settings, const std::atomic<bool>& cancelled, Progress progress)
       : settings_(settings), cancelled_(cancelled), progress_(std::move(progress)) {}
 
-  const Commissioning::Settings& settings() const { return settings_; }
+  const Settings& settings() const { return settings_; }
   bool cancelled() const { return cancelled_; }
 
   /// Reports what happens at present. The progress stays.
@@ -79,7 +85,7 @@ class Bench {
   const std::string& not_restored() const { return not_restored_; }
 
  private:
-  const Commissioning::Settings& settings_;
+  const Settings& settings_;
   const std::atomic<bool>& cancelled_;
   Progress progress_;
   double done_ = 0.0;

@@ -1,13 +1,45 @@
 #include "daemon/examine/commission/commissioning.hpp"
 
 #include <algorithm>
+#include <exception>
 
-#include "daemon/examine/commission/conductor.hpp"
+#include "daemon/examine/commission/drawing.hpp"
 #include "drivers/png/grey_png.hpp"
 #include "proto/reader.hpp"
 
 namespace ovws::commission {
 namespace {
+
+Outcome unexpected(const std::exception& error) {
+  return failed({Errc::internal, "",
+                 std::string("a reply of the daemon has an unknown format: ") + error.what()},
+                "Check that ovws and ovwsd have the same version.");
+}
+
+/// Runs `act`, and turns an unexpected reply of the daemon into a failed outcome.
+template <class Act>
+Outcome guarded(const Act& act) {
+  try {
+    return act();
+  } catch (const std::exception& error) {
+    return unexpected(error);
+  }
+}
+
+/// The camera's image as it is; empty: none came.
+Image<std::uint8_t> present_picture(Bench& bench) try {
+  const auto image = bench.image();
+  return image ? grey_of(*image) : Image<std::uint8_t>();
+} catch (const std::exception&) {
+  return {};
+}
+
+/// Whether the step's result is in use; none also if the daemon's replies have an unknown format.
+std::optional<bool> is_done(const Step& step, const Look& seen) try {
+  return step.is_done(seen);
+} catch (const std::exception&) {
+  return std::nullopt;
+}
 
 Error unknown(const char* field, std::string_view name, const std::vector<std::string>& known) {
   const auto near = nearest_name(name, known);
@@ -27,42 +59,104 @@ Result<const Step*> step_of(std::string_view name) {
 
 }  // namespace
 
-struct Commissioning::Impl {
-  Conductor conductor;
-};
+Commissioning::Commissioning(Settings settings)
+    : settings_(std::move(settings)),
+      running_(Running{"", 0.0, "looking"}),
+      records_(steps().size()),
+      worker_([this] { work(); }) {}
 
-Commissioning::Commissioning(Settings settings) : impl_(new Impl{Conductor(std::move(settings))}) {}
-Commissioning::~Commissioning() = default;
+Commissioning::~Commissioning() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  cancelled_ = true;
+  wake_.notify_all();
+  worker_.join();
+}
 
-Report Commissioning::report() const {
-  return impl_->conductor.report();
+void Commissioning::work() {
+  look_now();
+  for (;;) {
+    std::function<void()> action;
+    {
+      std::unique_lock lock(mutex_);
+      running_.reset();
+      wake_.wait(lock, [&] { return ending_ || next_; });
+      if (ending_) return;
+      action = std::exchange(next_, nullptr);
+    }
+    action();
+    look_now();
+  }
+}
+
+Result<void> Commissioning::begin(const Step* step, std::string text,
+                                  std::function<void()> action) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (running_) {
+      return fail(Errc::refused, "step",
+                  "wait until " + (running_->step.empty() ? "the look" : running_->step) +
+                      " has ended, or cancel it");
+    }
+    running_ = Running{step == nullptr ? "" : step->name, 0.0, std::move(text)};
+    next_ = [this, step, action = std::move(action)] {
+      try {
+        action();
+      } catch (const std::exception& error) {
+        if (step != nullptr) keep(*step, unexpected(error));
+      }
+    };
+    cancelled_ = false;
+  }
+  wake_.notify_all();
+  return {};
 }
 
 Result<void> Commissioning::look() {
-  return impl_->conductor.look();
+  return begin(nullptr, "looking", [] {});
 }
 
 Result<void> Commissioning::run(std::string_view name) {
   const auto step = step_of(name);
-  return step ? impl_->conductor.run(**step) : fail(step.error());
+  if (!step) return fail(step.error());
+  return begin(*step, (*step)->title, [this, step = *step] { run_now(*step); });
 }
 
 Result<void> Commissioning::skip(std::string_view name) {
   const auto step = step_of(name);
-  return step ? impl_->conductor.skip(**step) : fail(step.error());
+  if (!step) return fail(step.error());
+  return begin(*step, "skipping", [this, step = *step] {
+    const std::lock_guard lock(mutex_);
+    record(*step).skipped = true;
+    record(*step).ways.clear();
+  });
 }
 
 Result<void> Commissioning::undo(std::string_view name) {
   const auto step = step_of(name);
-  return step ? impl_->conductor.undo(**step) : fail(step.error());
+  if (!step) return fail(step.error());
+  {
+    const std::lock_guard lock(mutex_);
+    if (!can_undo(**step)) {
+      return fail(Errc::refused, "step", std::string(name) + " has nothing to undo");
+    }
+  }
+  return begin(*step, "undoing", [this, step = *step] { undo_now(*step); });
 }
 
 Result<void> Commissioning::take(std::string_view name, std::string_view offer) {
   const auto step = step_of(name);
   if (!step) return fail(step.error());
+  std::unique_lock lock(mutex_);
+  const std::vector<Way> ways = record(**step).ways;
+  lock.unlock();
   std::vector<std::string> known;
-  for (const Way& way : impl_->conductor.ways(**step)) {
-    if (way.offer.name == offer) return impl_->conductor.take(**step, way);
+  for (const Way& way : ways) {
+    if (way.offer.name == offer) {
+      return begin(*step, way.offer.text, [this, step = *step, way] { take_now(*step, way); });
+    }
     known.push_back(way.offer.name);
   }
   if (!known.empty()) return fail(unknown("offer", offer, known));
@@ -70,7 +164,145 @@ Result<void> Commissioning::take(std::string_view name, std::string_view offer) 
 }
 
 void Commissioning::cancel() {
-  impl_->conductor.cancel();
+  const std::lock_guard lock(mutex_);
+  if (running_) cancelled_ = true;
+}
+
+Bench Commissioning::bench() {
+  return {settings_, cancelled_, [this](double done, const std::string& text) {
+            const std::lock_guard lock(mutex_);
+            if (!running_) return;
+            running_->progress = done;
+            running_->text = text;
+          }};
+}
+
+void Commissioning::look_now() try {
+  const auto methods = looked_at();
+  auto results = cli::call_all(settings_.daemon, methods);
+  Look found;
+  for (std::size_t k = 0; results && k < methods.size(); ++k) {
+    found[methods[k]] = std::move((*results)[k]);
+  }
+  const std::lock_guard lock(mutex_);
+  seen_ = std::move(found);
+} catch (const std::exception&) {
+  // A reply of unknown format: what was seen before stays.
+}
+
+/// Keeps what an action of the step found.
+void Commissioning::keep(const Step& step, Outcome outcome) {
+  const std::lock_guard lock(mutex_);
+  Record& kept = record(step);
+  kept.skipped = false;
+  kept.failed = !outcome.passed;
+  kept.passed = outcome.passed;
+  kept.verdict = std::move(outcome.verdict);
+  kept.ways = std::move(outcome.ways);
+  kept.commands = std::move(outcome.commands);
+  if (outcome.picture.width == 0) return;
+  kept.picture = std::move(outcome.picture);
+  ++kept.pictures;
+}
+
+void Commissioning::run_now(const Step& step) {
+  Memory memory;
+  {
+    const std::lock_guard lock(mutex_);
+    running_ = Running{step.name, 0.0, step.title};
+    memory = record(step).memory;
+  }
+  Bench on = bench();
+  Outcome outcome = guarded([&] { return step.run(on, memory); });
+  if (!on.not_restored().empty()) {
+    outcome.passed = false;
+    outcome.verdict.severity = Severity::bad;
+    outcome.verdict.text += " Afterwards " + on.not_restored() + ".";
+  }
+  if (outcome.picture.width == 0 && !cancelled_) outcome.picture = present_picture(on);
+  keep(step, std::move(outcome));
+  const std::lock_guard lock(mutex_);
+  record(step).memory = std::move(memory);
+}
+
+void Commissioning::take_now(const Step& step, const Way& way) {
+  {
+    const std::lock_guard lock(mutex_);
+    record(step).memory.tried.insert(way.offer.name);
+  }
+  Bench on = bench();
+  for (const auto& [method, params] : way.calls) {
+    if (const auto done = on.call(method, params); !done) {
+      return keep(step, failed(done.error()));
+    }
+  }
+  if (way.after == After::stay) return;
+  if (way.after == After::conclude) {
+    return keep(step, passed(Severity::good, way.offer.text + ": done."));
+  }
+  if (!way.first.empty()) {
+    run_now(*std::ranges::find_if(steps(), [&](const Step& one) { return way.first == one.name; }));
+  }
+  if (!cancelled_) run_now(step);
+}
+
+void Commissioning::undo_now(const Step& step) {
+  Memory memory;
+  {
+    const std::lock_guard lock(mutex_);
+    memory = record(step).memory;
+  }
+  Bench on = bench();
+  Outcome outcome = guarded([&] { return undone(on, step, memory); });
+  const bool undone = outcome.passed;
+  keep(step, std::move(outcome));
+  if (!undone) return;
+  const std::lock_guard lock(mutex_);
+  record(step).passed = false;
+  record(step).memory = {};
+}
+
+State Commissioning::state_of(const Step& step) const {
+  const Record& kept = record(step);
+  if (kept.skipped) return State::skipped;
+  if (kept.failed) return State::failed;
+  if (!needless(step, seen_).empty()) return State::skipped;
+  const auto done = seen_.empty() ? std::optional(false) : is_done(step, seen_);
+  return done.value_or(kept.passed) ? State::done : State::open;
+}
+
+bool Commissioning::can_undo(const Step& step) const {
+  const Record& kept = record(step);
+  const bool is_measured = !seen_.empty() && is_done(step, seen_) == true;
+  return kept.memory.undo || (step.clear != nullptr && (is_measured || kept.passed));
+}
+
+StepReport Commissioning::report_of(const Step& step) const {
+  const Record& kept = record(step);
+  StepReport report{step.name, step.title, step.purpose, step.is_needed, state_of(step)};
+  report.is_recorded = report.state != State::open || seen_.empty() || kept.verdict.has_value() ||
+                       is_done(step, seen_).has_value();
+  report.verdict = kept.verdict;
+  if (const auto why = needless(step, seen_); !report.verdict && !why.empty()) {
+    report.verdict = examine::note("Not needed: " + why, "");
+  }
+  report.commands = kept.commands;
+  report.can_undo = can_undo(step);
+  for (const Way& way : kept.ways) {
+    report.offers.push_back(way.offer);
+    report.offers.back().is_proposal = way.offer.is_proposal && way.after == After::rerun;
+  }
+  if (kept.pictures > 0) {
+    report.picture = std::string(step.name) + "-" + std::to_string(kept.pictures);
+  }
+  return report;
+}
+
+Report Commissioning::report() const {
+  const std::lock_guard lock(mutex_);
+  Report report{running_, {}};
+  for (const Step& step : steps()) report.steps.push_back(report_of(step));
+  return report;
 }
 
 Result<void> Commissioning::act(std::string_view action, std::string_view step,
@@ -89,7 +321,9 @@ Result<void> Commissioning::act(std::string_view action, std::string_view step,
 
 Image<std::uint8_t> Commissioning::picture(std::string_view name) const {
   const auto step = step_of(name);
-  return step ? impl_->conductor.picture(**step) : Image<std::uint8_t>();
+  if (!step) return {};
+  const std::lock_guard lock(mutex_);
+  return record(**step).picture;
 }
 
 Result<std::string> Commissioning::picture_png(std::string_view name) const {

@@ -1,27 +1,20 @@
 /// Commissioning of a bench by a running daemon, step by step: for `ovws setup` and the live page.
 #pragma once
 
+#include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
-#include "core/base/image.hpp"
-#include "core/base/result.hpp"
-#include "daemon/examine/commission/report.hpp"
-#include "daemon/shared/client.hpp"
+#include "daemon/examine/commission/step.hpp"
 
 namespace ovws::commission {
-
-/// What a check of this machine found.
-struct Finding {
-  Wellness wellness = Wellness::good;
-  std::string name;     ///< "camera.packets"
-  std::string meaning;  ///< one sentence
-  std::string fix;      ///< a shell command, or a line of the configuration; may be empty
-};
 
 /// The ordered steps of a commissioning. There is no file of progress: whether a step is done is
 /// derived from what the daemon reports, so that a commissioning resumes at the first step that is
@@ -32,13 +25,6 @@ struct Finding {
 /// while another one runs, and with Errc::invalid if a name is unknown.
 class Commissioning {
  public:
-  struct Settings {
-    cli::Common daemon;  ///< connection and time-out
-    /// Checks of this machine, some seconds, called in the thread of this object. Empty: the step
-    /// `doctor` judges by the daemon's status only.
-    std::function<std::vector<Finding>()> examine;
-  };
-
   /// Begins by asking the daemon which steps are done, as `look` does.
   explicit Commissioning(Settings settings);
   /// Cancels what runs and waits for its end.
@@ -74,8 +60,47 @@ class Commissioning {
   Result<std::string> picture_png(std::string_view step) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  /// What a step's last action left behind.
+  struct Record {
+    bool skipped = false, failed = false, passed = false;
+    std::optional<examine::Finding> verdict;
+    std::vector<Way> ways;
+    std::vector<std::string> commands;
+    Image<std::uint8_t> picture;
+    int pictures = 0;
+    Memory memory;
+  };
+
+  void work();
+  Result<void> begin(const Step* step, std::string text, std::function<void()> action);
+  Bench bench();
+
+  // In the worker thread.
+  void look_now();
+  void run_now(const Step& step);
+  void take_now(const Step& step, const Way& way);
+  void undo_now(const Step& step);
+  void keep(const Step& step, Outcome outcome);
+
+  // With the mutex locked.
+  Record& record(const Step& step) { return records_[std::size_t(&step - steps().data())]; }
+  const Record& record(const Step& step) const {
+    return records_[std::size_t(&step - steps().data())];
+  }
+  State state_of(const Step& step) const;
+  bool can_undo(const Step& step) const;
+  StepReport report_of(const Step& step) const;
+
+  const Settings settings_;
+  std::atomic<bool> cancelled_{false};
+  mutable std::mutex mutex_;  ///< guards all below but the thread
+  std::condition_variable wake_;
+  bool ending_ = false;
+  std::function<void()> next_;
+  std::optional<Running> running_;  ///< from the request of an action until its end
+  std::vector<Record> records_;
+  Look seen_;
+  std::thread worker_;
 };
 
 /// The first step that is neither done nor skipped; null: there is none.

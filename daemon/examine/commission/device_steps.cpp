@@ -26,27 +26,9 @@ void add(std::string& all, const std::string& more, const char* between) {
 
 // Doctor ------------------------------------------------------------------------------------------
 
-/// Whether a fix can be run in a shell as it is: it begins with one of a few programs, and contains
-/// neither a place to fill in nor an alternative.
-bool is_command(const std::string& fix) {
-  constexpr std::array kPrograms{"sudo", "xrandr", "xset", "systemctl", "ovws"};
-  constexpr std::array kNotAsItIs{"FILE", "INTERFACE", "NAME", "…", "...", "<", ", or"};
-  const std::string first = fix.substr(0, fix.find(' '));
-  return std::ranges::find(kPrograms, first) != kPrograms.end() &&
-         std::ranges::none_of(kNotAsItIs,
-                              [&](const char* part) { return fix.find(part) != fix.npos; });
-}
-
-/// Whether a later step finds the same, and offers what repairs it.
-bool is_for_later(const Finding& finding) {
-  constexpr std::array kNames{"camera.found", "camera.light", "slm.output", "daemon.state"};
-  return finding.fix.starts_with("ovws setup ") ||
-         std::ranges::find(kNames, finding.name) != kNames.end();
-}
-
 Outcome run_doctor(Bench& bench, Memory&) {
   bench.say("checking this machine");
-  std::vector<Finding> findings;
+  examine::Findings findings;
   if (bench.settings().examine) findings = bench.settings().examine();
   const auto status = bench.call("system.status");
   if (!status) {
@@ -55,32 +37,22 @@ Outcome run_doctor(Bench& bench, Memory&) {
     return outcome;
   }
   Outcome outcome;
+  Severity worst = Severity::good;
   std::string faults, fixes;
-  int good = 0, warnings = 0;
-  for (const Finding& one : findings) {
-    good += one.wellness == Wellness::good ? 1 : 0;
-    warnings += one.wellness == Wellness::warning ? 1 : 0;
-    if (one.wellness != Wellness::bad && one.wellness != Wellness::warning) continue;
-    add(faults, one.name + ": " + one.meaning, "\n");
-    if (is_for_later(one)) {
-      ++warnings;
-      add(fixes, one.name + ": a later step offers the repair", "\n");
-      continue;
-    }
-    add(fixes, one.name + ": " + one.fix, "\n");
-    if (is_command(one.fix)) outcome.commands.push_back(one.fix);
+  for (const examine::Finding& one : findings) {
+    if (one.severity < Severity::warning) continue;
+    const bool is_later = is_for_later(one);
+    worst = std::max(worst, is_later ? Severity::warning : one.severity);
+    add(faults, one.name + ": " + one.text, "\n");
+    add(fixes, one.name + ": " + (is_later ? "a later step offers the repair" : one.fix), "\n");
+    if (!is_later && examine::is_command(one.fix)) outcome.commands.push_back(one.fix);
   }
-  const bool has_fault = std::ranges::any_of(findings, [](const Finding& one) {
-    return one.wellness == Wellness::bad && !is_for_later(one);
-  });
-  outcome.passed = !has_fault;
+  outcome.passed = worst != Severity::bad;
   const std::string state = "The daemon is " + text_at(*status, "state") + ".";
-  outcome.verdict = {
-      has_fault      ? Wellness::bad
-      : warnings > 0 ? Wellness::warning
-                     : Wellness::good,
-      faults.empty() ? state + fmt::format(" {} checks are good.", good) : state + "\n" + faults,
-      fixes};
+  const auto good = std::ranges::count(findings, Severity::good, &examine::Finding::severity);
+  outcome.verdict = advised(
+      worst, state + (faults.empty() ? fmt::format(" {} checks are good.", good) : "\n" + faults),
+      fixes);
   return outcome;
 }
 
@@ -149,7 +121,7 @@ Outcome run_camera(Bench& bench, Memory& memory) {
     return outcome;
   }
   auto outcome =
-      passed(Wellness::good,
+      passed(Severity::good,
              fmt::format("{} {}, serial {}, delivers {} x {} pixels; {} found in all.",
                          text_at(info, "vendor"), text_at(info, "model"), text_at(info, "serial"),
                          image->width, image->height, listed->at("cameras").size()));
@@ -215,7 +187,8 @@ Outcome unusable(const json& status, const json& outputs, const Memory& memory) 
     selected = text_at(output, "name");
     reason = text_at(output, "reason");
   }
-  outcome.verdict = {Wellness::bad, reason.empty() ? fault : selected + ": " + reason, ""};
+  outcome.verdict.severity = Severity::bad;
+  outcome.verdict.text = reason.empty() ? fault : selected + ": " + reason;
   if (outcome.verdict.text.empty()) outcome.verdict.text = "The SLM's output is not in use.";
   outcome.ways = other_outputs(outputs, memory);
   if (!outcome.ways.empty()) {
@@ -243,15 +216,15 @@ Outcome no_reaction(const Reaction& seen, const std::string& name, const json& o
   outcome.picture = seen.picture;
   outcome.ways = other_outputs(outputs, memory);
   if (seen.is_dark) {
-    outcome.verdict = {
-        Wellness::bad, "The camera sees no light, at any exposure and whatever " + name + " shows.",
+    outcome.verdict = advised(
+        Severity::bad, "The camera sees no light, at any exposure and whatever " + name + " shows.",
         "Switch on the laser, open its shutter, take off the camera's cap, and check "
-        "that the beam reaches the SLM and the camera's region."};
+        "that the beam reaches the SLM and the camera's region.");
     outcome.ways.clear();
   } else {
-    outcome.verdict = {Wellness::bad,
-                       "The camera's image does not change with what " + name + " shows.",
-                       "The SLM may be another output, switched off, or not lit."};
+    outcome.verdict =
+        advised(Severity::bad, "The camera's image does not change with what " + name + " shows.",
+                "The SLM may be another output, switched off, or not lit.");
   }
   outcome.ways.push_back(
       {{"identify", "show the test image on " + name + ", to see which screen it is"},
@@ -283,7 +256,7 @@ Outcome run_output(Bench& bench, Memory& memory) {
   if (!seen) return failed(seen.error());
   if (!seen->changes) return no_reaction(*seen, name, outputs, memory);
   auto outcome = passed(
-      Wellness::good,
+      Severity::good,
       fmt::format("The camera's image changes with what {} shows: {} x {} pixels at {:.0f} Hz.",
                   name, state.at("info").at("width").get<int>(),
                   state.at("info").at("height").get<int>(),

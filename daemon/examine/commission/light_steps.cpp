@@ -36,7 +36,7 @@ Outcome run_exposure(Bench& bench, Memory& memory) {
   if (!found) return failed(found.error());
   const json& gain_db = found->at("gain_db");
   return passed(
-      Wellness::good,
+      Severity::good,
       fmt::format("Exposure {:.0f} us (it was {:.0f}){}: most spots reach up to {:.0f} % of full "
                   "scale.",
                   found->at("exposure_us").get<double>(), before_us,
@@ -118,7 +118,7 @@ Outcome judge_place(const Spot& spot, const Field& field, const json& camera, Ou
          {{"camera.set", {{"roi", region}, {"clamp", true}}}}});
   }
   outcome.passed = field.fits;
-  outcome.verdict.wellness = field.fits ? Wellness::note : Wellness::bad;
+  outcome.verdict.severity = field.fits ? Severity::note : Severity::bad;
   outcome.verdict.text +=
       field.fits
           ? " It is off the region's middle."
@@ -164,9 +164,10 @@ Result<Views> views(Bench& bench) {
 Outcome no_spot(const Views& seen, const Memory& memory) {
   Outcome outcome;
   outcome.picture = grey_of(seen.grating);
-  outcome.verdict = {Wellness::bad, "The base grating makes no spot in the camera's region.",
-                     "Either the SLM's phase falls with the grey level, which the look-up table "
-                     "repairs, or the spot is outside the region: move the region or the camera."};
+  outcome.verdict =
+      advised(Severity::bad, "The base grating makes no spot in the camera's region.",
+              "Either the SLM's phase falls with the grey level, which the look-up table "
+              "repairs, or the spot is outside the region: move the region or the camera.");
   if (!memory.tried.contains("lut")) {
     outcome.ways.push_back({{"lut", "measure the look-up table first"}, {}, "lut"});
   }
@@ -193,7 +194,7 @@ Outcome run_spot(Bench& bench, Memory& memory) {
   const auto field = field_of(*config, *registration, *spot);
   if (!field) return failed(field.error());
   auto outcome =
-      passed(Wellness::good, fmt::format("The base grating makes one spot, at ({:.0f}, {:.0f}) in "
+      passed(Severity::good, fmt::format("The base grating makes one spot, at ({:.0f}, {:.0f}) in "
                                          "the region.",
                                          spot->x, spot->y));
   const auto zeroth = spot_in(seen->flat, seen->grating);

@@ -9,7 +9,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::array kStates{"open", "done", "skipped", "failed"};
-constexpr std::array kWellness{"good", "note", "warning", "bad"};
 
 json json_of(const StepReport& step) {
   json offers = json::array();
@@ -18,7 +17,7 @@ json json_of(const StepReport& step) {
   }
   json verdict;
   if (step.verdict) {
-    verdict = {{"wellness", kWellness[std::size_t(step.verdict->wellness)]},
+    verdict = {{"wellness", examine::names_of(step.verdict->severity).name},
                {"text", step.verdict->text},
                {"advice", step.verdict->advice}};
   }

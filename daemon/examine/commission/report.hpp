@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/examine/finding.hpp"
+
 namespace ovws::commission {
 
 enum class State {
@@ -13,15 +15,6 @@ enum class State {
   done,     ///< its result is in use on the daemon, or it passed in this commissioning
   skipped,  ///< by the user, until the step is run; or the bench needs no such step
   failed    ///< the last run did not pass
-};
-
-enum class Wellness { good, note, warning, bad };
-
-/// What a run, an undo or a look at a step found.
-struct Verdict {
-  Wellness wellness = Wellness::good;
-  std::string text;    ///< what was found, with figures
-  std::string advice;  ///< what to do; empty: nothing
 };
 
 /// A way to go on that a step offers.
@@ -38,9 +31,9 @@ struct StepReport {
   bool is_needed = false;  ///< later steps cannot pass without it; constant
   State state = State::open;
   bool is_recorded = true;  ///< false: open, because the daemon does not tell whether it was done
-  std::optional<Verdict> verdict{};     ///< of the last action in this commissioning, or why the
-                                        ///< bench needs no such step
-  std::vector<Offer> offers{};          ///< after the last run
+  std::optional<examine::Finding> verdict{};  ///< of the last action in this commissioning, or why
+                                              ///< the bench needs no such step
+  std::vector<Offer> offers{};                ///< after the last run
   bool can_undo = false;                ///< whether `undo` has something to restore or to clear
   std::string picture{};                ///< changes with the picture; empty: there is none
   std::vector<std::string> commands{};  ///< shell commands that repair what was found

@@ -37,9 +37,10 @@ std::string look_there() {
 }
 
 /// Warns of the lost spots, if any, after the verdict's other words.
-void warn_of(Bench& bench, const std::vector<int>& lost, const char* what, Verdict& verdict) {
+void warn_of(Bench& bench, const std::vector<int>& lost, const char* what,
+             examine::Finding& verdict) {
   if (lost.empty()) return;
-  verdict.wellness = Wellness::warning;
+  verdict.severity = Severity::warning;
   verdict.text += fmt::format(" {}: {}.", what, named(bench, lost));
   verdict.advice += (verdict.advice.empty() ? "" : " ") + look_there();
 }
@@ -62,12 +63,12 @@ Outcome run_reference(Bench& bench, Memory& memory) {
     return outcome;
   }
   auto outcome =
-      passed(Wellness::good,
+      passed(Severity::good,
              fmt::format("Taken from {} frames: noise {:.4f} pixels, drift {:.4f} pixels.",
                          taken->at("frames").get<int>(), taken->at("noise_px").get<double>(),
                          taken->at("drift_px").get<double>()));
   if (!is_fixed_array(*config) && flatness->at("measured") == false) {
-    outcome.verdict.wellness = Wellness::warning;
+    outcome.verdict.severity = Severity::warning;
     outcome.verdict.text +=
         " It contains the bench's own aberration, which the loop would keep: the flatness is not "
         "measured.";
@@ -89,19 +90,19 @@ Image<std::uint8_t> graph_of_factors(const json& modes) {
   return graph.image();
 }
 
-Outcome run_calibration(Bench& bench, Memory& memory) {
+Outcome run_calibration(Bench& bench, Memory&) {
   const auto made = bench.job("calibration.run", {{"frames", kCalibrationFrames}},
                               "showing each mode with both signs");
   if (!made) return failed(made.error());
   auto outcome =
-      passed(Wellness::good,
+      passed(Severity::good,
              fmt::format("{} modes are calibrated; condition number {:.1f}, drift {:.4f} pixels.",
                          made->at("modes").size(), made->at("condition_number").get<double>(),
                          made->at("drift_px").get<double>()));
   if (made->at("disagreement") == "none") {
     outcome.verdict.text += " The bench agrees with the model.";
   } else {
-    outcome.verdict.wellness = Wellness::warning;
+    outcome.verdict.severity = Severity::warning;
     outcome.verdict.advice = made->at("disagreement_reason").get<std::string>() + ".";
   }
   warn_of(bench, made->at("lost_spots"), "It lacks lost spots", outcome.verdict);
@@ -204,7 +205,7 @@ Outcome judge_loop(Bench& bench, const LoopRun& run) {
       "A defocus of {:.2f} wave was shown: the RMS fell from {:.4f} to {:.4f} wave in "
       "{} steps.",
       kTestMode_waves, *before, *after, run.report.at("steps").get<int>());
-  if (*after < kMuchLess * *before) return passed(Wellness::good, figures);
+  if (*after < kMuchLess * *before) return passed(Severity::good, figures);
   return failed({Errc::refused, "", figures},
                 "Less was removed than expected: take the reference again, then the calibration.");
 }
@@ -241,7 +242,7 @@ Outcome run_save(Bench& bench, Memory&) {
                   "Set state.directory in the configuration; the service has a folder of its own.");
   }
   const auto keys = saved->at("saved").get<std::vector<std::string>>();
-  return passed(Wellness::good,
+  return passed(Severity::good,
                 keys.empty() ? "All settings are those of the configuration file."
                              : fmt::format("Saved in {}: {}.", saved->at("path").get<std::string>(),
                                            fmt::join(keys, ", ")));

@@ -61,7 +61,7 @@ Outcome run_array(Bench& bench) {
   }
   const json& array = map->at("array");
   auto outcome = passed(
-      Wellness::good,
+      Severity::good,
       fmt::format("{} lenslets are lit, rotated by {:.2f} degrees and magnified {:.4f} times; the "
                   "spots are where the lattice predicts them to within {:.3f} pixels RMS.",
                   array.at("lit").get<int>(), array.at("lenslets").at("rotation_deg").get<double>(),
@@ -86,13 +86,13 @@ Outcome run_registration(Bench& bench, Memory& memory) {
   const double ratio = map->at("scale_px_per_cycle").get<double>() / configured_scale(*config);
   const bool is_mirrored = map->at("mirrored").get<bool>();
   auto outcome = passed(
-      Wellness::good,
+      Severity::good,
       fmt::format("The camera sees the SLM rotated by {:.2f} degrees, {}; one spot moves as "
                   "predicted to within {:.3f} pixels.",
                   map->at("rotation_deg").get<double>(), is_mirrored ? "mirrored" : "not mirrored",
                   map->at("residual_px").get<double>()));
   if (std::abs(ratio - 1.0) > kNoticeableScale) {
-    outcome.verdict.wellness = Wellness::note;
+    outcome.verdict.severity = Severity::note;
     outcome.verdict.advice = fmt::format(
         "The scale is {:.3f} times the configured one, and the measured one is used: "
         "correct optics.focal_length_mm, or a pitch, in the configuration.",
@@ -126,14 +126,14 @@ Outcome run_lut(Bench& bench, Memory& memory) {
     return outcome;
   }
   auto outcome = passed(
-      Wellness::good,
+      Severity::good,
       fmt::format("The phase {} with the grey level, is {:.2f} pi deep, and was measured to within "
                   "{:.1f} mrad.",
                   lut->at("falls") == true ? "falls" : "rises",
                   lut->at("depth_rad").get<double>() / std::numbers::pi,
                   1e3 * lut->at("residual_rad").get<double>()));
   if (lut->at("reaches_2pi") == false) {
-    outcome.verdict.wellness = Wellness::warning;
+    outcome.verdict.severity = Severity::warning;
     outcome.verdict.advice = lut->at("reason").get<std::string>() +
                              ". Use the SLM's setting for this wavelength, if it has one.";
   }
@@ -159,12 +159,12 @@ Outcome run_settle(Bench& bench, Memory& memory) {
   const auto set = bench.call("slm.set", {{"settle_ms", time->at("proposed_settle_ms")}});
   if (!set) return failed(set.error());
   auto outcome = passed(
-      Wellness::good,
+      Severity::good,
       fmt::format("The SLM settles in {:.1f} ms; slm.settle_ms is now {:.1f}, it was {:.1f}.",
                   time->at("max_ms").get<double>(), time->at("proposed_settle_ms").get<double>(),
                   before_ms.get<double>()));
   if (time->at("long_enough") == false) {
-    outcome.verdict.wellness = Wellness::warning;
+    outcome.verdict.severity = Severity::warning;
     outcome.verdict.advice =
         "The previous steps waited too short a time: run registration and look-up table again.";
     outcome.ways = {{{"lut", "measure the look-up table again"}, {}, "lut"},
@@ -185,7 +185,7 @@ Outcome run_clear(Bench& bench, Memory& memory) {
   for (const char* method : {"aberration.clear", "correction.clear"}) {
     if (auto done = bench.call(method); !done) return failed(done.error());
   }
-  return passed(Wellness::good, "The hologram contains no aberration and no correction.");
+  return passed(Severity::good, "The hologram contains no aberration and no correction.");
 }
 
 bool nothing_is_introduced(const Look& look) {
@@ -215,7 +215,7 @@ Outcome run_flatness(Bench& bench, Memory& memory) {
   }
   const double rms = flatness->at("rms_waves").get<double>();
   auto outcome = passed(
-      Wellness::good,
+      Severity::good,
       fmt::format("SLM and optics deviate by {:.3f} wave RMS, which every hologram now corrects; "
                   "the last of {} scans changed {:.4f} wave.",
                   rms, flatness->at("iterations").get<int>(),

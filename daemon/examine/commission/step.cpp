@@ -37,7 +37,7 @@ Outcome undone(Bench& bench, const Step& step, const Memory& memory) {
   for (const auto& [method, params] : undo.calls) {
     if (const auto done = bench.call(method, params); !done) return failed(done.error());
   }
-  return passed(Wellness::note, undo.text);
+  return passed(Severity::note, undo.text);
 }
 
 std::span<const Step> steps() {
@@ -54,14 +54,14 @@ std::span<const Step> steps() {
 
 Outcome failed(const Error& error, std::string advice) {
   Outcome outcome;
-  outcome.verdict = {Wellness::bad, text_of(error), std::move(advice)};
+  outcome.verdict = advised(Severity::bad, text_of(error), std::move(advice));
   return outcome;
 }
 
-Outcome passed(Wellness wellness, std::string text, std::string advice) {
+Outcome passed(Severity severity, std::string text, std::string advice) {
   Outcome outcome;
   outcome.passed = true;
-  outcome.verdict = {wellness, std::move(text), std::move(advice)};
+  outcome.verdict = advised(severity, std::move(text), std::move(advice));
   return outcome;
 }
 

@@ -16,6 +16,8 @@
 
 namespace ovws::commission {
 
+using examine::Severity;
+
 /// What follows when an offer has been taken.
 enum class After { rerun, conclude, stay };
 
@@ -30,7 +32,7 @@ struct Way {
 /// What a run or an undo of a step found.
 struct Outcome {
   bool passed = false;
-  Verdict verdict;
+  examine::Finding verdict;
   std::vector<Way> ways{};
   std::vector<std::string> commands{};
   Image<std::uint8_t> picture{};  ///< empty: the camera's image at the end
@@ -87,7 +89,7 @@ std::string needless(const Step& step, const Look& look);
 
 /// A failed outcome with what the daemon said.
 Outcome failed(const Error& error, std::string advice = {});
-Outcome passed(Wellness wellness, std::string text, std::string advice = {});
+Outcome passed(Severity severity, std::string text, std::string advice = {});
 
 /// Restores what the step has changed, or clears what it has measured.
 Outcome undone(Bench& bench, const Step& step, const Memory& memory);

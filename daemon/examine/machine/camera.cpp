@@ -1,14 +1,13 @@
-#include "daemon/examine/machine/camera.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/printable.hpp"
-#include "daemon/examine/machine/system_files.hpp"
 #include "daemon/shared/shell_word.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
 namespace {
 
 /// Finds the camera that camera.id names. First queries camera.id as an address. Without an answer,
@@ -54,37 +53,36 @@ std::string neighbour_of(const std::string& address) {
 
 Finding judge_found(const CameraFacts& facts) {
   if (facts.answer || on_usb(facts)) {
-    return ok(facts.camera->id + " answers" +
-              (facts.camera->address.empty() ? "" : " at " + facts.camera->address));
+    return good(facts.camera->id + " answers" +
+                (facts.camera->address.empty() ? "" : " at " + facts.camera->address));
   }
   if (facts.camera) {
-    return fault(
+    return bad(
         fmt::format("discovery finds {}, but it does not answer at its address {}: give this "
                     "machine an address in the camera's network",
                     facts.camera->id, facts.camera->address),
         fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(facts.camera->address)));
   }
   if (facts.listed.empty()) {
-    return fault("camera.id is " + facts.config.id +
-                     ", but no camera at all is found: check its cable and power, then list the "
-                     "cameras",
-                 "arv-tool-0.8");
+    return bad("camera.id is " + facts.config.id +
+                   ", but no camera at all is found: check its cable and power, then list the "
+                   "cameras",
+               "arv-tool-0.8");
   }
   const ListedCamera& other = facts.listed.front();
-  return fault(
-      "camera.id is " + facts.config.id +
-          ", but other cameras were found: " + names_of(facts.listed),
-      fmt::format("\"camera\": {{\"id\": \"{}\"}}",
-                  printable(other.gige && !other.address.empty() ? other.address : other.id,
-                            kMaxNameBytes)));
+  return bad("camera.id is " + facts.config.id +
+                 ", but other cameras were found: " + names_of(facts.listed),
+             fmt::format("\"camera\": {{\"id\": \"{}\"}}",
+                         printable(other.gige && !other.address.empty() ? other.address : other.id,
+                                   kMaxNameBytes)));
 }
 
 Finding judge_control(const CameraFacts& facts) {
   if (on_usb(facts)) return not_here("a USB camera does not report which program controls it");
   if (!facts.answer) return not_here(kNoCamera);
   if (!facts.answer->controlled)
-    return ok("no program controls the camera: a daemon can take control");
-  if (facts.daemon == DaemonsCamera::with) return ok("the daemon controls the camera");
+    return good("no program controls the camera: a daemon can take control");
+  if (facts.daemon == DaemonsCamera::with) return good("the daemon controls the camera");
   const std::string fix = "sudo ss --udp --all --processes";
   if (facts.daemon == DaemonsCamera::silent) {
     return warning(
@@ -92,7 +90,7 @@ Finding judge_control(const CameraFacts& facts) {
         "before you start a daemon; the command lists candidates",
         fix);
   }
-  return fault(
+  return bad(
       "a program other than the daemon controls the camera, possibly on another machine: "
       "close it; the command lists candidates on this machine",
       fix);
@@ -105,12 +103,12 @@ Finding judge_interface(const CameraFacts& facts) {
     if (!facts.camera && !facts.listed.empty()) return not_here(kNoCamera);
     const bool numeric = address.find_first_not_of("0123456789.") == std::string::npos;
     if (!numeric) return not_here(kNoCamera);
-    return fault("no network interface of this machine leads to " + address,
-                 fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
+    return bad("no network interface of this machine leads to " + address,
+               fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
   }
   const std::string where =
       fmt::format("{} ({}) leads to {}", facts.path->interface, facts.path->own_address, address);
-  if (facts.path->same_network) return ok(where);
+  if (facts.path->same_network) return good(where);
   return warning(where +
                      " through a router, which may lose packets and blocks large ones: give this "
                      "machine an address in the camera's network",
@@ -137,9 +135,9 @@ Finding judge_link(const CameraFacts& facts) {
       8e-6 * kOverhead * frame_bytes(settings) * std::max(settings.frame_rate_hz, 0.0);
   const std::string says = fmt::format("the configured frames need {:.0f} Mbit/s, the link has {}",
                                        std::ceil(needed_mbps), *link);
-  if (needed_mbps <= *link) return ok(says);
+  if (needed_mbps <= *link) return good(says);
   const double rate_hz = settings.frame_rate_hz * *link / needed_mbps;
-  return fault(
+  return bad(
       says + ": frames will be lost; lower the frame rate, or repair the cable, port or switch",
       fmt::format("\"camera\": {{\"frame_rate_hz\": {:.3g}}}",
                   rate_hz >= 1.0 ? std::floor(rate_hz) : 0.9 * rate_hz));
@@ -160,7 +158,7 @@ Finding judge_packets(const CameraFacts& facts) {
   const std::string takes =
       fmt::format("{} accepts packets of up to {} bytes", facts.path->interface, mtu);
   if (in_use && sent > mtu) {
-    return fault(fmt::format("the camera sends packets of {} bytes, but {}", sent, takes), fix);
+    return bad(fmt::format("the camera sends packets of {} bytes, but {}", sent, takes), fix);
   }
   if (asked > mtu) {
     return warning(fmt::format("camera.packet_size_bytes is {}, but {}: no frame arrives unless "
@@ -168,7 +166,7 @@ Finding judge_packets(const CameraFacts& facts) {
                                asked, takes),
                    fix);
   }
-  return ok(fmt::format("camera.packet_size_bytes is {}, and {}", asked, takes));
+  return good(fmt::format("camera.packet_size_bytes is {}, and {}", asked, takes));
 }
 
 Finding judge_socket_buffer(const CameraFacts& facts) {
@@ -176,7 +174,7 @@ Finding judge_socket_buffer(const CameraFacts& facts) {
   if (!facts.rmem_max_bytes) return not_here("net.core.rmem_max cannot be read here");
   const std::string says = fmt::format("net.core.rmem_max is {}, a daemon requests {} bytes",
                                        *facts.rmem_max_bytes, facts.socket_buffer_bytes);
-  if (*facts.rmem_max_bytes >= facts.socket_buffer_bytes) return ok(says);
+  if (*facts.rmem_max_bytes >= facts.socket_buffer_bytes) return good(says);
   return warning(says +
                      ": frames come up to 5 ms late, through a packet socket; or, to a daemon "
                      "without CAP_NET_RAW, with lost packets when the CPU is busy",
@@ -194,11 +192,10 @@ Finding judge_usb_memory(const CameraFacts& facts) {
       "the kernel allows {} MiB for USB transfers, {} buffers of the configured frames "
       "need {}",
       *facts.usbfs_mb, facts.buffers, needed_mb);
-  if (*facts.usbfs_mb == 0) return ok("the kernel does not limit the memory of USB transfers");
-  if (*facts.usbfs_mb >= needed_mb) return ok(says);
-  return fault(
-      says + ": frames will be lost",
-      fmt::format("echo {} | sudo tee {}", std::max<std::int64_t>(needed_mb, 1000), kPath));
+  if (*facts.usbfs_mb == 0) return good("the kernel does not limit the memory of USB transfers");
+  if (*facts.usbfs_mb >= needed_mb) return good(says);
+  return bad(says + ": frames will be lost",
+             fmt::format("echo {} | sudo tee {}", std::max<std::int64_t>(needed_mb, 1000), kPath));
 }
 
 }  // namespace
@@ -218,15 +215,17 @@ CameraFacts read_camera(const CameraConfig& config, DaemonsCamera daemon) {
   return facts;
 }
 
-Findings judge(const CameraFacts& facts) {
-  return run_checks<CameraFacts>({{"camera.found", judge_found},
-                                  {"camera.control", judge_control},
-                                  {"camera.interface", judge_interface},
-                                  {"camera.link", judge_link},
-                                  {"camera.packets", judge_packets},
-                                  {"camera.socket_buffer", judge_socket_buffer},
-                                  {"camera.usb_memory", judge_usb_memory}},
-                                 facts);
+Findings answers(const CameraFacts& facts) {
+  constexpr Question<CameraFacts> kQuestions[] = {
+      {"camera.found", kDoctor, kLater, judge_found},
+      {"camera.control", kDoctor, kNothing, judge_control},
+      {"camera.interface", kDoctor, kNothing, judge_interface},
+      {"camera.link", kDoctor, kNothing, judge_link},
+      {"camera.packets", kDoctor, kNothing, judge_packets},
+      {"camera.socket_buffer", kDoctor, kNothing, judge_socket_buffer},
+      {"camera.usb_memory", kDoctor, kNothing, judge_usb_memory},
+  };
+  return answers<CameraFacts>(kQuestions, facts, kDoctor);
 }
 
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

@@ -1,4 +1,4 @@
-#include "daemon/examine/machine/configuration.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include "daemon/ovwsd/settings/saved_config.hpp"
 #include "daemon/shared/shell_word.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
 namespace {
 
 constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
@@ -23,37 +23,32 @@ std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
 
 Finding judge_configuration(const ConfigurationFacts& facts) {
   if (facts.error) {
-    return fault("a daemon does not start with this configuration: " + text_of(*facts.error),
-                 fix_of(facts, *facts.error));
+    return bad("a daemon does not start with this configuration: " + text_of(*facts.error),
+               fix_of(facts, *facts.error));
   }
   if (const auto& keys = facts.keys; keys.error) {
-    return fault("a daemon does not start with this configuration: " + text_of(*keys.error),
-                 keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix);
-  }
-  if (facts.unseen && !facts.daemon.empty()) {
-    return fault("the sensor cannot measure with the settings that the daemon uses: " +
-                     text_of(*facts.unseen),
-                 "ovws setup spot");
+    return bad("a daemon does not start with this configuration: " + text_of(*keys.error),
+               keys.fix.empty() ? fix_of(facts, *keys.error) : keys.fix);
   }
   if (facts.unseen) {
-    return fault("the sensor cannot measure with this configuration: " + text_of(*facts.unseen),
-                 fix_of(facts, *facts.unseen));
+    return bad("the sensor cannot measure with this configuration: " + text_of(*facts.unseen),
+               fix_of(facts, *facts.unseen));
   }
   const std::string in_use = "the settings that the daemon at " + facts.daemon + " uses";
-  if (facts.path.empty() && !facts.daemon.empty()) return ok("the checks judge " + in_use);
+  if (facts.path.empty() && !facts.daemon.empty()) return good("the checks judge " + in_use);
   if (facts.path.empty()) {
     return warning(fmt::format("no file is named and {} does not exist: the checks use the "
                                "defaults, which are the demonstration's",
                                kServicePath),
                    "ovws doctor --config FILE");
   }
-  const std::string good =
+  const std::string valid =
       facts.path + " is valid" + (facts.daemon.empty() ? "" : ", and the checks judge " + in_use);
   if (facts.saved_is_unused) {
-    return warning(good + "; " + facts.saved, "ovws call config.save");
+    return warning(valid + "; " + facts.saved, "ovws call config.save");
   }
   if (!facts.rejected.empty()) {
-    return warning(good + "; the file of saved settings could not be used and was renamed to " +
+    return warning(valid + "; the file of saved settings could not be used and was renamed to " +
                        facts.rejected +
                        ": set the missing ones again, save them with config.save, and remove "
                        "that file",
@@ -61,10 +56,10 @@ Finding judge_configuration(const ConfigurationFacts& facts) {
   }
   if (!facts.keys.read) {
     return not_here(
-        good + "; the daemon's secret key was not checked, because this user cannot read it",
+        valid + "; the daemon's secret key was not checked, because this user cannot read it",
         "sudo -u " + facts.keys.user + " ovws doctor --config " + shell_word(facts.path));
   }
-  return ok(facts.saved.empty() ? good : good + "; " + facts.saved);
+  return good(facts.saved.empty() ? valid : valid + "; " + facts.saved);
 }
 
 Finding judge_zeroth_order(const ConfigurationFacts& facts) {
@@ -76,7 +71,7 @@ Finding judge_zeroth_order(const ConfigurationFacts& facts) {
     return not_here("a fixed array of lenslets has no zeroth order");
   }
   if (!facts.zeroth_order) {
-    return ok("the SLM's zeroth order is outside camera.roi and far from the spots");
+    return good("the SLM's zeroth order is outside camera.roi and far from the spots");
   }
   return warning(text_of(*facts.zeroth_order),
                  facts.daemon.empty() ? fix_of(facts, *facts.zeroth_order) : "ovws setup spot");
@@ -105,19 +100,20 @@ ConfigurationFacts read_configuration(const std::string& path) {
   return facts;
 }
 
-void judge_instead(ConfigurationFacts& facts, const Config& in_use, const std::string& endpoint,
-                   const std::string& layout_fault) {
+void judge_instead(ConfigurationFacts& facts, const Config& in_use, const std::string& endpoint) {
   facts.config = in_use;
   facts.daemon = endpoint;
   facts.unseen.reset();
   facts.zeroth_order.reset();
-  if (!layout_fault.empty()) facts.unseen = Error{Errc::invalid, "", layout_fault};
   if (const auto dark = check_zeroth_order(in_use); !dark) facts.zeroth_order = dark.error();
 }
 
-Findings judge(const ConfigurationFacts& facts) {
-  return run_checks<ConfigurationFacts>(
-      {{"configuration", judge_configuration}, {"optics.zeroth_order", judge_zeroth_order}}, facts);
+Findings answers(const ConfigurationFacts& facts) {
+  constexpr Question<ConfigurationFacts> kQuestions[] = {
+      {"configuration", kDoctor, kNothing, judge_configuration},
+      {"optics.zeroth_order", kDoctor, kNothing, judge_zeroth_order},
+  };
+  return answers<ConfigurationFacts>(kQuestions, facts, kDoctor);
 }
 
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

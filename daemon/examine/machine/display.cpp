@@ -1,4 +1,4 @@
-#include "daemon/examine/machine/display.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 #include "daemon/shared/shell_word.hpp"
 #include "drivers/sdl/video.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
 namespace {
 
 using sdl::DisplayProbe;
@@ -55,13 +55,13 @@ Finding judge_server(const DisplayFacts& facts) {
           "the daemon shows holograms, but this program cannot query its X server: " + error.reason,
           "run ovws doctor with the DISPLAY and XAUTHORITY of the daemon");
     }
-    return fault(error.reason, facts.server_named ? "sudo systemctl restart display-manager"
-                                                  : "export DISPLAY=:0");
+    return bad(error.reason,
+               facts.server_named ? "sudo systemctl restart display-manager" : "export DISPLAY=:0");
   }
   if (facts.probe->colour_depth_bits == sdl::kExactDepthBits) {
-    return ok("the X server answers and uses 8 bits per colour");
+    return good("the X server answers and uses 8 bits per colour");
   }
-  return fault(
+  return bad(
       fmt::format("the X server's colour depth is {} bits: grey levels on the SLM are not exact",
                   facts.probe->colour_depth_bits),
       fmt::format("DefaultDepth {} in section \"Screen\" of /etc/X11/xorg.conf",
@@ -80,23 +80,23 @@ Finding judge_mode(const DisplayFacts& facts) {
     return not_here(output.name + " is the main display");
   }
   if (fits) {
-    return ok(fmt::format("{} shows {}x{} at {:.1f} Hz, pixel for pixel", output.name,
-                          output.mode_width, output.mode_height, output.refresh_hz));
+    return good(fmt::format("{} shows {}x{} at {:.1f} Hz, pixel for pixel", output.name,
+                            output.mode_width, output.mode_height, output.refresh_hz));
   }
   if (!output.on()) {
     const std::string other = other_output(*facts.probe, output);
-    return fault(output.connected ? "output " + output.name + " is switched off"
-                                  : "nothing is connected to " + output.name,
-                 set_mode + (other.empty() ? "" : " --right-of " + shell_word(other)));
+    return bad(output.connected ? "output " + output.name + " is switched off"
+                                : "nothing is connected to " + output.name,
+               set_mode + (other.empty() ? "" : " --right-of " + shell_word(other)));
   }
   if (output.mode_width != config.width || output.mode_height != config.height) {
-    return fault(fmt::format("{} sends {}x{}, but the configured SLM has {}x{}: hologram pixels do "
-                             "not match SLM pixels",
-                             output.name, output.mode_width, output.mode_height, config.width,
-                             config.height),
-                 set_mode);
+    return bad(fmt::format("{} sends {}x{}, but the configured SLM has {}x{}: hologram pixels do "
+                           "not match SLM pixels",
+                           output.name, output.mode_width, output.mode_height, config.width,
+                           config.height),
+               set_mode);
   }
-  return fault(
+  return bad(
       output.name + " is scaled, rotated or mirrored: hologram pixels do not match SLM pixels",
       fmt::format("xrandr --output {} --scale 1x1 --rotate normal --reflect normal",
                   shell_word(output.name)));
@@ -108,21 +108,21 @@ Finding judge_output(const DisplayFacts& facts) {
   const std::string choose =
       fmt::format("\"slm\": {{\"display\": \"{}\"}}", likely_output(*facts.probe, facts.config));
   const auto found = sdl::find_output(facts.probe->outputs, facts.config.output);
-  if (!found) return fault(found.error().reason, choose);
+  if (!found) return bad(found.error().reason, choose);
   const Output& output = **found;
   const auto chosen = sdl::choose_output(facts.probe->outputs, facts.config);
   const bool is_desktop = output.primary && !facts.config.allow_primary;
   if (chosen || (!is_desktop && !sdl::check_mode(output, facts.config))) {
-    return ok("output " + output.name + " exists");
+    return good("output " + output.name + " exists");
   }
   const std::string& reason = chosen.error().reason;
   if (is_desktop) {
-    return fault(reason, choose);
+    return bad(reason, choose);
   }
   const std::string other = other_output(*facts.probe, output);
-  if (other.empty()) return fault(reason, "\"slm\": {\"allow_primary\": true}");
-  return fault(reason, fmt::format("xrandr --output {} --right-of {}", shell_word(output.name),
-                                   shell_word(other)));
+  if (other.empty()) return bad(reason, "\"slm\": {\"allow_primary\": true}");
+  return bad(reason, fmt::format("xrandr --output {} --right-of {}", shell_word(output.name),
+                                 shell_word(other)));
 }
 
 Finding judge_gamma(const DisplayFacts& facts) {
@@ -130,20 +130,19 @@ Finding judge_gamma(const DisplayFacts& facts) {
   if (found == nullptr) return not_here(facts.probe ? kNoOutput : kNoServer);
   const Output& output = *found;
   if (!output.on()) return not_here(output.name + " is switched off");
-  if (output.linear_gamma) return ok("the gamma ramp of " + output.name + " is linear");
-  return fault(
-      "the gamma ramp of " + output.name +
-          " is not linear, so that the SLM gets wrong grey levels; stop the night light or "
-          "colour management that sets it",
-      fmt::format("xrandr --output {} --gamma 1:1:1", shell_word(output.name)));
+  if (output.linear_gamma) return good("the gamma ramp of " + output.name + " is linear");
+  return bad("the gamma ramp of " + output.name +
+                 " is not linear, so that the SLM gets wrong grey levels; stop the night light or "
+                 "colour management that sets it",
+             fmt::format("xrandr --output {} --gamma 1:1:1", shell_word(output.name)));
 }
 
 Finding judge_power(const DisplayFacts& facts) {
   if (!facts.probe) return not_here(kNoServer);
   if (facts.probe->asleep) {
-    return fault("the screens are powered down", "xset dpms force on && xset -dpms");
+    return bad("the screens are powered down", "xset dpms force on && xset -dpms");
   }
-  if (!facts.probe->power_saving) return ok("DPMS does not power the screens down");
+  if (!facts.probe->power_saving) return good("DPMS does not power the screens down");
   return warning(
       "DPMS powers the screens down when the desktop is idle; a daemon prevents it only "
       "while it shows a hologram",
@@ -152,7 +151,7 @@ Finding judge_power(const DisplayFacts& facts) {
 
 Finding judge_screen_saver(const DisplayFacts& facts) {
   if (!facts.probe) return not_here(kNoServer);
-  if (facts.probe->screen_saver_s == 0) return ok("the X server's screen saver is off");
+  if (facts.probe->screen_saver_s == 0) return good("the X server's screen saver is off");
   return warning(fmt::format("the screen saver blanks the screens after {} s without input; a "
                              "daemon prevents it only while it shows a hologram",
                              facts.probe->screen_saver_s),
@@ -161,7 +160,7 @@ Finding judge_screen_saver(const DisplayFacts& facts) {
 
 Finding judge_compositor(const DisplayFacts& facts) {
   if (!facts.probe) return not_here(kNoServer);
-  if (!facts.probe->composited) return ok("no compositing manager is running");
+  if (!facts.probe->composited) return good("no compositing manager is running");
   return warning(
       "a compositing manager is running and may delay holograms by one or two frames; "
       "switch it off, or measure the delay and set slm.settle_ms",
@@ -192,15 +191,17 @@ DisplayFacts read_display(const SlmConfig& config, bool daemon_shows) {
       daemon_shows};
 }
 
-Findings judge(const DisplayFacts& facts) {
-  return run_checks<DisplayFacts>({{"slm.server", judge_server},
-                                   {"slm.output", judge_output},
-                                   {"slm.mode", judge_mode},
-                                   {"slm.gamma", judge_gamma},
-                                   {"slm.power", judge_power},
-                                   {"slm.screen_saver", judge_screen_saver},
-                                   {"slm.compositor", judge_compositor}},
-                                  facts);
+Findings answers(const DisplayFacts& facts) {
+  constexpr Question<DisplayFacts> kQuestions[] = {
+      {"slm.server", kDoctor, kNothing, judge_server},
+      {"slm.output", kDoctor, kLater, judge_output},
+      {"slm.mode", kDoctor, kNothing, judge_mode},
+      {"slm.gamma", kDoctor, kNothing, judge_gamma},
+      {"slm.power", kDoctor, kNothing, judge_power},
+      {"slm.screen_saver", kDoctor, kNothing, judge_screen_saver},
+      {"slm.compositor", kDoctor, kNothing, judge_compositor},
+  };
+  return answers<DisplayFacts>(kQuestions, facts, kDoctor);
 }
 
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

@@ -1,4 +1,4 @@
-#include "daemon/examine/machine/host.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
 #include <fcntl.h>
 #include <sys/timex.h>
@@ -11,10 +11,9 @@
 #include <charconv>
 #include <filesystem>
 
-#include "daemon/examine/machine/system_files.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,8 +92,8 @@ std::optional<bool> read_synchronised() {
 /// warning (frames are late).
 Finding missing(const HostFacts& facts, std::string meaning, std::string fix) {
   if (facts.policy == RealtimePolicy::enforce) {
-    return fault(meaning + "; the daemon does not start, because \"realtime\" is \"enforce\"",
-                 std::move(fix));
+    return bad(meaning + "; the daemon does not start, because \"realtime\" is \"enforce\"",
+               std::move(fix));
   }
   return warning(std::move(meaning), std::move(fix));
 }
@@ -116,7 +115,7 @@ Finding judge_priority(const HostFacts& facts) {
   const int needed = std::ranges::max(kThreadTable, {}, &ThreadRow::fifo_priority).fifo_priority;
   const Limits& limits = *facts.limits;
   if (limits.may_any_priority || limits.realtime_priority >= std::uint64_t(needed)) {
-    return ok(daemon_name(facts) + " may use the real-time priorities of the frame path");
+    return good(daemon_name(facts) + " may use the real-time priorities of the frame path");
   }
   return missing(facts,
                  fmt::format("{} may use real-time priorities up to {}, the frame path needs {}: "
@@ -128,7 +127,7 @@ Finding judge_priority(const HostFacts& facts) {
 Finding judge_memory(const HostFacts& facts) {
   if (!facts.limits) return not_here("the system does not report a process's limits");
   if (facts.limits->may_lock_all || !facts.limits->locked_bytes) {
-    return ok(daemon_name(facts) + " may lock all its memory");
+    return good(daemon_name(facts) + " may lock all its memory");
   }
   return missing(facts,
                  fmt::format("{} may lock only {} MiB of memory: page faults delay frames",
@@ -142,11 +141,11 @@ Finding judge_throttling(const HostFacts& facts) {
   if (!facts.rt_runtime_us || !facts.rt_period_us || *facts.rt_period_us <= 0) {
     return not_here("kernel.sched_rt_runtime_us cannot be read here");
   }
-  if (*facts.rt_runtime_us < 0) return ok("the kernel does not throttle real-time threads");
+  if (*facts.rt_runtime_us < 0) return good("the kernel does not throttle real-time threads");
   const double share = double(*facts.rt_runtime_us) / double(*facts.rt_period_us);
   const std::string says =
       fmt::format("real-time threads may use {:.0f} % of a CPU", 100.0 * share);
-  if (share >= kMinShare) return ok(says);
+  if (share >= kMinShare) return good(says);
   return missing(facts, says + ": above that the kernel throttles them and frames are late", kFix);
 }
 
@@ -154,7 +153,7 @@ Finding judge_governor(const HostFacts& facts) {
   if (facts.governors.empty()) return not_here("there is no CPU frequency scaling here");
   const std::string names = fmt::format("{}", fmt::join(facts.governors, ", "));
   if (facts.governors == std::vector<std::string>{"performance"}) {
-    return ok("all CPUs use the performance governor");
+    return good("all CPUs use the performance governor");
   }
   return warning(
       "the CPU frequency governor is " + names +
@@ -168,7 +167,7 @@ Finding judge_sleep(const HostFacts& facts) {
     return not_here(fmt::format("{} does not exist", kPath));
   }
   if (facts.dma_latency == Access::given) {
-    return ok(fmt::format("{} is writable: a daemon can prevent deep CPU sleep", kPath));
+    return good(fmt::format("{} is writable: a daemon can prevent deep CPU sleep", kPath));
   }
   const std::string meaning =
       fmt::format("{} is not writable for this user: CPU sleep states delay the frames", kPath);
@@ -187,7 +186,7 @@ Finding judge_clock_source(const HostFacts& facts) {
                                                          "hyperv_clocksource_tsc_page"};
   if (!facts.clock_source) return not_here("the kernel does not report its clock source");
   if (std::ranges::find(kVdsoSources, *facts.clock_source) != kVdsoSources.end()) {
-    return ok("the clock source is " + *facts.clock_source);
+    return good("the clock source is " + *facts.clock_source);
   }
   return warning(
       "the clock source is " + *facts.clock_source +
@@ -199,7 +198,7 @@ Finding judge_clock_source(const HostFacts& facts) {
 Finding judge_synchronised(const HostFacts& facts) {
   if (!facts.clock_synchronised)
     return not_here("the kernel does not report whether its clock is synchronised");
-  if (*facts.clock_synchronised) return ok("the clock is synchronised to a time server");
+  if (*facts.clock_synchronised) return good("the clock is synchronised to a time server");
   return warning(
       "the clock is not synchronised to a time server: times in messages cannot be "
       "compared with those of other machines",
@@ -239,15 +238,17 @@ HostFacts read_host(RealtimePolicy policy) {
   return facts;
 }
 
-Findings judge(const HostFacts& facts) {
-  return run_checks<HostFacts>({{"realtime.priority", judge_priority},
-                                {"realtime.memory", judge_memory},
-                                {"realtime.throttling", judge_throttling},
-                                {"cpu.governor", judge_governor},
-                                {"cpu.sleep", judge_sleep},
-                                {"clock.source", judge_clock_source},
-                                {"clock.synchronised", judge_synchronised}},
-                               facts);
+Findings answers(const HostFacts& facts) {
+  constexpr Question<HostFacts> kQuestions[] = {
+      {"realtime.priority", kDoctor, kNothing, judge_priority},
+      {"realtime.memory", kDoctor, kNothing, judge_memory},
+      {"realtime.throttling", kDoctor, kNothing, judge_throttling},
+      {"cpu.governor", kDoctor, kNothing, judge_governor},
+      {"cpu.sleep", kDoctor, kNothing, judge_sleep},
+      {"clock.source", kDoctor, kNothing, judge_clock_source},
+      {"clock.synchronised", kDoctor, kNothing, judge_synchronised},
+  };
+  return answers<HostFacts>(kQuestions, facts, kDoctor);
 }
 
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

@@ -1,4 +1,4 @@
-#include "daemon/examine/machine/state.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
 #include <fmt/core.h>
 #include <pwd.h>
@@ -11,7 +11,7 @@
 #include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/shared/shell_word.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,31 +59,31 @@ Finding judge_folder(const StateFacts& facts) {
   if (is_hidden(facts))
     return not_here("the daemon uses " + folder + ", which is not visible here");
   if (facts.there && !facts.is_folder) {
-    return fault(folder + " is not a folder: no measurement survives a restart",
-                 "\"state\": {\"directory\": \"/var/lib/ovws\"}");
+    return bad(folder + " is not a folder: no measurement survives a restart",
+               "\"state\": {\"directory\": \"/var/lib/ovws\"}");
   }
   if (!facts.disk_writable) {
-    return fault(folder + " is on a read-only file system: new measurements cannot be stored",
-                 fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"",
-                             shell_word(folder)));
+    return bad(folder + " is on a read-only file system: new measurements cannot be stored",
+               fmt::format("sudo mount -o remount,rw \"$(findmnt -no TARGET -T {})\"",
+                           shell_word(folder)));
   }
   if (facts.writable) {
-    return ok(folder + (facts.of_daemon ? " is in use by the daemon, and writable"
-                        : facts.there   ? " is writable"
-                                        : " will be created when the daemon starts"));
+    return good(folder + (facts.of_daemon ? " is in use by the daemon, and writable"
+                          : facts.there   ? " is writable"
+                                          : " will be created when the daemon starts"));
   }
-  if (facts.of_daemon && !facts.owner.empty()) return ok(folder + " is in use by the daemon");
+  if (facts.of_daemon && !facts.owner.empty()) return good(folder + " is in use by the daemon");
   if (!facts.there) {
-    return fault(folder + " does not exist and this user cannot create it",
-                 fmt::format("sudo install -d -o ovws -g ovws {}", shell_word(folder)));
+    return bad(folder + " does not exist and this user cannot create it",
+               fmt::format("sudo install -d -o ovws -g ovws {}", shell_word(folder)));
   }
   if (!facts.owner.empty()) {
     return not_here(
         folder + " belongs to " + facts.owner + ": only that user can check whether it is writable",
         fmt::format("sudo -u {} ovws doctor", facts.owner));
   }
-  return fault(folder + " is not writable: new measurements do not survive a restart",
-               "chmod u+rwx " + shell_word(folder));
+  return bad(folder + " is not writable: new measurements do not survive a restart",
+             "chmod u+rwx " + shell_word(folder));
 }
 
 Finding judge_space(const StateFacts& facts) {
@@ -96,10 +96,10 @@ Finding judge_space(const StateFacts& facts) {
       fmt::format("the disk of {} has {} MiB left", *facts.directory, facts.free_bytes / kMiB);
   const std::string fix =
       fmt::format("du -xhd1 \"$(findmnt -no TARGET -T {})\"", shell_word(*facts.directory));
-  if (facts.free_bytes < kMinBytes) return fault(says + ": too little to store references", fix);
+  if (facts.free_bytes < kMinBytes) return bad(says + ": too little to store references", fix);
   if (facts.free_bytes < kRecommendedBytes)
     return warning(says + ": too little to store gain sweeps", fix);
-  return ok(says);
+  return good(says);
 }
 
 /// Reads the other facts about `facts.directory`.
@@ -140,9 +140,12 @@ StateFacts read_state_of_daemon(const std::optional<std::string>& folder,
   return looked_at(std::move(facts));
 }
 
-Findings judge(const StateFacts& facts) {
-  return run_checks<StateFacts>({{"state.directory", judge_folder}, {"state.room", judge_space}},
-                                facts);
+Findings answers(const StateFacts& facts) {
+  constexpr Question<StateFacts> kQuestions[] = {
+      {"state.directory", kDoctor, kNothing, judge_folder},
+      {"state.room", kDoctor, kNothing, judge_space},
+  };
+  return answers<StateFacts>(kQuestions, facts, kDoctor);
 }
 
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

@@ -1,11 +1,11 @@
-#include "daemon/examine/machine/system_files.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
 #include <array>
 #include <charconv>
 #include <fstream>
 #include <utility>
 
-namespace ovws::doctor {
+namespace ovws::examine {
 
 std::optional<std::string> text_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -33,4 +33,4 @@ std::optional<std::int64_t> number_of(const std::string& path) {
   return number;
 }
 
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

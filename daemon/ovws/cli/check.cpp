@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "daemon/examine/check/judge.hpp"
 #include "daemon/examine/check/measure.hpp"
 #include "daemon/examine/check/report.hpp"
 #include "daemon/ovws/cli/commands.hpp"
@@ -27,14 +28,14 @@ Result<void> check_output(const std::string& path) {
   return fail(Errc::unavailable, "output", path + " cannot be written");
 }
 
-void print_report(const Common& common, const check::Measured& measured,
-                  const check::Findings& findings, const std::string& path) {
+void print_report(const Common& common, const examine::Measured& measured,
+                  const examine::Findings& findings, const std::string& path) {
   if (common.json) {
-    print("{}\n", json_text(check::report_json(measured, findings)));
+    print("{}\n", json_text(examine::report_json(measured, findings)));
     return;
   }
   constexpr std::size_t kIndent = 3;
-  print("{}\n", wrapped(check::report_text(findings), terminal_columns(), kIndent));
+  print("{}\n", wrapped(examine::report_text(findings), terminal_columns(), kIndent));
   if (!path.empty()) print("report: {}\n", path);
 }
 
@@ -45,22 +46,22 @@ int check_acceptance(const Common& common, const AcceptanceOptions& options) {
     return report(common, usable.error());
   }
   catch_interrupts();
-  check::Hooks hooks;
+  examine::Hooks hooks;
   hooks.interrupted = was_interrupted;
   hooks.progress = [](const std::string& text, double seconds_left) {
     study::print_progress(text + ", " + time_text(std::ceil(seconds_left)) + " left");
   };
-  const auto measured = check::measure(
+  const auto measured = examine::measure(
       common, {options.seconds, options.quick, options.open_loop, !options.no_loop}, hooks);
   study::print_progress("");
   if (!measured) return report_failure(common, measured.error());
-  const check::Findings findings = check::judge(*measured);
+  const examine::Findings findings = examine::answers(*measured);
   auto written = options.output.empty()
                      ? Result<void>()
-                     : study::write_text(check::report_html(*measured, findings), options.output);
+                     : study::write_text(examine::report_html(*measured, findings), options.output);
   print_report(common, *measured, findings, written ? options.output : "");
   if (!written) return report(common, written.error());
-  return check::worst(findings) == check::Verdict::bad ? kError : kOk;
+  return examine::worst(findings) == examine::Severity::bad ? kError : kOk;
 }
 
 }  // namespace ovws::cli

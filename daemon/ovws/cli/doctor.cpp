@@ -8,45 +8,34 @@
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/cli/setup.hpp"
-#include "daemon/shared/client.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
 
-using doctor::Finding;
-using doctor::Findings;
-using doctor::Verdict;
+using examine::Finding;
+using examine::Findings;
+using examine::Severity;
 
-struct Word {
-  Verdict verdict;
-  const char* text;
-  const char* key;  ///< name of the result in JSON output
-};
-constexpr std::array kWords{
-    Word{Verdict::fault, "FAULT", "fault"}, Word{Verdict::warning, "warning", "warning"},
-    Word{Verdict::ok, "ok", "ok"}, Word{Verdict::not_here, "not here", "not_here"}};
+constexpr std::array kSeverities{Severity::bad, Severity::warning, Severity::note, Severity::good,
+                                 Severity::not_here};
 
-const Word& word_of(Verdict verdict) {
-  return *std::ranges::find(kWords, verdict, &Word::verdict);
-}
-
-std::int64_t count(const Findings& found, Verdict verdict) {
-  return std::ranges::count(found, verdict, &Finding::verdict);
+std::int64_t count(const Findings& found, Severity severity) {
+  return std::ranges::count(found, severity, &Finding::severity);
 }
 
 void print_findings_json(const Findings& found) {
   nlohmann::json findings = nlohmann::json::array();
   for (const Finding& one : found) {
-    nlohmann::json fix;
-    if (!one.fix.empty()) fix = one.fix;
     findings.push_back({{"name", one.name},
-                        {"verdict", word_of(one.verdict).key},
-                        {"meaning", one.meaning},
-                        {"fix", std::move(fix)}});
+                        {"verdict", examine::names_of(one.severity).doctor_name},
+                        {"meaning", one.text},
+                        {"fix", one.fix.empty() ? nlohmann::json() : nlohmann::json(one.fix)}});
   }
   nlohmann::json counts;
-  for (const Word& word : kWords) counts[word.key] = count(found, word.verdict);
+  for (const Severity one : kSeverities) {
+    counts[examine::names_of(one).doctor_name] = count(found, one);
+  }
   const nlohmann::json document{{"schema", "ovws.doctor/1"},
                                 {"version", OVWS_VERSION},
                                 {"counts", std::move(counts)},
@@ -56,62 +45,55 @@ void print_findings_json(const Findings& found) {
 
 void print_findings(const Findings& found) {
   for (const Finding& one : found) {
-    print("{:<9} {:<21} {}\n", word_of(one.verdict).text, one.name, one.meaning);
+    print("{:<9} {:<21} {}\n", examine::names_of(one.severity).doctor_shown, one.name, one.text);
     if (!one.fix.empty()) print("{:<9} {:<21}   fix: {}\n", "", "", one.fix);
   }
   std::string summary;
-  for (const Word& word : kWords) {
-    summary +=
-        fmt::format("{}{} {}", summary.empty() ? "" : ", ", count(found, word.verdict), word.text);
+  for (const Severity one : kSeverities) {
+    summary += fmt::format("{}{} {}", summary.empty() ? "" : ", ", count(found, one),
+                           examine::names_of(one).doctor_shown);
   }
   print("{}\n", summary);
 }
 
-doctor::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
+examine::DaemonFacts ask_daemon(Common common, const std::string& endpoint) {
   common.endpoint = endpoint;
-  doctor::DaemonFacts facts;
+  examine::DaemonFacts facts;
   facts.endpoint = endpoint;
   facts.own_version = OVWS_VERSION;
-  if (auto status = call(common, "system.status", nlohmann::json::object())) {
-    facts.status = std::move(*status);
-    if (const auto in_use = call(common, "config.get", nlohmann::json::object())) {
-      if (const auto config = parse_config(json_text(*in_use))) facts.config = *config;
-    }
-    const auto wavefront = newest_wavefront(common);
-    if (wavefront && wavefront->is_object()) {
-      facts.saturated = wavefront->at("saturated").get<double>();
-    }
-    if (!doctor::shows_holograms(facts)) return facts;
-    facts.why_no_levels = doctor::why_not_verify(facts);
-    if (!facts.why_no_levels.empty()) return facts;
-    if (auto levels = call(common, "slm.verify", nlohmann::json::object())) {
-      facts.levels = std::move(*levels);
-    } else {
-      facts.why_no_levels = levels.error().error.value("message", "no reason given");
-    }
-  } else {
+  auto status = call(common, "system.status", nlohmann::json::object());
+  if (!status) {
     facts.refused = status.error().answered;
-    facts.why = status.error().error.value("message", "no reason given");
+    facts.why = message_of(status.error());
+    return facts;
+  }
+  facts.status = std::move(*status);
+  facts.config = call(common, "config.get", nlohmann::json::object()).value_or(nullptr);
+  facts.wavefront = newest_wavefront(common).value_or(nullptr);
+  if (!examine::shows_holograms(facts)) return facts;
+  facts.why_no_levels = examine::why_not_verify(facts);
+  if (!facts.why_no_levels.empty()) return facts;
+  if (auto levels = call(common, "slm.verify", nlohmann::json::object())) {
+    facts.levels = std::move(*levels);
+  } else {
+    facts.why_no_levels = message_of(levels.error());
   }
   return facts;
 }
 
 }  // namespace
 
-doctor::Findings examine_bench(const Common& common, const std::string& config_path,
-                               const std::string& endpoint) {
-  return doctor::examine(config_path, endpoint,
-                         [&common](const std::string& where) { return ask_daemon(common, where); });
+Findings examine_bench(const Common& common, const std::string& config_path,
+                       const std::string& endpoint) {
+  return examine::examine_all(config_path, endpoint, [&common](const std::string& where) {
+    return ask_daemon(common, where);
+  });
 }
 
 int check_bench(const Common& common, const std::string& config_path, const std::string& endpoint) {
   const Findings found = examine_bench(common, config_path, endpoint);
-  if (common.json) {
-    print_findings_json(found);
-  } else {
-    print_findings(found);
-  }
-  return count(found, Verdict::fault) > 0 ? kError : kOk;
+  common.json ? print_findings_json(found) : print_findings(found);
+  return examine::worst(found) == Severity::bad ? kError : kOk;
 }
 
 }  // namespace ovws::cli

@@ -29,7 +29,6 @@ using commission::Offer;
 using commission::Report;
 using commission::State;
 using commission::StepReport;
-using commission::Wellness;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kStepPollInterval{100};
@@ -47,20 +46,6 @@ constexpr const char* kHelp =
     "  u      undo the step\n"
     "  q      quit; ovws setup goes on at the first step that is not known as done\n";
 
-const char* wellness_word(Wellness wellness) {
-  switch (wellness) {
-    case Wellness::good:
-      return "good";
-    case Wellness::note:
-      return "note";
-    case Wellness::warning:
-      return "warning";
-    case Wellness::bad:
-      return "BAD";
-  }
-  return "";
-}
-
 const char* state_of(const StepReport& step) {
   switch (step.state) {
     case State::open:
@@ -75,20 +60,12 @@ const char* state_of(const StepReport& step) {
   return "";
 }
 
-void print_wrapped(const std::string& text) {
-  print("{}\n", wrapped(text, terminal_columns(), kIndent));
+const char* shown(const examine::Finding& verdict) {
+  return examine::names_of(verdict.severity).shown;
 }
 
-std::vector<commission::Finding> findings_of(const doctor::Findings& found) {
-  std::vector<commission::Finding> findings;
-  for (const doctor::Finding& one : found) {
-    const auto wellness = one.verdict == doctor::Verdict::fault     ? Wellness::bad
-                          : one.verdict == doctor::Verdict::warning ? Wellness::warning
-                          : one.verdict == doctor::Verdict::ok      ? Wellness::good
-                                                                    : Wellness::note;
-    findings.push_back({wellness, one.name, one.meaning, one.fix});
-  }
-  return findings;
+void print_wrapped(const std::string& text) {
+  print("{}\n", wrapped(text, terminal_columns(), kIndent));
 }
 
 /// The step's place in the order, from 1.
@@ -119,8 +96,7 @@ class Conversation {
         options_(options),
         is_quiet_(common.json),
         commissioning_({patient(common, options), [this] {
-                          return findings_of(
-                              examine_bench(common_, options_.config_path, options_.endpoint));
+                          return examine_bench(common_, options_.config_path, options_.endpoint);
                         }}) {}
 
   int run();
@@ -218,8 +194,8 @@ void Conversation::show_picture(const StepReport& step) {
 void Conversation::show_result(const StepReport& step, double seconds) {
   show_picture(step);
   if (is_quiet_ || !step.verdict) return;
-  print_wrapped(fmt::format("  {}: {} ({})", wellness_word(step.verdict->wellness),
-                            step.verdict->text, time_text(std::round(10.0 * seconds) / 10.0)));
+  print_wrapped(fmt::format("  {}: {} ({})", shown(*step.verdict), step.verdict->text,
+                            time_text(std::round(10.0 * seconds) / 10.0)));
   if (!step.verdict->advice.empty()) print_wrapped("  " + step.verdict->advice);
   for (std::size_t k = 0; k < step.offers.size(); ++k) {
     print_wrapped(fmt::format("  {} {}", k + 1, step.offers[k].text));
@@ -232,8 +208,8 @@ void Conversation::show_others(const Report& earlier, const std::string& name) c
   for (std::size_t k = 0; !is_quiet_ && k < now.steps.size(); ++k) {
     const StepReport& step = now.steps[k];
     if (step.name == name || step.picture == earlier.steps[k].picture || !step.verdict) continue;
-    print_wrapped(fmt::format("  {}: {}: {}", step.title, wellness_word(step.verdict->wellness),
-                              step.verdict->text));
+    print_wrapped(
+        fmt::format("  {}: {}: {}", step.title, shown(*step.verdict), step.verdict->text));
   }
 }
 

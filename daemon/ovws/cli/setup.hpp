@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/examine/machine/finding.hpp"
+#include "daemon/examine/finding.hpp"
 #include "daemon/shared/client.hpp"
 
 namespace ovws::cli {
@@ -24,7 +24,7 @@ struct SetupOptions {
 int set_up(const Common& common, const SetupOptions& options);
 
 /// The checks of `ovws doctor`; takes some seconds.
-doctor::Findings examine_bench(const Common& common, const std::string& config_path,
-                               const std::string& endpoint);
+examine::Findings examine_bench(const Common& common, const std::string& config_path,
+                                const std::string& endpoint);
 
 }  // namespace ovws::cli

@@ -6,13 +6,12 @@
 #include <numbers>
 #include <random>
 
-#include "daemon/examine/check/finding.hpp"
 #include "daemon/examine/check/judge.hpp"
 #include "daemon/examine/check/report.hpp"
 #include "daemon/examine/check/response.hpp"
 #include "daemon/shared/lost_spots.hpp"
 
-namespace ovws::check {
+namespace ovws::examine {
 namespace {
 
 using nlohmann::json;
@@ -167,8 +166,9 @@ TEST(Stability, MeansOfASecondAndAllanDeviation) {
 }
 
 TEST(Judge, AGoodBenchIsGood) {
-  const Findings findings = judge(good_bench());
-  for (const Finding& one : findings) EXPECT_EQ(one.verdict, Verdict::good) << one.name << one.text;
+  const Findings findings = answers(good_bench());
+  for (const Finding& one : findings)
+    EXPECT_EQ(one.severity, Severity::good) << one.name << one.text;
   EXPECT_TRUE(improve_first(findings).empty());
 }
 
@@ -183,10 +183,10 @@ TEST(Judge, AShallowTableCostsItsErrorOverRootTwelve) {
   measured.lut["measured"] = false;
   measured.lut["source"] = "linear";
   measured.lut_run.result = {{"phase_rad", levels(0.95)}, {"depth_rad", 5.94}};
-  const Findings first = improve_first(judge(measured));
+  const Findings first = improve_first(answers(measured));
   ASSERT_EQ(first.size(), 1U);
   EXPECT_EQ(first[0].name, "lut");
-  EXPECT_EQ(first[0].verdict, Verdict::warning);
+  EXPECT_EQ(first[0].severity, Severity::warning);
 }
 
 TEST(Judge, WhatCostsMostComesFirst) {
@@ -194,7 +194,7 @@ TEST(Judge, WhatCostsMostComesFirst) {
   measured.open = record_with(1e-3, 0.0, 0.03);
   measured.lut["phase_rad"] = levels(0.9);
   measured.flatness["measured"] = false;
-  const Findings first = improve_first(judge(measured));
+  const Findings first = improve_first(answers(measured));
   ASSERT_EQ(first.size(), 3U);
   EXPECT_EQ(first[0].name, "motion");
   EXPECT_NE(first[0].text.find("7.0 Hz"), std::string::npos) << first[0].text;
@@ -206,8 +206,8 @@ TEST(Judge, SaturationExplainsAWrongResponse) {
   Measured measured = good_bench();
   for (Frame& frame : measured.open.frames) frame.saturated = 0.5;
   measured.response.pokes[3].gain[3].value = 0.9;
-  const Findings findings = judge(measured);
-  EXPECT_EQ(of(findings, "saturation").verdict, Verdict::bad);
+  const Findings findings = answers(measured);
+  EXPECT_EQ(of(findings, "saturation").severity, Severity::bad);
   EXPECT_NEAR(of(findings, "saturation").cost_waves, 0.01, 1e-6);
   EXPECT_EQ(of(findings, "response").cause, "saturation");
   EXPECT_EQ(improve_first(findings).at(0).name, "saturation");
@@ -257,9 +257,9 @@ TEST(Judge, LostSpotsAreNamedAndTheExposureIsNotAdvised) {
   measured.response.pokes[3].settled = 60;
   measured.response.pokes[3].valid = 2;
   measured.response.reason = "4 of 5 spots are found";
-  const Findings findings = judge(measured);
+  const Findings findings = answers(measured);
   const Finding& spots = of(findings, "spots");
-  EXPECT_EQ(spots.verdict, Verdict::warning);
+  EXPECT_EQ(spots.severity, Severity::warning);
   for (const char* part : {"in the reference: 1 at (123, 395) px", "in the calibration: 0 at (84, ",
                            "in more than a tenth of the frames: 3 at (30, 40) px"}) {
     EXPECT_NE(spots.text.find(part), std::string::npos) << spots.text;
@@ -278,7 +278,7 @@ TEST(Judge, SpotsThatSaturationLosesAreExplainedByIt) {
   Measured measured = good_bench();
   set_lost_reference(measured);
   for (Frame& frame : measured.open.frames) frame.saturated = 0.8;
-  const Findings findings = judge(measured);
+  const Findings findings = answers(measured);
   EXPECT_EQ(of(findings, "spots").cause, "saturation");
   EXPECT_EQ(improve_first(findings).at(0).name, "saturation");
 }
@@ -287,7 +287,7 @@ TEST(Judge, SideOrdersOfTheZerothOrderExplainLostSpots) {
   Measured measured = good_bench();
   set_lost_reference(measured);
   measured.config["sensor"] = {{"grooves", {130.0, 20.0}}};
-  const Finding spots = of(judge(measured), "spots");
+  const Finding spots = of(answers(measured), "spots");
   EXPECT_NE(spots.text.find("zeroth order"), std::string::npos) << spots.text;
   EXPECT_EQ(spots.fix, "ovws doctor");
 }
@@ -296,9 +296,9 @@ TEST(Judge, AShortSettleTimeIsBad) {
   Measured measured = good_bench();
   measured.settle.result = {{"proposed_settle_ms", 120.0}, {"long_enough", false}};
   for (Poke& poke : measured.response.pokes) poke.first_error_waves = 0.19;
-  const Findings first = improve_first(judge(measured));
+  const Findings first = improve_first(answers(measured));
   EXPECT_EQ(first.at(0).name, "settle");
-  EXPECT_EQ(first.at(0).verdict, Verdict::bad);
+  EXPECT_EQ(first.at(0).severity, Severity::bad);
   EXPECT_EQ(first.at(0).fix, "ovws call slm.set settle_ms=120");
 }
 
@@ -309,20 +309,20 @@ TEST(Judge, WhatWasNotMeasuredIsNotGood) {
   }
   for (Poke& poke : dark.response.pokes) poke.read = false;
   dark.settle = {json(), "no light"};
-  const Findings findings = judge(dark);
+  const Findings findings = answers(dark);
   for (const char* name : {"noise", "motion", "drift", "settle"}) {
-    EXPECT_EQ(of(findings, name).verdict, Verdict::note) << name;
+    EXPECT_EQ(of(findings, name).severity, Severity::note) << name;
     EXPECT_NE(of(findings, name).text.find("not measured"), std::string::npos) << name;
   }
-  EXPECT_EQ(of(findings, "loop").verdict, Verdict::bad);
+  EXPECT_EQ(of(findings, "loop").severity, Severity::bad);
   EXPECT_EQ(of(findings, "loop").text.find("nan"), std::string::npos);
 }
 
 TEST(Judge, ASettleTimeThatIsLongEnoughIsGoodAlthoughMoreIsProposed) {
   Measured measured = good_bench();
   measured.settle.result = {{"max_ms", 17.5}, {"proposed_settle_ms", 22.0}, {"long_enough", true}};
-  const Finding settle = of(judge(measured), "settle");
-  EXPECT_EQ(settle.verdict, Verdict::good);
+  const Finding settle = of(answers(measured), "settle");
+  EXPECT_EQ(settle.severity, Severity::good);
   EXPECT_NE(settle.text.find("long enough: a change takes 17.5 ms at most; with the usual "
                              "margin: 22 ms"),
             std::string::npos)
@@ -332,22 +332,22 @@ TEST(Judge, ASettleTimeThatIsLongEnoughIsGoodAlthoughMoreIsProposed) {
 TEST(Judge, AgesAndChangesOfTheReference) {
   Measured measured = good_bench();
   measured.reference["t_taken_ns"] = measured.t_ns - 20LL * 3600 * 1'000'000'000;
-  EXPECT_EQ(of(judge(measured), "reference").verdict, Verdict::note);
+  EXPECT_EQ(of(answers(measured), "reference").severity, Severity::note);
   measured.reference["stale"] = {{{"field", "gain_db"}, {"then", 0}, {"now", 6}}};
-  EXPECT_EQ(of(judge(measured), "reference").verdict, Verdict::warning);
+  EXPECT_EQ(of(answers(measured), "reference").severity, Severity::warning);
 }
 
 TEST(Report, IsOnePageThatEscapesWhatTheBenchReports) {
   const Measured measured = good_bench();
-  const std::string page = report_html(measured, judge(measured));
+  const std::string page = report_html(measured, answers(measured));
   EXPECT_NE(page.find("&lt;m&gt;"), std::string::npos);
   EXPECT_EQ(page.find("<m>"), std::string::npos);
   EXPECT_EQ(page.find("http://"), page.find("http://www.w3.org"));  // loads nothing
   EXPECT_NE(page.find("class=\"matrix\""), std::string::npos);
-  const json all = report_json(measured, judge(measured));
+  const json all = report_json(measured, answers(measured));
   EXPECT_EQ(all.at("verdict"), "good");
   EXPECT_EQ(all.at("response").at("modes").size(), kModes.size());
 }
 
 }  // namespace
-}  // namespace ovws::check
+}  // namespace ovws::examine

@@ -17,8 +17,8 @@ namespace {
 using nlohmann::json;
 
 /// An endpoint where nothing answers.
-Commissioning::Settings nowhere() {
-  Commissioning::Settings settings;
+Settings nowhere() {
+  Settings settings;
   settings.daemon.endpoint = "tcp://127.0.0.1:9";
   settings.daemon.timeout_s = 0.05;
   return settings;
@@ -150,10 +150,10 @@ TEST(Commissioning, WhatLaterStepsNeedIsDone) {
 }
 
 TEST(Commissioning, OneActionAtATime) {
-  Commissioning::Settings settings = nowhere();
+  Settings settings = nowhere();
   settings.examine = [] {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    return std::vector<Finding>{};
+    return examine::Findings{};
   };
   Commissioning commissioning(settings);
   ended(commissioning);

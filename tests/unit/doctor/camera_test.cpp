@@ -1,8 +1,8 @@
-#include "daemon/examine/machine/camera.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
 namespace {
 
 /// A GigE camera on a good gigabit interface, free.
@@ -35,106 +35,106 @@ CameraFacts nothing_found(const std::string& id) {
 
 TEST(DoctorCamera, AHealthyGigeOrUsbCameraHasNoFinding) {
   for (const auto& facts : {gige(), usb()}) {
-    for (const Finding& one : judge(facts)) {
-      EXPECT_TRUE(one.verdict == Verdict::ok || one.verdict == Verdict::not_here) << one.meaning;
+    for (const Finding& one : answers(facts)) {
+      EXPECT_TRUE(one.severity == Severity::good || one.severity == Severity::not_here) << one.text;
     }
   }
 }
 
 TEST(DoctorCamera, IsFoundOrNot) {
-  expect(gige(), "camera.found", Verdict::ok);
-  expect(usb(), "camera.found", Verdict::ok);
-  expect(nothing_found("77"), "camera.found", Verdict::fault, "arv-tool-0.8");
+  expect(gige(), "camera.found", Severity::good);
+  expect(usb(), "camera.found", Severity::good);
+  expect(nothing_found("77"), "camera.found", Severity::bad, "arv-tool-0.8");
   auto other = nothing_found("78");
   other.listed = {{"Maker-M1-77", "77", "192.168.7.20", true}};
-  expect(other, "camera.found", Verdict::fault, "\"camera\": {\"id\": \"192.168.7.20\"}");
+  expect(other, "camera.found", Severity::bad, "\"camera\": {\"id\": \"192.168.7.20\"}");
   other.listed = {{"Maker-M1-77", "77", "", false}};
-  expect(other, "camera.found", Verdict::fault, "\"id\": \"Maker-M1-77\"");
+  expect(other, "camera.found", Severity::bad, "\"id\": \"Maker-M1-77\"");
   auto deaf = gige();
   deaf.answer.reset();
-  expect(deaf, "camera.found", Verdict::fault, "ip address add 192.168.7.1/24");
+  expect(deaf, "camera.found", Severity::bad, "ip address add 192.168.7.1/24");
 }
 
 TEST(DoctorCamera, AnotherProgramThatControlsItIsReported) {
-  expect(gige(), "camera.control", Verdict::ok);
+  expect(gige(), "camera.control", Severity::good);
   auto taken = gige();
   taken.answer->controlled = true;
-  expect(taken, "camera.control", Verdict::warning);
+  expect(taken, "camera.control", Severity::warning);
   taken.daemon = DaemonsCamera::with;
-  expect(taken, "camera.control", Verdict::ok);
+  expect(taken, "camera.control", Severity::good);
   taken.daemon = DaemonsCamera::without;
-  expect(taken, "camera.control", Verdict::fault);
-  expect(usb(), "camera.control", Verdict::not_here);
-  expect(nothing_found("77"), "camera.control", Verdict::not_here);
+  expect(taken, "camera.control", Severity::bad);
+  expect(usb(), "camera.control", Severity::not_here);
+  expect(nothing_found("77"), "camera.control", Severity::not_here);
 }
 
 TEST(DoctorCamera, IsReachedByAnInterfaceInItsNetwork) {
-  expect(gige(), "camera.interface", Verdict::ok);
+  expect(gige(), "camera.interface", Severity::good);
   auto routed = gige();
   routed.path->same_network = false;
-  expect(routed, "camera.interface", Verdict::warning, "192.168.7.1/24");
-  expect(nothing_found("192.168.7.1"), "camera.interface", Verdict::fault, "192.168.7.2/24");
-  expect(nothing_found("77-serial"), "camera.interface", Verdict::not_here);
-  expect(usb(), "camera.interface", Verdict::not_here);
+  expect(routed, "camera.interface", Severity::warning, "192.168.7.1/24");
+  expect(nothing_found("192.168.7.1"), "camera.interface", Severity::bad, "192.168.7.2/24");
+  expect(nothing_found("77-serial"), "camera.interface", Severity::not_here);
+  expect(usb(), "camera.interface", Severity::not_here);
 }
 
 TEST(DoctorCamera, ItsLinkCarriesTheConfiguredFrames) {
   auto slow = gige();  // 512 x 512 bytes, 100 a second, with headers: 221 Mbit/s
-  expect(slow, "camera.link", Verdict::ok);
+  expect(slow, "camera.link", Severity::good);
   slow.answer->link_mbps = 222;
-  expect(slow, "camera.link", Verdict::ok);
+  expect(slow, "camera.link", Severity::good);
   slow.answer->link_mbps = 100;
-  expect(slow, "camera.link", Verdict::fault, "\"frame_rate_hz\": 45}");
+  expect(slow, "camera.link", Severity::bad, "\"frame_rate_hz\": 45}");
   slow = gige();
   slow.path->link_mbps = 10;
-  expect(slow, "camera.link", Verdict::fault, "\"frame_rate_hz\": 4}");
+  expect(slow, "camera.link", Severity::bad, "\"frame_rate_hz\": 4}");
   slow.path->link_mbps = slow.answer->link_mbps = std::nullopt;
-  expect(slow, "camera.link", Verdict::not_here);
+  expect(slow, "camera.link", Severity::not_here);
   auto old_port = usb();
   old_port.usb_mbps = 480;
-  expect(old_port, "camera.link", Verdict::ok);
+  expect(old_port, "camera.link", Severity::good);
   old_port.usb_mbps = 12;
-  expect(old_port, "camera.link", Verdict::fault);
+  expect(old_port, "camera.link", Severity::bad);
 }
 
 TEST(DoctorCamera, PacketsLargerThanTheInterfacesMtuAreReported) {
   auto facts = gige();
-  expect(facts, "camera.packets", Verdict::ok);
+  expect(facts, "camera.packets", Severity::good);
   facts.path->mtu_bytes = 1500;
-  expect(facts, "camera.packets", Verdict::warning, "ip link set dev eth1 mtu 9000");
+  expect(facts, "camera.packets", Severity::warning, "ip link set dev eth1 mtu 9000");
   facts.answer->controlled = true;  // now it reports what it sends
-  expect(facts, "camera.packets", Verdict::fault);
+  expect(facts, "camera.packets", Severity::bad);
   facts.answer->packet_size_bytes = 1500;
-  expect(facts, "camera.packets", Verdict::warning);
+  expect(facts, "camera.packets", Severity::warning);
   facts.config.packet_size_bytes = 1500;
-  expect(facts, "camera.packets", Verdict::ok);
+  expect(facts, "camera.packets", Severity::good);
   facts.path.reset();
-  expect(facts, "camera.packets", Verdict::not_here);
-  expect(usb(), "camera.packets", Verdict::not_here);
+  expect(facts, "camera.packets", Severity::not_here);
+  expect(usb(), "camera.packets", Severity::not_here);
 }
 
 TEST(DoctorCamera, TheKernelGivesItsSocketRoom) {
   auto facts = gige();
-  expect(facts, "camera.socket_buffer", Verdict::ok);
+  expect(facts, "camera.socket_buffer", Severity::good);
   facts.rmem_max_bytes = 212992;
-  expect(facts, "camera.socket_buffer", Verdict::warning, "sysctl -w net.core.rmem_max=4194304");
+  expect(facts, "camera.socket_buffer", Severity::warning, "sysctl -w net.core.rmem_max=4194304");
   facts.rmem_max_bytes.reset();
-  expect(facts, "camera.socket_buffer", Verdict::not_here);
-  expect(usb(), "camera.socket_buffer", Verdict::not_here);
+  expect(facts, "camera.socket_buffer", Severity::not_here);
+  expect(usb(), "camera.socket_buffer", Severity::not_here);
 }
 
 TEST(DoctorCamera, TheKernelGivesUsbRoom) {
   auto facts = usb();  // 32 frames of 256 KiB, and one MiB
   facts.usbfs_mb = 9;
-  expect(facts, "camera.usb_memory", Verdict::ok);
+  expect(facts, "camera.usb_memory", Severity::good);
   facts.usbfs_mb = 8;
-  expect(facts, "camera.usb_memory", Verdict::fault, "echo 1000 | sudo tee /sys/module/usbcore/");
+  expect(facts, "camera.usb_memory", Severity::bad, "echo 1000 | sudo tee /sys/module/usbcore/");
   facts.usbfs_mb = 0;  // no limit
-  expect(facts, "camera.usb_memory", Verdict::ok);
+  expect(facts, "camera.usb_memory", Severity::good);
   facts.usbfs_mb.reset();
-  expect(facts, "camera.usb_memory", Verdict::not_here);
-  expect(gige(), "camera.usb_memory", Verdict::not_here);
+  expect(facts, "camera.usb_memory", Severity::not_here);
+  expect(gige(), "camera.usb_memory", Severity::not_here);
 }
 
 }  // namespace
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

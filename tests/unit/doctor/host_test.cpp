@@ -1,9 +1,9 @@
-#include "daemon/examine/machine/host.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
-#include "daemon/examine/machine/system_files.hpp"
+#include "daemon/examine/machine/machine.hpp"
 #include "tests/unit/doctor/expect.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
 namespace {
 
 constexpr const char* kLimits =
@@ -31,12 +31,12 @@ TEST(SystemFiles, TheTextIsWholeAndAReadErrorIsNoText) {
 }
 
 TEST(DoctorHost, ATunedHostHasNoFinding) {
-  for (const Finding& one : judge(tuned())) EXPECT_EQ(one.verdict, Verdict::ok) << one.meaning;
+  for (const Finding& one : answers(tuned())) EXPECT_EQ(one.severity, Severity::good) << one.text;
 }
 
 TEST(DoctorHost, AHostWithoutFactsIsNotJudged) {
-  for (const Finding& one : judge(HostFacts{})) {
-    EXPECT_EQ(one.verdict, Verdict::not_here) << one.meaning;
+  for (const Finding& one : answers(HostFacts{})) {
+    EXPECT_EQ(one.severity, Severity::not_here) << one.text;
   }
 }
 
@@ -45,8 +45,8 @@ TEST(DoctorHost, WhatIsMissingForRealTimeIsAFaultOnlyWhereItIsEnforced) {
   facts.limits = Limits{79, 8 << 20, false, false};  // `acquire` has 80
   facts.rt_runtime_us = 500000;
   facts.dma_latency = Access::refused;
-  for (const auto& [policy, verdict] : {std::pair{RealtimePolicy::ignore, Verdict::warning},
-                                        std::pair{RealtimePolicy::enforce, Verdict::fault}}) {
+  for (const auto& [policy, verdict] : {std::pair{RealtimePolicy::ignore, Severity::warning},
+                                        std::pair{RealtimePolicy::enforce, Severity::bad}}) {
     facts.policy = policy;
     expect(facts, "realtime.priority", verdict, "rtprio 90");
     expect(facts, "realtime.memory", verdict, "memlock unlimited");
@@ -54,25 +54,25 @@ TEST(DoctorHost, WhatIsMissingForRealTimeIsAFaultOnlyWhereItIsEnforced) {
     expect(facts, "cpu.sleep", verdict, "sudo systemctl start ovwsd");
   }
   facts.of_service = true;
-  expect(facts, "realtime.priority", Verdict::fault, "systemctl revert ovwsd");
-  expect(facts, "cpu.sleep", Verdict::not_here);
+  expect(facts, "realtime.priority", Severity::bad, "systemctl revert ovwsd");
+  expect(facts, "cpu.sleep", Severity::not_here);
   facts.limits = Limits{80, std::nullopt, false, false};
-  expect(facts, "realtime.priority", Verdict::ok);
+  expect(facts, "realtime.priority", Severity::good);
   facts.limits = Limits{0, 0, true, true};  // root
-  expect(facts, "realtime.priority", Verdict::ok);
-  expect(facts, "realtime.memory", Verdict::ok);
+  expect(facts, "realtime.priority", Severity::good);
+  expect(facts, "realtime.memory", Severity::good);
   facts.rt_runtime_us = -1;
-  expect(facts, "realtime.throttling", Verdict::ok);
+  expect(facts, "realtime.throttling", Severity::good);
 }
 
 TEST(DoctorHost, ProcessorsAndClock) {
   auto facts = tuned();
   facts.governors = {"performance", "powersave"};
-  expect(facts, "cpu.governor", Verdict::warning, "scaling_governor");
+  expect(facts, "cpu.governor", Severity::warning, "scaling_governor");
   facts.clock_source = "hpet";
-  expect(facts, "clock.source", Verdict::warning, "echo tsc");
+  expect(facts, "clock.source", Severity::warning, "echo tsc");
   facts.clock_synchronised = false;
-  expect(facts, "clock.synchronised", Verdict::warning, "timedatectl set-ntp true");
+  expect(facts, "clock.synchronised", Severity::warning, "timedatectl set-ntp true");
 }
 
 TEST(DoctorHost, LimitsAreReadAsTheKernelWritesThem) {
@@ -95,4 +95,4 @@ TEST(DoctorHost, LimitsAreReadAsTheKernelWritesThem) {
 }
 
 }  // namespace
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

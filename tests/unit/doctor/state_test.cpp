@@ -1,4 +1,4 @@
-#include "daemon/examine/machine/state.hpp"
+#include "daemon/examine/machine/machine.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -6,7 +6,7 @@
 #include "tests/support/own_folder.hpp"
 #include "tests/unit/doctor/expect.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
 namespace {
 
 StateFacts good() {
@@ -18,58 +18,58 @@ StateFacts good() {
 }
 
 TEST(DoctorState, AMissingFolderIsAFaultOnlyIfItCannotBeCreated) {
-  expect(good(), "state.directory", Verdict::ok);
-  expect(good(), "state.room", Verdict::ok);
+  expect(good(), "state.directory", Severity::good);
+  expect(good(), "state.room", Severity::good);
   auto facts = good();
   facts.there = facts.is_folder = false;
-  expect(facts, "state.directory", Verdict::ok);
+  expect(facts, "state.directory", Severity::good);
   facts.writable = false;
-  expect(facts, "state.directory", Verdict::fault, "install -d -o ovws -g ovws /var/lib/ovws");
-  expect(StateFacts{}, "state.directory", Verdict::warning, "\"state\": {\"directory\"");
-  expect(StateFacts{}, "state.room", Verdict::not_here);
+  expect(facts, "state.directory", Severity::bad, "install -d -o ovws -g ovws /var/lib/ovws");
+  expect(StateFacts{}, "state.directory", Severity::warning, "\"state\": {\"directory\"");
+  expect(StateFacts{}, "state.room", Severity::not_here);
 }
 
 TEST(DoctorState, AnUnwritableFolderIsAFaultWithTheRepairForItsOwner) {
   auto facts = good();
   facts.writable = false;
-  expect(facts, "state.directory", Verdict::fault, "chmod u+rwx /var/lib/ovws");
+  expect(facts, "state.directory", Severity::bad, "chmod u+rwx /var/lib/ovws");
   facts.directory = "/srv/it's; reboot";
-  expect(facts, "state.directory", Verdict::fault, "chmod u+rwx '/srv/it'\\''s; reboot'");
+  expect(facts, "state.directory", Severity::bad, "chmod u+rwx '/srv/it'\\''s; reboot'");
   facts.owner = "ovws";
-  expect(facts, "state.directory", Verdict::not_here, "sudo -u ovws ovws doctor");
+  expect(facts, "state.directory", Severity::not_here, "sudo -u ovws ovws doctor");
   facts.disk_writable = false;
-  expect(facts, "state.directory", Verdict::fault, "remount,rw");
+  expect(facts, "state.directory", Severity::bad, "remount,rw");
   facts = good();
   facts.is_folder = false;
-  expect(facts, "state.directory", Verdict::fault);
+  expect(facts, "state.directory", Severity::bad);
 }
 
 TEST(DoctorState, TheFolderOfARunningDaemonIsWhatItReports) {
   auto facts = good();
   facts.of_daemon = true;
-  expect(facts, "state.directory", Verdict::ok);
+  expect(facts, "state.directory", Severity::good);
   facts.writable = false;
   facts.owner = "ovws";
-  expect(facts, "state.directory", Verdict::ok);
+  expect(facts, "state.directory", Severity::good);
   facts.there = facts.is_folder = false;
-  expect(facts, "state.directory", Verdict::not_here);
-  expect(facts, "state.room", Verdict::not_here);
+  expect(facts, "state.directory", Severity::not_here);
+  expect(facts, "state.room", Severity::not_here);
   facts = good();
   facts.of_daemon = true;
   facts.directory = "state";  // relative to the daemon's folder
-  expect(facts, "state.directory", Verdict::not_here);
+  expect(facts, "state.directory", Severity::not_here);
   const auto none = read_state_of_daemon(std::nullopt, "/s cannot be created");
-  expect(none, "state.directory", Verdict::warning, "\"state\": {\"directory\"");
-  EXPECT_NE(named(judge(none), "state.directory").meaning.find("/s cannot be created"),
+  expect(none, "state.directory", Severity::warning, "\"state\": {\"directory\"");
+  EXPECT_NE(named(answers(none), "state.directory").text.find("/s cannot be created"),
             std::string::npos);
 }
 
 TEST(DoctorState, ADiskThatFillsUpIsReported) {
   auto facts = good();
   facts.free_bytes = 100 << 20;
-  expect(facts, "state.room", Verdict::warning, "du -xhd1");
+  expect(facts, "state.room", Severity::warning, "du -xhd1");
   facts.free_bytes = 1 << 20;
-  expect(facts, "state.room", Verdict::fault);
+  expect(facts, "state.room", Severity::bad);
 }
 
 TEST(DoctorState, ReadStateCreatesNothing) {
@@ -91,4 +91,4 @@ TEST(DoctorState, ReadStateCreatesNothing) {
 }
 
 }  // namespace
-}  // namespace ovws::doctor
+}  // namespace ovws::examine

@@ -19,7 +19,10 @@ TEST(CommandsTest, TakesWhatThePageNeeds) {
   ASSERT_TRUE(command);
   EXPECT_EQ(command->method, "camera.set");
   EXPECT_EQ(command->params["gain_db"], 3);
-  EXPECT_TRUE(parse_command(R"({"method": "aberration.clear"})"));
+  for (const char* method :  // of the buttons of findings
+       {"aberration.clear", "camera.auto_exposure", "reference.take", "slm.show"}) {
+    EXPECT_TRUE(parse_command(nlohmann::json{{"method", method}}.dump())) << method;
+  }
 }
 
 TEST(CommandsTest, RefusesEveryOtherMethod) {

@@ -1,8 +1,13 @@
-#include "daemon/examine/machine/daemon_answer.hpp"
+#include "daemon/examine/machine/doctor.hpp"
 
 #include "tests/unit/doctor/expect.hpp"
 
-namespace ovws::doctor {
+namespace ovws::examine {
+
+static Findings answers(const DaemonFacts& facts) {
+  return answers(facts, kDoctor);
+}
+
 namespace {
 
 const nlohmann::json kWaits{{"state", "waiting_for_camera"}};
@@ -15,7 +20,8 @@ DaemonFacts running() {
       {"state", "running"},
       {"versions", {{"ovws", "1.2.3"}}},
       {"camera",
-       {{"info", {{"model", "M1"}}},
+       {{"connected", true},
+        {"info", {{"model", "M1"}}},
         {"fault", nullptr},
         {"brightest", 0.7},
         {"settings", {{"frame_rate_hz", 100.0}, {"exposure_us", 2000.0}}}}},
@@ -25,12 +31,14 @@ DaemonFacts running() {
       {"store", {{"directory", "/var/lib/ovws"}, {"reason", nullptr}}},
       {"failed_job", nullptr},
   };
+  facts.wavefront = {{"saturated", 0.0}, {"subapertures", 19}};
   facts.levels = nlohmann::json{{"equal", true}, {"differing_pixels", 0}};
   return facts;
 }
 
 TEST(DoctorDaemon, AHealthyDaemonHasNoFinding) {
-  for (const Finding& one : judge(running())) EXPECT_EQ(one.verdict, Verdict::ok) << one.meaning;
+  for (const Finding& one : answers(running(), kDoctor))
+    EXPECT_EQ(one.severity, Severity::good) << one.text;
   EXPECT_EQ(camera_of(running()), DaemonsCamera::with);
 }
 
@@ -79,89 +87,95 @@ TEST(DoctorDaemon, OneThatStartsAgainAndAgainIsNotAskedForEver) {
 TEST(DoctorDaemon, ADaemonThatDoesNotAnswerIsNoFault) {
   DaemonFacts facts;
   facts.why = "no reply within 3 s";
-  for (const Finding& one : judge(facts)) EXPECT_EQ(one.verdict, Verdict::not_here) << one.name;
+  for (const Finding& one : answers(facts, kDoctor))
+    EXPECT_EQ(one.severity, Severity::not_here) << one.name;
   EXPECT_EQ(camera_of(facts), DaemonsCamera::silent);
   facts.asks_for_keys = true;
-  expect(facts, "daemon.answer", Verdict::not_here, "ovws --key FILE doctor");
+  expect(facts, "daemon.answer", Severity::not_here, "ovws --key FILE doctor");
   facts.refused = true;
-  expect(facts, "daemon.answer", Verdict::warning);
+  expect(facts, "daemon.answer", Severity::warning);
 }
 
 TEST(DoctorDaemon, FaultsOfTheStatusAreReported) {
   auto facts = running();
   (*facts.status)["versions"]["ovws"] = "1.2.2";
-  expect(facts, "daemon.version", Verdict::warning, "restart ovwsd");
+  expect(facts, "daemon.version", Severity::warning, "restart ovwsd");
   (*facts.status)["camera"] = {{"info", nullptr}, {"fault", "no camera answers"}};
-  expect(facts, "daemon.state", Verdict::fault);
-  EXPECT_NE(named(judge(facts), "daemon.state").meaning.find("no camera answers"),
+  expect(facts, "camera.state", Severity::bad);
+  EXPECT_NE(named(answers(facts), "camera.state").text.find("no camera answers"),
             std::string::npos);
   EXPECT_EQ(camera_of(facts), DaemonsCamera::without);
   facts = running();
   (*facts.status)["slm"]["fault"] = "switched off";
-  expect(facts, "daemon.state", Verdict::fault);
+  expect(facts, "slm.state", Severity::bad);
   facts = running();
   (*facts.status)["state"] = "waiting_for_camera";
-  expect(facts, "daemon.state", Verdict::fault);
+  expect(facts, "daemon.state", Severity::not_here);
+  (*facts.status)["camera"]["connected"] = false;
+  expect(facts, "camera.state", Severity::bad);
+  (*facts.status)["sensor"]["layout_fault"] = "camera.roi: 3 spots fall outside";
+  expect(facts, "sensor.layout", Severity::bad, "ovws setup spot");
+  EXPECT_TRUE(is_for_later(named(answers(facts), "sensor.layout")));
   (*facts.status)["store"]["reason"] = "the disk is full";
-  expect(facts, "daemon.store", Verdict::warning);
+  expect(facts, "daemon.store", Severity::warning);
   (*facts.status)["failed_job"] = {
       {"kind", "lut.run"}, {"reason", "no light"}, {"t_failed", "2026-01-01T00:00:00.000Z"}};
-  expect(facts, "daemon.job", Verdict::warning, "ovws call --wait lut.run");
-  EXPECT_NE(named(judge(facts), "daemon.job").meaning.find("2026-01-01T00:00:00.000Z"),
+  expect(facts, "daemon.job", Severity::warning, "ovws call --wait lut.run");
+  EXPECT_NE(named(answers(facts), "daemon.job").text.find("2026-01-01T00:00:00.000Z"),
             std::string::npos);
 }
 
 TEST(DoctorDaemon, ADarkImageIsAWarning) {
   auto facts = running();
   (*facts.status)["camera"]["brightest"] = 0.012;
-  expect(facts, "camera.light", Verdict::warning, "ovws exposure auto");
-  EXPECT_NE(named(judge(facts), "camera.light").meaning.find("1.2 % of full scale"),
+  expect(facts, "camera.light", Severity::warning, "ovws exposure auto");
+  EXPECT_NE(named(answers(facts), "camera.light").text.find("1.2 % of full scale"),
             std::string::npos);
   (*facts.status)["camera"]["brightest"] = nullptr;
-  expect(facts, "camera.light", Verdict::not_here);
+  expect(facts, "camera.light", Severity::not_here);
 }
 
 TEST(DoctorDaemon, ATooBrightImageIsAWarning) {
   auto facts = running();
   (*facts.status)["camera"]["brightest"] = 1.0;
-  facts.saturated = 1.0 / 19.0;
-  expect(facts, "camera.light", Verdict::ok);
-  facts.saturated = 1.0;
-  expect(facts, "camera.light", Verdict::warning, "ovws exposure auto");
-  EXPECT_NE(named(judge(facts), "camera.light").meaning.find("100 % of the spots are saturated"),
+  facts.wavefront["saturated"] = 1.0 / 19.0;
+  expect(facts, "camera.light", Severity::note, "ovws exposure auto");
+  facts.wavefront["saturated"] = 1.0;
+  expect(facts, "camera.light", Severity::warning, "ovws exposure auto");
+  EXPECT_NE(named(answers(facts), "camera.light").text.find("19 of 19 spots are saturated"),
             std::string::npos);
 }
 
 TEST(DoctorDaemon, ASlowCameraIsAWarning) {
   auto facts = running();
   (*facts.status)["rates"]["grabbed_hz"] = 71.3;
-  expect(facts, "camera.rate", Verdict::warning, "ovws rate 71.3");
-  EXPECT_NE(
-      named(judge(facts), "camera.rate").meaning.find("sends 71.3 frames/s and is set to 100"),
-      std::string::npos);
+  expect(facts, "camera.rate", Severity::warning, "ovws rate 71.3");
+  EXPECT_NE(named(answers(facts), "camera.rate").text.find("sends 71.3 of 100 frames/s"),
+            std::string::npos);
   (*facts.status)["camera"]["settings"]["exposure_us"] = 13000.0;
-  expect(facts, "camera.rate", Verdict::warning, "ovws exposure 5000us");
+  expect(facts, "camera.rate", Severity::warning, "ovws exposure 5000us");
   (*facts.status)["camera"]["settings"]["exposure_us"] = 2.0;
   (*facts.status)["rates"] = {{"grabbed_hz", 1234.4}, {"expected_hz", 20000.0}};
-  expect(facts, "camera.rate", Verdict::warning, "ovws rate 1234");
-  EXPECT_NE(named(judge(facts), "camera.rate").meaning.find("is set to 20000:"), std::string::npos);
+  expect(facts, "camera.rate", Severity::warning, "ovws rate 1234");
+  EXPECT_NE(named(answers(facts), "camera.rate").text.find("of 20000 frames/s:"),
+            std::string::npos);
   (*facts.status)["rates"]["expected_hz"] = nullptr;
-  expect(facts, "camera.rate", Verdict::not_here);
+  expect(facts, "camera.rate", Severity::not_here);
   (*facts.status)["rates"] = {{"grabbed_hz", 0.0}, {"expected_hz", 100.0}};
-  expect(facts, "camera.rate", Verdict::not_here);
+  expect(facts, "camera.rate", Severity::not_here);
 }
 
 TEST(DoctorDaemon, AnOutputThatShowsOtherLevelsIsAFault) {
   auto facts = running();
   facts.levels->at("differing_pixels") = 50;
-  expect(facts, "slm.levels", Verdict::warning, "ovws call slm.verify");
+  expect(facts, "slm.levels", Severity::warning, "ovws call slm.verify");
   facts.levels->at("differing_pixels") = 4950;
-  expect(facts, "slm.levels", Verdict::fault, "ovws call slm.verify");
-  EXPECT_NE(named(judge(facts), "slm.levels").meaning.find("stop the compositor"),
+  expect(facts, "slm.levels", Severity::bad, "ovws call slm.verify");
+  EXPECT_NE(named(answers(facts), "slm.levels").text.find("stop the compositor"),
             std::string::npos);
   facts.levels.reset();
   facts.why_no_levels = "it cannot be read";
-  expect(facts, "slm.levels", Verdict::not_here);
+  expect(facts, "slm.levels", Severity::not_here);
 }
 
 TEST(DoctorDaemon, TheOutputIsNotReadBackWhileThatDelaysHologramsInUse) {
@@ -176,23 +190,14 @@ TEST(DoctorDaemon, TheOutputIsNotReadBackWhileThatDelaysHologramsInUse) {
   EXPECT_NE(why_not_verify(facts).find("while a job runs"), std::string::npos);
 }
 
-TEST(DoctorDaemon, TheStatusTellsTheFolderOrWhyThereIsNone) {
-  auto facts = running();
-  EXPECT_EQ(state_folder_of(facts), "/var/lib/ovws");
-  EXPECT_EQ(store_fault_of(facts), "");
-  (*facts.status)["store"] = {{"directory", nullptr}, {"reason", "none is configured"}};
-  EXPECT_EQ(state_folder_of(facts), std::nullopt);
-  EXPECT_EQ(store_fault_of(facts), "none is configured");
-  EXPECT_EQ(state_folder_of(DaemonFacts{}), std::nullopt);
-}
-
 TEST(DoctorDaemon, AStatusOfAnotherStructureIsJudgedWithoutItsKeys) {
   auto facts = running();
   facts.status = nlohmann::json::array();
-  expect(facts, "daemon.version", Verdict::warning);
+  expect(facts, "daemon.version", Severity::warning);
   facts.status = nlohmann::json{{"camera", 3}, {"state", 5}};
-  expect(facts, "daemon.job", Verdict::ok);
+  expect(facts, "daemon.job", Severity::good);
+  expect(facts, "camera.state", Severity::not_here);
 }
 
 }  // namespace
-}  // namespace ovws::doctor
+}  // namespace ovws::examine
