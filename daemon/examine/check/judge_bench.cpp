@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "daemon/examine/check/judge.hpp"
+#include "daemon/examine/in_use.hpp"
 
 namespace ovws::examine {
 namespace {
@@ -26,15 +27,6 @@ std::string age_text(double seconds) {
   if (seconds < 2.0 * kHourS) return fmt::format("{:.0f} min old", seconds / 60.0);
   if (seconds < 2.0 * kDayS) return fmt::format("{:.0f} h old", seconds / kHourS);
   return fmt::format("{:.0f} days old", seconds / kDayS);
-}
-
-/// Camera pixels per grating frequency of 1 cycle per SLM pixel, by the configuration.
-double configured_scale(const json& config) {
-  const json& optics = config.at("optics");
-  return optics.at("wavelength_nm").get<double>() * optics.at("focal_length_mm").get<double>() *
-         optics.at("magnification").get<double>() /
-         (config.at("slm").at("pitch_um").get<double>() *
-          optics.at("camera_pitch_um").get<double>());
 }
 
 /// λ/d of a subaperture, camera pixels.
@@ -106,7 +98,7 @@ Finding judge_registration(const MeasuredFacts& facts) {
   constexpr double kGoodShare = 0.02, kBadShare = 0.1, kScale = 0.01;
   const Measured& measured = facts.measured;
   const json& registration = measured.registration;
-  const double configured = configured_scale(measured.config);
+  const double configured = configured_px_per_cycle(measured.config);
   const double spot = spot_px(measured, configured);
   Finding found;
   found.limit =

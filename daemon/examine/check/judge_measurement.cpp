@@ -4,14 +4,13 @@
 #include <cmath>
 #include <string_view>
 
-#include "config/config.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/examine/check/judge.hpp"
 #include "daemon/examine/check/response.hpp"
+#include "daemon/examine/in_use.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/shared/lost_spots.hpp"
-#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 
 namespace ovws::examine {
@@ -56,9 +55,8 @@ std::string unread_modes(const Response& response) {
 
 /// Why spots are lost, by the configuration; empty: the configuration gives no reason.
 std::string layout_reason(const json& in_use) {
-  auto config = parse_config(json_text(in_use));
+  const auto config = layout_in_use(in_use);
   if (!config) return {};
-  config->sensor.masks.clear();  // they move no spot; their files are the daemon's
   const auto lattice = make_lattice(config->sensor, config->slm.geometry);
   if (!lattice) return {};
   const auto dark = check_zeroth_order(spot_bench(*config, *lattice));

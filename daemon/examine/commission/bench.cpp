@@ -19,19 +19,15 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPollInterval{100};
 constexpr double kPatience_s = 30.0;  ///< with a daemon that does not answer while a job runs
 constexpr double kImageTimeout_s = 8.0;
+constexpr int kStreamQueue = 10'000;
 constexpr double kStreamMargin_s = 0.05;  ///< from a frame's arrival to its image message
-
-std::string text_at(const json& object, const char* key, const std::string& otherwise) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : otherwise;
-}
 
 Error error_of(const cli::CallFailure& failure) {
   const std::string message = cli::message_of(failure);
   if (!failure.answered) return {Errc::unavailable, "", "the daemon does not answer: " + message};
-  const auto found = failure.error.find("data");
-  const json data = found != failure.error.end() ? *found : json();
-  return {Errc::refused, text_at(data, "field", ""), text_at(data, "reason", message)};
+  const std::string reason = examine::text_at(failure.error, "/data/reason");
+  return {Errc::refused, examine::text_at(failure.error, "/data/field"),
+          reason.empty() ? message : reason};
 }
 
 Error cancelled_error() {
@@ -66,13 +62,6 @@ Image<float> fractions(const StreamMessage& message) {
   return image;
 }
 
-Result<Subscriber> subscribe_to(const cli::Common& common, const char* key,
-                                const std::string& topic, int queue) {
-  const auto endpoint = cli::stream_endpoint(common, key);
-  if (!endpoint) return fail(error_of(endpoint.error()));
-  return cli::subscribe(common, *endpoint, {topic}, queue);
-}
-
 }  // namespace
 
 std::span<const WatchedFrame> newest(std::span<const WatchedFrame> frames, double seconds) {
@@ -94,14 +83,28 @@ std::optional<double> median_rms_waves(std::span<const WatchedFrame> frames) {
   return all[all.size() / 2];
 }
 
-void Bench::say(const std::string& text) {
-  progress_(done_, text);
-}
-
-Result<json> Bench::call(const std::string& method, const json& params) {
+Result<json> Bench::try_call(const std::string& method, const json& params) {
   auto answer = cli::call(settings_.daemon, method, params);
   if (!answer) return fail(error_of(answer.error()));
   return std::move(*answer);
+}
+
+json Bench::call(const std::string& method, const json& params) {
+  auto answer = try_call(method, params);
+  if (!answer) throw StepFailed{answer.error()};
+  return std::move(*answer);
+}
+
+void Bench::stop_if_cancelled() const {
+  if (cancelled_) throw StepFailed{cancelled_error()};
+}
+
+Subscriber Bench::subscriber(const char* key, const std::string& topic, int queue) {
+  const auto endpoint = cli::stream_endpoint(settings_.daemon, key);
+  if (!endpoint) throw StepFailed{error_of(endpoint.error())};
+  auto stream = cli::subscribe(settings_.daemon, *endpoint, {topic}, queue);
+  if (!stream) throw StepFailed{stream.error()};
+  return std::move(*stream);
 }
 
 Result<json> Bench::job(const std::string& method, const json& params, const std::string& text) {
@@ -115,59 +118,49 @@ Result<json> Bench::job(const std::string& method, const json& params, const std
   return fail(cancelled_ ? cancelled_error() : error_of(result.error()));
 }
 
-Result<void> Bench::pause(double seconds) {
-  const auto begin = Clock::now();
-  while (seconds_since(begin) < seconds) {
-    if (cancelled_) return fail(cancelled_error());
-    std::this_thread::sleep_for(
-        std::chrono::duration<double>(std::clamp(seconds - seconds_since(begin), 0.0, 0.1)));
+Image<float> Bench::image() {
+  const json config = call("config.get");
+  const json camera = call("camera.get");
+  if (config.at("stream").at("image_rate_hz").get<double>() <= 0.0) {
+    throw StepFailed{{Errc::refused, "stream.image_rate_hz",
+                      "is 0, so that no image is published: set it to 10 in the configuration "
+                      "file, and reload the daemon"}};
   }
-  return {};
-}
-
-Result<Image<float>> Bench::image() {
-  const auto config = call("config.get");
-  if (!config) return fail(config.error());
-  const auto camera = call("camera.get");
-  if (!camera) return fail(camera.error());
-  if (config->at("stream").at("image_rate_hz").get<double>() <= 0.0) {
-    return fail(Errc::refused, "stream.image_rate_hz",
-                "is 0, so that no image is published: set it to 10 in the configuration file, and "
-                "reload the daemon");
-  }
-  const json& settings = camera->at("settings");
+  const json& settings = camera.at("settings");
   const double exposure_s = 1e-6 * settings.at("exposure_us").get<double>();
   const double frame_s = std::max(exposure_s, 1.0 / settings.at("frame_rate_hz").get<double>());
-  const double wait_s = 1e-3 * config->at("slm").at("settle_ms").get<double>() +
-                        1e-3 * config->at("camera").at("transfer_ms").get<double>() + exposure_s +
+  const double wait_s = 1e-3 * config.at("slm").at("settle_ms").get<double>() +
+                        1e-3 * config.at("camera").at("transfer_ms").get<double>() + exposure_s +
                         frame_s + kStreamMargin_s;
-  if (auto waited = pause(wait_s); !waited) return fail(waited.error());
-  auto stream = subscribe_to(settings_.daemon, "image_endpoint", "image", 1);
-  if (!stream) return fail(stream.error());
+  for (const auto begin = Clock::now(); seconds_since(begin) < wait_s;) {
+    stop_if_cancelled();
+    std::this_thread::sleep_for(
+        std::chrono::duration<double>(std::clamp(wait_s - seconds_since(begin), 0.0, 0.1)));
+  }
+  Subscriber stream = subscriber("image_endpoint", "image", 1);
   const auto begin = Clock::now();
   while (seconds_since(begin) < kImageTimeout_s + 3.0 * frame_s) {
-    if (cancelled_) return fail(cancelled_error());
-    if (const auto message = stream->receive(kPollInterval)) return fractions(*message);
+    stop_if_cancelled();
+    if (const auto message = stream.receive(kPollInterval)) return fractions(*message);
   }
-  return fail(Errc::unavailable, "camera",
-              "no image came: check the camera's cable, its power and its trigger");
+  throw StepFailed{{Errc::unavailable, "camera",
+                    "no image came: check the camera's cable, its power and its trigger"}};
 }
 
-Result<Image<float>> Bench::image_of(const std::string& pattern) {
-  if (auto shown = call("slm.show", {{"pattern", pattern}}); !shown) return fail(shown.error());
+Image<float> Bench::image_of(const std::string& pattern) {
+  call("slm.show", {{"pattern", pattern}});
   return image();
 }
 
-Result<std::vector<WatchedFrame>> Bench::frames(
+std::vector<WatchedFrame> Bench::frames(
     double seconds, const std::function<bool(std::span<const WatchedFrame>)>& enough) {
-  auto stream = subscribe_to(settings_.daemon, "endpoint", "wavefront", 10'000);
-  if (!stream) return fail(stream.error());
+  Subscriber stream = subscriber("endpoint", "wavefront", kStreamQueue);
   std::vector<WatchedFrame> all;
   const auto begin = Clock::now();
   auto next_look = begin + std::chrono::duration<double>(seconds);
   while (seconds_since(begin) < seconds + cli::kTemplates_s) {
-    if (cancelled_) return fail(cancelled_error());
-    if (const auto message = stream->receive(kPollInterval)) all.push_back(watched(*message));
+    stop_if_cancelled();
+    if (const auto message = stream.receive(kPollInterval)) all.push_back(watched(*message));
     const auto now = Clock::now();
     if (now < next_look) continue;
     if (enough(all)) break;
@@ -176,21 +169,20 @@ Result<std::vector<WatchedFrame>> Bench::frames(
   return all;
 }
 
-Result<std::vector<int>> Bench::lost_spots() {
+std::vector<int> Bench::lost_spots() {
   constexpr double kWatched_s = 1.0, kFoundShare = 0.5;
-  auto stream = subscribe_to(settings_.daemon, "endpoint", "spots", 10'000);
-  if (!stream) return fail(stream.error());
+  Subscriber stream = subscriber("endpoint", "spots", kStreamQueue);
   cli::SpotCounts counts;
   for (const auto begin = Clock::now(); seconds_since(begin) < kWatched_s;) {
-    if (cancelled_) return fail(cancelled_error());
-    if (const auto message = stream->receive(kPollInterval)) counts.add(*message);
+    stop_if_cancelled();
+    if (const auto message = stream.receive(kPollInterval)) counts.add(*message);
   }
   return counts.lost(kFoundShare);
 }
 
-Result<cli::Parts> Bench::parts(std::initializer_list<cli::Part> parts) {
+cli::Parts Bench::parts(std::initializer_list<cli::Part> parts) {
   auto found = cli::parts_of(settings_.daemon, parts);
-  if (!found) return fail(error_of(found.error()));
+  if (!found) throw StepFailed{error_of(found.error())};
   return std::move(*found);
 }
 

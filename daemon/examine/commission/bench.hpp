@@ -40,6 +40,12 @@ struct Settings {
   std::function<examine::Findings()> examine{};
 };
 
+/// Ends a step that cannot go on: the step then fails with this error.
+struct StepFailed {
+  Error error;
+};
+
+/// Functions that return no Result throw StepFailed.
 class Bench {
  public:
   using Progress = std::function<void(double done, const std::string& text)>;
@@ -52,12 +58,14 @@ class Bench {
   bool cancelled() const { return cancelled_; }
 
   /// Reports what happens at present. The progress stays.
-  void say(const std::string& text);
+  void say(const std::string& text) { progress_(done_, text); }
 
   /// Calls a method and returns its result. Errors: as the daemon's, with its field; if it does not
   /// answer, Errc::unavailable.
-  Result<nlohmann::json> call(const std::string& method,
-                              const nlohmann::json& params = nlohmann::json::object());
+  Result<nlohmann::json> try_call(const std::string& method,
+                                  const nlohmann::json& params = nlohmann::json::object());
+  nlohmann::json call(const std::string& method,
+                      const nlohmann::json& params = nlohmann::json::object());
   /// Starts a job, reports its progress, and returns its result. Once the step is cancelled,
   /// cancels the job and fails. Tolerates a daemon that does not answer for about 30 s.
   Result<nlohmann::json> job(const std::string& method, const nlohmann::json& params,
@@ -65,26 +73,27 @@ class Bench {
 
   /// A camera image, as fractions of full scale, whose exposure began after this call, and after
   /// the SLM has settled. Errc::unavailable if none comes.
-  Result<Image<float>> image();
+  Image<float> image();
   /// Shows a pattern of slm.show and returns an image of it.
-  Result<Image<float>> image_of(const std::string& pattern);
+  Image<float> image_of(const std::string& pattern);
   /// The frames of stream `wavefront` that arrive within `seconds`, and further ones until they are
   /// `enough`, for at most cli::kTemplates_s more. `enough` is asked some times a second.
-  Result<std::vector<WatchedFrame>> frames(
+  std::vector<WatchedFrame> frames(
       double seconds, const std::function<bool(std::span<const WatchedFrame>)>& enough);
   /// Numbers of the spots that are found in less than half of the settled frames of a second.
-  Result<std::vector<int>> lost_spots();
+  std::vector<int> lost_spots();
 
-  /// Waits. Fails once the step is cancelled.
-  Result<void> pause(double seconds);
-
-  Result<cli::Parts> parts(std::initializer_list<cli::Part> parts);
+  /// What a step changes, to be restored.
+  cli::Parts parts(std::initializer_list<cli::Part> parts);
   /// Hooks of a cli::Borrow that restores during a step. They use this object.
   cli::Borrow::Hooks restoring();
   /// What could not be restored, and how to do it; empty if everything was.
   const std::string& not_restored() const { return not_restored_; }
 
  private:
+  void stop_if_cancelled() const;
+  Subscriber subscriber(const char* key, const std::string& topic, int queue);
+
   const Settings& settings_;
   const std::atomic<bool>& cancelled_;
   Progress progress_;

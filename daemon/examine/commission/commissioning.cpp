@@ -21,17 +21,21 @@ template <class Act>
 Outcome guarded(const Act& act) {
   try {
     return act();
+  } catch (const StepFailed& failure) {
+    return failed(failure.error);
   } catch (const std::exception& error) {
     return unexpected(error);
   }
 }
 
 /// The camera's image as it is; empty: none came.
-Image<std::uint8_t> present_picture(Bench& bench) try {
-  const auto image = bench.image();
-  return image ? grey_of(*image) : Image<std::uint8_t>();
-} catch (const std::exception&) {
-  return {};
+Image<std::uint8_t> present_picture(Bench& bench) {
+  return guarded([&] {
+           Outcome outcome;
+           outcome.picture = grey_of(bench.image());
+           return outcome;
+         })
+      .picture;
 }
 
 /// Whether the step's result is in use; none also if the daemon's replies have an unknown format.
@@ -232,7 +236,7 @@ void Commissioning::take_now(const Step& step, const Way& way) {
   }
   Bench on = bench();
   for (const auto& [method, params] : way.calls) {
-    if (const auto done = on.call(method, params); !done) {
+    if (const auto done = on.try_call(method, params); !done) {
       return keep(step, failed(done.error()));
     }
   }

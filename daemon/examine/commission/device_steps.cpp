@@ -30,7 +30,7 @@ Outcome run_doctor(Bench& bench, Memory&) {
   bench.say("checking this machine");
   examine::Findings findings;
   if (bench.settings().examine) findings = bench.settings().examine();
-  const auto status = bench.call("system.status");
+  const auto status = bench.try_call("system.status");
   if (!status) {
     auto outcome = failed(status.error(), "Start the daemon.");
     outcome.commands = {"sudo systemctl start ovwsd"};
@@ -86,26 +86,22 @@ Outcome refused_settings(const std::string& fault, const json& settings, const M
 
 Outcome run_camera(Bench& bench, Memory& memory) {
   bench.say("listing the cameras");
-  const auto config = bench.call("config.get");
-  const auto listed = bench.call("camera.list");
-  const auto camera = bench.call("camera.get");
-  if (!config) return failed(config.error());
-  if (!listed) return failed(listed.error());
-  if (!camera) return failed(camera.error());
-  const std::string id = text_at(config->at("camera"), "id");
+  const json config = bench.call("config.get");
+  const json listed = bench.call("camera.list");
+  const json camera = bench.call("camera.get");
+  const std::string id = text_at(config.at("camera"), "id");
   if (!memory.undo) {
     memory.undo = {{}, {{"camera.select", {{"id", id}}}}, "Camera " + id + " is in use again."};
   }
-  const json& info = camera->at("info");
-  const bool is_connected = camera->at("connected").get<bool>();
-  auto ways = other_cameras(*listed, is_connected ? text_at(info, "serial") : "", memory);
-  if (const auto status = bench.call("system.status"); !is_connected && status) {
-    const std::string fault = text_at(status->at("camera"), "fault");
-    if (!fault.empty() && text_at(*status, "state") == "fault") {
-      return refused_settings(fault, camera->at("settings"), memory);
-    }
-  }
+  const json& info = camera.at("info");
+  const bool is_connected = camera.at("connected").get<bool>();
+  auto ways = other_cameras(listed, is_connected ? text_at(info, "serial") : "", memory);
   if (!is_connected) {
+    const json status = bench.call("system.status");
+    const std::string fault = text_at(status.at("camera"), "fault");
+    if (!fault.empty() && text_at(status, "state") == "fault") {
+      return refused_settings(fault, camera.at("settings"), memory);
+    }
     auto outcome =
         failed({Errc::unavailable, "camera.id",
                 id + " does not answer" + (ways.empty() ? ", and no camera was found" : "")},
@@ -114,19 +110,19 @@ Outcome run_camera(Bench& bench, Memory& memory) {
     outcome.ways = std::move(ways);
     return outcome;
   }
-  const auto image = bench.image();
-  if (!image) {
-    auto outcome = failed(image.error());
-    outcome.ways = std::move(ways);
-    return outcome;
+  Outcome outcome;
+  try {
+    const Image<float> image = bench.image();
+    outcome =
+        passed(Severity::good,
+               fmt::format("{} {}, serial {}, delivers {} x {} pixels; {} found in all.",
+                           text_at(info, "vendor"), text_at(info, "model"), text_at(info, "serial"),
+                           image.width, image.height, listed.at("cameras").size()));
+    outcome.picture = grey_of(image);
+  } catch (const StepFailed& failure) {
+    outcome = failed(failure.error);
   }
-  auto outcome =
-      passed(Severity::good,
-             fmt::format("{} {}, serial {}, delivers {} x {} pixels; {} found in all.",
-                         text_at(info, "vendor"), text_at(info, "model"), text_at(info, "serial"),
-                         image->width, image->height, listed->at("cameras").size()));
   outcome.ways = std::move(ways);
-  outcome.picture = grey_of(*image);
   return outcome;
 }
 
@@ -152,27 +148,20 @@ struct Reaction {
   bool is_dark = true;  ///< no light at any exposure
   Image<std::uint8_t> picture;
 };
-Result<Reaction> reaction(Bench& bench) {
-  const auto before = bench.parts(kLight);
-  if (!before) return fail(before.error());
-  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
+Reaction reaction(Bench& bench) {
+  cli::Borrow kept(bench.settings().daemon, bench.parts(kLight), bench.restoring());
   Reaction seen;
   for (const char* bright : {"sensor", "flat"}) {
     const char* const other = bright == std::string("sensor") ? "flat" : "sensor";
     bench.say(fmt::format("looking whether the image changes: {}", bright));
-    if (auto shown = bench.call("slm.show", {{"pattern", bright}}); !shown) {
-      return fail(shown.error());
-    }
+    bench.call("slm.show", {{"pattern", bright}});
     const auto exposed = expose(bench);
-    const auto one = bench.image_of(bright);
-    if (!one) return fail(one.error());
-    const auto two = bench.image_of(other);
-    if (!two) return fail(two.error());
-    const auto again = bench.image_of(bright);
-    if (!again) return fail(again.error());
-    seen.picture = grey_of(*one);
-    seen.changes = change(*one, *two, *again) > 1.0;
-    seen.is_dark = seen.is_dark && !exposed && brightest(*one) < 0.5F;
+    const Image<float> one = bench.image_of(bright);
+    const Image<float> two = bench.image_of(other);
+    const Image<float> again = bench.image_of(bright);
+    seen.picture = grey_of(one);
+    seen.changes = change(one, two, again) > 1.0;
+    seen.is_dark = seen.is_dark && !exposed && brightest(one) < 0.5F;
     if (seen.changes) break;
   }
   return seen;
@@ -235,33 +224,27 @@ Outcome no_reaction(const Reaction& seen, const std::string& name, const json& o
 }
 
 Outcome run_output(Bench& bench, Memory& memory) {
-  const auto config = bench.call("config.get");
-  if (!config) return failed(config.error());
-  const json& slm = config->at("slm");
+  const json slm = bench.call("config.get").at("slm");
   if (!memory.undo) {
     memory.undo = {
         {},
         {{"slm.set", {{"display", slm.at("display")}, {"allow_primary", slm.at("allow_primary")}}}},
         "Output " + text_at(slm, "display") + " is configured again."};
   }
-  const auto listed = bench.call("slm.outputs");
-  const auto status = bench.call("system.status");
-  if (!listed) return failed(listed.error());
-  if (!status) return failed(status.error());
-  const json& outputs = listed->at("outputs");
-  const json& state = status->at("slm");
-  if (state.at("connected") == false) return unusable(*status, outputs, memory);
+  const json outputs = bench.call("slm.outputs").at("outputs");
+  const json status = bench.call("system.status");
+  const json& state = status.at("slm");
+  if (state.at("connected") == false) return unusable(status, outputs, memory);
   const std::string name = text_at(state.at("info"), "output");
-  auto seen = reaction(bench);
-  if (!seen) return failed(seen.error());
-  if (!seen->changes) return no_reaction(*seen, name, outputs, memory);
+  Reaction seen = reaction(bench);
+  if (!seen.changes) return no_reaction(seen, name, outputs, memory);
   auto outcome = passed(
       Severity::good,
       fmt::format("The camera's image changes with what {} shows: {} x {} pixels at {:.0f} Hz.",
                   name, state.at("info").at("width").get<int>(),
                   state.at("info").at("height").get<int>(),
                   state.at("info").at("refresh_hz").get<double>()));
-  outcome.picture = std::move(seen->picture);
+  outcome.picture = std::move(seen.picture);
   outcome.ways = other_outputs(outputs, memory);
   return outcome;
 }

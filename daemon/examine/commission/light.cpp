@@ -68,13 +68,10 @@ Result<json> expose(Bench& bench) {
 }
 
 Result<json> expose_spots(Bench& bench) {
-  const auto before = bench.parts(kLight);
-  if (!before) return fail(before.error());
-  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
-  const auto status = bench.call("system.status");
-  if (!status) return status;
-  if (status->at("slm").at("pattern") != "sensor") {
-    if (auto shown = bench.call("slm.show", {{"pattern", "sensor"}}); !shown) return shown;
+  const cli::Parts before = bench.parts(kLight);
+  cli::Borrow kept(bench.settings().daemon, before, bench.restoring());
+  if (before.at(cli::Part::pattern).at("pattern") != "sensor") {
+    bench.call("slm.show", {{"pattern", "sensor"}});
   }
   auto found = expose(bench);
   if (found) kept.keep();

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <tuple>
 
-#include "config/config.hpp"
 #include "core/optics/lattice.hpp"
 #include "daemon/examine/commission/drawing.hpp"
 #include "daemon/examine/commission/light.hpp"
 #include "daemon/examine/commission/step.hpp"
+#include "daemon/examine/in_use.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
-#include "proto/json_text.hpp"
 
 namespace ovws::commission {
 namespace {
@@ -25,12 +24,11 @@ constexpr double kFarFromMiddle = 4.0;  ///< lambda/d that the base spot may be 
 // Exposure ----------------------------------------------------------------------------------------
 
 Outcome run_exposure(Bench& bench, Memory& memory) {
-  const auto before = bench.parts({cli::Part::camera});
-  if (!before) return failed(before.error());
-  const double before_us = before->at(cli::Part::camera).at("exposure_us").get<double>();
+  const cli::Parts before = bench.parts({cli::Part::camera});
+  const double before_us = before.at(cli::Part::camera).at("exposure_us").get<double>();
   if (!memory.undo) {
     memory.undo = {
-        *before, {}, fmt::format("The exposure is {:.0f} us again, as before.", before_us)};
+        before, {}, fmt::format("The exposure is {:.0f} us again, as before.", before_us)};
   }
   const auto found = expose_spots(bench);
   if (!found) return failed(found.error());
@@ -55,9 +53,8 @@ struct Field {
 /// How far the sensor's spots spread on the camera around the base spot, by the registration or
 /// else the configuration.
 Result<Field> field_of(const json& in_use, const json& registration, const Spot& base) {
-  auto config = parse_config(json_text(in_use));
+  auto config = examine::layout_in_use(in_use);
   if (!config) return fail(config.error());
-  config->sensor.masks.clear();  // they move no spot; their files are the daemon's
   config->optics.centre_px = Vec2{base.x, base.y};
   if (registration.at("registered").get<bool>()) {
     const auto map = registration.at("px_per_cycle").get<std::array<double, 4>>();
@@ -138,27 +135,18 @@ Outcome judge_place(const Spot& spot, const Field& field, const json& camera, Ou
 struct Views {
   Image<float> grating, flat;
 };
-Result<Views> views(Bench& bench) {
-  const auto before = bench.parts(kLight);
-  if (!before) return fail(before.error());
-  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
-  if (auto shown = bench.call("slm.show", {{"pattern", "grating"}}); !shown) {
-    return fail(shown.error());
-  }
+Views views(Bench& bench) {
+  cli::Borrow kept(bench.settings().daemon, bench.parts(kLight), bench.restoring());
+  bench.call("slm.show", {{"pattern", "grating"}});
   if (auto exposed = expose(bench); !exposed) {  // too bright: the shortest one will do for a place
-    const auto camera = bench.call("camera.get");
-    if (!camera) return fail(camera.error());
-    const auto look = bench.image();
-    if (look && brightest(*look) > 0.9F) {
-      (void)bench.call("camera.set",
-                       {{"exposure_us", camera->at("limits").at("exposure_us").at("min")}});
+    const json camera = bench.call("camera.get");
+    if (brightest(bench.image()) > 0.9F) {
+      (void)bench.try_call("camera.set",
+                           {{"exposure_us", camera.at("limits").at("exposure_us").at("min")}});
     }
   }
-  auto grating = bench.image_of("grating");
-  if (!grating) return fail(grating.error());
-  auto flat = bench.image_of("flat");
-  if (!flat) return fail(flat.error());
-  return Views{std::move(*grating), std::move(*flat)};
+  Image<float> grating = bench.image_of("grating");
+  return {std::move(grating), bench.image_of("flat")};
 }
 
 Outcome no_spot(const Views& seen, const Memory& memory) {
@@ -175,37 +163,33 @@ Outcome no_spot(const Views& seen, const Memory& memory) {
 }
 
 Outcome run_spot(Bench& bench, Memory& memory) {
-  const auto config = bench.call("config.get");
-  const auto registration = bench.call("registration.get");
-  const auto camera = bench.call("camera.get");
-  if (!config) return failed(config.error());
-  if (!registration) return failed(registration.error());
-  if (!camera) return failed(camera.error());
+  const json config = bench.call("config.get");
+  const json registration = bench.call("registration.get");
+  const json camera = bench.call("camera.get");
   if (!memory.undo) {
     memory.undo = {{},
-                   {{"camera.set", {{"roi", camera->at("settings").at("roi")}}}},
+                   {{"camera.set", {{"roi", camera.at("settings").at("roi")}}}},
                    "The camera's region is as before."};
   }
   bench.say("showing the base grating alone");
-  const auto seen = views(bench);
-  if (!seen) return failed(seen.error());
-  const auto spot = spot_in(seen->grating, seen->flat);
-  if (!spot) return no_spot(*seen, memory);
-  const auto field = field_of(*config, *registration, *spot);
+  const Views seen = views(bench);
+  const auto spot = spot_in(seen.grating, seen.flat);
+  if (!spot) return no_spot(seen, memory);
+  const auto field = field_of(config, registration, *spot);
   if (!field) return failed(field.error());
   auto outcome =
       passed(Severity::good, fmt::format("The base grating makes one spot, at ({:.0f}, {:.0f}) in "
                                          "the region.",
                                          spot->x, spot->y));
-  const auto zeroth = spot_in(seen->flat, seen->grating);
+  const auto zeroth = spot_in(seen.flat, seen.grating);
   outcome.verdict.text +=
       zeroth
           ? fmt::format(" The zeroth order is inside, at ({:.0f}, {:.0f}); it is better outside.",
                         zeroth->x, zeroth->y)
           : " The zeroth order is outside.";
-  outcome.picture = grey_of(seen->grating);
+  outcome.picture = grey_of(seen.grating);
   mark(outcome.picture, spot->x, spot->y);
-  return judge_place(*spot, *field, *camera, std::move(outcome));
+  return judge_place(*spot, *field, camera, std::move(outcome));
 }
 
 /// Whether frames are measured, which takes a suitable exposure.

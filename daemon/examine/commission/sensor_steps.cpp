@@ -27,7 +27,7 @@ constexpr double kMuchLess = 0.2;  ///< of the test that may be left
 
 /// Names the spots, with their places by the reference.
 std::string named(Bench& bench, const std::vector<int>& spots) {
-  const auto reference = bench.call("reference.get");
+  const auto reference = bench.try_call("reference.get");
   return cli::placed_spots(spots, reference ? *reference : json());
 }
 
@@ -48,10 +48,8 @@ void warn_of(Bench& bench, const std::vector<int>& lost, const char* what,
 // Reference ---------------------------------------------------------------------------------------
 
 Outcome run_reference(Bench& bench, Memory& memory) {
-  const auto config = bench.call("config.get");
-  const auto flatness = bench.call("flatness.get");
-  if (!config) return failed(config.error());
-  if (!flatness) return failed(flatness.error());
+  const json config = bench.call("config.get");
+  const json flatness = bench.call("flatness.get");
   const auto taken =
       bench.job("reference.take", {{"frames", kReferenceFrames}}, "averaging the spots");
   if (!taken) {
@@ -67,7 +65,7 @@ Outcome run_reference(Bench& bench, Memory& memory) {
              fmt::format("Taken from {} frames: noise {:.4f} pixels, drift {:.4f} pixels.",
                          taken->at("frames").get<int>(), taken->at("noise_px").get<double>(),
                          taken->at("drift_px").get<double>()));
-  if (!is_fixed_array(*config) && flatness->at("measured") == false) {
+  if (!is_fixed_array(config) && flatness.at("measured") == false) {
     outcome.verdict.severity = Severity::warning;
     outcome.verdict.text +=
         " It contains the bench's own aberration, which the loop would keep: the flatness is not "
@@ -124,34 +122,25 @@ std::optional<double> left_waves(std::span<const WatchedFrame> closed) {
 
 /// Watches a second with the loop open and a known defocus, then closes it and waits until the
 /// defocus is removed.
-Result<LoopRun> watch_loop(Bench& bench, bool is_closed) {
-  if (is_closed) {
-    if (auto open = bench.call("loop.open"); !open) return fail(open.error());
-  }
+LoopRun watch_loop(Bench& bench, bool is_closed) {
+  if (is_closed) bench.call("loop.open");
   const json test{{"modes", json::array({{{"j", kTestMode}, {"waves", kTestMode_waves}}})}};
-  const auto set = bench.call("aberration.set", test);
-  if (!set) return fail(set.error());
+  const auto hologram_id =
+      bench.call("aberration.set", test).at("hologram_id").get<std::uint64_t>();
   LoopRun run;
-  const auto hologram_id = set->at("hologram_id").get<std::uint64_t>();
-  auto open = bench.frames(kOpen_s, [&](std::span<const WatchedFrame> frames) {
+  run.open = bench.frames(kOpen_s, [&](std::span<const WatchedFrame> frames) {
     return !frames.empty() && frames.back().hologram_id == hologram_id && frames.back().rms_waves;
   });
-  if (!open) return fail(open.error());
-  run.open = std::move(*open);
   std::erase_if(run.open,
                 [&](const WatchedFrame& frame) { return frame.hologram_id != hologram_id; });
   const auto before = median_rms_waves(run.open);
   if (!before) return run;
-  if (auto closed = bench.call("loop.close"); !closed) return fail(closed.error());
-  auto closed = bench.frames(kClosed_s, [&](std::span<const WatchedFrame> frames) {
+  bench.call("loop.close");
+  run.closed = bench.frames(kClosed_s, [&](std::span<const WatchedFrame> frames) {
     const auto after = left_waves(frames);
     return after && *after < kMuchLess * *before;
   });
-  if (!closed) return fail(closed.error());
-  run.closed = std::move(*closed);
-  auto report = bench.call("loop.get");
-  if (!report) return fail(report.error());
-  run.report = std::move(*report);
+  run.report = bench.call("loop.get");
   return run;
 }
 
@@ -172,16 +161,13 @@ Image<std::uint8_t> graph_of_rms(const LoopRun& run) {
 
 /// Why no frame was valid: the spots that are lost, or else the daemon's reason.
 Outcome no_valid_frame(Bench& bench) {
-  const auto lost = bench.lost_spots();
-  if (!lost) return failed(lost.error());
-  if (!lost->empty()) {
+  const std::vector<int> lost = bench.lost_spots();
+  if (!lost.empty()) {
     return failed(
-        {Errc::refused, "", "no frame was valid, and these spots are lost: " + named(bench, *lost)},
+        {Errc::refused, "", "no frame was valid, and these spots are lost: " + named(bench, lost)},
         look_there());
   }
-  const auto status = bench.call("system.status");
-  if (!status) return failed(status.error());
-  const json& invalid = status->at("sensor").at("invalid");
+  const json invalid = bench.call("system.status").at("sensor").at("invalid");
   return failed(
       {Errc::refused, "",
        "no frame was valid" +
@@ -211,15 +197,15 @@ Outcome judge_loop(Bench& bench, const LoopRun& run) {
 }
 
 Outcome run_loop(Bench& bench, Memory& memory) {
-  const auto before = bench.parts({cli::Part::aberration, cli::Part::correction, cli::Part::loop});
-  if (!before) return failed(before.error());
-  if (!memory.undo) memory.undo = {*before, {}, "Loop, aberration and correction are as before."};
-  cli::Borrow kept(bench.settings().daemon, *before, bench.restoring());
+  const cli::Parts before =
+      bench.parts({cli::Part::aberration, cli::Part::correction, cli::Part::loop});
+  if (!memory.undo) memory.undo = {before, {}, "Loop, aberration and correction are as before."};
+  cli::Borrow kept(bench.settings().daemon, before, bench.restoring());
   const bool was_closed = kept.before(cli::Part::loop).at("closed").get<bool>();
   bench.say("closing the loop on a known defocus");
-  const auto run = watch_loop(bench, was_closed);
-  auto outcome = run ? judge_loop(bench, *run) : failed(run.error());
-  if (run) outcome.picture = graph_of_rms(*run);
+  const LoopRun run = watch_loop(bench, was_closed);
+  auto outcome = judge_loop(bench, run);
+  outcome.picture = graph_of_rms(run);
   if (!kept.restore()) return outcome;  // the verdict will say it
   if (outcome.passed && was_closed) {
     outcome.verdict.text += " The loop is closed again, as before.";
@@ -236,7 +222,7 @@ Outcome run_loop(Bench& bench, Memory& memory) {
 // Save --------------------------------------------------------------------------------------------
 
 Outcome run_save(Bench& bench, Memory&) {
-  const auto saved = bench.call("config.save");
+  const auto saved = bench.try_call("config.save");
   if (!saved) {
     return failed(saved.error(),
                   "Set state.directory in the configuration; the service has a folder of its own.");

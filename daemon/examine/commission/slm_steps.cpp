@@ -8,6 +8,7 @@
 
 #include "daemon/examine/commission/drawing.hpp"
 #include "daemon/examine/commission/step.hpp"
+#include "daemon/examine/in_use.hpp"
 
 namespace ovws::commission {
 namespace {
@@ -30,25 +31,15 @@ std::vector<Way> other_first(const Memory& memory, const char* step, const char*
 
 // Registration ------------------------------------------------------------------------------------
 
-/// The camera's image with a mark at the base spot.
-Image<std::uint8_t> picture_of_base(Bench& bench, const json& map) {
-  const auto image = bench.image();
-  const auto camera = bench.call("camera.get");
-  if (!image || !camera) return {};
-  auto grey = grey_of(*image);
-  const json& roi = camera->at("settings").at("roi");
+/// The camera's image with a mark at the base spot; empty: no image came.
+Image<std::uint8_t> picture_of_base(Bench& bench, const json& map) try {
+  auto grey = grey_of(bench.image());
+  const json roi = bench.call("camera.get").at("settings").at("roi");
   mark(grey, map.at("base_px").at(0).get<double>() - roi.at("x").get<double>(),
        map.at("base_px").at(1).get<double>() - roi.at("y").get<double>());
   return grey;
-}
-
-/// Camera pixels per cycle per SLM pixel by the configuration.
-double configured_scale(const json& config) {
-  const json& optics = config.at("optics");
-  return 1e3 * optics.at("wavelength_nm").get<double>() *
-         optics.at("focal_length_mm").get<double>() * optics.at("magnification").get<double>() /
-         (1e3 * config.at("slm").at("pitch_um").get<double>() *
-          optics.at("camera_pitch_um").get<double>());
+} catch (const StepFailed&) {
+  return {};
 }
 
 /// Finds a fixed array of lenslets in the image.
@@ -71,9 +62,8 @@ Outcome run_array(Bench& bench) {
 }
 
 Outcome run_registration(Bench& bench, Memory& memory) {
-  const auto config = bench.call("config.get");
-  if (!config) return failed(config.error());
-  if (is_fixed_array(*config)) return run_array(bench);
+  const json config = bench.call("config.get");
+  if (is_fixed_array(config)) return run_array(bench);
   const auto map = bench.job("registration.run", json::object(), "moving one spot about");
   if (!map) {
     auto outcome =
@@ -83,7 +73,8 @@ Outcome run_registration(Bench& bench, Memory& memory) {
     outcome.ways = other_first(memory, "lut", "measure the look-up table first");
     return outcome;
   }
-  const double ratio = map->at("scale_px_per_cycle").get<double>() / configured_scale(*config);
+  const double ratio =
+      map->at("scale_px_per_cycle").get<double>() / examine::configured_px_per_cycle(config);
   const bool is_mirrored = map->at("mirrored").get<bool>();
   auto outcome = passed(
       Severity::good,
@@ -144,9 +135,7 @@ Outcome run_lut(Bench& bench, Memory& memory) {
 // Settle time -------------------------------------------------------------------------------------
 
 Outcome run_settle(Bench& bench, Memory& memory) {
-  const auto config = bench.call("config.get");
-  if (!config) return failed(config.error());
-  const json& before_ms = config->at("slm").at("settle_ms");
+  const json before_ms = bench.call("config.get").at("slm").at("settle_ms");
   if (!memory.undo) {
     memory.undo = {
         {},
@@ -156,8 +145,7 @@ Outcome run_settle(Bench& bench, Memory& memory) {
   const auto time =
       bench.job("slm.settle", {{"repetitions", kSettleRepetitions}}, "moving one spot to and fro");
   if (!time) return failed(time.error());
-  const auto set = bench.call("slm.set", {{"settle_ms", time->at("proposed_settle_ms")}});
-  if (!set) return failed(set.error());
+  bench.call("slm.set", {{"settle_ms", time->at("proposed_settle_ms")}});
   auto outcome = passed(
       Severity::good,
       fmt::format("The SLM settles in {:.1f} ms; slm.settle_ms is now {:.1f}, it was {:.1f}.",
@@ -176,15 +164,11 @@ Outcome run_settle(Bench& bench, Memory& memory) {
 // Aberration and correction -----------------------------------------------------------------------
 
 Outcome run_clear(Bench& bench, Memory& memory) {
-  const auto before = bench.parts({cli::Part::aberration, cli::Part::correction});
-  if (!before) return failed(before.error());
-  if (!memory.undo) memory.undo = {*before, {}, "Aberration and correction are as before."};
-  if (const auto loop = bench.call("loop.get"); loop && loop->at("closed") == true) {
-    if (auto open = bench.call("loop.open"); !open) return failed(open.error());
-  }
-  for (const char* method : {"aberration.clear", "correction.clear"}) {
-    if (auto done = bench.call(method); !done) return failed(done.error());
-  }
+  const cli::Parts before = bench.parts({cli::Part::aberration, cli::Part::correction});
+  if (!memory.undo) memory.undo = {before, {}, "Aberration and correction are as before."};
+  if (bench.call("loop.get").at("closed") == true) bench.call("loop.open");
+  bench.call("aberration.clear");
+  bench.call("correction.clear");
   return passed(Severity::good, "The hologram contains no aberration and no correction.");
 }
 
