@@ -1,4 +1,4 @@
-#include "daemon/examine/check/figures.hpp"
+#include "daemon/examine/check/report.hpp"
 
 #include <spdlog/fmt/fmt.h>
 
@@ -8,7 +8,7 @@
 
 #include "core/base/number_text.hpp"
 #include "core/optics/zernike.hpp"
-#include "daemon/examine/check/response.hpp"
+#include "daemon/examine/check/measured.hpp"
 
 namespace ovws::examine {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "daemon/examine/check/response.hpp"
+#include "daemon/examine/check/measured.hpp"
 #include "daemon/shared/job.hpp"
 #include "daemon/shared/lost_spots.hpp"
 

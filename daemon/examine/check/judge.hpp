@@ -4,7 +4,6 @@
 #include <span>
 
 #include "daemon/examine/check/measured.hpp"
-#include "daemon/examine/check/stability.hpp"
 #include "daemon/examine/finding.hpp"
 
 namespace ovws::examine {

@@ -7,7 +7,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/examine/check/judge.hpp"
-#include "daemon/examine/check/response.hpp"
+#include "daemon/examine/check/measured.hpp"
 #include "daemon/examine/in_use.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/shared/lost_spots.hpp"

@@ -10,7 +10,7 @@
 
 #include "core/optics/zernike.hpp"
 #include "daemon/examine/check/frame_reader.hpp"
-#include "daemon/examine/check/stability.hpp"
+#include "daemon/examine/check/measured.hpp"
 #include "daemon/shared/borrow.hpp"
 
 namespace ovws::examine {

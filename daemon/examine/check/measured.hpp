@@ -1,6 +1,7 @@
-/// What `ovws check` measures on a bench, as plain values.
+/// What `ovws check` measures on a bench as plain values, and what is computed from them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -77,5 +78,76 @@ struct Measured {
   Record open;
   LoopResult loop;
 };
+
+// Response of the bench to each mode: what is read back of what the SLM shows.
+
+/// Frames of one hologram. `first`: the first settled and valid frame; `rest`: the later frames
+/// that count, all measured in the same way. All have the same modes.
+struct Shown {
+  Frame first;
+  std::vector<Frame> rest;
+  int settled = 0, valid = 0;  ///< frames that came, whether they count or not
+};
+
+/// The response to mode j, shown with +a, -a, -a, +a. Standard errors are the larger of those by
+/// the scatter of the frames and by the difference of the two pairs. Not read if a hologram has no
+/// frames.
+Poke poke_of(int j, const std::array<Shown, 4>& shown);
+
+/// How far the reading of a poke is from what was shown, waves: root sum square over the measured
+/// modes, with tilts, of the error that its standard errors do not explain.
+double error_waves(const Poke& poke, const std::vector<int>& modes_j);
+
+/// The gain of the poked mode itself; NaN if the sensor does not measure it.
+study::Mean slope_of(const Poke& poke, const std::vector<int>& modes_j);
+/// Root sum square of the gains of all other modes.
+double crosstalk_of(const Poke& poke, const std::vector<int>& modes_j);
+
+// Noise, motion and drift of the coefficients in a record.
+
+/// A mode in a record; all values in waves.
+struct ModeStability {
+  int j = 0;
+  double mean = 0.0;
+  /// Noise of one frame, by third differences, which suppress motion slower than the frames.
+  double noise = 0.0;
+  double stated = study::kUnknown;  ///< RMS of the standard errors that the frames state
+  double spread = 0.0;              ///< standard deviation over the record
+  double drift = 0.0;               ///< change over the record, by a straight line
+};
+
+struct Stability {
+  std::vector<ModeStability> modes;
+  // Root sum squares over all modes, waves.
+  double noise = 0.0;
+  double stated = study::kUnknown;
+  double drift = 0.0;
+  double motion = 0.0;         ///< of the spread that neither noise nor the straight line explains
+  double offset = 0.0;         ///< of the means, without tilts: distance from the reference
+  double frequency_hz = 0.0;   ///< of the strongest line of the spectrum; 0: no line stands out
+  int strongest_j = 0;         ///< mode that moves most
+  double frame_rate_hz = 0.0;  ///< of the usable frames
+  bool usable = false;         ///< false: fewer than kMinFrames frames are valid
+};
+
+constexpr int kMinFrames = 16;
+
+Stability stability_of(const Record& record);
+
+/// Mean of each second of the record, by mode and second: times_s and [mode][second].
+struct Seconds {
+  std::vector<double> times_s;
+  std::vector<std::vector<double>> waves;
+};
+Seconds seconds_of(const Record& record);
+
+/// Allan deviation of the root sum square over the modes: how well a mean over `times_s` repeats.
+struct AllanCurve {
+  std::vector<double> times_s, waves;
+};
+AllanCurve allan_of(const Record& record);
+
+/// Root mean square over the valid frames of the coefficients without tilts; NaN if there is none.
+double rms_waves(const Record& record);
 
 }  // namespace ovws::examine

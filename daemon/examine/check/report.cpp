@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/optics/zernike.hpp"
-#include "daemon/examine/check/response.hpp"
+#include "daemon/examine/check/measured.hpp"
 
 namespace ovws::examine {
 namespace {

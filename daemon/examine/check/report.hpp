@@ -3,8 +3,10 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "daemon/examine/check/judge.hpp"
+#include "daemon/ovws/study/figure.hpp"
 
 namespace ovws::examine {
 
@@ -20,5 +22,13 @@ std::string cost_text(const Finding& one);
 
 /// What to improve first, then one line per finding.
 std::string report_text(const Findings& findings);
+
+/// Slopes, noise, drift, Allan deviation, and the loop; those for which there are numbers.
+std::vector<study::Figure> figures_of(const Measured& measured);
+
+/// The response as a matrix of coloured cells, an SVG element: columns are the modes shown, rows
+/// the modes read. Each cell has its value as a title. Blue is positive, red negative; cross-talk
+/// is shown as if it were ten times as strong.
+std::string matrix_svg(const Response& response);
 
 }  // namespace ovws::examine

@@ -4,9 +4,8 @@
 #include <ctime>
 
 #include "core/optics/zernike.hpp"
-#include "daemon/examine/check/figures.hpp"
+#include "daemon/examine/check/measured.hpp"
 #include "daemon/examine/check/report.hpp"
-#include "daemon/examine/check/response.hpp"
 
 namespace ovws::examine {
 namespace {

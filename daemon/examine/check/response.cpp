@@ -1,4 +1,4 @@
-#include "daemon/examine/check/response.hpp"
+#include "daemon/examine/check/measured.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "daemon/examine/check/stability.hpp"
+#include "daemon/examine/check/measured.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::array kStates{"open", "done", "skipped", "failed"};
-
 json json_of(const StepReport& step) {
   json offers = json::array();
   for (const Offer& offer : step.offers) {
@@ -24,7 +22,7 @@ json json_of(const StepReport& step) {
   return {{"name", step.name},
           {"title", step.title},
           {"purpose", step.purpose},
-          {"state", kStates[std::size_t(step.state)]},
+          {"state", name_of(step.state)},
           {"verdict", std::move(verdict)},
           {"offers", std::move(offers)},
           {"can_undo", step.can_undo},
@@ -32,6 +30,11 @@ json json_of(const StepReport& step) {
 }
 
 }  // namespace
+
+const char* name_of(State state) {
+  constexpr std::array kNames{"open", "done", "skipped", "failed"};
+  return kNames[std::size_t(state)];
+}
 
 json to_json(const Report& report) {
   json running;

@@ -17,6 +17,8 @@ enum class State {
   failed    ///< the last run did not pass
 };
 
+const char* name_of(State state);
+
 /// A way to go on that a step offers.
 struct Offer {
   std::string name;         ///< unique within the step

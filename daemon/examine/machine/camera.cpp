@@ -46,9 +46,10 @@ double frame_bytes(const CameraSettings& settings) {
 }
 
 /// Suggests an address for this machine in the camera's /24 network.
-std::string neighbour_of(const std::string& address) {
+std::string add_address_near(const std::string& address) {
   const std::string network = address.substr(0, address.rfind('.') + 1);
-  return network + (address == network + "1" ? "2" : "1") + "/24";
+  return fmt::format("sudo ip address add {}{}/24 dev INTERFACE", network,
+                     address == network + "1" ? 2 : 1);
 }
 
 Finding judge_found(const CameraFacts& facts) {
@@ -61,7 +62,7 @@ Finding judge_found(const CameraFacts& facts) {
         fmt::format("discovery finds {}, but it does not answer at its address {}: give this "
                     "machine an address in the camera's network",
                     facts.camera->id, facts.camera->address),
-        fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(facts.camera->address)));
+        add_address_near(facts.camera->address));
   }
   if (facts.listed.empty()) {
     return bad("camera.id is " + facts.config.id +
@@ -104,7 +105,7 @@ Finding judge_interface(const CameraFacts& facts) {
     const bool numeric = address.find_first_not_of("0123456789.") == std::string::npos;
     if (!numeric) return not_here(kNoCamera);
     return bad("no network interface of this machine leads to " + address,
-               fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
+               add_address_near(address));
   }
   const std::string where =
       fmt::format("{} ({}) leads to {}", facts.path->interface, facts.path->own_address, address);
@@ -112,7 +113,7 @@ Finding judge_interface(const CameraFacts& facts) {
   return warning(where +
                      " through a router, which may lose packets and blocks large ones: give this "
                      "machine an address in the camera's network",
-                 fmt::format("sudo ip address add {} dev INTERFACE", neighbour_of(address)));
+                 add_address_near(address));
 }
 
 /// Link speed, Mbit/s: the slowest speed reported along the path to the camera; none: unknown.

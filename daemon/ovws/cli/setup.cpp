@@ -46,18 +46,9 @@ constexpr const char* kHelp =
     "  u      undo the step\n"
     "  q      quit; ovws setup goes on at the first step that is not known as done\n";
 
-const char* state_of(const StepReport& step) {
-  switch (step.state) {
-    case State::open:
-      return step.is_recorded ? "open" : "not recorded";
-    case State::done:
-      return "done";
-    case State::skipped:
-      return "skipped";
-    case State::failed:
-      return "failed";
-  }
-  return "";
+std::string state_of(const StepReport& step) {
+  return step.state == State::open && !step.is_recorded ? "not recorded"
+                                                        : commission::name_of(step.state);
 }
 
 const char* shown(const examine::Finding& verdict) {
@@ -77,7 +68,7 @@ std::size_t number_of(const std::string& name) {
 /// Why a step is passed over.
 std::string why_not_run(const StepReport& step) {
   const bool is_explained = step.state == State::skipped && step.verdict;
-  return is_explained ? step.verdict->text : std::string(state_of(step)) + " already";
+  return is_explained ? step.verdict->text : state_of(step) + " already";
 }
 
 /// How a step's turn ended.

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "daemon/examine/check/judge.hpp"
+#include "daemon/examine/check/measured.hpp"
 #include "daemon/examine/check/report.hpp"
-#include "daemon/examine/check/response.hpp"
 #include "daemon/shared/lost_spots.hpp"
 
 namespace ovws::examine {
