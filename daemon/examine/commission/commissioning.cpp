@@ -134,7 +134,7 @@ Result<void> Commissioning::skip(std::string_view name) {
   return begin(*step, "skipping", [this, step = *step] {
     const std::lock_guard lock(mutex_);
     record(*step).skipped = true;
-    record(*step).ways.clear();
+    record(*step).offers.clear();
   });
 }
 
@@ -154,14 +154,14 @@ Result<void> Commissioning::take(std::string_view name, std::string_view offer) 
   const auto step = step_of(name);
   if (!step) return fail(step.error());
   std::unique_lock lock(mutex_);
-  const std::vector<Way> ways = record(**step).ways;
+  const std::vector<Offer> offers = record(**step).offers;
   lock.unlock();
   std::vector<std::string> known;
-  for (const Way& way : ways) {
-    if (way.offer.name == offer) {
-      return begin(*step, way.offer.text, [this, step = *step, way] { take_now(*step, way); });
+  for (const Offer& one : offers) {
+    if (one.name == offer) {
+      return begin(*step, one.text, [this, step = *step, one] { take_now(*step, one); });
     }
-    known.push_back(way.offer.name);
+    known.push_back(one.name);
   }
   if (!known.empty()) return fail(unknown("offer", offer, known));
   return fail(Errc::refused, "offer", std::string(name) + " offers nothing at present");
@@ -202,7 +202,7 @@ void Commissioning::keep(const Step& step, Outcome outcome) {
   kept.failed = !outcome.passed;
   kept.passed = outcome.passed;
   kept.verdict = std::move(outcome.verdict);
-  kept.ways = std::move(outcome.ways);
+  kept.offers = std::move(outcome.offers);
   kept.commands = std::move(outcome.commands);
   if (outcome.picture.width == 0) return;
   kept.picture = std::move(outcome.picture);
@@ -229,23 +229,24 @@ void Commissioning::run_now(const Step& step) {
   record(step).memory = std::move(memory);
 }
 
-void Commissioning::take_now(const Step& step, const Way& way) {
+void Commissioning::take_now(const Step& step, const Offer& offer) {
   {
     const std::lock_guard lock(mutex_);
-    record(step).memory.tried.insert(way.offer.name);
+    record(step).memory.tried.insert(offer.name);
   }
   Bench on = bench();
-  for (const auto& [method, params] : way.calls) {
+  for (const auto& [method, params] : offer.calls) {
     if (const auto done = on.try_call(method, params); !done) {
       return keep(step, failed(done.error()));
     }
   }
-  if (way.after == After::stay) return;
-  if (way.after == After::conclude) {
-    return keep(step, passed(Severity::good, way.offer.text + ": done."));
+  if (offer.after == After::stay) return;
+  if (offer.after == After::conclude) {
+    return keep(step, passed(Severity::good, offer.text + ": done."));
   }
-  if (!way.first.empty()) {
-    run_now(*std::ranges::find_if(steps(), [&](const Step& one) { return way.first == one.name; }));
+  if (!offer.first.empty()) {
+    run_now(
+        *std::ranges::find_if(steps(), [&](const Step& one) { return offer.first == one.name; }));
   }
   if (!cancelled_) run_now(step);
 }
@@ -283,7 +284,7 @@ bool Commissioning::can_undo(const Step& step) const {
 
 StepReport Commissioning::report_of(const Step& step) const {
   const Record& kept = record(step);
-  StepReport report{step.name, step.title, step.purpose, step.is_needed, state_of(step)};
+  StepReport report{step, state_of(step)};
   report.is_recorded = report.state != State::open || seen_.empty() || kept.verdict.has_value() ||
                        is_done(step, seen_).has_value();
   report.verdict = kept.verdict;
@@ -292,10 +293,7 @@ StepReport Commissioning::report_of(const Step& step) const {
   }
   report.commands = kept.commands;
   report.can_undo = can_undo(step);
-  for (const Way& way : kept.ways) {
-    report.offers.push_back(way.offer);
-    report.offers.back().is_proposal = way.offer.is_proposal && way.after == After::rerun;
-  }
+  report.offers = kept.offers;
   if (kept.pictures > 0) {
     report.picture = std::string(step.name) + "-" + std::to_string(kept.pictures);
   }

@@ -64,7 +64,7 @@ class Commissioning {
   struct Record {
     bool skipped = false, failed = false, passed = false;
     std::optional<examine::Finding> verdict;
-    std::vector<Way> ways;
+    std::vector<Offer> offers;
     std::vector<std::string> commands;
     Image<std::uint8_t> picture;
     int pictures = 0;
@@ -78,7 +78,7 @@ class Commissioning {
   // In the worker thread.
   void look_now();
   void run_now(const Step& step);
-  void take_now(const Step& step, const Way& way);
+  void take_now(const Step& step, const Offer& offer);
   void undo_now(const Step& step);
   void keep(const Step& step, Outcome outcome);
 

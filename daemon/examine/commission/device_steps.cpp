@@ -59,17 +59,18 @@ Outcome run_doctor(Bench& bench, Memory&) {
 // Camera ------------------------------------------------------------------------------------------
 
 /// Ways to use another camera than that of `serial`, of those that were not tried.
-std::vector<Way> other_cameras(const json& listed, const std::string& serial,
-                               const Memory& memory) {
-  std::vector<Way> ways;
+std::vector<Offer> other_cameras(const json& listed, const std::string& serial,
+                                 const Memory& memory) {
+  std::vector<Offer> offers;
   for (const json& camera : listed.at("cameras")) {
     const std::string id = camera.at("id").get<std::string>();
     if (text_at(camera, "serial") == serial || memory.tried.contains("use-" + id)) continue;
     const std::string address = text_at(camera, "address");
-    ways.push_back({{"use-" + id, "use camera " + id + (address.empty() ? "" : " at " + address)},
-                    {{"camera.select", {{"id", id}}}}});
+    offers.push_back({"use-" + id,
+                      "use camera " + id + (address.empty() ? "" : " at " + address),
+                      {{"camera.select", {{"id", id}}}}});
   }
-  return ways;
+  return offers;
 }
 
 /// The camera is there, but cannot be used with its settings.
@@ -78,8 +79,9 @@ Outcome refused_settings(const std::string& fault, const json& settings, const M
   const double period_us = 1e6 / settings.at("frame_rate_hz").get<double>();
   if (settings.at("exposure_us").get<double>() > period_us && !memory.tried.contains("shorten")) {
     const double exposure_us = std::floor(kPartOfPeriod * period_us);
-    outcome.ways = {{{"shorten", fmt::format("shorten the exposure to {:.0f} us", exposure_us)},
-                     {{"camera.set", {{"exposure_us", exposure_us}}}}}};
+    outcome.offers = {{"shorten",
+                       fmt::format("shorten the exposure to {:.0f} us", exposure_us),
+                       {{"camera.set", {{"exposure_us", exposure_us}}}}}};
   }
   return outcome;
 }
@@ -95,7 +97,7 @@ Outcome run_camera(Bench& bench, Memory& memory) {
   }
   const json& info = camera.at("info");
   const bool is_connected = camera.at("connected").get<bool>();
-  auto ways = other_cameras(listed, is_connected ? text_at(info, "serial") : "", memory);
+  auto offers = other_cameras(listed, is_connected ? text_at(info, "serial") : "", memory);
   if (!is_connected) {
     const json status = bench.call("system.status");
     const std::string fault = text_at(status.at("camera"), "fault");
@@ -104,10 +106,10 @@ Outcome run_camera(Bench& bench, Memory& memory) {
     }
     auto outcome =
         failed({Errc::unavailable, "camera.id",
-                id + " does not answer" + (ways.empty() ? ", and no camera was found" : "")},
-               ways.empty() ? "Check the camera's power and cable, and its network address."
-                            : "Use a camera that was found, or check the cable of this one.");
-    outcome.ways = std::move(ways);
+                id + " does not answer" + (offers.empty() ? ", and no camera was found" : "")},
+               offers.empty() ? "Check the camera's power and cable, and its network address."
+                              : "Use a camera that was found, or check the cable of this one.");
+    outcome.offers = std::move(offers);
     return outcome;
   }
   Outcome outcome;
@@ -122,7 +124,7 @@ Outcome run_camera(Bench& bench, Memory& memory) {
   } catch (const StepFailed& failure) {
     outcome = failed(failure.error);
   }
-  outcome.ways = std::move(ways);
+  outcome.offers = std::move(offers);
   return outcome;
 }
 
@@ -130,16 +132,17 @@ Outcome run_camera(Bench& bench, Memory& memory) {
 
 /// Ways to use another output: those that can be the SLM and were not tried. Without any, the
 /// selected one although it is the primary one.
-std::vector<Way> other_outputs(const json& outputs, const Memory& memory) {
-  std::vector<Way> ways;
+std::vector<Offer> other_outputs(const json& outputs, const Memory& memory) {
+  std::vector<Offer> offers;
   for (const json& output : outputs) {
     const std::string name = text_at(output, "name");
     if (output.at("selected") == true || output.at("usable") == false) continue;
     if (memory.tried.contains("use-" + name)) continue;
-    ways.push_back({{"use-" + name, "use output " + name + " for the SLM"},
-                    {{"slm.set", {{"display", name}, {"allow_primary", false}}}}});
+    offers.push_back({"use-" + name,
+                      "use output " + name + " for the SLM",
+                      {{"slm.set", {{"display", name}, {"allow_primary", false}}}}});
   }
-  return ways;
+  return offers;
 }
 
 /// Whether the camera's image changes with what the SLM shows, at the exposure for either.
@@ -179,9 +182,9 @@ Outcome unusable(const json& status, const json& outputs, const Memory& memory) 
   outcome.verdict.severity = Severity::bad;
   outcome.verdict.text = reason.empty() ? fault : selected + ": " + reason;
   if (outcome.verdict.text.empty()) outcome.verdict.text = "The SLM's output is not in use.";
-  outcome.ways = other_outputs(outputs, memory);
-  if (!outcome.ways.empty()) {
-    outcome.verdict.advice = "Use " + outcome.ways.front().offer.name.substr(4) + ".";
+  outcome.offers = other_outputs(outputs, memory);
+  if (!outcome.offers.empty()) {
+    outcome.verdict.advice = "Use " + outcome.offers.front().name.substr(4) + ".";
     return outcome;
   }
   outcome.verdict.advice =
@@ -192,9 +195,12 @@ Outcome unusable(const json& status, const json& outputs, const Memory& memory) 
                          return output.at("connected");
                        }) == 1;
   if (is_only && !selected.empty()) {
-    outcome.ways.push_back(
-        {{"allow-primary", "use " + selected + " although it is the main display", false},
-         {{"slm.set", {{"display", selected}, {"allow_primary", true}}}}});
+    outcome.offers.push_back({"allow-primary",
+                              "use " + selected + " although it is the main display",
+                              {{"slm.set", {{"display", selected}, {"allow_primary", true}}}},
+                              {},
+                              After::rerun,
+                              false});
   }
   return outcome;
 }
@@ -203,23 +209,23 @@ Outcome no_reaction(const Reaction& seen, const std::string& name, const json& o
                     const Memory& memory) {
   Outcome outcome;
   outcome.picture = seen.picture;
-  outcome.ways = other_outputs(outputs, memory);
+  outcome.offers = other_outputs(outputs, memory);
   if (seen.is_dark) {
     outcome.verdict = advised(
         Severity::bad, "The camera sees no light, at any exposure and whatever " + name + " shows.",
         "Switch on the laser, open its shutter, take off the camera's cap, and check "
         "that the beam reaches the SLM and the camera's region.");
-    outcome.ways.clear();
+    outcome.offers.clear();
   } else {
     outcome.verdict =
         advised(Severity::bad, "The camera's image does not change with what " + name + " shows.",
                 "The SLM may be another output, switched off, or not lit.");
   }
-  outcome.ways.push_back(
-      {{"identify", "show the test image on " + name + ", to see which screen it is"},
-       {{"slm.show", {{"pattern", "identify"}}}},
-       {},
-       After::stay});
+  outcome.offers.push_back({"identify",
+                            "show the test image on " + name + ", to see which screen it is",
+                            {{"slm.show", {{"pattern", "identify"}}}},
+                            {},
+                            After::stay});
   return outcome;
 }
 
@@ -245,7 +251,7 @@ Outcome run_output(Bench& bench, Memory& memory) {
                   state.at("info").at("height").get<int>(),
                   state.at("info").at("refresh_hz").get<double>()));
   outcome.picture = std::move(seen.picture);
-  outcome.ways = other_outputs(outputs, memory);
+  outcome.offers = other_outputs(outputs, memory);
   return outcome;
 }
 

@@ -108,10 +108,11 @@ Outcome judge_place(const Spot& spot, const Field& field, const json& camera, Ou
   if (field.fits && !is_off) return outcome;
   const bool helps = best > present + 1.0;
   if (helps) {
-    outcome.ways.push_back(
-        {{"roi", fmt::format("move the camera's region to ({}, {}), {} x {} pixels",
-                             region.at("x").get<int>(), region.at("y").get<int>(),
-                             region.at("width").get<int>(), region.at("height").get<int>())},
+    outcome.offers.push_back(
+        {"roi",
+         fmt::format("move the camera's region to ({}, {}), {} x {} pixels",
+                     region.at("x").get<int>(), region.at("y").get<int>(),
+                     region.at("width").get<int>(), region.at("height").get<int>()),
          {{"camera.set", {{"roi", region}, {"clamp", true}}}}});
   }
   outcome.passed = field.fits;
@@ -157,7 +158,7 @@ Outcome no_spot(const Views& seen, const Memory& memory) {
               "Either the SLM's phase falls with the grey level, which the look-up table "
               "repairs, or the spot is outside the region: move the region or the camera.");
   if (!memory.tried.contains("lut")) {
-    outcome.ways.push_back({{"lut", "measure the look-up table first"}, {}, "lut"});
+    outcome.offers.push_back({"lut", "measure the look-up table first", {}, "lut"});
   }
   return outcome;
 }

@@ -56,7 +56,7 @@ Outcome run_reference(Bench& bench, Memory& memory) {
     auto outcome = failed(taken.error());
     const bool is_too_bright = taken.error().field == "camera.exposure_us";
     if (is_too_bright && !memory.tried.contains("brightness")) {
-      outcome.ways = {{{"brightness", "find the exposure again"}, {}, "brightness"}};
+      outcome.offers = {{"brightness", "find the exposure again", {}, "brightness"}};
     }
     return outcome;
   }
@@ -71,7 +71,7 @@ Outcome run_reference(Bench& bench, Memory& memory) {
         " It contains the bench's own aberration, which the loop would keep: the flatness is not "
         "measured.";
     outcome.verdict.advice = "Measure the flatness first.";
-    outcome.ways = {{{"flatness", "measure the flatness first"}, {}, "flatness"}};
+    outcome.offers = {{"flatness", "measure the flatness first", {}, "flatness"}};
   }
   warn_of(bench, taken->at("lost_spots"), "Lost spots are left out", outcome.verdict);
   return outcome;
@@ -211,10 +211,11 @@ Outcome run_loop(Bench& bench, Memory& memory) {
     outcome.verdict.text += " The loop is closed again, as before.";
   } else if (outcome.passed) {
     outcome.verdict.text += " The loop is open again.";
-    outcome.ways = {{{"close", "close the loop, and leave it closed"},
-                     {{"loop.close", json::object()}},
-                     {},
-                     After::conclude}};
+    outcome.offers = {{"close",
+                       "close the loop, and leave it closed",
+                       {{"loop.close", json::object()}},
+                       {},
+                       After::conclude}};
   }
   return outcome;
 }

@@ -24,9 +24,9 @@ bool is_true(const Look& look, const char* method, const char* key) {
 }
 
 /// A way that first runs another step. None if it was tried before.
-std::vector<Way> other_first(const Memory& memory, const char* step, const char* text) {
+std::vector<Offer> other_first(const Memory& memory, const char* step, const char* text) {
   if (memory.tried.contains(step)) return {};
-  return {{{step, text}, {}, step}};
+  return {{step, text, {}, step}};
 }
 
 // Registration ------------------------------------------------------------------------------------
@@ -70,7 +70,7 @@ Outcome run_registration(Bench& bench, Memory& memory) {
         failed(map.error(),
                "If there is light, the SLM's phase may fall with the grey level: measure "
                "the look-up table first.");
-    outcome.ways = other_first(memory, "lut", "measure the look-up table first");
+    outcome.offers = other_first(memory, "lut", "measure the look-up table first");
     return outcome;
   }
   const double ratio =
@@ -113,7 +113,7 @@ Outcome run_lut(Bench& bench, Memory& memory) {
         failed(lut.error(),
                "A wavelength, pitch or focal length that is wrong in the configuration has this "
                "effect, and so has a base spot outside the camera's region.");
-    outcome.ways = other_first(memory, "registration", "run the registration first");
+    outcome.offers = other_first(memory, "registration", "run the registration first");
     return outcome;
   }
   auto outcome = passed(
@@ -155,8 +155,8 @@ Outcome run_settle(Bench& bench, Memory& memory) {
     outcome.verdict.severity = Severity::warning;
     outcome.verdict.advice =
         "The previous steps waited too short a time: run registration and look-up table again.";
-    outcome.ways = {{{"lut", "measure the look-up table again"}, {}, "lut"},
-                    {{"registration", "run the registration again"}, {}, "registration"}};
+    outcome.offers = {{"lut", "measure the look-up table again", {}, "lut"},
+                      {"registration", "run the registration again", {}, "registration"}};
   }
   return outcome;
 }
@@ -194,7 +194,7 @@ Outcome run_flatness(Bench& bench, Memory& memory) {
       bench.job("flatness.run", json::object(), "moving one bright spot's aperture over the pupil");
   if (!flatness) {
     auto outcome = failed(flatness.error());
-    outcome.ways = other_first(memory, "registration", "run the registration again");
+    outcome.offers = other_first(memory, "registration", "run the registration again");
     return outcome;
   }
   const double rms = flatness->at("rms_waves").get<double>();

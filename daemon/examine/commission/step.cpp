@@ -1,16 +1,44 @@
 #include "daemon/examine/commission/step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <utility>
 
 namespace ovws::commission {
+namespace {
+
+using nlohmann::json;
+
+json json_of(const StepReport& step) {
+  json offers = json::array();
+  for (const Offer& offer : step.offers) {
+    offers.push_back({{"name", offer.name}, {"text", offer.text}});
+  }
+  json verdict;
+  if (step.verdict) {
+    verdict = {{"wellness", examine::names_of(step.verdict->severity).name},
+               {"text", step.verdict->text},
+               {"advice", step.verdict->advice}};
+  }
+  return {{"name", step.name},
+          {"title", step.title},
+          {"purpose", step.purpose},
+          {"state", name_of(step.state)},
+          {"verdict", std::move(verdict)},
+          {"offers", std::move(offers)},
+          {"can_undo", step.can_undo},
+          {"picture", step.picture.empty() ? json() : json(step.picture)}};
+}
+
+}  // namespace
 
 std::vector<std::string> looked_at() {
   return {"system.status",  "config.get",     "lut.get",       "registration.get", "flatness.get",
           "aberration.get", "correction.get", "reference.get", "calibration.get",  "loop.get"};
 }
 
-bool is_fixed_array(const nlohmann::json& config) {
+bool is_fixed_array(const json& config) {
   return config.value("modulator", "slm") == "fixed";
 }
 
@@ -25,13 +53,13 @@ std::string needless(const Step& step, const Look& look) {
 }
 
 bool has_measured_reference(const Look& look) {
-  const nlohmann::json& reference = look.at("reference.get");
+  const json& reference = look.at("reference.get");
   return reference.at("taken") == true && reference.at("source") != "model";
 }
 
 Outcome undone(Bench& bench, const Step& step, const Memory& memory) {
   Undo undo = memory.undo.value_or(Undo{});
-  if (!memory.undo) undo = {{}, {{step.clear, nlohmann::json::object()}}, step.cleared};
+  if (!memory.undo) undo = {{}, {{step.clear, json::object()}}, step.cleared};
   cli::Borrow parts(bench.settings().daemon, undo.parts, bench.restoring());
   if (!parts.restore()) return failed({Errc::refused, "", bench.not_restored()});
   for (const auto& [method, params] : undo.calls) {
@@ -63,6 +91,25 @@ Outcome passed(Severity severity, std::string text, std::string advice) {
   outcome.passed = true;
   outcome.verdict = advised(severity, std::move(text), std::move(advice));
   return outcome;
+}
+
+const char* name_of(State state) {
+  constexpr std::array kNames{"open", "done", "skipped", "failed"};
+  return kNames[std::size_t(state)];
+}
+
+json to_json(const Report& report) {
+  json running;
+  if (report.running) {
+    running = {{"step", report.running->step},
+               {"progress", report.running->progress},
+               {"text", report.running->text}};
+  }
+  json steps = json::array();
+  for (const StepReport& step : report.steps) steps.push_back(json_of(step));
+  return {{"schema", "ovws.commission/1"},
+          {"running", std::move(running)},
+          {"steps", std::move(steps)}};
 }
 
 }  // namespace ovws::commission

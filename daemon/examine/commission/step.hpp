@@ -1,4 +1,4 @@
-/// The table of steps, and what a step is made of.
+/// The table of steps: what a step is made of, what it finds, and what a commissioning reports.
 #pragma once
 
 #include <map>
@@ -12,7 +12,6 @@
 
 #include "core/base/image.hpp"
 #include "daemon/examine/commission/bench.hpp"
-#include "daemon/examine/commission/report.hpp"
 
 namespace ovws::commission {
 
@@ -21,19 +20,23 @@ using examine::Severity;
 /// What follows when an offer has been taken.
 enum class After { rerun, conclude, stay };
 
-/// An offer with what it does.
-struct Way {
-  Offer offer;
-  cli::Calls calls{};
+/// A way to go on that a step offers.
+struct Offer {
+  std::string name;     ///< unique within the step
+  std::string text;     ///< what taking it does
+  cli::Calls calls{};   ///< in order
   std::string first{};  ///< step to run before the step is run again
   After after = After::rerun;
+  bool is_remedy = true;  ///< it may make a failed step pass
+  /// The first proposal of a failed step is the best.
+  bool is_proposal() const { return is_remedy && after == After::rerun; }
 };
 
 /// What a run or an undo of a step found.
 struct Outcome {
   bool passed = false;
   examine::Finding verdict;
-  std::vector<Way> ways{};
+  std::vector<Offer> offers{};
   std::vector<std::string> commands{};
   Image<std::uint8_t> picture{};  ///< empty: the camera's image at the end
 };
@@ -93,6 +96,49 @@ Outcome passed(Severity severity, std::string text, std::string advice = {});
 
 /// Restores what the step has changed, or clears what it has measured.
 Outcome undone(Bench& bench, const Step& step, const Memory& memory);
+
+// What a commissioning reports.
+
+enum class State {
+  open,     ///< not done, or the daemon does not tell
+  done,     ///< its result is in use on the daemon, or it passed in this commissioning
+  skipped,  ///< by the user, until the step is run; or the bench needs no such step
+  failed    ///< the last run did not pass
+};
+
+const char* name_of(State state);
+
+struct StepReport : Step {
+  State state = State::open;
+  bool is_recorded = true;  ///< false: open, because the daemon does not tell whether it was done
+  std::optional<examine::Finding> verdict{};  ///< of the last action in this commissioning, or why
+                                              ///< the bench needs no such step
+  std::vector<Offer> offers{};                ///< after the last run
+  bool can_undo = false;                      ///< whether there is something to restore or to clear
+  std::string picture{};                      ///< changes with the picture; empty: there is none
+  std::vector<std::string> commands{};        ///< shell commands that repair what was found
+};
+
+struct Running {
+  std::string step;
+  double progress = 0.0;  ///< 0 .. 1
+  std::string text;       ///< what happens at present
+};
+
+struct Report {
+  std::optional<Running> running;
+  std::vector<StepReport> steps;  ///< in the order in which they are done
+};
+
+/// The document `ovws.commission/1`:
+///
+///     {"schema", "running": null | {"step", "progress", "text"},
+///      "steps": [{"name", "title", "purpose", "state": "open|done|skipped|failed",
+///        "verdict": null | {"wellness": "good|note|warning|bad", "text", "advice"},
+///        "offers": [{"name", "text"}], "can_undo", "picture": null | "id"}]}
+///
+/// `advice` is "" if nothing is to be done. Commands are part of the advice.
+nlohmann::json to_json(const Report& report);
 
 // The steps' functions, by file.
 

@@ -157,7 +157,7 @@ char Conversation::ask(const std::string& question) {
 void Conversation::show_step(const StepReport& step) const {
   if (is_quiet_) return;
   print("\n{}. {} ({})\n", number_of(step.name), step.title, step.name);
-  print_wrapped("  " + step.purpose);
+  print_wrapped(std::string("  ") + step.purpose);
 }
 
 void Conversation::show_picture(const StepReport& step) {
@@ -330,7 +330,8 @@ int Conversation::end(Turn turn) {
   if (is_quiet_) return has_failed ? kError : kOk;
   std::string failed;
   for (const StepReport& step : report.steps) {
-    if (step.state == State::failed) failed += (failed.empty() ? "" : ", ") + step.name;
+    if (step.state == State::failed)
+      failed += (failed.empty() ? "" : ", ") + std::string(step.name);
   }
   const double seconds = std::chrono::duration<double>(Clock::now() - begun_).count();
   print_wrapped(fmt::format("\n{} after {}{}", turn == Turn::next ? "The end, reached" : "Ended",

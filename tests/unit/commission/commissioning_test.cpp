@@ -81,11 +81,11 @@ TEST(Commissioning, ASkippedStepIsNotTheNextOne) {
   Commissioning commissioning(nowhere());
   const Report before = ended(commissioning);
   ASSERT_NE(next_step(before), nullptr);
-  EXPECT_EQ(next_step(before)->name, "doctor");
+  EXPECT_STREQ(next_step(before)->name, "doctor");
   ASSERT_TRUE(commissioning.skip("doctor"));
   const Report after = ended(commissioning);
   EXPECT_EQ(after.steps.front().state, State::skipped);
-  EXPECT_EQ(next_step(after)->name, "camera");
+  EXPECT_STREQ(next_step(after)->name, "camera");
 }
 
 TEST(Commissioning, AModulatorLeavesOutWhatItCannotDo) {
