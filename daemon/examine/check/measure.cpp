@@ -20,7 +20,6 @@ using cli::Answer;
 using cli::failure;
 using cli::Part;
 using nlohmann::json;
-using Done = tl::expected<void, cli::CallFailure>;
 
 constexpr double kQuickS = 10.0, kLoopS = 8.0, kQuickLoopS = 4.0;
 constexpr double kLongWatchMs = 1000.0;
@@ -39,8 +38,13 @@ std::int64_t now_ns() {
       .count();
 }
 
-Done done(const Answer& answer) {
-  return answer ? Done() : tl::make_unexpected(answer.error());
+/// Ends the check.
+struct CheckFailed {
+  cli::CallFailure why;
+};
+
+[[noreturn]] void stop(std::string why) {
+  throw CheckFailed{failure(std::move(why))};
 }
 
 /// A measurement in progress.
@@ -52,23 +56,24 @@ class Run {
   }
 
   tl::expected<Measured, cli::CallFailure> operator()() {
-    Done measured;
-    for (const auto step : {&Run::look, &Run::may_run, &Run::settle, &Run::table, &Run::record,
-                            &Run::response, &Run::loop}) {
-      measured = (this->*step)();
-      if (measured && hooks_.interrupted()) {
-        measured = tl::make_unexpected(failure("interrupted; the bench is as before"));
+    std::optional<cli::CallFailure> failed;
+    try {
+      for (const auto step : {&Run::look, &Run::may_run, &Run::settle, &Run::table, &Run::record,
+                              &Run::response, &Run::loop}) {
+        (this->*step)();
+        if (hooks_.interrupted()) stop("interrupted; the bench is as before");
       }
-      if (!measured) break;
+    } catch (const CheckFailed& end) {
+      failed = end.why;
     }
     const Answer back = borrowed_ ? borrowed_->restore() : Answer();
     if (!back) return tl::make_unexpected(back.error());
-    if (!measured) return tl::make_unexpected(measured.error());
+    if (failed) return tl::make_unexpected(*failed);
     return std::move(measured_);
   }
 
  private:
-  Done look() {
+  void look() {
     measured_.version = OVWS_VERSION;
     measured_.t_ns = now_ns();
     measured_.quick = options_.quick;
@@ -80,49 +85,39 @@ class Run {
                            std::pair{"flatness.get", &measured_.flatness},
                            std::pair{"calibration.get", &measured_.calibration},
                            std::pair{"config.get", &measured_.config}};
-    for (const auto& [method, part] : parts) {
-      auto answer = call(method);
-      if (!answer) return tl::make_unexpected(answer.error());
-      *part = std::move(*answer);
-    }
+    for (const auto& [method, part] : parts) *part = call(method);
     modes_j_ = measured_.sensor.at("modes_j").get<std::vector<int>>();
     const auto before =
         cli::parts_of(common_, {Part::lut, Part::aberration, Part::correction, Part::loop});
-    if (!before) return tl::make_unexpected(before.error());
+    if (!before) throw CheckFailed{before.error()};
     borrowed_.emplace(common_, *before);
-    return {};
   }
 
-  Done may_run() {
+  void may_run() {
     const json& status = measured_.status;
     if (measured_.config.value("modulator", "slm") == "fixed") {
-      return tl::make_unexpected(
-          failure("the check pokes modes with holograms, and a fixed array of lenslets shows none: "
-                  "ovws status, ovws watch and ovws doctor work"));
+      stop(
+          "the check pokes modes with holograms, and a fixed array of lenslets shows none: "
+          "ovws status, ovws watch and ovws doctor work");
     }
     const auto state = status.at("state").get<std::string>();
-    if (state == "job_running") {
-      return tl::make_unexpected(failure("another job is running: wait for its end"));
-    }
+    if (state == "job_running") stop("another job is running: wait for its end");
     if (state != "running") {
-      return tl::make_unexpected(
-          failure("the daemon is in state " + state + ", not running: ovws status says why"));
+      stop("the daemon is in state " + state + ", not running: ovws status says why");
     }
     if (status.at("slm").at("pattern") != "sensor") {
-      return tl::make_unexpected(
-          failure("the SLM does not show the sensor: ovws call slm.show pattern=sensor"));
+      stop("the SLM does not show the sensor: ovws call slm.show pattern=sensor");
     }
     if (!status.at("sensor").at("referenced").get<bool>()) {
-      return tl::make_unexpected(
-          failure("there is no reference: take one first, ovws reference 100"));
+      stop("there is no reference: take one first, ovws reference 100");
     }
-    if (borrowed_->before(Part::loop).at("closed") == false) return {};
+    if (borrowed_->before(Part::loop).at("closed") == false) return;
     if (!options_.open_loop) {
-      return tl::make_unexpected(failure(
+      stop(
           "the loop is closed: open it first (ovws loop open), or let the check open it and "
-          "close it again (--open-loop)"));
+          "close it again (--open-loop)");
     }
-    return done(call("loop.open", {{"keep", true}}));
+    call("loop.open", {{"keep", true}});
   }
 
   /// Time left after a step that needs `of_step` more seconds.
@@ -140,12 +135,20 @@ class Run {
   }
   double loop_s() const { return options_.quick ? kQuickLoopS : kLoopS; }
 
-  Answer call(const char* method, const json& params = json::object()) {
-    return cli::call_patiently(common_, method, params);
+  json call(const char* method, const json& params = json::object()) {
+    auto answer = cli::call_patiently(common_, method, params);
+    if (!answer) throw CheckFailed{answer.error()};
+    return std::move(*answer);
+  }
+
+  FrameReader reader() {
+    auto opened = FrameReader::open(common_, hooks_.interrupted);
+    if (!opened) throw CheckFailed{opened.error()};
+    return std::move(*opened);
   }
 
   /// Shows the aberration as it was plus `waves` of mode j.
-  Answer poke(int j, double waves) {
+  json poke(int j, double waves) {
     json params = borrowed_->before(Part::aberration);
     json& modes = params["modes"];
     const auto same =
@@ -168,42 +171,35 @@ class Run {
     return {std::move(*result), ""};
   }
 
-  Done settle() {
+  void settle() {
     begin(0);
     const int repetitions = options_.quick ? 5 : 20;
     measured_.settle = job("slm.settle", {{"repetitions", repetitions}});
-    if (measured_.settle.result.is_object() || hooks_.interrupted()) return {};
+    if (measured_.settle.result.is_object() || hooks_.interrupted()) return;
     // The SLM may be slower than the time that was watched.
     measured_.settle = job("slm.settle", {{"repetitions", 5}, {"watch_ms", kLongWatchMs}});
-    return {};
   }
 
   /// Measures the SLM's phase response if no table was measured. The new table is not kept.
-  Done table() {
+  void table() {
     begin(1);
-    if (measured_.lut.at("measured").get<bool>()) return {};
+    if (measured_.lut.at("measured").get<bool>()) return;
     measured_.lut_run.reason = "left out (--quick)";
-    if (options_.quick) return {};
+    if (options_.quick) return;
     measured_.lut_run = job("lut.run", {{"levels", 17}, {"frames", 2}});
-    return done(call("lut.clear"));
+    call("lut.clear");
   }
 
-  Done record() {
+  void record() {
     begin(2);
-    auto reader = FrameReader::open(common_, hooks_.interrupted);
-    if (!reader) return tl::make_unexpected(reader.error());
     measured_.open =
-        reader->record(seconds_, [&](double left) { progress("noise and drift", left); });
-    const Answer status = call("system.status");
-    if (!status) return tl::make_unexpected(status.error());
-    measured_.counters_after = status->at("counters");
-    return {};
+        reader().record(seconds_, [&](double left) { progress("noise and drift", left); });
+    measured_.counters_after = call("system.status").at("counters");
   }
 
-  Done response() {
+  void response() {
     begin(3);
-    auto reader = FrameReader::open(common_, hooks_.interrupted);
-    if (!reader) return tl::make_unexpected(reader.error());
+    FrameReader frames = reader();
     measured_.response.modes_j = modes_j_;
     const Stability rest = stability_of(measured_.open);
     Wanted wanted;
@@ -218,9 +214,8 @@ class Run {
       wanted.least_s = k == 0 ? kSlowSlmS : 0.0;
       for (std::size_t i = 0; i < shown.size() && !hooks_.interrupted(); ++i) {
         const double sign = i == 0 || i == 3 ? 1.0 : -1.0;
-        const Answer poked = poke(modes_j_[k], sign * kPokeWaves);
-        if (!poked) return tl::make_unexpected(poked.error());
-        shown[i] = reader->shown(poked->at("hologram_id").get<std::uint64_t>(), wanted);
+        const json poked = poke(modes_j_[k], sign * kPokeWaves);
+        shown[i] = frames.shown(poked.at("hologram_id").get<std::uint64_t>(), wanted);
         if (!shown[i].rest.empty()) continue;
         note_why_unread();
         if (++unread == kMostWaits) wanted.templates_s = wanted.longest_s;
@@ -228,45 +223,39 @@ class Run {
       }
       measured_.response.pokes.push_back(poke_of(modes_j_[k], shown));
     }
-    measured_.response.spots = reader->spots();
-    const Answer shown = call("aberration.set", borrowed_->before(Part::aberration));
-    if (!shown) return tl::make_unexpected(shown.error());
-    reader->shown(shown->at("hologram_id").get<std::uint64_t>(), wanted);
-    return {};
+    measured_.response.spots = frames.spots();
+    const json shown = call("aberration.set", borrowed_->before(Part::aberration));
+    frames.shown(shown.at("hologram_id").get<std::uint64_t>(), wanted);
   }
 
   /// Keeps the daemon's first reason for frames of a mode that are not valid.
   void note_why_unread() {
-    const Answer status = call("system.status");
-    if (!status || !measured_.response.reason.empty()) return;
-    const json& invalid = status->at("sensor").at("invalid");
+    if (!measured_.response.reason.empty()) return;
+    const json invalid = call("system.status").at("sensor").at("invalid");
     if (invalid.is_object()) measured_.response.reason = invalid.at("reason").get<std::string>();
   }
 
-  Done loop() {
+  void loop() {
     begin(4);
     LoopResult& result = measured_.loop;
     result.reason = "left out (--no-loop)";
-    if (!options_.close_loop) return {};
+    if (!options_.close_loop) return;
     const json params = borrowed_->before(Part::loop).value("params", json::object());
-    if (const Answer closed = call("loop.close", params); !closed) {
+    if (const Answer closed = cli::call_patiently(common_, "loop.close", params); !closed) {
       result.reason = cli::message_of(closed.error());
-      return {};
+      return;
     }
-    auto reader = FrameReader::open(common_, hooks_.interrupted);
-    if (!reader) return tl::make_unexpected(reader.error());
-    reader->record(0.5 * loop_s(), [&](double left) { progress("closed loop", left); });
-    result.record =
-        reader->record(0.5 * loop_s(), [&](double left) { progress("closed loop", left); });
-    const Answer state = call("loop.get");
-    if (!state) return tl::make_unexpected(state.error());
-    result.failed = !state->at("closed").get<bool>();
+    FrameReader frames = reader();
+    const auto tick = [&](double left) { progress("closed loop", left); };
+    frames.record(0.5 * loop_s(), tick);
+    result.record = frames.record(0.5 * loop_s(), tick);
+    json state = call("loop.get");
+    result.failed = !state.at("closed").get<bool>();
     if (!result.failed) {
-      result.loop = *state;
-    } else if (state->at("opened_because").is_string()) {
-      result.reason = state->at("opened_because").get<std::string>();
+      result.loop = std::move(state);
+    } else if (state.at("opened_because").is_string()) {
+      result.reason = state.at("opened_because").get<std::string>();
     }
-    return {};
   }
 
   const cli::Common& common_;
