@@ -118,53 +118,51 @@ Result<void> Commissioning::begin(const Step* step, std::string text,
   return {};
 }
 
-Result<void> Commissioning::look() {
-  return begin(nullptr, "looking", [] {});
-}
-
-Result<void> Commissioning::run(std::string_view name) {
-  const auto step = step_of(name);
-  if (!step) return fail(step.error());
-  return begin(*step, (*step)->title, [this, step = *step] { run_now(*step); });
-}
-
-Result<void> Commissioning::skip(std::string_view name) {
-  const auto step = step_of(name);
-  if (!step) return fail(step.error());
-  return begin(*step, "skipping", [this, step = *step] {
-    const std::lock_guard lock(mutex_);
-    record(*step).skipped = true;
-    record(*step).offers.clear();
-  });
-}
-
-Result<void> Commissioning::undo(std::string_view name) {
-  const auto step = step_of(name);
-  if (!step) return fail(step.error());
-  {
-    const std::lock_guard lock(mutex_);
-    if (!can_undo(**step)) {
-      return fail(Errc::refused, "step", std::string(name) + " has nothing to undo");
-    }
+Result<void> Commissioning::act(std::string_view action, std::string_view name,
+                                std::string_view offer) {
+  const std::vector<std::string> known{"run", "skip", "undo", "offer", "cancel", "look"};
+  if (std::ranges::find(known, action) == known.end()) {
+    return fail(unknown("action", action, known));
   }
-  return begin(*step, "undoing", [this, step = *step] { undo_now(*step); });
+  if (action == "look") return begin(nullptr, "looking", [] {});
+  if (action == "cancel") {
+    cancel();
+    return {};
+  }
+  const auto found = step_of(name);
+  if (!found) return fail(found.error());
+  const Step& step = **found;
+  if (action == "run") return begin(&step, step.title, [this, &step] { run_now(step); });
+  if (action == "skip") {
+    return begin(&step, "skipping", [this, &step] {
+      const std::lock_guard lock(mutex_);
+      record(step).skipped = true;
+      record(step).offers.clear();
+    });
+  }
+  if (action == "undo") {
+    std::unique_lock lock(mutex_);
+    const bool can = can_undo(step);
+    lock.unlock();
+    if (can) return begin(&step, "undoing", [this, &step] { undo_now(step); });
+    return fail(Errc::refused, "step", std::string(name) + " has nothing to undo");
+  }
+  return take(step, offer);
 }
 
-Result<void> Commissioning::take(std::string_view name, std::string_view offer) {
-  const auto step = step_of(name);
-  if (!step) return fail(step.error());
+Result<void> Commissioning::take(const Step& step, std::string_view name) {
   std::unique_lock lock(mutex_);
-  const std::vector<Offer> offers = record(**step).offers;
+  const std::vector<Offer> offers = record(step).offers;
   lock.unlock();
   std::vector<std::string> known;
-  for (const Offer& one : offers) {
-    if (one.name == offer) {
-      return begin(*step, one.text, [this, step = *step, one] { take_now(*step, one); });
+  for (const Offer& offer : offers) {
+    if (offer.name == name) {
+      return begin(&step, offer.text, [this, &step, offer] { take_now(step, offer); });
     }
-    known.push_back(one.name);
+    known.push_back(offer.name);
   }
-  if (!known.empty()) return fail(unknown("offer", offer, known));
-  return fail(Errc::refused, "offer", std::string(name) + " offers nothing at present");
+  if (!known.empty()) return fail(unknown("offer", name, known));
+  return fail(Errc::refused, "offer", std::string(step.name) + " offers nothing at present");
 }
 
 void Commissioning::cancel() {
@@ -305,20 +303,6 @@ Report Commissioning::report() const {
   Report report{running_, {}};
   for (const Step& step : steps()) report.steps.push_back(report_of(step));
   return report;
-}
-
-Result<void> Commissioning::act(std::string_view action, std::string_view step,
-                                std::string_view offer) {
-  if (action == "run") return run(step);
-  if (action == "skip") return skip(step);
-  if (action == "undo") return undo(step);
-  if (action == "offer") return take(step, offer);
-  if (action == "look") return look();
-  if (action != "cancel") {
-    return fail(unknown("action", action, {"run", "skip", "undo", "offer", "cancel", "look"}));
-  }
-  cancel();
-  return {};
 }
 
 Image<std::uint8_t> Commissioning::picture(std::string_view name) const {

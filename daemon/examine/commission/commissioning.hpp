@@ -34,25 +34,22 @@ class Commissioning {
 
   Report report() const;
 
-  /// Asks the daemon again which steps are done. It is done after each action, too.
-  Result<void> look();
-  /// Runs a step, also one that is done: it then measures again.
-  Result<void> run(std::string_view step);
-  /// Marks a step as skipped. What it measured earlier stays in use.
-  Result<void> skip(std::string_view step);
-  /// Restores the settings from before the step's first run in this commissioning. Where the daemon
-  /// cannot restore, as with measurements, it clears what was measured. The verdict says which.
-  Result<void> undo(std::string_view step);
-  /// Takes an offer of the step's last run, and then runs the step again unless the offer concludes
-  /// it.
-  Result<void> take(std::string_view step, std::string_view offer);
+  /// Begins an action. `step` and `offer` are ignored by actions that have none.
+  ///
+  /// - "run": runs a step, also one that is done: it then measures again.
+  /// - "skip": marks a step as skipped. What it measured earlier stays in use.
+  /// - "undo": restores the settings from before the step's first run in this commissioning. Where
+  ///   the daemon cannot restore, as with measurements, clears what was measured.
+  /// - "offer": takes an offer of the step's last run, and then runs the step again unless the
+  /// offer
+  ///   concludes it.
+  /// - "look": asks the daemon again which steps are done, as after each action.
+  /// - "cancel": see below.
+  Result<void> act(std::string_view action, std::string_view step = {},
+                   std::string_view offer = {});
   /// Ends what runs: a job is cancelled, settings and pattern are restored, the step is failed.
   /// Does nothing if nothing runs.
   void cancel();
-
-  /// One of the above by its name: run, skip, undo, offer, cancel, look. `step` and `offer` are
-  /// ignored by those that have none.
-  Result<void> act(std::string_view action, std::string_view step, std::string_view offer);
 
   /// The step's last picture: the camera's image or a graph, 8-bit grey. Empty (width 0): none.
   Image<std::uint8_t> picture(std::string_view step) const;
@@ -73,6 +70,7 @@ class Commissioning {
 
   void work();
   Result<void> begin(const Step* step, std::string text, std::function<void()> action);
+  Result<void> take(const Step& step, std::string_view name);
   Bench bench();
 
   // In the worker thread.

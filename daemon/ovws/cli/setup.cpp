@@ -213,12 +213,12 @@ Turn Conversation::before(const std::string& name, bool& is_run) {
     if (key == 'q') return Turn::quit;
     if (key == '?') print("{}", kHelp);
     if (key == 'u' && step.can_undo) {
-      (void)commissioning_.undo(name);
+      (void)commissioning_.act("undo", name);
       wait();
       show_result(report_of(name), 0.0);
     }
     if (key == 's') {
-      (void)commissioning_.skip(name);
+      (void)commissioning_.act("skip", name);
       wait();
       is_run = false;
       return Turn::next;
@@ -278,7 +278,7 @@ Turn Conversation::after(const std::string& name, int proposals) {
   if (key == '?') print("{}", kHelp);
   const bool is_repaired = key == 'y' && !step.commands.empty();
   if (is_repaired) run_commands(step);
-  if (key == 's') (void)commissioning_.skip(name);
+  if (key == 's') (void)commissioning_.act("skip", name);
   wait();
   if (key == 's' || (key == '\n' && !has_failed)) return Turn::next;
   if (key == 'u' && step.can_undo) return act("undo", name, "", proposals);

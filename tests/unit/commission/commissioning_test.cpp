@@ -69,7 +69,7 @@ TEST(Commissioning, TheDocumentHasItsKeys) {
 TEST(Commissioning, AStepWithoutADaemonFailsAndSaysSo) {
   Commissioning commissioning(nowhere());
   ended(commissioning);
-  ASSERT_TRUE(commissioning.run("camera"));
+  ASSERT_TRUE(commissioning.act("run", "camera"));
   const json step = to_json(ended(commissioning)).at("steps").at(1);
   EXPECT_EQ(step.at("state"), "failed");
   EXPECT_EQ(step.at("verdict").at("wellness"), "bad");
@@ -82,7 +82,7 @@ TEST(Commissioning, ASkippedStepIsNotTheNextOne) {
   const Report before = ended(commissioning);
   ASSERT_NE(next_step(before), nullptr);
   EXPECT_STREQ(next_step(before)->name, "doctor");
-  ASSERT_TRUE(commissioning.skip("doctor"));
+  ASSERT_TRUE(commissioning.act("skip", "doctor"));
   const Report after = ended(commissioning);
   EXPECT_EQ(after.steps.front().state, State::skipped);
   EXPECT_STREQ(next_step(after)->name, "camera");
@@ -157,10 +157,10 @@ TEST(Commissioning, OneActionAtATime) {
   };
   Commissioning commissioning(settings);
   ended(commissioning);
-  ASSERT_TRUE(commissioning.run("doctor"));
+  ASSERT_TRUE(commissioning.act("run", "doctor"));
   ASSERT_TRUE(commissioning.report().running.has_value());
   EXPECT_EQ(commissioning.report().running->step, "doctor");
-  const auto second = commissioning.run("camera");
+  const auto second = commissioning.act("run", "camera");
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, Errc::refused);
   ended(commissioning);
