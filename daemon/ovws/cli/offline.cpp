@@ -9,7 +9,7 @@
 #include "core/optics/sensor_model.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/image_file.hpp"
-#include "daemon/ovws/text/modes_text.hpp"
+#include "daemon/ovws/text/mode_names.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/json_text.hpp"
 #include "proto/limits.hpp"

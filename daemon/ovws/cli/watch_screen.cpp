@@ -24,7 +24,6 @@ namespace {
 
 using nlohmann::json;
 using screen::Clock;
-using screen::Key;
 
 constexpr std::chrono::milliseconds kPeriod{50};  ///< from one drawing to the next
 constexpr double kMissingDaemonTimeoutS = 0.3;    ///< longest wait for a missing daemon
@@ -49,25 +48,24 @@ struct Action {
 
 /// The action of a key in this state of the bench; none if the key has none, or if the state is
 /// unknown.
-std::optional<Action> action_of(Key key, const screen::View& view) {
+std::optional<Action> action_of(int key, const screen::View& view) {
   constexpr double kStep = 1.25;
   constexpr int kFrames = 100;
   if (view.status.is_null()) return std::nullopt;
-  if (key == Key::reference) {
+  if (key == 'r') {
     return Action{fmt::format("take a reference of {} frames", kFrames),
                   "reference.take",
                   {{"frames", kFrames}}};
   }
-  if (key == Key::clear) return Action{"remove the aberration", "aberration.clear", json::object()};
-  if (key == Key::loop) {
+  if (key == 'c') return Action{"remove the aberration", "aberration.clear", json::object()};
+  if (key == 'l') {
     const bool is_open = view.status.at("loop") == "open";
     return Action{is_open ? "close the loop" : "open the loop",
                   is_open ? "loop.close" : "loop.open", json::object()};
   }
-  if (key != Key::longer && key != Key::shorter) return std::nullopt;
+  if (key != '+' && key != '-') return std::nullopt;
   const double now_us = view.status.at("camera").at("settings").at("exposure_us").get<double>();
-  const double us =
-      std::round(10.0 * (key == Key::longer ? now_us * kStep : now_us / kStep)) / 10.0;
+  const double us = std::round(10.0 * (key == '+' ? now_us * kStep : now_us / kStep)) / 10.0;
   return Action{"set the exposure to " + time_text(1e-6 * us), "camera.set", {{"exposure_us", us}}};
 }
 
@@ -85,8 +83,7 @@ class WatchScreen {
     while (!was_interrupted() && !quit_) {
       if (output_has_no_reader()) return kError;
       gather(Clock::now() + kPeriod);
-      for (Key key = terminal_.key(); key != Key::none && !quit_; key = terminal_.key())
-        handle_key(key);
+      for (int key = terminal_.key(); key != 0 && !quit_; key = terminal_.key()) handle_key(key);
       draw();
     }
     return kOk;
@@ -111,11 +108,11 @@ class WatchScreen {
   }
 
   /// Asks before an action, and acts after `y`. Every other key withdraws the question.
-  void ask_or_act(Key key) {
+  void ask_or_act(int key) {
     const std::optional<Action> asked = std::exchange(asked_, std::nullopt);
     choice_.note.clear();
     try {
-      if (asked && key == Key::yes) return act(*asked);
+      if (asked && key == 'y') return act(*asked);
       asked_ = action_of(key, gatherer_.view(Clock::now()));
     } catch (const json::exception&) {
       choice_.note = "the daemon's reply has an unknown format: check that it has this version";
@@ -123,18 +120,18 @@ class WatchScreen {
     if (asked_) choice_.note = asked_->question + "? y: yes, any other key: no";
   }
 
-  void handle_key(Key key) {
+  void handle_key(int key) {
     ask_or_act(key);
-    if (key == Key::quit) quit_ = true;
-    if (key == Key::pause) choice_.paused = !choice_.paused;
-    choice_.help = key == Key::help && !choice_.help;
+    if (key == 'q') quit_ = true;
+    if (key == 'p') choice_.paused = !choice_.paused;
+    choice_.help = (key == '?' || key == 'h') && !choice_.help;
     int& first = choice_.first_mode;
-    if (key == Key::up) --first;
-    if (key == Key::down) ++first;
-    if (key == Key::page_up) first -= kPage;
-    if (key == Key::page_down) first += kPage;
-    if (key == Key::home) first = 0;
-    if (key == Key::end) first = 1 << 20;
+    if (key == 'k') --first;
+    if (key == 'j') ++first;
+    if (key == 'b') first -= kPage;
+    if (key == 'f') first += kPage;
+    if (key == 'g') first = 0;
+    if (key == 'G') first = 1 << 20;
   }
 
   /// Draws the newest view. A pause freezes the shown view, but messages are still gathered.

@@ -4,7 +4,6 @@
 #include <prometheus/collectable.h>
 #include <prometheus/exposer.h>
 
-#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <mutex>
@@ -12,6 +11,7 @@
 #include "daemon/ovws/metrics/families.hpp"
 #include "proto/endpoint.hpp"
 #include "proto/json_text.hpp"
+#include "proto/message_age.hpp"
 
 namespace ovws::metrics {
 namespace {
@@ -20,8 +20,6 @@ using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kField = "--listen";
-constexpr double kStatusMaxAgeS = 3.5;  ///< an older status is stale; the period is one second
-constexpr double kMaxAgeFrames = 3.0;
 
 /// A message as received; parsed only when metrics are requested.
 struct Received {
@@ -34,13 +32,6 @@ struct Received {
     return message.is_object() ? std::optional(std::move(message)) : std::nullopt;
   }
 };
-
-double wavefront_max_age_s(const json& status) {
-  const json::json_pointer path("/camera/settings/frame_rate_hz");
-  const bool has_rate = status.contains(path) && status.at(path).is_number();
-  const double rate_hz = has_rate ? status.at(path).get<double>() : 1.0;
-  return std::max(kStatusMaxAgeS, kMaxAgeFrames / std::max(rate_hz, 1e-6));
-}
 
 /// Called before each request is answered. 0: answer it.
 int refuse_foreign_host(mg_connection* connection) {

@@ -34,7 +34,7 @@ class Exporter {
   ~Exporter();
 
   /// Stores a status or wavefront message (JSON) with the present time; ignores other topics. Old
-  /// messages give no metrics: a status expires after 3.5 s, a wavefront after some frames.
+  /// messages give no metrics (proto/message_age.hpp).
   void take(const std::string& topic, std::string message);
 
  private:

@@ -1,36 +1,17 @@
 #include "daemon/ovws/screen/canvas.hpp"
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
 namespace ovws::screen {
 namespace {
 
-constexpr std::array<std::pair<char32_t, char32_t>, 17> kAscii{{{U'█', U'#'},
-                                                                {U'▌', U'#'},
-                                                                {U'▐', U'#'},
-                                                                {U'│', U'|'},
-                                                                {U'─', U'-'},
-                                                                {U'●', U'o'},
-                                                                {U'✕', U'x'},
-                                                                {U'→', U'>'},
-                                                                {U'←', U'<'},
-                                                                {U'↑', U'^'},
-                                                                {U'↓', U'v'},
-                                                                {U'↗', U'/'},
-                                                                {U'↙', U'/'},
-                                                                {U'↖', U'\\'},
-                                                                {U'↘', U'\\'},
-                                                                {U'…', U'~'},
-                                                                {U'µ', U'u'}}};
-
+/// The nearest ASCII character.
 char32_t ascii(char32_t glyph) {
+  constexpr std::u32string_view kGlyphs = U"█▌▐│─●✕→←↑↓↗↙↖↘…µ", kAscii = U"###|-ox><^v//\\\\~u";
+  static_assert(kGlyphs.size() == kAscii.size());
   if (glyph < 0x80) return glyph;
-  for (const auto& [from, to] : kAscii) {
-    if (from == glyph) return to;
-  }
-  return U'?';
+  const std::size_t at = kGlyphs.find(glyph);
+  return at == kGlyphs.npos ? U'?' : kAscii[at];
 }
 
 /// Whether the character takes one column on every terminal: Latin, Greek, Cyrillic, punctuation,

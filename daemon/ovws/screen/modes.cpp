@@ -7,6 +7,7 @@
 #include "core/base/number_text.hpp"
 #include "core/optics/zernike.hpp"
 #include "daemon/ovws/screen/page.hpp"
+#include "daemon/ovws/text/mode_names.hpp"
 
 namespace ovws::screen {
 namespace {
@@ -49,12 +50,6 @@ std::string error_of(const json& wavefront) {
   return sigma.empty() ? "" : fmt::format(" ±{:.4f}", std::sqrt(squares));
 }
 
-int longest_name(const json& modes) {
-  std::size_t longest = 0;
-  for (const json& j : modes) longest = std::max(longest, zernike_name(j.get<int>()).size());
-  return int(longest);
-}
-
 }  // namespace
 
 double bar_scale_waves(double largest_waves) {
@@ -82,8 +77,8 @@ void draw_modes(Canvas& canvas, Rect rect, const View& view, int& first_mode) {
       fmt::format("modes {}-{} of {}{}, waves; bar ±{:g}", first_mode + 1,
                   std::min(first_mode + rows, count), count, error_of(view.wavefront), scale_waves),
       Style::title);
-  const int name_width =
-      std::min(longest_name(modes), rect.width - kIndexWidth - kNumberWidth - kMinBarWidth);
+  const int name_width = std::min(int(cli::longest_name(modes)),
+                                  rect.width - kIndexWidth - kNumberWidth - kMinBarWidth);
   for (int row = 0; row < rows && first_mode + row < count; ++row) {
     const auto k = std::size_t(first_mode + row);
     const int y = rect.y + 1 + row;

@@ -7,12 +7,14 @@
 #include <iterator>
 #include <numbers>
 
+#include "daemon/ovws/text/fill.hpp"
 #include "proto/dark_image.hpp"
 #include "proto/measurable_image.hpp"
 
 namespace ovws::screen {
 namespace {
 
+using cli::fill;
 using nlohmann::json;
 
 constexpr int kTopRows = 3, kMinRight = 34, kMaxRight = 70;
@@ -61,52 +63,20 @@ Layout layout(const Canvas& canvas, const View& view) {
           {0, events_y, canvas.width(), event_rows}};
 }
 
-std::string number_or_dash(const json& value, const char* form) {
-  return value.is_number() ? fmt::format(fmt::runtime(form), value.get<double>()) : "-";
-}
-
-/// The gain in the camera's own unit. Older daemons do not send `gain_raw`.
-std::string gain_text(const json& frame) {
-  const json raw = frame.value("gain_raw", json());
-  if (raw.is_number()) return fmt::format("{:.0f} (raw)", raw.get<double>());
-  return number_or_dash(frame.at("gain_db"), "{:.1f}") + " dB";
-}
-
-std::string camera_text(const json& status) {
-  const json& camera = status.at("camera");
-  if (camera.at("fault").is_string()) return "camera: " + camera.at("fault").get<std::string>();
-  if (!camera.at("connected").get<bool>()) return "no camera";
-  return fmt::format("{:.1f} frames/s", status.at("rates").at("published_hz").get<double>());
-}
-
-std::string slm_text(const json& status) {
-  const json& slm = status.at("slm");
-  if (slm.at("fault").is_string()) return "SLM: " + slm.at("fault").get<std::string>();
-  if (!slm.at("connected").get<bool>()) return "no SLM";
-  return fmt::format("SLM shows {}, hologram {}{}", slm.at("pattern").get<std::string>(),
-                     slm.at("hologram_id").get<std::uint64_t>(),
-                     slm.at("settled").get<bool>() ? "" : ", settling");
-}
-
-/// That the image is dark, with its brightness; else empty.
-std::string darkness_text(const json& status) {
-  const json brightest = status.at("camera").value("brightest", json());
-  if (!brightest.is_number() || !is_dark(brightest.get<double>())) return "";
-  return fmt::format("DARK ({:.1f} % of full scale): ovws exposure auto  ",
-                     100.0 * brightest.get<double>());
-}
-
 std::string state_text(const json& status) {
-  const json& sensor = status.at("sensor");
-  const std::string reference = sensor.at("reference").get<std::string>();
-  const bool aberrated = sensor.value("reference_introduced_rms_waves", 0.0) > 0.0;
-  return fmt::format("{}  {}{}  {}  loop {}  {}", status.at("state").get<std::string>(),
-                     darkness_text(status),
-                     aberrated                 ? "reference contains an aberration"
-                     : reference == "in_force" ? "referenced"
-                     : reference == "stale"    ? "reference stale"
-                                               : "no reference",
-                     camera_text(status), status.at("loop").get<std::string>(), slm_text(status));
+  json said = status;
+  const json brightest = status.at("camera").value("brightest", json());
+  said["is_dark"] = brightest.is_number() && is_dark(brightest.get<double>());
+  return fill(
+      "{state}  [is_dark?DARK ({camera.brightest*100:.1f} % of full scale): ovws exposure auto  ]"
+      "[sensor.reference_introduced_rms_waves?reference contains an aberration]"
+      "[!sensor.reference_introduced_rms_waves?[sensor.reference=in_force?referenced]"
+      "[sensor.reference=stale?reference stale][sensor.reference=none?no reference]]  "
+      "[camera.fault?camera: {camera.fault}][!camera.fault?[!camera.connected?no camera]"
+      "[camera.connected?{rates.published_hz:.1f} frames/s]]  loop {loop}  "
+      "[slm.fault?SLM: {slm.fault}][!slm.fault?[!slm.connected?no SLM][slm.connected?SLM shows "
+      "{slm.pattern}, hologram {slm.hologram_id}[!slm.settled?, settling]]]",
+      said);
 }
 
 void draw_state(Canvas& canvas, const View& view) {
@@ -131,11 +101,9 @@ void draw_frame(Canvas& canvas, const View& view) {
   const bool valid = frame.at("valid").get<bool>();
   const int x = canvas.text(
       0, 1, canvas.width(),
-      fmt::format("frame {}  charge {} ({})  spots {}/{}  saturated {:.0f} %  latency {:.0f} us  ",
-                  frame.at("frame_id").get<std::uint64_t>(), frame.at("charge").get<int>(),
-                  frame.at("tracker").get<std::string>(), frame.at("tracked").get<int>(),
-                  frame.at("subapertures").get<int>(), 100.0 * frame.at("saturated").get<double>(),
-                  frame.at("latency_us").get<double>()));
+      fill("frame {frame_id:d}  charge {charge} ({tracker})  spots {tracked}/{subapertures}  "
+           "saturated {saturated*100:.0f} %  latency {latency_us:.0f} us  ",
+           frame));
   if (valid) canvas.text(x, 1, canvas.width() - x, "valid", Style::strong);
   const double rms_waves = valid ? frame.at("rms_waves").get<double>() : 0.0;
   const double strehl = std::exp(-std::pow(2.0 * std::numbers::pi * rms_waves, 2.0));
@@ -146,10 +114,13 @@ void draw_frame(Canvas& canvas, const View& view) {
   const int end =
       canvas.text(0, 2, canvas.width(),
                   fmt::format("RMS {:.4f} wave  Strehl {:.3f}", rms_waves, strehl), Style::strong);
-  canvas.text(end, 2, canvas.width() - end,
-              fmt::format("  residual {} px  gain {}  exposure {} us",
-                          number_or_dash(frame.at("fit_residual_px"), "{:.3f}"), gain_text(frame),
-                          number_or_dash(frame.at("exposure_us"), "{:.0f}")));
+  // The gain is in the camera's own unit. Older daemons do not send `gain_raw`.
+  canvas.text(
+      end, 2, canvas.width() - end,
+      fill("  residual [fit_residual_px?{fit_residual_px:.3f}][!fit_residual_px?-] px  gain "
+           "[gain_db=null?{gain_raw:.0f} (raw)][!gain_db=null?{gain_db:.1f} dB]  exposure "
+           "[exposure_us?{exposure_us:.0f}][!exposure_us?-] us",
+           frame));
 }
 
 void draw_help(Canvas& canvas) {

@@ -5,17 +5,13 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/median.hpp"
+
 namespace ovws::screen {
 namespace {
 
 constexpr std::string_view kRamp = " .:-=+*#%@";
 constexpr int kFirstGrey = 232, kGreys = 24;  // of the 256 colours
-
-std::uint8_t median_of(std::vector<std::uint8_t> pixels) {
-  const auto middle = pixels.begin() + std::ptrdiff_t(pixels.size() / 2);
-  std::ranges::nth_element(pixels, middle);
-  return *middle;
-}
 
 /// The pixel of cell (x, y) that differs most from `median`.
 std::uint8_t extreme(const Image<std::uint8_t>& image, int x, int y, int columns, int rows,
@@ -41,7 +37,7 @@ std::string grey_code(std::uint8_t value) {
 
 std::string picture_text(const Image<std::uint8_t>& image, int columns, Shades shades) {
   if (image.pixels.empty() || columns < 1) return {};
-  const int median = median_of(image.pixels);
+  const int median = ovws::median(image.pixels);
   const int lines = std::max(1, columns * image.height / image.width / 2);
   const int rows = shades == Shades::blocks ? 2 * lines : lines;
   const auto at = [&](int x, int y) { return extreme(image, x, y, columns, rows, median); };

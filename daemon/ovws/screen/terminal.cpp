@@ -53,22 +53,6 @@ short pair_of(Style style) {
   return style == Style::negative || style == Style::alarm ? kOrangePair : 0;
 }
 
-Key meaning(int code) {
-  constexpr std::pair<int, Key> kKeyCodes[]{{'q', Key::quit},          {'p', Key::pause},
-                                            {'?', Key::help},          {'h', Key::help},
-                                            {KEY_UP, Key::up},         {'k', Key::up},
-                                            {KEY_DOWN, Key::down},     {'j', Key::down},
-                                            {KEY_PPAGE, Key::page_up}, {KEY_NPAGE, Key::page_down},
-                                            {KEY_HOME, Key::home},     {KEY_END, Key::end},
-                                            {'r', Key::reference},     {'+', Key::longer},
-                                            {'-', Key::shorter},       {'l', Key::loop},
-                                            {'c', Key::clear},         {'y', Key::yes}};
-  for (const auto& [known, key] : kKeyCodes) {
-    if (code == known) return key;
-  }
-  return code == ERR ? Key::none : Key::other;
-}
-
 }  // namespace
 
 struct Terminal::Impl {
@@ -130,8 +114,15 @@ void Terminal::show(const Canvas& canvas) {
   wrefresh(stdscr);
 }
 
-Key Terminal::key() {
-  return meaning(wgetch(stdscr));
+int Terminal::key() {
+  constexpr std::pair<int, char> kPagerKeys[]{{ERR, '\0'},      {KEY_UP, 'k'},    {KEY_DOWN, 'j'},
+                                              {KEY_PPAGE, 'b'}, {KEY_NPAGE, 'f'}, {KEY_HOME, 'g'},
+                                              {KEY_END, 'G'}};
+  const int code = wgetch(stdscr);
+  for (const auto& [known, key] : kPagerKeys) {
+    if (code == known) return key;
+  }
+  return code;
 }
 
 }  // namespace ovws::screen

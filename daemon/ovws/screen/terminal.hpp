@@ -8,26 +8,6 @@
 
 namespace ovws::screen {
 
-enum class Key {
-  none,
-  other,
-  quit,
-  pause,
-  help,
-  up,
-  down,
-  page_up,
-  page_down,
-  home,
-  end,
-  reference,
-  longer,
-  shorter,
-  loop,
-  clear,
-  yes
-};
-
 /// Full-screen mode of the terminal; one instance at a time. The destructor restores the previous
 /// contents of the terminal.
 class Terminal {
@@ -42,8 +22,9 @@ class Terminal {
   /// An empty canvas of the terminal's current size.
   Canvas blank() const;
   void show(const Canvas& canvas);
-  /// Next key that was pressed; Key::none at once if no key was pressed.
-  Key key();
+  /// Next key that was pressed; 0 at once if no key was pressed. Keys without a character are those
+  /// of a pager: k, j, b and f for up, down, page up and page down, g and G for home and end.
+  int key();
 
  private:
   struct Impl;

@@ -1,23 +1,20 @@
 #include "daemon/ovws/screen/view.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <string_view>
 #include <utility>
 
-#include "daemon/ovws/text/losses.hpp"
+#include "daemon/ovws/text/status.hpp"
 #include "proto/json_text.hpp"
+#include "proto/message_age.hpp"
 
 namespace ovws::screen {
 namespace {
 
 using nlohmann::json;
 
-constexpr double kStatusMaxAgeS = 3.0;  ///< an older status is stale; the period is one second
-constexpr double kMaxAgeFrames = 3.0;
 constexpr std::size_t kEventsKept = 50;
-constexpr std::size_t kSpotColumns = 6;
+
 double seconds(Clock::duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
@@ -36,8 +33,7 @@ void Gatherer::take(const std::string& topic, std::string text, std::vector<std:
     wavefront_ = std::move(text);
     last_frame_ = now;
   } else if (topic == "spots") {
-    spots_ = std::move(text);
-    spots_binary_ = std::move(binary);
+    spots_ = std::move(binary);
   } else if (topic == "status") {
     json status = read(text);
     if (!status.is_object()) return;
@@ -73,25 +69,8 @@ void Gatherer::read_wavefront() {
   wavefront_.clear();
 }
 
-void Gatherer::read_spots() {
-  if (spots_.empty()) return;
-  spots_.clear();
-  constexpr std::size_t kRowBytes = kSpotColumns * sizeof(float);
-  view_.spots.clear();
-  for (std::size_t at = 0; at + kRowBytes <= spots_binary_.size(); at += kRowBytes) {
-    float row[kSpotColumns];
-    std::memcpy(row, spots_binary_.data() + at, kRowBytes);
-    view_.spots.push_back({row[0], row[1], row[2], row[3]});
-  }
-}
-
 bool Gatherer::frames_are_current(Clock::time_point now) const {
-  if (!last_frame_) return false;
-  const json::json_pointer path("/camera/settings/frame_rate_hz");
-  const bool has_rate = view_.status.contains(path) && view_.status.at(path).is_number();
-  const double rate_hz = has_rate ? view_.status.at(path).get<double>() : 1.0;
-  return seconds(now - *last_frame_) <
-         std::max(kStatusMaxAgeS, kMaxAgeFrames / std::max(rate_hz, 1e-6));
+  return last_frame_ && seconds(now - *last_frame_) < wavefront_max_age_s(view_.status);
 }
 
 const View& Gatherer::view(Clock::time_point now) {
@@ -102,7 +81,7 @@ const View& Gatherer::view(Clock::time_point now) {
     view_.losses.clear();
   }
   read_wavefront();
-  read_spots();
+  view_.spots = spot_rows(spots_);
   if (!view_.status_is_current || !frames_are_current(now)) {
     view_.wavefront = json();
     view_.spots.clear();

@@ -11,13 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "proto/spot_rows.hpp"
+
 namespace ovws::screen {
 
 using Clock = std::chrono::steady_clock;
-
-struct SpotRow {
-  float x = 0, y = 0, ref_x = 0, ref_y = 0;  ///< camera pixels; NaN: lost, no reference
-};
 
 /// A loss counter of `status` that is not zero.
 struct Loss {
@@ -51,13 +49,12 @@ class Gatherer {
 
  private:
   void read_wavefront();
-  void read_spots();
   void read_status(nlohmann::json status);
   bool frames_are_current(Clock::time_point now) const;
 
   View view_;
-  std::string wavefront_, spots_;  ///< text as received; empty: already parsed
-  std::vector<std::byte> spots_binary_;
+  std::string wavefront_;         ///< text as received; empty: already parsed
+  std::vector<std::byte> spots_;  ///< as received
   std::map<std::string, std::uint64_t> counters_;
   Clock::time_point last_;
   std::optional<Clock::time_point> last_status_, last_frame_;

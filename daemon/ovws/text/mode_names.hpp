@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/result.hpp"
+#include "core/optics/zernike.hpp"
 
 namespace ovws::cli {
 
@@ -16,7 +17,15 @@ namespace ovws::cli {
 /// text that is no mode, with the nearest name.
 Result<int> mode_of(std::string_view text);
 
+/// Width of the longest name of these modes, characters.
+std::size_t longest_name(const std::vector<int>& modes_j);
+
 /// All common names with hyphens: "piston", "vertical-tilt", …
 const std::vector<std::string>& mode_names();
+
+/// Parses aberrations: "2,-2:0.5;defocus:0.1", see mode_of.
+/// Returns RMS-normalised modes; none for empty text. Errors (Errc::invalid, field "modes") quote
+/// the invalid part. Text that has only separators, or a mode given twice, is an error.
+Result<std::vector<Mode>> parse_modes(const std::string& text, ZernikeNorm norm);
 
 }  // namespace ovws::cli

@@ -1,18 +1,12 @@
 /// Sentences for the results of methods that people call daily.
-#include <fmt/chrono.h>
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
-#include <map>
-#include <numbers>
-#include <vector>
 
 #include "core/base/number_text.hpp"
-#include "core/optics/zernike.hpp"
 #include "daemon/ovws/text/answer.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovws/text/quantity.hpp"
 
 namespace ovws::cli {
@@ -22,10 +16,6 @@ using nlohmann::json;
 
 double number(const json& object, const char* key) {
   return object.at(key).get<double>();
-}
-
-bool is_true(const json& object, const char* key) {
-  return object.at(key).get<bool>();
 }
 
 std::string text_or(const json& object, const char* key, const std::string& otherwise) {
@@ -49,156 +39,6 @@ std::string steps_text(double steps) {
   return fmt::format("{:.0f}", steps);
 }
 
-/// One further line that names spots or modes, if there are any.
-std::string list_text(const json& result, const char* key, const char* what) {
-  if (!result.contains(key) || result.at(key).empty()) return "";
-  std::vector<std::string> all;
-  for (const json& one : result.at(key)) all.push_back(one.dump());
-  return fmt::format("\n{}: {}", what, fmt::join(all, ", "));
-}
-
-std::string camera_answer(const json& result) {
-  const bool is_change = result.contains("applied");
-  const std::string settings = camera_settings_text(result.at(is_change ? "applied" : "settings"));
-  if (is_change || is_true(result, "connected")) return settings;
-  return "no camera is connected; its settings will be:\n" + settings;
-}
-
-std::string cameras_answer(const json& result) {
-  std::string text;
-  for (const json& camera : result.at("cameras")) {
-    const std::string address = text_or(camera, "address", "");
-    text += fmt::format("{}{}{}{}", text.empty() ? "" : "\n", text_or(camera, "id", "?"),
-                        address.empty() ? "" : " at " + address,
-                        is_true(camera, "selected") ? " (selected)" : "");
-  }
-  return text.empty() ? "no camera answers: check power, cable and network, or run ovws doctor"
-                      : text;
-}
-
-std::string outputs_answer(const json& result) {
-  std::string text;
-  for (const json& output : result.at("outputs")) {
-    const std::string reason = text_or(output, "reason", "");
-    text +=
-        fmt::format("{}{}{}: {}{}", text.empty() ? "" : "\n", text_or(output, "name", "?"),
-                    is_true(output, "selected") ? " (selected)" : "",
-                    is_true(output, "on") ? fmt::format("{} x {}, ", output.at("width").get<int>(),
-                                                        output.at("height").get<int>())
-                                          : "",
-                    reason.empty() ? "usable" : reason);
-  }
-  return text.empty() ? "the display system has no outputs" : text;
-}
-
-std::string slm_settings_answer(const json& result) {
-  return fmt::format("SLM on output {}{}, settle time {:g} ms", text_or(result, "display", "?"),
-                     is_true(result, "allow_primary") ? ", which may be the primary one" : "",
-                     number(result, "settle_ms"));
-}
-
-std::string exposure_answer(const json& result) {
-  const int saturated = result.at("saturated_pixels").get<int>();
-  return fmt::format(
-      "exposure {}, gain {}: most spots reach up to {:.0f} % of full scale, {}",
-      exposure_text(result, {}), gain_text(result, {}), 100.0 * number(result, "brightest"),
-      saturated == 0 ? "no pixel is saturated" : fmt::format("{} pixels are saturated", saturated));
-}
-
-std::string aberration_answer(const json& result) {
-  const std::string modes = modes_text(result.at("modes"));
-  const std::size_t patterns = result.value("patterns", json::array()).size();
-  if (patterns > 0) return fmt::format("a sequence of patterns is shown: {}", patterns);
-  return modes.empty() ? "no aberration is introduced" : "introduced aberration: " + modes;
-}
-
-std::string correction_answer(const json& result) {
-  const std::string modes = modes_text(result.at("modes"));
-  return modes.empty() ? "no correction is shown" : "correction: " + modes;
-}
-
-std::string taken_reference(const json& result) {
-  std::string text = fmt::format("reference taken from {} frames: noise {:.4f} px, drift {:.4f} px",
-                                 result.at("frames").get<int>(), number(result, "noise_px"),
-                                 number(result, "drift_px"));
-  if (number(result, "introduced_rms_waves") > 0.0) {
-    text += fmt::format("\nit contains the introduced aberration of {:.4f} wave RMS",
-                        number(result, "introduced_rms_waves"));
-  }
-  return text + list_text(result, "lost_spots", "lost spots") +
-         list_text(result, "weak_spots", "weak spots") +
-         list_text(result, "saturated_spots", "saturated spots") +
-         list_text(result, "weak_modes", "weak modes");
-}
-
-std::string reference_answer(const json& result) {
-  return "reference: " + reference_text(result);
-}
-
-std::string references_answer(const json& result) {
-  std::string text;
-  for (const json& one : result.at("references")) {
-    const std::string reason = text_or(one, "reason", "");
-    text += fmt::format("{}{}: taken {}{}", text.empty() ? "" : "\n", text_or(one, "name", "?"),
-                        age_text(one.at("t_taken_ns").get<std::int64_t>()),
-                        reason.empty() ? "" : ", does not fit: " + reason);
-  }
-  return text.empty() ? "no reference is saved; save the active one with ovws reference save NAME"
-                      : text;
-}
-
-std::string recordings_answer(const json& result) {
-  if (!result.at("folder").is_string()) return "no folder for recordings is configured";
-  std::string text = "recordings in " + text_or(result, "folder", "");
-  for (const json& one : result.at("recordings")) {
-    text += fmt::format("\n{}: {}, {}", text_or(one, "name", "?"), size_text(number(one, "bytes")),
-                        age_text(one.at("t_modified_ns").get<std::int64_t>()));
-  }
-  const int left_off = result.at("left_off").get<int>();
-  return left_off == 0 ? text : text + fmt::format("\nand {} older ones", left_off);
-}
-
-std::string lut_answer(const json& result) {
-  if (!is_true(result, "measured")) {
-    return fmt::format("LUT: {}, not measured; measure it with ovws call --wait lut.run",
-                       text_or(result, "source", "linear"));
-  }
-  std::string text = fmt::format("LUT: {:.2f} pi deep, error {:.2g} mrad",
-                                 number(result, "depth_rad") / std::numbers::pi,
-                                 1e3 * number(result, "residual_rad"));
-  if (result.at("falls") == true) text += ", the phase falls with the grey level";
-  if (result.at("reaches_2pi") == false) text += ", does not reach 2 pi";
-  const std::string reason = text_or(result, "reason", "");
-  return reason.empty() ? text : text + "\n" + reason;
-}
-
-std::string registration_answer(const json& result) {
-  if (!is_true(result, "registered")) return "no registration: ovws call --wait registration.run";
-  const json& base = result.at("base_px");
-  return fmt::format(
-      "registration: rotation {:.2f} deg, {}, scale {:.1f} px per cycle per SLM pixel\n"
-      "base spot at ({:.1f}, {:.1f}) px, residual {:.3f} px at {} positions",
-      number(result, "rotation_deg"), is_true(result, "mirrored") ? "mirrored" : "not mirrored",
-      number(result, "scale_px_per_cycle"), base.at(0).get<double>(), base.at(1).get<double>(),
-      number(result, "residual_px"), result.at("sights").get<int>());
-}
-
-std::string map_answer(const json& result) {
-  return fmt::format(
-      "map: error {:.4f} wave RMS in cells of {:.1f} px ({:.1f} px resolved), noise {:.4f}\n"
-      "the flatness in use removes {:.4f}, and differs from the map by {:.4f}{}",
-      number(result, "rms_waves"), number(result, "cell_px"), number(result, "resolution_px"),
-      number(result, "standard_error_waves"), number(result, "flatness_rms_waves"),
-      number(result, "difference_rms_waves"),
-      is_true(result, "applied") ? "\nthe map is the flatness from now on" : "");
-}
-
-std::string flatness_answer(const json& result) {
-  if (!is_true(result, "measured")) return "flatness: not measured: ovws call --wait flatness.run";
-  return fmt::format("flatness: {:.4f} wave RMS is corrected, change of the last scan {:.4f} wave",
-                     number(result, "rms_waves"), number(result, "residual_rms_waves"));
-}
-
 /// Root sum square of the modes of one radial order n and azimuthal frequency +-m.
 double rms_of(const json& modes, int n, int m) {
   double squares = 0.0;
@@ -216,155 +56,153 @@ std::string focus_answer(const json& result) {
   constexpr double kAccuracyWaves = 0.003;
   const double error_waves = number(result, "defocus_standard_error_waves");
   const double within_mm = error_mm * std::max(2.0, kAccuracyWaves / error_waves);
-  const bool is_focused = std::abs(shift_mm) <= within_mm;
   const json& modes = result.at("modes");
-  std::string text = is_focused
-                         ? fmt::format("the camera is in focus, within {:.3f} mm", within_mm)
-                         : fmt::format(
-                               "the camera is {0:.3f} mm {1} the focus: move it {2} the lens by "
-                               "{0:.3f} mm",
-                               std::abs(shift_mm), shift_mm > 0.0 ? "behind" : "in front of",
-                               shift_mm > 0.0 ? "towards" : "away from");
-  text += fmt::format(
-      "\ndefocus {} wave RMS (standard error {:.4f}), astigmatism {:.4f}, coma {:.4f}, "
-      "spherical aberration {:.4f}",
-      signed_decimals(number(result, "defocus_waves"), 4),
-      number(result, "defocus_standard_error_waves"), rms_of(modes, 2, 2), rms_of(modes, 3, 1),
-      rms_of(modes, 4, 0));
-  if (!result.at("flatness_defocus_waves").is_number()) return text;
-  return text + fmt::format(
-                    "\nnot in it: {} wave of defocus that the flatness compensates; to focus "
-                    "the camera itself, call flatness.clear first",
-                    signed_decimals(number(result, "flatness_defocus_waves"), 4));
-}
-
-std::string settle_answer(const json& result) {
-  const std::string reason = text_or(result, "reason", "");
-  if (!reason.empty()) return "settle time: " + reason;
-  return fmt::format(
-      "settle time: {:.1f} ms (median), {:.1f} ms at most\nslm.settle_ms is {:g} ms, {}; with the "
-      "usual margin: {:g} ms",
-      number(result, "p50_ms"), number(result, "worst_ms"), number(result, "configured_settle_ms"),
-      is_true(result, "long_enough") ? "long enough" : "TOO SHORT",
-      number(result, "proposed_settle_ms"));
-}
-
-std::string verify_answer(const json& result) {
-  const auto hologram = result.at("hologram_id").get<std::uint64_t>();
-  if (is_true(result, "equal"))
-    return fmt::format("the output shows hologram {} exactly", hologram);
-  return fmt::format("the output does NOT show hologram {}: {} pixels differ", hologram,
-                     result.at("differing_pixels").dump());
-}
-
-std::string show_answer(const json& result) {
-  return fmt::format("the SLM shows: {} (hologram {})", text_or(result, "pattern", "?"),
-                     result.at("hologram_id").get<std::uint64_t>());
-}
-
-std::string calibration_answer(const json& result) {
-  if (!is_true(result, "calibrated")) return "no calibration: ovws call --wait calibration.run";
-  std::string text =
-      fmt::format("calibration: {} modes, {} frames each, condition number {:.1f}, drift {:.4f} px",
-                  result.at("modes").size(), result.at("frames").get<int>(),
-                  number(result, "condition_number"), number(result, "drift_px"));
-  if (text_or(result, "source", "") == "set") text += "\ngiven by a client (calibration.set)";
-  if (!is_true(result, "in_force")) text += "\nnot active: taken with other settings";
-  for (const json& mode : result.at("dropped")) {
-    text += fmt::format("\ndropped {}: {}", zernike_name(mode.at("j").get<int>()),
-                        text_or(mode, "reason", ""));
-  }
-  const std::string reason = text_or(result, "disagreement_reason", "");
-  return reason.empty() ? text : text + "\n" + reason;
-}
-
-std::string loop_answer(const json& result) {
-  return "loop " + loop_text(result);
-}
-
-std::string record_answer(const json& result) {
-  return "recording " + record_text(result);
-}
-
-std::string saved_answer(const json& result) {
-  std::string text;
-  for (const json& key : result.at("saved")) {
-    text += (text.empty() ? ": " : ", ") + key.get<std::string>();
-  }
-  return "saved in " + text_or(result, "path", "?") +
-         (text.empty() ? ": nothing differs from the configuration" : text);
+  json said = result;
+  said.update({{"within_mm", within_mm},
+               {"is_focused", std::abs(shift_mm) <= within_mm},
+               {"is_behind", shift_mm > 0.0},
+               {"distance_mm", std::abs(shift_mm)},
+               {"astigmatism", rms_of(modes, 2, 2)},
+               {"coma", rms_of(modes, 3, 1)},
+               {"spherical", rms_of(modes, 4, 0)},
+               {"has_flatness", result.at("flatness_defocus_waves").is_number()}});
+  return fill(
+      "[is_focused?the camera is in focus, within {within_mm:.3f} mm]"
+      "[!is_focused?the camera is {distance_mm:.3f} mm "
+      "[is_behind?behind the focus: move it towards][!is_behind?in front of the focus: move it "
+      "away from] the lens by {distance_mm:.3f} mm]\n"
+      "defocus {defocus_waves:signed} wave RMS (standard error "
+      "{defocus_standard_error_waves:.4f}), "
+      "astigmatism {astigmatism:.4f}, coma {coma:.4f}, spherical aberration {spherical:.4f}"
+      "[has_flatness?\nnot in it: {flatness_defocus_waves:signed} wave of defocus that the "
+      "flatness compensates; to focus the camera itself, call flatness.clear first]",
+      said);
 }
 
 std::string job_answer(const json& result) {
-  const std::string state = result.at("state").get<std::string>();
-  const std::string kind = result.at("kind").get<std::string>();
-  std::string text = fmt::format("job {} ({}): {}", result.at("job").get<int>(), kind, state);
-  if (state == "running") text += fmt::format(", {:.0f} %", 100.0 * number(result, "progress"));
-  if (state == "failed") text += ": " + result.at("error").at("message").get<std::string>();
-  return state == "done" ? text + "\n" + answer_text(kind, result.at("result")) : text;
+  const std::string text = fill(
+      "job {job} ({kind}): {state}[state=running?, {progress*100:.0f} %]"
+      "[state=failed?: {error.message}]",
+      result);
+  if (result.at("state") != "done") return text;
+  return text + "\n" + answer_text(result.at("kind").get<std::string>(), result.at("result"));
 }
 
+constexpr const char* kReference =
+    "[!taken?none; take one with ovws reference 100]"
+    "[taken?[source=model?from the model, set {t_taken_ns:age}]"
+    "[!source=model?measured {t_taken_ns:age} from {frames} frames]"
+    "[stale*, STALE: {field} was {then:json}, is {now:json}]]";
+constexpr const char* kLoop =
+    "[paused?paused][!paused?[closed?closed][!closed?open]]"
+    "[closed|steps?, {steps} steps, correction {correction_rms_waves:.4f} wave RMS]"
+    "[residual_rms_waves?, residual {residual_rms_waves:.4f} wave RMS]"
+    "[opened_because?, opened at {t_opened}: {opened_because}]";
+constexpr const char* kRecord =
+    "[state=off?off][!state=off?{file}: {duration_s:time}, {frames} frames, {pictures} images, "
+    "{bytes:size}[frames_dropped?, {frames_dropped} frames LOST]"
+    "[pictures_dropped?, {pictures_dropped} images LOST]"
+    "[documents_dropped?, {documents_dropped} documents LOST][state=ended?; ended: {reason}]]";
+
+/// Templates for the results of methods.
+struct Form {
+  const char* methods;  ///< with a space after each
+  const char* text;
+};
+constexpr Form kForms[]{
+    {"aberration.clear aberration.get aberration.sequence aberration.set ",
+     "[patterns?a sequence of patterns is shown: {patterns:count}]"
+     "[!patterns?[modes:modes?introduced aberration: {modes:modes}]"
+     "[!modes:modes?no aberration is introduced]]"},
+    {"calibration.clear calibration.get calibration.run ",
+     "[!calibrated?no calibration: ovws call --wait calibration.run]"
+     "[calibrated?calibration: {modes:count} modes, {frames} frames each, condition number "
+     "{condition_number:.1f}, drift {drift_px:.4f} px"
+     "[source=set?\ngiven by a client (calibration.set)]"
+     "[!in_force?\nnot active: taken with other settings]"
+     "[dropped*\ndropped {j:mode}: {reason}][disagreement_reason?\n{disagreement_reason}]]"},
+    {"camera.auto_exposure ",
+     "exposure {.:exposure}, gain {.:gain}: most spots reach up to {brightest*100:.0f} % of full "
+     "scale, [saturated_pixels?{saturated_pixels} pixels are saturated]"
+     "[!saturated_pixels?no pixel is saturated]"},
+    {"camera.get camera.select camera.set ",
+     "[applied?{applied:camera}][!applied?[!connected?no camera is connected; its settings will "
+     "be:\n]{settings:camera}]"},
+    {"camera.list ",
+     "[cameras*{id}[address? at {address}][selected? (selected)]\n]"
+     "[!cameras?no camera answers: check power, cable and network, or run ovws doctor]"},
+    {"config.save ",
+     "saved in {path}: [saved?{saved:list}][!saved?nothing differs from the configuration]"},
+    {"correction.clear correction.get correction.set ",
+     "[modes:modes?correction: {modes:modes}][!modes:modes?no correction is shown]"},
+    {"flatness.clear flatness.get flatness.run ",
+     "flatness: [!measured?not measured: ovws call --wait flatness.run]"
+     "[measured?{rms_waves:.4f} wave RMS is corrected, change of the last scan "
+     "{residual_rms_waves:.4f} wave]"},
+    {"lut.clear lut.get lut.run ",
+     "LUT: [!measured?[source?{source}][!source?linear], not measured; measure it with ovws call "
+     "--wait lut.run]"
+     "[measured?{depth_rad/3.14159265358979:.2f} pi deep, error {residual_rad*1000:.2g} mrad"
+     "[falls?, the phase falls with the grey level][reaches_2pi=false?, does not reach 2 pi]"
+     "[reason?\n{reason}]]"},
+    {"map.run ",
+     "map: error {rms_waves:.4f} wave RMS in cells of {cell_px:.1f} px ({resolution_px:.1f} px "
+     "resolved), noise {standard_error_waves:.4f}\n"
+     "the flatness in use removes {flatness_rms_waves:.4f}, and differs from the map by "
+     "{difference_rms_waves:.4f}[applied?\nthe map is the flatness from now on]"},
+    {"record.list ",
+     "[!folder?no folder for recordings is configured][folder?recordings in {folder}"
+     "[recordings*\n{name}: {bytes:size}, {t_modified_ns:age}]"
+     "[left_off?\nand {left_off} older ones]]"},
+    {"reference.delete reference.list reference.save ",
+     "[references*{name}: taken {t_taken_ns:age}[reason?, does not fit: {reason}]\n]"
+     "[!references?no reference is saved; save the active one with ovws reference save NAME]"},
+    {"reference.take ",
+     "reference taken from {frames} frames: noise {noise_px:.4f} px, drift {drift_px:.4f} px"
+     "[introduced_rms_waves?\nit contains the introduced aberration of "
+     "{introduced_rms_waves:.4f} wave RMS][lost_spots?\nlost spots: {lost_spots:list}]"
+     "[weak_spots?\nweak spots: {weak_spots:list}]"
+     "[saturated_spots?\nsaturated spots: {saturated_spots:list}]"
+     "[weak_modes?\nweak modes: {weak_modes:list}]"},
+    {"registration.clear registration.get registration.run ",
+     "[!registered?no registration: ovws call --wait registration.run]"
+     "[registered?registration: rotation {rotation_deg:.2f} deg, [!mirrored?not ]mirrored, scale "
+     "{scale_px_per_cycle:.1f} px per cycle per SLM pixel\n"
+     "base spot at ({base_px.0:.1f}, {base_px.1:.1f}) px, residual {residual_px:.3f} px at "
+     "{sights} positions]"},
+    {"slm.outputs ",
+     "[outputs*{name}[selected? (selected)]: [on?{width} x {height}, ]"
+     "[reason?{reason}][!reason?usable]\n][!outputs?the display system has no outputs]"},
+    {"slm.set ",
+     "SLM on output {display}[allow_primary?, which may be the primary one], settle time "
+     "{settle_ms:g} ms"},
+    {"slm.settle ",
+     "settle time: [reason?{reason}][!reason?{p50_ms:.1f} ms (median), {worst_ms:.1f} ms at most\n"
+     "slm.settle_ms is {configured_settle_ms:g} ms, [long_enough?long enough]"
+     "[!long_enough?TOO SHORT]; with the usual margin: {proposed_settle_ms:g} ms]"},
+    {"slm.show ", "the SLM shows: {pattern} (hologram {hologram_id})"},
+    {"slm.verify ",
+     "the output [equal?shows hologram {hologram_id} exactly][!equal?does NOT show hologram "
+     "{hologram_id}: {differing_pixels:json} pixels differ]"}};
+
 using Sentence = std::string (*)(const json&);
-const std::map<std::string, Sentence> kSentences{{"aberration.clear", aberration_answer},
-                                                 {"aberration.get", aberration_answer},
-                                                 {"aberration.sequence", aberration_answer},
-                                                 {"aberration.set", aberration_answer},
-                                                 {"calibration.clear", calibration_answer},
-                                                 {"calibration.get", calibration_answer},
-                                                 {"calibration.run", calibration_answer},
-                                                 {"camera.auto_exposure", exposure_answer},
-                                                 {"camera.get", camera_answer},
-                                                 {"camera.list", cameras_answer},
-                                                 {"camera.select", camera_answer},
-                                                 {"camera.set", camera_answer},
-                                                 {"config.save", saved_answer},
-                                                 {"correction.clear", correction_answer},
-                                                 {"correction.get", correction_answer},
-                                                 {"correction.set", correction_answer},
-                                                 {"flatness.clear", flatness_answer},
-                                                 {"flatness.get", flatness_answer},
-                                                 {"flatness.run", flatness_answer},
-                                                 {"focus.run", focus_answer},
-                                                 {"job.cancel", job_answer},
-                                                 {"job.get", job_answer},
-                                                 {"loop.close", loop_answer},
-                                                 {"loop.get", loop_answer},
-                                                 {"loop.open", loop_answer},
-                                                 {"loop.pause", loop_answer},
-                                                 {"lut.clear", lut_answer},
-                                                 {"lut.get", lut_answer},
-                                                 {"lut.run", lut_answer},
-                                                 {"map.run", map_answer},
-                                                 {"record.get", record_answer},
-                                                 {"record.list", recordings_answer},
-                                                 {"record.start", record_answer},
-                                                 {"record.stop", record_answer},
-                                                 {"reference.clear", reference_answer},
-                                                 {"reference.get", reference_answer},
-                                                 {"reference.delete", references_answer},
-                                                 {"reference.list", references_answer},
-                                                 {"reference.load", reference_answer},
-                                                 {"reference.save", references_answer},
-                                                 {"reference.set", reference_answer},
-                                                 {"reference.take", taken_reference},
-                                                 {"registration.clear", registration_answer},
-                                                 {"registration.get", registration_answer},
-                                                 {"registration.run", registration_answer},
-                                                 {"slm.outputs", outputs_answer},
-                                                 {"slm.set", slm_settings_answer},
-                                                 {"slm.settle", settle_answer},
-                                                 {"slm.show", show_answer},
-                                                 {"slm.verify", verify_answer}};
+constexpr std::pair<const char*, Sentence> kSentences[]{
+    {"focus.run ", focus_answer},
+    {"job.cancel job.get ", job_answer},
+    {"loop.close loop.get loop.open loop.pause ",
+     [](const json& result) { return "loop " + loop_text(result); }},
+    {"record.get record.start record.stop ",
+     [](const json& result) { return "recording " + record_text(result); }},
+    {"reference.clear reference.get reference.load reference.set ",
+     [](const json& result) { return "reference: " + reference_text(result); }}};
 
 }  // namespace
 
 std::string camera_settings_text(const json& settings) {
-  const json& roi = settings.at("roi");
-  return fmt::format("exposure {}, gain {}, {:.4g} frames/s, {}, region {} x {} at ({}, {})",
-                     exposure_text(settings, {}), gain_text(settings, {}),
-                     number(settings, "frame_rate_hz"), text_or(settings, "pixel_format", "?"),
-                     roi.at("width").get<int>(), roi.at("height").get<int>(),
-                     roi.at("x").get<int>(), roi.at("y").get<int>());
+  return fill(
+      "exposure {.:exposure}, gain {.:gain}, {frame_rate_hz:.4g} frames/s, {pixel_format}, region "
+      "{roi.width} x {roi.height} at ({roi.x}, {roi.y})",
+      settings);
 }
 
 std::string exposure_text(const json& settings, const json& limits) {
@@ -400,72 +238,37 @@ std::string modes_text(const json& modes) {
 }
 
 std::string reference_text(const json& reference) {
-  if (!is_true(reference, "taken")) return "none; take one with ovws reference 100";
-  const std::string age = age_text(reference.at("t_taken_ns").get<std::int64_t>());
-  std::string text =
-      text_or(reference, "source", "") == "model"
-          ? "from the model, set " + age
-          : fmt::format("measured {} from {} frames", age, reference.at("frames").get<int>());
-  for (const json& one : reference.at("stale")) {
-    text += fmt::format(", STALE: {} was {}, is {}", one.at("field").get<std::string>(),
-                        one.at("then").dump(), one.at("now").dump());
-  }
-  return text;
+  return fill(kReference, reference);
 }
 
 std::string loop_text(const json& loop) {
-  const bool closed = is_true(loop, "closed");
-  const auto steps = loop.at("steps").get<std::int64_t>();
-  std::string text = is_true(loop, "paused") ? "paused" : closed ? "closed" : "open";
-  if (closed || steps > 0) {
-    text += fmt::format(", {} steps, correction {:.4f} wave RMS", steps,
-                        number(loop, "correction_rms_waves"));
-  }
-  if (loop.at("residual_rms_waves").is_number()) {
-    text += fmt::format(", residual {:.4f} wave RMS", number(loop, "residual_rms_waves"));
-  }
-  if (loop.at("opened_because").is_string()) {
-    text += fmt::format(", opened at {}: {}", text_or(loop, "t_opened", "?"),
-                        text_or(loop, "opened_because", ""));
-  }
-  return text;
+  return fill(kLoop, loop);
 }
 
 std::string record_text(const json& record) {
-  if (text_or(record, "state", "off") == "off") return "off";
-  const auto count = [&](const char* key) { return record.at(key).get<std::uint64_t>(); };
-  std::string text = fmt::format("{}: {}, {} frames, {} images, {}", text_or(record, "file", "?"),
-                                 time_text(number(record, "duration_s")), count("frames"),
-                                 count("pictures"), size_text(number(record, "bytes")));
-  if (count("frames_dropped") > 0) text += fmt::format(", {} frames LOST", count("frames_dropped"));
-  if (count("pictures_dropped") > 0) {
-    text += fmt::format(", {} images LOST", count("pictures_dropped"));
-  }
-  if (count("documents_dropped") > 0) {
-    text += fmt::format(", {} documents LOST", count("documents_dropped"));
-  }
-  if (text_or(record, "state", "") == "ended") text += "; ended: " + text_or(record, "reason", "?");
-  return text;
+  return fill(kRecord, record);
 }
 
 std::string event_text(const json& event) {
-  const std::time_t second = event.at("t_ns").get<std::int64_t>() / 1'000'000'000;
-  const std::string severity = text_or(event, "severity", "");
-  return fmt::format("{:%H:%M:%S} {}{}: {}", fmt::localtime(second),
-                     severity == "info" ? "" : severity + " ", text_or(event, "kind", "?"),
-                     text_or(event, "text", ""));
+  return fill("{t_ns:clock} [!severity=info?{severity} ]{kind}: {text}", event);
 }
 
 std::string answer_text(const std::string& method, const json& result) {
   if (result.is_object() && result.size() == 1 && result.contains("job")) {
-    const std::string job = result.at("job").dump();
-    return fmt::format(
-        "job {0} has begun; ovws call job.get job={0} reports it, and --wait waits "
-        "for it",
-        job);
+    return fill(
+        "job {job} has begun; ovws call job.get job={job} reports it, and --wait waits for it",
+        result);
   }
-  const auto found = kSentences.find(method);
-  return found == kSentences.end() ? summary_text(result) : found->second(result);
+  const auto is_of = [&method](const std::string& methods) {
+    return (" " + methods).find(" " + method + " ") != methods.npos;
+  };
+  for (const Form& form : kForms) {
+    if (is_of(form.methods)) return fill(form.text, result);
+  }
+  for (const auto& [methods, sentence] : kSentences) {
+    if (is_of(methods)) return sentence(result);
+  }
+  return summary_text(result);
 }
 
 }  // namespace ovws::cli

@@ -1,4 +1,4 @@
-#include "daemon/ovws/text/modes_text.hpp"
+#include "daemon/ovws/text/mode_names.hpp"
 
 #include <gtest/gtest.h>
 
