@@ -18,7 +18,7 @@
 #include "daemon/ovws/cli/experiment_images.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
-#include "daemon/ovws/study/gain_sweep_report.hpp"
+#include "daemon/ovws/study/gain_sweep.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/sweep_sensor.hpp"
 #include "daemon/ovws/text/quantity.hpp"
@@ -232,7 +232,7 @@ Answered<void> Sweep::measure_row(std::size_t row, int charge) {
     cell.t_begun_ns = now_ns;
     sensors_[k].measure(images->views, *places, sweep_.aberrations[place.aberration].modes, cell);
     if (!std::exchange(kept, true)) keep_image(place, charge, *images, cell.levels.peak_dn);
-    const auto added = files_.add(to_json(CellReport{CellSummary(std::move(cell))}));
+    const auto added = files_.add(report_of(cell));
     if (!added) return failed(added.error());
   }
   return {};
@@ -257,8 +257,8 @@ void Sweep::show_progress() const {
 
 json Sweep::report() const {
   json cells = json::array(), references = json::array();
-  for (const auto& [number, cell] : files_.cells()) cells.push_back(only_fields<CellSummary>(cell));
-  for (const ReferenceMeasured& one : references_) references.push_back(to_json(one));
+  for (const auto& [number, cell] : files_.cells()) cells.push_back(summary_of(cell));
+  for (const ReferenceMeasured& one : references_) references.push_back(report_of(one));
   const CameraSettings& camera = bench_.config().camera.settings;
   return {{"t_begun_ns", t_begun_ns_},
           {"request", to_json(sweep_)},

@@ -12,7 +12,7 @@
 
 #include "core/wavefront/phase_map.hpp"
 #include "daemon/ovws/cli/image_file.hpp"
-#include "daemon/ovws/study/gain_sweep_report.hpp"
+#include "daemon/ovws/study/gain_sweep.hpp"
 
 namespace ovws::cli {
 namespace {

@@ -12,7 +12,7 @@
 
 namespace ovws::cli {
 
-/// Results of the measured cells by number, as of study::CellReport.
+/// Results of the measured cells by number, by report_of.
 using SweepCells = std::map<int, nlohmann::json>;
 
 /// One frame of a charge at a gain.

@@ -8,15 +8,18 @@
 
 #include "core/optics/random_modes.hpp"
 #include "daemon/ovws/study/figure.hpp"
-#include "daemon/ovws/study/searcher.hpp"
+#include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/sensor.hpp"
 #include "daemon/ovws/study/studies.hpp"
 
 namespace ovws::study {
 namespace {
 
+using nlohmann::json;
+
 constexpr double kRandomRmsWaves = 0.5;
 constexpr int kLastRandom = 18;  // OSA index: random wavefronts have the modes j = 3 to 18
+constexpr std::array kSearchTrackers{TrackerKind::lg, TrackerKind::fit};
 
 struct Scene {
   std::string name;
@@ -25,12 +28,8 @@ struct Scene {
   std::vector<Vec2> at_px;  ///< positions predicted by the slope matrix
 };
 
-struct Counts {
-  int spots = 0, refused = 0, gross = 0;
-};
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Counts, spots, refused, gross)
-
-std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Measurer& measurer) {
+std::vector<Scene> scenes(const Settings& settings, const SensorPair& sensors,
+                          const Measurer& measurer) {
   std::vector<std::pair<std::string, std::vector<Mode>>> all;
   for (const double unit_waves : {2.0, -2.0}) {
     for (const int j : {3, 4}) {
@@ -48,90 +47,74 @@ std::vector<Scene> scenes(const Settings& settings, SensorModel& model, const Me
   std::vector<Scene> out;
   for (const auto& [name, modes] : all) {
     out.push_back({name, out.size() < single ? images_of_one : images_of_random,
-                   electrons(model, model, modes, Light::equal_peak),
-                   measurer.predicted_px(modes)});
+                   sensors.electrons(1, modes, Light::equal_peak), measurer.predicted_px(modes)});
   }
   return out;
 }
 
-Counts acquire(const Measurer& measurer, const Scene& scene, double snr, std::uint64_t seed) {
-  Counts counts;
+json acquire(const Measurer& measurer, const Scene& scene, double snr, std::uint64_t seed) {
+  int spots = 0, refused = 0, gross = 0;
   Searcher searcher(default_bench(), measurer);
   for (int k = 0; k < scene.images; ++k) {
     const Exposure exposure = expose(scene.light_e, read_noise_of_snr(snr), seed + unsigned(k));
     const std::vector<SpotFix> fixes = searcher.find(exposure, read_noise_of_snr(snr));
     for (std::size_t i = 0; i < fixes.size(); ++i) {
-      ++counts.spots;
+      ++spots;
       const Vec2 at{fixes[i].x, fixes[i].y};
       if (!fixes[i].found()) {
-        ++counts.refused;
+        ++refused;
       } else if (norm(at - scene.at_px[i]) > kGross * measurer.lambda_d_px()) {
-        ++counts.gross;
+        ++gross;
       }
     }
   }
-  return counts;
+  return {{"spots", spots}, {"refused", refused}, {"gross", gross}};
 }
 
 /// Every scene for one tracker.
 struct Search {
-  TrackerKind kind;
   std::unique_ptr<const Measurer> measurer;
   std::vector<Scene> scenes;
 };
 
 std::vector<Search> searches_of(const Settings& settings) {
-  const auto model = model_of(default_bench(), 1);
+  const SensorPair sensors(default_bench());
   std::vector<Search> all;
-  for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::fit}) {
-    auto measurer = std::make_unique<const Measurer>(default_bench(), Method{"", 1, {kind}}, model);
-    std::vector<Scene> seen = scenes(settings, *model, *measurer);
-    all.push_back({kind, std::move(measurer), std::move(seen)});
+  for (const TrackerKind kind : kSearchTrackers) {
+    auto measurer =
+        std::make_unique<const Measurer>(default_bench(), Method{"", 1, {kind}}, sensors.of(1));
+    std::vector<Scene> seen = scenes(settings, sensors, *measurer);
+    all.push_back({std::move(measurer), std::move(seen)});
   }
   return all;
 }
 
-/// `counts`: of each search, its scenes by SNR.
-Findings acquisition_findings(const std::vector<Search>& searches, const std::vector<double>& snrs,
-                              const std::vector<Counts>& counts) {
-  nlohmann::json summary{
-      {"study", "acquisition"}, {"peak_e", kPeakE}, {"rows", nlohmann::json::array()}};
+double sum_of(const Rows& rows, const char* key) {
+  double sum = 0.0;
+  for (const json& row : rows) sum += row.at(key).get<double>();
+  return sum;
+}
+
+Figure acquisition_figure(const std::vector<double>& snrs, const Rows& rows) {
   Figure figure{"acquisition",
                 "Spots refused or wrong in a search of one image: 2 waves of one mode, 0.5 wave "
                 "RMS of random "
                 "modes",
                 "peak SNR", "fraction of spots"};
-  std::size_t before = 0;  // counts of the searches before
-  for (const auto& [kind, measurer, all] : searches) {
-    Series refused{.name = fmt::format("{}, refused", tracker_name(kind))};
-    Series gross{.name = fmt::format("{}, wrong", tracker_name(kind))};
-    for (std::size_t s = 0; s < snrs.size(); ++s) {
-      Counts sum;
-      for (std::size_t c = 0; c < all.size(); ++c) {
-        const Counts& one = counts[before + c * snrs.size() + s];
-        sum.spots += one.spots;
-        sum.refused += one.refused;
-        sum.gross += one.gross;
-        summary["rows"].push_back({{"tracker", tracker_name(kind)},
-                                   {"scene", all[c].name},
-                                   {"snr", snrs[s]},
-                                   {"spots", one.spots},
-                                   {"refused", one.refused},
-                                   {"gross", one.gross}});
-      }
-      refused.add(snrs[s], double(sum.refused) / sum.spots);
-      gross.add(snrs[s], double(sum.gross) / sum.spots);
-    }
-    figure.series.push_back(std::move(refused));
-    figure.series.push_back(std::move(gross));
-    before += all.size() * snrs.size();
-  }
   figure.y_from = 0.0;
   figure.y_to = 0.01;  // minimum of the range: all values may be zero
-  for (const Series& series : figure.series) {
-    figure.y_to = std::max(figure.y_to, 1.1 * *std::max_element(series.y.begin(), series.y.end()));
+  for (const TrackerKind kind : kSearchTrackers) {
+    for (const auto& [key, what] : {std::pair{"refused", "refused"}, {"gross", "wrong"}}) {
+      Series series{.name = fmt::format("{}, {}", tracker_name(kind), what)};
+      for (const double snr : snrs) {
+        const Rows of = rows_with(rows, {{"tracker", tracker_name(kind)}, {"snr", snr}});
+        series.add(snr, sum_of(of, key) / sum_of(of, "spots"));
+      }
+      figure.y_to = std::max(figure.y_to, 1.1 * std::ranges::max(series.y));
+      figure.add(std::move(series));
+    }
   }
-  return {std::move(summary), {std::move(figure)}};
+  return figure;
 }
 
 }  // namespace
@@ -141,18 +124,29 @@ Work acquisition(const Settings& settings) {
                                        ? std::vector<double>{2.0, 5.0, 22.0}
                                        : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 22.0};
   const auto searches = std::make_shared<const std::vector<Search>>(searches_of(settings));
-  const std::size_t each = searches->front().scenes.size() * snrs.size();
-  return work_of(
-      searches->size() * each,
-      [=, seed = settings.seed](std::size_t item) {
-        const Search& search = (*searches)[item / each];
-        const std::size_t k = item % each;  // both trackers see the same noise
-        return acquire(*search.measurer, search.scenes[k / snrs.size()], snrs[k % snrs.size()],
-                       seed + 1000 * k);
-      },
-      [=](const std::vector<Counts>& counts) {
-        return acquisition_findings(*searches, snrs, counts);
-      });
+  const std::size_t count = searches->front().scenes.size();
+  Rows conditions;
+  for (const TrackerKind kind : kSearchTrackers) {
+    for (const double snr : snrs) {
+      for (const Scene& scene : searches->front().scenes) {
+        conditions.push_back(
+            {{"tracker", tracker_name(kind)}, {"scene", scene.name}, {"snr", snr}});
+      }
+    }
+  }
+  const auto measure = [=, seed = settings.seed](std::size_t item) {
+    const Search& search = (*searches)[item / (count * snrs.size())];
+    const std::size_t level = item / count % snrs.size(), scene = item % count;
+    // Both trackers see the same noise.
+    return acquire(*search.measurer, search.scenes[scene], snrs[level],
+                   seed + 1000 * (scene * snrs.size() + level));
+  };
+  return work_of({{{"study", "acquisition"}, {"peak_e", kPeakE}},
+                  std::move(conditions),
+                  measure,
+                  [snrs](const Rows& rows, Findings& found) {
+                    found.figures.push_back(acquisition_figure(snrs, rows));
+                  }});
 }
 
 }  // namespace ovws::study

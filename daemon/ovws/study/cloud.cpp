@@ -25,25 +25,24 @@ constexpr int kBoundHalfPx = 26;
 
 }  // namespace
 
-SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<SensorModel>& model,
-                     const std::shared_ptr<SensorModel>& vortex) {
+SpotBench spot_bench(const Method& method, Light light, const SensorPair& sensors) {
+  const auto& model = sensors.of(method.charge);
   SpotBench bench{
       light, method, std::make_shared<Measurer>(default_bench(), method, model), {}, {}};
   const auto base = std::size_t(bench.measurer->spots() / 2);
   Vec2 centre = bench.measurer->reference_px()[base];
   if (std::isnan(centre.x)) centre = model->spots_px()[base];  // not found even without noise
-  bench.light_e = crop(electrons(*model, *vortex, {}, light), centre, bench.at_px);
+  bench.light_e = crop(sensors.electrons(method.charge, {}, light), centre, bench.at_px);
   return bench;
 }
 
 std::vector<SpotBench> all_spot_benches() {
-  const auto vortex = model_of(default_bench(), 1);
-  const auto bright = model_of(default_bench(), 0);
+  const SensorPair sensors(default_bench());
   std::vector<SpotBench> all;
-  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+  for (const Light light : kLights) {
     for (const Method& method : all_methods()) {
       if (method.fixed_cell) continue;  // one cropped spot has no fixed window
-      all.push_back(spot_bench(method, light, method.charge == 0 ? bright : vortex, vortex));
+      all.push_back(spot_bench(method, light, sensors));
     }
   }
   return all;

@@ -22,8 +22,7 @@ struct SpotBench {
 
 /// Localisation benches of all methods at both light levels, except the centroid of a fixed window.
 std::vector<SpotBench> all_spot_benches();
-SpotBench spot_bench(const Method& method, Light light, const std::shared_ptr<SensorModel>& model,
-                     const std::shared_ptr<SensorModel>& vortex);
+SpotBench spot_bench(const Method& method, Light light, const SensorPair& sensors);
 
 struct Cloud {
   std::vector<double> x_px, y_px;   ///< errors of each realisation

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.hpp"
@@ -44,6 +45,11 @@ struct Figure {
   double y_from = std::numeric_limits<double>::quiet_NaN();  ///< axis start; NaN: from the data
   double y_to = std::numeric_limits<double>::quiet_NaN();
   double x_step = std::numeric_limits<double>::quiet_NaN();  ///< distance of tics; NaN: automatic
+
+  /// Adds a series, unless it has no points.
+  void add(Series one) {
+    if (!one.x.empty()) series.push_back(std::move(one));
+  }
 };
 
 /// Writes a text file. Errc::unavailable (field "output"): the file cannot be written.

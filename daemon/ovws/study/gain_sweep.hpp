@@ -1,19 +1,16 @@
 /// The paper's gain sweep, which compares sensors by their residual phase variance over the
-/// camera's gain: params of `ovws study experiment`, and what it measures.
+/// camera's gain: params of `ovws study experiment`, what it measures, and its report.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/base/vec2.hpp"
 #include "core/tracking/spot.hpp"
+#include "daemon/ovws/study/figure.hpp"
 #include "proto/tables/modes.hpp"
-#include "proto/tables/origin.hpp"
 #include "proto/tables/params.hpp"
-#include "proto/tables/time.hpp"
 
 namespace ovws {
 
@@ -105,32 +102,13 @@ inline constexpr auto kTable<GainSweep> = Fields{
     field<&GainSweep::clamp>(
         "true: gains that the camera does not support are skipped instead of refused")};
 
-/// Rounds to 1e-6, which keeps the numbers in files short and is far below any noise.
-double to_millionth(double value);
-
 /// Intensity levels over all spots found in all frames, in camera grey levels (DN). NaN if no spot
 /// was found.
 struct SpotLevels {
-  double level_dn = 0.0;  ///< median of SpotFix::level
-  double noise_dn = 0.0;  ///< median of SpotFix::noise
+  double level_dn = 0.0;  ///< median of SpotFix::level: mean above the background
+  double noise_dn = 0.0;  ///< median of SpotFix::noise, RMS
   double peak_dn = 0.0;   ///< maximum of SpotFix::peak
 };
-template <>
-inline constexpr auto kTable<SpotLevels> = Fields{
-    "SpotLevels",
-    computed(
-        "level_dn", [](auto& levels) { return to_millionth(levels.level_dn); },
-        "mean level of a spot's bright part above its background, median over spots and frames, "
-        "DN; null: no spot was found")
-        .or_null(),
-    computed(
-        "noise_dn", [](auto& levels) { return to_millionth(levels.noise_dn); },
-        "RMS pixel noise around a spot, median over spots and frames, DN; null: no spot was found")
-        .or_null(),
-    computed(
-        "peak_dn", [](auto& levels) { return to_millionth(levels.peak_dn); },
-        "brightest pixel of any spot, DN; null: no spot was found")
-        .or_null()};
 
 struct ReferenceMeasured {
   int arm = 0;
@@ -139,27 +117,9 @@ struct ReferenceMeasured {
   std::int64_t t_begun_ns = 0;
   int frames = 0, saturated_frames = 0;
   SpotLevels levels;
-  std::vector<Vec2> positions_px;  ///< NaN: spot not used
+  std::vector<Vec2> positions_px;  ///< camera pixels of the region; NaN: spot not used
   std::vector<Vec2> cells_px;      ///< centres of the fixed windows; empty: none
 };
-template <>
-inline constexpr auto kTable<ReferenceMeasured> = Fields{
-    "SweepReference",
-    field<&ReferenceMeasured::arm>("index in the request's arms", Bounds::at_least(0)),
-    inlined(&ReferenceMeasured::with),
-    field<&ReferenceMeasured::gain_db>("gain as read back from the camera, dB"),
-    field<&ReferenceMeasured::t_begun_ns>(kTimeMeaning),
-    field<&ReferenceMeasured::frames>("number of averaged frames", Bounds::at_least(2)),
-    field<&ReferenceMeasured::saturated_frames>("number of frames with a saturated spot",
-                                                Bounds::at_least(0)),
-    inlined(&ReferenceMeasured::levels),
-    field<&ReferenceMeasured::positions_px>(
-        "[x, y] of each spot, camera pixels of the region of interest; null: the spot is not used")
-        .with_nulls(),
-    field<&ReferenceMeasured::cells_px>(
-        "[x, y] of each fixed window's centre, camera pixels of the region of interest; empty: the "
-        "tracker is not cell_centroid")
-        .with_nulls()};
 
 struct CellMeasured {
   int cell = 0;
@@ -180,111 +140,60 @@ struct CellMeasured {
   SpotLevels levels;
 };
 
-/// Residual phase variance of a cell's frames, rad^2; NaN: no frame had enough spots to determine
-/// its modes.
-struct CellVariance {
-  double mean = 0.0, standard_deviation = 0.0, standard_error = 0.0;
-  double unsaturated = 0.0;  ///< mean over frames without a saturated spot
-  int undetermined_frames = 0;
-  int saturated_frames = 0, lost_spots = 0;
-};
-template <>
-inline constexpr auto kTable<CellVariance> = Fields{
-    "CellVariance",
-    field("variance_rad2", &CellVariance::mean,
-          "residual phase variance, mean over the frames, rad^2: 4 pi^2 times the sum of the "
-          "squares of the measured minus the introduced coefficients (RMS-normalised waves, tilts "
-          "included); null: no frame had enough spots")
-        .or_null(),
-    field("standard_deviation_rad2", &CellVariance::standard_deviation,
-          "standard deviation of single frames, rad^2")
-        .or_null(),
-    field("standard_error_rad2", &CellVariance::standard_error, "standard error of the mean, rad^2")
-        .or_null(),
-    field("unsaturated_variance_rad2", &CellVariance::unsaturated,
-          "mean over the frames without a saturated spot, rad^2; null: there is no such frame")
-        .or_null(),
-    field<&CellVariance::undetermined_frames>(
-        "number of frames with too few spots to determine the modes; they are not in the mean",
-        Bounds::at_least(0)),
-    field<&CellVariance::saturated_frames>("number of frames with a saturated spot",
-                                           Bounds::at_least(0)),
-    field<&CellVariance::lost_spots>("number of lost spots over all frames", Bounds::at_least(0))};
+/// The reference as JSON; its keys are those of the struct.
+Json report_of(const ReferenceMeasured& reference);
 
-/// Results of a cell without the values of single frames.
-struct CellSummary : CellMeasured {
-  CellVariance variance;
-
-  CellSummary() = default;
-  explicit CellSummary(CellMeasured measured);
-};
-template <>
-inline constexpr auto kTable<CellSummary> =
-    Fields{"CellSummary",
-           field<&CellSummary::cell>(
-               "number of the cell, from 0: arms change fastest, then gains, aberrations slowest",
-               limits::kSweepCell),
-           computed(
-               "arm", [](auto& s) { return s.at.arm; }, "index in the request's arms"),
-           computed(
-               "charge", [](auto& s) { return s.with.charge; },
-               "topological charge; 0: the Shack-Hartmann sensor", limits::kCharge),
-           computed(
-               "tracker", [](auto& s) { return s.with.tracker; }, "tracker"),
-           computed(
-               "aberration", [](auto& s) { return s.at.aberration; },
-               "index in the request's aberrations"),
-           field<&CellSummary::gain_db>("gain as read back from the camera, dB"),
-           field<&CellSummary::exposure_us>("exposure time, microseconds"),
-           field<&CellSummary::frame_rate_hz>("frames per second"),
-           field<&CellSummary::t_begun_ns>(kTimeMeaning),
-           computed(
-               "frames", [](auto& s) { return s.frames.size(); },
-               "number of settled frames, all of which count"),
-           inlined(&CellSummary::variance),
-           inlined(&CellSummary::levels)};
-
-/// Results of a cell.
-struct CellReport : CellSummary {
-  /// Values of get(frame) for all frames of the cell, in order.
-  template <class Get>
-  auto of_frames(Get get) const {
-    std::vector<decltype(get(std::declval<const Frame&>()))> all;
-    for (const Frame& frame : frames) all.push_back(get(frame));
-    return all;
-  }
-};
-template <>
-inline constexpr auto kTable<CellReport> = Fields{
-    "CellReport",
-    based<CellSummary>(),
-    field<&CellReport::modes_j>(
-        "OSA/ANSI indices of the modes, in the order of coefficients_waves"),
-    computed(
-        "variances_rad2",
-        [](auto& c) { return c.of_frames([](auto& f) { return f.variance_rad2; }); },
-        "residual phase variance of each frame, rad^2; null: too few spots")
-        .with_nulls(),
-    computed(
-        "coefficients_waves",
-        [](auto& c) {
-          return c.of_frames([](auto& f) {
-            std::vector<double> waves;
-            for (const double one : f.coefficients) waves.push_back(to_millionth(one));
-            return waves;
-          });
-        },
-        "coefficients of each frame, relative to the arm's reference, RMS-normalised waves, "
-        "rounded "
-        "to 1e-6; an empty list: the frame has too few spots")
-        .with_nulls(),
-    computed("saturated_fractions",
-             [](auto& c) {
-               return c.of_frames([](auto& f) { return to_millionth(f.saturated_fraction); });
-             },
-             "fraction of spots with a saturated pixel in each frame", {0, 1}),
-    computed(
-        "tracked", [](auto& c) { return c.of_frames([](auto& f) { return f.tracked; }); },
-        "number of spots found in each frame", Bounds::at_least(0))};
+/// The cell as JSON: its keys are those of the struct, with the charge and the tracker of its arm,
+/// and over its frames, rad^2:
+///
+///     variance_rad2               residual phase variance, mean: 4 pi^2 times the sum of the
+///     squares
+///                                 of the measured minus the introduced coefficients
+///                                 (RMS-normalised waves, tilts included)
+///     standard_deviation_rad2, standard_error_rad2   of single frames; of the mean
+///     unsaturated_variance_rad2   mean over the frames without a saturated spot
+///     undetermined_frames         with too few spots to determine the modes; not in the mean
+///     saturated_frames            with a saturated spot
+///     lost_spots                  over all frames
+///
+/// and lists over its frames: variances_rad2, coefficients_waves (of modes_j, rounded to 1e-6),
+/// saturated_fractions, tracked. Null: there is no such value.
+Json report_of(const CellMeasured& cell);
+/// The same without the lists over its frames.
+Json summary_of(Json cell_report);
 
 }  // namespace ovws
+
+namespace ovws::study {
+
+// CSV, table and figures of a gain sweep. `cell`: report_of a cell. `experiment`: an object with
+// the `request`, the `bench`, and the JSON of all references and cells.
+
+/// CSV files; column names contain the units.
+std::string cells_csv_header();
+std::string cells_csv_row(const nlohmann::json& cell);
+std::string frames_csv_header(const nlohmann::json& cell);  ///< last columns: the cell's modes
+std::string frames_csv_rows(const nlohmann::json& cell);
+
+/// Name of an arm of the gain sweep, e.g. "charge 1, lg".
+std::string arm_name(const nlohmann::json& arm);
+/// Name of an element of the request's "aberrations", e.g.
+/// "oblique astigmatism, 0.204 wave RMS (0.5 unit amplitude)".
+std::string aberration_name(const nlohmann::json& aberration);
+
+/// Table of residual variances: one row per gain, one column per arm.
+std::string sweep_table(const nlohmann::json& experiment);
+/// Figures of the residual variances, one per aberration.
+std::vector<Figure> sweep_figures(const nlohmann::json& experiment);
+
+/// Comparison of two arms: the number of cells that both arms measured, and the number of cells in
+/// which the first arm's variance is lower.
+struct Comparison {
+  int cells = 0, lower = 0;
+};
+Comparison compare_arms(const nlohmann::json& experiment, std::size_t arm, std::size_t other);
+
+/// JSON summary of the sweep: the experiment, and a comparison of each pair of arms.
+nlohmann::json sweep_summary(const nlohmann::json& experiment);
+
+}  // namespace ovws::study

@@ -10,7 +10,7 @@
 #include "core/base/decompositions.hpp"
 #include "core/spots/wavefront_fit.hpp"
 #include "daemon/ovws/study/fitting.hpp"
-#include "daemon/ovws/study/wavefront_bound.hpp"
+#include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
 namespace {
@@ -25,10 +25,10 @@ double light_of_all(const Geometry& geometry, int subapertures) {
   return subapertures * 0.25 * std::numbers::pi * d_px * d_px * px_per_cycle * px_per_cycle;
 }
 
-Image<float> flat_light_e(const Geometry& geometry, Budget budget) {
+Image<float> flat_light_e(const Geometry& geometry, Light level) {
   const auto model = model_of(geometry, geometry.sensor.charge);
   Image<float> light = value_of(model->intensity({}));
-  scale(light, budget == Budget::peak
+  scale(light, level == Light::equal_peak
                    ? kPeakE / model->peak_of_spots(light, {})
                    : kPhotonsE / light_of_all(geometry, int(model->spots_px().size())));
   return light;
@@ -94,30 +94,39 @@ void take(const std::optional<WavefrontStep>& step, std::vector<double>& squares
 
 }  // namespace
 
-const char* name_of(Budget budget) {
-  return budget == Budget::peak ? "equal peak" : "equal photons";
+nlohmann::json head_of_modes(const std::string& study) {
+  return {{"study", study},
+          {"unit", "waves"},
+          {"peak_e", kPeakE},
+          {"photons_e", kPhotonsE},
+          {"read_noise_e", kModesReadNoiseE}};
 }
 
-ModeErrors measure_modes(const Geometry& geometry, Budget budget, int modes, int images,
-                         std::uint64_t seed) {
+nlohmann::json measure_modes(const Geometry& geometry, Light light, int modes, int images,
+                             std::uint64_t seed) {
   const std::vector<int> modes_j = first_modes_j(modes);
-  const Image<float> light_e = flat_light_e(geometry, budget);
-  ModeErrors errors;
-  errors.bound = bound_of(geometry, light_e, modes_j);
+  const Image<float> light_e = flat_light_e(geometry, light);
   SpotRenderer renderer = renderer_of(geometry, geometry.sensor.charge, modes_j);
   const std::vector<double> flat(modes_j.size(), 0.0);
   const std::vector<RenderedSpot> rendered = renderer.render(flat);
   std::vector<double> shapes, positions;
+  double shapes_expected = kUnknown, positions_expected = kUnknown;
   for (int k = 0; k < images; ++k) {
     const Exposure exposure = expose(light_e, kModesReadNoiseE, seed + unsigned(k));
     const SpotPass pass = fit_spots(exposure.view(), rendered, noise_of(exposure, kModesReadNoiseE),
                                     kMaxSpotEstimates);
-    take(step_from(pass), shapes, errors.shapes_expected);
-    take(step_from_positions(pass, rendered), positions, errors.positions_expected);
+    take(step_from(pass), shapes, shapes_expected);
+    take(step_from_positions(pass, rendered), positions, positions_expected);
   }
-  errors.shapes = root_of(shapes);
-  errors.positions = root_of(positions);
-  return errors;
+  const Mean by_shapes = root_of(shapes), by_positions = root_of(positions);
+  return {{"bound_waves", number_or_null(bound_of(geometry, light_e, modes_j))},
+          {"shapes_waves", number_or_null(by_shapes.value)},
+          {"shapes_standard_error_waves", by_shapes.standard_error},
+          {"shapes_expected_waves", number_or_null(shapes_expected)},
+          {"positions_waves", number_or_null(by_positions.value)},
+          {"positions_standard_error_waves", by_positions.standard_error},
+          {"positions_expected_waves", number_or_null(positions_expected)},
+          {"images", by_shapes.count}};
 }
 
 }  // namespace ovws::study

@@ -2,40 +2,30 @@
 /// spots, and by their positions.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "daemon/ovws/study/sensor.hpp"
-#include "daemon/ovws/study/statistics.hpp"
 
 namespace ovws::study {
 
-/// Normalisation of the light at which lattices and charges are compared.
-enum class Budget {
-  peak,    ///< kPeakE in the brightest pixel: the camera's full well is the limit
-  photons  ///< kPhotonsE in all spots together: the laser is the limit
-};
-constexpr std::array<Budget, 2> kBudgets{Budget::peak, Budget::photons};
-const char* name_of(Budget budget);
-
-constexpr double kPhotonsE = 19 * 20'000.0;
+constexpr double kPhotonsE = 19 * 20'000.0;  ///< of all spots together, at equal photons
 constexpr double kModesReadNoiseE = 5.0;
 
-/// Errors for a flat wavefront: root sum square over all modes but the tilts, waves.
-struct ModeErrors {
-  double bound = kUnknown;               ///< Cramer-Rao bound from all pixels of the image
-  Mean shapes;                           ///< measured with templates of every spot
-  double shapes_expected = kUnknown;     ///< expected error of `shapes`, from the covariance
-  Mean positions;                        ///< measured with the positions of the same spots only
-  double positions_expected = kUnknown;  ///< expected; NaN: positions do not determine the modes
-};
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ModeErrors, bound, shapes, shapes_expected, positions,
-                                   positions_expected)
+/// What the summary of a study of modes says beside its rows.
+nlohmann::json head_of_modes(const std::string& study);
 
-/// Measures the errors of the modes j = 1 to `modes` in `images` noisy images of the sensor
-/// `geometry` with its charges and its mask. The same seed gives the same numbers.
-ModeErrors measure_modes(const Geometry& geometry, Budget budget, int modes, int images,
-                         std::uint64_t seed);
+/// Measures the errors of the modes j = 1 to `modes` for a flat wavefront in `images` noisy images
+/// of the sensor `geometry` with its charges and its mask, as columns of a table: root sum square
+/// over all modes but the tilts, waves. Null: the spots do not determine the modes. The same seed
+/// gives the same numbers.
+///
+///     bound_waves               Cramer-Rao bound from all pixels of the image
+///     shapes_…, positions_…     with templates of every spot; with the positions of the same spots
+///     …_waves, …_standard_error_waves, …_expected_waves   the latter from the covariance
+///     images                    number of images
+nlohmann::json measure_modes(const Geometry& geometry, Light light, int modes, int images,
+                             std::uint64_t seed);
 
 }  // namespace ovws::study

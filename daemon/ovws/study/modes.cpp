@@ -12,12 +12,9 @@
 namespace ovws::study {
 namespace {
 
-struct ModeCase {
-  int subapertures = 19;  ///< 19, 37 or 61
-  int charge = 1;
-  int modes = 18;  ///< number of modes: j = 1 to `modes`
-  Budget budget = Budget::peak;
-};
+constexpr std::array<int, 3> kCounts{19, 37, 61};  ///< of subapertures
+constexpr std::array<int, 3> kCharges{1, 0, 2};
+constexpr std::array<int, 4> kModeCounts{18, 27, 35, 44};
 
 /// Bench with 19, 37 or 61 subapertures. The spots are as bright and as far apart (in lambda/d) as
 /// on the default bench; a smaller magnification keeps them in the image.
@@ -38,104 +35,67 @@ Geometry unmasked_geometry(int subapertures, int charge) {
   return geometry;
 }
 
-constexpr std::array<int, 4> kModeCounts{18, 27, 35, 44};
-
-std::vector<ModeCase> cases_of(const Settings& settings) {
-  std::vector<ModeCase> cases;
-  for (const int subapertures : {19, 37, 61}) {
-    for (const int charge : {1, 0, 2}) {
+Rows mode_conditions(const Settings& settings) {
+  Rows all;
+  for (const int subapertures : kCounts) {
+    for (const int charge : kCharges) {
       if (settings.quick && (subapertures != 19 || charge == 2)) continue;
-      for (const Budget budget : kBudgets) {
-        for (const int modes : kModeCounts) cases.push_back({subapertures, charge, modes, budget});
+      for (const Light light : kLights) {
+        for (const int modes : kModeCounts) {
+          all.push_back({{"subapertures", subapertures},
+                         {"charge", charge},
+                         {"modes", modes},
+                         {"light", light}});
+        }
       }
     }
   }
-  return cases;
+  return all;
 }
 
 std::string sensor_name(int charge) {
   return charge == 0 ? "Shack-Hartmann" : charge == 1 ? "vortex" : "vortex of charge 2";
 }
 
-nlohmann::json mode_row(const ModeCase& one, const ModeErrors& errors) {
-  return {{"subapertures", one.subapertures},
-          {"charge", one.charge},
-          {"modes", one.modes},
-          {"light", name_of(one.budget)},
-          {"bound_waves", errors.bound},
-          {"shapes_waves", errors.shapes.value},
-          {"shapes_standard_error_waves", errors.shapes.standard_error},
-          {"shapes_expected_waves", errors.shapes_expected},
-          {"positions_waves", errors.positions.value},
-          {"positions_standard_error_waves", errors.positions.standard_error},
-          {"positions_expected_waves", errors.positions_expected},
-          {"images", errors.shapes.count}};
-}
-
 /// Figure of one lattice at one light level: errors by shapes and by positions for every charge,
 /// and the Cramer-Rao bound.
-Figure mode_figure(int subapertures, Budget budget, const std::vector<ModeCase>& cases,
-                   const std::vector<ModeErrors>& errors) {
-  Figure figure{fmt::format("modes-{}{}", subapertures, budget == Budget::peak ? "" : "-photons"),
-                fmt::format("{} subapertures, flat wavefront, {}", subapertures, name_of(budget)),
+Figure mode_figure(int subapertures, Light light, const Rows& rows) {
+  Figure figure{fmt::format("modes-{}{}", subapertures, suffix_of(light)),
+                fmt::format("{} subapertures, flat wavefront, {}", subapertures, name_of(light)),
                 "modes measured", "error without tilts (waves RMS)"};
   figure.log_y = true;
-  for (const int charge : {1, 0, 2}) {
-    Series shapes{sensor_name(charge) + ", shapes", {}, {}, {}};
-    Series positions{sensor_name(charge) + ", positions", {}, {}, {}};
-    Series bound{sensor_name(charge) + ", bound", {}, {}, {}, Series::Style::line};
-    for (std::size_t k = 0; k < cases.size(); ++k) {
-      const ModeCase& one = cases[k];
-      if (one.subapertures != subapertures || one.budget != budget || one.charge != charge)
-        continue;
-      const ModeErrors& found = errors[k];
-      if (found.shapes.count > 0) shapes.add(one.modes, found.shapes);
-      if (found.positions.count > 0) positions.add(one.modes, found.positions);
-      bound.add(one.modes, found.bound);
-    }
-    for (Series* series : {&shapes, &positions, &bound}) {
-      if (!series->x.empty()) figure.series.push_back(std::move(*series));
-    }
+  for (const int charge : kCharges) {
+    const Rows of_charge = rows_with(rows, {{"charge", charge}});
+    const std::string name = sensor_name(charge);
+    figure.add(series_of({.name = name + ", shapes"}, of_charge, "modes", "shapes_waves",
+                         "shapes_standard_error_waves"));
+    figure.add(series_of({.name = name + ", positions"}, of_charge, "modes", "positions_waves",
+                         "positions_standard_error_waves"));
+    figure.add(series_of({.name = name + ", bound", .style = Series::Style::line}, of_charge,
+                         "modes", "bound_waves"));
   }
   return figure;
-}
-
-Findings modes_findings(const std::vector<ModeCase>& cases, const std::vector<ModeErrors>& errors,
-                        bool quick) {
-  Findings findings;
-  findings.summary = {{"study", "modes"},
-                      {"unit", "waves"},
-                      {"peak_e", kPeakE},
-                      {"photons_e", kPhotonsE},
-                      {"read_noise_e", kModesReadNoiseE},
-                      {"rows", nlohmann::json::array()}};
-  for (std::size_t k = 0; k < cases.size(); ++k) {
-    findings.summary["rows"].push_back(mode_row(cases[k], errors[k]));
-  }
-  for (const int subapertures : {19, 37, 61}) {
-    if (quick && subapertures != 19) continue;
-    for (const Budget budget : kBudgets) {
-      findings.figures.push_back(mode_figure(subapertures, budget, cases, errors));
-    }
-  }
-  return findings;
 }
 
 }  // namespace
 
 Work modes(const Settings& settings) {
   const int images = settings.quick ? 20 : 100;
-  const std::vector<ModeCase> cases = cases_of(settings);
-  return work_of(
-      cases.size(),
-      [cases, images, seed = settings.seed](std::size_t k) {
-        const ModeCase& one = cases[k];
-        return measure_modes(unmasked_geometry(one.subapertures, one.charge), one.budget, one.modes,
-                             images, seed + 1000 * k);
-      },
-      [cases, quick = settings.quick](const std::vector<ModeErrors>& errors) {
-        return modes_findings(cases, errors, quick);
-      });
+  const Rows conditions = mode_conditions(settings);
+  const auto measure = [=, seed = settings.seed](std::size_t k) {
+    const auto& at = conditions[k];
+    return measure_modes(unmasked_geometry(at.at("subapertures"), at.at("charge")), at.at("light"),
+                         at.at("modes"), images, seed + 1000 * k);
+  };
+  const auto draw = [](const Rows& rows, Findings& found) {
+    for (const int subapertures : kCounts) {
+      for (const Light light : kLights) {
+        const Rows seen = rows_with(rows, {{"subapertures", subapertures}, {"light", light}});
+        if (!seen.empty()) found.figures.push_back(mode_figure(subapertures, light, seen));
+      }
+    }
+  };
+  return work_of({head_of_modes("modes"), conditions, measure, draw});
 }
 
 }  // namespace ovws::study

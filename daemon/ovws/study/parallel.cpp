@@ -4,8 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <exception>
+#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -13,6 +16,30 @@
 namespace ovws::study {
 
 using Clock = std::chrono::steady_clock;
+
+namespace {
+
+/// Progress bar with the remaining time on standard error; see print_progress.
+class Progress {
+ public:
+  Progress(std::string what, std::size_t total);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  void tick();  ///< counts one more finished item; thread-safe
+
+ private:
+  void show();
+
+  std::string what_;
+  std::size_t total_;
+  std::chrono::steady_clock::time_point started_;
+  std::mutex mutex_;
+  std::size_t done_ = 0;
+  std::chrono::steady_clock::time_point shown_;
+};
+
+}  // namespace
 
 void print_progress(std::string_view text) {
   if (::isatty(STDERR_FILENO) == 0) return;

@@ -8,12 +8,14 @@
 #include <memory>
 
 #include "daemon/ovws/study/figure.hpp"
-#include "daemon/ovws/study/searcher.hpp"
+#include "daemon/ovws/study/fitting.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
 
 namespace ovws::study {
 namespace {
+
+using nlohmann::json;
 
 /// What ended the ramp.
 enum class Limit {
@@ -34,7 +36,6 @@ struct Climb {
   double waves = 0.0;  ///< RMS, unsigned: up to this amplitude every spot was found at its place
   Limit limited_by = Limit::nothing;  ///< `nothing`: the ramp has not ended
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Climb, waves, limited_by)
 
 struct ClimbSteps {
   double step_waves = 0.05;
@@ -43,31 +44,13 @@ struct ClimbSteps {
   int realisations = 1;
 };
 
-/// Ramp of one method at one light level: the amplitude that it reached in each realisation.
+/// Method at a light level whose amplitude is raised.
 struct Climber {
   Method method;
   Light light;
-  std::vector<Climb> climbs{};
-
-  bool ended() const {
-    return std::none_of(climbs.begin(), climbs.end(),
-                        [](const Climb& one) { return one.limited_by == Limit::nothing; });
-  }
+  /// A vortex counts at both light levels, because its image is the same at both.
+  bool counts_at(Light level) const { return light == level || method.charge != 0; }
 };
-
-/// Geometric limits of the ramp, at any light level: the amplitudes at which a spot leaves the
-/// image or two spots cross. RMS waves, unsigned; NaN if above max_waves.
-struct GeometricLimit {
-  double leaving_waves, crossing_waves;
-};
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(GeometricLimit, leaving_waves, crossing_waves)
-
-/// Result for one mode and sign.
-struct Reached {
-  std::vector<std::vector<Climb>> climbs;  ///< of each climber
-  GeometricLimit geometry{};
-};
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Reached, climbs, geometry)
 
 constexpr double kMargin = 1.0;  ///< lambda/d: the size of a vortex ring
 
@@ -115,11 +98,10 @@ class Judge {
   Searcher searcher_;
 };
 
-/// Both charges at both light levels, with the daemon's trackers. The vortex appears once, because
-/// its image is the same at both light levels.
+/// Both charges at both light levels, with the daemon's trackers.
 std::vector<Climber> all_climbers() {
   std::vector<Climber> all;
-  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+  for (const Light light : kLights) {
     if (light == Light::equal_peak) {
       all.push_back({{"vortex, lg", 1, {TrackerKind::lg}}, light});
       all.push_back({{"vortex, fit", 1, {TrackerKind::fit}}, light});
@@ -130,140 +112,117 @@ std::vector<Climber> all_climbers() {
   return all;
 }
 
-/// Ramps the amplitude of mode j with this sign for all climbers, and returns the climbs of each.
-/// The same seed gives the same numbers.
-std::vector<std::vector<Climb>> climb(int j, double sign, const ClimbSteps& steps,
-                                      std::uint64_t seed) {
-  const Geometry geometry = default_bench();
-  const auto vortex = model_of(geometry, 1), bright = model_of(geometry, 0);
-  const double read_noise_e = read_noise_of_snr(steps.snr);
-  std::vector<Climber> climbers = all_climbers();
-  std::vector<std::unique_ptr<Judge>> judges;
-  for (Climber& climber : climbers) {
-    climber.climbs.resize(std::size_t(steps.realisations));
-    const auto& model = climber.method.charge == 0 ? bright : vortex;
-    judges.push_back(std::make_unique<Judge>(geometry, climber.method, model));
+/// The amplitude that the realisations of a climber reached, and what ended most of them, as
+/// columns of a table.
+json columns_of(const std::vector<Climb>& climbs) {
+  std::vector<double> waves;
+  std::map<Limit, int> counts;
+  for (const Climb& one : climbs) {
+    waves.push_back(one.waves);
+    ++counts[one.limited_by];
   }
+  const auto most =
+      std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
+  const Mean mean = mean_of(waves);
+  return {{"waves", mean.value},
+          {"standard_error_waves", mean.standard_error},
+          {"limited_by", most->first}};
+}
+
+/// Ramps the amplitude of mode j with this sign for all climbers, and returns the columns of each.
+/// The same seed gives the same numbers.
+json climb(int j, double sign, const ClimbSteps& steps, std::uint64_t seed) {
+  const Geometry geometry = default_bench();
+  const SensorPair sensors(geometry);
+  const double read_noise_e = read_noise_of_snr(steps.snr);
+  const std::vector<Climber> climbers = all_climbers();
+  std::vector<std::unique_ptr<Judge>> judges;
+  std::vector<std::vector<Climb>> climbs(climbers.size(),
+                                         std::vector<Climb>(std::size_t(steps.realisations)));
+  for (const Climber& climber : climbers) {
+    judges.push_back(
+        std::make_unique<Judge>(geometry, climber.method, sensors.of(climber.method.charge)));
+  }
+  const auto goes_on = [](const Climb& one) { return one.limited_by == Limit::nothing; };
   const int last = int(std::lround(steps.max_waves / steps.step_waves));
   for (int k = 1; k <= last; ++k, ++seed) {
     const std::vector<Mode> modes{{j, sign * k * steps.step_waves}};
-    const bool sampled = vortex->intensity(modes) && bright->intensity(modes);
+    const bool sampled = sensors.of(1)->intensity(modes) && sensors.of(0)->intensity(modes);
     for (std::size_t c = 0; c < climbers.size(); ++c) {
-      Climber& climber = climbers[c];
-      if (climber.ended()) continue;
+      if (std::ranges::none_of(climbs[c], goes_on)) continue;
       Image<float> light_e;
       if (sampled) {
-        light_e = electrons(climber.method.charge == 0 ? *bright : *vortex, *vortex, modes,
-                            climber.light);
+        light_e = sensors.electrons(climbers[c].method.charge, modes, climbers[c].light);
       }
-      for (std::size_t r = 0; r < climber.climbs.size(); ++r) {
-        Climb& reached = climber.climbs[r];
-        if (reached.limited_by != Limit::nothing) continue;
+      for (std::size_t r = 0; r < climbs[c].size(); ++r) {
+        Climb& reached = climbs[c][r];
+        if (!goes_on(reached)) continue;
         reached.limited_by = sampled
                                  ? judges[c]->judge(expose(light_e, read_noise_e, seed + 1000 * r),
                                                     read_noise_e, modes)
                                  : Limit::sampling;
-        if (reached.limited_by == Limit::nothing) reached.waves = k * steps.step_waves;
+        if (goes_on(reached)) reached.waves = k * steps.step_waves;
       }
     }
   }
-  std::vector<std::vector<Climb>> climbs;
-  for (Climber& climber : climbers) climbs.push_back(std::move(climber.climbs));
-  return climbs;
+  json columns = json::array();
+  for (const auto& one : climbs) columns.push_back(columns_of(one));
+  return columns;
 }
 
-GeometricLimit geometric_limit(const Measurer& measurer, int j, double sign,
-                               const ClimbSteps& steps) {
+/// Geometric limits of the ramp, at any light level: the amplitudes at which a spot leaves the
+/// image or two spots cross. RMS waves, unsigned; NaN if above max_waves.
+json geometric_limits(const Measurer& measurer, int j, double sign, const ClimbSteps& steps) {
   constexpr double kPerWave = 100.0;
   const double margin_px = kMargin * measurer.lambda_d_px();
-  GeometricLimit limit{kUnknown, kUnknown};
+  double leaving = kUnknown, crossing = kUnknown;
   for (int k = 0; k <= int(kPerWave * steps.max_waves); ++k) {
     const double waves = k / kPerWave;
     const std::vector<Mode> modes{{j, sign * waves}};
     const std::vector<Vec2> spots_px = measurer.predicted_px(modes);
-    if (std::isnan(limit.leaving_waves) && leaves(spots_px, margin_px)) limit.leaving_waves = waves;
-    if (std::isnan(limit.crossing_waves) && cross(spots_px, margin_px)) {
-      limit.crossing_waves = waves;
-    }
+    if (std::isnan(leaving) && leaves(spots_px, margin_px)) leaving = waves;
+    if (std::isnan(crossing) && cross(spots_px, margin_px)) crossing = waves;
   }
-  return limit;
+  return {{"leaving_waves", leaving}, {"crossing_waves", crossing}};
 }
 
-/// Results for one mode and sign: the amplitude that each climber reached, and the geometric
-/// limits.
+/// A mode, and the sign of its amplitude.
 struct Way {
   int j = 0;
   double sign = 1.0;
-  std::vector<Climber> climbers{};
-  GeometricLimit geometry{};
 };
 
-/// Whether the climber belongs to this light level. A vortex belongs to both levels, because its
-/// image is the same at both.
-bool counts_at(const Climber& climber, Light light) {
-  return climber.light == light || climber.method.charge != 0;
-}
-
-Mean reached(const Climber& climber) {
-  std::vector<double> waves;
-  for (const Climb& one : climber.climbs) waves.push_back(one.waves);
-  return mean_of(waves);
-}
-
-/// The most frequent limit over the realisations.
-Limit limited_by(const Climber& climber) {
-  std::map<Limit, int> counts;
-  for (const Climb& one : climber.climbs) ++counts[one.limited_by];
-  return std::max_element(counts.begin(), counts.end(),
-                          [](const auto& a, const auto& b) { return a.second < b.second; })
-      ->first;
-}
-
-nlohmann::json range_rows(const std::vector<Way>& ways) {
-  nlohmann::json rows = nlohmann::json::array();
-  for (const Light light : {Light::equal_peak, Light::equal_photons}) {
-    for (const Way& way : ways) {
-      for (const Climber& climber : way.climbers) {
-        if (!counts_at(climber, light)) continue;
-        const Mean waves = reached(climber);
-        rows.push_back({{"light", name_of(light)},
-                        {"method", climber.method.name},
-                        {"j", way.j},
-                        {"name", zernike_name(way.j)},
-                        {"sign", way.sign > 0.0 ? 1 : -1},
-                        {"waves", waves.value},
-                        {"standard_error_waves", waves.standard_error},
-                        {"unit_waves", waves.value * zernike_rms_factor(way.j)},
-                        {"limited_by", name_of(limited_by(climber))},
-                        {"leaving_waves", way.geometry.leaving_waves},
-                        {"crossing_waves", way.geometry.crossing_waves}});
+/// `results`: of each way, {"climbers", "limits"}.
+Rows range_rows(const std::vector<Way>& ways, const std::vector<json>& results) {
+  const std::vector<Climber> climbers = all_climbers();
+  Rows rows;
+  for (const Light light : kLights) {
+    for (std::size_t k = 0; k < ways.size(); ++k) {
+      for (std::size_t c = 0; c < climbers.size(); ++c) {
+        if (!climbers[c].counts_at(light)) continue;
+        json& row = rows.emplace_back(results[k].at("climbers").at(c));
+        row.update(results[k].at("limits"));
+        row.update({{"light", light},
+                    {"method", climbers[c].method.name},
+                    {"j", ways[k].j},
+                    {"name", zernike_name(ways[k].j)},
+                    {"sign", ways[k].sign > 0.0 ? 1 : -1},
+                    {"unit_waves", row.at("waves").get<double>() * zernike_rms_factor(ways[k].j)},
+                    {"limited_by", name_of(row.at("limited_by").get<Limit>())}});
       }
     }
   }
   return rows;
 }
 
-Series series_of(std::size_t c, const std::vector<Way>& ways) {
-  Series series{ways.front().climbers[c].method.name, {}, {}, {}, Series::Style::points};
-  for (const Way& way : ways) {
-    const Mean waves = reached(way.climbers[c]);
-    series.add(way.j, Mean{way.sign * waves.value, waves.standard_error, waves.count});
-  }
-  return series;
+/// The column `key` as amplitudes of either sign, by the modes of the rows.
+Series amplitudes(const std::string& name, Rows rows, const char* key, const char* error) {
+  for (json& row : rows) row[key] = row.at("sign").get<double>() * row.at(key).get<double>();
+  return series_of({.name = name, .style = Series::Style::points}, rows, "j", key, error);
 }
 
-/// Series of a limit that geometry alone sets, independent of the method.
-Series geometric_series(const char* name, double GeometricLimit::*limit,
-                        const std::vector<Way>& ways) {
-  Series series{name, {}, {}, {}, Series::Style::points, Series::kBlack};
-  for (const Way& way : ways) {
-    series.add(way.j, way.sign * way.geometry.*limit);
-  }
-  return series;
-}
-
-Figure range_figure(Light light, const std::vector<Way>& ways, const ClimbSteps& steps) {
-  Figure figure{light == Light::equal_peak ? "range" : "range-photons",
+Figure range_figure(Light light, const Rows& rows, const ClimbSteps& steps) {
+  Figure figure{std::string("range") + suffix_of(light),
                 fmt::format("Largest amplitude with all spots found without history, peak SNR {}, "
                             "{} (tried up to {})",
                             steps.snr, name_of(light), steps.max_waves),
@@ -271,37 +230,19 @@ Figure range_figure(Light light, const std::vector<Way>& ways, const ClimbSteps&
   figure.y_from = -steps.max_waves - 0.1;
   figure.y_to = steps.max_waves + 0.1;
   figure.x_step = 1.0;
-  for (std::size_t c = 0; c < ways.front().climbers.size(); ++c) {
-    if (!counts_at(ways.front().climbers[c], light)) continue;
-    figure.series.push_back(series_of(c, ways));
+  Rows of_method;
+  for (const Climber& climber : all_climbers()) {
+    if (!climber.counts_at(light)) continue;
+    of_method = rows_with(rows, {{"light", light}, {"method", climber.method.name}});
+    figure.add(amplitudes(climber.method.name, of_method, "waves", "standard_error_waves"));
     figure.series.back().shift_x = 0.16 * (double(figure.series.size()) - 2.5);
   }
-  figure.series.push_back(
-      geometric_series("a spot leaves the image", &GeometricLimit::leaving_waves, ways));
-  figure.series.push_back(
-      geometric_series("two spots meet", &GeometricLimit::crossing_waves, ways));
-  return figure;
-}
-
-Findings range_findings(std::vector<Way> ways, const ClimbSteps& steps,
-                        const std::vector<Reached>& results) {
-  for (std::size_t k = 0; k < ways.size(); ++k) {
-    ways[k].climbers = all_climbers();
-    for (std::size_t c = 0; c < ways[k].climbers.size(); ++c) {
-      ways[k].climbers[c].climbs = results[k].climbs.at(c);
-    }
-    ways[k].geometry = results[k].geometry;
+  for (const auto& [name, key] : {std::pair{"a spot leaves the image", "leaving_waves"},
+                                  {"two spots meet", "crossing_waves"}}) {
+    figure.add(amplitudes(name, of_method, key, nullptr));
+    figure.series.back().colour = Series::kBlack;
   }
-  nlohmann::json summary{{"study", "range"},
-                         {"unit", "waves, RMS-normalised"},
-                         {"snr", steps.snr},
-                         {"step_waves", steps.step_waves},
-                         {"most_waves", steps.max_waves},
-                         {"realisations", steps.realisations},
-                         {"rows", range_rows(ways)}};
-  return {std::move(summary),
-          {range_figure(Light::equal_peak, ways, steps),
-           range_figure(Light::equal_photons, ways, steps)}};
+  return figure;
 }
 
 }  // namespace
@@ -318,14 +259,24 @@ Work range(const Settings& settings) {
   }
   const auto geometric = std::make_shared<const Measurer>(
       default_bench(), Method{"", 1, {TrackerKind::lg}}, model_of(default_bench(), 1));
-  return work_of(
-      ways.size(),
-      [=, seed = settings.seed](std::size_t k) {
-        const Way& way = ways[k];
-        return Reached{climb(way.j, way.sign, steps, seed + 1'000'000 * k),
-                       geometric_limit(*geometric, way.j, way.sign, steps)};
-      },
-      [=](const std::vector<Reached>& results) { return range_findings(ways, steps, results); });
+  const auto measure = [=, seed = settings.seed](std::size_t k) -> json {
+    const auto& [j, sign] = ways[k];
+    return {{"climbers", climb(j, sign, steps, seed + 1'000'000 * k)},
+            {"limits", geometric_limits(*geometric, j, sign, steps)}};
+  };
+  const auto find = [=](const std::vector<json>& results) {
+    const Rows rows = range_rows(ways, results);
+    return Findings{{{"study", "range"},
+                     {"unit", "waves, RMS-normalised"},
+                     {"snr", steps.snr},
+                     {"step_waves", steps.step_waves},
+                     {"most_waves", steps.max_waves},
+                     {"realisations", steps.realisations},
+                     {"rows", rows}},
+                    {range_figure(Light::equal_peak, rows, steps),
+                     range_figure(Light::equal_photons, rows, steps)}};
+  };
+  return {ways.size(), measure, find};
 }
 
 }  // namespace ovws::study

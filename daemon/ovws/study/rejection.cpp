@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/median.hpp"
 #include "core/control/forecast.hpp"
 #include "core/control/loop_laws.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "proto/tables/loop.hpp"
 
 namespace ovws::study {
@@ -36,10 +38,6 @@ double sum_between(const Spectrum& spectrum, double from_hz, double to_hz) {
 
 using nlohmann::json;
 
-json number_or_null(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
 Series line_of(const std::string& name, const Spectrum& spectrum) {
   Series series{name, {}, {}, {}, Series::Style::solid};
   for (std::size_t k = 0; k < spectrum.power_per_hz.size(); ++k) {
@@ -60,22 +58,6 @@ json loop_summary(const RecordedLoop& loop) {
           {"missing_share", 1.0 - double(times.size()) / all},
           {"lost_share", double(loop.lost) / all},
           {"clock", loop.device_clock ? "device" : "arrival"}};
-}
-
-std::string recorded_text(const char* name, const json& recorded) {
-  return fmt::format(
-      "{}: {:.4f} wave RMS, {:.2f} usable frames/s; {:.0f} % of the frames are missing ({:.0f} % "
-      "lost, the others not settled or not valid)\n",
-      name, recorded["rms_waves"].get<double>(), recorded["frames_hz"].get<double>(),
-      100.0 * recorded["missing_share"].get<double>(),
-      100.0 * recorded["lost_share"].get<double>());
-}
-
-std::string crossing_text(const json& summary, const char* key, const char* level) {
-  const json& hz = summary[key];
-  if (hz.is_number()) return fmt::format("{} at {:.3g} Hz", level, hz.get<double>());
-  return fmt::format("{} is not reached between {:.3g} and {:.3g} Hz", level,
-                     summary["from_hz"].get<double>(), summary["to_hz"].get<double>());
 }
 
 }  // namespace
@@ -103,11 +85,7 @@ std::vector<RejectionPoint> rejection(const Spectrum& open, const Spectrum& clos
 
 double noise_floor_per_hz(const Spectrum& spectrum) {
   const auto& power = spectrum.power_per_hz;
-  if (power.empty()) return 0.0;
-  std::vector<double> upper(power.end() - std::ptrdiff_t((power.size() + 3) / 4), power.end());
-  const auto middle = upper.begin() + std::ptrdiff_t(upper.size() / 2);
-  std::nth_element(upper.begin(), middle, upper.end());
-  return *middle;
+  return median(std::vector(power.end() - std::ptrdiff_t((power.size() + 3) / 4), power.end()));
 }
 
 std::optional<double> crossing_hz(const std::vector<RejectionPoint>& rejection, double level_db) {
@@ -235,17 +213,6 @@ json law_summary(const MeasuredLaw& measured, const FoundLaw& found) {
           {"bands", std::move(bands)}};
 }
 
-std::string law_text(const json& law) {
-  return recorded_text(law["law"].get<std::string>().c_str(), law["closed"]) +
-         fmt::format("  {:.2f} steps/s, delay {:.1f} ms; ", law["steps_hz"].get<double>(),
-                     law["delay_ms"].get<double>()) +
-         crossing_text(law, "bandwidth_3_db_hz", "-3 dB") + "; " +
-         crossing_text(law, "crossing_0_db_hz", "0 dB") +
-         fmt::format(
-             "\n  noise alone would leave {:.4f} wave RMS; the correction has {:.4f} of it\n",
-             law["noise_limit_waves"].get<double>(), law["noise_passed_waves"].get<double>());
-}
-
 std::string db_text(const json& db) {
   return db.is_number() ? fmt::format("{:.1f}", db.get<double>()) : "-";
 }
@@ -349,14 +316,23 @@ json rejection_summary(const RejectionMeasured& measured, const RejectionFound& 
 }
 
 std::string rejection_text(const json& summary) {
-  const json& open = summary["open"];
-  std::string text = recorded_text("open", open);
-  text += fmt::format(
-      "  {:.4f} wave RMS in measured modes that are not corrected; {:.3f} px RMS of "
-      "the displacements that no measured mode explains\n",
-      open["uncorrected_waves"].get<double>(), open["fit_residual_px"].get<double>());
-  for (const json& law : summary["laws"]) text += law_text(law);
-  return text + "\n" + bands_text(summary["laws"]);
+  constexpr const char* kText =
+      "open: {open.rms_waves:.4f} wave RMS, {open.frames_hz:.2f} usable frames/s; "
+      "{open.missing_share*100:.0f} % of the frames are missing ({open.lost_share*100:.0f} % lost, "
+      "the others not settled or not valid)\n"
+      "  {open.uncorrected_waves:.4f} wave RMS in measured modes that are not corrected; "
+      "{open.fit_residual_px:.3f} px RMS of the displacements that no measured mode explains\n"
+      "[laws*{law}: {closed.rms_waves:.4f} wave RMS, {closed.frames_hz:.2f} usable frames/s; "
+      "{closed.missing_share*100:.0f} % of the frames are missing ({closed.lost_share*100:.0f} % "
+      "lost, the others not settled or not valid)\n"
+      "  {steps_hz:.2f} steps/s, delay {delay_ms:.1f} ms; "
+      "-3 dB [bandwidth_3_db_hz?at {bandwidth_3_db_hz:.3g} Hz]"
+      "[!bandwidth_3_db_hz?is not reached between {from_hz:.3g} and {to_hz:.3g} Hz]; "
+      "0 dB [crossing_0_db_hz?at {crossing_0_db_hz:.3g} Hz]"
+      "[!crossing_0_db_hz?is not reached between {from_hz:.3g} and {to_hz:.3g} Hz]\n"
+      "  noise alone would leave {noise_limit_waves:.4f} wave RMS; the correction has "
+      "{noise_passed_waves:.4f} of it\n]";
+  return cli::fill(kText, summary) + "\n\n" + bands_text(summary["laws"]);
 }
 
 }  // namespace ovws::study

@@ -19,6 +19,8 @@
 namespace ovws::study {
 namespace {
 
+using nlohmann::json;
+
 constexpr double kPupilsPerR0 = 6.0;
 constexpr std::array<int, 5> kAcross{5, 6, 7, 9, 13};  ///< 13, 21, 29, 49 and 113 subapertures
 constexpr std::array<double, 2> kLightE{10.0 * kPhotonsE, kPhotonsE};
@@ -38,16 +40,6 @@ using Benches = std::vector<std::unique_ptr<const LatticeBench>>;
 std::size_t bench_at(std::size_t lattice, std::size_t method) {
   return lattice * kMethods.size() + method;
 }
-
-/// One wave: what each bench leaves of it at each light level, for each number of modes, rad^2.
-struct Seen {
-  double index = 0.0;                          ///< scintillation index
-  double uncorrected = 0.0;                    ///< residual variance if nothing is measured
-  std::vector<std::vector<double>> residuals;  ///< by light x bench
-  std::vector<double> lost;                    ///< fraction of spots, by light x bench
-  std::vector<int> undetermined;               ///< whether no modes were found, by light x bench
-};
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Seen, index, uncorrected, residuals, lost, undetermined)
 
 /// Zernike modes j = 1, 2, … at the pixels of pupil_pixels(), rad per wave.
 Eigen::MatrixXf modes_at_pixels(int count) {
@@ -90,20 +82,24 @@ double residual_rad2(const Wave& wave, const Eigen::MatrixXf& modes,
   return sum / light;
 }
 
-Seen look_at(const Wave& wave, const Benches& benches, const Eigen::MatrixXf& modes,
+/// One wave: what each bench leaves of it at each light level, rad^2. `index`: scintillation index;
+/// by light x bench: `residuals` for each number of modes, `lost` fraction of spots,
+/// `undetermined`: 1 if no modes were found.
+json look_at(const Wave& wave, const Benches& benches, const Eigen::MatrixXf& modes,
              std::uint64_t seed) {
-  Seen seen{scintillation_index(wave), residual_rad2(wave, modes, {}), {}, {}, {}};
+  const double uncorrected = residual_rad2(wave, modes, {});
+  json seen{{"index", scintillation_index(wave)}};
   for (const double light_e : kLightE) {
     for (const auto& bench : benches) {
       const LatticeFrame frame = bench->measure(wave, light_e, ++seed);
       std::vector<double> residuals;
       for (const auto& waves : frame.waves) {
         const bool found = !std::isnan(waves.front());
-        residuals.push_back(found ? residual_rad2(wave, modes, waves) : seen.uncorrected);
+        residuals.push_back(found ? residual_rad2(wave, modes, waves) : uncorrected);
       }
-      seen.residuals.push_back(std::move(residuals));
-      seen.lost.push_back(double(frame.lost) / bench->subapertures());
-      seen.undetermined.push_back(std::isnan(frame.waves.front().front()) ? 1 : 0);
+      seen["residuals"].push_back(std::move(residuals));
+      seen["lost"].push_back(double(frame.lost) / bench->subapertures());
+      seen["undetermined"].push_back(std::isnan(frame.waves.front().front()) ? 1 : 0);
     }
   }
   return seen;
@@ -120,22 +116,23 @@ struct Row {
 };
 
 Row method_row(std::size_t light, std::size_t lattice, std::size_t method, const Benches& benches,
-               const std::vector<Seen>& seen) {
+               const Rows& seen) {
   const std::size_t bench = bench_at(lattice, method), at = light * benches.size() + bench;
   Row row{light, lattice, method, 0, {}, {}, 0.0, 0};
   const auto& counts = benches[bench]->mode_counts();
   for (std::size_t k = 0; k < counts.size(); ++k) {
     std::vector<double> residuals;
-    for (const Seen& one : seen) residuals.push_back(one.residuals[at][k]);
+    for (const json& one : seen)
+      residuals.push_back(one.at("residuals").at(at).at(k).get<double>());
     const Mean mean = mean_of(residuals);
     if (row.modes != 0 && mean.value >= row.mean.value) continue;
     row.modes = counts[k];
     row.mean = mean;
     row.residuals = std::move(residuals);
   }
-  for (const Seen& one : seen) {
-    row.lost += one.lost[at] / double(seen.size());
-    row.undetermined += one.undetermined[at];
+  for (const json& one : seen) {
+    row.lost += one.at("lost").at(at).get<double>() / double(seen.size());
+    row.undetermined += one.at("undetermined").at(at).get<int>();
   }
   return row;
 }
@@ -152,8 +149,8 @@ Mean reduction(const Row& one, const Row& other) {
   return found;
 }
 
-nlohmann::json row_json(const Row& row, double rytov, const Mean& index, const Benches& benches,
-                        const Row& finest) {
+json row_json(const Row& row, double rytov, const Mean& index, const Benches& benches,
+              const Row& finest) {
   const Mean less = reduction(row, finest);
   return {{"rytov_variance", rytov},
           {"scintillation_index", index.value},
@@ -179,7 +176,7 @@ const Row& least(const std::vector<Row>& rows) {
 
 /// Adds the lattices of one method at one light level and strength, the finest last.
 void add_rows(const std::vector<Row>& rows, double rytov, const Mean& index, const Benches& benches,
-              nlohmann::json& summary) {
+              json& summary) {
   const auto compared = [&](const Row& row) {
     return row_json(row, rytov, index, benches, rows.back());
   };
@@ -197,20 +194,20 @@ Figure rytov_figure(std::size_t light) {
 }
 
 Findings scintillation_findings(const TurbulenceLevels& levels, const Benches& benches,
-                                const std::vector<Seen>& all) {
+                                const Rows& all) {
   Findings findings;
-  findings.summary = {{"study", "scintillation"},        {"unit", "rad^2"},
-                      {"pupils_per_r0", kPupilsPerR0},   {"read_noise_e", 5.0},
-                      {"rows", nlohmann::json::array()}, {"best", nlohmann::json::array()}};
+  findings.summary = {{"study", "scintillation"},      {"unit", "rad^2"},
+                      {"pupils_per_r0", kPupilsPerR0}, {"read_noise_e", 5.0},
+                      {"rows", json::array()},         {"best", json::array()}};
   for (std::size_t light = 0; light < kLightE.size(); ++light) {
     Figure figure = rytov_figure(light);
     for (std::size_t method = 0; method < kMethods.size(); ++method) {
       std::vector<Series> series(kAcross.size());
       for (std::size_t s = 0; s < levels.rytov.size(); ++s) {
         const auto first = all.begin() + std::ptrdiff_t(s) * levels.waves;
-        const std::vector<Seen> seen(first, first + levels.waves);
+        const Rows seen(first, first + levels.waves);
         std::vector<double> indices;
-        for (const Seen& one : seen) indices.push_back(one.index);
+        for (const json& one : seen) indices.push_back(one.at("index").get<double>());
         std::vector<Row> rows;
         for (std::size_t lattice = 0; lattice < kAcross.size(); ++lattice) {
           rows.push_back(method_row(light, lattice, method, benches, seen));
@@ -245,15 +242,14 @@ Work scintillation(const Settings& settings) {
                                       : TurbulenceLevels{{0.0, 0.1, 0.3, 1.0, 2.0, 4.0}, 100};
   const auto all = lattice_benches();
   const auto modes = std::make_shared<const Eigen::MatrixXf>(modes_at_pixels(44));
-  return work_of(
-      levels.rytov.size() * std::size_t(levels.waves),
-      [=, seed = settings.seed](std::size_t k) {
-        const double rytov = levels.rytov[k / std::size_t(levels.waves)];
-        const std::size_t wave = k % std::size_t(levels.waves);  // the same air at every distance
-        return look_at(scintillated_wave({kPupilsPerR0, rytov}, seed + 1000 * wave), *all, *modes,
-                       seed + 1000 * k);
-      },
-      [=](const std::vector<Seen>& seen) { return scintillation_findings(levels, *all, seen); });
+  const auto measure = [=, seed = settings.seed](std::size_t k) {
+    const double rytov = levels.rytov[k / std::size_t(levels.waves)];
+    const std::size_t wave = k % std::size_t(levels.waves);  // the same air at every distance
+    return look_at(scintillated_wave({kPupilsPerR0, rytov}, seed + 1000 * wave), *all, *modes,
+                   seed + 1000 * k);
+  };
+  return {levels.rytov.size() * std::size_t(levels.waves), measure,
+          [=](const Rows& seen) { return scintillation_findings(levels, *all, seen); }};
 }
 
 }  // namespace ovws::study

@@ -26,6 +26,15 @@ std::vector<int> first_modes_j(int count) {
   return modes_j;
 }
 
+std::vector<double> waves_of(std::span<const Mode> modes, const std::vector<int>& modes_j) {
+  std::vector<double> waves(modes_j.size(), 0.0);
+  for (const Mode& mode : modes) {
+    const auto at = std::ranges::find(modes_j, mode.j);
+    if (at != modes_j.end()) waves[std::size_t(at - modes_j.begin())] += mode.waves;
+  }
+  return waves;
+}
+
 Geometry default_bench() {
   return {};
 }
@@ -45,8 +54,12 @@ double read_noise_of_snr(double snr) {
   return std::sqrt(std::max(0.0, kPeakE * kPeakE / (snr * snr) - kPeakE));
 }
 
-const char* name_of(Light light) {
-  return light == Light::equal_peak ? "equal peak" : "equal photons";
+std::string name_of(Light light) {
+  return nlohmann::json(light).get<std::string>();
+}
+
+const char* suffix_of(Light light) {
+  return light == Light::equal_peak ? "" : "-photons";
 }
 
 Exposure Exposure::clipped() const {
@@ -86,6 +99,19 @@ Exposure expose(const Image<float>& electrons, double read_noise_e, std::uint64_
   return exposure;
 }
 
+std::vector<SpotFix> cell_centroids(const Exposure& exposure, std::span<const Vec2> centres_px,
+                                    int half_px) {
+  const Exposure clipped = exposure.clipped();
+  std::vector<SpotFix> fixes(centres_px.size());
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    const auto centroid = cell_centroid(clipped.view(), centres_px[i], half_px);
+    if (!centroid) continue;
+    fixes[i].x = float(centroid->x);
+    fixes[i].y = float(centroid->y);
+  }
+  return fixes;
+}
+
 std::vector<Method> all_methods() {
   std::vector<Method> methods;
   for (const TrackerKind kind : {TrackerKind::lg, TrackerKind::fit}) {
@@ -105,13 +131,12 @@ std::shared_ptr<SensorModel> model_of(Geometry geometry, int charge) {
       SensorModel::make(geometry.sensor, geometry.slm, geometry.optics, kImagePx, kImagePx)));
 }
 
-Image<float> electrons(SensorModel& model, SensorModel& vortex, std::span<const Mode> modes,
-                       Light light) {
-  Image<float> image = value_of(model.intensity(modes));
+Image<float> SensorPair::electrons(int charge, std::span<const Mode> modes, Light light) const {
+  Image<float> image = value_of(of(charge)->intensity(modes));
   // Same laser and exposure: each subaperture sends the same number of photons for both charges.
-  const bool as_vortex = light == Light::equal_photons && &model != &vortex;
-  scale(image, as_vortex ? to_peak(vortex, value_of(vortex.intensity(modes)), modes)
-                         : to_peak(model, image, modes));
+  const bool as_vortex = light == Light::equal_photons && charge == 0;
+  scale(image, as_vortex ? to_peak(*vortex_, value_of(vortex_->intensity(modes)), modes)
+                         : to_peak(*of(charge), image, modes));
   return image;
 }
 
@@ -138,24 +163,13 @@ Measurer::Measurer(const Geometry& geometry, const Method& method,
 
 std::vector<SpotFix> Measurer::track(const Exposure& exposure,
                                      std::span<const Vec2> starts_px) const {
-  if (method_.fixed_cell) return cell_centroids(exposure.clipped());
+  if (method_.fixed_cell) return cell_centroids(exposure, reference_px_, cell_half_px_);
   const bool plain = method_.tracking.tracker == TrackerKind::centroid;
   const Exposure given = plain ? exposure.clipped() : exposure;
   const SpotTracker& tracker = position_fit_ ? *position_fit_ : *tracker_;
   TrackScratch scratch = tracker.make_scratch();
   std::vector<SpotFix> fixes;
   for (const Vec2 start : starts_px) fixes.push_back(tracker.track(given.view(), start, scratch));
-  return fixes;
-}
-
-std::vector<SpotFix> Measurer::cell_centroids(const Exposure& exposure) const {
-  std::vector<SpotFix> fixes(reference_px_.size());
-  for (std::size_t i = 0; i < fixes.size(); ++i) {
-    const auto centroid = cell_centroid(exposure.view(), reference_px_[i], cell_half_px_);
-    if (!centroid) continue;
-    fixes[i].x = float(centroid->x);
-    fixes[i].y = float(centroid->y);
-  }
   return fixes;
 }
 
@@ -175,12 +189,9 @@ std::vector<Vec2> Measurer::noise_free_px(const Image<float>& intensity,
 }
 
 std::vector<Vec2> Measurer::predicted_px(std::span<const Mode> modes) const {
-  Eigen::VectorXd waves = Eigen::VectorXd::Zero(slopes_.cols());
-  for (const Mode& mode : modes) {
-    const auto at = std::find(modes_j().begin(), modes_j().end(), mode.j);
-    if (at != modes_j().end()) waves[at - modes_j().begin()] += mode.waves;
-  }
-  const Eigen::VectorXd moved = slopes_ * waves;
+  const std::vector<double> waves = waves_of(modes, modes_j());
+  const Eigen::VectorXd moved =
+      slopes_ * Eigen::Map<const Eigen::VectorXd>(waves.data(), slopes_.cols());
   std::vector<Vec2> out = reference_px_;
   for (std::size_t i = 0; i < out.size(); ++i) {
     out[i] = out[i] + Vec2{moved[Eigen::Index(2 * i)], moved[Eigen::Index(2 * i + 1)]};

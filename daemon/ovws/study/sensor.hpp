@@ -1,8 +1,10 @@
 /// Simulated sensor of the studies: diffraction model, detector noise, tracker and reconstruction.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -29,6 +31,8 @@ T value_of(Result<T> result) {
 
 /// OSA indices 1 to `count`.
 std::vector<int> first_modes_j(int count);
+/// Coefficients of the modes `modes_j`, waves, without the modes that are not among them.
+std::vector<double> waves_of(std::span<const Mode> modes, const std::vector<int>& modes_j);
 
 /// Bench geometry: configuration of the simulated bench.
 struct Geometry {
@@ -48,9 +52,14 @@ double read_noise_of_snr(double snr);
 /// Normalisation of the light level at which two sensors are compared.
 enum class Light {
   equal_peak,    ///< kPeakE in the spots' brightest pixel: the camera's full well is the limit
-  equal_photons  ///< as many photons as the vortex sensor has at equal peak
+  equal_photons  ///< the same number of photons: the laser is the limit
 };
-const char* name_of(Light light);
+NLOHMANN_JSON_SERIALIZE_ENUM(Light, {{Light::equal_peak, "equal peak"},
+                                     {Light::equal_photons, "equal photons"}})
+inline constexpr std::array kLights{Light::equal_peak, Light::equal_photons};
+std::string name_of(Light light);
+/// What the names of a figure's files end with.
+const char* suffix_of(Light light);
 
 /// A 16-bit detector image. The black level is four times the read noise, so that noise is not
 /// clipped at zero.
@@ -65,6 +74,11 @@ struct Exposure {
 };
 Exposure noise_free(const Image<float>& electrons);
 Exposure expose(const Image<float>& electrons, double read_noise_e, std::uint64_t seed);
+
+/// Centroids of all light in fixed windows of half the size `half_px`, as in the textbook
+/// Shack-Hartmann sensor.
+std::vector<SpotFix> cell_centroids(const Exposure& exposure, std::span<const Vec2> centres_px,
+                                    int half_px);
 
 /// A measurement method: charge and tracker.
 struct Method {
@@ -102,8 +116,6 @@ class Measurer {
   std::vector<Vec2> predicted_px(std::span<const Mode> modes) const;
 
  private:
-  std::vector<SpotFix> cell_centroids(const Exposure& exposure) const;
-
   Method method_;
   std::shared_ptr<SensorModel> model_;
   std::unique_ptr<const SpotTracker> tracker_, position_fit_;
@@ -115,9 +127,22 @@ class Measurer {
 
 /// Diffraction model of the bench `geometry` with this charge.
 std::shared_ptr<SensorModel> model_of(Geometry geometry, int charge);
-/// Camera image in electrons per pixel with these modes on the SLM, scaled by `light`. `vortex`:
-/// the charge-1 model, which sets the scale at equal photons.
-Image<float> electrons(SensorModel& model, SensorModel& vortex, std::span<const Mode> modes,
-                       Light light);
+
+/// Diffraction models of one bench with vortices of charge 1 and with bright spots.
+class SensorPair {
+ public:
+  explicit SensorPair(const Geometry& geometry)
+      : vortex_(model_of(geometry, 1)), bright_(model_of(geometry, 0)) {}
+
+  const std::shared_ptr<SensorModel>& of(int charge) const {
+    return charge == 0 ? bright_ : vortex_;
+  }
+  /// Camera image in electrons per pixel with these modes on the SLM. At equal photons, bright
+  /// spots have the photons that the vortices have at equal peak.
+  Image<float> electrons(int charge, std::span<const Mode> modes, Light light) const;
+
+ private:
+  std::shared_ptr<SensorModel> vortex_, bright_;
+};
 
 }  // namespace ovws::study

@@ -41,4 +41,9 @@ inline Mean root_of(const std::vector<double>& squares) {
   return mean;
 }
 
+/// A number as JSON; null if it is not finite.
+inline nlohmann::json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
 }  // namespace ovws::study

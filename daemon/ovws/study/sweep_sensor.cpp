@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/median.hpp"
 #include "core/optics/lattice.hpp"
 #include "core/spots/position_fit.hpp"
 #include "core/tracking/cell_centroid.hpp"
@@ -16,13 +17,6 @@
 
 namespace ovws::study {
 namespace {
-
-double median(std::vector<float> values) {
-  if (values.empty()) return NAN;
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return double(*middle);
-}
 
 int count_saturated(std::span<const SweepFrame> frames) {
   return int(std::ranges::count_if(
@@ -76,8 +70,8 @@ SpotLevels levels_of(std::span<const SweepFrame> frames) {
       if (spot.noise > 0.0F) noises.push_back(spot.noise);
     }
   }
-  all.level_dn = median(std::move(levels));
-  all.noise_dn = median(std::move(noises));
+  if (!levels.empty()) all.level_dn = double(median(std::move(levels)));
+  if (!noises.empty()) all.noise_dn = double(median(std::move(noises)));
   return all;
 }
 

@@ -12,10 +12,11 @@
 #include "daemon/ovws/study/sensor.hpp"
 #include "daemon/ovws/study/statistics.hpp"
 #include "daemon/ovws/study/studies.hpp"
-#include "daemon/ovws/study/wavefront_bound.hpp"
 
 namespace ovws::study {
 namespace {
+
+using nlohmann::json;
 
 constexpr double kQuickSnr = 5.0;  ///< in the quick study, `fit` runs at this SNR only
 constexpr int kTemplateRenderings =
@@ -32,28 +33,17 @@ constexpr std::array<AberrationCase, 2> kAberrationCases{
     {{"astigmatism", "oblique astigmatism, 2 waves", 3, 2.0},
      {"defocus", "defocus, 2 waves", 4, 2.0}}};
 
-/// Second measuring step, which starts from the tracker's result.
-enum class Then { nothing, fit };
-
 struct Bench {
   const AberrationCase* aberration;
   Light light;
   Method method;
-  Then then = Then::nothing;
   std::shared_ptr<Measurer> measurer;
   Image<float> light_e;
   std::vector<Vec2> at_px;
-};
 
-struct PhaseVariances {
-  std::vector<double> variances;  ///< rad^2, one per reconstructed instance
-  int undetermined = 0;
-  int lost = 0;                  ///< number of lost spots
-  double bound_rad2 = 0.0;       ///< independent of the method; reported with `fit`
-  double noise_free_rad2 = 0.0;  ///< residual variance without noise: the model's error
+  /// Whether all pixels are fitted, from the tracker's result on.
+  bool fits() const { return method.tracking.tracker == TrackerKind::fit; }
 };
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PhaseVariances, variances, undetermined, lost, bound_rad2,
-                                   noise_free_rad2)
 
 double residual_variance(const Measurer& measurer, const std::vector<double>& found,
                          const std::vector<Mode>& truth) {
@@ -69,59 +59,64 @@ std::vector<SpotFix> fixes_at(const std::vector<Vec2>& positions) {
   return fixes;
 }
 
-PhaseVariances phase_variances(const Bench& bench, double snr, int instances, std::uint64_t seed) {
-  PhaseVariances outcome;
-  if (bench.then == Then::nothing) {
-    outcome.noise_free_rad2 = residual_variance(
-        *bench.measurer, bench.measurer->modes(fixes_at(bench.at_px)), bench.aberration->modes());
-  }
+/// Columns of a row: variances over the instances, rad^2. A row of `fit` has the Cramer-Rao bound,
+/// which is independent of the method, and the others the variance without noise: the model's
+/// error.
+json phase_variances(const Bench& bench, double snr, int instances, std::uint64_t seed) {
+  const std::vector<Mode> truth = bench.aberration->modes();
   std::mt19937_64 random(seed);
   const double reach = kStartWithin * bench.measurer->lambda_d_px();
   std::uniform_real_distribution<double> within(-reach, reach);
-  const int charge = bench.method.charge;
-  const std::vector<int>& modes_j = bench.measurer->modes_j();
   const double read_noise_e = read_noise_of_snr(snr);
   std::optional<SpotRenderer> renderer;
-  if (bench.then == Then::fit) renderer.emplace(renderer_of(thousand_px_bench(), charge, modes_j));
+  if (bench.fits()) {
+    renderer.emplace(
+        renderer_of(thousand_px_bench(), bench.method.charge, bench.measurer->modes_j()));
+  }
+  std::vector<double> variances;  // of each reconstructed instance
+  int lost = 0;
   for (int k = 0; k < instances; ++k) {
     std::vector<Vec2> starts = bench.at_px;
     for (Vec2& start : starts) start = start + Vec2{within(random), within(random)};
     const Exposure exposure = expose(bench.light_e, read_noise_e, random());
     const auto fixes = bench.measurer->track(exposure, starts);
-    for (const SpotFix& fix : fixes) outcome.lost += fix.found() ? 0 : 1;
+    for (const SpotFix& fix : fixes) lost += fix.found() ? 0 : 1;
     auto found = bench.measurer->modes(fixes);
     if (renderer) {
       found =
           fitted_waves(*renderer, exposure, read_noise_e, std::move(found), kTemplateRenderings);
     }
-    if (std::isnan(found.front())) {
-      ++outcome.undetermined;
-    } else {
-      outcome.variances.push_back(
-          residual_variance(*bench.measurer, found, bench.aberration->modes()));
-    }
+    if (std::isnan(found.front())) continue;
+    variances.push_back(residual_variance(*bench.measurer, found, truth));
   }
-  return outcome;
+  const Mean mean = mean_of(variances);
+  json row{{"variance_rad2", mean.value}, {"standard_error_rad2", mean.standard_error},
+           {"instances", mean.count},     {"noise_free_rad2", nullptr},
+           {"bound_rad2", nullptr},       {"undetermined", instances - int(mean.count)},
+           {"lost_spots", lost}};
+  if (bench.fits()) {
+    row["bound_rad2"] = wavefront_bound_rad2(thousand_px_bench(), bench.method.charge, truth,
+                                             bench.light_e, read_noise_e);
+  } else {
+    row["noise_free_rad2"] =
+        residual_variance(*bench.measurer, bench.measurer->modes(fixes_at(bench.at_px)), truth);
+  }
+  return row;
 }
 
 std::vector<Bench> aberration_benches() {
   const Geometry geometry = thousand_px_bench();
-  const auto vortex = model_of(geometry, 1);
-  const auto bright = model_of(geometry, 0);
+  const SensorPair sensors(geometry);
   std::vector<Bench> all;
   for (const AberrationCase& aberration : kAberrationCases) {
-    for (const Light light : {Light::equal_peak, Light::equal_photons}) {
+    for (const Light light : kLights) {
       for (const Method& method : all_methods()) {
-        const bool fits = method.tracking.tracker == TrackerKind::fit;
-        const auto model = method.charge == 0 ? bright : vortex;
         Bench bench{&aberration,
                     light,
                     method,
-                    fits ? Then::fit : Then::nothing,
-                    std::make_shared<Measurer>(geometry, method, model),
-                    {},
+                    std::make_shared<Measurer>(geometry, method, sensors.of(method.charge)),
+                    sensors.electrons(method.charge, aberration.modes(), light),
                     {}};
-        bench.light_e = electrons(*model, *vortex, aberration.modes(), light);
         bench.at_px = bench.measurer->noise_free_px(
             bench.light_e, bench.measurer->predicted_px(aberration.modes()));
         all.push_back(std::move(bench));
@@ -131,73 +126,22 @@ std::vector<Bench> aberration_benches() {
   return all;
 }
 
-/// Whether the Cramer-Rao bound of this charge is reported with this bench.
-bool bounded(const Bench& bench) {
-  return bench.then == Then::fit;
-}
-
-nlohmann::json value_if(bool present, double value) {
-  return present ? nlohmann::json(value) : nlohmann::json();
-}
-
-nlohmann::json variance_row(const Bench& bench, double snr, const Mean& variance,
-                            const PhaseVariances& outcome) {
-  return {{"aberration", bench.aberration->name},
-          {"light", name_of(bench.light)},
-          {"method", bench.method.name},
-          {"snr", snr},
-          {"variance_rad2", variance.value},
-          {"standard_error_rad2", variance.standard_error},
-          {"instances", variance.count},
-          {"noise_free_rad2", value_if(bench.then == Then::nothing, outcome.noise_free_rad2)},
-          {"bound_rad2", value_if(bounded(bench), outcome.bound_rad2)},
-          {"undetermined", outcome.undetermined},
-          {"lost_spots", outcome.lost}};
-}
-
-/// Adds the series of one bench to its figure, and its rows to `summary`.
-void add_bench(const Bench& bench, const std::vector<double>& snrs,
-               std::span<const PhaseVariances> outcomes, Figure& figure, nlohmann::json& summary) {
-  Series series{bench.method.name, {}, {}, {}};
-  for (std::size_t s = 0; s < snrs.size(); ++s) {
-    const PhaseVariances& outcome = outcomes[s];
-    if (outcome.variances.empty() && outcome.undetermined == 0) continue;  // SNR not measured
-    const Mean variance = mean_of(outcome.variances);
-    series.add(snrs[s], variance);
-    summary["rows"].push_back(variance_row(bench, snrs[s], variance, outcome));
+/// One series per method, and the bound of each charge after `fit`.
+Figure variance_figure(const AberrationCase& aberration, Light light, const Rows& rows) {
+  Figure figure{fmt::format("wavefront-{}{}", aberration.name, suffix_of(light)),
+                fmt::format("{} over 1000 px, {}", aberration.title, name_of(light)), "peak SNR",
+                "mean residual phase variance (rad^2)"};
+  figure.log_y = true;
+  const Rows seen = rows_with(rows, {{"aberration", aberration.name}, {"light", light}});
+  for (const Method& method : all_methods()) {
+    const Rows of_method = rows_with(seen, {{"method", method.name}});
+    figure.add(
+        series_of({.name = method.name}, of_method, "snr", "variance_rad2", "standard_error_rad2"));
+    figure.add(series_of(
+        {.name = fmt::format("bound, charge {}", method.charge), .style = Series::Style::line},
+        of_method, "snr", "bound_rad2"));
   }
-  figure.series.push_back(std::move(series));
-  if (!bounded(bench)) return;
-  Series bound{
-      fmt::format("bound, charge {}", bench.method.charge), snrs, {}, {}, Series::Style::line};
-  for (const PhaseVariances& outcome : outcomes) bound.y.push_back(outcome.bound_rad2);
-  figure.series.push_back(std::move(bound));
-}
-
-Findings wavefront_findings(const std::vector<Bench>& all, const std::vector<double>& snrs,
-                            int instances, const std::vector<PhaseVariances>& outcomes) {
-  nlohmann::json summary{{"study", "wavefront"},
-                         {"unit", "rad^2"},
-                         {"peak_e", kPeakE},
-                         {"instances", instances},
-                         {"rows", nlohmann::json::array()}};
-  std::vector<Figure> figures;
-  for (const AberrationCase& aberration : kAberrationCases) {
-    for (const Light light : {Light::equal_peak, Light::equal_photons}) {
-      Figure figure{std::string("wavefront-") + aberration.name +
-                        (light == Light::equal_peak ? "" : "-photons"),
-                    fmt::format("{} over 1000 px, {}", aberration.title, name_of(light)),
-                    "peak SNR", "mean residual phase variance (rad^2)"};
-      figure.log_y = true;
-      for (std::size_t b = 0; b < all.size(); ++b) {
-        if (all[b].aberration != &aberration || all[b].light != light) continue;
-        add_bench(all[b], snrs, std::span(outcomes).subspan(b * snrs.size(), snrs.size()), figure,
-                  summary);
-      }
-      figures.push_back(std::move(figure));
-    }
-  }
-  return {std::move(summary), std::move(figures)};
+  return figure;
 }
 
 }  // namespace
@@ -208,21 +152,35 @@ Work wavefront(const Settings& settings) {
                      : std::vector<double>{2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 14.0, 18.0, 22.0};
   const int instances = settings.quick ? 30 : 100;
   const auto all = std::make_shared<const std::vector<Bench>>(aberration_benches());
-  const auto measure_one = [=](std::size_t k) {
+  Rows conditions;
+  std::vector<std::size_t> numbers;  // of the rows' random number streams
+  for (std::size_t k = 0; k < all->size() * snrs.size(); ++k) {
     const Bench& bench = (*all)[k / snrs.size()];
     const double snr = snrs[k % snrs.size()];
-    if (bench.then != Then::nothing && settings.quick && snr != kQuickSnr) return PhaseVariances{};
-    PhaseVariances outcome = phase_variances(bench, snr, instances, settings.seed + 1000 * k);
-    if (!bounded(bench)) return outcome;
-    outcome.bound_rad2 =
-        wavefront_bound_rad2(thousand_px_bench(), bench.method.charge, bench.aberration->modes(),
-                             bench.light_e, read_noise_of_snr(snr));
-    return outcome;
+    if (bench.fits() && settings.quick && snr != kQuickSnr) continue;
+    numbers.push_back(k);
+    conditions.push_back({{"aberration", bench.aberration->name},
+                          {"light", bench.light},
+                          {"method", bench.method.name},
+                          {"snr", snr}});
+  }
+  const auto measure = [=, seed = settings.seed](std::size_t row) {
+    const std::size_t k = numbers[row];
+    return phase_variances((*all)[k / snrs.size()], snrs[k % snrs.size()], instances,
+                           seed + 1000 * k);
   };
-  return work_of(all->size() * snrs.size(), measure_one,
-                 [=](const std::vector<PhaseVariances>& outcomes) {
-                   return wavefront_findings(*all, snrs, instances, outcomes);
-                 });
+  const auto draw = [](const Rows& rows, Findings& found) {
+    for (const AberrationCase& aberration : kAberrationCases) {
+      for (const Light light : kLights) {
+        found.figures.push_back(variance_figure(aberration, light, rows));
+      }
+    }
+  };
+  return work_of(
+      {{{"study", "wavefront"}, {"unit", "rad^2"}, {"peak_e", kPeakE}, {"instances", instances}},
+       conditions,
+       measure,
+       draw});
 }
 
 }  // namespace ovws::study

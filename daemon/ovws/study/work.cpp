@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "daemon/ovws/study/parallel.hpp"
@@ -54,6 +55,45 @@ std::vector<std::string> measure_items(const Work& work, const std::string& what
   parallel_for(what, items.size(), threads,
                [&](std::size_t k) { results[k] = result_text(work.measure(items[k])); });
   return results;
+}
+
+Rows rows_with(const Rows& rows, const json& values) {
+  const auto has_all = [&values](const json& row) {
+    for (const auto& [key, value] : values.items()) {
+      if (row.at(key) != value) return false;
+    }
+    return true;
+  };
+  Rows found;
+  std::ranges::copy_if(rows, std::back_inserter(found), has_all);
+  return found;
+}
+
+Series series_of(Series series, const Rows& rows, const char* x, const char* y, const char* error) {
+  for (const json& row : rows) {
+    if (row.at(y).is_null()) continue;
+    series.add(row.at(x).get<double>(), row.at(y).get<double>());
+    if (error != nullptr) series.error.push_back(row.at(error).get<double>());
+  }
+  return series;
+}
+
+Rows rows_of(const Rows& conditions, const std::vector<json>& results) {
+  Rows rows = conditions;
+  for (std::size_t k = 0; k < rows.size(); ++k) rows[k].update(results[k]);
+  return rows;
+}
+
+Work work_of(Table table) {
+  const std::size_t items = table.conditions.size();
+  auto measure = table.measure;
+  return {items, std::move(measure), [table = std::move(table)](const std::vector<json>& results) {
+            const Rows rows = rows_of(table.conditions, results);
+            Findings found{table.head, {}};
+            found.summary["rows"] = rows;
+            table.draw(rows, found);
+            return found;
+          }};
 }
 
 const Study* study_named(std::string_view name) {

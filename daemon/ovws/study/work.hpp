@@ -1,12 +1,11 @@
-/// A study as a list of independent items, so that several machines can share it.
+/// A study as a list of independent items, so that several machines can share it, and the table of
+/// their results, from which its summary and figures are made.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "daemon/ovws/study/figure.hpp"
@@ -35,19 +34,28 @@ std::string result_text(nlohmann::json result);
 /// Restores a result from its text. Throws nlohmann::json::exception if the text is not JSON.
 nlohmann::json result_of(const std::string& text);
 
-/// Work whose items have results of the type that `measure` returns. `measure(k)` is called for the
-/// items below `items`, and `find(results)` with their results. Both own what they use.
-template <class Measure, class Find>
-Work work_of(std::size_t items, Measure measure, Find find) {
-  using One = std::invoke_result_t<Measure, std::size_t>;
-  return {items,
-          [measure = std::move(measure)](std::size_t k) { return nlohmann::json(measure(k)); },
-          [find = std::move(find)](const std::vector<nlohmann::json>& results) {
-            std::vector<One> typed;
-            for (const nlohmann::json& result : results) typed.push_back(result.get<One>());
-            return find(typed);
-          }};
-}
+/// Rows of a table: objects with the same keys. Null: there is no such value. NaN: it is not known.
+using Rows = std::vector<nlohmann::json>;
+
+/// The rows that have all these values.
+Rows rows_with(const Rows& rows, const nlohmann::json& values);
+/// Appends a point for each row that has a value in column `y`, with its standard error if a column
+/// of it is named. NaN makes a gap.
+Series series_of(Series series, const Rows& rows, const char* x, const char* y,
+                 const char* error = nullptr);
+
+/// A study with one item for each row of its table.
+struct Table {
+  nlohmann::json head;  ///< of the summary, beside the rows
+  Rows conditions;      ///< columns that say what is measured
+  /// Measures the other columns of a row, see Work::measure.
+  std::function<nlohmann::json(std::size_t)> measure;
+  /// Adds the figures to the findings, which have the summary with its rows.
+  std::function<void(const Rows&, Findings&)> draw;
+};
+/// The rows of conditions with the results of their items.
+Rows rows_of(const Rows& conditions, const std::vector<nlohmann::json>& results);
+Work work_of(Table table);
 
 /// Measures these items on `threads` threads and returns the text of each result. `what`: the name
 /// on the progress bar.

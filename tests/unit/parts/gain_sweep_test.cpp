@@ -117,7 +117,7 @@ TEST(GainSweep, ReportsSaturatedAndUndeterminedFramesSeparately) {
   cell.subapertures = 19;
   cell.modes_j = {1};
   cell.frames = {{{0.1}, 1.0, 0.0, 19}, {{0.2}, 3.0, 0.1, 19}, {{}, NAN, 0.0, 4}};
-  const json encoded = to_json(CellReport{CellSummary(cell)});
+  const json encoded = report_of(cell);
   EXPECT_EQ(encoded["variance_rad2"], 2.0);
   EXPECT_NEAR(encoded["standard_deviation_rad2"].get<double>(), std::sqrt(2.0), 1e-12);
   EXPECT_NEAR(encoded["standard_error_rad2"].get<double>(), 1.0, 1e-12);

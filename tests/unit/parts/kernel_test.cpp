@@ -14,11 +14,11 @@ namespace {
 /// radii see the same noise.
 TEST(Kernel, OfTheDefaultRadiusIsNearTheBestAtEverySignal) {
   constexpr int kRealisations = 200;
-  const auto vortex = model_of(default_bench(), 1);
+  const SensorPair sensors(default_bench());
   for (const auto& [snr, most] : {std::pair{22.0, 1.05}, {5.0, 1.15}, {2.0, 1.2}}) {
     const auto rms_px = [&, snr = snr](double radius) {
       const Method method{"lg", 1, {TrackerKind::lg, radius}};
-      const SpotBench bench = spot_bench(method, Light::equal_peak, vortex, vortex);
+      const SpotBench bench = spot_bench(method, Light::equal_peak, sensors);
       return root_of(cloud_of(bench, read_noise_of_snr(snr), kRealisations, 1).squares_px2).value;
     };
     const double best_px =
