@@ -5,7 +5,7 @@
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/replay_tally.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
-#include "daemon/ovws/parts/part_reader.hpp"
+#include "daemon/ovws/parts/part_file.hpp"
 #include "daemon/ovws/parts/provenance.hpp"
 #include "daemon/ovws/study/figure.hpp"
 #include "daemon/ovws/study/studies.hpp"

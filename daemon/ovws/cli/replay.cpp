@@ -10,7 +10,7 @@
 #include "core/port/clock.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/replay_tally.hpp"
-#include "daemon/ovws/parts/part_writer.hpp"
+#include "daemon/ovws/parts/part_file.hpp"
 #include "daemon/ovwsd/record/loop_player.hpp"
 #include "daemon/ovwsd/record/player.hpp"
 #include "proto/json_text.hpp"

@@ -8,7 +8,7 @@
 
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
-#include "daemon/ovws/parts/part_writer.hpp"
+#include "daemon/ovws/parts/part_file.hpp"
 #include "daemon/ovws/parts/provenance.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/studies.hpp"

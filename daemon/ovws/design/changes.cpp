@@ -1,5 +1,3 @@
-#include "daemon/ovws/design/changes.hpp"
-
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>

@@ -8,7 +8,6 @@
 
 #include "core/tracking/spot_geometry.hpp"
 #include "daemon/ovws/design/attempt.hpp"
-#include "daemon/ovws/design/changes.hpp"
 #include "daemon/ovws/design/search.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
 

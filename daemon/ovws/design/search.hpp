@@ -1,4 +1,5 @@
-/// Searches the number of subapertures across that makes a bench possible.
+/// Searches the number of subapertures across that makes a bench possible, or the changes of the
+/// bench that do.
 #pragma once
 
 #include "daemon/ovws/design/design.hpp"
@@ -23,5 +24,10 @@ enum class Shapes { unused, used };
 /// least four SLM pixels a period. With Shapes::used, fewer than kUsualAcross are the last resort.
 /// The error is that of the first attempt whose positions determine the modes.
 tl::expected<Config, Finding> find_config(const Bench& bench, const Config& base, Shapes shapes);
+
+/// The nearest change of each part that suffices alone, or if there is none, of two parts. Each was
+/// tried: find_config accepts the changed bench. `limit`: what makes it impossible. Takes up to a
+/// second.
+std::vector<Change> changes_that_help(const Bench& bench, const Config& base, Limit limit);
 
 }  // namespace ovws::design

@@ -6,8 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "daemon/ovws/parts/part_reader.hpp"
-#include "daemon/ovws/parts/part_writer.hpp"
+#include "daemon/ovws/parts/part_file.hpp"
 #include "daemon/ovws/parts/provenance.hpp"
 
 namespace ovws {

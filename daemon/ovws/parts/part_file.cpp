@@ -1,13 +1,14 @@
-#include "daemon/ovws/parts/part_reader.hpp"
+#include "daemon/ovws/parts/part_file.hpp"
 
 #include <spdlog/fmt/fmt.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <numeric>
 
+#include "daemon/ovws/parts/provenance.hpp"
 #include "daemon/ovws/parts/share.hpp"
 #include "proto/json_text.hpp"
 
@@ -15,6 +16,7 @@ namespace ovws {
 namespace {
 
 using nlohmann::json;
+namespace fs = std::filesystem;
 
 tl::unexpected<Error> wrong(const std::string& reason) {
   return fail(Errc::invalid, "parts", reason);
@@ -102,7 +104,62 @@ void allow_many_files() {
   (void)::setrlimit(RLIMIT_NOFILE, &files);
 }
 
+tl::unexpected<Error> cannot_write(const fs::path& path, const std::string& why) {
+  return fail(Errc::unavailable, "output", path.string() + " cannot be written: " + why);
+}
+
 }  // namespace
+
+Result<void> make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error && ::access(folder.c_str(), W_OK | X_OK) != 0) {
+    error.assign(errno, std::generic_category());
+  }
+  if (!error) return {};
+  return fail(Errc::unavailable, "output",
+              folder.string() + " is not writable: " + error.message());
+}
+
+PartWriter::PartWriter(fs::path path, fs::path temporary, std::FILE* file)
+    : path_(std::move(path)), temporary_(std::move(temporary)), file_(file) {}
+
+PartWriter::~PartWriter() {
+  if (!file_) return;
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+}
+
+Result<PartWriter> PartWriter::make(const fs::path& folder, const std::string& name,
+                                    const PartHead& head) {
+  if (auto made = make_folder(folder); !made) return fail(made.error());
+  fs::path temporary = folder / fmt::format(".{}.{}.{}.tmp", name, host_name(), ::getpid());
+  std::FILE* const file = std::fopen(temporary.c_str(), "we");
+  if (file == nullptr) return cannot_write(temporary, std::strerror(errno));
+  PartWriter writer(folder / (name + ".jsonl"), std::move(temporary), file);
+  const std::string line = json_text(head) + "\n";
+  std::fwrite(line.data(), 1, line.size(), file);
+  return writer;
+}
+
+void PartWriter::add(std::uint64_t item, const std::string& result) {
+  const std::string line = fmt::format("{{\"item\":{},\"result\":{}}}\n", item, result);
+  std::fwrite(line.data(), 1, line.size(), file_.get());  // finish() reports an error
+}
+
+Result<void> PartWriter::finish() {
+  const fs::path host = fs::path(path_).replace_extension(".host.json");
+  auto written = write_provenance(host_facts(), host);
+  errno = 0;
+  const bool whole = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0 &&
+                     ::fsync(::fileno(file_.get())) == 0;
+  if (written && !whole) written = cannot_write(path_, std::strerror(errno));
+  std::error_code failed;
+  if (written) fs::rename(temporary_, path_, failed);
+  if (failed) written = cannot_write(path_, failed.message());
+  if (written) file_.reset();
+  return written;
+}
 
 Result<PartReader> PartReader::open(const std::vector<std::string>& paths) {
   allow_many_files();
