@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "daemon/ovws/cli/command_line.hpp"
-#include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/design.hpp"
 #include "daemon/ovws/design/advise.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/field_json.hpp"
 #include "proto/json_text.hpp"
@@ -84,9 +84,9 @@ void print_advice_json(const design::AdviceList& list, const Configured& configu
 }
 
 void print_row(const design::Advice& one) {
-  print("{:>6} {:>13} {:>7} {:>12.0f} {:>9.0f} {:>12.5f} {:>12.5f}  {}\n", one.subapertures_across,
-        one.subapertures, one.charge, one.exposure_us, one.peak_e, one.error_waves, one.worst_waves,
-        name_of(one.limited_by));
+  print("{}\n", fill("{subapertures_across:>6} {subapertures:>13} {charge:>7} {exposure_us:>12.0f} "
+                     "{peak_e:>9.0f} {error_waves:>12.5f} {worst_mode_waves:>12.5f}  {limited_by}",
+                     json_of_advice(one)));
 }
 
 void print_configured(const Configured& configured) {
@@ -168,37 +168,36 @@ int advise_bench(const Common& common, const AdviseOptions& options) {
 }  // namespace
 
 void add_advise(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "advise",
+  auto [command, options] = add_command(
+      app, common, status, "advise",
       "advise on the sensor of a configured bench: which number of subapertures, charge and "
       "exposure give the smallest error for the light and the modes that are wanted; works "
-      "offline");
-  auto options = std::make_shared<AdviseOptions>();
-  command->add_option("--modes", options->modes, "number of Zernike modes that are wanted")
+      "offline",
+      advise_bench);
+  command.add_option("--modes", options.modes, "number of Zernike modes that are wanted")
       ->required()
       ->check(CLI::Range(int(limits::kAdvisedModes.min), int(limits::kAdvisedModes.max)));
   command
-      ->add_option("--photons", options->light.e_per_s,
-                   "photo-electrons per second that the light on the whole pupil gives on the "
-                   "camera")
+      .add_option("--photons", options.light.e_per_s,
+                  "photo-electrons per second that the light on the whole pupil gives on the "
+                  "camera")
       ->required()
-      ->check(number_from(limits::kPhotoElectronsPerS.min, limits::kPhotoElectronsPerS.max));
+      ->check(number_from(limits::kPhotoElectronsPerS));
   command
-      ->add_option("--frame-rate", options->frame_rate_hz,
-                   "frames per second; the exposure is at most their interval")
-      ->check(number_from(limits::kFrameRateHz.min, limits::kFrameRateHz.max))
+      .add_option("--frame-rate", options.frame_rate_hz,
+                  "frames per second; the exposure is at most their interval")
+      ->check(number_from(limits::kFrameRateHz))
       ->capture_default_str();
-  command->add_option("--full-well", options->light.full_well_e, "full well of a pixel, electrons")
-      ->check(number_from(limits::kFullWellE.min, limits::kFullWellE.max))
+  command.add_option("--full-well", options.light.full_well_e, "full well of a pixel, electrons")
+      ->check(number_from(limits::kFullWellE))
       ->capture_default_str();
-  command->add_option("--read-noise", options->light.read_noise_e, "read noise, electrons")
+  command.add_option("--read-noise", options.light.read_noise_e, "read noise, electrons")
       ->check(number_from(0.1, 1000.0))
       ->capture_default_str();
-  command->add_option("--config,-c", options->config_path,
-                      "configuration file of the bench (default: every key's default)");
-  command->add_option("--camera", options->camera,
-                      "camera sensor, as in ovws design (default: the configured region)");
-  command->callback([&common, &status, options] { status = advise_bench(common, *options); });
+  command.add_option("--config,-c", options.config_path,
+                     "configuration file of the bench (default: every key's default)");
+  command.add_option("--camera", options.camera,
+                     "camera sensor, as in ovws design (default: the configured region)");
 }
 
 }  // namespace ovws::cli

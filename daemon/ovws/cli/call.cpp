@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/text/answer.hpp"
 #include "daemon/ovws/text/params.hpp"
@@ -16,6 +16,22 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
+
+struct CallOptions {
+  std::string method;
+  std::vector<std::string> params;  ///< words, see params_of
+  bool wait = false;
+};
+
+constexpr const char* kParamsHelp =
+    "Dots in a KEY nest. A list is written as 3,4,5 or as JSON. Lists of modes\n"
+    "also accept LIST.MODE=NUMBER:\n"
+    "  ovws call aberration.set modes.vertical-coma=0.2 modes.4=-0.1\n"
+    "  ovws call loop.close modes=defocus,primary-spherical\n"
+    "MODE is the OSA/ANSI index j, a name, or (not in a list with commas) n,m.\n"
+    "Words of a name can be left out while it stays unique: spherical is\n"
+    "primary-spherical. coma is refused, because it can be vertical-coma or\n"
+    "horizontal-coma.";
 
 /// Formats JSON with indents; arrays of primitive values stay on one line.
 std::string readable(const json& value, const std::string& margin = "") {
@@ -45,8 +61,6 @@ std::optional<Error> misspelt(const std::string& method) {
   return Error{Errc::invalid, method, "unknown method; did you mean " + *near + "?"};
 }
 
-}  // namespace
-
 int call_method(const Common& common, const CallOptions& options) {
   const json& of_method = schema(options.method);
   const bool is_known = of_method.contains("params");
@@ -61,6 +75,24 @@ int call_method(const Common& common, const CallOptions& options) {
   const bool is_for_people = !common.json && isatty(STDOUT_FILENO) != 0;
   return print_answer(common, *answer,
                       is_for_people ? answer_text(options.method, *answer) : readable(*answer));
+}
+
+}  // namespace
+
+void add_call(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(
+      app, common, status, "call",
+      "call any method of the daemon, e.g. ovws call camera.set exposure_us=2000 roi.width=512",
+      call_method);
+  command.footer(kParamsHelp);
+  command.add_option("method", options.method, "name of the method; ovws describe lists all")
+      ->required();
+  command.add_option("params", options.params,
+                     "KEY=VALUE, a JSON object, @FILE with a JSON object, or - for one on standard "
+                     "input; later words override earlier ones");
+  command.add_flag("--wait,-w", options.wait,
+                   "if the method starts a job, wait for its end and print its result, or why it "
+                   "failed; on a terminal also show its progress");
 }
 
 }  // namespace ovws::cli

@@ -44,7 +44,7 @@ std::string choices_of(const CLI::Option& option) {
   return words;
 }
 
-void add_command(Tables& tables, const CLI::App& app, const std::string& command) {
+void add_syntax(Tables& tables, const CLI::App& app, const std::string& command) {
   int place = 0;
   for (const CLI::Option* option : app.get_options()) {
     const std::string choices = choices_of(*option);
@@ -161,10 +161,10 @@ complete -o default -F _ovws ovws
 std::string bash_completion(const CLI::App& app) {
   Tables tables;
   std::string commands;
-  add_command(tables, app, " ");
+  add_syntax(tables, app, " ");
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     append(commands, command->get_name());
-    add_command(tables, *command, command->get_name());
+    add_syntax(tables, *command, command->get_name());
   }
   for (const Schema& one : schemas()) {
     if (one.json.contains("params")) add_method(tables, one.name, one.json["params"]);

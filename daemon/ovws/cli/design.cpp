@@ -3,21 +3,22 @@
 #include <sys/stat.h>
 
 #include "config/device_tables.hpp"
+#include "config/devices.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/design/design_tables.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 #include "daemon/shared/atomic_file.hpp"
 #include "proto/json_text.hpp"
+#include "proto/names.hpp"
 
 namespace ovws::cli {
 namespace {
 
 int list_models(const Common& common) {
   const Devices& known = known_devices();
-  if (common.json) {
-    print("{}\n", json_text(to_json(known)));
-    return kOk;
-  }
+  if (common.json) return print_result(common, to_json(known), "");
   const auto row = [](const auto& model, int width, int height, double pitch_um) {
     print("  {:<20} {:4} x {:4}  {:5.2f} um  {}{}\n", model.name, width, height, pitch_um,
           model.confirmed ? "" : "NOT CONFIRMED: ", model.source);
@@ -48,30 +49,27 @@ int report_refusal(const Common& common, const design::Refusal& refusal) {
 }
 
 void print_design(const design::Design& made) {
-  const design::Figures& f = made.figures;
-  const Config& config = made.config;
-  const Roi& roi = config.camera.settings.roi;
-  const auto line = [](const char* what, const std::string& text) {
-    print("{:<15} {}\n", what, text);
-  };
-  line("subapertures",
-       fmt::format("{}, {} across, each {:.3g} mm or {:.4g} SLM pixels", f.subapertures,
-                   config.sensor.subapertures_across, f.subaperture_mm, f.subaperture_px));
-  line("modes", std::to_string(f.modes));
-  line("pupil", fmt::format("{:.4g} mm, to be covered by the beam", f.pupil_mm));
-  line("spots", fmt::format("lambda/d {:.3g} px, neighbours {:.2g} lambda/d apart", f.lambda_d_px,
-                            f.neighbours));
-  line("range", fmt::format("{:.2g} waves over a subaperture, {:.2g} waves of defocus Z(2,0)",
-                            f.range_waves, f.range_defocus_waves));
-  line("gratings", fmt::format("period {:.3g} SLM pixels, the finest {:.2g}", f.grating_period_px,
-                               f.finest_period_px));
-  line("region", fmt::format("{} x {} px at ({}, {})", roi.width, roi.height, roi.x, roi.y));
-  line("camera", fmt::format("its middle {:.2f} mm right of and {:.2f} mm below the zeroth order",
-                             f.zeroth_order_mm[0], f.zeroth_order_mm[1]));
-  line("settle time", fmt::format("{:g} ms until slm.settle measures it", config.slm.settle_ms));
-  for (const design::Finding& finding : made.findings) {
-    print("limited by {}: {}{}{}\n", wire_name(finding.limit), finding.reason,
-          finding.help.empty() ? "" : "; helps: ", finding.help);
+  Json said = to_json(made.figures);
+  said["config"] = Json::parse(dump_config(made.config));
+  print("{}\n",
+        fill("subapertures    {subapertures}, {config.sensor.subapertures_across} across, each "
+             "{subaperture_mm:.3g} mm or {subaperture_px:.4g} SLM pixels\n"
+             "modes           {modes}\n"
+             "pupil           {pupil_mm:.4g} mm, to be covered by the beam\n"
+             "spots           lambda/d {lambda_d_px:.3g} px, neighbours {neighbours:.2g} lambda/d "
+             "apart\n"
+             "range           {range_waves:.2g} waves over a subaperture, "
+             "{range_defocus_waves:.2g} waves of defocus Z(2,0)\n"
+             "gratings        period {grating_period_px:.3g} SLM pixels, the finest "
+             "{finest_period_px:.2g}\n"
+             "region          {config.camera.roi.width} x {config.camera.roi.height} px at "
+             "({config.camera.roi.x}, {config.camera.roi.y})\n"
+             "camera          its middle {zeroth_order_mm.0:.2f} mm right of and "
+             "{zeroth_order_mm.1:.2f} mm below the zeroth order\n"
+             "settle time     {config.slm.settle_ms:g} ms until slm.settle measures it",
+             said));
+  for (const Json& finding : to_json(made.findings)) {
+    print("{}\n", fill("limited by {limit}: {reason}[help?; helps: {help}]", finding));
   }
 }
 
@@ -93,12 +91,12 @@ Result<void> write_design(const DesignOptions& options, const Config& config) {
   if (auto written = write_config(options, config); !written) return written;
   if (options.farfield.empty()) return {};
   FarFieldOptions farfield;
-  farfield.picture.output = options.farfield;
+  farfield.output = options.farfield;
   return write_farfield(config, farfield);
 }
 
-}  // namespace
-
+/// Designs the bench, prints its figures and what limits it, and writes the requested files. A
+/// bench that cannot work is an error with the changes that help.
 int design_bench(const Common& common, const DesignOptions& options) {
   if (options.list) return list_models(common);
   const auto bench = bench_of(options);
@@ -126,6 +124,67 @@ int design_bench(const Common& common, const DesignOptions& options) {
     print_design(*made);
   }
   return kOk;
+}
+
+template <class Model>
+std::string help_of(const char* what, const std::vector<Model>& models) {
+  std::string names;
+  for (const Model& model : models) names += (names.empty() ? "" : ", ") + model.name;
+  return std::string(what) + ": a model (" + names +
+         "), or WIDTHxHEIGHT@PITCH in pixels and micrometres, e.g. 1920x1080@8";
+}
+
+void add_bench_options(CLI::App& command, DesignOptions& options) {
+  const Devices& known = known_devices();
+  design::Bench& bench = options.bench;
+  command.add_option("--slm", options.slm, help_of("SLM", known.slms));
+  command.add_option("--camera", options.camera, help_of("camera sensor", known.cameras));
+  command.add_option("--wavelength", bench.wavelength_nm, "wavelength of the laser, nm")
+      ->check(number_from(limits::kWavelengthNm))
+      ->capture_default_str();
+  command.add_option("--focal-length", bench.focal_length_mm, "focal length of the lens, mm")
+      ->check(number_from(limits::kFocalLengthMm))
+      ->capture_default_str();
+  command
+      .add_option("--magnification", bench.magnification,
+                  "magnification from the lens's focal plane to the camera")
+      ->check(number_from(limits::kMagnification))
+      ->capture_default_str();
+  command
+      .add_option("--beam", bench.beam_mm,
+                  "beam diameter on the SLM, mm (default: it covers the SLM's smaller side)")
+      ->check(number_from(0.001, 1000.0));
+  command.add_option("--modes", bench.modes, "measure at least this number of Zernike modes")
+      ->check(CLI::Range(1, 1000));
+  command.add_option("--charge", bench.charge, "charge of the vortices; 0: bright spots")
+      ->check(CLI::Range(limits::kCharge.min, limits::kCharge.max))
+      ->capture_default_str();
+  command.add_option("--pixel-format", options.pixel_format, "pixel format of the camera")
+      ->check(CLI::IsMember(kNames<PixelFormat>()))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_design(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(
+      app, common, status, "design",
+      "design a bench: from SLM, camera, lens, wavelength and beam to a configuration, or to what "
+      "makes it impossible and the changes that help; works offline",
+      design_bench);
+  add_bench_options(command, options);
+  command.add_option("--config,-c", options.config_path,
+                     "configuration file whose other keys are kept (default: every key's default)");
+  command.add_option("--output,-o", options.output, "configuration file to write");
+  command.add_flag("--replace", options.replace, "replace an existing configuration file");
+  command.add_option("--farfield", options.farfield,
+                     "PNG file to write: the camera image that is expected, with noise");
+  command.add_flag("--list", options.list, "list the models of SLMs and camera sensors");
+  command.parse_complete_callback([&options = options] {
+    if (!options.list && (options.slm.empty() || options.camera.empty())) {
+      throw CLI::RequiredError(options.slm.empty() ? "--slm" : "--camera");
+    }
+  });
 }
 
 }  // namespace ovws::cli

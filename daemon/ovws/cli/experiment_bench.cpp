@@ -1,15 +1,14 @@
 #include "daemon/ovws/cli/experiment_bench.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <map>
 #include <string>
 #include <utility>
 
 #include "proto/json_text.hpp"
+#include "proto/spot_rows.hpp"
 #include "proto/tables/modes.hpp"
 #include "proto/tables/picture.hpp"
 #include "proto/tables/reference.hpp"
@@ -36,17 +35,14 @@ PixelFormat unpacked(PixelFormat format) {
   return format;
 }
 
-/// Adds the positions in the binary part of a `spots` message: rows of x, y and four more values.
+/// Adds the positions of a `spots` message.
 void add_spots(const StreamMessage& message, std::vector<Vec2>& sums, std::vector<int>& found) {
-  constexpr std::size_t kColumns = 6;
-  const std::size_t rows = message.binary.size() / (kColumns * sizeof(float));
-  sums.resize(rows);
-  found.resize(rows);
-  for (std::size_t i = 0; i < rows; ++i) {
-    std::array<float, 2> at{};
-    std::memcpy(at.data(), &message.binary[i * kColumns * sizeof(float)], sizeof at);
-    if (std::isnan(at[0])) continue;
-    sums[i] = sums[i] + Vec2{double(at[0]), double(at[1])};
+  const std::vector<SpotRow> rows = spot_rows(message.binary);
+  sums.resize(rows.size());
+  found.resize(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (std::isnan(rows[i].x)) continue;
+    sums[i] = sums[i] + Vec2{double(rows[i].x), double(rows[i].y)};
     ++found[i];
   }
 }

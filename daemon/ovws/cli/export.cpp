@@ -1,5 +1,6 @@
 /// ovws export: writes the measurements and images of a recording as CSV and PNG files.
-#include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -24,6 +25,12 @@ namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
+
+struct ExportOptions {
+  std::string path;
+  std::string prefix;  ///< begin of the files' names; empty: the recording's name
+  bool csv = false, spots = false, images = false;
+};
 
 constexpr int kMaxDepth = 64;
 
@@ -208,39 +215,33 @@ Result<std::vector<std::string>> write_export(const ExportOptions& options) {
   return files;
 }
 
-}  // namespace
-
 int export_recording(const Common& common, const ExportOptions& options) {
   const auto files = write_export(options);
   if (!files) return report(common, files.error());
-  if (common.json) {
-    print("{}\n", json_text(json{{"files", *files}}));
-    return kOk;
-  }
-  for (const std::string& file : *files) print("{}\n", file);
-  return kOk;
+  return print_result(common, {{"files", *files}}, fmt::format("{}", fmt::join(*files, "\n")));
 }
 
+}  // namespace
+
 void add_export(CLI::App& app, const Common& common, int& status) {
-  auto* command = app.add_subcommand(
-      "export",
+  auto [command, options] = add_command(
+      app, common, status, "export",
       "write a recording as files for other programs, and print their names; replaces files of "
-      "the same name; works offline");
-  auto options = std::make_shared<ExportOptions>();
-  command->add_option("file", options->path, "recording made by record.start")->required();
-  command->add_flag("--csv", options->csv,
-                    "NAME.csv: one line per frame, with its modes in waves and their standard "
-                    "errors (default)");
-  command->add_flag("--spots", options->spots,
-                    "NAME-spots.csv: one line per spot of a frame, with its position");
-  command->add_flag(
-      "--images", options->images,
+      "the same name; works offline",
+      export_recording);
+  command.add_option("file", options.path, "recording made by record.start")->required();
+  command.add_flag("--csv", options.csv,
+                   "NAME.csv: one line per frame, with its modes in waves and their standard "
+                   "errors (default)");
+  command.add_flag("--spots", options.spots,
+                   "NAME-spots.csv: one line per spot of a frame, with its position");
+  command.add_flag(
+      "--images", options.images,
       "NAME-ROW.png: the image of each row of frames, counted from 0, with the camera's values, "
       "8 or 16 bits");
-  command->add_option("--output,-o", options->prefix,
-                      "NAME: begin of the files' names (default: the recording's name, in the "
-                      "current folder)");
-  command->callback([&common, &status, options] { status = export_recording(common, *options); });
+  command.add_option("--output,-o", options.prefix,
+                     "NAME: begin of the files' names (default: the recording's name, in the "
+                     "current folder)");
 }
 
 }  // namespace ovws::cli

@@ -53,7 +53,7 @@ constexpr std::array kDepths{10, 12, 14};
 constexpr std::ptrdiff_t kFlatTopPixels = 4;  // by chance fewer have the largest value
 
 /// What the words of 16-bit images tell of their depth.
-struct Words {
+struct PixelWords {
   unsigned used = 0, most = 0;  ///< bits that are not 0 in all words; the largest word
   std::ptrdiff_t at_most = 0;   ///< number of the largest
 
@@ -68,7 +68,7 @@ struct Words {
 };
 
 /// See ImageFile::open.
-Depth depth_of(const Words& words, int camera_bits) {
+Depth depth_of(const PixelWords& words, int camera_bits) {
   const unsigned most = words.most;
   if (camera_bits > 8 && (most >> camera_bits) == 0) return {mono_of(camera_bits), 0};
   Depth depth;
@@ -175,7 +175,7 @@ Result<cv::Mat> ImageFile::decode(int page) const {
 }
 
 Depth ImageFile::find_depth(int page, const Image<std::uint16_t>& image) const {
-  Words words;
+  PixelWords words;
   words.add(image.pixels);
   for (int other = 0; other < count_; ++other) {
     if (other == page) continue;

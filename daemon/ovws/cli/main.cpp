@@ -93,11 +93,12 @@ int run(int argc, char** argv) {
   Common common;
   add_common_options(app, common);
   int status = kOk;
-  add_verbs(app, common, status);
-  add_online_commands(app, common, status);
-  add_check(app, common, status);
-  add_setup(app, common, status);
-  add_offline_commands(app, common, status);
+  for (const auto add :
+       {add_verbs, add_online_commands, add_call, add_watch, add_metrics, add_snapshot, add_doctor,
+        add_check, add_setup, add_design, add_advise, add_pictures, add_measure, add_keygen,
+        add_replay, add_export, add_study, add_merge}) {
+    add(app, common, status);
+  }
   add_completion(app);
   try {
     app.parse(argc, argv);

@@ -8,12 +8,15 @@
 #include <optional>
 
 #include "core/base/number_text.hpp"
+#include "core/control/refine_settings.hpp"
 #include "core/pipeline/frame_rules.hpp"
 #include "core/spots/spot_fit.hpp"
 #include "core/tracking/tracker.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/ovws/cli/measurement.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/encode.hpp"
@@ -24,6 +27,18 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
+
+struct MeasureOptions {
+  std::string config_path;
+  std::string reference;
+  bool model_reference = false;
+  std::string tracker;
+  std::string mode_operator;
+  bool refine = false;
+  RefineCamera camera;  ///< used with `refine` only
+  bool spot_amplitudes = false;
+  std::vector<std::string> images;
+};
 
 Result<Config> measuring_config(const MeasureOptions& options) {
   auto config = load_config_and_masks(options.config_path);
@@ -123,47 +138,35 @@ void put_refined(json& line, const Measured& measured, bool amplitudes) {
   if (amplitudes) line["refined"]["amplitudes"] = found.amplitudes;
 }
 
-void print_why_not_valid(const json& line, bool enough_found) {
-  const int spots = line["subapertures"].get<int>(), tracked = line["tracked"].get<int>();
-  if (!enough_found) {
-    print("{} of {} spots are missing, more than a sixth: check the image and its exposure\n",
-          spots - tracked, spots);
-  } else if (line["fit_residual_px"].is_number() && !line.contains("refined")) {
-    print("fit residual {:.4f} px: no wavefront explains the spot positions\n",
-          line["fit_residual_px"].get<double>());
-  }
-}
-
-void print_table(const Page& page, const json& line, bool enough_found) {
-  const int spots = line["subapertures"].get<int>();
-  print("{}: {} of {} spots, {}\n", page.name(), line["tracked"].get<int>(), spots,
-        line["valid"].get<bool>() ? "valid" : "NOT VALID");
-  if (const double saturated = line["saturated"].get<double>(); saturated > 0.0) {
-    print("{:.0f} of {} spots are saturated: lower the exposure or the gain\n", saturated * spots,
-          spots);
-  }
-  if (line.contains("refined") && line["refined"]["reason"].is_string()) {
-    print("refined: {}\n", line["refined"]["reason"].get<std::string>());
-  }
-  for (const json& point : line["branch_points"]) {
-    print(
-        "branch point (phase singularity) near x {:+.2f}, y {:+.2f} pupil radii, charge {:+.0f}\n",
-        point[0].get<double>(), point[1].get<double>(), point[2].get<double>());
-  }
-  if (!line["valid"].get<bool>()) return print_why_not_valid(line, enough_found);
+/// The result of an image for people. `enough_found`: see frame_rules.hpp.
+std::string page_text(const Page& page, const json& line, bool enough_found) {
+  json said = line;
+  said["name"] = page.name();
+  said["saturated_spots"] =
+      std::round(line["saturated"].get<double>() * double(line["spots"].size()));
+  said["missing"] = line["subapertures"].get<int>() - line["tracked"].get<int>();
+  said["enough"] = enough_found;
+  std::string text = fill(
+      "{name}: {tracked} of {subapertures} spots, [valid?valid][!valid?NOT VALID]"
+      "[saturated_spots?\n{saturated_spots:.0f} of {subapertures} spots are saturated: lower the "
+      "exposure or the gain][refined.reason?\nrefined: {refined.reason}]"
+      "[branch_points*\nbranch point (phase singularity) near x {0:+.2f}, y {1:+.2f} pupil radii, "
+      "charge {2:+.0f}]"
+      "[!valid?[!enough?\n{missing} of {subapertures} spots are missing, more than a sixth: check "
+      "the image and its exposure][enough?[!refined?[fit_residual_px?\nfit residual "
+      "{fit_residual_px:.4f} px: no wavefront explains the spot positions]]]]",
+      said);
+  if (!line["valid"].get<bool>()) return text;
   for (std::size_t k = 0; k < line["j"].size(); ++k) {
     const int j = line["j"][k].get<int>();
-    print("{:>4} {:<32} {:>9}\n", j, zernike_name(j),
-          signed_decimals(line["coefficients"][k].get<double>(), 4));
+    text += fmt::format("\n{:>4} {:<32} {:>9}", j, zernike_name(j),
+                        signed_decimals(line["coefficients"][k].get<double>(), 4));
   }
-  print("RMS {:.4f} wave without tilts", line["rms_waves"].get<double>());
-  if (line["fit_residual_px"].is_number()) {
-    print(", fit residual {:.4f} px", line["fit_residual_px"].get<double>());
-  }
-  if (line.contains("refined") && line["refined"]["chi2_per_pixel"].is_number()) {
-    print(", refined: chi2 per pixel {:.3f}", line["refined"]["chi2_per_pixel"].get<double>());
-  }
-  print("\n");
+  return text + fill(
+                    "\nRMS {rms_waves:.4f} wave without tilts[fit_residual_px?, fit residual "
+                    "{fit_residual_px:.4f} px][refined.chi2_per_pixel?, refined: chi2 per pixel "
+                    "{refined.chi2_per_pixel:.3f}]",
+                    said);
 }
 
 /// Measurement for all images of one size and pixel depth; made for the first of these images.
@@ -279,18 +282,12 @@ int measure_page(const Common& common, ImageMeasurer& measurer, ImageFile& file,
                  const std::string& reference) {
   const auto measured = measurer.measure(file, page);
   if (!measured) return report(common, of_page(measured.error(), page.name(), reference));
-  if (common.json) {
-    print("{}\n", json_text(measured->line));
-  } else {
-    print_table(page, measured->line, measured->enough_found);
-  }
+  print_result(common, measured->line, page_text(page, measured->line, measured->enough_found));
   if (measured->line.at("tracked") != 0) return kOk;
   return report(common, {Errc::refused, "image",
                          page.name() + ": no spots are found: check the image, its exposure, and "
                                        "the configuration's sensor and optics"});
 }
-
-}  // namespace
 
 /// Measures every image of each file. After one that fails, the remaining ones are still measured.
 int measure_images(const Common& common, const MeasureOptions& options) {
@@ -317,6 +314,58 @@ int measure_images(const Common& common, const MeasureOptions& options) {
     }
   }
   return status;
+}
+
+}  // namespace
+
+void add_measure(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(
+      app, common, status, "measure",
+      "measure the wavefronts of image files (PNG, TIFF, PGM); works offline", measure_images);
+  command.add_option("--config,-c", options.config_path, kConfigHelp);
+  auto* reference =
+      command.add_option("--reference,-r", options.reference,
+                         "image without aberration, from which displacements are measured");
+  command
+      .add_flag("--model-reference", options.model_reference,
+                "measure displacements from the positions that the configuration predicts")
+      ->excludes(reference);
+  command.add_option("--tracker", options.tracker, "tracker, instead of the configuration's")
+      ->check(CLI::IsMember(kNames<TrackerKind>()));
+  command
+      .add_option("--operator", options.mode_operator,
+                  "operator from displacements to modes, instead of the configuration's: "
+                  "diffractive is better up to about 0.1 wave")
+      ->check(CLI::IsMember(kNames<OperatorKind>()));
+  auto* refine =
+      command.add_flag("--refine", options.refine,
+                       "fit all pixels of the spots with this camera's noise, and report how "
+                       "well the model explains them");
+  command
+      .add_option("--electrons-per-dn", options.camera.electrons_per_dn, "camera gain for --refine")
+      ->check(number_from(1e-6, 1e6))
+      ->needs(refine)
+      ->capture_default_str();
+  command
+      .add_option("--read-noise", options.camera.read_noise_e,
+                  "read noise for --refine, electrons RMS")
+      ->check(number_from(0.0, 1e6))
+      ->needs(refine)
+      ->capture_default_str();
+  command
+      .add_option("--saturation", options.camera.saturated_dn,
+                  "for --refine: ignore pixels from this DN on (default: the file's full scale)")
+      ->check(number_from(1.0, 65535.0))
+      ->needs(refine);
+  command.add_option("--black-level", options.camera.black_dn, "black level for --refine, DN")
+      ->check(number_from(0.0, 65535.0))
+      ->needs(refine)
+      ->capture_default_str();
+  command
+      .add_flag("--spot-amplitudes", options.spot_amplitudes,
+                "for --refine: also report each subaperture's amplitude")
+      ->needs(refine);
+  command.add_option("images", options.images, "image files, each a camera frame")->required();
 }
 
 }  // namespace ovws::cli

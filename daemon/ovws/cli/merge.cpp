@@ -1,8 +1,10 @@
 /// ovws merge: joins the parts of a study or of a replay.
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <ostream>
 
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/ovws/cli/replay_tally.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/parts/part_file.hpp"
@@ -17,20 +19,17 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
+struct MergeOptions {
+  std::vector<std::string> parts;
+  std::string folder;
+};
+
 /// Facts of this run and of those that computed the parts.
 json provenance_of(const PartReader& parts) {
   json facts = host_facts();
   facts["parts"] = json::array();
   for (const std::string& path : parts.paths()) facts["parts"].push_back(facts_of_part(path));
   return facts;
-}
-
-Result<void> make_folder(const fs::path& folder) {
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (!failed) return {};
-  return fail(Errc::unavailable, "output",
-              folder.string() + " cannot be created: " + failed.message());
 }
 
 int merge_study(const Common& common, const MergeOptions& options, PartReader& parts) {
@@ -65,21 +64,18 @@ int merge_study(const Common& common, const MergeOptions& options, PartReader& p
 
 /// Writes the frames in their order and counts them.
 Result<ReplayTally> write_frames(PartReader& parts, const fs::path& path) {
-  const fs::path temporary = path.string() + ".tmp";
-  std::ofstream file(temporary);
   ReplayTally tally;
-  while (true) {
-    const auto item = parts.next();
-    if (!item) return fail(item.error());
-    if (!*item) break;
-    tally.count((*item)->result);
-    file << json_text((*item)->result) << '\n';
-  }
-  file.close();
-  std::error_code failed;
-  if (file) fs::rename(temporary, path, failed);
-  if (file && !failed) return tally;
-  return fail(Errc::unavailable, "output", path.string() + " cannot be written: check the disk");
+  auto written = write_output(path, [&](std::ostream& file) -> Result<void> {
+    while (true) {
+      const auto item = parts.next();
+      if (!item) return fail(item.error());
+      if (!*item) return {};
+      tally.count((*item)->result);
+      file << json_text((*item)->result) << '\n';
+    }
+  });
+  if (!written) return fail(written.error());
+  return tally;
 }
 
 int merge_replay(const Common& common, const MergeOptions& options, PartReader& parts) {
@@ -92,30 +88,8 @@ int merge_replay(const Common& common, const MergeOptions& options, PartReader& 
   auto written = study::write_text(json_text(summary, 2) + "\n", folder / "summary.json");
   if (written) written = write_provenance(provenance_of(parts), folder / kProvenance);
   if (!written) return report(common, written.error());
-  if (common.json) {
-    print("{}\n", json_text(summary));
-  } else {
-    tally->print_text(summary.at("recording").at("file").get<std::string>());
-  }
-  return kOk;
-}
-
-}  // namespace
-
-std::string part_name(const Shard& shard) {
-  return fmt::format("part-{}-of-{}", shard.number, shard.of);
-}
-std::string part_name(const Positions& range) {
-  return fmt::format("part-{}-to-{}", range.begin, range.end);
-}
-
-int report_file(const Common& common, const fs::path& file) {
-  if (common.json) {
-    print("{}\n", json_text(json{{"file", file.string()}}));
-  } else {
-    print("{}\n", file.string());
-  }
-  return kOk;
+  return print_result(common, summary,
+                      tally->text(summary.at("recording").at("file").get<std::string>()));
 }
 
 int merge_parts(const Common& common, const MergeOptions& options) {
@@ -136,6 +110,25 @@ int merge_parts(const Common& common, const MergeOptions& options) {
                   {Errc::invalid, "parts",
                    std::string("a part is damaged: compute the parts again: ") + error.what()});
   }
+}
+
+}  // namespace
+
+std::string part_name(const Shard& shard) {
+  return fmt::format("part-{}-of-{}", shard.number, shard.of);
+}
+std::string part_name(const Positions& range) {
+  return fmt::format("part-{}-to-{}", range.begin, range.end);
+}
+
+void add_merge(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(
+      app, common, status, "merge",
+      "join the parts of ovws study --shard into the study's figures, or those of ovws replay -o "
+      "into one list of frames; the result does not depend on the number of parts; works offline",
+      merge_parts);
+  command.add_option("parts", options.parts, "all parts (JSON lines), in any order")->required();
+  command.add_option("--output,-o", options.folder, "folder for the files")->required();
 }
 
 }  // namespace ovws::cli

@@ -3,7 +3,7 @@
 
 #include <csignal>
 
-#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/shared/stream_follower.hpp"
 
@@ -13,9 +13,8 @@ namespace {
 constexpr std::chrono::milliseconds kReceiveTimeout{200};
 constexpr double kMetricsTimeoutS = 1.0;
 
-}  // namespace
-
-int serve_metrics(Common common, const std::string& address) {
+int serve_metrics(const Common& given, const std::string& address) {
+  Common common = given;
   auto exporter = metrics::Exporter::serve(address);
   if (!exporter) return report(common, exporter.error());
   catch_interrupts({SIGINT, SIGTERM});
@@ -28,6 +27,22 @@ int serve_metrics(Common common, const std::string& address) {
     if (message) exporter->take(message->topic, std::move(message->json));
   }
   return kOk;
+}
+
+}  // namespace
+
+void add_metrics(CLI::App& app, const Common& common, int& status) {
+  auto [command, address] = add_command(
+      app, common, status, "metrics",
+      "serve the daemon's metrics to Prometheus (http://ADDRESS:PORT/metrics) until Ctrl-C; "
+      "reconnects when the daemon restarts",
+      serve_metrics);
+  address = "127.0.0.1:7705";
+  command
+      .add_option("--listen", address,
+                  "ADDRESS:PORT with a numeric loopback address, because metrics need no key")
+      ->envname("OVWS_METRICS_LISTEN")
+      ->capture_default_str();
 }
 
 }  // namespace ovws::cli

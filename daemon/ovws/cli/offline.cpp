@@ -7,12 +7,11 @@
 #include "core/optics/detector.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/sensor_model.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/image_file.hpp"
 #include "daemon/ovws/text/mode_names.hpp"
 #include "daemon/shared/slm_files.hpp"
-#include "proto/json_text.hpp"
-#include "proto/limits.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -66,7 +65,7 @@ Result<void> make_hologram(const ImageOptions& options) {
 /// the requested peak or total.
 Result<Image<float>> electrons(const Config& config, const FarFieldOptions& options,
                                double full_well_e) {
-  const auto modes = requested_modes(options.picture);
+  const auto modes = requested_modes(options);
   if (!modes) return fail(modes.error());
   const Roi& roi = config.camera.settings.roi;
   auto model =
@@ -81,20 +80,39 @@ Result<Image<float>> electrons(const Config& config, const FarFieldOptions& opti
 }
 
 int finish(const Common& common, const std::string& output, const Result<void>& done) {
-  if (!done) return report(common, done.error());
-  if (common.json) {
-    print("{}\n", json_text(nlohmann::json{{"file", output}}));
-  } else {
-    print("{}\n", output);
-  }
-  return kOk;
+  return done ? report_file(common, output) : report(common, done.error());
 }
-
-}  // namespace
 
 int save_hologram(const Common& common, const ImageOptions& options) {
   return finish(common, options.output, make_hologram(options));
 }
+
+int save_farfield(const Common& common, const FarFieldOptions& options) {
+  const auto config = hologram_config(options);
+  if (!config) return report(common, config.error());
+  return finish(common, options.output, write_farfield(*config, options));
+}
+
+void add_image_options(CLI::App& command, ImageOptions& options) {
+  command.add_option("--config,-c", options.config_path, kConfigHelp);
+  command
+      .add_option(
+          "--modes", options.modes,
+          "Zernike modes added to the hologram: \"MODE:waves;MODE:waves\", each mode by n,m, by "
+          "j or by name, e.g. \"2,-2:0.5;defocus:0.1\"")
+      ->check([](const std::string& text) {
+        const auto modes = parse_modes(text, ZernikeNorm::rms);
+        return modes ? std::string() : modes.error().reason;
+      });
+  command
+      .add_option("--norm", options.norm,
+                  "normalisation of modes: RMS over the pupil, or unit amplitude at its edge")
+      ->check(CLI::IsMember({"rms", "unit"}))
+      ->capture_default_str();
+  command.add_option("--output,-o", options.output, "PNG file to write")->required();
+}
+
+}  // namespace
 
 Result<void> write_farfield(const Config& config, const FarFieldOptions& options) {
   DetectorConfig detector;
@@ -109,16 +127,50 @@ Result<void> write_farfield(const Config& config, const FarFieldOptions& options
   Image<std::uint16_t> dn;
   Detector(detector, collected->width, collected->height)
       .expose(*collected, config.camera.settings.exposure_us, options.gain_db, dn);
-  if (options.bits > 8) return write_png(options.picture.output, dn);
+  if (options.bits > 8) return write_png(options.output, dn);
   Image<std::uint8_t> narrow(dn.width, dn.height);
   std::copy(dn.pixels.begin(), dn.pixels.end(), narrow.pixels.begin());
-  return write_png(options.picture.output, narrow);
+  return write_png(options.output, narrow);
 }
 
-int save_farfield(const Common& common, const FarFieldOptions& options) {
-  const auto config = hologram_config(options.picture);
-  if (!config) return report(common, config.error());
-  return finish(common, options.picture.output, write_farfield(*config, options));
+void add_pictures(CLI::App& app, const Common& common, int& status) {
+  auto [hologram, image] = add_command(
+      app, common, status, "hologram",
+      "write the sensor's hologram for a configuration as PNG: the SLM's grey levels pixel by "
+      "pixel, with the configuration's LUT and flatness; works offline",
+      save_hologram);
+  add_image_options(hologram, image);
+  auto [command, options] =
+      add_command(app, common, status, "farfield",
+                  "write the camera image of that hologram on an ideal bench as PNG, computed with "
+                  "noise; works offline",
+                  save_farfield);
+  add_image_options(command, options);
+  auto* peak =
+      command
+          .add_option("--peak", options.peak_e,
+                      "light level: electrons in the spots' brightest pixel (default 8000)")
+          ->check(number_from(1e-3, 1e9));
+  command
+      .add_option("--photons", options.total_e,
+                  "light level: electrons in the whole image, instead of --peak")
+      ->check(number_from(1e-3, 1e15))
+      ->excludes(peak);
+  command
+      .add_option("--read-noise", options.read_noise_e, "read noise of the camera, electrons RMS")
+      ->check(number_from(0.0, 1e6))
+      ->capture_default_str();
+  command.add_option("--gain-db", options.gain_db, "camera gain, dB")
+      ->check(number_from(limits::kGainDb))
+      ->capture_default_str();
+  command.add_option("--bits", options.bits, "bits per pixel; above 8 the PNG has 16")
+      ->check(CLI::Range(8, 16))
+      ->capture_default_str();
+  command
+      .add_option("--seed", options.seed, "seed of the noise: the same seed gives the same image")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command.add_flag("--noise-free", options.noise_free, "no noise of any kind");
 }
 
 }  // namespace ovws::cli

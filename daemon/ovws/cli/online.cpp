@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/text/description.hpp"
 #include "daemon/ovws/text/status.hpp"
 #include "daemon/ovws/text/wrap.hpp"
 #include "daemon/shared/client.hpp"
-#include "proto/json_text.hpp"
 #include "proto/reader.hpp"
 
 namespace ovws::cli {
@@ -37,15 +37,10 @@ tl::expected<BenchState, CallFailure> state_of_bench(const Common& common, const
   return bench;
 }
 
-}  // namespace
-
-int show_status(const Common& common) {
+int show_status(const Common& common, const NoOptions&) {
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
-  if (common.json) {
-    print("{}\n", json_text(*status));
-    return kOk;
-  }
+  if (common.json) return print_result(common, *status, "");
   const auto bench = state_of_bench(common, *status);
   if (!bench) return report_failure(common, bench.error());
   print("{}\n", wrapped(status_text(*bench), terminal_columns(), kStatusColumn));
@@ -61,13 +56,23 @@ int describe(const Common& common, const std::string& name) {
                                    "no method or stream has this name" +
                                        (near ? "; did you mean " + *near + "?" : "")});
   }
-  if (common.json) {
-    print("{}\n", json_text(name.empty() ? *description : entry_of(*description, name)));
-    return kOk;
-  }
   const std::string text = name.empty() ? list_text(*description) : entry_text(*description, name);
-  print("{}\n", wrapped(text, terminal_columns(), kDescriptionColumn));
-  return kOk;
+  return print_result(common, name.empty() ? *description : entry_of(*description, name),
+                      wrapped(text, terminal_columns(), kDescriptionColumn));
+}
+
+}  // namespace
+
+void add_online_commands(CLI::App& app, const Common& common, int& status) {
+  add_command(app, common, status, "status",
+              "show the state of the bench: camera, SLM, reference, wavefront, loop, recording",
+              show_status);
+  auto [command, name] = add_command(
+      app, common, status, "describe",
+      "list every method and stream of the daemon, or explain one: its keys with ranges, and "
+      "examples (with --json: their schemas)",
+      describe);
+  command.add_option("name", name, "method or stream, e.g. camera.set");
 }
 
 }  // namespace ovws::cli

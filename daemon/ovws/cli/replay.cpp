@@ -8,9 +8,11 @@
 #include <thread>
 
 #include "core/port/clock.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/replay_tally.hpp"
 #include "daemon/ovws/parts/part_file.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "daemon/ovwsd/record/loop_player.hpp"
 #include "daemon/ovwsd/record/player.hpp"
 #include "proto/json_text.hpp"
@@ -20,6 +22,23 @@ namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
+
+/// Values that replace those of the recording's configuration; see RefineSetup.
+struct RefineOverrides {
+  std::optional<double> electrons_per_dn, read_noise_e, black_level_dn, saturation_dn;
+};
+
+struct ReplayOptions {
+  std::string path;
+  double speed = 0.0;  ///< factor to the recorded speed; 0: as fast as possible
+  bool step = false;
+  bool print_frames = false;
+  std::optional<Positions> frames;  ///< positions in the recording; none: all
+  std::optional<Shard> shard;       ///< instead of `frames`
+  std::string folder;               ///< for a part; empty: prints the results
+  bool refine = false;
+  RefineOverrides camera;  ///< used with `refine` only
+};
 
 /// The recording of a part: parts of different recordings are not joined.
 json identity_of(const std::string& path, const RecordingReader& reader) {
@@ -92,30 +111,22 @@ json loop_content(const PlayedLoop& loop) {
           {"not_all_because", text_or_null(loop.reason)}};
 }
 
-void print_loop(const PlayedLoop& loop) {
-  if (loop.runs == 0 && loop.reason.empty()) return;
-  print("closed loop: closed {} times, {} decisions repeated, {} of them bit for bit the same\n",
-        loop.runs, loop.decisions, loop.same);
-  if (!loop.first_difference.empty()) {
-    print("first different decision: after {}\n", loop.first_difference);
-  }
-  if (!loop.reason.empty()) print("not all decisions were repeated: {}\n", loop.reason);
-}
-
-/// `loop`: none if the frames are only a part of the recording.
+/// `played`: none if the frames are only a part of the recording.
 int print_summary(const Common& common, const ReplayOptions& options, const ReplayTally& tally,
                   const std::optional<PlayedLoop>& played) {
   const PlayedLoop loop = played.value_or(PlayedLoop{});
   const bool all_same = tally.same == tally.replayed && loop.same == loop.decisions &&
                         tally.replayed + loop.decisions > 0;
-  if (common.json) {
-    json summary = tally.content();
-    summary["loop"] = loop_content(loop);
-    print("{}\n", json_text(summary));
-  } else {
-    tally.print_text(options.path);
-    print_loop(loop);
-  }
+  json summary = tally.content();
+  summary["loop"] = loop_content(loop);
+  print_result(common, summary,
+               tally.text(options.path) +
+                   fill("[loop?\nclosed loop: closed {loop.runs} times, {loop.decisions} decisions "
+                        "repeated, {loop.same} of them bit for bit the same"
+                        "[loop.first_difference?\nfirst different decision: after "
+                        "{loop.first_difference}][loop.not_all_because?\nnot all decisions were "
+                        "repeated: {loop.not_all_because}]]",
+                        summary));
   return all_same ? kOk : kError;
 }
 
@@ -189,15 +200,13 @@ Result<fs::path> write_replay_part(const ReplayOptions& options, Selected& selec
   return part->path();
 }
 
-}  // namespace
-
 int replay_recording(const Common& common, const ReplayOptions& options) {
   auto selected = select(options);
   if (!selected) return report(common, selected.error());
   Player& player = *selected->player;
   if (!options.folder.empty()) {
     const auto part = write_replay_part(options, *selected);
-    return part ? report_file(common, *part) : report(common, part.error());
+    return part ? report_file(common, part->string()) : report(common, part.error());
   }
   std::optional<std::int64_t> first_ns;
   const std::int64_t begun_ns = monotonic_ns();
@@ -221,6 +230,74 @@ int replay_recording(const Common& common, const ReplayOptions& options) {
   const auto loop = replay_loop(player.reader());
   if (!loop) return report(common, loop.error());
   return print_summary(common, options, tally, *loop);
+}
+
+void add_refine_options(CLI::App& command, ReplayOptions& options) {
+  auto* refine = command.add_flag(
+      "--refine", options.refine,
+      "also fit all pixels of the spots of each frame with the camera's noise; each value below "
+      "replaces that of refine in the recording's configuration");
+  RefineOverrides& camera = options.camera;
+  command
+      .add_option("--electrons-per-dn", camera.electrons_per_dn,
+                  "for --refine: electrons per DN of the configured pixel format at a gain of 0 dB")
+      ->check(number_from(limits::kElectronsPerDn))
+      ->needs(refine);
+  command
+      .add_option("--read-noise", camera.read_noise_e, "for --refine: read noise, electrons RMS")
+      ->check(number_from(limits::kReadNoiseE))
+      ->needs(refine);
+  command.add_option("--black-level", camera.black_level_dn, "for --refine: black level, DN")
+      ->check(number_from(limits::kBlackLevelDn))
+      ->needs(refine);
+  command
+      .add_option("--saturation", camera.saturation_dn,
+                  "for --refine: ignore pixels from this DN on")
+      ->check(number_from(limits::kSaturationDn))
+      ->needs(refine);
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(
+      app, common, status, "replay",
+      "measure the images of a recording again with the recorded settings and compare the results; "
+      "exit code 1 if they differ or if there is nothing to measure",
+      replay_recording);
+  command.add_option("file", options.path, "recording made by record.start")->required();
+  auto* speed =
+      command
+          .add_option("--speed", options.speed, "1: as recorded; 0 (default): as fast as possible")
+          ->check(number_from(0.0, 1e6));
+  auto* step =
+      command.add_flag("--step", options.step, "measure one frame at a time; Enter continues");
+  auto* frames =
+      command
+          .add_option_function<std::string>(
+              "--frames",
+              [&options = options](const std::string& text) {
+                options.print_frames = true;
+                if (!text.empty()) options.frames = *parse_range(text);
+              },
+              "print each frame as one line of JSON; with A:B only the frames at the positions A "
+              "to B-1 of the recording, counted from 0")
+          ->expected(0, 1)
+          ->type_name("[A:B]")
+          ->check([](const std::string& text) {
+            const std::string wrong = text.empty() ? "" : why_refused(parse_range(text));
+            return wrong.empty() ? wrong : wrong + "; without a range, give it after the file";
+          });
+  add_shard(command, options.shard,
+            "replay only the i-th of N nearly equal ranges of frames, 1/N to N/N")
+      ->excludes(frames);
+  command
+      .add_option("--output,-o", options.folder,
+                  "write the frames to this folder, as a part for ovws merge, which then reports "
+                  "differences")
+      ->excludes(speed)
+      ->excludes(step);
+  add_refine_options(command, options);
 }
 
 }  // namespace ovws::cli

@@ -1,6 +1,6 @@
 #include "daemon/ovws/cli/replay_tally.hpp"
 
-#include "daemon/shared/client.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "proto/json_text.hpp"
 
 namespace ovws::cli {
@@ -36,12 +36,14 @@ json ReplayTally::content() const {
           {"first_difference", text_or_null(first_difference)}};
 }
 
-void ReplayTally::print_text(const std::string& name) const {
-  print("{}: {} frames, {} replayed, {} of them bit for bit the same, {} valid\n", name, frames,
-        replayed, same, valid);
-  if (refined > 0) print("{} refined\n", refined);
-  if (!first_reason.empty()) print("first not replayed: {}\n", first_reason);
-  if (!first_difference.empty()) print("first difference: {}\n", first_difference);
+std::string ReplayTally::text(const std::string& name) const {
+  json said = content();
+  said["name"] = name;
+  return fill(
+      "{name}: {frames} frames, {replayed} replayed, {same} of them bit for bit the same, {valid} "
+      "valid[refined?\n{refined} refined][first_not_replayed?\nfirst not replayed: "
+      "{first_not_replayed}][first_difference?\nfirst difference: {first_difference}]",
+      said);
 }
 
 }  // namespace ovws::cli

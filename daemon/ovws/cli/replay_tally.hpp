@@ -17,8 +17,8 @@ struct ReplayTally {
   /// Counts one frame, as `ovws replay --frames` prints it.
   void count(const nlohmann::json& line);
   nlohmann::json content() const;
-  /// Prints the summary as text. `name`: the recording.
-  void print_text(const std::string& name) const;
+  /// The summary for people. `name`: the recording.
+  std::string text(const std::string& name) const;
 };
 
 }  // namespace ovws::cli

@@ -1,6 +1,5 @@
 /// ovws snapshot: writes the camera image with the spots marked, and the wavefront, as PNG files.
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -10,11 +9,14 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/image_file.hpp"
+#include "daemon/ovws/text/fill.hpp"
 #include "daemon/shared/client.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
+#include "proto/spot_rows.hpp"
 
 namespace ovws::cli {
 namespace {
@@ -95,14 +97,6 @@ cv::Mat grey_image(const StreamMessage& message, const json& header) {
   return grey;
 }
 
-/// Rows of the binary `spots` message: x, y, ref_x, ref_y (camera pixels), peak, quality.
-std::vector<std::array<float, 6>> rows_of(const StreamMessage& spots) {
-  std::vector<std::array<float, 6>> rows(spots.binary.size() / (6 * sizeof(float)));
-  if (rows.empty()) return rows;
-  std::memcpy(rows.data(), spots.binary.data(), rows.size() * sizeof(rows[0]));
-  return rows;
-}
-
 /// Warning text "NOT VALID: reason"; empty for a valid frame.
 std::string warning_of(const StreamMessage& spots, const json& status) {
   const json header = json_of(spots.json);
@@ -113,14 +107,16 @@ void draw_spots(cv::Mat& picture, const StreamMessage& spots) {
   const auto at = [](float x, float y) {
     return cv::Point(int(std::lround((x + 0.5F) * kZoom)), int(std::lround((y + 0.5F) * kZoom)));
   };
-  for (const auto& spot : rows_of(spots)) {
-    if (!std::isnan(spot[2])) {
-      cv::drawMarker(picture, at(spot[2], spot[3]), kReferenceColour, cv::MARKER_TILTED_CROSS, 10);
+  for (const SpotRow& spot : spot_rows(spots.binary)) {
+    if (!std::isnan(spot.ref_x)) {
+      cv::drawMarker(picture, at(spot.ref_x, spot.ref_y), kReferenceColour, cv::MARKER_TILTED_CROSS,
+                     10);
     }
-    if (std::isnan(spot[0])) continue;
-    cv::circle(picture, at(spot[0], spot[1]), 6, kFoundColour, 1, cv::LINE_AA);
-    if (!std::isnan(spot[2])) {
-      cv::line(picture, at(spot[2], spot[3]), at(spot[0], spot[1]), kFoundColour, 1, cv::LINE_AA);
+    if (std::isnan(spot.x)) continue;
+    cv::circle(picture, at(spot.x, spot.y), 6, kFoundColour, 1, cv::LINE_AA);
+    if (!std::isnan(spot.ref_x)) {
+      cv::line(picture, at(spot.ref_x, spot.ref_y), at(spot.x, spot.y), kFoundColour, 1,
+               cv::LINE_AA);
     }
   }
 }
@@ -146,10 +142,9 @@ cv::Mat camera_image(const Messages& messages, const std::string& warning) {
   cv::Mat picture;
   cv::cvtColor(large, picture, cv::COLOR_GRAY2BGR);
   draw_spots(picture, messages.at("spots"));
-  write_line(picture, 0,
-             fmt::format("frame {}  charge {}  {} of {} spots found",
-                         spots.at("frame_id").get<std::uint64_t>(), spots.at("charge").get<int>(),
-                         spots.at("tracked").get<int>(), spots.at("subapertures").get<int>()));
+  write_line(
+      picture, 0,
+      fill("frame {frame_id}  charge {charge}  {tracked} of {subapertures} spots found", spots));
   write_line(picture, 1, "circle: found   cross: reference");
   write_line(picture, 2, warning, kWarningColour);
   return picture;
@@ -187,11 +182,9 @@ cv::Mat phase_image(const Messages& messages, const std::string& warning) {
   cv::Mat picture(kPhaseImageSize, CV_8UC3, kBackground);
   cv::resize(phase_colours(waves, scale, kBackground), picture(kMapPlace), kMapPlace.size(), 0, 0,
              cv::INTER_NEAREST);
-  write_line(picture, 0,
-             fmt::format("wavefront, frame {}", header.at("frame_id").get<std::uint64_t>()));
+  write_line(picture, 0, fill("wavefront, frame {frame_id}", header));
   if (spots.at("rms_waves").is_number()) {
-    write_line(picture, 1,
-               fmt::format("RMS {:.4f} wave without tilts", spots.at("rms_waves").get<double>()));
+    write_line(picture, 1, fill("RMS {rms_waves:.4f} wave without tilts", spots));
     draw_colour_bar(picture, scale);
   }
   write_line(picture, 2, warning, kWarningColour);
@@ -214,15 +207,9 @@ int write_images(const Common& common, const Messages& messages, const std::stri
   if (written) written = write_image(phase, phase_image(messages, warning));
   if (!written) return report(common, written.error());
   if (!warning.empty()) fmt::print(stderr, "ovws: {}\n", warning);
-  if (common.json) {
-    print("{}\n", json_text(json{{"files", {camera, phase}}, {"valid", warning.empty()}}));
-  } else {
-    print("{}\n{}\n", camera, phase);
-  }
-  return kOk;
+  return print_result(common, {{"files", {camera, phase}}, {"valid", warning.empty()}},
+                      camera + "\n" + phase);
 }
-
-}  // namespace
 
 int save_snapshot(const Common& common, const std::string& prefix) {
   const auto endpoint = stream_endpoint(common, "endpoint");
@@ -240,6 +227,21 @@ int save_snapshot(const Common& common, const std::string& prefix) {
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
   return write_images(common, *messages, warning_of(messages->at("spots"), *status), prefix);
+}
+
+}  // namespace
+
+void add_snapshot(CLI::App& app, const Common& common, int& status) {
+  auto [command, prefix] =
+      add_command(app, common, status, "snapshot",
+                  "write the camera image with its spots and the wavefront as PNG; waits up to "
+                  "--timeout for a valid frame",
+                  save_snapshot);
+  prefix = "ovws";
+  command
+      .add_option("--output,-o", prefix,
+                  "prefix of the files PREFIX-camera.png and PREFIX-phase.png, or a folder")
+      ->capture_default_str();
 }
 
 }  // namespace ovws::cli

@@ -1,33 +1,21 @@
 /// ovws study: runs accuracy studies, offline or on a daemon's bench, and writes their figures.
-#include <unistd.h>
-
-#include <cerrno>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/study_files.hpp"
 #include "daemon/ovws/parts/part_file.hpp"
 #include "daemon/ovws/parts/provenance.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/study/studies.hpp"
-#include "proto/json_text.hpp"
 
 namespace ovws::cli {
 namespace {
 
-/// Creates the output folder and checks that it is writable, before a study that takes minutes.
-Result<void> check_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!error && ::access(folder.c_str(), W_OK | X_OK) != 0) {
-    error.assign(errno, std::generic_category());
-  }
-  if (!error) return {};
-  return fail(Errc::unavailable, "output",
-              folder.string() + " is not writable: " + error.message());
-}
+constexpr const char* kExperiment = "experiment";
+constexpr const char* kRejection = "rejection";
 
 int threads_of(const StudyOptions& options) {
   return options.threads > 0 ? options.threads : study::all_cores();
@@ -83,6 +71,28 @@ int bench_command(const Common& common, const StudyOptions& options) {
   return run_rejection(common, params, options.seconds, options.folder);
 }
 
+int study_command(const Common& common, const StudyOptions& options) {
+  const bool on_a_bench = options.name == kExperiment || options.name == kRejection;
+  if (on_a_bench && options.shard) {
+    return report(common,
+                  {Errc::refused, "shard",
+                   options.name + " measures one bench in real time, which cannot be shared "
+                                  "out: leave out --shard"});
+  }
+  // Before a study that takes minutes.
+  if (const auto usable = make_folder(options.folder); !usable) {
+    return report(common, usable.error());
+  }
+  if (on_a_bench) return bench_command(common, options);
+  if (options.shard) {
+    const auto part = write_study_part(options, *options.shard);
+    return part ? report_file(common, part->string()) : report(common, part.error());
+  }
+  const study::Work work = work_of(options);
+  const auto results = measure_all(options, work);
+  return finish_study(common, options, work, results, host_facts());
+}
+
 }  // namespace
 
 int finish_study(const Common& common, const StudyOptions& options, const study::Work& work,
@@ -99,34 +109,60 @@ int finish_study(const Common& common, const StudyOptions& options, const study:
   if (written) written = write_provenance(provenance, folder / kProvenance);
   if (written) written = write_findings(found.summary, found.figures, folder);
   study::print_progress("");
-  if (common.json) {
-    print("{}\n", json_text(found.summary));
-  } else {
-    print("{}: {:.0f} s, see {}\n", options.name, provenance.at("took_s").get<double>(),
-          options.folder);
-  }
+  print_result(common, found.summary,
+               fmt::format("{}: {:.0f} s, see {}", options.name,
+                           provenance.at("took_s").get<double>(), options.folder));
   return written ? kOk : report(common, written.error());
 }
 
-int study_command(const Common& common, const StudyOptions& options) {
-  const bool on_a_bench = options.name == kExperiment || options.name == kRejection;
-  if (on_a_bench && options.shard) {
-    return report(common,
-                  {Errc::refused, "shard",
-                   options.name + " measures one bench in real time, which cannot be shared "
-                                  "out: leave out --shard"});
+void add_study(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] = add_command(
+      app, common, status, "study",
+      "run a study and write its figures, numbers and summary to a folder; experiment and "
+      "rejection run on a daemon's bench, the others work offline",
+      study_command);
+  std::vector<std::string> names;
+  std::string help = "one of:";
+  for (const study::Study& one : study::kStudies) {
+    names.emplace_back(one.name);
+    help += std::string("\n") + one.name + ": " + one.what;
   }
-  if (const auto usable = check_folder(options.folder); !usable) {
-    return report(common, usable.error());
-  }
-  if (on_a_bench) return bench_command(common, options);
-  if (options.shard) {
-    const auto part = write_study_part(options, *options.shard);
-    return part ? report_file(common, *part) : report(common, part.error());
-  }
-  const study::Work work = work_of(options);
-  const auto results = measure_all(options, work);
-  return finish_study(common, options, work, results, host_facts());
+  names.emplace_back(kExperiment);
+  help += std::string("\n") + kExperiment +
+          ": the paper's experiment on a daemon's bench: residual variance against camera gain";
+  names.emplace_back(kRejection);
+  help += std::string("\n") + kRejection +
+          ": on a daemon's bench, the closed loop's disturbance rejection by frequency, with the "
+          "laws integrator, optimised and predictor, or with the law that --params names";
+  command.add_option("name", options.name, help)->required()->check(CLI::IsMember(names));
+  command
+      .add_option("--output,-o", options.folder,
+                  "folder for the files; replaces those of the same study")
+      ->required();
+  command.add_flag(
+      "--quick", options.quick,
+      "fewer levels and realisations: seconds instead of minutes; rejection ignores it");
+  command.add_option("--threads", options.threads, "number of threads; 0: one per core")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "random seed: the same seed gives the same numbers")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  add_shard(
+      command, options.shard,
+      "measure only every N-th item of the study, 1/N to N/N, and write a part for ovws merge "
+      "instead of the figures");
+  command
+      .add_option(
+          "--seconds", options.seconds,
+          "rejection only: duration of each recording: one with the loop open, and one with each "
+          "law")
+      ->check(number_from(5.0, 86400.0))
+      ->capture_default_str();
+  command.add_option("--params", options.params,
+                     "experiment and rejection only: what to measure (see the guide), or params "
+                     "of loop.close as a JSON "
+                     "object; see ovws describe");
 }
 
 }  // namespace ovws::cli

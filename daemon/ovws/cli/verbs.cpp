@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "daemon/ovws/cli/commands.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/study/parallel.hpp"
 #include "daemon/ovws/text/answer.hpp"
@@ -83,8 +83,6 @@ bool has_ended_well(const json& record) {
          (reason.starts_with("limit_") && reason.ends_with("is reached"));
 }
 
-}  // namespace
-
 int exposure_verb(const Common& common, const std::string& time) {
   if (time.empty()) return act_on_camera(common, json::object(), "exposure", exposure_text);
   if (time == "auto") return act(common, "camera.auto_exposure", json::object());
@@ -135,7 +133,7 @@ int aberrate_verb(const Common& common, const Words& words) {
 }
 
 /// Removes the introduced aberration, and says what correction stays.
-int clear_verb(const Common& common) {
+int clear_verb(const Common& common, const NoOptions&) {
   const auto cleared = call_and_wait(common, "aberration.clear", json::object());
   if (!cleared) return report_failure(common, cleared.error());
   json answer = *cleared;
@@ -156,7 +154,13 @@ int focus_verb(const Common& common, const Words& words) {
   return act_on_words(common, "focus.run", words);
 }
 
-int reference_verb(const Common& common, const std::string& action, const Words& words) {
+struct ActionWords {
+  std::string action;
+  Words words;
+};
+
+int reference_verb(const Common& common, const ActionWords& given) {
+  const auto& [action, words] = given;
   if (action.empty()) return act(common, "reference.get", json::object());
   if (action == "list") return act_on_words(common, "reference.list", words);
   Words of_method = words;
@@ -170,7 +174,8 @@ int reference_verb(const Common& common, const std::string& action, const Words&
   return act_on_words(common, "reference." + action, {"name=" + words.front()});
 }
 
-int loop_verb(const Common& common, const std::string& action, const Words& words) {
+int loop_verb(const Common& common, const ActionWords& given) {
+  const auto& [action, words] = given;
   if (action.empty()) return act(common, "loop.get", json::object());
   if (action == "clear") return act_on_words(common, "correction.clear", words);
   if (action == "pause" || action == "resume") {
@@ -181,6 +186,9 @@ int loop_verb(const Common& common, const std::string& action, const Words& word
   return act_on_words(common, "loop." + action, words);
 }
 
+/// Records until the duration has passed, or until Ctrl-C, and shows the progress. `words`: a name,
+/// a duration, and params of record.start as KEY=VALUE, each may be left out; none: shows the
+/// state.
 int record_verb(const Common& common, const std::vector<std::string>& words) {
   if (words.empty()) return act(common, "record.get", json::object());
   Words named, plain;
@@ -215,6 +223,61 @@ int record_verb(const Common& common, const std::vector<std::string>& words) {
   if (!ended) return report_failure(common, ended.error());
   print_answer(common, *ended, answer_text("record.get", *ended));
   return has_ended_well(*ended) ? kOk : kError;
+}
+
+}  // namespace
+
+void add_verbs(CLI::App& app, const Common& common, int& status) {
+  const auto verb = [&]<class Options>(const char* name, const char* help,
+                                       int (*run)(const Common&, const Options&)) {
+    return add_command(app, common, status, name, help, run);
+  };
+  const auto verb_of = [&](const char* name, const char* help, auto run, const char* argument,
+                           const char* argument_help) {
+    auto added = verb(name, help, run);
+    added.syntax.add_option(argument, added.options, argument_help);
+  };
+  verb_of("exposure", "set or show the camera's exposure time, or let the daemon find it",
+          exposure_verb, "time",
+          "time with its unit: 2ms, 2000us, 0.5s; or auto: most spots reach up to 70 % of full "
+          "scale");
+  verb_of("gain", "set or show the camera's gain", gain_verb, "gain", "gain, dB: 12");
+  verb_of("rate", "set the camera's frame rate, or show it with the rate that is measured",
+          rate_verb, "rate", "frames per second, Hz: 100");
+  verb_of("aberrate", "introduce an aberration instead of the present one, or show the present one",
+          aberrate_verb, "modes",
+          "MODE=WAVES, e.g. vertical-coma=0.2; modes as in ovws call --help. norm=unit: amplitudes "
+          "at the pupil's edge instead of RMS");
+  verb("clear", "remove the introduced aberration, and say what correction stays", clear_verb);
+  verb_of("focus", "measure how far the camera is from the focus, and the aberrations of the light",
+          focus_verb, "params", "params of focus.run: frames=20");
+  auto reference =
+      verb("reference", "take a reference, show the present one, or keep several by name",
+           reference_verb);
+  reference.syntax
+      .add_option("action", reference.options.action,
+                  "take one: number of frames to average, e.g. 100; or save, load, delete, list")
+      ->check(CLI::Range(limits::kReferenceFrames.min, limits::kReferenceFrames.max) |
+              CLI::IsMember({"save", "load", "delete", "list"}));
+  reference.syntax.add_option("params", reference.options.words,
+                              "NAME to save, load or delete; or further params of "
+                              "reference.take: allow_aberration=true");
+  auto loop = verb(
+      "loop", "close, open, pause or resume the loop, remove its correction, or show its state",
+      loop_verb);
+  loop.syntax
+      .add_option("action", loop.options.action,
+                  "what to do; clear removes the correction that an open loop has left")
+      ->check(CLI::IsMember({"close", "open", "pause", "resume", "clear"}));
+  loop.syntax.add_option("params", loop.options.words,
+                         "params of loop.close or loop.open: gain=0.3 modes=3,4,5, keep=false");
+  verb_of("record",
+          "record every frame into a file of the daemon's recordings until the duration has passed "
+          "or Ctrl-C is pressed, or show the state of the recording",
+          record_verb, "words",
+          "NAME of the file without .h5 (default: run- and the time), then DURATION with its unit: "
+          "60s, 10min, 2h (default: until Ctrl-C); and further params of record.start: "
+          "pictures_every=10 limit_mib=20000");
 }
 
 }  // namespace ovws::cli

@@ -11,9 +11,12 @@
 
 #include "core/base/number_text.hpp"
 #include "core/optics/zernike.hpp"
+#include "daemon/ovws/cli/command_line.hpp"
 #include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/request.hpp"
 #include "daemon/ovws/text/answer.hpp"
+#include "daemon/ovws/text/fill.hpp"
+#include "daemon/ovws/text/mode_names.hpp"
 #include "daemon/shared/client.hpp"
 #include "drivers/zmq/client.hpp"
 #include "proto/json_text.hpp"
@@ -22,6 +25,13 @@ namespace ovws::cli {
 namespace {
 
 using nlohmann::json;
+
+struct WatchOptions {
+  std::string topic = "wavefront";
+  int count = 0;  ///< number of messages to show; 0: until Ctrl-C
+  bool plain = false;
+  const CLI::Option* timeout = nullptr;  ///< if it is given, it limits the wait for a message
+};
 
 constexpr int kBarHalfWidth = 20;
 
@@ -35,12 +45,6 @@ std::string signed_bar(double waves, double full_scale) {
     (waves < 0 ? left[std::size_t(kBarHalfWidth - 1 - i)] : right[std::size_t(i)]) = '#';
   }
   return left + "|" + right;
-}
-
-std::size_t longest_name(const json& modes_j) {
-  std::size_t length = 0;
-  for (const json& j : modes_j) length = std::max(length, zernike_name(j.get<int>()).size());
-  return length;
 }
 
 /// Prints one line per mode, with its standard error if the message contains one. Returns the full
@@ -73,41 +77,32 @@ bool has_table(const std::string& topic) {
   return topic == "wavefront" || topic == "refined";
 }
 
-/// Prints a `wavefront` message. `status` explains an invalid frame by its reference and SLM
-/// pattern.
-void print_wavefront(const json& message, const json& status) {
-  const bool valid = message.at("valid").get<bool>();
-  print(
-      "frame {}  hologram {}  charge {} ({})  spots {}/{}  saturated {:.0f} %  latency {:.0f} us  "
-      "{}\n",
-      message.at("frame_id").get<std::uint64_t>(), message.at("hologram_id").get<std::uint64_t>(),
-      message.at("charge").get<int>(), message.at("tracker").get<std::string>(),
-      message.at("tracked").get<int>(), message.at("subapertures").get<int>(),
-      100.0 * message.at("saturated").get<double>(), message.at("latency_us").get<double>(),
-      valid ? "valid" : "NOT VALID: " + why_not_valid(message, status));
-  if (!valid) return;
-  const double full_scale = print_modes(message);
-  print("RMS {:.4f} wave without tilts, fit residual {:.4f} px, full bar {:.2f} wave\n",
-        message.at("rms_waves").get<double>(), message.at("fit_residual_px").get<double>(),
-        full_scale);
-}
-
-void print_refined(const json& message) {
-  const bool valid = message.at("valid").get<bool>();
-  const double age_s = 1e-9 * double(message.at("t_publish_ns").get<std::int64_t>() -
-                                     message.at("t_arrival_ns").get<std::int64_t>());
-  print("frame {}  hologram {}  charge {}  relative to the {}  {:.1f} s after its frame  {}\n",
-        message.at("frame_id").get<std::uint64_t>(), message.at("hologram_id").get<std::uint64_t>(),
-        message.at("charge").get<int>(), message.at("against").get<std::string>(), age_s,
-        valid ? "valid" : "NOT VALID: " + message.at("reason").get<std::string>());
-  if (!valid) return;
-  const double full_scale = print_modes(message);
-  print(
-      "RMS {:.5f} wave without tilts, chi2 per pixel {:.2f}, peak {:.0f} electrons, {} iterations "
-      "in {:.0f} ms, full bar {:.2f} wave\n",
-      message.at("rms_waves").get<double>(), message.at("chi2_per_pixel").get<double>(),
-      message.at("peak_e").get<double>(), message.at("iterations").get<int>(),
-      message.at("duration_ms").get<double>(), full_scale);
+/// Prints a `wavefront` or `refined` message. `status` explains an invalid frame by its reference
+/// and SLM pattern.
+void print_frame(const json& message, bool is_refined, const json& status) {
+  json said = message;
+  if (is_refined) {
+    said["age_s"] = 1e-9 * double(message.at("t_publish_ns").get<std::int64_t>() -
+                                  message.at("t_arrival_ns").get<std::int64_t>());
+  } else if (!message.at("valid").get<bool>()) {
+    said["reason"] = why_not_valid(message, status);
+  }
+  print("{}\n", fill("frame {frame_id}  hologram {hologram_id}  charge {charge}", said) +
+                    fill(is_refined ? "  relative to the {against}  {age_s:.1f} s after its frame"
+                                    : " ({tracker})  spots {tracked}/{subapertures}  saturated "
+                                      "{saturated*100:.0f} %  latency {latency_us:.0f} us",
+                         said) +
+                    fill("  [valid?valid][!valid?NOT VALID: {reason}]", said));
+  if (!message.at("valid").get<bool>()) return;
+  said["full_bar"] = print_modes(message);
+  print("{}\n",
+        fill(is_refined
+                 ? "RMS {rms_waves:.5f} wave without tilts, chi2 per pixel {chi2_per_pixel:.2f}, "
+                   "peak {peak_e:.0f} electrons, {iterations} iterations in {duration_ms:.0f} ms, "
+                   "full bar {full_bar:.2f} wave"
+                 : "RMS {rms_waves:.4f} wave without tilts, fit residual {fit_residual_px:.4f} px, "
+                   "full bar {full_bar:.2f} wave",
+             said));
 }
 
 /// Prints one topic's messages on standard output.
@@ -128,7 +123,7 @@ class Watch {
       const auto message = stream.receive(std::chrono::milliseconds(100));
       if (output_has_no_reader()) return kError;
       if (message && message->topic == options_.topic) last = Clock::now();
-      if (options_.timeout_s && Clock::now() - last > Seconds(*options_.timeout_s)) {
+      if (options_.timeout->count() > 0 && Clock::now() - last > Seconds(common_.timeout_s)) {
         return report_silence();
       }
       if (!message) continue;
@@ -147,7 +142,7 @@ class Watch {
 
   int report_silence() const {
     const std::string text =
-        fmt::format("no {} message arrived within {:g} s", options_.topic, *options_.timeout_s);
+        fmt::format("no {} message arrived within {:g} s", options_.topic, common_.timeout_s);
     return report_failure(common_, {false, {{"message", text}}});
   }
 
@@ -163,8 +158,7 @@ class Watch {
     if (event_lines_) return print("{}\n", event_text(json_of(message.json)));
     if (!table_) return print("{}\n", message.json);
     if (in_place_) print("\033[H\033[J");
-    const json body = json_of(message.json);
-    options_.topic == "refined" ? print_refined(body) : print_wavefront(body, status_);
+    print_frame(json_of(message.json), options_.topic == "refined", status_);
   }
 
   const Common& common_;
@@ -180,8 +174,6 @@ bool is_for_screen(const Common& common, const WatchOptions& options) {
   return options.topic == "wavefront" && options.count == 0 && !options.plain && !common.json &&
          can_show_screen();
 }
-
-}  // namespace
 
 int watch(const Common& common, const WatchOptions& options) {
   if (is_for_screen(common, options)) return show_screen(common);
@@ -203,6 +195,27 @@ int watch(const Common& common, const WatchOptions& options) {
   }
   catch_interrupts({SIGINT, SIGTERM});
   return Watch(common, options, *status).run(*stream);
+}
+
+}  // namespace
+
+void add_watch(CLI::App& app, const Common& common, int& status) {
+  auto [command, options] =
+      add_command(app, common, status, "watch",
+                  "show the bench full-screen (press ? for help). Piped, or with --plain or "
+                  "-n: the topics wavefront and refined as a table, and on a terminal event "
+                  "as one line per event. With --json, and otherwise: one JSON object per "
+                  "line. With --timeout: end if no message "
+                  "arrives for that long",
+                  watch);
+  command.add_option("topic", options.topic, "stream")
+      ->check(CLI::IsMember(
+          {"wavefront", "refined", "spots", "corrector", "image", "phase", "status", "event"}))
+      ->capture_default_str();
+  command.add_option("-n,--count", options.count, "end after this many messages; 0: never")
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
+  command.add_flag("--plain", options.plain, "print a table on a terminal too");
+  options.timeout = app.get_option("--timeout");
 }
 
 }  // namespace ovws::cli
