@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "daemon/ovws/cli/command_line.hpp"
+#include "daemon/ovws/cli/commands.hpp"
 #include "daemon/ovws/cli/design.hpp"
 #include "daemon/ovws/design/advise.hpp"
 #include "daemon/ovws/text/fill.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/field_json.hpp"
-#include "proto/json_text.hpp"
 #include "proto/limits.hpp"
 
 namespace ovws::cli {
@@ -67,57 +67,49 @@ Json json_of_unfit(const design::Unfit& one) {
           {"reason", one.reason}};
 }
 
-Json json_of_configured(const Configured& configured) {
-  if (!configured) return json_of_unfit(configured.error());
-  Json json = json_of_advice(*configured);
-  json["warning"] = configured->warning.empty() ? Json() : Json(configured->warning);
-  return json;
-}
-
-void print_advice_json(const design::AdviceList& list, const Configured& configured) {
+Json advice_json(const design::AdviceList& list, const Configured& configured) {
   Json best = Json::array(), unfit = Json::array();
   for (const design::Advice& advice : list.best_first) best.push_back(json_of_advice(advice));
   for (const design::Unfit& one : list.unfit) unfit.push_back(json_of_unfit(one));
-  print("{}\n", json_text(Json{{"best_first", best},
-                               {"unfit", unfit},
-                               {"configured", json_of_configured(configured)}}));
+  Json own = configured ? json_of_advice(*configured) : json_of_unfit(configured.error());
+  if (configured) own["warning"] = configured->warning.empty() ? Json() : Json(configured->warning);
+  return {{"best_first", best}, {"unfit", unfit}, {"configured", own}};
 }
 
-void print_row(const design::Advice& one) {
-  print("{}\n", fill("{subapertures_across:>6} {subapertures:>13} {charge:>7} {exposure_us:>12.0f} "
-                     "{peak_e:>9.0f} {error_waves:>12.5f} {worst_mode_waves:>12.5f}  {limited_by}",
-                     json_of_advice(one)));
+std::string row_text(const Json& advice) {
+  return fill(
+             "{subapertures_across:>6} {subapertures:>13} {charge:>7} {exposure_us:>12.0f} "
+             "{peak_e:>9.0f} {error_waves:>12.5f} {worst_mode_waves:>12.5f}  {limited_by}",
+             advice) +
+         "\n";
 }
 
-void print_configured(const Configured& configured) {
-  if (configured) {
-    print("the configuration as it is:\n");
-    print_row(*configured);
-    if (!configured->warning.empty()) print("  warning: {}\n", configured->warning);
-    return;
+/// `advice`: by advice_json. Without a final newline.
+std::string advice_text(const Json& advice, int modes) {
+  const Json &best = advice.at("best_first"), &own = advice.at("configured");
+  const bool is_fit = !own.contains("reason");
+  std::string text;
+  if (is_fit || !best.empty()) {
+    text =
+        "across  subapertures  charge  exposure us    peak e  error waves   worst mode  limited "
+        "by\n";
   }
-  print("the configuration as it is, {} across of charge {}, is left out: {}\n",
-        configured.error().subapertures_across, configured.error().charge,
-        configured.error().reason);
-}
-
-void print_advice(const design::AdviceList& list, const Configured& configured, int modes) {
-  if (configured || !list.best_first.empty()) {
-    print("{:>6} {:>13} {:>7} {:>12} {:>9} {:>12} {:>12}  {}\n", "across", "subapertures", "charge",
-          "exposure us", "peak e", "error waves", "worst mode", "limited by");
-  }
-  for (std::size_t k = 0; k < std::min(kShown, list.best_first.size()); ++k) {
-    print_row(list.best_first[k]);
-  }
-  print_configured(configured);
-  if (list.best_first.empty()) return;
-  const design::Advice& best = list.best_first.front();
-  print("best for {} modes: {} subapertures of charge {}, exposure {:.0f} us\n", modes,
-        best.subapertures, best.charge, best.exposure_us);
-  print("{}\n",
-        best.limited_by == design::ExposureLimit::time
-            ? "the light limits it: a lower frame rate or more light reduces the error"
-            : "the camera's full well limits it: the mean of more frames reduces the error");
+  for (std::size_t k = 0; k < std::min(kShown, best.size()); ++k) text += row_text(best[k]);
+  text += "the configuration as it is";
+  if (is_fit) text += ":\n" + row_text(own);
+  text += fill(
+      "[reason?, {subapertures_across} across of charge {charge}, is left out: {reason}]"
+      "[warning?  warning: {warning}]",
+      own);
+  if (text.ends_with('\n')) text.pop_back();
+  if (best.empty()) return text;
+  return text + fmt::format("\nbest for {} modes: ", modes) +
+         fill(
+             "{subapertures} subapertures of charge {charge}, exposure {exposure_us:.0f} us\n"
+             "[limited_by=frame rate?the light limits it: a lower frame rate or more light reduces "
+             "the error][limited_by=full well?the camera's full well limits it: the mean of more "
+             "frames reduces the error]",
+             best.front());
 }
 
 /// Says why no sensor is advised.
@@ -155,11 +147,8 @@ int advise_bench(const Common& common, const AdviseOptions& options) {
   light.longest_us = 1e6 / options.frame_rate_hz;
   const design::AdviceList list = design::advise(*bench, light, *config);
   const Configured configured = design::advise_on(*config, options.modes, light);
-  if (common.json) {
-    print_advice_json(list, configured);
-  } else {
-    print_advice(list, configured, options.modes);
-  }
+  const Json advice = advice_json(list, configured);
+  print_result(common, advice, advice_text(advice, options.modes));
   if (!list.best_first.empty()) return kOk;
   if (!common.json) print_none(list, options);
   return kError;

@@ -106,16 +106,10 @@ std::string text_at(const json& message, const std::string& path) {
   return value.is_string() ? value.get<std::string>() : std::string();
 }
 
-/// JSON object at this path; an empty object if there is none.
-json object_at(const json& message, const std::string& path) {
+/// JSON object or array at this path; an empty one if there is none.
+json part_at(const json& message, const std::string& path, json::value_t type) {
   const json& value = part_of(message, path);
-  return value.is_object() ? value : json::object();
-}
-
-/// JSON array at this path; an empty array if there is none.
-json array_at(const json& message, const std::string& path) {
-  const json& value = part_of(message, path);
-  return value.is_array() ? value : json::array();
+  return value.type() == type ? value : json(type);
 }
 
 ClientMetric gauge(double value, Labels labels = {}) {
@@ -143,7 +137,7 @@ void add_counter(Families& out, const std::string& name, std::string help, doubl
 }
 
 void add_counters(Families& out, const json& status) {
-  const json counters = object_at(status, "/counters");
+  const json counters = part_at(status, "/counters", json::value_t::object);
   for (const auto& [name, count] : counters.items()) {
     const std::string_view help = counter_help(name);
     if (!count.is_number()) continue;
@@ -187,7 +181,7 @@ void add_states(Families& out, const json& status) {
 
 void add_versions(Families& out, const json& status) {
   Labels labels;
-  const json versions = object_at(status, "/versions");
+  const json versions = part_at(status, "/versions", json::value_t::object);
   for (const auto& [name, version] : versions.items()) {
     std::string label = name;
     for (char& c : label) {
@@ -203,9 +197,9 @@ void add_versions(Families& out, const json& status) {
 
 /// Latency histogram of a stage; none unless its edges and counts are complete.
 std::optional<ClientMetric> histogram(const std::string& stage, const json& latency) {
-  const json totals = object_at(latency, "/since_start");
-  const json edges = array_at(totals, "/edges_us");
-  const json below = array_at(totals, "/below");
+  const json totals = part_at(latency, "/since_start", json::value_t::object);
+  const json edges = part_at(totals, "/edges_us", json::value_t::array);
+  const json below = part_at(totals, "/below", json::value_t::array);
   const auto count = number_at(totals, "/count");
   const auto sum_us = number_at(totals, "/sum_us");
   if (!count || !sum_us || edges.empty() || edges.size() != below.size()) return std::nullopt;
@@ -228,7 +222,7 @@ void add_latencies(Families& out, const json& status) {
                       "published; arrived: the delay of its arrival.",
                       MetricType::Histogram,
                       {}};
-  const json latency = object_at(status, "/latency");
+  const json latency = part_at(status, "/latency", json::value_t::object);
   for (const auto& [stage, one] : latency.items()) {
     if (auto metric = histogram(stage, one)) family.metric.push_back(std::move(*metric));
   }
@@ -240,8 +234,8 @@ void add_coefficients(Families& out, const json& wavefront) {
                       "Zernike coefficients (OSA/ANSI, RMS-normalised) of the newest frame, waves.",
                       MetricType::Gauge,
                       {}};
-  const json modes = array_at(wavefront, "/j");
-  const json values = array_at(wavefront, "/coefficients");
+  const json modes = part_at(wavefront, "/j", json::value_t::array);
+  const json values = part_at(wavefront, "/coefficients", json::value_t::array);
   for (std::size_t k = 0; k < modes.size() && k < values.size(); ++k) {
     if (!modes[k].is_number_integer() || !values[k].is_number()) continue;
     const int j = modes[k].get<int>();
