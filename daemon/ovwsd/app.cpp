@@ -105,7 +105,7 @@ struct App::Parts {
   LatencyHistogram published_latency;
   Pipeline pipeline;
   Recorder recorder;
-  FrameBroker frames;
+  FrameTaps frames;
   ImageBrightness brightness;
   BeamWatch beams;
   Corrector corrector{events};
@@ -135,7 +135,7 @@ struct App::Parts {
         state_lock(std::move(lock)),
         pipeline(with_plans(config), {counters, shown, settings}),
         recorder(config, pipeline, events),
-        beams(config.beams),
+        beams(config.beams, frames),
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
         camera(config.camera, {pipeline, settings, counters, events,
@@ -193,7 +193,7 @@ Result<void> App::Parts::make_sensor() {
   procedures = std::make_unique<Procedures>(BenchDeps{*keeper, camera, frames, slm, jobs, events});
   presentations = std::make_unique<Presentations>(leases, *procedures, config.slm.geometry);
   loop = std::make_unique<ClosedLoop>(
-      ClosedLoopDeps{*keeper, leases, slm, events, [this] { return search->found_ns(); },
+      ClosedLoopDeps{frames, *keeper, leases, slm, events, [this] { return search->found_ns(); },
                      [this] {
                        const auto why = search->why_invalid();
                        return why ? why->reason + "; " + why->action : std::string();
@@ -216,8 +216,8 @@ Result<void> App::Parts::bind_streams() {
   const double wavelength_nm = config.optics.wavelength_nm;
   stream = std::make_unique<StreamPublisher>(
       std::move(*measurement), wavelength_nm,
-      StreamPublisherDeps{pipeline, frames, *search, beams, *loop, corrector, counters, queue,
-                          published_latency});
+      StreamPublisherDeps{pipeline, frames, [this] { return loop->is_closed(); }, corrector,
+                          counters, queue, published_latency});
   ImagePublisherConfig image_config;
   image_config.rate_hz = config.stream.image_rate_hz;
   image_config.wavelength_nm = wavelength_nm;

@@ -252,7 +252,7 @@ struct SimulatedBench::Turning {
 
 class SimulatedBench::Publish : public Agent {
  public:
-  Publish(Pipeline& pipeline, FrameBroker& frames) : pipeline_(pipeline), frames_(frames) {}
+  Publish(Pipeline& pipeline, FrameTaps& frames) : pipeline_(pipeline), frames_(frames) {}
   bool do_work() override {
     if (FrameRecord* record = pipeline_.next(1000)) {
       frames_.serve_numbers(*record);
@@ -271,7 +271,7 @@ class SimulatedBench::Publish : public Agent {
 
  private:
   Pipeline& pipeline_;
-  FrameBroker& frames_;
+  FrameTaps& frames_;
   bool requested_ = false;
 };
 
@@ -337,9 +337,9 @@ void SimulatedBench::start(Agent& agent) {
 }
 
 bool SimulatedBench::is_running() {
-  const auto request = frames_.request(FrameBroker::Needs::numbers, 1,
-                                       [](const FrameRecord& record) { return record.settled; });
-  return request->wait_for(10s);
+  FrameTap first(frames_, FrameTap::Needs::numbers, 1,
+                 [](const FrameRecord& record) { return record.settled; });
+  return first.wait_for(10s);
 }
 
 Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure procedure,
@@ -380,16 +380,15 @@ Result<SensorView> SimulatedBench::edit(SensorChange change) {
 std::vector<double> SimulatedBench::mean_waves(int frames) {
   const std::uint64_t hologram_id = sensor()->hologram_id;
   std::vector<double> sums(sensor()->modes_j.size());
-  const auto request =
-      frames_.request(FrameBroker::Needs::numbers, frames, [&](const FrameRecord& record) {
-        const bool good = record.settled && record.valid && record.hologram_id == hologram_id &&
-                          std::size_t(record.mode_count) == sums.size();
-        for (std::size_t k = 0; good && k < sums.size(); ++k) {
-          sums[k] += double(record.coefficients[k]) / frames;
-        }
-        return good;
-      });
-  return request->wait_for(10s) ? sums : std::vector<double>{};
+  FrameTap tap(frames_, FrameTap::Needs::numbers, frames, [&](const FrameRecord& record) {
+    const bool good = record.settled && record.valid && record.hologram_id == hologram_id &&
+                      std::size_t(record.mode_count) == sums.size();
+    for (std::size_t k = 0; good && k < sums.size(); ++k) {
+      sums[k] += double(record.coefficients[k]) / frames;
+    }
+    return good;
+  });
+  return tap.wait_for(10s) ? sums : std::vector<double>{};
 }
 
 }  // namespace test

@@ -15,7 +15,7 @@
 #include "daemon/ovwsd/actor/jobs.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/frames/frame_broker.hpp"
+#include "daemon/ovwsd/frames/frame_tap.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
@@ -83,7 +83,7 @@ class SimulatedBench {
   SimulatedOptics& optics() { return optics_; }
   SensorKeeper& keeper() { return *keeper_; }
   Procedures& procedures() { return *procedures_; }
-  FrameBroker& frames() { return frames_; }
+  FrameTaps& frames() { return frames_; }
   Events& events() { return events_; }
   Leases& leases() { return leases_; }
   SlmLoop& slm() { return slm_; }
@@ -106,7 +106,7 @@ class SimulatedBench {
   LatestValue<ShownHologram> shown_;
   LatestValue<AppliedSettings> settings_;
   Pipeline pipeline_;
-  FrameBroker frames_;
+  FrameTaps frames_;
   Jobs jobs_{events_};
   SlmLoop slm_;
   std::unique_ptr<CameraActor> camera_;

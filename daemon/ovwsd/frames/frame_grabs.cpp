@@ -43,24 +43,24 @@ Error stopping() {
 /// One open grab. Only the images thread calls its methods, after the constructor.
 class FrameGrabs::Grab {
  public:
-  Grab(const CameraGrab& wish, Done done, InUse in_use, FrameBroker& frames)
+  Grab(const CameraGrab& wish, Done done, InUse in_use, FrameTaps& frames)
       : wish_(wish),
         done_(std::move(done)),
         in_use_(std::move(in_use)),
         asked_ns_(monotonic_ns()),
-        request_(frames.request(FrameBroker::Needs::pixels, wish.frames,
-                                [this](const FrameRecord& record) { return take(record); })) {}
+        tap_(frames, FrameTap::Needs::pixels, wish.frames,
+             [this](const FrameRecord& record) { return take(record); }) {}
 
   /// Ends it with an error, unless it is complete.
   void refuse_rest(Error why) {
-    if (!error_ && !request_->done()) refuse(std::move(why));
+    if (!error_ && !tap_.done()) refuse(std::move(why));
   }
 
   /// Whether it has ended; then it has been answered.
   bool end_if_due(std::uint64_t newest) {
-    if (!error_ && !request_->done()) look_for_errors(newest);
-    if (!error_ && !request_->done()) return false;
-    request_.reset();
+    if (!error_ && !tap_.done()) look_for_errors(newest);
+    if (!error_ && !tap_.done()) return false;
+    tap_.close();
     if (error_) {
       done_(fail(*error_), nullptr);
     } else {
@@ -92,7 +92,7 @@ class FrameGrabs::Grab {
   std::string bytes_;                ///< pixels of the frames so far, or in the end their mean
   std::vector<std::uint32_t> sums_;  ///< with `average`
   std::optional<Error> error_;
-  std::unique_ptr<FrameBroker::Request> request_;  ///< uses the members above
+  FrameTap tap_;  ///< uses the members above
 };
 
 bool FrameGrabs::Grab::wanted(const FrameRecord& record) {
@@ -192,7 +192,7 @@ void FrameGrabs::Grab::look_for_errors(std::uint64_t newest) {
   error_ = Error{Errc::unavailable, "",
                  fmt::format("{} of {} frames came within {} s: check camera and SLM in "
                              "system.status, or give a longer timeout_s",
-                             request_->used(), wish_.frames, wish_.timeout_s)};
+                             tap_.used(), wish_.frames, wish_.timeout_s)};
 }
 
 FrameGrabs::Pixels FrameGrabs::Grab::pixels() {
@@ -207,7 +207,7 @@ FrameGrabs::Pixels FrameGrabs::Grab::pixels() {
           [reserved = reserved_](const std::string* sent) { delete sent; }};
 }
 
-FrameGrabs::FrameGrabs(FrameBroker& frames, std::function<std::uint64_t()> newest)
+FrameGrabs::FrameGrabs(FrameTaps& frames, std::function<std::uint64_t()> newest)
     : frames_(frames), newest_(std::move(newest)) {}
 
 FrameGrabs::~FrameGrabs() = default;

@@ -14,7 +14,7 @@
 
 #include "core/base/result.hpp"
 #include "core/pipeline/frame_record.hpp"
-#include "daemon/ovwsd/frames/frame_broker.hpp"
+#include "daemon/ovwsd/frames/frame_tap.hpp"
 #include "proto/tables/picture.hpp"
 
 namespace ovws {
@@ -28,7 +28,7 @@ class FrameGrabs {
 
   /// `frames` must outlive this object. `newest` returns the number of the hologram that the SLM
   /// shows, 0 without a display, in any thread.
-  FrameGrabs(FrameBroker& frames, std::function<std::uint64_t()> newest);
+  FrameGrabs(FrameTaps& frames, std::function<std::uint64_t()> newest);
   FrameGrabs(const FrameGrabs&) = delete;
   FrameGrabs& operator=(const FrameGrabs&) = delete;
   ~FrameGrabs();
@@ -45,7 +45,7 @@ class FrameGrabs {
 
  private:
   class Grab;
-  FrameBroker& frames_;
+  FrameTaps& frames_;
   const std::function<std::uint64_t()> newest_;
   std::shared_ptr<std::atomic<std::size_t>> bytes_in_use_ =
       std::make_shared<std::atomic<std::size_t>>(0);

@@ -17,6 +17,7 @@ namespace ovws {
 namespace {
 
 constexpr int kTurnMs = 50;
+constexpr std::chrono::microseconds kNow(0);
 constexpr std::int64_t kInvalidNs = 300'000'000;
 // A step that is late misses its refresh: it allows for the second longest of 32 preparations.
 constexpr double kSafeShare = 0.95;
@@ -132,12 +133,12 @@ void ClosedLoop::pause(bool paused, Done done) {
   mailbox_.post([this, paused, done = std::move(done)] { done(set_paused(paused)); });
 }
 
-void ClosedLoop::add(const FrameRecord& record) {
+/// Publish thread: whether the loop observes a frame.
+bool ClosedLoop::is_usable(const FrameRecord& record) {
   const std::int64_t now_ns = monotonic_ns();
-  if (record.valid || !is_closed()) valid_ns_ = now_ns;
-  if (!is_closed()) return;
-  if (!record.valid && (now_ns - valid_ns_ < kInvalidNs || !is_rough_guide(record))) return;
-  if (copy_to(incoming_, record)) (void)frames_.try_push(incoming_);
+  if (record.valid) valid_ns_ = now_ns;
+  if (!record.valid && (now_ns - valid_ns_ < kInvalidNs || !is_rough_guide(record))) return false;
+  return is_of_own_hologram(record);
 }
 
 bool ClosedLoop::do_work() {
@@ -172,7 +173,7 @@ void ClosedLoop::notice_bench() {
   if (std::exchange(away_, away) == away) return;
   stepped_ = true;
   shown_id_ = 0;
-  while (frames_.try_pop(taken_)) {
+  while (frames_->next(taken_, kNow)) {
   }
   deps_.events.emit(
       "loop", away ? Severity::warning : Severity::info,
@@ -191,7 +192,7 @@ bool ClosedLoop::observe_next() {
   const std::chrono::nanoseconds left(
       std::clamp(due_ns - monotonic_ns(), std::int64_t{0}, kTurnMs * std::int64_t{1'000'000}));
   const bool came =
-      frames_.pop(taken_, std::chrono::duration_cast<std::chrono::microseconds>(left));
+      frames_->next(taken_, std::chrono::duration_cast<std::chrono::microseconds>(left));
   if (came) observe(taken_);
   const bool newest = taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
   if (stepped_ || paused_ || monotonic_ns() < t_step_due_ns()) return came && newest;
@@ -208,7 +209,7 @@ std::int64_t ClosedLoop::t_step_due_ns() const {
                   .safe_prepare_ns = prepare_.ns(kSafeShare) + kSpareNs};
   if (taken_.period_ns > 0) {
     state.t_exposed_ns = slm.t_settled_mono_ns + taken_.period_ns + taken_.transfer_ns +
-                         taken_.t_end_ns - taken_.t_begin_ns;
+                         taken_.t_exposed_mono_ns - taken_.t_begin_ns();
   }
   if (slm.t_refresh_mono_ns > 0 && slm.info) {
     state.t_refresh_ns = slm.t_refresh_mono_ns;
@@ -217,12 +218,12 @@ std::int64_t ClosedLoop::t_step_due_ns() const {
   return t_due_ns(state);
 }
 
-void ClosedLoop::observe(const LoopFrame& frame) {
+void ClosedLoop::observe(const FrameCopy& frame) {
   t_observed_ns_ = monotonic_ns();
-  control_->observe({frame.middle_ns(), frame.measured(frame.modes_j), frame.measured(frame.waves),
-                     frame.measured(frame.sigma_waves)},
+  control_->observe({frame.t_middle_ns(), frame.measured(frame.modes_j),
+                     frame.measured(frame.coefficients), frame.measured(frame.sigma_waves)},
                     frame.shown());
-  log_.observed(frame.frame_id, frame.middle_ns());
+  log_.observed(frame.frame.frame_id, frame.t_middle_ns());
   stepped_ = false;
 }
 
@@ -238,8 +239,9 @@ LoopReport ClosedLoop::begin(const LeasePtr& lease, const LoopSettings& settings
   shown_id_ = 0;
   paused_ = away_ = false;
   lead_ = prepare_ = {};
-  while (frames_.try_pop(taken_)) {
-  }  // an earlier frame may refer to another reference
+  valid_ns_ = monotonic_ns();
+  frames_.emplace(deps_.frames, kFrames,
+                  [this](const FrameRecord& record) { return is_usable(record); });
   LoopReport report;
   report.settings = settings;
   report_.set(report);
@@ -295,7 +297,7 @@ LoopReport ClosedLoop::report() const {
   return report;
 }
 
-void ClosedLoop::step(const LoopFrame& frame) {
+void ClosedLoop::step(const FrameCopy& frame) {
   const SlmSnapshot before = deps_.slm.snapshot();
   const std::int64_t decided_ns = monotonic_ns();
   stepped_ = true;
@@ -319,7 +321,7 @@ void ClosedLoop::step(const LoopFrame& frame) {
 }
 
 /// Records where the step's time went, and its delay. `before`: the SLM when the step was decided.
-void ClosedLoop::add_times(const LoopFrame& frame, std::int64_t decided_ns,
+void ClosedLoop::add_times(const FrameCopy& frame, std::int64_t decided_ns,
                            const SlmSnapshot& before) {
   const SlmSnapshot now = deps_.slm.snapshot();
   if (now.t_presented_mono_ns < decided_ns) return;  // the same hologram
@@ -331,9 +333,9 @@ void ClosedLoop::add_times(const LoopFrame& frame, std::int64_t decided_ns,
   const bool newest = frame.hologram_id == before.hologram_id;
   const std::int64_t known_ns = std::max(t_observed_ns_, before.t_settled_mono_ns);
   if (newest) {
-    times.wait_ms = ms(before.t_settled_mono_ns, frame.t_begin_ns);
-    times.exposure_ms = ms(frame.t_begin_ns, frame.t_end_ns);
-    times.compute_ms = ms(frame.t_end_ns, known_ns);
+    times.wait_ms = ms(before.t_settled_mono_ns, frame.t_begin_ns());
+    times.exposure_ms = ms(frame.t_begin_ns(), frame.t_exposed_mono_ns);
+    times.compute_ms = ms(frame.t_exposed_mono_ns, known_ns);
   } else {
     times.wait_ms = ms(before.t_settled_mono_ns, known_ns);
   }
@@ -347,7 +349,7 @@ void ClosedLoop::add_times(const LoopFrame& frame, std::int64_t decided_ns,
   const std::int64_t shown_ns = now.t_presented_mono_ns + (period_ns + settle_ns) / 2;
   lead_.add(shown_ns - decided_ns);
   prepare_.add(ready_ns - decided_ns);
-  times_.add({times, ms(frame.middle_ns(), shown_ns), newest});
+  times_.add({times, ms(frame.t_middle_ns(), shown_ns), newest});
 }
 
 /// Blocks until the prepare thread has shown it.
@@ -372,6 +374,7 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
   report.opened_because = why;
   report.t_opened_ns = utc_ns();
   if (!closed) log_.opened();
+  if (!closed) frames_.reset();
   // Before the report: a client that reads of an open loop may close it at once.
   if (!closed) std::exchange(lease_, nullptr)->end();
   closed_ = closed;

@@ -17,10 +17,9 @@
 #include "core/control/step_times.hpp"
 #include "core/pipeline/frame_record.hpp"
 #include "core/rt/agent.hpp"
-#include "core/rt/spsc_ring.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
-#include "daemon/ovwsd/frames/loop_frame.hpp"
+#include "daemon/ovwsd/frames/frame_copy.hpp"
 #include "daemon/ovwsd/loop/loop_log.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/shared/guarded.hpp"
@@ -29,6 +28,7 @@
 namespace ovws {
 
 struct ClosedLoopDeps {
+  FrameTaps& frames;
   SensorKeeper& keeper;
   Leases& leases;
   const SlmLoop& slm;
@@ -79,9 +79,6 @@ class ClosedLoop : public Agent {
   bool is_closed() const { return closed_.load(std::memory_order_relaxed); }
   bool is_paused() const { return paused_.load(std::memory_order_relaxed); }
 
-  /// Offers a measured frame to the loop; called by the publish thread. RT-safe.
-  void add(const FrameRecord& record) OVWS_NONBLOCKING;
-
  private:
   static constexpr std::size_t kFrames = 64;  ///< that may wait; more are dropped
   LoopReport begin(const LeasePtr& lease, const LoopSettings& settings,
@@ -91,9 +88,10 @@ class ClosedLoop : public Agent {
   void notice_bench();
   bool observe_next();
   std::int64_t t_step_due_ns() const;
-  void observe(const LoopFrame& frame);
-  void step(const LoopFrame& frame);
-  void add_times(const LoopFrame& frame, std::int64_t decided_ns, const SlmSnapshot& before);
+  bool is_usable(const FrameRecord& record) OVWS_NONBLOCKING;
+  void observe(const FrameCopy& frame);
+  void step(const FrameCopy& frame);
+  void add_times(const FrameCopy& frame, std::int64_t decided_ns, const SlmSnapshot& before);
   Result<void> show(const std::vector<Mode>& correction);
   void open_because(LoopEnd end);
   std::string why_no_frame() const;
@@ -104,9 +102,7 @@ class ClosedLoop : public Agent {
   ClosedLoopDeps deps_;
   Mailbox mailbox_;
   std::atomic<bool> closed_{false}, paused_{false};
-  SpscRing<LoopFrame> frames_{kFrames};
-  LoopFrame incoming_;         ///< publish thread only
-  std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC of the last valid frame; publish thread only
+  std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC of the last valid frame; see is_usable
   Guarded<std::shared_ptr<const LoopModel>> model_;
   Guarded<LoopReport> report_;
 
@@ -116,13 +112,14 @@ class ClosedLoop : public Agent {
   std::optional<LoopWatch> watch_;
   LoopLog log_;
   StepLog times_;
-  LoopFrame taken_;                 ///< the last one that was observed
-  bool stepped_ = true;             ///< a step has used it
-  bool away_ = false;               ///< the camera or the display is not connected
-  std::uint64_t shown_id_ = 0;      ///< the hologram that the last step showed
-  std::int64_t t_observed_ns_ = 0;  ///< when `taken_` was observed
-  RecentTime lead_;                 ///< from a decision to the middle of its hologram's time
-  RecentTime prepare_;              ///< from a decision to the wait for the refresh
+  FrameCopy taken_;                  ///< the last frame that was observed
+  bool stepped_ = true;              ///< a step has used it
+  bool away_ = false;                ///< the camera or the display is not connected
+  std::uint64_t shown_id_ = 0;       ///< the hologram that the last step showed
+  std::int64_t t_observed_ns_ = 0;   ///< when `taken_` was observed
+  RecentTime lead_;                  ///< from a decision to the middle of its hologram's time
+  RecentTime prepare_;               ///< from a decision to the wait for the refresh
+  std::optional<FrameFeed> frames_;  ///< usable frames, while the loop is closed
 };
 
 }  // namespace ovws

@@ -188,7 +188,7 @@ void Bench::restore_camera() {
   done.wait();  // returns also if the camera thread has ended, which breaks the promise
 }
 
-Result<void> Bench::wait_watching(const FrameBroker::Request& watch, double min_ms, int frames) {
+Result<void> Bench::wait_watching(const FrameTap& watch, double min_ms, int frames) {
   const std::int64_t begin_ns = monotonic_ns();
   const double patient_s = patience_s(camera().settings);
   const int enough = watch.used() + frames;
@@ -205,11 +205,11 @@ void Bench::report_progress(double progress) {
   deps_.jobs.report_progress(job_);
 }
 
-Result<void> Bench::wait_for(const FrameBroker::Request& request, const Check& check) const {
+Result<void> Bench::wait_for(FrameTap& tap, const Check& check) const {
   const double patient_s = patience_s(camera().settings);
-  while (!stopped() && !request.wait_for(kPollInterval)) {
-    if (auto good = check ? check(request) : Result<void>(); !good) return good;
-    if (request.idle_s() > patient_s) return fail(no_frame(patient_s));
+  while (!stopped() && !tap.wait_for(kPollInterval)) {
+    if (auto good = check ? check(tap) : Result<void>(); !good) return good;
+    if (tap.idle_s() > patient_s) return fail(no_frame(patient_s));
   }
   if (stopped()) return fail(stopped_error());
   return {};
@@ -223,12 +223,11 @@ Result<SpotAverage> Bench::spots(int frames, const Check& check, std::vector<Spo
     for (std::size_t k = 0; k < further.size(); ++k) (void)further[k].add(*record.beams()[k]);
     return true;
   };
-  const auto request = deps_.frames.request(
-      FrameBroker::Needs::numbers, frames,
-      [&, under = measured_under(*now)](const FrameRecord& record) {
-        return under.settled(record) && averager.add(record) && add_beams(record);
-      });
-  if (auto taken = wait_for(*request, check); !taken) return fail(taken.error());
+  FrameTap tap(deps_.frames, FrameTap::Needs::numbers, frames,
+               [&, under = measured_under(*now)](const FrameRecord& record) {
+                 return under.settled(record) && averager.add(record) && add_beams(record);
+               });
+  if (auto taken = wait_for(tap, check); !taken) return fail(taken.error());
   for (std::size_t k = 0; beams != nullptr && k < further.size(); ++k) {
     beams->push_back(further[k].average());
   }
@@ -243,36 +242,34 @@ Result<TakenReference> Bench::reference(int frames, const std::string& only) {
                 "the camera's settings changed during the job; start it again");
   };
   ImageMean picture;
-  auto pictures = request_images(ImageMean::kMaxFrames, picture);
-  const auto check = [&](const FrameBroker::Request& request) {
-    report_progress(double(request.used()) / frames);
+  FrameTap pictures = tap_images(ImageMean::kMaxFrames, picture);
+  const auto check = [&](const FrameTap& spots) {
+    report_progress(double(spots.used()) / frames);
     return same_camera();
   };
   std::vector<SpotAverage> beams;
   auto average = spots(frames, check, &beams);
-  pictures.reset();
+  pictures.close();
   if (!average) return fail(average.error());
   if (auto same = same_camera(); !same) return fail(same.error());
   return TakenReference{only, std::move(*average), std::move(beams), picture.mean(), settings};
 }
 
-/// Averages images into `to`, which must outlive the request.
-std::unique_ptr<FrameBroker::Request> Bench::request_images(int frames, ImageMean& to) const {
-  return deps_.frames.request(FrameBroker::Needs::pixels, frames,
-                              [&to, under = measured_under(*sensor()),
-                               with = camera().settings](const FrameRecord& record) {
-                                return under.still(record) &&
-                                       record.exposure_us == with.exposure_us &&
-                                       same_number(record.gain_db, with.gain_db) &&
-                                       same_number(record.gain_raw, with.gain_raw) &&
-                                       to.add(record);
-                              });
+/// Averages images into `to`, which must outlive the tap.
+FrameTap Bench::tap_images(int frames, ImageMean& to) const {
+  return {deps_.frames, FrameTap::Needs::pixels, frames,
+          [&to, under = measured_under(*sensor()),
+           with = camera().settings](const FrameRecord& record) {
+            return under.still(record) && record.exposure_us == with.exposure_us &&
+                   same_number(record.gain_db, with.gain_db) &&
+                   same_number(record.gain_raw, with.gain_raw) && to.add(record);
+          }};
 }
 
 Result<Image<float>> Bench::picture(int frames) {
   ImageMean picture;
-  const auto request = request_images(frames, picture);
-  if (auto all = wait_for(*request); !all) return fail(all.error());
+  FrameTap tap = tap_images(frames, picture);
+  if (auto all = wait_for(tap); !all) return fail(all.error());
   return picture.mean()->mean_dn;
 }
 

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <functional>
 #include <future>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -16,7 +15,7 @@
 #include "core/optics/zernike.hpp"
 #include "daemon/ovwsd/actor/jobs.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
-#include "daemon/ovwsd/frames/frame_broker.hpp"
+#include "daemon/ovwsd/frames/frame_tap.hpp"
 #include "daemon/ovwsd/frames/measured_under.hpp"
 #include "daemon/ovwsd/procedures/pending_files.hpp"
 #include "daemon/ovwsd/sensor/reference.hpp"
@@ -29,7 +28,7 @@ namespace ovws {
 struct BenchDeps {
   SensorKeeper& keeper;
   CameraActor& camera;
-  FrameBroker& frames;
+  FrameTaps& frames;
   SlmLoop& slm;
   Jobs& jobs;
   Events& events;
@@ -81,7 +80,7 @@ class Bench {
   Result<void> keep_camera();
 
   /// Check that is called periodically while a call waits for frames; an error ends the wait.
-  using Check = std::function<Result<void>(const FrameBroker::Request&)>;
+  using Check = std::function<Result<void>(const FrameTap&)>;
   /// Averages the spots of the next `frames` settled frames of the current hologram: those of the
   /// main light source, and into `beams`, if given, those of the further ones.
   Result<SpotAverage> spots(int frames, const Check& check = nullptr,
@@ -95,18 +94,13 @@ class Bench {
   /// pixels that were saturated in a frame.
   Result<Image<float>> picture(int frames);
 
-  /// Passes every frame with its pixels to `take`, settled or not, until the request is destroyed.
-  [[nodiscard]] std::unique_ptr<FrameBroker::Request> watch(FrameBroker::Take take) {
-    return deps_.frames.request(FrameBroker::Needs::pixels, std::numeric_limits<int>::max(),
-                                std::move(take));
-  }
-  /// The same for frames without their pixels. `take` must not allocate.
-  [[nodiscard]] std::unique_ptr<FrameBroker::Request> watch_numbers(FrameBroker::Take take) {
-    return deps_.frames.request(FrameBroker::Needs::numbers, std::numeric_limits<int>::max(),
-                                std::move(take));
+  FrameTaps& frames() { return deps_.frames; }
+  /// Passes every frame with its pixels to `take`, settled or not, until the tap is closed.
+  [[nodiscard]] FrameTap watch(FrameTap::Take take) {
+    return {deps_.frames, FrameTap::Needs::pixels, FrameTap::kEndless, std::move(take)};
   }
   /// Waits for at least `min_ms`, and until `watch` has used `frames` more frames.
-  Result<void> wait_watching(const FrameBroker::Request& watch, double min_ms, int frames);
+  Result<void> wait_watching(const FrameTap& watch, double min_ms, int frames);
   /// Fails if the SLM's display was lost after it presented the hologram at `presented_mono_ns`.
   Result<void> check_shown(std::int64_t presented_mono_ns) const;
   /// Time at which the display presented the current hologram, CLOCK_MONOTONIC, ns.
@@ -129,8 +123,8 @@ class Bench {
   Result<void> check_display() const;
   Error no_frame(double waited_s) const;
   Result<void> edit(SensorChange change);
-  std::unique_ptr<FrameBroker::Request> request_images(int frames, ImageMean& to) const;
-  Result<void> wait_for(const FrameBroker::Request& request, const Check& check = nullptr) const;
+  FrameTap tap_images(int frames, ImageMean& to) const;
+  Result<void> wait_for(FrameTap& tap, const Check& check = nullptr) const;
 
   int job_;
   BenchDeps deps_;

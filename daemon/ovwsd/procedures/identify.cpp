@@ -2,20 +2,20 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "core/port/clock.hpp"
-#include "core/rt/spsc_ring.hpp"
-#include "daemon/ovwsd/frames/loop_frame.hpp"
+#include "daemon/ovwsd/frames/frame_copy.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
 
 namespace ovws {
 namespace {
 
 constexpr double kTurnMs = 20.0;
+constexpr std::chrono::microseconds kNow(0);
 constexpr std::size_t kRing = 256;  // frames that may wait for a turn
 constexpr std::size_t kLeastFrames = 100;
 constexpr double kMostSamples = 30'000.0;  // bounds the memory
@@ -27,25 +27,25 @@ class Series {
  public:
   explicit Series(double sample_s) : sample_ns_(std::llround(1e9 * sample_s)) {}
 
-  void add(const LoopFrame& frame) {
+  void add(const FrameCopy& frame) {
     if (modes_j_.empty()) begin(frame);
-    const bool has_all = std::size_t(frame.mode_count) >= modes_j_.size() &&
+    const bool has_all = std::size_t(frame.measured_count) >= modes_j_.size() &&
                          std::equal(modes_j_.begin(), modes_j_.end(), frame.modes_j.begin());
-    if (!has_all || frame.middle_ns() <= last_ns_) return;
-    const bool over = frame.middle_ns() - sample_began_ns_ >= 3 * sample_ns_ / 4;  // with jitter
+    if (!has_all || frame.t_middle_ns() <= last_ns_) return;
+    const bool over = frame.t_middle_ns() - sample_began_ns_ >= 3 * sample_ns_ / 4;  // with jitter
     if (frame.hologram_id != hologram_id_ || over) {
       end_sample();
       hologram_id_ = frame.hologram_id;
-      sample_began_ns_ = frame.middle_ns();
+      sample_began_ns_ = frame.t_middle_ns();
     }
-    last_ns_ = frame.middle_ns();
+    last_ns_ = frame.t_middle_ns();
     ++frames_;
     sample_.frames += 1.0;
-    sample_.time_s += 1e-9 * double(frame.middle_ns() - t_first_ns_);
+    sample_.time_s += 1e-9 * double(frame.t_middle_ns() - t_first_ns_);
     for (std::size_t k = 0; k < modes_j_.size(); ++k) {
       double shown = 0.0;
       for (const Mode& mode : frame.shown()) shown += mode.j == modes_j_[k] ? mode.waves : 0.0;
-      sample_.waves[k] += double(frame.waves[k]) + shown;
+      sample_.waves[k] += double(frame.coefficients[k]) + shown;
       const double sigma = double(frame.sigma_waves[k]);
       if (!std::isfinite(sigma)) continue;
       squares_[k] += sigma * sigma;
@@ -72,9 +72,9 @@ class Series {
     std::vector<double> waves;
   };
 
-  void begin(const LoopFrame& frame) {
-    t_first_ns_ = frame.middle_ns();
-    modes_j_.assign(frame.modes_j.begin(), frame.modes_j.begin() + frame.mode_count);
+  void begin(const FrameCopy& frame) {
+    t_first_ns_ = frame.t_middle_ns();
+    modes_j_.assign(frame.modes_j.begin(), frame.modes_j.begin() + frame.measured_count);
     waves_.resize(modes_j_.size());
     squares_.resize(modes_j_.size());
     known_.resize(modes_j_.size());
@@ -109,27 +109,20 @@ bool counts_alike(const SensorSnapshot& a, const SensorSnapshot& b) {
          taken_ns(a.calibration) == taken_ns(b.calibration);
 }
 
-struct Arriving {
-  SpscRing<LoopFrame> ring{kRing};
-  LoopFrame frame;
-};
-
 }  // namespace
 
 Result<DisturbanceSeries> watch_disturbance(Bench& bench, double seconds, double sample_s) {
-  const auto arriving = std::make_shared<Arriving>();
-  const auto request = bench.watch_numbers([arriving](const FrameRecord& record) {
-    if (!record.valid || !copy_to(arriving->frame, record)) return false;
-    return arriving->ring.try_push(arriving->frame);
+  FrameFeed frames(bench.frames(), kRing, [](const FrameRecord& record) {
+    return record.valid && is_of_own_hologram(record);
   });
   const SensorView sensor = bench.sensor();
   Series series(std::max(sample_s, seconds / kMostSamples));
   const std::int64_t began_ns = monotonic_ns();
-  LoopFrame frame;
+  FrameCopy frame;
   for (double waited_s = 0.0; waited_s < seconds;
        waited_s = 1e-9 * double(monotonic_ns() - began_ns)) {
     bench.report_progress(kWatchingShare * waited_s / seconds);
-    if (auto waited = bench.wait_watching(*request, kTurnMs, 0); !waited) {
+    if (auto waited = bench.wait_watching(frames.tap(), kTurnMs, 0); !waited) {
       return fail(waited.error());
     }
     if (!counts_alike(*bench.sensor(), *sensor)) {
@@ -137,7 +130,7 @@ Result<DisturbanceSeries> watch_disturbance(Bench& bench, double seconds, double
                   "sensor, aberration, reference or calibration changed while the frames were "
                   "watched: run loop.identify again");
     }
-    while (arriving->ring.try_pop(frame)) series.add(frame);
+    while (frames.next(frame, kNow)) series.add(frame);
   }
   if (series.frames() >= kLeastFrames) return series.end();
   return fail(Errc::refused, "",

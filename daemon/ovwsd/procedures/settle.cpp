@@ -105,7 +105,7 @@ Result<void> show_at(Bench& bench, const ToAndFro& moves, std::size_t place) {
 Result<void> rest_at(Bench& bench, const ToAndFro& moves, std::size_t place, double watch_ms) {
   if (auto shown = show_at(bench, moves, place); !shown) return shown;
   const auto watch = bench.watch([](const FrameRecord&) { return true; });
-  return bench.wait_watching(*watch, watch_ms, 1);
+  return bench.wait_watching(watch, watch_ms, 1);
 }
 
 /// Moves the spot to one of its places and watches the light.
@@ -117,12 +117,12 @@ Result<StepTime> watch_move(Bench& bench, const ToAndFro& moves, std::size_t pla
     seen.push_back(seen_in(record, moves));
     return true;
   });
-  if (auto some = bench.wait_watching(*watch, 0.0, kBefore); !some) return fail(some.error());
+  if (auto some = bench.wait_watching(watch, 0.0, kBefore); !some) return fail(some.error());
   if (auto shown = show_at(bench, moves, place); !shown) return fail(shown.error());
   const std::int64_t presented_ns = bench.presented_mono_ns();
-  if (auto all = bench.wait_watching(*watch, watch_ms, kAfter); !all) return fail(all.error());
+  if (auto all = bench.wait_watching(watch, watch_ms, kAfter); !all) return fail(all.error());
   if (auto stands = bench.check_shown(presented_ns); !stands) return fail(stands.error());
-  watch.reset();
+  watch.close();
   const auto frames = after(seen, presented_ns);
   // The first frame gives the level before the change. The last frame before the change is
   // unsafe: a camera that stamps late may place it after the change.

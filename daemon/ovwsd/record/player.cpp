@@ -271,13 +271,8 @@ RefinedFrame Player::Impl::refine(const FrameRecord& record) {
     refused.refusal = sensor.error().reason;
     return refused;
   }
-  FrameCopy frame;
-  frame.gain_db = record.gain_db;
-  frame.coefficients.assign(record.coefficients.begin(),
-                            record.coefficients.begin() + record.mode_count);
-  frame.spots.assign(record.spots.begin(), record.spots.begin() + record.spot_count);
-  frame.image = record.frame.image;
-  return refine_model->refine(frame, **sensor, in_format(refine_setup, frame.image.format));
+  const FrameCopy frame = copy_of(record);
+  return refine_model->refine(frame, **sensor, in_format(refine_setup, frame.frame.image.format));
 }
 
 /// Replays the frame at `next`.

@@ -30,7 +30,7 @@ Error of_given(Error error, const RefineSet& change, const RefineSetup& next) {
 }  // namespace
 
 LiveRefiner::LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics,
-                         const SlmGeometry& slm, FrameBroker& frames, const SensorKeeper& keeper,
+                         const SlmGeometry& slm, FrameTaps& frames, const SensorKeeper& keeper,
                          StreamQueue& queue)
     : wavelength_nm_(optics.wavelength_nm),
       keeper_(keeper),
@@ -57,8 +57,8 @@ bool LiveRefiner::do_work() {
         std::min(std::chrono::nanoseconds(left_ns), std::chrono::nanoseconds(kTurn)));
     return false;
   }
-  const FrameCopy* const frame = inbox_.next(kTurn);
-  if (frame == nullptr) {
+  const auto frame = inbox_.next(kTurn);
+  if (!frame) {
     wait_for_frame();
     return false;
   }
@@ -105,9 +105,9 @@ void LiveRefiner::refine(const FrameCopy& frame, const SensorSnapshot& sensor,
 void LiveRefiner::publish(const FrameCopy& frame, const SensorSnapshot& sensor,
                           RefinedFrame refined) {
   RefinedMessage message;
-  message.frame_id = frame.frame_id;
+  message.frame_id = frame.frame.frame_id;
   message.hologram_id = frame.hologram_id;
-  message.t_arrival_ns = frame.t_arrival_ns;
+  message.t_arrival_ns = frame.frame.t_arrival_ns;
   message.charge = frame.charge;
   message.valid = refined.refusal.empty();
   message.reason = std::move(refined.refusal);

@@ -8,7 +8,7 @@
 #include "core/control/refine_settings.hpp"
 #include "core/rt/agent.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
-#include "daemon/ovwsd/frames/frame_inbox.hpp"
+#include "daemon/ovwsd/frames/frame_copy.hpp"
 #include "daemon/ovwsd/refine/refine_model.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/shared/guarded.hpp"
@@ -24,7 +24,7 @@ namespace ovws {
 class LiveRefiner : public Agent {
  public:
   LiveRefiner(const RefineSetup& settings, const OpticsConfig& optics, const SlmGeometry& slm,
-              FrameBroker& frames, const SensorKeeper& keeper, StreamQueue& queue);
+              FrameTaps& frames, const SensorKeeper& keeper, StreamQueue& queue);
 
   bool do_work() override;
 

@@ -41,9 +41,9 @@ bool is_measured(const SensorSnapshot& sensor) {
 Key key_of(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSetup& settings) {
   return {sensor.sensor,
           sensor.tracking,
-          frame.image.width,
-          frame.image.height,
-          lit_pixels(frame.image.format, sensor.optics.wavelength_nm),
+          frame.frame.image.width,
+          frame.frame.image.height,
+          lit_pixels(frame.frame.image.format, sensor.optics.wavelength_nm),
           sensor.optics.registered,
           sensor.optics.centre_px,
           sensor.modes_j,
@@ -53,6 +53,11 @@ Key key_of(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSet
 }
 
 }  // namespace
+
+bool can_be_refined(const FrameRecord& record) {
+  return record.settled && record.pattern < 0 && record.settings_known &&
+         (record.valid || !record.plan->referenced());
+}
 
 /// Cached model of one sensor, image size and reference. A failure is cached as well, because the
 /// same reference would fail again.
@@ -80,25 +85,26 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
     return refused(of + bench_->model.error().reason);
   }
   std::vector<std::vector<double>> starts;
-  starts.emplace_back(frame.coefficients.begin(), frame.coefficients.end());
+  const auto measured = frame.all_coefficients();
+  starts.emplace_back(measured.begin(), measured.end());
   if (!out.against_reference) {
-    auto absolute =
-        modes_against_model(sensor, slm_, frame.image.width, frame.image.height, frame.spots);
+    auto absolute = modes_against_model(sensor, slm_, frame.frame.image.width,
+                                        frame.frame.image.height, frame.spots);
     if (!absolute) {
       return refused(
           "too few spots were found to start the fit: check the exposure and camera.roi");
     }
     starts.front() = std::move(*absolute);
   }
-  const RefineCamera camera = refine_camera(settings, frame.image.format, frame.gain_db);
+  const RefineCamera camera = refine_camera(settings, frame.frame.image.format, frame.gain_db);
   const std::vector<Mode> shown =
       shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
   const std::int64_t begun_ns = monotonic_ns();
   const std::vector<Mode> fixed = fixed_modes(shown, sensor.modes_j);
-  auto found =
-      out.against_reference
-          ? ovws::refine(*bench_->model, frame.image, camera, starts, fixed, bench_->templates)
-          : refine_absolute(*bench_->model, frame.image, camera, starts, fixed);
+  auto found = out.against_reference
+                   ? ovws::refine(*bench_->model, frame.frame.image, camera, starts, fixed,
+                                  bench_->templates)
+                   : refine_absolute(*bench_->model, frame.frame.image, camera, starts, fixed);
   out.duration_ms = 1e-6 * double(monotonic_ns() - begun_ns);
   if (!found) return refused(found.error().reason);
   out.modes = std::move(*found);
@@ -120,7 +126,7 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
   if (picture != nullptr && std::isnan(picture->gain_db)) {
     return fail(Errc::refused, "reference", kNoGainInDb);
   }
-  auto model = rendered_model(sensor, slm_, frame.image, [&](PointModel&) {
+  auto model = rendered_model(sensor, slm_, frame.frame.image, [&](PointModel&) {
     return std::pair(pixel_noise(refine_camera(settings, picture->format, picture->gain_db)),
                      picture->format);
   });

@@ -9,11 +9,15 @@
 
 #include "core/control/refine_settings.hpp"
 #include "core/optics/geometry.hpp"
-#include "daemon/ovwsd/frames/frame_inbox.hpp"
+#include "daemon/ovwsd/frames/frame_copy.hpp"
 #include "daemon/ovwsd/sensor/refined_modes.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
 namespace ovws {
+
+/// Whether a frame can be refined: its hologram had settled, its camera settings are known, and it
+/// is valid or the sensor has no reference.
+bool can_be_refined(const FrameRecord& record);
 
 struct RefinedFrame {
   std::optional<RefinedModes> modes;  ///< none: not fitted, see `refusal`

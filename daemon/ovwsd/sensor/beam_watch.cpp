@@ -8,9 +8,12 @@
 
 namespace ovws {
 
-BeamWatch::BeamWatch(const std::vector<BeamConfig>& beams) {
-  for (const BeamConfig& beam : beams) all_.emplace_back(beam.name);
-}
+BeamWatch::BeamWatch(const std::vector<BeamConfig>& beams, FrameTaps& frames)
+    : all_(beams.begin(), beams.end()),
+      tap_(frames, FrameTap::Needs::numbers, FrameTap::kEndless, [this](const FrameRecord& main) {
+        on_frame(main);
+        return true;
+      }) {}
 
 /// The source whose spots are too close to those of source `k`.
 int BeamWatch::too_close_to(const FrameRecord& main, std::size_t k) {

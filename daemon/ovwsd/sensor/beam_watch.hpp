@@ -5,22 +5,20 @@
 #include <deque>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "config/config.hpp"
 #include "core/pipeline/frame_record.hpp"
 #include "core/rt/seq_lock.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
+#include "daemon/ovwsd/frames/frame_tap.hpp"
 
 namespace ovws {
 
 class BeamWatch {
  public:
-  explicit BeamWatch(const std::vector<BeamConfig>& beams);
+  BeamWatch(const std::vector<BeamConfig>& beams, FrameTaps& frames);
 
-  /// Publish thread: call for every frame. Does not allocate.
-  void on_frame(const FrameRecord& main);
   /// Any thread: why frames of source k are not valid; none if they are, if the source has no
   /// reference, or if no settled frame came for 1.5 s. Times are CLOCK_MONOTONIC.
   std::optional<std::string> why_invalid(std::size_t k, std::int64_t now_ns) const;
@@ -41,18 +39,20 @@ class BeamWatch {
     int too_close_to = kNone;  ///< kMain, or the number of another further source
   };
   struct One {
-    explicit One(std::string of) : name(std::move(of)) {}
+    explicit One(const BeamConfig& of) : name(of.name) {}
     const std::string name;
     Newest written;  ///< publish thread only: what it wrote last into `newest`
     SeqLock<Newest> newest;
     std::int64_t announced_ns = 0;  ///< start of the invalid period announced; 0: none is
   };
 
+  void on_frame(const FrameRecord& main);
   static int too_close_to(const FrameRecord& main, std::size_t k);
   std::optional<std::string> reason_of(const Newest& newest, std::int64_t now_ns) const;
   std::string lack_of(const Newest& newest) const;
 
   std::deque<One> all_;
+  FrameTap tap_;  ///< writes all_, so declared after it
 };
 
 }  // namespace ovws

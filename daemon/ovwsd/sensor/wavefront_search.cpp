@@ -71,8 +71,8 @@ struct WavefrontSearch::Key {
 
   Key(const FrameCopy& frame, const SensorSnapshot& sensor)
       : sensor_epoch(sensor.sensor_epoch),
-        cols(frame.image.width),
-        rows(frame.image.height),
+        cols(frame.frame.image.width),
+        rows(frame.frame.image.height),
         modes_j(sensor.modes_j),
         estimates(sensor.tracking.estimates),
         reference_taken_ns(sensor.reference->t_taken_ns),
@@ -106,14 +106,18 @@ struct WavefrontSearch::Model {
   }
 };
 
-WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames,
+WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameTaps& frames,
                                  const ImageBrightness& brightness, SensorKeeper& keeper,
                                  Events& events)
     : slm_(slm),
       keeper_(keeper),
       events_(events),
       inbox_(frames, can_be_rendered),
-      validity_(brightness) {}
+      validity_(brightness),
+      tap_(frames, FrameTap::Needs::numbers, FrameTap::kEndless, [this](const FrameRecord& record) {
+        on_frame(record);
+        return true;
+      }) {}
 
 WavefrontSearch::~WavefrontSearch() = default;
 
@@ -131,6 +135,7 @@ std::optional<StatusMessage::SensorPart::Invalid> WavefrontSearch::why_invalid()
   return validity_.why_invalid(monotonic_ns(), utc_ns());
 }
 
+/// Publish thread: sees every frame.
 void WavefrontSearch::on_frame(const FrameRecord& record) {
   if (!record.plan->patterns.empty()) return watch_patterns(record);
   uncertain_ = 0;
@@ -235,18 +240,17 @@ bool WavefrontSearch::use_positions() {
 /// In a closed loop each frame may have another hologram: frames are used together as long as the
 /// holograms differ in measured modes only.
 bool WavefrontSearch::take_frame(const SensorSnapshot& sensor) {
-  const FrameCopy* const frame = inbox_.next(kFramePatience);
-  if (frame == nullptr || !sensor.reference) return false;
+  auto frame = inbox_.next(kFramePatience);
+  if (!frame || !sensor.reference) return false;
   const bool any_hologram = fixed_modes(shown_by(sensor), sensor.modes_j).empty();
   const auto is_other = [&](const FrameCopy& one) {
     return one.sensor_epoch != sensor.sensor_epoch ||
            !(any_hologram || one.hologram_id == sensor.hologram_id);
   };
-  frames_.push_back(copy_of(*frame));
-  const FrameCopy& first = frames_.front();
-  const bool same_image = first.image.width == frames_.back().image.width &&
-                          first.image.height == frames_.back().image.height &&
-                          first.image.format == frames_.back().image.format;
+  frames_.push_back(std::move(*frame));
+  const ImageView &first = frames_.front().frame.image, &last = frames_.back().frame.image;
+  const bool same_image =
+      first.width == last.width && first.height == last.height && first.format == last.format;
   if (!same_image || std::any_of(frames_.begin(), frames_.end(), is_other)) frames_.clear();
   return frames_.size() == kFrames;
 }
@@ -255,9 +259,9 @@ bool WavefrontSearch::take_frame(const SensorSnapshot& sensor) {
 /// looks like the image searched last and has the plan of that image.
 bool WavefrontSearch::begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor) {
   next_ns_ = monotonic_ns() + kRestNs;
-  const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.image.format);
+  const SpotModel spots = spot_model(sensor.sensor, sensor.optics, slm_, frame.frame.image.format);
   const int bin = std::max(1, int(kCell * spots.on_plane().lambda_d_px));
-  BinnedImage image = binned(frame.image, spots.lit.plane, bin);
+  BinnedImage image = binned(frame.frame.image, spots.lit.plane, bin);
   const bool changed = !tried_ || frame.plan_id != tried_plan_id_ || is_other_image(*tried_, image);
   const Doubt doubt = frame.valid ? Doubt::partial : Doubt::blind;
   if (!policy_.is_due(doubt, changed, monotonic_ns())) {
@@ -283,7 +287,7 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
                                      const SensorSnapshot& sensor) {
   const FrameCopy& frame = frames.back();
   std::vector<ImageView> images;
-  for (const FrameCopy& one : frames) images.push_back(one.image);
+  for (const FrameCopy& one : frames) images.push_back(one.frame.image);
   Key next(frame, sensor);
   const bool is_other = !model_ || !(model_->key == next);
   if (is_other) {
@@ -330,13 +334,14 @@ Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const I
 /// if any, with 0 for modes that positions do not determine; then the last found ones.
 std::vector<std::vector<double>> WavefrontSearch::starts(const FrameCopy& frame) const {
   std::vector<std::vector<double>> all;
-  if (std::isfinite(frame.coefficients.front())) {
-    auto& measured = all.emplace_back(frame.coefficients.begin(), frame.coefficients.end());
+  const auto coefficients = frame.all_coefficients();
+  if (std::isfinite(coefficients.front())) {
+    auto& measured = all.emplace_back(coefficients.begin(), coefficients.end());
     std::replace_if(
         measured.begin(), measured.end(), [](double waves) { return !std::isfinite(waves); }, 0.0);
   }
   if (frame.valid) return all;
-  all.emplace(all.begin(), frame.coefficients.size(), 0.0);
+  all.emplace(all.begin(), coefficients.size(), 0.0);
   if (!model_->last.empty()) all.push_back(model_->last);
   return all;
 }

@@ -17,7 +17,7 @@
 #include "core/spots/frame_fit.hpp"
 #include "core/tracking/binned_image.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
-#include "daemon/ovwsd/frames/frame_inbox.hpp"
+#include "daemon/ovwsd/frames/frame_copy.hpp"
 #include "daemon/ovwsd/sensor/search_policy.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/validity_watch.hpp"
@@ -38,14 +38,12 @@ namespace ovws {
 class WavefrontSearch : public Agent {
  public:
   /// All references must outlive this object.
-  WavefrontSearch(const SlmGeometry& slm, FrameBroker& frames, const ImageBrightness& brightness,
+  WavefrontSearch(const SlmGeometry& slm, FrameTaps& frames, const ImageBrightness& brightness,
                   SensorKeeper& keeper, Events& events);
   ~WavefrontSearch() override;
 
   bool do_work() override;
 
-  /// Publish thread: call for every frame.
-  void on_frame(const FrameRecord& record);
   /// Any thread: why no frame is valid. The snapshot's obstacle comes first, and needs no frames.
   /// Else as ValidityWatch::why_invalid; none without a reference.
   std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const;
@@ -61,6 +59,7 @@ class WavefrontSearch : public Agent {
                                                 const FrameCopy& frame,
                                                 const SensorSnapshot& sensor);
   bool looks_for_calibration() const;
+  void on_frame(const FrameRecord& record);
   bool may_search(const FrameRecord& record);
   void watch_patterns(const FrameRecord& record);
   bool use_positions();
@@ -94,6 +93,7 @@ class WavefrontSearch : public Agent {
   std::string failure_;             ///< reason in the last failure event; empty: none
   bool measured_ = false;           ///< the last templates were the calibration's
   std::int64_t look_again_ns_ = 0;  ///< do not try the calibration's templates before
+  FrameTap tap_;                    ///< calls on_frame, so declared last
 };
 
 }  // namespace ovws

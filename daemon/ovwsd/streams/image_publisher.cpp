@@ -18,7 +18,7 @@ constexpr std::int64_t kPauseNs = 10'000'000;  // between two checks for open re
 }  // namespace
 
 ImagePublisher::ImagePublisher(Publisher socket, const ImagePublisherConfig& config,
-                               Pipeline& pipeline, Counters& counters, FrameBroker& frames,
+                               Pipeline& pipeline, Counters& counters, FrameTaps& frames,
                                FrameGrabs& grabs, ImageBrightness& brightness)
     : socket_(std::move(socket)),
       config_(config),

@@ -1,5 +1,5 @@
-/// The image publisher: sends camera images and phase maps at a display rate, and lends frames with
-/// their pixels to the frame broker.
+/// The image publisher: sends camera images and phase maps at a display rate, and serves the
+/// taps that need pixels.
 #pragma once
 
 #include <atomic>
@@ -13,8 +13,8 @@
 #include "core/rt/agent.hpp"
 #include "core/rt/counters.hpp"
 #include "core/wavefront/phase_map.hpp"
-#include "daemon/ovwsd/frames/frame_broker.hpp"
 #include "daemon/ovwsd/frames/frame_grabs.hpp"
+#include "daemon/ovwsd/frames/frame_tap.hpp"
 #include "daemon/ovwsd/frames/image_brightness.hpp"
 #include "drivers/zmq/publisher.hpp"
 
@@ -29,10 +29,10 @@ struct ImagePublisherConfig {
 /// Agent of the images thread.
 class ImagePublisher : public Agent {
  public:
-  /// `frames`, `grabs` and `brightness` must outlive this object. Requests for pixels are served
+  /// `frames`, `grabs` and `brightness` must outlive this object. Taps for pixels are served
   /// between two images, and `grabs` are ended; `brightness` looks at each image that is sent.
   ImagePublisher(Publisher socket, const ImagePublisherConfig& config, Pipeline& pipeline,
-                 Counters& counters, FrameBroker& frames, FrameGrabs& grabs,
+                 Counters& counters, FrameTaps& frames, FrameGrabs& grabs,
                  ImageBrightness& brightness);
 
   bool do_work() override;
@@ -54,7 +54,7 @@ class ImagePublisher : public Agent {
   ImagePublisherConfig config_;
   Pipeline& pipeline_;
   Counters& counters_;
-  FrameBroker& frames_;
+  FrameTaps& frames_;
   FrameGrabs& grabs_;
   ImageBrightness& brightness_;
   std::atomic<double> rate_hz_;

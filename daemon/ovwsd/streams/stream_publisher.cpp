@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <utility>
 
 #include "core/port/clock.hpp"
 #include "proto/encode.hpp"
@@ -44,7 +45,7 @@ FrameMessage frame_message(const FrameRecord& record, double wavelength_nm) {
 }
 
 StreamPublisher::StreamPublisher(Publisher socket, double wavelength_nm, StreamPublisherDeps deps)
-    : socket_(std::move(socket)), wavelength_nm_(wavelength_nm), deps_(deps) {}
+    : socket_(std::move(socket)), wavelength_nm_(wavelength_nm), deps_(std::move(deps)) {}
 
 bool StreamPublisher::do_work() {
   FrameRecord* record = deps_.pipeline.next(kTurnUs);
@@ -53,9 +54,6 @@ bool StreamPublisher::do_work() {
     const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
     send_frame(*record);
     deps_.frames.serve_numbers(*record);
-    deps_.search.on_frame(*record);
-    deps_.beams.on_frame(*record);
-    deps_.loop.add(*record);
   }
   send_queue();
   return record != nullptr;
@@ -67,7 +65,7 @@ void StreamPublisher::on_close() {
 
 void StreamPublisher::send_frame(const FrameRecord& record) {
   FrameMessage frame = frame_message(record, wavelength_nm_);
-  frame.loop_closed = deps_.loop.is_closed();
+  frame.loop_closed = deps_.loop_closed();
   send_commands(record, frame);
   send_record(record, frame);
   for (const FrameRecord* const beam : record.beams()) {

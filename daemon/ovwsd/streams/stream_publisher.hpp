@@ -1,8 +1,9 @@
-/// The publisher of the measurement stream: sends commands, wavefront and spots of each frame, and
-/// the queued event, status and refined messages.
+/// The publisher of the measurement stream: sends commands, wavefront and spots of each frame,
+/// serves the taps that need numbers, and sends the queued event, status and refined messages.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,7 @@
 #include "core/rt/counters.hpp"
 #include "core/rt/latency_histogram.hpp"
 #include "daemon/ovwsd/actor/stream_queue.hpp"
-#include "daemon/ovwsd/frames/frame_broker.hpp"
-#include "daemon/ovwsd/loop/closed_loop.hpp"
-#include "daemon/ovwsd/sensor/beam_watch.hpp"
-#include "daemon/ovwsd/sensor/wavefront_search.hpp"
+#include "daemon/ovwsd/frames/frame_tap.hpp"
 #include "daemon/ovwsd/streams/corrector.hpp"
 #include "drivers/zmq/publisher.hpp"
 #include "proto/messages.hpp"
@@ -23,10 +21,8 @@ namespace ovws {
 
 struct StreamPublisherDeps {
   Pipeline& pipeline;
-  FrameBroker& frames;
-  WavefrontSearch& search;
-  BeamWatch& beams;
-  ClosedLoop& loop;
+  FrameTaps& frames;
+  std::function<bool()> loop_closed;  ///< called in the publish thread
   Corrector& corrector;
   Counters& counters;
   StreamQueue& queue;

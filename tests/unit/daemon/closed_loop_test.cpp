@@ -34,7 +34,6 @@ class ClosedLoopTest : public testing::Test {
   ~ClosedLoopTest() override {
     end_ = true;
     thread_.join();
-    feed_.reset();
   }
 
   void take_reference_frames() {
@@ -111,8 +110,9 @@ class ClosedLoopTest : public testing::Test {
   }
 
   test::SimulatedBench bench_;
-  ClosedLoop loop_{{bench_.keeper(), bench_.leases(), bench_.slm(), bench_.events(),
-                    [this] { return finds_ ? monotonic_ns() : 0; }, [this] { return why_invalid_; },
+  ClosedLoop loop_{{bench_.frames(), bench_.keeper(), bench_.leases(), bench_.slm(),
+                    bench_.events(), [this] { return finds_ ? monotonic_ns() : 0; },
+                    [this] { return why_invalid_; },
                     [](const std::string&, const nlohmann::json&) {}}};
   std::string why_invalid_;         ///< set it before the loop closes
   std::atomic<bool> finds_{false};  ///< lost spots are found all the time
@@ -120,11 +120,6 @@ class ClosedLoopTest : public testing::Test {
   std::atomic<bool> end_{false};
 
  private:
-  std::shared_ptr<FrameBroker::Request> feed_ =
-      bench_.frames().request(FrameBroker::Needs::numbers, 1, [this](const FrameRecord& record) {
-        loop_.add(record);
-        return false;
-      });
   std::thread thread_{[this] {
     for (; !end_; ++turns_) loop_.do_work();
     loop_.on_close();

@@ -17,8 +17,8 @@ constexpr std::int64_t kHourNs = 3'600'000'000'000;  // no test takes as long
 TEST(FrameGrabsTest, AnExposureThatMayHaveBegunBeforeTheRequestIsNotTaken) {
   const MeasurementPlan plan;
   const std::array<std::byte, 4> pixels{};
-  FrameBroker broker;
-  FrameGrabs grabs(broker, [] { return 1; });
+  FrameTaps taps;
+  FrameGrabs grabs(taps, [] { return 1; });
   std::vector<std::uint64_t> taken;
   CameraGrab wish;
   wish.timeout_s = 600.0;
@@ -40,7 +40,7 @@ TEST(FrameGrabsTest, AnExposureThatMayHaveBegunBeforeTheRequestIsNotTaken) {
   for (const std::int64_t earliest_begin_ns : {asked_ns - kHourNs / 2, asked_ns + 1}) {
     ++record.frame.frame_id;
     record.t_exposed_mono_ns = earliest_begin_ns + kHourNs + record.transfer_ns / 2;
-    broker.serve_pixels(record);
+    taps.serve_pixels(record);
   }
   grabs.end_due();
   EXPECT_EQ(taken, (std::vector<std::uint64_t>{2}));
