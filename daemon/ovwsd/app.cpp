@@ -22,7 +22,6 @@
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/beam_watch.hpp"
 #include "daemon/ovwsd/sensor/named_references.hpp"
 #include "daemon/ovwsd/sensor/prepared_lattices.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
@@ -107,7 +106,6 @@ struct App::Parts {
   Recorder recorder;
   FrameTaps frames;
   ImageBrightness brightness;
-  BeamWatch beams;
   Corrector corrector{events};
   Jobs jobs{events};
   SlmLoop slm;
@@ -135,7 +133,6 @@ struct App::Parts {
         state_lock(std::move(lock)),
         pipeline(with_plans(config), {counters, shown, settings}),
         recorder(config, pipeline, events),
-        beams(config.beams, frames),
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
         camera(config.camera, {pipeline, settings, counters, events,
@@ -196,13 +193,12 @@ Result<void> App::Parts::make_sensor() {
       ClosedLoopDeps{frames, *keeper, leases, slm, events, [this] { return search->found_ns(); },
                      [this] {
                        const auto why = search->why_invalid();
-                       return why ? why->reason + "; " + why->action : std::string();
+                       return why ? in_words(*why) : std::string();
                      },
                      [this](std::string kind, nlohmann::json content) {
                        recorder.add_loop(std::move(kind), std::move(content));
                      }});
-  search =
-      std::make_unique<WavefrontSearch>(config.slm.geometry, frames, brightness, *keeper, events);
+  search = std::make_unique<WavefrontSearch>(config, frames, brightness, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
                                           *keeper, queue);
   return {};
@@ -225,18 +221,12 @@ Result<void> App::Parts::bind_streams() {
                                             counters, frames, grabs, brightness);
   reloader = std::make_unique<Reloader>(
       ReloadDeps{config, loaded, leases, camera, slm, *keeper, *refiner, *images, events, disk});
-  status =
-      std::make_unique<StatusReporter>(StatusDeps{leases,   camera,
-                                                  slm,      *keeper,
-                                                  *search,  beams,
-                                                  *images,  brightness,
-                                                  *loop,    *refiner,
-                                                  recorder, jobs,
-                                                  pipeline, published_latency,
-                                                  counters, events,
-                                                  store,    queue,
-                                                  threads,  *reloader,
-                                                  *clients, [this] { end_without_display(); }});
+  status = std::make_unique<StatusReporter>(
+      StatusDeps{leases,   camera,    slm,      *keeper,
+                 *search,  *images,   *loop,    *refiner,
+                 recorder, jobs,      pipeline, published_latency,
+                 counters, events,    store,    queue,
+                 threads,  *reloader, *clients, [this] { end_without_display(); }});
   return {};
 }
 

@@ -149,11 +149,11 @@ class Beams(BenchCase):
                 self.assertEqual(self.validity(stream), expected, b_px)
             if b_px == 350.0:
                 sensor = self.call("system.status")["sensor"]
-                self.assertIn("too close to another source's", sensor["invalid"]["reason"])
+                self.assertIn("too close to those of the source b", sensor["invalid"]["reason"])
                 self.assertIn("too close to those of the main source", sensor["beams"][0]["reason"])
                 self.assertIsNone(sensor["beams"][1]["reason"])
                 told = wait_for(lambda: (event := events.next(1.0)) and event["kind"] == "spots" and "beam" not in event["data"] and event, what="the event")
-                self.assertIn("too close to another source's", told["text"])
+                self.assertIn("too close to those of the source b", told["text"])
 
     def test_a_replay_knows_the_other_sources(self):
         """Those too close to the main one, and those among which it searches for its spots."""

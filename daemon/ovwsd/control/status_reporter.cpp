@@ -91,7 +91,6 @@ StatusReporter::StatusReporter(StatusDeps deps)
 bool StatusReporter::do_work() {
   std::this_thread::sleep_for(kTurn);
   watch_threads();
-  deps_.beams.announce(deps_.events, monotonic_ns());
   feed_watchdog();
   deps_.reloader.poll();
   deps_.clients.turn();
@@ -118,7 +117,7 @@ StatusMessage StatusReporter::current() const {
   status.loop_paused = deps_.loop.is_paused();
   const CameraSnapshot camera = deps_.camera.snapshot();
   status.camera = camera_part(camera, deps_.pipeline);
-  status.camera.brightest = deps_.brightness.newest(monotonic_ns());
+  status.camera.brightest = deps_.images.brightness().newest(monotonic_ns());
   status.slm = slm_part(deps_.slm.snapshot());
   status.store = deps_.store.report();
   for (const HungThread& one : deps_.threads.hung_threads()) {
@@ -135,7 +134,8 @@ StatusMessage StatusReporter::current() const {
   status.sensor = sensor_part(*deps_.keeper.snapshot(), camera);
   status.sensor.invalid = deps_.search.why_invalid();
   for (std::size_t k = 0; k < status.sensor.beams.size(); ++k) {
-    status.sensor.beams[k].reason = deps_.beams.why_invalid(k, monotonic_ns());
+    const auto why = deps_.search.why_invalid(k + 1);
+    if (why) status.sensor.beams[k].reason = in_words(*why);
   }
   status.refine = deps_.refiner.report();
   status.record = deps_.recorder.report();

@@ -18,7 +18,6 @@
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/beam_watch.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
@@ -39,9 +38,7 @@ struct StatusDeps {
   const SlmLoop& slm;
   const SensorKeeper& keeper;
   const WavefrontSearch& search;
-  BeamWatch& beams;
   const ImagePublisher& images;
-  const ImageBrightness& brightness;
   const ClosedLoop& loop;
   const LiveRefiner& refiner;
   const Recorder& recorder;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/pipeline/frame_rules.hpp"
 #include "daemon/ovwsd/sensor/branch_check.hpp"
 #include "proto/dark_image.hpp"
 #include "proto/limits.hpp"
@@ -11,7 +12,50 @@
 namespace ovws {
 namespace {
 
-std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
+/// Without a settled frame for so long, nothing is known about the light.
+constexpr std::int64_t kMaxFrameAgeNs = 1'500'000'000;
+/// Frames must have been invalid for so long before an event says so.
+constexpr std::int64_t kAnnounceNs = 500'000'000;
+constexpr int kManyCycles = 3;  // of a sequence without a frame whose pattern is certain
+
+/// The measurement of a source in a frame.
+const FrameRecord& record_of(const FrameRecord& main, std::size_t source) {
+  return source == 0 ? main : *main.beams()[source - 1];
+}
+
+Verdict verdict_of(const FrameRecord& record, const Lack& lack) {
+  if (record.valid) return Verdict::valid;
+  if (lack.other != nullptr) return Verdict::too_close;
+  if (!record.reconstruction.determined && lack.enough_found && !lack.searched) {
+    return Verdict::undetermined;
+  }
+  if (lack.branch_points > 0) return Verdict::branch_points;
+  if (record.unconfirmed) return Verdict::unconfirmed;
+  return lack.enough_found && !record.explained ? Verdict::unexplained : Verdict::spots_lost;
+}
+
+std::string reason_of(const Lack& lack) {
+  if (lack.verdict == Verdict::no_pattern) return "no frame's pattern is certain";
+  const auto found = [&lack](const std::string& what) {
+    return fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots, what);
+  };
+  switch (lack.verdict) {
+    case Verdict::too_close:
+      return found(", but too close to those of " + *lack.other);
+    case Verdict::undetermined:
+      return found(", which do not determine all modes");
+    case Verdict::branch_points:
+      return found("; the light has " + branch_point_text(lack.branch_points, lack.branch_point));
+    case Verdict::unconfirmed:
+      return found(", but templates have not confirmed them yet");
+    case Verdict::unexplained:
+      return found(", but no wavefront explains their positions");
+    default:
+      return found("");
+  }
+}
+
+std::string search_text(const SearchProgress& search, std::int64_t now_ns) {
   if (search.running || search.searches == 0) return "the image's wavefront is being searched";
   const double wait_s = 1e-9 * double(std::max<std::int64_t>(search.next_ns - now_ns, 0));
   return fmt::format(
@@ -21,86 +65,120 @@ std::string action_of(const SearchProgress& search, std::int64_t now_ns) {
 
 /// What to do about an image that is too dark, or in which too much light has lost spots; else
 /// empty.
-std::string light_text(const ValidityWatch::Lack& lack) {
-  if (lack.brightest && is_dark(*lack.brightest)) return dark_text(*lack.brightest);
+std::string light_text(const Lack& lack, std::optional<double> brightest) {
+  if (brightest && is_dark(*brightest)) return dark_text(*brightest);
   if (lack.enough_found || !(lack.saturated > limits::kMaxSaturatedSpots)) return "";
   return fmt::format(
       "too bright, {:.0f} % of the spots are saturated: lower the exposure or the gain",
       100.0 * lack.saturated);
 }
 
-/// What the branch points of the newest frame mean; empty if there are none.
-std::string branch_text(const ValidityWatch::Lack& lack) {
-  if (lack.branch_points == 0) return "";
-  return "; the light has " + branch_point_text(lack.branch_points, lack.branch_point);
+/// What to do, whatever the light; empty: that depends on the search.
+std::string action_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::no_pattern:
+      return "check that each pattern triggers the camera, that dmd.slots and dmd.bit_order are "
+             "the DMD's, the output's refresh rate, that the exposure is shorter than a pattern, "
+             "that the camera sends timestamps, and the light";
+    case Verdict::too_close:
+      return "tilt the light sources apart";
+    case Verdict::undetermined:
+      return "set a smaller tracking.mode_count (sensor.set), or light the lost spots";
+    default:
+      return "";
+  }
 }
 
 }  // namespace
 
-void ValidityWatch::on_frame(bool valid, const Lack& lack, std::int64_t now_ns) {
-  const std::int64_t since_ns = written_.lack.since_ns;
-  written_ = {lack, now_ns};
-  written_.lack.since_ns = valid ? 0 : since_ns == 0 ? now_ns : since_ns;
-  newest_.write(written_);
+std::string in_words(const StatusMessage::SensorPart::Invalid& why) {
+  return why.reason + (why.action.empty() ? "" : "; ") + why.action;
 }
 
-std::optional<ValidityWatch::Lack> ValidityWatch::lack(std::int64_t now_ns) const {
-  Newest newest = newest_.read();
-  if (newest.lack.since_ns == 0 || now_ns - newest.t_ns > kMaxFrameAgeNs) return std::nullopt;
-  newest.lack.brightest = brightness_.newest(now_ns);
-  return newest.lack;
+ValidityWatch::ValidityWatch(const std::vector<BeamConfig>& beams,
+                             const ImageBrightness& brightness)
+    : brightness_(brightness) {
+  sources_.emplace_back();
+  for (const BeamConfig& beam : beams) sources_.emplace_back(beam);
 }
 
-StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
-                                                    const SearchProgress& search,
-                                                    std::int64_t now_ns, std::int64_t utc_ns) {
-  StatusMessage::SensorPart::Invalid invalid;
-  invalid.t_since_ns = utc_ns - (now_ns - lack.since_ns);
-  if (lack.no_pattern) {
-    invalid.reason = "no frame's pattern is certain";
-    invalid.action =
-        "check that each pattern triggers the camera, that dmd.slots and dmd.bit_order are the "
-        "DMD's, the output's refresh rate, that the exposure is shorter than a pattern, that the "
-        "camera sends timestamps, and the light";
-    return invalid;
+void ValidityWatch::on_frame(const FrameRecord& main, bool searched, std::int64_t now_ns) {
+  if (!main.plan->patterns.empty()) {  // of a sequence, without a certain pattern
+    // Not still: the hologram is changing, or there is no display.
+    uncertain_ += main.still ? 1 : 0;
+    const bool many = uncertain_ >= kManyCycles * main.plan->cycle.slots;
+    if (!main.still || !many || !main.plan->referenced()) return;
+    return note(0, {.verdict = Verdict::no_pattern, .spots = main.spot_count}, now_ns);
   }
-  if (lack.too_close) {
-    invalid.reason = fmt::format("{} of {} spots are found, but too close to another source's",
-                                 lack.tracked, lack.spots);
-    invalid.action = "tilt the light sources apart: sensor.beams of status names the other one";
-    return invalid;
+  uncertain_ = 0;
+  if (!main.settled) return;
+  for (std::size_t source = 0; source <= main.beams().size(); ++source) {
+    const FrameRecord& record = record_of(main, source);
+    if (!record.plan->referenced()) continue;
+    Lack newest{.tracked = record.tracked,
+                .spots = record.spot_count,
+                .searched = searched && source == 0,
+                .enough_found = enough_found(record),
+                .saturated = double(record.saturated_fraction),
+                .branch_points = record.branch_points.count,
+                .branch_point = record.branch_points.points.front(),
+                .other = record.valid ? nullptr : too_close_to(main, source)};
+    newest.verdict = verdict_of(record, newest);
+    note(source, newest, now_ns);
   }
-  if (lack.undetermined && !lack.searched) {
-    invalid.reason = fmt::format("{} of {} spots are found, which do not determine all modes",
-                                 lack.tracked, lack.spots);
-    invalid.action = "set a smaller tracking.mode_count (sensor.set), or light the lost spots";
-    return invalid;
+}
+
+/// Label of a source whose spots are too close to those of `source`; null: there is none.
+const std::string* ValidityWatch::too_close_to(const FrameRecord& main, std::size_t source) const {
+  for (std::size_t other = 0; other <= main.beams().size(); ++other) {
+    const bool near =
+        other != source && !are_apart(record_of(main, other), record_of(main, source));
+    if (near) return &sources_[other].label;
   }
-  const bool has_branch_points = lack.branch_points > 0;
-  const bool unexplained = lack.enough_found && !lack.explained;
-  invalid.reason = fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots,
-                               has_branch_points ? branch_text(lack)
-                               : lack.waits      ? ", but templates have not confirmed them yet"
-                               : unexplained     ? ", but no wavefront explains their positions"
-                                                 : "");
-  const std::string light = light_text(lack);
-  invalid.action = !light.empty() ? light
-                   : has_branch_points
-                       ? "no smooth wavefront exists: remove what splits the light, or wait"
-                   : !lack.searched ? "use the tracker fit: it also finds strong aberrations"
-                   : lack.waits     ? "wait: templates of this wavefront are being rendered"
-                                    : action_of(search, now_ns);
-  invalid.searches = search.searches;
-  if (lack.searched && !search.running && !lack.waits)
-    invalid.t_next_search_ns = utc_ns + std::max<std::int64_t>(search.next_ns - now_ns, 0);
-  return invalid;
+  return nullptr;
+}
+
+void ValidityWatch::note(std::size_t source, Lack newest, std::int64_t now_ns) {
+  Source& of = sources_[source];
+  const std::int64_t since_ns = of.written.since_ns != 0 ? of.written.since_ns : now_ns;
+  newest.since_ns = newest.verdict == Verdict::valid ? 0 : since_ns;
+  newest.t_ns = now_ns;
+  of.written = newest;
+  of.newest.write(newest);
+}
+
+std::optional<Lack> ValidityWatch::lack(std::size_t source, std::int64_t now_ns) const {
+  const Lack newest = sources_[source].newest.read();
+  if (newest.since_ns == 0 || now_ns - newest.t_ns > kMaxFrameAgeNs) return std::nullopt;
+  return newest;
 }
 
 std::optional<StatusMessage::SensorPart::Invalid> ValidityWatch::why_invalid(
-    std::int64_t now_ns, std::int64_t utc_ns) const {
-  const auto now = lack(now_ns);
+    std::size_t source, std::int64_t now_ns, std::int64_t utc_ns) const {
+  const auto now = lack(source, now_ns);
   if (!now) return std::nullopt;
-  return invalid_in_words(*now, progress_.get(), now_ns, utc_ns);
+  const bool is_main = source == 0;
+  const SearchProgress search = is_main ? progress_.get() : SearchProgress{};
+  StatusMessage::SensorPart::Invalid invalid;
+  invalid.t_since_ns = utc_ns - (now_ns - now->since_ns);
+  invalid.reason = reason_of(*now);
+  invalid.action = action_of(now->verdict);
+  if (!invalid.action.empty()) return invalid;
+  const std::string light =
+      light_text(*now, is_main ? brightness_.newest(now_ns) : std::optional<double>());
+  const bool waits = now->verdict == Verdict::unconfirmed;
+  invalid.action = !light.empty() ? light
+                   : now->verdict == Verdict::branch_points
+                       ? "no smooth wavefront exists: remove what splits the light, or wait"
+                   : !is_main       ? (now->tracked == 0 ? "check the light of this source" : "")
+                   : !now->searched ? "use the tracker fit: it also finds strong aberrations"
+                   : waits          ? "wait: templates of this wavefront are being rendered"
+                                    : search_text(search, now_ns);
+  invalid.searches = search.searches;
+  if (now->searched && !search.running && !waits) {
+    invalid.t_next_search_ns = utc_ns + std::max<std::int64_t>(search.next_ns - now_ns, 0);
+  }
+  return invalid;
 }
 
 void ValidityWatch::search_begins() {
@@ -112,28 +190,40 @@ void ValidityWatch::search_failed(std::int64_t next_ns) {
 }
 
 void ValidityWatch::announce(Events& events, std::int64_t now_ns) {
-  if (is_valid()) progress_.change([](SearchProgress& progress) { progress.searches = 0; });
-  const auto now = lack(now_ns);
-  if (now && announced_ns_ == 0 && now_ns - now->since_ns >= kAnnounceNs) {
-    announced_ns_ = now->since_ns;
-    const auto why = invalid_in_words(*now, progress_.get(), now_ns, 0);
-    nlohmann::json data{{"valid", false}, {"tracked", now->tracked}, {"searches", why.searches}};
+  if (is_valid(0)) progress_.change([](SearchProgress& progress) { progress.searches = 0; });
+  for (std::size_t source = 0; source < sources_.size(); ++source) {
+    announce(source, events, now_ns);
+  }
+}
+
+void ValidityWatch::announce(std::size_t source, Events& events, std::int64_t now_ns) {
+  Source& of = sources_[source];
+  const std::string whose = source == 0 ? "" : "of " + of.label + ", ";
+  const auto told = [&](Severity severity, const std::string& text, nlohmann::json data) {
+    if (source != 0) data["beam"] = of.name;
+    events.emit("spots", severity, whose + text, std::move(data));
+  };
+  const auto why = why_invalid(source, now_ns, 0);
+  const auto now = lack(source, now_ns);
+  if (why && now && of.announced_ns == 0 && now_ns - now->since_ns >= kAnnounceNs) {
+    of.announced_ns = now->since_ns;
+    nlohmann::json data{{"valid", false}, {"tracked", now->tracked}, {"searches", why->searches}};
     if (now->branch_points > 0) {
       data["branch_point"] = {{"x", now->branch_point.at.x},
                               {"y", now->branch_point.at.y},
                               {"charge", now->branch_point.charge}};
     }
-    events.emit("spots", Severity::warning,
-                fmt::format("no frame has been valid for {:.1f} s: {}; {}",
-                            1e-9 * double(now_ns - now->since_ns), why.reason, why.action),
-                data);
+    told(Severity::warning,
+         fmt::format("no frame has been valid for {:.1f} s: {}",
+                     1e-9 * double(now_ns - now->since_ns), in_words(*why)),
+         std::move(data));
   }
-  if (announced_ns_ == 0 || !is_valid()) return;
-  events.emit(
-      "spots", Severity::info,
-      fmt::format("frames are valid again, after {:.1f} s", 1e-9 * double(now_ns - announced_ns_)),
-      {{"valid", true}});
-  announced_ns_ = 0;
+  if (of.announced_ns == 0 || !is_valid(source)) return;
+  told(Severity::info,
+       fmt::format("frames are valid again, after {:.1f} s",
+                   1e-9 * double(now_ns - of.announced_ns)),
+       {{"valid", true}});
+  of.announced_ns = 0;
 }
 
 }  // namespace ovws

@@ -1,22 +1,24 @@
-/// Validity watch: since when and why no frame has been valid, and what the daemon does about it.
+/// Validity watch: since when and why no frame of a light source has been valid, and what the
+/// daemon does about it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "config/config.hpp"
+#include "core/pipeline/frame_record.hpp"
 #include "core/rt/seq_lock.hpp"
-#include "core/wavefront/branch_points.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/frames/image_brightness.hpp"
 #include "daemon/shared/guarded.hpp"
 #include "proto/status_message.hpp"
 
 namespace ovws {
-
-/// Without a settled frame for so long, nothing is known about the light.
-constexpr std::int64_t kMaxFrameAgeNs = 1'500'000'000;
-/// Frames must have been invalid for so long before an event says so.
-constexpr std::int64_t kAnnounceNs = 500'000'000;
 
 /// Progress of the wavefront search. Times are CLOCK_MONOTONIC.
 struct SearchProgress {
@@ -25,67 +27,84 @@ struct SearchProgress {
   std::int64_t next_ns = 0;  ///< time of the next search, if the image does not change
 };
 
-/// Watches settled frames of a sensor with a reference. The publish thread calls `on_frame`. The
-/// search thread calls `announce` and `search_*`. Any thread may call the other methods.
+/// Why a frame is not valid: the first reason that applies.
+enum class Verdict {
+  valid,
+  no_pattern,     ///< of a DMD's sequence: no frame's pattern has been certain for long
+  too_close,      ///< the spots are too close to those of another source
+  undetermined,   ///< enough spots are found, but do not determine the modes; nothing is searched
+  branch_points,  ///< the light has branch points, so that no smooth wavefront exists
+  unconfirmed,    ///< templates must confirm the spots' positions first
+  unexplained,    ///< no wavefront explains the spots' positions
+  spots_lost,     ///< too few spots are found
+};
+
+/// What is known of the newest frame of a light source.
+struct Lack {
+  Verdict verdict = Verdict::valid;
+  int tracked = 0, spots = 0;
+  bool searched = false;               ///< the wavefront of such frames is searched
+  bool enough_found = true;            ///< see enough_found of frame_rules.hpp
+  double saturated = 0.0;              ///< fraction of the spots with a saturated pixel
+  int branch_points = 0;               ///< recognised in the frame
+  BranchPoint branch_point = {};       ///< the strongest of them
+  const std::string* other = nullptr;  ///< label of the source that is too close
+  std::int64_t since_ns = 0;           ///< start of the invalid period, CLOCK_MONOTONIC
+  std::int64_t t_ns = 0;               ///< when it was noted, CLOCK_MONOTONIC; 0: no frame yet
+};
+
+/// Watches the settled frames of all light sources whose sensor has a reference. The publish thread
+/// calls `on_frame`, the search thread `announce` and `search_*`. Any thread may call the others.
+/// Source 0 is the main one, source k the k-th further one.
 class ValidityWatch {
  public:
-  /// Lack of valid frames: what is wrong with the newest invalid frame.
-  struct Lack {
-    std::int64_t since_ns = 0;  ///< start of the invalid period, CLOCK_MONOTONIC
-    int tracked = 0, spots = 0;
-    bool explained = true;  ///< false: no wavefront explains the spots' positions
-    bool waits = false;     ///< true: templates must confirm the positions first
-    bool searched = true;   ///< templates can measure frames, so the wavefront is searched
-    /// See brightest_fraction; none: unknown.
-    std::optional<double> brightest = std::nullopt;
-    int branch_points = 0;          ///< recognised in the newest frame
-    BranchPoint branch_point = {};  ///< the strongest of them
-    bool no_pattern = false;        ///< of a sequence: no frame's pattern has been certain for long
-    bool too_close = false;         ///< the spots are too close to those of another source
-    bool undetermined = false;      ///< enough spots are found, but do not determine the modes
-    bool enough_found = true;       ///< see enough_found of frame_rules.hpp
-    double saturated = 0.0;         ///< fraction of the spots with a saturated pixel
-  };
-
   /// `brightness`: of the camera's images; must outlive this object.
-  explicit ValidityWatch(const ImageBrightness& brightness) : brightness_(brightness) {}
+  ValidityWatch(const std::vector<BeamConfig>& beams, const ImageBrightness& brightness);
 
-  void on_frame(bool valid, const Lack& lack, std::int64_t now_ns);
+  /// Call for every frame. `searched`: templates can measure such frames, so their wavefront is
+  /// searched. RT-safe.
+  void on_frame(const FrameRecord& main, bool searched, std::int64_t now_ns) OVWS_NONBLOCKING;
+  /// Notes the newest frame of a source; since_ns and t_ns follow from `now_ns`. RT-safe.
+  void note(std::size_t source, Lack newest, std::int64_t now_ns) OVWS_NONBLOCKING;
 
-  /// Why frames are invalid. None if the newest frame was valid, or if no frame came for 1.5 s:
-  /// missing frames have another cause, which is reported elsewhere.
-  std::optional<Lack> lack(std::int64_t now_ns) const;
+  /// None if the newest frame was valid, or if no frame came for 1.5 s: missing frames have another
+  /// cause, which is reported elsewhere.
+  std::optional<Lack> lack(std::size_t source, std::int64_t now_ns) const;
   /// Whether the newest frame was valid, or no frame has come yet.
-  bool is_valid() const { return newest_.read().lack.since_ns == 0; }
+  bool is_valid(std::size_t source) const { return sources_[source].newest.read().since_ns == 0; }
   /// Describes the invalid period for the status message; none as for `lack`. `now_ns`
   /// (CLOCK_MONOTONIC) and `utc_ns` (UTC) are two clocks read at one moment.
-  std::optional<StatusMessage::SensorPart::Invalid> why_invalid(std::int64_t now_ns,
+  std::optional<StatusMessage::SensorPart::Invalid> why_invalid(std::size_t source,
+                                                                std::int64_t now_ns,
                                                                 std::int64_t utc_ns) const;
 
   void search_begins();
   void search_failed(std::int64_t next_ns);
   void search_succeeded() { progress_.set({}); }
-  /// Publishes an event when no frame has been valid for half a second, and when frames are valid
-  /// again.
+  /// Publishes an event when no frame of a source has been valid for half a second, and when frames
+  /// are valid again.
   void announce(Events& events, std::int64_t now_ns);
 
  private:
-  const ImageBrightness& brightness_;
-  /// One frame's facts, which readers see together.
-  struct Newest {
-    Lack lack{};            ///< since_ns 0: the newest frame was valid
-    std::int64_t t_ns = 0;  ///< CLOCK_MONOTONIC; 0: no frame yet
+  struct Source {
+    Source() : label("the main source") {}
+    explicit Source(const BeamConfig& beam) : name(beam.name), label("the source " + beam.name) {}
+    const std::string name;  ///< empty: the main one
+    const std::string label;
+    Lack written;                   ///< publish thread only: what it wrote last into `newest`
+    SeqLock<Lack> newest;           ///< one frame's facts, which readers see together
+    std::int64_t announced_ns = 0;  ///< start of the invalid period announced; 0: none is
   };
-  Newest written_;  ///< publish thread only: what it wrote last into newest_
-  SeqLock<Newest> newest_;
-  Guarded<SearchProgress> progress_;
-  std::int64_t announced_ns_ = 0;  ///< start of the invalid period announced; 0: none is
+  const std::string* too_close_to(const FrameRecord& main, std::size_t source) const;
+  void announce(std::size_t source, Events& events, std::int64_t now_ns);
+
+  const ImageBrightness& brightness_;
+  std::deque<Source> sources_;
+  Guarded<SearchProgress> progress_;  ///< of the main source's wavefront
+  int uncertain_ = 0;  ///< frames of a sequence without a certain pattern; publish thread only
 };
 
-/// Describes an invalid period for status and events. `now_ns` (CLOCK_MONOTONIC) and `utc_ns` (UTC)
-/// are two clocks read at one moment.
-StatusMessage::SensorPart::Invalid invalid_in_words(const ValidityWatch::Lack& lack,
-                                                    const SearchProgress& search,
-                                                    std::int64_t now_ns, std::int64_t utc_ns);
+/// Reason and action as one text.
+std::string in_words(const StatusMessage::SensorPart::Invalid& why);
 
 }  // namespace ovws

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/pipeline/frame_rules.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/ovwsd/sensor/spots_model.hpp"
@@ -27,8 +26,7 @@ constexpr std::int64_t kLookAgainNs = 1'000'000'000;
 constexpr std::int64_t kLostNs = 50'000'000;  // before another tracker's spots count as lost
 constexpr double kFlatWaves = 0.1;            // RMS of a wavefront that every tracker measures
 constexpr std::int64_t kTryAgainNs = 10'000'000'000;  // a failed model: new frames give new noise
-constexpr int kManyCycles = 3;  // of a sequence without a frame whose pattern is certain
-constexpr double kCell = 0.5;   // lambda/d: images are compared after binning to this size
+constexpr double kCell = 0.5;  // lambda/d: images are compared after binning to this size
 
 TemplateDrift drift_of(const FrameRecord& record) {
   double variance = -std::pow(record.templates.bent_waves, 2);  // drift adds to sigma_waves
@@ -106,14 +104,14 @@ struct WavefrontSearch::Model {
   }
 };
 
-WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameTaps& frames,
+WavefrontSearch::WavefrontSearch(const Config& config, FrameTaps& frames,
                                  const ImageBrightness& brightness, SensorKeeper& keeper,
                                  Events& events)
-    : slm_(slm),
+    : slm_(config.slm.geometry),
       keeper_(keeper),
       events_(events),
       inbox_(frames, can_be_rendered),
-      validity_(brightness),
+      validity_(config.beams, brightness),
       tap_(frames, FrameTap::Needs::numbers, FrameTap::kEndless, [this](const FrameRecord& record) {
         on_frame(record);
         return true;
@@ -121,60 +119,37 @@ WavefrontSearch::WavefrontSearch(const SlmGeometry& slm, FrameTaps& frames,
 
 WavefrontSearch::~WavefrontSearch() = default;
 
-std::optional<StatusMessage::SensorPart::Invalid> WavefrontSearch::why_invalid() const {
+std::optional<StatusMessage::SensorPart::Invalid> WavefrontSearch::why_invalid(
+    std::size_t source) const {
   const SensorView sensor = keeper_.snapshot();
   const Obstacle& obstacle = sensor->obstacle;
-  if (!obstacle.reason.empty()) {
+  if (source == 0 && !obstacle.reason.empty()) {
     StatusMessage::SensorPart::Invalid invalid;
     invalid.t_since_ns = obstacle.t_since_ns;
     invalid.reason = obstacle.reason;
     invalid.action = obstacle.action;
     return invalid;
   }
-  if (!sensor->reference) return std::nullopt;
-  return validity_.why_invalid(monotonic_ns(), utc_ns());
+  if (source == 0 && !sensor->reference) return std::nullopt;
+  return validity_.why_invalid(source, monotonic_ns(), utc_ns());
 }
 
 /// Publish thread: sees every frame.
 void WavefrontSearch::on_frame(const FrameRecord& record) {
-  if (!record.plan->patterns.empty()) return watch_patterns(record);
-  uncertain_ = 0;
-  if (!record.settled) return;
-  const bool searched = may_search(record);
-  const bool wanted = searched && can_be_rendered(record) &&
-                      (!record.templates.credible || is_drifted(drift_of(record)));
-  described_.store(record.templates.credible, std::memory_order_relaxed);
-  wanted_.store(wanted, std::memory_order_relaxed);
-  if (!record.plan->referenced()) return;
-  if (!record.templates.credible) {
+  const bool searched = record.settled && may_search(record);
+  const bool uncertain = !record.plan->patterns.empty();  // of a sequence, never settled
+  if (record.settled || uncertain) {
+    const bool described = record.settled && record.templates.credible;
+    described_.store(described, std::memory_order_relaxed);
+    wanted_.store(
+        searched && can_be_rendered(record) && (!described || is_drifted(drift_of(record))),
+        std::memory_order_relaxed);
+  }
+  if (record.settled && record.plan->referenced() && !record.templates.credible) {
     undescribed_.fetch_add(1, std::memory_order_relaxed);
     if (record.valid || record.unconfirmed) explained_.fetch_add(1, std::memory_order_relaxed);
   }
-  ValidityWatch::Lack lack{0,
-                           record.tracked,
-                           record.spot_count,
-                           record.explained,
-                           record.unconfirmed,
-                           searched,
-                           std::nullopt,
-                           record.branch_points.count,
-                           record.branch_points.points.front()};
-  lack.too_close = std::ranges::any_of(
-      record.beams(), [&](const FrameRecord* beam) { return !are_apart(record, *beam); });
-  lack.enough_found = enough_found(record);
-  lack.saturated = double(record.saturated_fraction);
-  lack.undetermined = !record.reconstruction.determined && lack.enough_found;
-  validity_.on_frame(record.valid, lack, monotonic_ns());
-}
-
-/// A frame of a sequence whose pattern is not certain.
-void WavefrontSearch::watch_patterns(const FrameRecord& record) {
-  described_.store(false, std::memory_order_relaxed);
-  wanted_.store(false, std::memory_order_relaxed);
-  if (!record.still) return;  // the hologram is changing, or there is no display
-  const int many = kManyCycles * record.plan->cycle.slots;
-  if (++uncertain_ < many || !record.plan->referenced()) return;
-  validity_.on_frame(false, {.spots = record.spot_count, .no_pattern = true}, monotonic_ns());
+  validity_.on_frame(record, searched, monotonic_ns());
 }
 
 /// Whether the wavefront of frames like this one may be searched. For another tracker than `fit`

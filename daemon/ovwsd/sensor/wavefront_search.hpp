@@ -38,15 +38,15 @@ namespace ovws {
 class WavefrontSearch : public Agent {
  public:
   /// All references must outlive this object.
-  WavefrontSearch(const SlmGeometry& slm, FrameTaps& frames, const ImageBrightness& brightness,
+  WavefrontSearch(const Config& config, FrameTaps& frames, const ImageBrightness& brightness,
                   SensorKeeper& keeper, Events& events);
   ~WavefrontSearch() override;
 
   bool do_work() override;
 
-  /// Any thread: why no frame is valid. The snapshot's obstacle comes first, and needs no frames.
-  /// Else as ValidityWatch::why_invalid; none without a reference.
-  std::optional<StatusMessage::SensorPart::Invalid> why_invalid() const;
+  /// Any thread: why no frame of a light source is valid, as ValidityWatch::why_invalid; none
+  /// without a reference. Of the main source, the snapshot's obstacle comes first.
+  std::optional<StatusMessage::SensorPart::Invalid> why_invalid(std::size_t source = 0) const;
   /// Any thread: CLOCK_MONOTONIC time of the last successful search; 0: none.
   std::int64_t found_ns() const { return found_ns_.load(std::memory_order_relaxed); }
 
@@ -61,7 +61,6 @@ class WavefrontSearch : public Agent {
   bool looks_for_calibration() const;
   void on_frame(const FrameRecord& record);
   bool may_search(const FrameRecord& record);
-  void watch_patterns(const FrameRecord& record);
   bool use_positions();
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
   bool take_frame(const SensorSnapshot& sensor);
@@ -82,7 +81,6 @@ class WavefrontSearch : public Agent {
   std::atomic<bool> is_flat_{false};  ///< the tracker can measure the newest frame again
   ValidityWatch validity_;
   std::int64_t t_valid_ns_ = 0;  ///< CLOCK_MONOTONIC of the last valid frame; publish thread only
-  int uncertain_ = 0;  ///< frames of a sequence without a certain pattern; publish thread only
   // Search thread only.
   std::int64_t next_ns_ = 0;       ///< do not search before this time
   std::vector<FrameCopy> frames_;  ///< successive frames of one sensor epoch and image size

@@ -37,6 +37,7 @@ class ImagePublisher : public Agent {
 
   bool do_work() override;
   std::uint64_t sent() const { return sent_.load(); }  ///< Thread-safe.
+  const ImageBrightness& brightness() const { return brightness_; }
   /// Sets the rate of images and phase maps, in Hz; 0: none are sent. Thread-safe.
   void set_rate(double rate_hz) {
     rate_hz_.store(rate_hz);
