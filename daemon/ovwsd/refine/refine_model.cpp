@@ -13,43 +13,8 @@ constexpr const char* kNoGainInDb =
     "the camera has no gain in dB, so electrons_per_dn at its gain is unknown: refined needs "
     "another camera";
 
-/// Cache key of the model: everything that the model depends on.
-struct Key {
-  SensorConfig sensor;
-  TrackingSettings tracking;
-  int cols = 0, rows = 0;
-  LitPixels lit;
-  decltype(OpticsConfig::registered) registered;
-  decltype(OpticsConfig::centre_px) centre_px;
-  std::vector<int> modes_j, position_modes_j;
-  std::int64_t reference_taken_ns = 0;  ///< 0: no measured reference
-  RefineSetup settings;
-
-  bool operator==(const Key& other) const {
-    return sensor == other.sensor && tracking == other.tracking && cols == other.cols &&
-           rows == other.rows && lit == other.lit && registered == other.registered &&
-           centre_px == other.centre_px && modes_j == other.modes_j &&
-           position_modes_j == other.position_modes_j &&
-           reference_taken_ns == other.reference_taken_ns && same_fit(settings, other.settings);
-  }
-};
-
 bool is_measured(const SensorSnapshot& sensor) {
   return sensor.reference && sensor.reference->source == ReferenceSource::measured;
-}
-
-Key key_of(const FrameCopy& frame, const SensorSnapshot& sensor, const RefineSetup& settings) {
-  return {sensor.sensor,
-          sensor.tracking,
-          frame.frame.image.width,
-          frame.frame.image.height,
-          lit_pixels(frame.frame.image.format, sensor.optics.wavelength_nm),
-          sensor.optics.registered,
-          sensor.optics.centre_px,
-          sensor.modes_j,
-          sensor.position_modes_j,
-          is_measured(sensor) ? sensor.reference->t_taken_ns : 0,
-          settings};
 }
 
 }  // namespace
@@ -59,10 +24,10 @@ bool can_be_refined(const FrameRecord& record) {
          (record.valid || !record.plan->referenced());
 }
 
-/// Cached model of one sensor, image size and reference. A failure is cached as well, because the
-/// same reference would fail again.
+/// Cached model. A failure is cached as well, because the same reference would fail again.
 struct RefineModel::Bench {
-  Key key;
+  ModelKey key;
+  RefineSetup settings;
   Result<PointModel> model;
   std::shared_ptr<const FrameFit> templates{};  ///< of the last frame that was rendered
 };
@@ -97,10 +62,8 @@ RefinedFrame RefineModel::refine(const FrameCopy& frame, const SensorSnapshot& s
     starts.front() = std::move(*absolute);
   }
   const RefineCamera camera = refine_camera(settings, frame.frame.image.format, frame.gain_db);
-  const std::vector<Mode> shown =
-      shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
   const std::int64_t begun_ns = monotonic_ns();
-  const std::vector<Mode> fixed = fixed_modes(shown, sensor.modes_j);
+  const std::vector<Mode> fixed = fixed_modes(sensor);
   auto found = out.against_reference
                    ? ovws::refine(*bench_->model, frame.frame.image, camera, starts, fixed,
                                   bench_->templates)
@@ -118,11 +81,11 @@ void RefineModel::forget_frames() {
 
 Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapshot& sensor,
                                      const RefineSetup& settings) {
-  Key key = key_of(frame, sensor, settings);
-  if (bench_ && bench_->key == key) return {};
+  ModelKey key(frame, sensor);
+  if (bench_ && bench_->key == key && same_fit(bench_->settings, settings)) return {};
   bench_.reset();
   const ReferenceImage* const picture =
-      key.reference_taken_ns != 0 ? sensor.reference->picture.get() : nullptr;
+      is_measured(sensor) ? sensor.reference->picture.get() : nullptr;
   if (picture != nullptr && std::isnan(picture->gain_db)) {
     return fail(Errc::refused, "reference", kNoGainInDb);
   }
@@ -130,7 +93,7 @@ Result<void> RefineModel::make_bench(const FrameCopy& frame, const SensorSnapsho
     return std::pair(pixel_noise(refine_camera(settings, picture->format, picture->gain_db)),
                      picture->format);
   });
-  bench_ = std::make_unique<Bench>(Bench{std::move(key), std::move(model), nullptr});
+  bench_ = std::make_unique<Bench>(Bench{std::move(key), settings, std::move(model)});
   return {};
 }
 

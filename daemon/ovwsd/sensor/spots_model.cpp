@@ -54,6 +54,15 @@ Result<MeasuredModel> measured_model(const SensorSnapshot& sensor,
 
 }  // namespace
 
+ModelKey::ModelKey(const FrameCopy& frame, const SensorSnapshot& sensor)
+    : sensor_epoch(frame.sensor_epoch),
+      cols(frame.frame.image.width),
+      rows(frame.frame.image.height),
+      lit(lit_pixels(frame.frame.image.format, sensor.optics.wavelength_nm)),
+      modes_j(sensor.modes_j),
+      estimates(sensor.tracking.estimates),
+      reference_taken_ns(sensor.reference ? sensor.reference->t_taken_ns : 0) {}
+
 std::int64_t active_calibration_ns(const SensorSnapshot& sensor) {
   const bool measured =
       sensor.mode_operator.in_force == OperatorKind::measured && sensor.calibration;
@@ -67,6 +76,11 @@ std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<
     if (!is_measured) fixed.push_back(mode);
   }
   return fixed;
+}
+
+std::vector<Mode> fixed_modes(const SensorSnapshot& sensor) {
+  return fixed_modes(shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction),
+                     sensor.modes_j);
 }
 
 std::optional<std::vector<double>> modes_against_model(const SensorSnapshot& sensor,

@@ -12,9 +12,25 @@
 
 #include "core/spots/measured_model.hpp"
 #include "core/spots/point_model.hpp"
+#include "daemon/ovwsd/frames/frame_copy.hpp"
 #include "daemon/ovwsd/sensor/sensor_snapshot.hpp"
 
 namespace ovws {
+
+/// All that a model of the sensor's spots in frames like this one depends on, besides the noise of
+/// the pixels and the calibration.
+struct ModelKey {
+  std::uint64_t sensor_epoch = 0;
+  int cols = 0, rows = 0;
+  LitPixels lit;
+  std::vector<int> modes_j;
+  int estimates = 0;                    ///< number of estimates from each spot
+  std::int64_t reference_taken_ns = 0;  ///< 0: no reference
+
+  /// `sensor`: the sensor state with which the frame was measured.
+  ModelKey(const FrameCopy& frame, const SensorSnapshot& sensor);
+  friend bool operator==(const ModelKey&, const ModelKey&) = default;
+};
 
 /// Returns the pixel noise of a frame, in DN of the pixel format that is returned with it.
 using FrameNoise = std::function<std::pair<PixelNoise, PixelFormat>(PointModel&)>;
@@ -82,5 +98,7 @@ std::int64_t active_calibration_ns(const SensorSnapshot& sensor);
 
 /// Modes shown on the SLM that are not among the measured modes.
 std::vector<Mode> fixed_modes(const std::vector<Mode>& shown, const std::vector<int>& measured);
+/// Those that the sensor's hologram shows.
+std::vector<Mode> fixed_modes(const SensorSnapshot& sensor);
 
 }  // namespace ovws

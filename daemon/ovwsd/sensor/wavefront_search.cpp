@@ -45,10 +45,6 @@ bool can_be_rendered(const FrameRecord& record) {
   return record.settled && record.plan->referenced();
 }
 
-std::vector<Mode> shown_by(const SensorSnapshot& sensor) {
-  return shown_modes(HologramKind::sensor, sensor.aberration, sensor.correction);
-}
-
 /// Coefficients of a frame at the operating point, relative to the reference.
 std::vector<double> coefficients_of(const OperatingPoint& point) {
   std::vector<double> waves = point.waves;
@@ -58,34 +54,11 @@ std::vector<double> coefficients_of(const OperatingPoint& point) {
 
 }  // namespace
 
-/// Key of a model: everything that the model depends on.
-struct WavefrontSearch::Key {
-  std::uint64_t sensor_epoch = 0;
-  int cols = 0, rows = 0;
-  std::vector<int> modes_j;
-  int estimates = 0;  ///< number of estimates from each spot
-  std::int64_t reference_taken_ns = 0;
-  std::int64_t calibration_taken_ns = 0;  ///< of active measured templates; 0: none
-
-  Key(const FrameCopy& frame, const SensorSnapshot& sensor)
-      : sensor_epoch(sensor.sensor_epoch),
-        cols(frame.frame.image.width),
-        rows(frame.frame.image.height),
-        modes_j(sensor.modes_j),
-        estimates(sensor.tracking.estimates),
-        reference_taken_ns(sensor.reference->t_taken_ns),
-        calibration_taken_ns(active_calibration_ns(sensor)) {}
-  bool equals_except_calibration(Key other) const {
-    other.calibration_taken_ns = calibration_taken_ns;
-    return *this == other;
-  }
-  friend bool operator==(const Key&, const Key&) = default;
-};
-
 /// Model of one sensor and its reference. A failure to make the model is kept for kTryAgainNs,
 /// because the unchanged reference would fail again.
 struct WavefrontSearch::Model {
-  Key key;
+  ModelKey key;
+  std::int64_t calibration_taken_ns = 0;  ///< of active measured templates; 0: none
   Result<SpotsModel> spots = fail(Errc::refused, "reference", "");
   std::int64_t failed_until_ns = 0;  ///< time to try again with other frames
   std::vector<double> last{};        ///< coefficients of the last rendered operating point
@@ -176,13 +149,11 @@ bool WavefrontSearch::do_work() {
     undescribed_ = explained_ = 0;  // a job's frames may be dark
   }
   if (!wanted && described_.load(std::memory_order_relaxed)) succeed();
-  if (is_flat_.load(std::memory_order_relaxed)) return use_positions();
-  if (!wanted || monotonic_ns() < next_ns_) {
-    inbox_.forget();
-    frames_.clear();
-    std::this_thread::sleep_for(kPollInterval);
-    return false;
+  if (is_flat_.load(std::memory_order_relaxed)) {
+    if (model_) use_templates(nullptr);
+    return rest();
   }
+  if (!wanted || monotonic_ns() < next_ns_) return rest();
   const SensorView sensor = keeper_.snapshot();
   const std::int64_t began_ns = monotonic_ns();
   try {
@@ -198,17 +169,17 @@ bool WavefrontSearch::do_work() {
   return true;
 }
 
-/// Gives another tracker than `fit` its frames back.
-bool WavefrontSearch::use_positions() {
-  if (model_) {
-    const Key& key = model_->key;
-    keeper_.use_templates(
-        {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, nullptr});
-  }
+bool WavefrontSearch::rest() {
   inbox_.forget();
   frames_.clear();
   std::this_thread::sleep_for(kPollInterval);
   return false;
+}
+
+/// Replaces the active templates. Null: by none, so that the tracker measures the frames.
+void WavefrontSearch::use_templates(std::shared_ptr<const FrameFit> fit, bool given_up) {
+  keeper_.use_templates({model_->key.sensor_epoch, model_->key.reference_taken_ns,
+                         model_->calibration_taken_ns, std::move(fit), given_up});
 }
 
 /// Takes the next frame of the active sensor. Returns whether there are kFrames successive frames.
@@ -217,7 +188,7 @@ bool WavefrontSearch::use_positions() {
 bool WavefrontSearch::take_frame(const SensorSnapshot& sensor) {
   auto frame = inbox_.next(kFramePatience);
   if (!frame || !sensor.reference) return false;
-  const bool any_hologram = fixed_modes(shown_by(sensor), sensor.modes_j).empty();
+  const bool any_hologram = fixed_modes(sensor).empty();
   const auto is_other = [&](const FrameCopy& one) {
     return one.sensor_epoch != sensor.sensor_epoch ||
            !(any_hologram || one.hologram_id == sensor.hologram_id);
@@ -263,16 +234,16 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   const FrameCopy& frame = frames.back();
   std::vector<ImageView> images;
   for (const FrameCopy& one : frames) images.push_back(one.frame.image);
-  Key next(frame, sensor);
-  const bool is_other = !model_ || !(model_->key == next);
+  const ModelKey key(frame, sensor);
+  const std::int64_t calibration_ns = active_calibration_ns(sensor);
+  const bool same = model_ && model_->key == key;
+  const bool is_other = !same || model_->calibration_taken_ns != calibration_ns;
   if (is_other) {
     giving_up_.reset();
-    const bool keep = model_ && model_->spots && model_->spots->has_rendered() &&
-                      next.equals_except_calibration(model_->key);
-    if (!keep) model_ = std::make_unique<Model>(Model{next});
-    model_->key = std::move(next);
+    const bool keep = same && model_->spots && model_->spots->has_rendered();
+    if (!keep) model_ = std::make_unique<Model>(Model{key});
+    model_->calibration_taken_ns = calibration_ns;
   }
-  const Key& key = model_->key;
   if (is_other || (!model_->spots && !model_->has_failed())) make_model(images, sensor);
   if (!model_->spots) return fail(model_->spots.error());
   look_again_ns_ = monotonic_ns() + kLookAgainNs;
@@ -282,8 +253,7 @@ Result<void> WavefrontSearch::render(std::span<const FrameCopy> frames,
   if (*fit == nullptr) return {};
   measured_ = (*fit)->point().measured;
   if (!measured_) model_->last = coefficients_of((*fit)->point());
-  keeper_.use_templates(
-      {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, std::move(*fit)});
+  use_templates(std::move(*fit));
   return {};
 }
 
@@ -292,11 +262,10 @@ Result<std::shared_ptr<const FrameFit>> WavefrontSearch::found(std::span<const I
                                                                const FrameCopy& frame,
                                                                const SensorSnapshot& sensor) {
   if (!wanted_.load(std::memory_order_relaxed)) return model_->spots->measured_near(images);
-  auto fit =
-      model_->spots->templates(images, starts(frame), fixed_modes(shown_by(sensor), sensor.modes_j),
-                               frame.valid           ? kFewRenderings
-                               : policy_.tries() > 1 ? kMostRenderings
-                                                     : kManyRenderings);
+  auto fit = model_->spots->templates(images, starts(frame), fixed_modes(sensor),
+                                      frame.valid           ? kFewRenderings
+                                      : policy_.tries() > 1 ? kMostRenderings
+                                                            : kManyRenderings);
   const bool described = described_.load(std::memory_order_relaxed);
   const bool same = fit && (*fit)->point().measured && measured_ && described;
   if (!same) return fit;
@@ -353,9 +322,7 @@ void WavefrontSearch::report(const Result<void>& rendered, std::int64_t began_ns
   const bool fails = giving_up_.failed(given_up, began_ns, now_ns, frames, explained);
   const bool gives_up = fails || (model_ && model_->has_failed());
   if (model_ && gives_up != given_up && !described_.load(std::memory_order_relaxed)) {
-    const Key& key = model_->key;
-    keeper_.use_templates(
-        {key.sensor_epoch, key.reference_taken_ns, key.calibration_taken_ns, nullptr, gives_up});
+    use_templates(nullptr, gives_up);
   }
   if (rendered.error().reason == failure_) return;
   failure_ = rendered.error().reason;

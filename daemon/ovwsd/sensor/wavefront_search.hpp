@@ -51,7 +51,6 @@ class WavefrontSearch : public Agent {
   std::int64_t found_ns() const { return found_ns_.load(std::memory_order_relaxed); }
 
  private:
-  struct Key;
   struct Model;
   void make_model(std::span<const ImageView> images, const SensorSnapshot& sensor);
   Result<void> render(std::span<const FrameCopy> frames, const SensorSnapshot& sensor);
@@ -61,7 +60,8 @@ class WavefrontSearch : public Agent {
   bool looks_for_calibration() const;
   void on_frame(const FrameRecord& record);
   bool may_search(const FrameRecord& record);
-  bool use_positions();
+  bool rest();
+  void use_templates(std::shared_ptr<const FrameFit> fit, bool given_up = false);
   std::vector<std::vector<double>> starts(const FrameCopy& frame) const;
   bool take_frame(const SensorSnapshot& sensor);
   bool begin_if_due(const FrameCopy& frame, const SensorSnapshot& sensor);
