@@ -103,8 +103,8 @@ struct App::Parts {
   LatestValue<AppliedSettings> settings;
   LatencyHistogram published_latency;
   Pipeline pipeline;
-  Recorder recorder;
   FrameTaps frames;
+  Recorder recorder;
   ImageBrightness brightness;
   Corrector corrector{events};
   Jobs jobs{events};
@@ -132,7 +132,7 @@ struct App::Parts {
         loaded(as_loaded),
         state_lock(std::move(lock)),
         pipeline(with_plans(config), {counters, shown, settings}),
-        recorder(config, pipeline, events),
+        recorder(config, pipeline, frames, events),
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
         camera(config.camera, {pipeline, settings, counters, events,

@@ -66,7 +66,7 @@ void FrameTaps::Line::change(List next) {
 }
 
 FrameTap::FrameTap(FrameTaps& taps, Needs needs, int frames, Take take)
-    : line_(needs == Needs::numbers ? taps.numbers_ : taps.pixels_),
+    : line_(taps.line_for(needs)),
       frames_(frames),
       take_(std::move(take)),
       t_last_used_ns_(monotonic_ns()) {

@@ -24,6 +24,7 @@ class FrameTaps {
   enum class Needs {
     numbers,  ///< measured numbers only: served by the publish thread, with every frame
     pixels,   ///< the image: served by the images thread, with as many frames as it can borrow
+    record,   ///< all, some with the image: served by the record thread, while one is recorded
   };
 
   /// Serves the taps for numbers; called by the publish thread with every frame.
@@ -34,6 +35,8 @@ class FrameTaps {
   /// Serves the taps for pixels; called by the images thread with a borrowed frame. Rethrows an
   /// exception of a tap's `take`; this tap stays open.
   void serve_pixels(const FrameRecord& record) { pixels_.serve(record); }
+  /// Serves the taps for recordings; called by the record thread with every frame of a recording.
+  void serve_record(const FrameRecord& record) { record_.serve(record); }
 
  private:
   friend class FrameTap;
@@ -56,7 +59,11 @@ class FrameTaps {
     std::atomic<std::uint64_t> turns_{0};  ///< odd while the thread serves
   };
 
-  Line numbers_, pixels_;
+  Line& line_for(Needs needs) {
+    return needs == Needs::numbers ? numbers_ : needs == Needs::pixels ? pixels_ : record_;
+  }
+
+  Line numbers_, pixels_, record_;
 };
 
 /// One consumer's tap: open until it has used its number of frames or is closed. Only the

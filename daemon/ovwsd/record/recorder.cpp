@@ -92,15 +92,8 @@ bool RecordTaker::do_work() {
   if (record == nullptr) return false;
   const auto release = [this](FrameRecord* one) { pipeline_.release_recorded(one); };
   const std::unique_ptr<FrameRecord, decltype(release)> held(record, release);
-  const std::lock_guard lock(mutex_);
-  if (store_) store_->take(*record, Pipeline::has_recorded_pixels(*record));
+  frames_.serve_record(*record);
   return true;
-}
-
-std::unique_ptr<FrameStore> RecordTaker::exchange(std::unique_ptr<FrameStore> store) {
-  const std::lock_guard lock(mutex_);
-  store_.swap(store);
-  return store;
 }
 
 struct Recorder::Running {
@@ -108,6 +101,7 @@ struct Recorder::Running {
   RecordStart asked;
   RecordingHeader header;
   std::unique_ptr<RecordFile> file;
+  std::unique_ptr<FrameStore> store;
   PlanDocuments documents;
   /// New camera settings before their first frame, with the monotonic time of the change, ns.
   std::deque<std::pair<std::int64_t, Waiting>> camera_documents;
@@ -121,15 +115,17 @@ struct Recorder::Running {
   std::uint64_t frames_begun = 0;  ///< frames taken from the buffer, written or not
   std::uint64_t last_plan_id = 0;
   std::uint64_t frames_dropped = 0, pictures_dropped = 0;
+  std::optional<FrameTap> tap;  ///< fills `store`, so declared after it
 };
 
-Recorder::Recorder(const Config& config, Pipeline& pipeline, Events& events)
+Recorder::Recorder(const Config& config, Pipeline& pipeline, FrameTaps& frames, Events& events)
     : folder_(config),
       buffer_bytes_(std::size_t(config.record.buffer_mib) << 20),
       wavelength_nm_(config.optics.wavelength_nm),
       pipeline_(pipeline),
+      frames_(frames),
       events_(events),
-      taker_(pipeline),
+      taker_(pipeline, frames),
       max_facts_(kIdleFacts),
       beams_(config.beams.size()) {}
 
@@ -304,7 +300,12 @@ Result<void> Recorder::begin(const Begin& begin) {
     ::unlink(path->c_str());  // otherwise the next attempt could not use this name
     return added;
   }
-  taker_.exchange(std::move(*store));
+  running->store = std::move(*store);
+  running->tap.emplace(frames_, FrameTap::Needs::record, FrameTap::kEndless,
+                       [to = running->store.get()](const FrameRecord& record) {
+                         to->take(record, Pipeline::has_recorded_pixels(record));
+                         return true;
+                       });
   running_ = std::move(running);
   keep_facts(kMaxFacts);
   pipeline_.record(begin.asked.pictures_every);
@@ -327,9 +328,9 @@ void Recorder::on_close() {
 }
 
 void Recorder::turn() {
-  if (TakenFrame* const frame = taker_.store()->next(kTurnUs)) {
+  if (TakenFrame* const frame = running_->store->next(kTurnUs)) {
     const auto ending = write(*frame);
-    taker_.store()->give_back(frame);
+    running_->store->give_back(frame);
     if (ending) return end(*ending);
   }
   if (monotonic_ns() < running_->next_flush_ns) return;
@@ -420,7 +421,7 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
   r.frames_dropped += row.dropped_before;
   r.pictures_dropped += row.picture_dropped;
   if (!frame.pixels.empty()) {
-    const auto picture = r.file->add_image(frame.pixels, !taker_.store()->behind());
+    const auto picture = r.file->add_image(frame.pixels, !r.store->behind());
     if (!picture) return fail(picture.error());
     row.picture = *picture;
   }
@@ -431,9 +432,9 @@ Result<void> Recorder::write_frame(const TakenFrame& frame) {
 /// Writes the frames still in the buffer. Returns why it stopped early; empty if all are written.
 std::string Recorder::write_rest(std::int64_t until_ns) {
   Running& r = *running_;
-  while (TakenFrame* const frame = taker_.store()->next(0)) {
+  while (TakenFrame* const frame = r.store->next(0)) {
     const auto ending = write(*frame);
-    taker_.store()->give_back(frame);
+    r.store->give_back(frame);
     if (ending) return ending->reason;
     if (monotonic_ns() > until_ns) return kTooSlow;
     if (monotonic_ns() < r.next_flush_ns) continue;
@@ -454,7 +455,7 @@ void Recorder::end(const Ending& ending) {
       daemon_stops ? monotonic_ns() + kStopRestNs : std::numeric_limits<std::int64_t>::max();
   std::string trouble = ending.rest == Rest::write ? write_rest(until_ns) : "";
   Running& r = *running_;
-  std::uint64_t lost = ending.rest == Rest::after ? 0 : taker_.store()->taken_after(r.last_number);
+  std::uint64_t lost = ending.rest == Rest::after ? 0 : r.store->taken_after(r.last_number);
   r.frames_dropped += lost;
   if (asked_for && trouble.empty() && !r.file->in_place()) trouble = kGone;
   if (auto added = add_loop_documents(r); !added && trouble.empty()) trouble = added.error().reason;
@@ -475,7 +476,6 @@ void Recorder::end(const Ending& ending) {
   events_.emit("record", asked_for && trouble.empty() ? Severity::info : Severity::warning,
                fmt::format("recording {} has ended with {} frames: {}", r.path, last.frames, why),
                {{"file", r.path}, {"state", "ended"}, {"reason", why}});
-  taker_.exchange(nullptr);
   keep_facts(kIdleFacts);
   running_.reset();
 }

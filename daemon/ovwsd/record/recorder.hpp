@@ -14,9 +14,9 @@
 #include "config/config.hpp"
 #include "core/pipeline/pipeline.hpp"
 #include "core/rt/agent.hpp"
-#include "core/rt/priority_mutex.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/actor/mailbox.hpp"
+#include "daemon/ovwsd/frames/frame_tap.hpp"
 #include "daemon/ovwsd/record/frame_store.hpp"
 #include "daemon/ovwsd/record/plan_facts.hpp"
 #include "daemon/ovwsd/record/record_folder.hpp"
@@ -26,23 +26,16 @@
 
 namespace ovws {
 
-/// The record thread's agent: copies the frames that the pipeline lends, and returns them at once.
+/// The record thread's agent: serves the taps of recordings with the frames that the pipeline
+/// lends, and returns these at once.
 class RecordTaker : public Agent {
  public:
-  explicit RecordTaker(Pipeline& pipeline) : pipeline_(pipeline) {}
-
+  RecordTaker(Pipeline& pipeline, FrameTaps& frames) : pipeline_(pipeline), frames_(frames) {}
   bool do_work() override;
-
-  /// Copies frames to `store` from now on; nullptr stops the copying. Returns the previous store.
-  /// Thread-safe.
-  std::unique_ptr<FrameStore> exchange(std::unique_ptr<FrameStore> store);
-  /// Current store. Call this in the write thread only, which also exchanges the store.
-  FrameStore* store() const { return store_.get(); }
 
  private:
   Pipeline& pipeline_;
-  PriorityMutex mutex_;  ///< both threads take it
-  std::unique_ptr<FrameStore> store_;
+  FrameTaps& frames_;
 };
 
 /// Agent of the write thread: writes the frames to the HDF5 file.
@@ -62,7 +55,7 @@ class Recorder : public Agent {
   static constexpr std::size_t kMaxWaitingBytes = std::size_t{16} << 20;
   static constexpr std::size_t kMaxFactsBytes = std::size_t{64} << 20;
 
-  Recorder(const Config& config, Pipeline& pipeline, Events& events);
+  Recorder(const Config& config, Pipeline& pipeline, FrameTaps& frames, Events& events);
   ~Recorder() override;
 
   bool do_work() override;
@@ -137,6 +130,7 @@ class Recorder : public Agent {
   const std::size_t buffer_bytes_;
   const double wavelength_nm_;
   Pipeline& pipeline_;
+  FrameTaps& frames_;
   Events& events_;
   RecordTaker taker_;
   std::atomic<std::size_t> waiting_bytes_{0};

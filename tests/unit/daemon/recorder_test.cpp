@@ -23,7 +23,7 @@ class RecorderTest : public testing::Test {
  protected:
   RecorderTest() {
     config_.record.directory = folder_;
-    recorder_.emplace(config_, pipeline_, events_);
+    recorder_.emplace(config_, pipeline_, frames_, events_);
   }
   ~RecorderTest() override { std::filesystem::remove_all(folder_); }
 
@@ -55,6 +55,7 @@ class RecorderTest : public testing::Test {
   LatestValue<ShownHologram> shown_;
   LatestValue<AppliedSettings> settings_;
   Pipeline pipeline_{PipelineConfig{}, {counters_, shown_, settings_}};
+  FrameTaps frames_;
   std::optional<Recorder> recorder_;
 };
 
