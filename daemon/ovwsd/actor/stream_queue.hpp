@@ -11,14 +11,14 @@
 #include <utility>
 #include <variant>
 
-#include "core/rt/priority_mutex.hpp"
 #include "proto/messages.hpp"
 #include "proto/status_message.hpp"
 
 namespace ovws {
 
 /// Bounded queue, thread-safe. Numbers the messages of each topic (`seq`) in order of arrival. When
-/// the queue is full, the oldest message is dropped and counted; receivers see a gap in `seq`.
+/// the queue is full, the oldest message is dropped and counted; receivers see a gap in `seq`. The
+/// thread that takes messages never waits for those that put them, which have a lower priority.
 class StreamQueue {
  public:
   using Message = std::variant<EventMessage, StatusMessage, RefinedMessage>;
@@ -33,19 +33,23 @@ class StreamQueue {
     messages_.push_back(std::move(message));
   }
 
+  /// The oldest message; none if there is none, or while another thread puts one.
   std::optional<Message> take() {
-    const std::lock_guard lock(mutex_);
-    if (messages_.empty()) return std::nullopt;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock || messages_.empty()) return std::nullopt;
     Message message = std::move(messages_.front());
     messages_.pop_front();
     return message;
   }
 
-  /// Returns the number of messages dropped since the last call, and resets the count.
-  std::uint64_t take_dropped() {
+  /// Waits for threads that put a message.
+  bool is_empty() const {
     const std::lock_guard lock(mutex_);
-    return std::exchange(dropped_, 0);
+    return messages_.empty();
   }
+
+  /// Returns the number of messages dropped since the last call, and resets the count.
+  std::uint64_t take_dropped() { return dropped_.exchange(0); }
 
   /// Requests a status message: the status thread publishes it at once.
   void request_status() { status_requested_.store(true); }
@@ -59,10 +63,10 @@ class StreamQueue {
     std::visit([seq](auto& one) { one.seq = seq; }, message);
   }
 
-  PriorityMutex mutex_;  ///< the publish thread takes it, too
+  mutable std::mutex mutex_;
   std::deque<Message> messages_;
   std::array<std::uint64_t, std::variant_size_v<Message>> next_seq_{};
-  std::uint64_t dropped_ = 0;
+  std::atomic<std::uint64_t> dropped_{0};
   std::atomic<bool> status_requested_{false};
 };
 

@@ -60,7 +60,7 @@ bool StreamPublisher::do_work() {
 }
 
 void StreamPublisher::on_close() {
-  send_queue();
+  while (!deps_.queue.is_empty()) send_queue();
 }
 
 void StreamPublisher::send_frame(const FrameRecord& record) {

@@ -71,9 +71,7 @@ constexpr std::array<ThreadRow, 19> kThreadTable{{
     {ThreadRole::reconstruct, "reconstruct", 74, "its ring buffer", 2.0, OnHang::restart, 0,
      OnException::restart},
     {ThreadRole::publish, "publish", 60,
-     "its ring buffer, a lock with priority inheritance (message queue), the "
-     "rebinding of its socket (a key was withdrawn)",
-     5.0, OnHang::restart},
+     "its ring buffer, the rebinding of its socket (a key was withdrawn)", 5.0, OnHang::restart},
     {ThreadRole::camera, "camera", 0, "camera registers, discovery", 30.0, OnHang::restart},
     {ThreadRole::discover, "discover", 0, "the discovery of cameras", 30.0, OnHang::report},
     {ThreadRole::prepare, "prepare", 0, "its mailbox, the display presenting a hologram", 30.0,

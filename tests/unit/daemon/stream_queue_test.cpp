@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
 #include <vector>
 
 namespace ovws {
@@ -46,6 +47,22 @@ TEST(StreamQueue, CountsWhatItDropsAndLeavesAHoleInTheNumbers) {
   ASSERT_EQ(seqs.size(), kEvents - dropped);
   EXPECT_EQ(seqs.front(), 1 + dropped);
   EXPECT_EQ(seqs.back(), kEvents);
+}
+
+TEST(StreamQueue, LosesNothingWhileOthersPut) {
+  StreamQueue queue;
+  constexpr std::uint64_t kEvents = 200;  // fewer than the queue holds
+  std::thread other([&queue] {
+    for (std::uint64_t k = 0; k < kEvents; ++k) queue.put(EventMessage{});
+  });
+  std::vector<std::uint64_t> seqs;
+  while (seqs.size() < kEvents) {
+    const auto more = seqs_of_events(queue);
+    seqs.insert(seqs.end(), more.begin(), more.end());
+  }
+  other.join();
+  EXPECT_TRUE(queue.is_empty());
+  for (std::uint64_t k = 0; k < kEvents; ++k) EXPECT_EQ(seqs[k], k);
 }
 
 }  // namespace
