@@ -38,7 +38,11 @@ void decode_points(ObjectReader& reader, const FieldInfo& field, std::vector<Vec
   const Json* const given = reader.raw(field.key);
   if (given == nullptr || reader.failed()) return;
   const auto fits = [&field](const Json& number) {
+    if (number.is_null()) return field.nulls;
     return number.is_number() && number >= field.bounds.min && number <= field.bounds.max;
+  };
+  const auto value = [](const Json& number) {
+    return number.is_null() ? std::numeric_limits<double>::quiet_NaN() : number.get<double>();
   };
   const auto is_point = [&fits](const Json& point) {
     return point.is_array() && point.size() == 2 && fits(point[0]) && fits(point[1]);
@@ -51,7 +55,7 @@ void decode_points(ObjectReader& reader, const FieldInfo& field, std::vector<Vec
                                        " pairs [x, y] of numbers within their limits");
   }
   out.clear();
-  for (const Json& point : *given) out.push_back({point[0].get<double>(), point[1].get<double>()});
+  for (const Json& point : *given) out.push_back({value(point[0]), value(point[1])});
 }
 
 }  // namespace ovws::detail

@@ -22,13 +22,11 @@
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
-#include "daemon/ovwsd/sensor/named_references.hpp"
 #include "daemon/ovwsd/sensor/prepared_lattices.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
-#include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/ovwsd/streams/corrector.hpp"
 #include "daemon/ovwsd/streams/image_publisher.hpp"
 #include "daemon/ovwsd/streams/stream_publisher.hpp"
@@ -96,9 +94,9 @@ struct App::Parts {
   Leases leases{events, config.modulator == Modulator::fixed};
   std::unique_ptr<ClientGuard> clients;  ///< outlives all sockets, which use its gate
   Disk disk;
-  DaemonStore store{config.state, events, &disk};
-  NamedReferences named{store, events};
-  PreparedLattices lattices{store, events};
+  Library library{config.state, events, &disk};
+  NamedReferences named{library};
+  PreparedLattices lattices{library};
   LatestValue<ShownHologram> shown;
   LatestValue<AppliedSettings> settings;
   LatencyHistogram published_latency;
@@ -144,7 +142,7 @@ struct App::Parts {
         }),
         threads(config.realtime, config.pipeline.cpus,
                 [this](const ThreadFailure& failure) { thread_failed(failure); }) {
-    disk.each_turn([this] { return store.turn(); });
+    disk.each_turn([this] { return library.turn(); });
   }
 
   void camera_changed(const CameraSnapshot& now) {
@@ -177,7 +175,7 @@ struct App::Parts {
 };
 
 Result<void> App::Parts::make_sensor() {
-  auto made = SensorKeeper::make(config, {pipeline, slm, events, store, leases,
+  auto made = SensorKeeper::make(config, {pipeline, slm, events, library, leases,
                                           [this](const MeasurementPlan& plan, SensorView now) {
                                             corrector.sensor_changed(now->modes_j);
                                             recorder.add_plan(plan, std::move(now));
@@ -225,16 +223,16 @@ Result<void> App::Parts::bind_streams() {
       StatusDeps{leases,   camera,    slm,      *keeper,
                  *search,  *images,   *loop,    *refiner,
                  recorder, jobs,      pipeline, published_latency,
-                 counters, events,    store,    queue,
+                 counters, events,    library,  queue,
                  threads,  *reloader, *clients, [this] { end_without_display(); }});
   return {};
 }
 
 Result<void> App::Parts::bind_control() {
   services = std::make_unique<Services>(
-      Services{config,      loaded,         leases,  camera, finder,   *keeper,  jobs,
-               *procedures, *presentations, grabs,   named,  lattices, *loop,    *refiner,
-               recorder,    corrector,      *status, slm,    counters, *clients, disk});
+      Services{config,         loaded,  leases,  camera,   finder,   *keeper, jobs,     *procedures,
+               *presentations, grabs,   library, named,    lattices, *loop,   *refiner, recorder,
+               corrector,      *status, slm,     counters, *clients, disk});
   const ControlHandler handle = [this](ControlRequest request, SendReply reply) {
     const RpcDispatch call = [&](RpcCall asked, RpcReply give) {
       dispatch(*services, request.client_key, std::move(asked), std::move(give));
@@ -325,7 +323,7 @@ Result<void> App::Parts::end_disk_work() {
   const std::vector<ThreadRole> roles{ThreadRole::write, ThreadRole::disk};
   const bool recording = recorder.report().state == "recording";
   const double patience_s = recording ? kRecordingTimeoutS : kStopTimeoutS;
-  const auto done = [this] { return std::pair(recorder.report().frames, store.queued()); };
+  const auto done = [this] { return std::pair(recorder.report().frames, library.queued()); };
   auto before = done();
   std::int64_t last_ns = monotonic_ns();
   threads.end_soon(roles);
@@ -353,9 +351,9 @@ Result<void> App::Parts::end_disk_work() {
 /// Reports state items that were not written. If the disk has refused a write, that failure has
 /// been reported already, so this is only a warning. A disk that did not answer is an error.
 Result<void> App::Parts::check_unwritten() {
-  const int items = store.queued();
+  const int items = library.queued();
   if (items == 0) return {};
-  const auto refused = store.report().reason;
+  const auto refused = library.report().reason;
   const std::string text = fmt::format("items that were not written and are lost: {}", items);
   if (refused) {
     spdlog::warn("state: {}: {}", text, *refused);

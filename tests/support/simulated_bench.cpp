@@ -289,7 +289,7 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
     : folder_(own_folder("simulated")),
       config_(std::move(daemon)),
       optics_(twin),
-      store_(
+      library_(
           [this] {
             config_.state.directory = folder_;
             return config_.state;
@@ -306,7 +306,7 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
                         if (now.connected) keeper_->camera_changed(now.settings, now.info);
                       }});
   start(*own_agents_[0]);
-  auto made = SensorKeeper::make(config_, {pipeline_, slm_, events_, store_, leases_,
+  auto made = SensorKeeper::make(config_, {pipeline_, slm_, events_, library_, leases_,
                                            [](const MeasurementPlan&, SensorView) {}});
   if (!made) throw std::runtime_error(made.error().field + " " + made.error().reason);
   keeper_ = std::move(*made);

@@ -16,10 +16,10 @@
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/frames/frame_tap.hpp"
+#include "daemon/ovwsd/library/library.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
-#include "daemon/ovwsd/store/daemon_store.hpp"
 #include "drivers/twin/twin_config.hpp"
 
 namespace ovws::test {
@@ -102,7 +102,7 @@ class SimulatedBench {
   StreamQueue queue_;
   Events events_{queue_};
   Leases leases_{events_, false};
-  DaemonStore store_;
+  Library library_;
   LatestValue<ShownHologram> shown_;
   LatestValue<AppliedSettings> settings_;
   Pipeline pipeline_;

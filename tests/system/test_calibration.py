@@ -121,7 +121,7 @@ class Rules(CalibrationCase):
     def expect_fallback(self, field):
         requested, active, reason = self.in_use()
         self.assertEqual((requested, active), ("measured", "slopes"))
-        self.assertRegex(reason, f"was measured with another {field}: run calibration.run")
+        self.assertRegex(reason, f"is not used: .*{field}.*: run calibration.run")
         self.assertEqual(self.call("calibration.get")["calibrated"], False)
         status = self.run_ovws("status")
         self.assertIn(f"operator_reason: {reason}\n", status.stdout)

@@ -62,7 +62,7 @@ class ReferenceNames(BenchCase):
             self.assertIn("no saved reference", self.refusal(method, {"name": "other"})[1])
         for name in NAMES:
             self.call("reference.save", {"name": name})
-        self.assertIn("32 references", self.refusal("reference.save", {"name": "too-many"})[1])
+        self.assertIn("32 saved references", self.refusal("reference.save", {"name": "too-many"})[1])
         for name in NAMES:
             self.call("reference.delete", {"name": name})
         self.assertEqual(list(self.names()), ["first"])

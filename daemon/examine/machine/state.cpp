@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-#include "daemon/ovwsd/store/daemon_store.hpp"
+#include "daemon/ovwsd/library/state_folder.hpp"
 #include "daemon/shared/shell_word.hpp"
 
 namespace ovws::examine {

@@ -19,7 +19,7 @@ namespace {
 auto listing(const Services& services, const Reply<LatticeList>& reply) {
   return [all = services.lattices.all(), reply](const SensorEdit& now) {
     LatticeList list;
-    for (const auto& [name, lattice] : all) list.lattices.push_back(report_of(lattice, now));
+    for (const auto& [name, lattice] : all) list.lattices.push_back(report_of(*lattice, now));
     reply(list);
   };
 }
@@ -138,7 +138,7 @@ void expose_and_show(Services& services, const PreparedLattice& lattice,
 void use(Services& services, const LatticeName& params, const Reply<LatticeInUse>& reply) {
   const auto lattice = services.lattices.find(params.name);
   if (!lattice) return reply(lattice.error());
-  reply.begin_lease([&services, lattice = *lattice, reply] {
+  reply.begin_lease([&services, lattice = **lattice, reply] {
     services.keeper.ask([&services, lattice, reply](const SensorEdit& now) {
       SensorEdit edit = now;
       auto usable = use_lattice(lattice)(edit);

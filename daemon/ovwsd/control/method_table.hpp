@@ -29,6 +29,7 @@ class Disk;
 class Jobs;
 class LiveRefiner;
 class FrameGrabs;
+class Library;
 class NamedReferences;
 struct LoadedConfig;
 class PreparedLattices;
@@ -51,6 +52,7 @@ struct Services {
   Procedures& procedures;
   Presentations& presentations;
   FrameGrabs& grabs;
+  const Library& library;
   NamedReferences& named;
   PreparedLattices& lattices;
   ClosedLoop& loop;

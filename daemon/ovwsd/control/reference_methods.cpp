@@ -7,8 +7,8 @@
 
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/sensor_handlers.hpp"
+#include "daemon/ovwsd/library/named_items.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
-#include "daemon/ovwsd/sensor/named_references.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "proto/tables/files.hpp"
 #include "proto/tables/reference.hpp"
@@ -26,7 +26,7 @@ KnownReference reference_of(const Services& services, const SensorSnapshot& now)
                           r.positions_px,
                           r.standard_error_px,
                           std::string(reference_source_name(r.source)),
-                          r.sha256,
+                          sha256_of(services.library, r),
                           stale_fields(r, services.camera.snapshot().settings),
                           {*r.origin},
                           rms_waves(r.introduced)}};
@@ -88,7 +88,9 @@ auto listing(const Services& services, const Reply<ReferenceList>& reply) {
   return [all = services.named.all(), reply](const SensorEdit& now) {
     ReferenceList list;
     for (const auto& [name, reference] : all) {
-      list.references.push_back({name, reference->t_taken_ns, misfit(*reference, now)});
+      list.references.push_back(
+          {name, reference->t_taken_ns,
+           unused_reason(*reference, now.state, now.knowledge, now.bench.optics, true)});
     }
     reply(list);
   };
@@ -112,13 +114,13 @@ void save_reference(Services& services, const ReferenceName& params,
   if (!active) {
     return reply(Error{Errc::refused, "", "there is no reference: take one with reference.take"});
   }
-  services.named.save(params.name, active, then_list(services, reply));
+  services.named.add(params.name, active, then_list(services, reply));
 }
 
 void load_reference(Services& services, const ReferenceName& params,
                     const Reply<KnownReference>& reply) {
   reply.end_lease();  // the disk may not answer for minutes
-  services.named.find(params.name, [&services, reply](Result<Reference> found) {
+  services.named.read(params.name, [&services, reply](Result<Reference> found) {
     if (!found) return reply(found.error());
     auto lease = services.leases.take(Request::set_measured);
     if (!lease) return reply(lease.error());

@@ -119,7 +119,7 @@ void correct_nothing(Services& services, const Reply<ModesReport>& reply) {
   correct(services, {}, reply);
 }
 
-KnownCalibration calibration_of(const Services& /*services*/, const SensorSnapshot& now) {
+KnownCalibration calibration_of(const Services& services, const SensorSnapshot& now) {
   if (!now.calibration) return {};
   const Calibration& c = *now.calibration;
   return {now.mode_operator.in_force == OperatorKind::measured,
@@ -129,7 +129,7 @@ KnownCalibration calibration_of(const Services& /*services*/, const SensorSnapsh
                             c.matrix,
                             c.comparison,
                             c.shapes ? c.shapes->modes_j : std::vector<int>{},
-                            c.sha256,
+                            sha256_of(services.library, c),
                             {*c.origin}}};
 }
 
@@ -188,9 +188,14 @@ FlatnessReport flatness_of(const Services& services, const SensorSnapshot& now) 
   FlatnessReport report{services.config.slm.flatness, std::nullopt};
   const auto& f = now.slm->flatness;
   if (!f) return report;
-  report.measured =
-      FlatnessMeasured{f->t_taken_ns,         f->frames, f->iterations, f->pupil_diameter_px, {},
-                       f->residual_rms_waves, f->sha256, {f->origin}};
+  report.measured = FlatnessMeasured{f->t_taken_ns,
+                                     f->frames,
+                                     f->iterations,
+                                     f->pupil_diameter_px,
+                                     {},
+                                     f->residual_rms_waves,
+                                     sha256_of(services.library, *f),
+                                     {f->origin}};
   for (std::size_t k = 0; k < f->modes.size(); ++k) {
     report.measured->modes.push_back(
         {f->modes[k].j, f->modes[k].waves, f->standard_error_waves[k]});
@@ -227,8 +232,9 @@ Result<Json> focus(const Services& services, Bench& bench, const FocusRun& run) 
 LutReport lut_of(const Services& services, const SensorSnapshot& now) {
   LutReport report{now.slm->hologram.lut, services.config.slm.lut, std::nullopt};
   if (const auto& lut = now.slm->lut) {
-    report.measured = LutMeasured{lut->t_taken_ns, lut->frames, lut->response,
-                                  lut->table,      lut->sha256, {lut->origin}};
+    report.measured = LutMeasured{
+        lut->t_taken_ns, lut->frames, lut->response, lut->table, sha256_of(services.library, *lut),
+        {lut->origin}};
   }
   return report;
 }

@@ -119,7 +119,7 @@ StatusMessage StatusReporter::current() const {
   status.camera = camera_part(camera, deps_.pipeline);
   status.camera.brightest = deps_.images.brightness().newest(monotonic_ns());
   status.slm = slm_part(deps_.slm.snapshot());
-  status.store = deps_.store.report();
+  status.store = deps_.library.report();
   for (const HungThread& one : deps_.threads.hung_threads()) {
     if (one.row->role == ThreadRole::display) {
       status.slm.fault =
@@ -128,7 +128,7 @@ StatusMessage StatusReporter::current() const {
     if (one.row->role == ThreadRole::disk) {
       status.store.reason = fmt::format(
           "the disk has not answered for {:.0f} s: check it; items waiting to be written: {}",
-          one.turn_s, deps_.store.queued());
+          one.turn_s, deps_.library.queued());
     }
   }
   status.sensor = sensor_part(*deps_.keeper.snapshot(), camera);

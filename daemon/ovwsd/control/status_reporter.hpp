@@ -15,6 +15,7 @@
 #include "daemon/ovwsd/actor/stream_queue.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/lease/leases.hpp"
+#include "daemon/ovwsd/library/library.hpp"
 #include "daemon/ovwsd/loop/closed_loop.hpp"
 #include "daemon/ovwsd/record/recorder.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
@@ -22,7 +23,6 @@
 #include "daemon/ovwsd/sensor/wavefront_search.hpp"
 #include "daemon/ovwsd/settings/reload.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
-#include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/ovwsd/streams/image_publisher.hpp"
 #include "daemon/ovwsd/threads/thread_plan.hpp"
 #include "proto/status_message.hpp"
@@ -47,7 +47,7 @@ struct StatusDeps {
   LatencyHistogram& published_latency;
   Counters& counters;
   Events& events;
-  const DaemonStore& store;
+  const Library& library;
   StreamQueue& queue;
   ThreadPlan& threads;
   Reloader& reloader;

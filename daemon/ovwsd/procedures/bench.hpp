@@ -17,9 +17,9 @@
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/frames/frame_tap.hpp"
 #include "daemon/ovwsd/frames/measured_under.hpp"
+#include "daemon/ovwsd/library/reference.hpp"
+#include "daemon/ovwsd/library/reference_image.hpp"
 #include "daemon/ovwsd/procedures/pending_files.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
-#include "daemon/ovwsd/sensor/reference_image.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/spot_average.hpp"
 

@@ -80,7 +80,7 @@ Result<json> prepare_lattices(Bench& bench, const SlmGeometry& slm, const Lattic
       error.reason = "lattice " + request.name + ": " + error.reason;
       return fail(std::move(error));
     }
-    prepared.keep(*lattice);
+    prepared.keep(lattice->name, *lattice);
   }
   return json{{"lattices", std::move(result)}};
 }

@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include "daemon/ovwsd/library/calibration.hpp"
+#include "daemon/ovwsd/library/reference.hpp"
+#include "daemon/ovwsd/library/shapes_file.hpp"
 #include "daemon/ovwsd/record/point_document.hpp"
-#include "daemon/ovwsd/sensor/calibration_file.hpp"
-#include "daemon/ovwsd/sensor/reference_file.hpp"
-#include "daemon/ovwsd/sensor/shapes_file.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "daemon/ovwsd/sensor/shapes_file.hpp"
+#include "daemon/ovwsd/library/shapes_file.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/tables/modes.hpp"
 #include "proto/tables/optics.hpp"

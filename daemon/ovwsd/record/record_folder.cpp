@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "daemon/ovwsd/store/daemon_store.hpp"
+#include "daemon/ovwsd/library/state_folder.hpp"
 
 namespace ovws {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/optics/lattice.hpp"
-#include "daemon/ovwsd/sensor/shapes_file.hpp"
+#include "daemon/ovwsd/library/shapes_file.hpp"
 #include "daemon/shared/encoding.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"

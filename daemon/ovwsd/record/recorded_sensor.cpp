@@ -2,8 +2,8 @@
 #include <exception>
 #include <nlohmann/json.hpp>
 
+#include "daemon/ovwsd/library/reference.hpp"
 #include "daemon/ovwsd/record/recorded_plan.hpp"
-#include "daemon/ovwsd/sensor/reference_file.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/json_text.hpp"
 #include "proto/tables/optics.hpp"

@@ -10,7 +10,7 @@
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
 #include "daemon/ovwsd/layout/spot_layout.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/library/reference.hpp"
 
 namespace ovws {
 

@@ -6,21 +6,19 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/port/camera.hpp"
-#include "daemon/ovwsd/sensor/calibration.hpp"
+#include "daemon/ovwsd/library/items.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
 #include "daemon/ovwsd/sensor/sensor_state.hpp"
 
 namespace ovws {
 
 /// All loaded measurements, as a value. Copies are cheap, because they share the items.
 struct Knowledge {
-  std::vector<std::shared_ptr<const Reference>> references;      ///< oldest first
-  std::vector<std::shared_ptr<const Calibration>> calibrations;  ///< oldest first
-  std::optional<CameraInfo> camera;                              ///< none: unknown
+  Shared<Reference> references;
+  Shared<Calibration> calibrations;
+  std::optional<CameraInfo> camera;  ///< none: unknown
   /// Cache of diffractive operators, shared by all copies of this object.
   std::shared_ptr<LastOperators> diffractive = std::make_shared<LastOperators>();
 };
@@ -38,22 +36,17 @@ struct Bound {
 /// cached: that takes seconds.
 Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);
 
-ReferenceKey reference_key(const SensorState& state);
-CalibrationKey calibration_key(const SensorState& state, const Knowledge& knowledge,
-                               const BenchOptics& bench);
+/// The bench as it is, for `differing`.
+BenchKey key_of(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);
 /// The latest calibration that applies to the state; null: no calibration applies.
 std::shared_ptr<const Calibration> calibration_for(const SensorState& state,
                                                    const Knowledge& knowledge,
                                                    const BenchOptics& bench);
 
-/// Whether the reference was taken with this state's sensor, tracking, region, LUT and flatness,
-/// and with this camera. An unknown camera counts as equal; for a model reference LUT and
-/// flatness do not matter.
-bool is_for(const Reference& reference, const SensorState& state, const Knowledge& knowledge);
-/// Why a reference of this state's sensor and tracking cannot be used. Empty if it can be used, or
-/// if it is another sensor's: then the settings were chosen.
+/// Why a reference cannot be used for this state; empty: it can be used. `by_choice`: also if
+/// another sensor or tracker was chosen; false: the reason is then empty, too.
 std::string unused_reason(const Reference& reference, const SensorState& state,
-                          const Knowledge& knowledge, const BenchOptics& bench);
+                          const Knowledge& knowledge, const BenchOptics& bench, bool by_choice);
 /// What to do about it.
 inline constexpr std::string_view kUnusedRemedy = "take a new reference";
 /// Which loaded reference of this state's sensor and tracking is not used, and why; the newest of
@@ -65,34 +58,15 @@ std::string missing_reference_reason(const SensorState& state, const Knowledge& 
 std::string missing_calibration_reason(const SensorState& state, const Knowledge& knowledge,
                                        const BenchOptics& bench);
 
-/// Adds a reference and returns the references that it replaces. To save memory, only the latest
-/// eight references keep their mean image.
-std::vector<std::shared_ptr<const Reference>> replace_reference(Knowledge& knowledge,
-                                                                const SensorState& state,
-                                                                Reference reference);
-/// Removes the references that apply to the state, and returns them.
-std::vector<std::shared_ptr<const Reference>> remove_references(Knowledge& knowledge,
-                                                                const SensorState& state);
-/// Adds references that were loaded from files.
-void add_references(Knowledge& knowledge, std::vector<std::shared_ptr<const Reference>> more);
-
-// Calibrations: add and replace, remove, and add from files, as for references above.
-std::vector<std::shared_ptr<const Calibration>> replace_calibration(Knowledge& knowledge,
-                                                                    Calibration calibration);
-std::vector<std::shared_ptr<const Calibration>> remove_calibrations(Knowledge& knowledge,
-                                                                    const CalibrationKey& key);
-void add_calibrations(Knowledge& knowledge, std::vector<std::shared_ptr<const Calibration>> more);
-
-/// Sets the checksum of the file of the item that was taken at `t_taken_ns` (UTC).
-template <class T>
-void set_checksum(std::vector<std::shared_ptr<const T>>& all, std::int64_t t_taken_ns,
-                  const std::string& sha256) {
-  for (auto& one : all) {
-    if (one->t_taken_ns != t_taken_ns) continue;
-    auto with_file = std::make_shared<T>(*one);
-    with_file->sha256 = sha256;
-    one = std::move(with_file);
-  }
-}
+/// Adds references as the latest. To save memory, only the latest eight keep their mean image.
+void add_references(Knowledge& knowledge, const Shared<Reference>& more);
+/// Adds calibrations as the latest; the oldest make room, as on the disk.
+void add_calibrations(Knowledge& knowledge, const Shared<Calibration>& more);
+/// Removes the references that a new one for this state replaces, and returns them.
+Shared<Reference> remove_references(Knowledge& knowledge, const SensorState& state,
+                                    const BenchOptics& bench);
+/// Removes the calibrations that apply to the state, and returns them.
+Shared<Calibration> remove_calibrations(Knowledge& knowledge, const SensorState& state,
+                                        const BenchOptics& bench);
 
 }  // namespace ovws

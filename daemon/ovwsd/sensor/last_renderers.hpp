@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "core/optics/hologram.hpp"
+#include "daemon/ovwsd/library/slm_measured.hpp"
 #include "daemon/ovwsd/sensor/sensor_state.hpp"
-#include "daemon/ovwsd/slm/slm_measured.hpp"
 
 namespace ovws {
 

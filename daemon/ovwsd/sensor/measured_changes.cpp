@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <memory>
 
+#include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "daemon/ovwsd/sensor/branch_check.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
-#include "daemon/ovwsd/sensor/named_references.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 
 namespace ovws {
@@ -13,59 +13,42 @@ namespace {
 
 constexpr double kSameMap = 7.0;  // residuals. Noise makes 0.2 % of the maps differ by more.
 
-using Written = std::function<void(const std::string& sha256)>;
-
 Result<void> check_epoch(const SensorEdit& edit, std::uint64_t sensor_epoch) {
   if (edit.state.sensor_epoch == sensor_epoch) return {};
   return fail(Errc::refused, "camera",
               "the camera, its region or its pixel format changed during the job; start it again");
 }
 
-/// Provenance record of a measurement made with the sensor settings `key`. Records the checksum of
-/// `grey`, the hologram shown; null: no hologram is recorded.
-nlohmann::json origin_of(const SensorEdit& edit, const ReferenceKey& key,
+/// The present bench, with the tracking settings that the measurement depends on, and the
+/// provenance record of a measurement made on it. `grey`: the hologram shown; null: none is
+/// recorded.
+BenchKey key_of(const SensorEdit& edit) {
+  return key_of(edit.state, edit.knowledge, edit.bench.optics);
+}
+nlohmann::json origin_of(const SensorEdit& edit, const BenchKey& key,
                          const std::vector<Mode>& shown, const Image<std::uint8_t>* grey,
                          std::vector<Mode> introduced = {}) {
-  return edit.bench.origins.origin({key, shown, edit.bench.camera, edit.knowledge.camera,
-                                    registration_of(edit.state, edit.bench.optics), grey,
-                                    std::move(introduced)});
+  return make_origin({key, shown, edit.bench.camera, registration_of(edit.state, edit.bench.optics),
+                      grey, std::move(introduced)});
 }
 
-template <class Kind, class T>
-std::vector<std::string> names_of(const Kept<Kind>& kept,
-                                  const std::vector<std::shared_ptr<const T>>& all) {
+template <class T>
+std::vector<std::string> names_of(const Shared<T>& all) {
   std::vector<std::string> names;
-  for (const auto& one : all) names.push_back(kept.kind().name(*one));
+  for (const auto& one : all) names.push_back(ItemOf<T>::name(*one));
   return names;
 }
 
-/// Schedules writing the newest item of `all` to its file, and removing the files of `replaced`.
-template <class Kind, class T>
-void schedule_write(Kept<Kind>& kept, SensorEdit& edit,
-                    std::vector<std::shared_ptr<const T>> Knowledge::*all,
-                    const std::vector<std::shared_ptr<const T>>& replaced) {
-  const std::shared_ptr<const T> item = (edit.knowledge.*all).back();
-  std::vector<std::string> names = names_of(kept, replaced);
-  std::erase(names, kept.kind().name(*item));  // this file is overwritten, not removed
-  edit.keep = [&kept, item, names](Written done) { kept.keep(*item, names, std::move(done)); };
-  edit.set_checksum = [all, t_taken_ns = item->t_taken_ns](SensorEdit& now,
-                                                           const std::string& sha256) {
-    set_checksum(now.knowledge.*all, t_taken_ns, sha256);
-  };
-}
-
-/// Schedules removing the files of `taken`, which were just removed from Knowledge. An undo adds
-/// the items to Knowledge again.
-template <class Kind, class T>
-void schedule_removal(Kept<Kind>& kept, SensorEdit& edit,
-                      void (*add)(Knowledge&, std::vector<std::shared_ptr<const T>>),
-                      const std::vector<std::shared_ptr<const T>>& taken) {
-  edit.drop = [&kept, names = names_of(kept, taken)](DaemonStore::Dropped done) {
-    kept.drop(names, std::move(done));
-  };
-  edit.undo = [add, taken](SensorEdit& now) -> Result<void> {
-    add(now.knowledge, taken);
-    return {};
+/// Schedules writing the item to its file, and removing the files of `replaced`.
+template <class T>
+void schedule_write(SensorEdit& edit, std::shared_ptr<const T> item,
+                    const Shared<T>& replaced = {}) {
+  std::vector<std::string> names = names_of(replaced);
+  std::erase(names, ItemOf<T>::name(*item));  // this file is overwritten, not removed
+  edit.stored = [item = std::move(item), names = std::move(names)] {
+    Library::Item stored = item_of(*item);
+    stored.replaces = names;
+    return stored;
   };
 }
 
@@ -74,21 +57,30 @@ Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
   const SensorState& state = edit.state;
   const bool measured = source == ReferenceSource::measured;
   Reference reference;
-  reference.key = reference_key(state);
+  reference.key = key_of(edit);
+  reference.key.tracking = position_tracking(state.tracking);
   reference.source = source;
   reference.t_taken_ns = utc_ns();
   reference.registration = registration_of(state, edit.bench.optics);
   if (measured) reference.aberration = shown_modes(state);
   if (measured && rms_waves(state.aberration) > 0.0) reference.introduced = state.aberration;
   reference.origin = std::make_shared<const nlohmann::json>(
-      origin_of(edit, reference_key(edit.state), reference.aberration,
+      origin_of(edit, reference.key, reference.aberration,
                 measured ? edit.bench.levels.get() : nullptr, reference.introduced));
   return reference;
 }
 
 void keep_reference(SensorEdit& edit, Reference reference) {
-  const auto replaced = replace_reference(edit.knowledge, edit.state, std::move(reference));
-  schedule_write(edit.bench.references, edit, &Knowledge::references, replaced);
+  const auto replaced = remove_references(edit.knowledge, edit.state, edit.bench.optics);
+  const auto item = std::make_shared<const Reference>(std::move(reference));
+  add_references(edit.knowledge, {item});
+  schedule_write(edit, item, replaced);
+}
+
+BenchKey slm_key_of(const SensorEdit& edit) {
+  BenchKey key = key_of(edit);
+  key.tracking = position_tracking(key.tracking);
+  return key;
 }
 
 /// Switches the SLM to another LUT or flatness, which changes all holograms. Does nothing if LUT
@@ -101,43 +93,13 @@ void switch_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
       active_slm(edit.bench.config, edit.bench.hologram, std::move(lut), std::move(flatness));
 }
 
-template <class Kind, class T>
-void schedule_slm_write(Kept<Kind>& kept, SensorEdit& edit, T measured,
-                        std::shared_ptr<const T> ActiveSlm::*part) {
-  const auto item = std::make_shared<const T>(std::move(measured));
-  edit.keep = [&kept, item](Written done) { kept.keep(*item, {}, std::move(done)); };
-  edit.set_checksum = [part, t_taken_ns = item->t_taken_ns](SensorEdit& now,
-                                                            const std::string& sha256) {
-    const std::shared_ptr<const T> current = (*now.state.slm).*part;
-    if (!current || current->t_taken_ns != t_taken_ns) return;
-    auto with_file = std::make_shared<T>(*current);
-    with_file->sha256 = sha256;
-    auto slm = std::make_shared<ActiveSlm>(*now.state.slm);
-    (*slm).*part = std::move(with_file);
-    now.state.slm = std::move(slm);
-  };
-}
-
-template <class Kind>
-void schedule_slm_removal(Kept<Kind>& kept, SensorEdit& edit,
-                          std::shared_ptr<const ActiveSlm> before) {
-  edit.files_only = edit.state.slm == before;
-  edit.drop = [&kept](DaemonStore::Dropped done) {
-    kept.drop({kept.kind().name({})}, std::move(done));
-  };
-  edit.undo = [before = std::move(before),
-               without = edit.state.slm](SensorEdit& now) -> Result<void> {
-    if (now.state.slm != without) return fail(Errc::refused, "", "it has been changed since");
-    now.state.slm = before;
-    return {};
-  };
-}
-
 /// Whether the registration in use is of the present camera and settings.
 bool is_of_this_bench(const SensorEdit& edit) {
   const auto& now = edit.state.registration;
-  return now && now->camera == camera_json(edit.knowledge.camera) &&
-         edit.bench.registrations.kind().changed_settings(*now).empty();
+  if (!now) return false;
+  const BenchKey key = key_of(edit);
+  return now->key.camera == key.camera &&
+         differing(respect::kRegistrationSettings, now->key, key) == 0;
 }
 
 /// Keeps the present lenslets, and the pupil about them, if the same are found again on the same
@@ -161,11 +123,12 @@ bool keep_if_alike(Registration& found, const SensorEdit& edit) {
 /// expected now. A present map with more noise is replaced.
 bool is_same_map(const Registration& found, const SensorEdit& edit) {
   if (!is_of_this_bench(edit)) return false;
-  SensorState next = edit.state;
-  next.registration = MeasuredRegistration{found, {}, ""};
-  const double noise_px = kSameMap * found.residual_px,
-               most_px = kPositionTolerance * lambda_d_of(edit.state, edit.bench.optics);
-  return farthest_px(edit.state, next, edit.bench.optics) <= std::min(noise_px, most_px);
+  const BenchKey now = key_of(edit);
+  BenchKey next = now;
+  use_map(next, rebased(found, base_grating_cpp(now.sensor, edit.bench.optics.slm)),
+          edit.bench.optics.optics, edit.bench.optics.slm);
+  const auto [farthest_px, lambda_d_px] = displacement(next, now);
+  return farthest_px <= std::min(kSameMap * found.residual_px, kPositionTolerance * lambda_d_px);
 }
 
 /// Keeps plates that array.fit has measured, if they were seen in the same direction.
@@ -181,18 +144,17 @@ void keep_fitted_plate(Registration& found, const SensorState& state) {
   found.array.lenslets.plate = state.registration->array.lenslets.plate;
 }
 
-void write_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
+void keep_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
   edit.state.registration = registration;
-  edit.keep = [&kept = edit.bench.registrations, registration](Written done) {
-    kept.keep(registration, {}, std::move(done));
-  };
+  schedule_write(edit, std::make_shared<const MeasuredRegistration>(registration));
 }
 
-void keep_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
+/// The same for another map than the present one.
+void use_new_registration(SensorEdit& edit, const MeasuredRegistration& registration) {
   registration.array.use_in(edit.state.sensor);
   if (edit.before_job) registration.array.use_in(edit.before_job->sensor);
   ++edit.state.sensor_epoch;  // previous spot positions are useless as start points
-  write_registration(edit, registration);
+  keep_registration(edit, registration);
 }
 
 /// Checks a client's positions as those of use_reference.
@@ -285,7 +247,6 @@ Result<void> add_beams(const SensorEdit& edit, const Bound& bound, const TakenRe
     }
   }
   reference.beams = std::move(beams);
-  reference.sha256.clear();
   return {};
 }
 
@@ -353,8 +314,11 @@ SensorChange use_given_reference(SpotAverage given) {
 
 SensorChange use_saved_reference(Reference reference) {
   return [reference = std::move(reference)](SensorEdit& edit) -> Result<void> {
-    std::string why = misfit(reference, edit);
-    if (why.empty()) why = edit.bench.origins.obstacle(reference);  // renders its hologram
+    std::string why = unused_reason(reference, edit.state, edit.knowledge, edit.bench.optics, true);
+    if (why.empty()) {
+      why = drawing_obstacle(*reference.origin, reference.key, reference.positions_px.size(),
+                             edit.state.slm->hologram, edit.bench.config.sensor.masks);
+    }
     if (!why.empty()) {
       return fail(Errc::refused, "name", "the reference does not fit the present sensor: " + why);
     }
@@ -365,8 +329,10 @@ SensorChange use_saved_reference(Reference reference) {
 
 SensorChange forget_reference() {
   return [](SensorEdit& edit) -> Result<void> {
-    schedule_removal(edit.bench.references, edit, add_references,
-                     remove_references(edit.knowledge, edit.state));
+    RemovedItems& removed = edit.removed;
+    removed.kind = &kReferenceItems;
+    removed.references = remove_references(edit.knowledge, edit.state, edit.bench.optics);
+    removed.names = names_of(removed.references);
     return {};
   };
 }
@@ -379,11 +345,11 @@ SensorChange use_registration(Registration registration) {
       confirmed.t_taken_ns = registration.t_taken_ns;
       confirmed.array.lit = registration.array.lit;
       confirmed.sights = registration.sights;
-      write_registration(edit, confirmed);
+      keep_registration(edit, confirmed);
       return {};
     }
     keep_fitted_plate(registration, edit.state);
-    keep_registration(edit, {registration, camera_json(edit.knowledge.camera), ""});
+    use_new_registration(edit, {registration, key_of(edit)});
     return {};
   };
 }
@@ -395,23 +361,16 @@ SensorChange use_plate(std::uint64_t sensor_epoch, const SpiralPlate& plate) {
     MeasuredRegistration registration = *edit.state.registration;
     registration.array.plate_fitted = true;
     registration.array.lenslets.plate = plate;
-    keep_registration(edit, registration);
+    use_new_registration(edit, registration);
     return {};
   };
 }
 
 SensorChange forget_registration() {
   return [](SensorEdit& edit) -> Result<void> {
-    edit.drop = [&kept = edit.bench.registrations](DaemonStore::Dropped done) {
-      kept.drop({kept.kind().name({})}, std::move(done));
-    };
-    edit.undo = [before = edit.state.registration](SensorEdit& now) -> Result<void> {
-      if (now.state.registration || !before) return {};
-      now.state.registration = before;
-      before->array.use_in(now.state.sensor);
-      ++now.state.sensor_epoch;
-      return {};
-    };
+    edit.removed.kind = &kRegistrationItems;
+    edit.removed.names = {ItemOf<MeasuredRegistration>::name({})};
+    edit.removed.registration = edit.state.registration;
     drop_registration(edit.state, edit.bench.config.sensor);
     return {};
   };
@@ -420,13 +379,15 @@ SensorChange forget_registration() {
 SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration measured) {
   return [sensor_epoch, measured = std::move(measured)](SensorEdit& edit) -> Result<void> {
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
-    Calibration calibration{
-        measured, calibration_key(edit.state, edit.knowledge, edit.bench.optics), {}, nullptr, ""};
+    Calibration calibration{measured, key_of(edit), {}, nullptr};
+    calibration.key.tracking = calibrated_tracking(edit.state.tracking);
     calibration.mode_operator = mode_operator_of(calibration);
     calibration.origin = std::make_shared<const nlohmann::json>(
-        origin_of(edit, calibration.key.sensor, shown_modes(edit.state), edit.bench.levels.get()));
-    const auto replaced = replace_calibration(edit.knowledge, std::move(calibration));
-    schedule_write(edit.bench.calibrations, edit, &Knowledge::calibrations, replaced);
+        origin_of(edit, calibration.key, shown_modes(edit.state), edit.bench.levels.get()));
+    const auto replaced = remove_calibrations(edit.knowledge, edit.state, edit.bench.optics);
+    const auto item = std::make_shared<const Calibration>(std::move(calibration));
+    add_calibrations(edit.knowledge, {item});
+    schedule_write(edit, item, replaced);
     const bool stays = edit.before_job && edit.before_job->sensor == edit.state.sensor &&
                        edit.before_job->tracking == edit.state.tracking;
     edit.state.tracking.mode_operator = OperatorKind::measured;
@@ -437,9 +398,10 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
 
 SensorChange forget_calibration() {
   return [](SensorEdit& edit) -> Result<void> {
-    const auto key = calibration_key(edit.state, edit.knowledge, edit.bench.optics);
-    schedule_removal(edit.bench.calibrations, edit, add_calibrations,
-                     remove_calibrations(edit.knowledge, key));
+    RemovedItems& removed = edit.removed;
+    removed.kind = &kCalibrationItems;
+    removed.calibrations = remove_calibrations(edit.knowledge, edit.state, edit.bench.optics);
+    removed.names = names_of(removed.calibrations);
     return {};
   };
 }
@@ -447,9 +409,11 @@ SensorChange forget_calibration() {
 SensorChange use_lut(MeasuredLut lut) {
   return [lut = std::move(lut)](SensorEdit& edit) -> Result<void> {
     MeasuredLut measured = lut;
-    measured.origin = origin_of(edit, reference_key(edit.state), shown_modes(edit.state), nullptr);
-    switch_slm(edit, std::make_shared<const MeasuredLut>(measured), edit.state.slm->flatness);
-    schedule_slm_write(edit.bench.luts, edit, std::move(measured), &ActiveSlm::lut);
+    measured.key = slm_key_of(edit);
+    measured.origin = origin_of(edit, measured.key, shown_modes(edit.state), nullptr);
+    const auto item = std::make_shared<const MeasuredLut>(std::move(measured));
+    switch_slm(edit, item, edit.state.slm->flatness);
+    schedule_write(edit, item);
     return {};
   };
 }
@@ -458,10 +422,11 @@ SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness)
   return [sensor_epoch, flatness = std::move(flatness)](SensorEdit& edit) -> Result<void> {
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
     MeasuredFlatness measured = flatness;
-    measured.origin = origin_of(edit, reference_key(edit.state), shown_modes(edit.state), nullptr);
-    measured.configured_sha256 = flatness_sha256(edit.bench.hologram);
-    switch_slm(edit, edit.state.slm->lut, std::make_shared<const MeasuredFlatness>(measured));
-    schedule_slm_write(edit.bench.flatnesses, edit, std::move(measured), &ActiveSlm::flatness);
+    measured.key = slm_key_of(edit);
+    measured.origin = origin_of(edit, measured.key, shown_modes(edit.state), nullptr);
+    const auto item = std::make_shared<const MeasuredFlatness>(std::move(measured));
+    switch_slm(edit, edit.state.slm->lut, item);
+    schedule_write(edit, item);
     return {};
   };
 }
@@ -470,7 +435,9 @@ SensorChange forget_lut() {
   return [](SensorEdit& edit) -> Result<void> {
     const auto before = edit.state.slm;
     switch_slm(edit, nullptr, before->flatness);
-    schedule_slm_removal(edit.bench.luts, edit, before);
+    edit.files_only = edit.state.slm == before;
+    edit.removed = {&kLutItems, {ItemOf<MeasuredLut>::name({})}};
+    edit.removed.lut = before->lut;
     return {};
   };
 }
@@ -479,7 +446,25 @@ SensorChange forget_flatness() {
   return [](SensorEdit& edit) -> Result<void> {
     const auto before = edit.state.slm;
     switch_slm(edit, before->lut, nullptr);
-    schedule_slm_removal(edit.bench.flatnesses, edit, before);
+    edit.files_only = edit.state.slm == before;
+    edit.removed = {&kFlatnessItems, {ItemOf<MeasuredFlatness>::name({})}};
+    edit.removed.flatness = before->flatness;
+    return {};
+  };
+}
+
+SensorChange put_back(RemovedItems removed) {
+  return [removed = std::move(removed)](SensorEdit& edit) -> Result<void> {
+    add_references(edit.knowledge, removed.references);
+    add_calibrations(edit.knowledge, removed.calibrations);
+    SensorState& state = edit.state;
+    switch_slm(edit, state.slm->lut ? state.slm->lut : removed.lut,
+               state.slm->flatness ? state.slm->flatness : removed.flatness);
+    if (removed.registration && !state.registration) {
+      state.registration = removed.registration;
+      state.registration->array.use_in(state.sensor);
+      ++state.sensor_epoch;
+    }
     return {};
   };
 }

@@ -10,7 +10,7 @@
 #include "core/spots/spot_templates.hpp"
 #include "core/wavefront/diffractive_matrix.hpp"
 #include "core/wavefront/slope_model.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/library/bench_key.hpp"
 
 namespace ovws {
 
@@ -44,7 +44,7 @@ Result<ModeOperator> displacement_operator(const SensorConfig& sensor, const Slm
 
 OperatorKey operator_key(const SensorConfig& sensor, const TrackingSettings& tracking,
                          const OpticsConfig& optics, const Roi& roi) {
-  return {sensor, reference_key(sensor, tracking, roi).tracking, optics, roi.width, roi.height};
+  return {sensor, position_tracking(tracking), optics, roi.width, roi.height};
 }
 
 Result<ModeOperator> diffractive_operator(const OperatorKey& key, const SlmGeometry& slm,

@@ -30,7 +30,7 @@ Result<ModeOperator> displacement_operator(const SensorConfig& sensor, const Slm
 /// Everything that a diffractive operator depends on, except the SLM.
 struct OperatorKey {
   SensorConfig sensor;
-  TrackingSettings tracking;  ///< normalised by reference_key
+  TrackingSettings tracking;  ///< as position_tracking
   OpticsConfig optics;        ///< as configured, or as registered
   int cols = 0, rows = 0;     ///< size of the camera's image, pixels
   /// Compares the registered part of the optics only: all other optics are fixed for one bench.

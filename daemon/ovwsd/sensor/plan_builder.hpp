@@ -12,7 +12,7 @@
 #include "core/optics/zernike.hpp"
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/mode_operator.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/library/reference.hpp"
 #include "proto/tables/sensor.hpp"
 
 namespace ovws {

@@ -1,7 +1,5 @@
 #include "daemon/ovwsd/sensor/prepared_lattices.hpp"
 
-#include <spdlog/fmt/fmt.h>
-
 #include <utility>
 
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
@@ -9,14 +7,6 @@
 
 namespace ovws {
 namespace {
-
-constexpr const char* kLatticeKind = "lattice";
-
-tl::unexpected<Error> no_such_lattice(const std::string& name) {
-  return fail(Errc::invalid, "name",
-              "there is no prepared lattice \"" + name +
-                  "\"; lattice.list lists them, and lattice.prepare prepares one");
-}
 
 bool is_in_use(const PreparedLattice& lattice, const SensorState& state) {
   return to_json(lattice.settings) == to_json(SensorSettings{state.sensor, state.tracking});
@@ -28,9 +18,10 @@ Result<void> check_reference(const SensorEdit& edit) {
   SensorState state = edit.state;
   state.tracking.mode_operator = OperatorKind::slopes;  // making a diffractive one takes long
   if (bind(state, edit.knowledge, edit.bench.optics).reference) return {};
+  const std::string why = missing_reference_reason(state, edit.knowledge, edit.bench.optics);
   return fail(Errc::refused, "name",
-              "its reference does not apply with the present camera, region, registration, look-up "
-              "table and flatness, or was deleted: prepare it again with lattice.prepare");
+              (why.empty() ? "its reference was deleted" : why) +
+                  ": prepare it again with lattice.prepare");
 }
 
 /// Refuses a lattice of the operator `measured` without its calibration.
@@ -43,54 +34,6 @@ Result<void> check_calibration(const SensorEdit& edit) {
 }
 
 }  // namespace
-
-void PreparedLattices::load() {
-  store_.load(kLatticeKind, [this](const StateItem& item) {
-    auto lattice = decode<PreparedLattice>(item.content);
-    if (lattice) {
-      all_[item.name] = std::move(*lattice);
-    } else {
-      events_.emit(kLatticeKind, Severity::warning,
-                   fmt::format("{} is not used, and left as it is: {} {}", item.path,
-                               lattice.error().field, lattice.error().reason),
-                   {{"path", item.path}, {"used", false}});
-    }
-  });
-}
-
-PreparedLattices::All PreparedLattices::all() const {
-  const std::lock_guard lock(mutex_);
-  return all_;
-}
-
-Result<PreparedLattice> PreparedLattices::find(const std::string& name) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = all_.find(name);
-  if (found == all_.end()) return no_such_lattice(name);
-  return found->second;
-}
-
-void PreparedLattices::keep(const PreparedLattice& lattice) {
-  {
-    const std::lock_guard lock(mutex_);
-    all_[lattice.name] = lattice;
-  }
-  store_.put(kLatticeKind, lattice.name, to_json(lattice), DaemonStore::Older::set_aside,
-             store_.reporting(kLatticeKind, "the lattice " + lattice.name, lattice.t_prepared_ns,
-                              [](const std::string&) {}));
-}
-
-void PreparedLattices::remove(const std::string& name, std::function<void(Result<void>)> done) {
-  if (auto found = find(name); !found) return done(fail(found.error()));
-  store_.drop(kLatticeKind, name,
-              [this, name, done = std::move(done)](const Result<void>& dropped) {
-                if (dropped) {
-                  const std::lock_guard lock(mutex_);
-                  all_.erase(name);
-                }
-                done(dropped);
-              });
-}
 
 SensorChange use_lattice(const PreparedLattice& lattice) {
   SensorSet change = SensorSet::whole(lattice.settings);

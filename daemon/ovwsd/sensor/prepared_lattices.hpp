@@ -1,43 +1,30 @@
 /// Prepared lattices: sensors that lattice.prepare has measured and lattice.use switches to.
 #pragma once
 
-#include <functional>
-#include <map>
-#include <mutex>
-#include <string>
-
 #include "core/base/result.hpp"
-#include "daemon/ovwsd/actor/events.hpp"
+#include "daemon/ovwsd/library/named_items.hpp"
 #include "daemon/ovwsd/sensor/sensor_edit.hpp"
-#include "daemon/ovwsd/store/daemon_store.hpp"
 #include "proto/tables/lattices.hpp"
 
 namespace ovws {
 
-/// Settings and exposure of each prepared lattice, by name: one state file each, of kind `lattice`.
-/// References and calibrations are not here: those of the same settings apply (Knowledge).
-/// Thread-safe.
-class PreparedLattices {
+/// Settings and exposure of each prepared lattice. References and calibrations are not here: those
+/// of the same settings apply (Knowledge).
+struct LatticeItem {
+  using Item = PreparedLattice;
+  static constexpr const ItemKind& kKind = kLatticeItems;
+  static constexpr const char* kMissing =
+      "lattice.list lists them, and lattice.prepare prepares one";
+  static std::int64_t time(const PreparedLattice& lattice) { return lattice.t_prepared_ns; }
+  static Json encode(const PreparedLattice& lattice) { return to_json(lattice); }
+  static Result<PreparedLattice> decode(const Json& content) {
+    return ovws::decode<PreparedLattice>(content);
+  }
+  static PreparedLattice in_memory(PreparedLattice lattice) { return lattice; }
+};
+class PreparedLattices : public NamedItems<LatticeItem> {
  public:
-  using All = std::map<std::string, PreparedLattice>;
-
-  PreparedLattices(DaemonStore& store, Events& events) : store_(store), events_(events) {}
-
-  /// Reads all files; blocks on the disk. An event reports each that is not a lattice.
-  void load();
-  All all() const;
-  /// Errc::invalid, field "name": there is none of this name.
-  Result<PreparedLattice> find(const std::string& name) const;
-  /// Adds or replaces a lattice. An event reports its file, or why it cannot be written.
-  void keep(const PreparedLattice& lattice);
-  /// Deletes a lattice; `done` is called in the disk thread. Errors: those of find and of the disk.
-  void remove(const std::string& name, std::function<void(Result<void>)> done);
-
- private:
-  DaemonStore& store_;
-  Events& events_;
-  mutable std::mutex mutex_;
-  All all_;
+  using NamedItems::NamedItems;
 };
 
 /// Makes a prepared lattice the sensor in use; aberration and correction stay. Errors: those of

@@ -7,7 +7,7 @@
 #include "core/base/result.hpp"
 #include "core/base/vec2.hpp"
 #include "core/wavefront/mode_operator.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
+#include "daemon/ovwsd/library/reference.hpp"
 #include "daemon/ovwsd/sensor/spot_average.hpp"
 
 namespace ovws {

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "daemon/ovwsd/sensor/reference_file.hpp"
-#include "daemon/ovwsd/sensor/reference_origin.hpp"
 #include "proto/json_text.hpp"
 #include "proto/names.hpp"
 
@@ -28,12 +26,12 @@ void SensorEvents::publish_changes(const SensorSnapshot& before, const SensorSna
 
 void SensorEvents::publish_unused(const Reference& reference, const SensorState& state,
                                   const Knowledge& knowledge) {
-  const std::string why = unused_reason(reference, state, knowledge, bench_);
+  const std::string why = unused_reason(reference, state, knowledge, bench_, false);
   if (why.empty()) return;
-  events_.emit(
-      "reference", Severity::warning,
-      fmt::format("{} is not used: {}; {}", title_of<ReferenceKind>(reference), why, kUnusedRemedy),
-      {{"t_taken_ns", reference.t_taken_ns}, {"used", false}});
+  events_.emit("reference", Severity::warning,
+               fmt::format("{} is not used: {}; {}",
+                           title_of(kReferenceItems, reference.t_taken_ns), why, kUnusedRemedy),
+               {{"t_taken_ns", reference.t_taken_ns}, {"used", false}});
 }
 
 void SensorEvents::publish_stale(const Reference* reference,
@@ -52,7 +50,7 @@ void SensorEvents::publish_stale(const Reference* reference,
   const std::string how = words.empty() ? "the camera's settings are those that it was taken with"
                                         : fmt::format("{}", fmt::join(words, "; "));
   events_.emit("reference", fields.empty() ? Severity::info : Severity::warning,
-               title_of<ReferenceKind>(*reference) +
+               title_of(kReferenceItems, reference->t_taken_ns) +
                    (fields.empty() ? " is active: " : " is active, but stale: ") + how,
                {{"t_taken_ns", reference->t_taken_ns}, {"stale", fields}});
 }

@@ -23,12 +23,11 @@ constexpr auto kQuestionWait = std::chrono::milliseconds(5);
 constexpr std::string_view kNoPlanRemedy =
     "change the camera's region or pixel format (camera.set), or the sensor (sensor.set)";
 
-/// Whether `a` and `b` have the same reference and the same calibration.
-bool is_same(const Bound& a, const Bound& b) {
-  const bool same_reference = a.reference && b.reference
-                                  ? a.reference->t_taken_ns == b.reference->t_taken_ns
-                                  : !a.reference && !b.reference;
-  return same_reference && a.calibration == b.calibration;
+/// Whether the sensor has this reference and this calibration.
+bool is_bound(const SensorSnapshot& sensor, const Bound& bound) {
+  const auto &a = sensor.reference, &b = bound.reference;
+  const bool same_reference = a && b ? a->t_taken_ns == b->t_taken_ns : !a && !b;
+  return same_reference && sensor.calibration == bound.calibration;
 }
 
 /// The obstacle with this reason, which goes on if it was that of the snapshot before.
@@ -38,38 +37,20 @@ Obstacle obstacle_of(std::string reason, std::string_view action, const SensorSn
   return {std::move(reason), std::string(action), goes_on ? before.obstacle.t_since_ns : utc_ns()};
 }
 
-template <class T>
-std::shared_ptr<const T> newest(const std::vector<std::shared_ptr<const T>>& all) {
-  return all.empty() ? nullptr : all.back();
-}
-
-/// Warns if settings that a stored registration builds on have changed since it was measured, or
-/// if it is not used (`why_not`).
-void warn_of_registration(const MeasuredRegistration& registration, const RegistrationKind& kind,
-                          const std::string& why_not, Events& events) {
-  const std::vector<std::string> changed = kind.changed_settings(registration);
+/// Warns if settings that a stored registration builds on have changed since it was measured
+/// (`changed`), or if it is not used (`why_not`).
+void warn_of_registration(const std::string& changed, const std::string& why_not, Events& events) {
   if (changed.empty() && why_not.empty()) return;
-  const std::string settings = fmt::format("{}", fmt::join(changed, "; "));
   std::string text;
   if (why_not.empty()) {
-    text = "the stored registration was measured with other settings: " + settings +
+    text = "the stored registration was measured with other settings: " + changed +
            "; it is used as it was measured: if the bench has changed, run registration.run";
   } else {
     text = "the stored registration is not used: " + why_not +
-           (changed.empty() ? "" : "; since it was measured, " + settings) +
+           (changed.empty() ? "" : "; since it was measured, " + changed) +
            "; restore the settings, or run registration.run again";
   }
   events.emit("registration", Severity::warning, text, {{"used", why_not.empty()}});
-}
-
-/// Warns if plates that array.fit has measured, in `kept`, are not used.
-void warn_of_plates(const FoundArray& kept, const FoundArray& used, Events& events) {
-  if (!kept.plate_fitted || used.plate_fitted || used.empty()) return;
-  events.emit("registration", Severity::warning,
-              fmt::format("the plates that array.fit measured are not used: array.plate.levels was "
-                          "{}, and is {}; run array.fit again",
-                          kept.lenslets.plate.levels, used.lenslets.plate.levels),
-              {{"used", false}});
 }
 
 }  // namespace
@@ -86,7 +67,7 @@ Result<std::unique_ptr<SensorKeeper>> SensorKeeper::make(const Config& config,
 SensorKeeper::SensorKeeper(const Config& config, const SensorKeeperDeps& deps,
                            HologramConfig hologram)
     : deps_(deps),
-      bench_(config, std::move(hologram), deps.store, deps.events),
+      bench_(config, std::move(hologram), deps.library),
       plans_(deps.pipeline, bench_.optics),
       events_(bench_.optics, deps.events),
       snapshot_(std::make_shared<const SensorSnapshot>()) {
@@ -100,39 +81,31 @@ SensorKeeper::SensorKeeper(const Config& config, const SensorKeeperDeps& deps,
 Result<void> SensorKeeper::begin() {
   SensorEdit edit = new_edit();
   SensorState& state = edit.state;
-  const auto lut = newest(bench_.luts.load());
-  const auto flatness = newest(bench_.flatnesses.load());
-  state.slm = active_slm(bench_.config, bench_.hologram, lut, flatness);
-  bench_.origins.use_slm(*state.slm);
-  if (const auto kept = newest(bench_.registrations.load())) {
-    state.registration = array_by(bench_.config, *kept);
-    warn_of_plates(kept->array, state.registration->array, deps_.events);
-    state.registration->array.use_in(state.sensor);
-  }
+  load_slm(state);
   auto drawn = renew_renderer(state);
   if (!drawn && state.registration) {  // a stored array that no lattice can be made of
     drop_registration(state, bench_.config.sensor);
     drawn = renew_renderer(state);
   }
   if (!drawn) return drawn;
-  add_references(edit.knowledge, bench_.references.load());
-  add_calibrations(edit.knowledge, bench_.calibrations.load());
+  load_measured(edit);
   bench_.hologram_id = next_hologram_id_++;
   const auto planned = [&] {
     return plans_.build(state, bind(state, edit.knowledge, bench_.optics), bench_.hologram_id);
   };
   auto plan = planned();
+  if (state.registration) {
+    const BenchKey then = state.registration->key,
+                   now = key_of(state, edit.knowledge, bench_.optics);
+    warn_of_registration(words_of(differing(respect::kRegistrationSettings, then, now), then, now),
+                         plan ? "" : plan.error().reason, deps_.events);
+  }
   if (!plan && state.registration) {
-    warn_of_registration(*state.registration, bench_.registrations.kind(), plan.error().reason,
-                         deps_.events);
     drop_registration(state, bench_.config.sensor);
     if (auto made = renew_renderer(state); !made) return made;
     plan = planned();
   }
   if (!plan) return fail(plan.error());
-  if (state.registration) {
-    warn_of_registration(*state.registration, bench_.registrations.kind(), "", deps_.events);
-  }
   bench_.levels = hologram_of(state);
   deps_.slm.show_when_possible(request_of(state, bench_.hologram_id, bench_.levels));
   const Bound bound = bind(state, edit.knowledge, bench_.optics);
@@ -160,7 +133,7 @@ void SensorKeeper::edit(SensorChange change, Done done, std::function<void()> ac
           if (auto used = activate(edit, Show::now); !used) return done(fail(used.error()));
         }
         if (active) active();
-        update_files(std::move(edit), snapshot(), done);
+        update_files(edit.stored, std::move(edit.removed), done);
       });
 }
 
@@ -227,13 +200,12 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
     edit.knowledge.camera = info;
     discard_for_camera(edit, info);
     SensorState& next = edit.state;
-    const Bound before = bind(state_, knowledge_, bench_.optics),
-                now = bind(next, edit.knowledge, bench_.optics);
+    const Bound now = bind(next, edit.knowledge, bench_.optics);
     const bool same_image = camera.roi == next.roi && camera.pixel_format == next.format;
     const bool other_camera =
         knowledge_.camera && info && camera_json(knowledge_.camera) != camera_json(info);
     const bool same_sensor = next.sensor_epoch == state_.sensor_epoch && next.slm == state_.slm;
-    if (same_image && same_sensor && !other_camera && is_same(before, now)) {
+    if (same_image && same_sensor && !other_camera && is_bound(*snapshot(), now)) {
       knowledge_ = std::move(edit.knowledge);
       return publish_stale();
     }
@@ -249,11 +221,13 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
 /// Stops using the registration or the flatness if it was measured with another camera, because
 /// that camera's position and optics differ.
 void SensorKeeper::discard_for_camera(SensorEdit& edit, const std::optional<CameraInfo>& info) {
-  const auto is_other = [camera = camera_json(info)](const nlohmann::json& then) {
-    return !camera.is_null() && !then.is_null() && then != camera;
+  BenchKey now;
+  now.camera = camera_json(info);
+  const auto is_other = [&now](const BenchKey& then) {
+    return differing(respect::kCamera, then, now) != 0;
   };
   SensorState& state = edit.state;
-  if (state.registration && is_other(state.registration->camera)) {
+  if (state.registration && is_other(state.registration->key)) {
     deps_.events.emit(
         "registration", Severity::warning,
         "the registration is not used: it was measured with another camera; run registration.run",
@@ -264,7 +238,7 @@ void SensorKeeper::discard_for_camera(SensorEdit& edit, const std::optional<Came
     drop_registration(state, bench_.config.sensor);
   }
   const auto& flatness = state.slm->flatness;
-  if (flatness && is_other(flatness->origin.value("camera", nlohmann::json()))) {
+  if (flatness && is_other(flatness->key)) {
     deps_.events.emit("slm", Severity::warning,
                       "the flatness is not used, and its file is kept: it was measured with "
                       "another camera; run flatness.run",
@@ -293,7 +267,7 @@ Result<void> SensorKeeper::activate(SensorEdit edit, Show show) {
   auto plan = plans_.build(next, bound, hologram_id);
   if (!plan) return fail(plan.error());
   if (auto shown = present(next, hologram_id, show); !shown) return shown;
-  if (new_slm && load_for_slm(*next.slm, edit.knowledge)) {
+  if (new_slm && use_waiting(edit)) {
     const Bound more = bind(next, edit.knowledge, bench_.optics);
     if (auto with_more = plans_.build(next, more, hologram_id)) {
       plan = std::move(with_more);
@@ -319,18 +293,6 @@ Result<void> SensorKeeper::present(const SensorState& next, std::uint64_t hologr
     deps_.slm.show_when_possible(request_of(next, hologram_id, bench_.levels));
   }
   return {};
-}
-
-/// Loads the references and calibrations that were measured with this LUT and flatness, and were
-/// not used while others were active. Returns whether any were found.
-bool SensorKeeper::load_for_slm(const ActiveSlm& slm, Knowledge& knowledge) {
-  bench_.origins.use_slm(slm);
-  auto references = bench_.references.load_again();
-  auto calibrations = bench_.calibrations.load_again();
-  const bool found = !references.empty() || !calibrations.empty();
-  add_references(knowledge, std::move(references));
-  add_calibrations(knowledge, std::move(calibrations));
-  return found;
 }
 
 void SensorKeeper::adopt(SensorEdit edit, const Bound& bound,
@@ -406,32 +368,32 @@ void SensorKeeper::publish_stale() {
 
 /// Writes or removes the files of a change that is already in effect, then calls `done`. If a file
 /// cannot be written, the change stays in effect. If a file cannot be removed, it is undone.
-void SensorKeeper::update_files(SensorEdit edit, SensorView changed, Done done) {
-  const auto files = std::make_shared<SensorEdit>(std::move(edit));
-  if (files->keep) {
-    auto answer = std::make_shared<Done>(std::move(done));
-    files->keep([this, files, answer](const std::string& sha256) {
-      mailbox_.post([this, files, answer, sha256] {
-        if (!sha256.empty()) set_checksum(*files, sha256);
-        if (const Done once = std::exchange(*answer, nullptr)) once(snapshot());
-      });
+void SensorKeeper::update_files(const std::function<Library::Item()>& stored, RemovedItems removed,
+                                Done done) {
+  if (stored) {
+    bench_.library.put(stored(), [this, done = std::move(done)](const Result<std::string>&) {
+      mailbox_.post([this, done] { done(snapshot()); });
     });
-  } else if (files->drop) {
-    files->drop([this, files, changed, done](const Result<void>& dropped) {
-      mailbox_.post([this, files, changed, done, dropped] {
-        if (dropped) return done(changed);
-        undo(*files, dropped.error(), done);
-      });
-    });
+  } else if (removed.kind != nullptr) {
+    const ItemKind& kind = *removed.kind;
+    const std::vector<std::string> names = removed.names;
+    bench_.library.remove(kind, names,
+                          [this, changed = snapshot(), removed = std::move(removed),
+                           done = std::move(done)](const Result<void>& gone) {
+                            mailbox_.post([this, changed, removed, done, gone] {
+                              if (gone) return done(changed);
+                              undo(removed, gone.error(), done);
+                            });
+                          });
   } else {
-    done(std::move(changed));
+    done(snapshot());
   }
 }
 
-void SensorKeeper::undo(SensorEdit& edit, Error why, const Done& done) {
+void SensorKeeper::undo(RemovedItems removed, Error why, const Done& done) {
   SensorEdit undo = new_edit();
   const auto lease = deps_.leases.take(Request::set_measured);
-  Result<void> undone = lease ? edit.undo(undo) : fail(lease.error());
+  Result<void> undone = lease ? put_back(std::move(removed))(undo) : fail(lease.error());
   if (undone) undone = activate(std::move(undo), Show::when_possible);
   if (!undone) {
     why.reason += fmt::format(
@@ -440,20 +402,6 @@ void SensorKeeper::undo(SensorEdit& edit, Error why, const Done& done) {
         undone.error().reason);
   }
   done(fail(std::move(why)));
-}
-
-void SensorKeeper::set_checksum(SensorEdit& edit, const std::string& sha256) {
-  if (!edit.set_checksum) return;
-  SensorEdit now = new_edit();
-  edit.set_checksum(now, sha256);
-  state_ = std::move(now.state);
-  knowledge_ = std::move(now.knowledge);
-  const Bound bound = bind(state_, knowledge_, bench_.optics);
-  auto updated = std::make_shared<SensorSnapshot>(*snapshot());
-  updated->reference = bound.reference;
-  updated->calibration = bound.calibration;
-  updated->slm = state_.slm;
-  snapshot_.set(std::move(updated));
 }
 
 Result<void> check_shows_sensor(const SensorShown& sensor) {

@@ -31,7 +31,7 @@ struct SensorKeeperDeps {
   Pipeline& pipeline;
   SlmLoop& slm;
   Events& events;
-  DaemonStore& store;
+  Library& library;
   Leases& leases;
   /// Called before a plan becomes active, in the prepare thread. For the first plan it is called in
   /// the thread that calls SensorKeeper::make.
@@ -97,15 +97,16 @@ class SensorKeeper : public Agent {
   void adopt(SensorEdit edit, const Bound& bound, std::unique_ptr<MeasurementPlan> plan);
   void adopt_without_plan(SensorEdit edit, const Error& why);
   void describe(SensorSnapshot& now, const Bound& bound);
-  bool load_for_slm(const ActiveSlm& slm, Knowledge& knowledge);
+  void load_slm(SensorState& state);
+  void load_measured(SensorEdit& edit);
+  bool use_waiting(SensorEdit& edit);
   void plan_again(SensorEdit edit);
   void publish_stale();
   void set_holder(Holder holder);
   void restore_from_before_job();
   void discard_for_camera(SensorEdit& edit, const std::optional<CameraInfo>& info);
-  void update_files(SensorEdit edit, SensorView changed, Done done);
-  void undo(SensorEdit& edit, Error why, const Done& done);
-  void set_checksum(SensorEdit& edit, const std::string& sha256);
+  void update_files(const std::function<Library::Item()>& stored, RemovedItems removed, Done done);
+  void undo(RemovedItems removed, Error why, const Done& done);
   SensorEdit new_edit() { return {state_, knowledge_, before_job_, bench_}; }
 
   SensorKeeperDeps deps_;

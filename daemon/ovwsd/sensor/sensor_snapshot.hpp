@@ -11,10 +11,10 @@
 #include "core/optics/hologram.hpp"
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/registration.hpp"
+#include "daemon/ovwsd/library/calibration.hpp"
+#include "daemon/ovwsd/library/reference.hpp"
+#include "daemon/ovwsd/library/slm_measured.hpp"
 #include "daemon/ovwsd/sensor/beams.hpp"
-#include "daemon/ovwsd/sensor/calibration.hpp"
-#include "daemon/ovwsd/sensor/reference.hpp"
-#include "daemon/ovwsd/slm/slm_measured.hpp"
 #include "proto/tables/sensor.hpp"
 
 namespace ovws {

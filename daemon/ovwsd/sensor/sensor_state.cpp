@@ -104,15 +104,6 @@ std::vector<Vec2> model_positions(const SensorState& state, const BenchOptics& b
                         state.roi.width, state.roi.height);
 }
 
-double farthest_px(const SensorState& a, const SensorState& b, const BenchOptics& bench) {
-  const std::vector<Vec2> here = model_positions(a, bench), there = model_positions(b, bench);
-  double farthest = 0.0;
-  for (std::size_t i = 0; i < here.size(); ++i) {
-    farthest = std::max(farthest, norm(there[i] - here[i]));
-  }
-  return farthest;
-}
-
 double lambda_d_of(const SensorState& state, const BenchOptics& bench) {
   return lambda_d_px(optics_of(state, bench), bench.slm, state.sensor);
 }

@@ -13,10 +13,10 @@
 #include "core/port/camera.hpp"
 #include "core/tracking/tracker.hpp"
 #include "daemon/ovwsd/lease/request_table.hpp"
+#include "daemon/ovwsd/library/measured_registration.hpp"
+#include "daemon/ovwsd/library/slm_measured.hpp"
 #include "daemon/ovwsd/sensor/active_templates.hpp"
-#include "daemon/ovwsd/sensor/registration_file.hpp"
 #include "daemon/ovwsd/sensor/sensor_snapshot.hpp"
-#include "daemon/ovwsd/slm/slm_measured.hpp"
 
 namespace ovws {
 
@@ -25,6 +25,8 @@ struct BenchOptics {
   OpticsConfig optics;
   SlmGeometry slm;
   std::vector<BeamConfig> beams{};  ///< as configured
+  nlohmann::json flatness_file{};   ///< flatness_sha256 of the configuration's map
+  nlohmann::json array{};           ///< array_json
 };
 
 struct SensorState : SensorShown {
@@ -77,8 +79,6 @@ std::optional<Registration> registration_of(const SensorState& state, const Benc
 OpticsConfig optics_of(const SensorState& state, const BenchOptics& bench);
 /// Spot positions of a flat wavefront, pixels of the camera's region.
 std::vector<Vec2> model_positions(const SensorState& state, const BenchOptics& bench);
-/// Largest distance between the model_positions of two states of the same sensor, camera pixels.
-double farthest_px(const SensorState& a, const SensorState& b, const BenchOptics& bench);
 /// lambda/d, the scale of one spot, camera pixels.
 double lambda_d_of(const SensorState& state, const BenchOptics& bench);
 

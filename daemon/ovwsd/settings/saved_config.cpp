@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "daemon/ovwsd/library/state_folder.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 #include "daemon/ovwsd/settings/config_difference.hpp"
-#include "daemon/ovwsd/store/daemon_store.hpp"
 #include "daemon/shared/atomic_file.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/json_text.hpp"

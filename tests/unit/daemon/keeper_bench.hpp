@@ -86,7 +86,7 @@ class Keeper : public testing::Test {
       parts_->slm.close();
     });
     auto made =
-        SensorKeeper::make(config_, {parts_->pipeline, parts_->slm, parts_->events, parts_->store,
+        SensorKeeper::make(config_, {parts_->pipeline, parts_->slm, parts_->events, parts_->library,
                                      parts_->leases, [](const MeasurementPlan&, SensorView) {}});
     ASSERT_TRUE(made) << made.error().reason;
     keeper_ = std::move(*made);
@@ -156,7 +156,7 @@ class Keeper : public testing::Test {
                              if (now.healthy) opened_with_id = now.hologram_id;
                            }}),
           pipeline(config.pipeline, {counters, shown, settings}),
-          store(config.state, events) {}
+          library(config.state, events) {}
     Counters counters;
     std::atomic<std::uint64_t> opened_with_id{kNotOpened};  ///< hologram of the open display
     StreamQueue queue;
@@ -166,7 +166,7 @@ class Keeper : public testing::Test {
     LatestValue<AppliedSettings> settings;
     SlmLoop slm;
     Pipeline pipeline;
-    DaemonStore store;
+    Library library;
   };
   Screen screen_;
   const std::string folder_ = own_folder("sensor_keeper");

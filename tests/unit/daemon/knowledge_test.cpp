@@ -4,7 +4,6 @@
 
 #include "core/optics/lattice.hpp"
 #include "daemon/ovwsd/sensor/mode_operators.hpp"
-#include "daemon/ovwsd/sensor/reference_origin.hpp"
 
 namespace ovws {
 namespace {
@@ -38,20 +37,24 @@ class Known : public testing::Test {
 
   Reference taken(std::int64_t t_taken_ns, const std::optional<CameraInfo>& camera = std::nullopt) {
     Reference reference;
-    reference.key = reference_key(state_.sensor, state_.tracking, state_.roi);
+    Knowledge known;
+    known.camera = camera;
+    reference.key = key_of(state_, known, optics_);
     reference.t_taken_ns = t_taken_ns;
     reference.registration = registration_of(state_, optics_);
     reference.positions_px = model_positions(state_, optics_);
-    ReferenceBench bench(config_, hologram_);
-    bench.use_slm(*state_.slm);
-    reference.origin = std::make_shared<const nlohmann::json>(
-        bench.origin({reference.key, {}, std::nullopt, camera, reference.registration, nullptr}));
     return reference;
+  }
+  /// Makes it the reference of this state, and returns those that it replaces.
+  Shared<Reference> replace(Reference reference) {
+    auto replaced = remove_references(known_, state_, optics_);
+    add_references(known_, {std::make_shared<const Reference>(std::move(reference))});
+    return replaced;
   }
 
   std::shared_ptr<const Reference> found() const { return bind(state_, known_, optics_).reference; }
   std::string why_not(const Reference& reference) const {
-    return unused_reason(reference, state_, known_, optics_);
+    return unused_reason(reference, state_, known_, optics_, false);
   }
 
   Config config_;
@@ -65,17 +68,17 @@ const CameraInfo kOne{"Ovws", "Twin", "1", ""}, kTwo{"Ovws", "Twin", "2", ""};
 
 TEST_F(Known, TheReferenceTakenLastIsBound) {
   EXPECT_FALSE(found());
-  EXPECT_TRUE(replace_reference(known_, state_, taken(5)).empty());
-  const auto replaced = replace_reference(known_, state_, taken(6));
+  EXPECT_TRUE(replace(taken(5)).empty());
+  const auto replaced = replace(taken(6));
   ASSERT_EQ(replaced.size(), 1U);
   EXPECT_EQ(replaced[0]->t_taken_ns, 5);
   EXPECT_EQ(found()->t_taken_ns, 6);
-  EXPECT_EQ(remove_references(known_, state_).size(), 1U);
+  EXPECT_EQ(remove_references(known_, state_, optics_).size(), 1U);
   EXPECT_FALSE(found());
 }
 
 TEST_F(Known, AReferenceIsOfItsSensorTrackingAndRegion) {
-  replace_reference(known_, state_, taken(5));
+  replace(taken(5));
   const SensorState before = state_;
   state_.sensor.charge = 2;
   EXPECT_FALSE(found());
@@ -84,8 +87,7 @@ TEST_F(Known, AReferenceIsOfItsSensorTrackingAndRegion) {
   state_ = before;
   state_.roi.x = 16;
   EXPECT_FALSE(found());
-  EXPECT_EQ(why_not(*known_.references[0]),
-            "it was taken with another region of the camera (x 0, y 0, width 256, height 256)");
+  EXPECT_EQ(why_not(*known_.references[0]), "camera.roi.x was 0, and is 16");
   EXPECT_EQ(
       missing_reference_reason(state_, known_, optics_),
       "the reference of 1970-01-01T00:00:00.000Z is not used: " + why_not(*known_.references[0]));
@@ -101,7 +103,7 @@ TEST_F(Known, AReferenceOfAnArrayThatWasFoundElsewhereSaysSo) {
   const SensorState before = state_;
   state_.sensor.lenslets.centres_px.clear();  // no position is needed
   Reference reference = taken(5);
-  reference.key = reference_key(before.sensor, before.tracking, before.roi);
+  reference.key.sensor = before.sensor;
   reference.source = ReferenceSource::model;  // of any registration
   known_.references.push_back(std::make_shared<const Reference>(reference));
   state_ = before;
@@ -115,21 +117,21 @@ TEST_F(Known, AReferenceOfAnArrayThatWasFoundElsewhereSaysSo) {
 }
 
 TEST_F(Known, AReferenceOfAnotherCameraIsNotBoundAndOneOfAnUnknownIs) {
-  replace_reference(known_, state_, taken(5, kOne));
+  replace(taken(5, kOne));
   EXPECT_TRUE(found());
   known_.camera = kOne;
   EXPECT_TRUE(found());
   known_.camera = kTwo;
   EXPECT_FALSE(found());
-  EXPECT_EQ(why_not(*known_.references[0]), "it was taken with another camera");
-  EXPECT_TRUE(replace_reference(known_, state_, taken(6, kTwo)).empty()) << "the other one stays";
+  EXPECT_EQ(why_not(*known_.references[0]), "camera.serial was \"1\", and is \"2\"");
+  EXPECT_TRUE(replace(taken(6, kTwo)).empty()) << "the other one stays";
   EXPECT_EQ(found()->t_taken_ns, 6);
   known_.camera = kOne;
   EXPECT_EQ(found()->t_taken_ns, 5);
 }
 
 TEST_F(Known, AReferenceIsOfTheLutThatDroveTheSlm) {
-  replace_reference(known_, state_, taken(5));
+  replace(taken(5));
   PhaseLut other{};
   other[200] = 7;
   const auto before = state_.slm;
@@ -141,7 +143,7 @@ TEST_F(Known, AReferenceIsOfTheLutThatDroveTheSlm) {
 }
 
 TEST_F(Known, AReferenceIsNotBoundWhereSpotsAreExpectedElsewhere) {
-  replace_reference(known_, state_, taken(5));
+  replace(taken(5));
   MeasuredRegistration map;
   const auto as_configured = px_per_cycle(optics_.optics, optics_.slm);
   map.px_per_cycle = as_configured;
@@ -157,7 +159,7 @@ TEST_F(Known, AReferenceIsNotBoundWhereSpotsAreExpectedElsewhere) {
 TEST_F(Known, AModelReferenceFollowsTheRegistration) {
   Reference model = taken(5);
   model.source = ReferenceSource::model;
-  replace_reference(known_, state_, std::move(model));
+  replace(std::move(model));
   MeasuredRegistration map;
   map.px_per_cycle = px_per_cycle(optics_.optics, optics_.slm);
   map.base_px = {100.0, 90.0};
@@ -173,7 +175,7 @@ TEST_F(Known, OnlyTheLastReferencesKeepTheirImages) {
     state_.roi.x = n;
     Reference reference = taken(n);
     reference.picture = std::make_shared<const ReferenceImage>();
-    replace_reference(known_, state_, std::move(reference));
+    replace(std::move(reference));
   }
   ASSERT_EQ(known_.references.size(), 12U);
   EXPECT_FALSE(known_.references[3]->picture);
@@ -181,9 +183,9 @@ TEST_F(Known, OnlyTheLastReferencesKeepTheirImages) {
 }
 
 TEST_F(Known, ACopyIsNotChangedByAChange) {
-  replace_reference(known_, state_, taken(5));
+  replace(taken(5));
   Knowledge copy = known_;
-  remove_references(copy, state_);
+  remove_references(copy, state_, optics_);
   EXPECT_TRUE(found());
 }
 

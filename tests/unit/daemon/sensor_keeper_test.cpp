@@ -139,7 +139,7 @@ TEST_F(Keeper, AReferenceOutlivesARestartUntilItIsForgotten) {
   ASSERT_TRUE(referenced);
   ASSERT_TRUE((*referenced)->reference);
   EXPECT_EQ((*referenced)->reference->source, ReferenceSource::model);
-  EXPECT_EQ((*referenced)->reference->sha256.size(), 64U);
+  EXPECT_EQ(sha256_of(parts_->library, *(*referenced)->reference).size(), 64U);
   end();
   start();
   ASSERT_TRUE(keeper_->snapshot()->reference);
@@ -169,13 +169,13 @@ TEST_F(Keeper, AnArrayHasNoReferenceBeforeARegistrationHasFoundIt) {
   Reference before;  // as if a version without this rule had made it
   ASSERT_TRUE(edit([&](SensorEdit& edit) -> Result<void> {
     places = model_positions(edit.state, edit.bench.optics);
-    before.key = reference_key(edit.state);
+    before.key = key_of(edit.state, edit.knowledge, edit.bench.optics);
     before.source = ReferenceSource::model;
-    before.origin = std::make_shared<const nlohmann::json>(edit.bench.origins.origin(
-        {before.key, {}, std::nullopt, std::nullopt, std::nullopt, nullptr}));
+    before.origin = std::make_shared<const nlohmann::json>(
+        make_origin({before.key, {}, std::nullopt, std::nullopt, nullptr}));
     before.positions_px = places;
     before.standard_error_px.assign(places.size(), {});
-    replace_reference(edit.knowledge, edit.state, before);
+    add_references(edit.knowledge, {std::make_shared<const Reference>(before)});
     return {};
   }));
   SpotAverage given;
@@ -242,7 +242,7 @@ TEST_F(Keeper, AReferenceIsOfItsSensorAndItsRegion) {
   EXPECT_FALSE(keeper_->snapshot()->reference);
   EXPECT_GT(keeper_->snapshot()->sensor_epoch, epoch);
   const std::string why = keeper_->snapshot()->obstacle.reason;
-  EXPECT_NE(why.find("it was taken with another region of the camera"), std::string::npos) << why;
+  EXPECT_NE(why.find("camera.roi.width was 656, and is 640"), std::string::npos) << why;
   EXPECT_GT(keeper_->snapshot()->obstacle.t_since_ns, 0);
   EXPECT_EQ(events_of("reference"), std::vector<std::string>{why + "; take a new reference"});
   keeper_->camera_changed(config_.camera.settings, std::nullopt);

@@ -1,5 +1,5 @@
 // Measured spot shapes in files: what is written is read, and damaged shapes are refused.
-#include "daemon/ovwsd/sensor/shapes_file.hpp"
+#include "daemon/ovwsd/library/shapes_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,6 +4,8 @@
 #include "config/config.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/port/camera.hpp"
+#include "daemon/ovwsd/library/slm_measured.hpp"
+#include "proto/tables/optics.hpp"
 
 namespace ovws::test {
 
@@ -24,6 +26,23 @@ inline HologramConfig hologram_of(const Config& config) {
   hologram.slm = config.slm.geometry;
   hologram.sensor = config.sensor;
   return hologram;
+}
+
+/// The bench of this configuration with kCamera.
+inline BenchKey key_of(const Config& config,
+                       const std::optional<Registration>& registration = std::nullopt) {
+  BenchKey key{config.sensor,
+               config.tracking,
+               config.camera.settings.roi,
+               to_json(config.optics),
+               slm_identity(hologram_of(config), false),
+               camera_json(kCamera),
+               nullptr,
+               nullptr,
+               {},
+               {}};
+  use_map(key, registration, config.optics, config.slm.geometry);
+  return key;
 }
 
 }  // namespace ovws::test

@@ -1,0 +1,368 @@
+/// The library's write-behind queue: a failed write waits, is retried and reports why, and a disk
+/// that does not answer blocks only those that wait for it.
+#include "daemon/ovwsd/library/library.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <future>
+#include <thread>
+
+#include "daemon/ovwsd/actor/stream_queue.hpp"
+#include "tests/support/file_limit.hpp"
+#include "tests/support/own_folder.hpp"
+#include "tests/support/time.hpp"
+
+namespace ovws {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr ItemKind kKind{"kind", "kind", "item", "item.measure"};
+
+Library::Item item(const std::string& name, json content, const ItemKind& kind = kKind,
+                   std::int64_t t_taken_ns = 0) {
+  return {&kind, name, t_taken_ns, std::move(content), "the item " + name};
+}
+
+class Items : public testing::Test {
+ protected:
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path file(const std::string& name) const { return fs::path(folder_) / name; }
+  /// Makes writes under this name fail: a folder that is not empty has it, and cannot be set aside.
+  void block(const std::string& name) const {
+    for (const char* suffix : {"", ".outdated"})
+      fs::create_directories(file(name + suffix) / "full");
+  }
+  void unblock(const std::string& name) const {
+    for (const char* suffix : {"", ".outdated"}) fs::remove_all(file(name + suffix));
+  }
+
+  struct Answers {
+    Library::Stored stored() {
+      return [this](const Result<std::string>& result) {
+        (result ? kept : refused) += 1;
+        if (!result) why = result.error().reason;
+      };
+    }
+    int kept = 0, refused = 0;
+    std::string why;
+  };
+  void put(const std::string& name, int value, Answers& answers) {
+    library_.put(item(name, {{"value", value}}), answers.stored());
+  }
+  bool remove(const std::string& name) {
+    bool removed = false;
+    library_.remove(kKind, {name}, [&](const Result<void>& done) { removed = done.has_value(); });
+    return removed;
+  }
+  void try_again() {
+    test::skip(std::chrono::seconds(2));
+    while (library_.turn()) {
+    }
+  }
+  static json value_in(const Library& library, const std::string& name) {
+    const auto found = library.read(kKind, name);
+    return found ? found->content["value"] : json();
+  }
+  json value(const std::string& name) const { return value_in(library_, name); }
+  bool is_written(const std::string& name) const { return !library_.sha256(kKind, name).empty(); }
+  /// The texts of the events so far that contain `words`.
+  int events_with(const std::string& words) {
+    int found = 0;
+    while (const auto message = queue_.take()) {
+      const auto* event = std::get_if<EventMessage>(&*message);
+      found += event != nullptr && event->text.find(words) != std::string::npos ? 1 : 0;
+    }
+    return found;
+  }
+
+  const std::string folder_ = own_folder("library");
+  StreamQueue queue_;
+  Events events_{queue_};
+  Library library_{{folder_}, events_};
+};
+
+TEST_F(Items, WhatIsRefusedWaitsAndIsWrittenWhenTheDiskTakesIt) {
+  Answers a, b;
+  block("kind.a.json");
+  put("a", 1, a);
+  EXPECT_EQ(a.refused, 1);
+  ASSERT_TRUE(library_.report().reason);
+  EXPECT_NE(library_.report().reason->find("kind.a.json"), std::string::npos);
+  EXPECT_NE(library_.report().reason->find("; items waiting to be written again: 1"),
+            std::string::npos);
+  EXPECT_FALSE(is_written("a"));
+  try_again();
+  EXPECT_EQ(a.refused, 1) << "answered once";
+  EXPECT_EQ(events_with("will not survive a restart"), 1) << "said once";
+  unblock("kind.a.json");
+  put("b", 2, b);
+  EXPECT_EQ(b.kept, 1);
+  try_again();
+  EXPECT_EQ(events_with("the item a is saved"), 1);
+  EXPECT_EQ(a.kept, 0) << "answered before";
+  EXPECT_FALSE(library_.report().reason);
+  EXPECT_EQ(library_.queued(), 0);
+  EXPECT_EQ(value("a"), 1);
+  EXPECT_EQ(library_.sha256(kKind, "a"), library_.read(kKind, "a")->sha256);
+}
+
+TEST_F(Items, ItIsTriedAgainWithoutAnythingNew) {
+  Answers a;
+  block("kind.a.json");
+  put("a", 1, a);
+  unblock("kind.a.json");
+  (void)library_.turn();
+  EXPECT_FALSE(is_written("a")) << "it rests between two tries";
+  test::skip(std::chrono::seconds(2));
+  (void)library_.turn();
+  EXPECT_TRUE(is_written("a"));
+}
+
+TEST_F(Items, TheReasonIsThatOfTheNewestThatWaitsAndGoesWithIt) {
+  Answers a, z;
+  block("kind.a.json");
+  block("kind.z.json");
+  put("z", 1, z);
+  put("a", 1, a);
+  EXPECT_NE(library_.report().reason->find("kind.a.json"), std::string::npos);
+  EXPECT_NE(library_.report().reason->find("; items waiting to be written again: 2"),
+            std::string::npos);
+  unblock("kind.a.json");
+  try_again();
+  EXPECT_NE(library_.report().reason->find("kind.z.json"), std::string::npos);
+  EXPECT_NE(library_.report().reason->find("; items waiting to be written again: 1"),
+            std::string::npos);
+  unblock("kind.z.json");
+  try_again();
+  EXPECT_FALSE(library_.report().reason);
+}
+
+TEST_F(Items, OnlyTheNewestOfANameIsWritten) {
+  Answers first, second;
+  block("kind.a.json");
+  put("a", 1, first);
+  put("a", 2, second);
+  EXPECT_EQ(library_.queued(), 1);
+  unblock("kind.a.json");
+  try_again();
+  EXPECT_EQ(value("a"), 2);
+  EXPECT_EQ(events_with("the item a is saved"), 1);
+}
+
+TEST_F(Items, ARemovalThatFailsLosesNoWriteThatWaits) {
+  Answers a;
+  block("kind.a.json");
+  put("a", 1, a);
+  EXPECT_FALSE(remove("a")) << "no unlink removes a folder";
+  ASSERT_TRUE(library_.report().reason);
+  EXPECT_NE(library_.report().reason->find("; items waiting to be written again: 1"),
+            std::string::npos);
+  unblock("kind.a.json");
+  try_again();
+  EXPECT_TRUE(is_written("a"));
+  EXPECT_EQ(value("a"), 1);
+}
+
+/// Not tested here: a read-only folder, which root can write to, and a full disk.
+TEST_F(Items, ARemovedFolderIsCreatedAgain) {
+  Answers a;
+  fs::remove_all(folder_);
+  put("a", 1, a);
+  EXPECT_EQ(a.kept, 1);
+  EXPECT_TRUE(fs::exists(file("kind.a.json")));
+  EXPECT_FALSE(library_.report().reason);
+}
+
+TEST_F(Items, AnOutdatedItemIsNotLoadedByARestart) {
+  Answers first, second;
+  put("a", 1, first);
+  ASSERT_EQ(first.kept, 1);
+  const auto found_by_restart = [&] { return value_in(Library({folder_}, events_), "a"); };
+  {
+    const test::FileLimit limit(16);
+    put("a", 2, second);
+    EXPECT_EQ(second.refused, 1);
+    EXPECT_FALSE(is_written("a")) << "the older one is outdated";
+    EXPECT_EQ(found_by_restart(), json());
+    EXPECT_TRUE(fs::exists(file("kind.a.json.outdated"))) << "a person may want it";
+  }
+  try_again();
+  EXPECT_TRUE(is_written("a"));
+  EXPECT_EQ(found_by_restart(), 2);
+  EXPECT_FALSE(fs::exists(file("kind.a.json.outdated")));
+}
+
+TEST_F(Items, WhatIsRemovedIsNotWrittenAfterAll) {
+  Answers a;
+  {
+    const test::FileLimit limit(16);
+    put("a", 1, a);
+    ASSERT_EQ(a.refused, 1);
+    EXPECT_TRUE(remove("a"));
+  }
+  EXPECT_EQ(library_.queued(), 0);
+  EXPECT_FALSE(library_.report().reason);
+  try_again();
+  EXPECT_EQ(value("a"), json());
+}
+
+TEST_F(Items, MoreThanItsMemoryIsNotKept) {
+  Answers large, more;
+  block("kind.large.json");
+  const std::string text(Library::kMaxQueuedBytes - 4096, 'x');
+  library_.put(item("large", text), large.stored());
+  EXPECT_EQ(large.refused, 1);
+  library_.put(item("more", std::string(8192, 'x')), more.stored());
+  EXPECT_EQ(more.refused, 1);
+  EXPECT_NE(more.why.find("MiB already wait to be written"), std::string::npos);
+  EXPECT_EQ(library_.queued(), 1);
+}
+
+TEST_F(Items, AnOutdatedItemIsNotLoadedEvenIfTheNewOneIsTooLarge) {
+  Answers first, second;
+  put("a", 1, first);
+  ASSERT_EQ(first.kept, 1);
+  library_.put(item("a", std::string(Library::kMaxQueuedBytes, 'x')), second.stored());
+  EXPECT_EQ(second.refused, 1);
+  EXPECT_EQ(library_.queued(), 0);
+  EXPECT_EQ(value("a"), json());
+  EXPECT_TRUE(fs::exists(file("kind.a.json.outdated")));
+}
+
+TEST_F(Items, WhatAnItemReplacesIsRemovedOnceItIsWritten) {
+  Answers a;
+  put("old", 1, a);
+  block("kind.new.json");
+  Library::Item newer = item("new", {{"value", 2}});
+  newer.replaces = {"old"};
+  library_.put(newer);
+  EXPECT_EQ(value("old"), 1);
+  unblock("kind.new.json");
+  try_again();
+  EXPECT_EQ(value("new"), 2);
+  EXPECT_EQ(value("old"), json());
+}
+
+TEST_F(Items, TheOldestOfAKindMakesRoomAndTheNewestStaysWhateverTheTimeOfDay) {
+  constexpr ItemKind kFew{"few", "few", "item", "item.measure", 2};
+  const auto names = [&] {
+    std::vector<std::string> found;
+    library_.load(kFew, [&](const StateItem& one) -> Result<void> {
+      found.push_back(one.name);
+      return {};
+    });
+    return found;
+  };
+  library_.put(item("a", {{"t_taken_ns", 5}}, kFew, 5));
+  library_.put(item("b", {{"t_taken_ns", 6}}, kFew, 6));
+  library_.put(item("c", {{"t_taken_ns", 7}}, kFew, 7));
+  EXPECT_EQ(names(), (std::vector<std::string>{"b", "c"}));
+  library_.put(item("d", {{"t_taken_ns", 1}}, kFew, 1));
+  EXPECT_EQ(names(), (std::vector<std::string>{"c", "d"}));
+}
+
+TEST_F(Items, AFileThatCannotBeUsedIsReportedAndLeft) {
+  Answers a;
+  put("a", 1, a);
+  put("b", 2, a);
+  fs::resize_file(file("kind.b.json"), fs::file_size(file("kind.b.json")) / 2);
+  library_.load(kKind, [](const StateItem& one) -> Result<void> {
+    EXPECT_EQ(one.name, "a");
+    return fail(Errc::invalid, "value", "is wrong");
+  });
+  EXPECT_FALSE(is_written("a"));
+  EXPECT_EQ(events_with("is not used, and left as it is"), 2);
+  EXPECT_TRUE(fs::exists(file("kind.a.json")));
+  EXPECT_TRUE(fs::exists(file("kind.b.json")));
+}
+
+TEST(Disk, TwoRemovalsThatFailLoseNoWriteThatWaits) {
+  const std::string folder = own_folder("two_removals");
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  Library library({folder}, events, &disk);
+  disk.begin();  // without a thread: everything waits
+  fs::create_directories(fs::path(folder) / "kind.a.json" / "full");
+  library.put(item("a", {{"value", 1}}));
+  int failed = 0;
+  for (int k = 0; k < 2; ++k) {
+    library.remove(kKind, {"a"}, [&](const Result<void>& done) { failed += done ? 0 : 1; });
+  }
+  while (library.turn()) {
+  }
+  EXPECT_EQ(failed, 2);
+  EXPECT_EQ(library.queued(), 1);
+  fs::remove_all(fs::path(folder) / "kind.a.json");
+  test::skip(std::chrono::seconds(2));
+  while (library.turn()) {
+  }
+  EXPECT_EQ(library.read(kKind, "a")->content["value"], 1);
+  fs::remove_all(folder);
+}
+
+/// Of a kind with a limited number of items, the oldest is deleted for each that is added. A
+/// deletion that waits keeps the write that it replaces, in case it fails.
+TEST(Disk, DeletionsDoNotFillTheMemoryWhileItStandsStill) {
+  constexpr std::size_t kItem = Library::kMaxQueuedBytes / 8;
+  const std::string folder = own_folder("displaced_writes");
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  Library library({folder}, events, &disk);
+  disk.begin();  // without a thread: it stands still
+  int refused = 0;
+  for (int k = 0; k < 12; ++k) {
+    const std::string name = "item-" + std::to_string(k);
+    library.put(item(name, std::string(kItem, 'x')), [&](const Result<std::string>& kept) {
+      refused += kept || kept.error().code == Errc::refused ? 0 : 1;
+    });
+    library.remove(kKind, {name}, [](const Result<void>&) {});
+  }
+  EXPECT_EQ(refused, 5);
+  fs::remove_all(folder);
+}
+
+/// The disk thread waits for a disk that does not answer until the test releases it.
+TEST(Disk, WhileItStandsStillNobodyWaits) {
+  const std::string folder = own_folder("standing_disk");
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  Library library({folder}, events, &disk);
+  disk.each_turn([&] { return library.turn(); });
+  std::promise<void> go;
+  std::atomic<bool> stop{false};
+  disk.begin();
+  disk.post([&] { go.get_future().wait(); });
+  std::thread thread([&] {
+    while (!stop) disk.do_work();
+    disk.on_close();
+  });
+  std::atomic<int> kept{0};
+  library.put(item("a", {{"value", 1}}),
+              [&](const Result<std::string>& done) { kept += done ? 1 : 0; });
+  EXPECT_EQ(library.queued(), 1);
+  int refused = 0;
+  for (int request = 0; request < Disk::kMaxRequests + 1; ++request) {
+    refused += disk.request([] {}) ? 0 : 1;
+  }
+  EXPECT_EQ(refused, 1);
+  EXPECT_EQ(kept, 0);
+  stop = true;
+  go.set_value();
+  thread.join();
+  EXPECT_EQ(kept, 1) << "written before the thread ends";
+  EXPECT_TRUE(fs::exists(fs::path(folder) / "kind.a.json"));
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace ovws
