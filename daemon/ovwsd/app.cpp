@@ -86,7 +86,6 @@ PipelineConfig with_plans(const Config& config) {
 
 struct App::Parts {
   Config config;
-  Guarded<LoadedConfig> loaded;
   FolderLock state_lock;
   Counters counters;
   StreamQueue queue;
@@ -98,7 +97,7 @@ struct App::Parts {
   NamedReferences named{library};
   PreparedLattices lattices{library};
   LatestValue<ShownHologram> shown;
-  LatestValue<AppliedSettings> settings;
+  LatestValue<AppliedSettings> applied;
   LatencyHistogram published_latency;
   Pipeline pipeline;
   FrameTaps frames;
@@ -116,6 +115,7 @@ struct App::Parts {
   std::unique_ptr<ClosedLoop> loop;
   std::unique_ptr<WavefrontSearch> search;
   std::unique_ptr<LiveRefiner> refiner;
+  std::unique_ptr<Settings> settings;
   std::unique_ptr<StreamPublisher> stream;
   std::unique_ptr<ImagePublisher> images;
   std::unique_ptr<Reloader> reloader;
@@ -127,13 +127,12 @@ struct App::Parts {
 
   Parts(const LoadedConfig& as_loaded, FolderLock lock)
       : config(as_loaded.effective),
-        loaded(as_loaded),
         state_lock(std::move(lock)),
-        pipeline(with_plans(config), {counters, shown, settings}),
+        pipeline(with_plans(config), {counters, shown, applied}),
         recorder(config, pipeline, frames, events),
         slm(config.slm,
             {shown, counters, events, [this](const SlmSnapshot& now) { display_changed(now); }}),
-        camera(config.camera, {pipeline, settings, counters, events,
+        camera(config.camera, {pipeline, applied, counters, events,
                                [this](const CameraSnapshot& now) { camera_changed(now); }}),
         finder([this] {
           CameraConfig now = config.camera;
@@ -164,7 +163,7 @@ struct App::Parts {
                 {{"thread", failure.row->name}, {"failure", failure.what}, {"goes_on", goes_on}});
   }
 
-  Result<void> make_sensor();
+  Result<void> make_sensor(const LoadedConfig& loaded);
   Result<void> bind_streams();
   Result<void> bind_control();
   Result<void> start_threads();
@@ -174,7 +173,7 @@ struct App::Parts {
   Result<void> stop();
 };
 
-Result<void> App::Parts::make_sensor() {
+Result<void> App::Parts::make_sensor(const LoadedConfig& loaded) {
   auto made = SensorKeeper::make(config, {pipeline, slm, events, library, leases,
                                           [this](const MeasurementPlan& plan, SensorView now) {
                                             corrector.sensor_changed(now->modes_j);
@@ -199,6 +198,7 @@ Result<void> App::Parts::make_sensor() {
   search = std::make_unique<WavefrontSearch>(config, frames, brightness, *keeper, events);
   refiner = std::make_unique<LiveRefiner>(config.refine, config.optics, config.slm.geometry, frames,
                                           *keeper, queue);
+  settings = std::make_unique<Settings>(loaded, camera, slm, *keeper, *refiner);
   return {};
 }
 
@@ -218,7 +218,7 @@ Result<void> App::Parts::bind_streams() {
   images = std::make_unique<ImagePublisher>(std::move(*image_socket), image_config, pipeline,
                                             counters, frames, grabs, brightness);
   reloader = std::make_unique<Reloader>(
-      ReloadDeps{config, loaded, leases, camera, slm, *keeper, *refiner, *images, events, disk});
+      ReloadDeps{*settings, leases, camera, slm, *keeper, *refiner, *images, events, disk});
   status = std::make_unique<StatusReporter>(
       StatusDeps{leases,   camera,    slm,      *keeper,
                  *search,  *images,   *loop,    *refiner,
@@ -229,10 +229,10 @@ Result<void> App::Parts::bind_streams() {
 }
 
 Result<void> App::Parts::bind_control() {
-  services = std::make_unique<Services>(
-      Services{config,         loaded,  leases,  camera,   finder,   *keeper, jobs,     *procedures,
-               *presentations, grabs,   library, named,    lattices, *loop,   *refiner, recorder,
-               corrector,      *status, slm,     counters, *clients, disk});
+  services = std::make_unique<Services>(Services{
+      config,         *settings, leases,  camera,   finder,   *keeper, jobs,     *procedures,
+      *presentations, grabs,     library, named,    lattices, *loop,   *refiner, recorder,
+      corrector,      *status,   slm,     counters, *clients, disk});
   const ControlHandler handle = [this](ControlRequest request, SendReply reply) {
     const RpcDispatch call = [&](RpcCall asked, RpcReply give) {
       dispatch(*services, request.client_key, std::move(asked), std::move(give));
@@ -290,7 +290,7 @@ Result<std::unique_ptr<App>> App::make(const LoadedConfig& loaded) {
   auto lock = state ? lock_folder(*state) : FolderLock();
   if (!lock) return fail(lock.error());
   auto parts = std::make_unique<Parts>(loaded, std::move(*lock));
-  if (auto made = parts->make_sensor(); !made) return fail(made.error());
+  if (auto made = parts->make_sensor(loaded); !made) return fail(made.error());
   parts->named.load();
   parts->lattices.load();
   auto clients =

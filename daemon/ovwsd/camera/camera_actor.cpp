@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/base/printable.hpp"
@@ -47,6 +48,15 @@ tl::unexpected<Error> not_connected(const CameraSnapshot& now) {
 }
 
 }  // namespace
+
+CameraSet CameraSnapshot::undo_of(const CameraSet& change, CameraSet undo) const {
+  for (const auto member :
+       {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {
+    if (!change.gives(member) || undo.gives(member)) continue;
+    undo.put(member, std::isnan(asked.*member) ? settings.*member : asked.*member);
+  }
+  return undo;
+}
 
 CameraActor::CameraActor(CameraConfig config, CameraActorDeps deps)
     : config_(std::move(config)),

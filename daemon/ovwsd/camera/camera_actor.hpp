@@ -39,6 +39,10 @@ struct CameraSnapshot {
     if (!connected || triggered || settings_since_ns > begin_mono_ns) return std::nullopt;
     return settings.frame_rate_hz;
   }
+
+  /// What undoes `change` of exposure and gain after the changes that `undo` undoes: the values as
+  /// requested, or as read back where nothing was requested.
+  CameraSet undo_of(const CameraSet& change, CameraSet undo = {}) const;
 };
 
 struct CameraActorDeps {

@@ -121,17 +121,11 @@ void expose_and_show(Services& services, const PreparedLattice& lattice,
   const CameraSnapshot camera = services.camera.snapshot();
   const CameraSet change = exposure_change(camera.settings, lattice);
   if (change.given().empty()) return show_lattice(services, lattice, {}, reply);
-  CameraSet back;
-  for (const auto member :
-       {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {
-    const double asked = camera.asked.*member;
-    if (change.gives(member)) back.put(member, std::isnan(asked) ? camera.settings.*member : asked);
-  }
-  services.camera.change(change,
-                         [&services, lattice, back, reply](const Result<CameraSnapshot>& set) {
-                           if (!set) return reply(about_name(set.error()));
-                           show_lattice(services, lattice, back, reply);
-                         });
+  services.camera.change(change, [&services, lattice, back = camera.undo_of(change),
+                                  reply](const Result<CameraSnapshot>& set) {
+    if (!set) return reply(about_name(set.error()));
+    show_lattice(services, lattice, back, reply);
+  });
 }
 
 /// Nothing comes between its two changes, because the request has a lease of both.

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "daemon/ovwsd/lease/leases.hpp"
-#include "daemon/shared/guarded.hpp"
 #include "proto/methods.hpp"
 #include "proto/rpc.hpp"
 #include "proto/tables/description.hpp"
@@ -31,19 +30,19 @@ class LiveRefiner;
 class FrameGrabs;
 class Library;
 class NamedReferences;
-struct LoadedConfig;
 class PreparedLattices;
 class Presentations;
 class Procedures;
 class Recorder;
 class SensorKeeper;
+class Settings;
 class SlmLoop;
 class StatusReporter;
 
 /// The parts of the daemon that the handlers use.
 struct Services {
-  const Config& config;                 ///< configuration at the daemon's start
-  const Guarded<LoadedConfig>& loaded;  ///< last loaded, at the start or by a reload
+  const Config& config;  ///< configuration at the daemon's start
+  const Settings& settings;
   Leases& leases;
   CameraActor& camera;
   CameraFinder& finder;

@@ -8,7 +8,7 @@
 #include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/record/record_folder.hpp"
-#include "daemon/ovwsd/settings/config_difference.hpp"
+#include "daemon/ovwsd/settings/settings.hpp"
 #include "daemon/shared/schemas/schemas.hpp"
 #include "proto/json_text.hpp"
 #include "proto/tables/description.hpp"
@@ -21,27 +21,19 @@
 namespace ovws {
 namespace {
 
-Config in_use(const Services& services) {
-  return config_in_use(services.config, services.loaded.get(), services.camera, services.slm,
-                       services.keeper, services.refiner);
-}
-
 void get_config(Services& services, const Reply<Config>& reply) {
   // dump_config uses the file's format: gain_db is 0 if the camera has no gain in dB.
-  reply(JsonOf<Config>{json_of(dump_config(in_use(services)))});
+  reply(JsonOf<Config>{json_of(dump_config(services.settings.in_use()))});
 }
 
 void save_config(Services& services, const ConfigSave& params, const Reply<SavedReport>& reply) {
-  const LoadedConfig loaded = services.loaded.get();
+  const LoadedConfig loaded = services.settings.loaded();
   if (!loaded.overlay) {
     return reply(Error{Errc::refused, "state.directory",
                        "there is no folder to save to: set state.directory in the configuration "
                        "file, or $STATE_DIRECTORY, and restart the daemon"});
   }
-  Config now = in_use(services);
-  now.camera.settings = as_in_file(now.camera.settings, services.camera.snapshot().asked,
-                                   loaded.file.camera.settings);
-  const SavedValues values = values_to_save(loaded, now);
+  const SavedValues values = values_to_save(loaded, services.settings.requested());
   if (params.preview) return reply(SavedReport{*loaded.overlay, values.keys});
   reply.end_lease();  // the disk may not answer for minutes
   const auto asked = services.disk.request([path = *loaded.overlay, values, reply] {
@@ -79,7 +71,7 @@ void pause_loop(Services& services, const LoopPause& how, const Reply<LoopReport
 void start_recording(Services& services, const RecordStart& asked,
                      const Reply<RecordReport>& reply) {
   if (auto can = check_no_sequence(*services.keeper.snapshot()); !can) return reply(can.error());
-  const Config now = in_use(services);
+  const Config now = services.settings.in_use();
   services.recorder.start({asked, dump_config(now), now.camera.settings,
                            services.camera.snapshot().info, "ovwsd " OVWS_VERSION},
                           reply);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <thread>
 #include <utility>
 
@@ -158,12 +157,7 @@ Result<CameraSnapshot> Bench::try_camera(const CameraSet& change) {
 
 Result<CameraSnapshot> Bench::set_camera(const CameraSet& change) {
   const CameraSnapshot before = camera();
-  for (const auto member :
-       {&CameraSettings::exposure_us, &CameraSettings::gain_db, &CameraSettings::gain_raw}) {
-    if (!change.gives(member) || camera_before_.gives(member)) continue;
-    const double asked = before.asked.*member;
-    camera_before_.put(member, std::isnan(asked) ? before.settings.*member : asked);
-  }
+  camera_before_ = before.undo_of(change, std::move(camera_before_));
   const std::int64_t begin_ns = monotonic_ns();
   while (true) {
     auto set = try_camera(change);

@@ -33,6 +33,11 @@ Error with_section(std::string section, Error error, const LoadedConfig& read) {
   return error;
 }
 
+template <class T>
+Result<void> outcome_of(const Result<T>& used) {
+  return used ? Result<void>() : fail(used.error());
+}
+
 /// Reads and checks the configuration. Catches exceptions, so that the event says what was wrong.
 Result<LoadedConfig> read_again(const std::string& path) {
   try {
@@ -48,175 +53,136 @@ Result<LoadedConfig> read_again(const std::string& path) {
 
 }  // namespace
 
+const std::array<Reloader::Part, 3> Reloader::kParts{
+    {{"slm", "SLM's settings", &Reloader::apply_slm},
+     {"camera", "camera", &Reloader::apply_camera},
+     {"sensor", "sensor's settings", &Reloader::apply_sensor}}};
+
 void Reloader::poll() {
   if (busy_.load() || !requested_.exchange(false)) return;
-  const auto turn = std::make_shared<Outcome>(*this);
+  const auto reload = std::make_shared<Reload>(*this);
   busy_.store(true);
   service::notify_reloading();
-  deps_.disk.post([this, turn] { read(turn); });
+  deps_.disk.post([this, reload] { read(reload); });
 }
 
 /// Reads the file before the reload has the bench, because a disk may not answer for minutes.
-void Reloader::read(const Turn& turn) {
-  const std::string path = deps_.loaded.get().path;
-  if (path.empty()) {
-    return refuse(turn,
-                  Error{Errc::refused, "",
-                        "there is no file to read: the daemon was started without --config FILE"});
-  }
-  const auto read = read_again(path);
-  if (!read) return refuse(turn, read.error());
-  auto lease = deps_.leases.take(Request::reload);
-  if (!lease) return refuse(turn, lease.error());
-  turn->lease = std::move(*lease);
-  turn->lease->begin([this, turn, read = *read] { change(turn, read); });
-}
-
-void Reloader::change(const Turn& turn, const LoadedConfig& read) {
-  Reload reload;
-  reload.turn = turn;
-  reload.before = config_in_use(deps_.config, deps_.loaded.get(), deps_.camera, deps_.slm,
-                                deps_.keeper, deps_.refiner);
-  reload.after = read.effective;
-  reload.read = read;
-  const CameraSnapshot camera = deps_.camera.snapshot();
-  reload.before.camera.settings = camera.asked;
-  reload.after.camera.settings = as_requested(read.effective.camera.settings, camera);
-  reload.keys = difference(reload.before, reload.after);
-  reload.had_camera = camera.connected;
-  change_slm(reload);
-}
-
-void Reloader::change_slm(const Reload& reload) {
-  const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
-  if (after == before) return select_camera(reload);
-  deps_.slm.change(SlmSet::difference(before, after),
-                   [this, reload](const Result<SlmSettings>& used) {
-                     if (!used)
-                       return refuse(reload.turn, with_section("slm", used.error(), reload.read));
-                     select_camera(reload);
-                   });
-}
-
-/// Uses the camera of this id with the file's settings as a start does: it may appear later. But
-/// one that cannot use the settings is refused.
-void Reloader::select_camera(const Reload& reload) {
-  const std::string& id = reload.after.camera.id;
-  if (id == reload.before.camera.id) return change_camera(reload);
-  const CameraSet change =
-      CameraSet::difference(reload.before.camera.settings, reload.after.camera.settings);
-  const auto selected = [this, reload](const Result<CameraSnapshot>& used) {
-    if (!used) return roll_back_slm(reload, with_section("camera", used.error(), reload.read));
-    if (used->at_fault)
-      return roll_back_devices(reload, Error{Errc::invalid, "camera", used->fault});
-    change_sensor(reload);
+void Reloader::read(const ReloadPtr& reload) {
+  const auto give_up = [&reload](Error why) {
+    reload->why_not = std::move(why);
+    refuse(*reload);
   };
-  deps_.camera.select(id, change, true, selected);
+  const std::string path = deps_.settings.loaded().path;
+  if (path.empty()) {
+    return give_up({Errc::refused, "",
+                    "there is no file to read: the daemon was started without --config FILE"});
+  }
+  auto read = read_again(path);
+  if (!read) return give_up(read.error());
+  reload->read = std::move(*read);
+  auto lease = deps_.leases.take(Request::reload);
+  if (!lease) return give_up(lease.error());
+  reload->lease = std::move(*lease);
+  reload->lease->begin([this, reload] { change(reload); });
 }
 
-void Reloader::change_camera(const Reload& reload) {
-  const CameraSettings &before = reload.before.camera.settings,
-                       &after = reload.after.camera.settings;
-  if (after == before) return change_sensor(reload);
-  deps_.camera.change_or_keep(
-      CameraSet::difference(before, after), [this, reload](const Result<CameraSnapshot>& used) {
-        if (!used)
-          return roll_back_devices(reload, with_section("camera", used.error(), reload.read));
-        change_sensor(reload);
+void Reloader::change(const ReloadPtr& reload) {
+  const CameraSnapshot camera = deps_.camera.snapshot();
+  reload->before = deps_.settings.requested();
+  reload->after = reload->read.effective;
+  reload->after.camera.settings = as_requested(reload->after.camera.settings, camera);
+  reload->keys = difference(reload->before, reload->after);
+  reload->had_camera = camera.connected;
+  apply_from(reload, 0);
+}
+
+void Reloader::apply_from(const ReloadPtr& reload, std::size_t part) {
+  if (part == kParts.size()) return finish(reload);
+  (this->*kParts[part].apply)(
+      reload, reload->after, [this, reload, part](const Result<void>& used) {
+        if (used) return apply_from(reload, part + 1);
+        reload->why_not = with_section(kParts[part].section, used.error(), reload->read);
+        roll_back(reload, part + 1);
       });
 }
 
-void Reloader::change_sensor(const Reload& reload) {
-  SensorSettings before{reload.before.sensor, reload.before.tracking},
-      after{reload.after.sensor, reload.after.tracking};
-  const SensorConfig now = deps_.keeper.snapshot()->sensor;
-  if (!now.lenslets.empty()) before.sensor = after.sensor = now;  // hardware: needs a restart
+/// Rolls back the first `parts` parts, the last one first.
+void Reloader::roll_back(const ReloadPtr& reload, std::size_t parts) {
+  if (parts == 0) return refuse(*reload);
+  const Part& part = kParts[parts - 1];
+  (this->*part.apply)(
+      reload, reload->before, [this, reload, parts, name = part.name](const Result<void>& back) {
+        if (!back) {
+          reload->not_restored.emplace_back(name);
+          reload->why_not->reason +=
+              fmt::format("; the {} could not be restored: {}", name, back.error().reason);
+        }
+        roll_back(reload, parts - 1);
+      });
+}
+
+void Reloader::apply_slm(const ReloadPtr& /*reload*/, const Config& to, const Done& done) {
+  const SlmSettings now = deps_.slm.snapshot().settings, wanted = settings_of(to.slm);
+  if (now == wanted) return done({});
+  deps_.slm.change(SlmSet::difference(now, wanted),
+                   [done](const Result<SlmSettings>& used) { done(outcome_of(used)); });
+}
+
+/// Uses a camera of another id with the settings as a start does: it may appear later. But one that
+/// cannot use them is refused.
+void Reloader::apply_camera(const ReloadPtr& reload, const Config& to, const Done& done) {
+  const CameraSnapshot now = deps_.camera.snapshot();
+  const CameraSet change = CameraSet::difference(now.asked, to.camera.settings);
+  const auto changed = [done](const Result<CameraSnapshot>& used) { done(outcome_of(used)); };
+  if (now.id == to.camera.id) {
+    if (now.asked == to.camera.settings) return done({});
+    return deps_.camera.change_or_keep(change, changed);
+  }
+  deps_.camera.select(to.camera.id, change, true, [=](const Result<CameraSnapshot>& used) {
+    if (!used) return changed(used);
+    const bool is_back = reload->why_not && reload->had_camera;
+    const bool works = is_back ? used->connected : reload->why_not || !used->at_fault;
+    done(works ? Result<void>() : fail(Errc::invalid, "camera", used->fault));
+  });
+}
+
+void Reloader::apply_sensor(const ReloadPtr& /*reload*/, const Config& to, const Done& done) {
+  const SensorView now = deps_.keeper.snapshot();
+  const SensorSettings before{now->sensor, now->tracking};
+  SensorSettings after{to.sensor, to.tracking};
+  if (!now->sensor.lenslets.empty()) after.sensor = now->sensor;  // hardware: needs a restart
+  if (to_json(after) == to_json(before)) return done({});
   SensorSet change = SensorSet::whole(after);
   if (after.tracking.mode_operator == before.tracking.mode_operator) {
     // Do not request the unchanged operator: the request could be refused now.
     change.forget(&TrackingSettings::mode_operator);
   }
-  const bool same = to_json(after) == to_json(before);
-  if (same) return finish(reload);
   deps_.keeper.edit(set_sensor(std::move(change), after.sensor.masks),
-                    [this, reload](const Result<SensorView>& used) {
-                      if (!used) {
-                        return roll_back_camera(reload,
-                                                with_section("sensor", used.error(), reload.read));
-                      }
-                      finish(reload);
-                    });
+                    [done](const Result<SensorView>& used) { done(outcome_of(used)); });
 }
 
-void Reloader::Refusal::add(const char* part, const std::string& reason) {
-  why.reason += fmt::format("; the {} could not be restored: {}", part, reason);
-  not_restored.emplace_back(part);
-}
-
-void Reloader::roll_back_camera(const Reload& reload, const Refusal& refusal) {
-  const CameraSettings &before = reload.before.camera.settings,
-                       &after = reload.after.camera.settings;
-  const bool is_same = reload.after.camera.id == reload.before.camera.id;
-  if (!is_same || after == before) return roll_back_devices(reload, refusal);
-  deps_.camera.change_or_keep(CameraSet::difference(after, before),
-                              [this, reload, refusal](const Result<CameraSnapshot>& used) {
-                                Refusal both = refusal;
-                                if (!used) both.add("camera's settings", used.error().reason);
-                                roll_back_devices(reload, both);
-                              });
-}
-
-/// Returns to the previous camera, with its settings, and to the previous SLM.
-void Reloader::roll_back_devices(const Reload& reload, const Refusal& refusal) {
-  const Config &before = reload.before, &after = reload.after;
-  if (after.camera.id == before.camera.id) return roll_back_slm(reload, refusal);
-  const CameraSet change = CameraSet::difference(after.camera.settings, before.camera.settings);
-  deps_.camera.select(before.camera.id, change, true,
-                      [this, reload, refusal](const Result<CameraSnapshot>& used) {
-                        Refusal both = refusal;
-                        if (!used) {
-                          both.add("camera", used.error().reason);
-                        } else if (reload.had_camera && !used->connected) {
-                          both.add("camera", used->fault);
-                        }
-                        roll_back_slm(reload, both);
-                      });
-}
-
-void Reloader::roll_back_slm(const Reload& reload, const Refusal& refusal) {
-  const SlmSettings before = settings_of(reload.before.slm), after = settings_of(reload.after.slm);
-  if (after == before) return refuse(reload.turn, refusal);
-  deps_.slm.change(SlmSet::difference(after, before),
-                   [turn = reload.turn, refusal](const Result<SlmSettings>& used) {
-                     Refusal both = refusal;
-                     if (!used) both.add("SLM's settings", used.error().reason);
-                     refuse(turn, both);
-                   });
-}
-
-void Reloader::finish(const Reload& reload) {
-  Reload used = reload;
+void Reloader::finish(const ReloadPtr& reload) {
+  const Config& after = reload->after;
   // The refiner checks the values that the file has passed already once more, in the pixel format
   // of the camera.
-  if (!(used.after.refine == used.before.refine)) {
-    const auto refined = deps_.refiner.change(RefineSet::whole(used.after.refine),
-                                              used.after.camera.settings.pixel_format);
-    if (!refined) used.refine_error = with_section("refine", refined.error(), used.read);
+  if (!(after.refine == reload->before.refine)) {
+    const auto refined =
+        deps_.refiner.change(RefineSet::whole(after.refine), after.camera.settings.pixel_format);
+    if (!refined) reload->refine_error = with_section("refine", refined.error(), reload->read);
   }
-  deps_.images.set_rate(reload.after.stream.image_rate_hz);
-  set_log_level(reload.after.log.level);
-  deps_.loaded.set(reload.read);
-  const Turn turn = used.turn;
-  deps_.disk.post([used = std::move(used)]() mutable {
-    set_aside_if_invalid(used.read);
-    report(used);
+  deps_.images.set_rate(after.stream.image_rate_hz);
+  set_log_level(after.log.level);
+  deps_.settings.set_loaded(reload->read);
+  deps_.disk.post([reload] {
+    set_aside_if_invalid(reload->read);
+    report(*reload);
   });
   // All is changed: do not keep the bench while the disk may not answer. A client's config.save
   // comes to the disk after this task.
-  turn->lease->end();
+  reload->lease->end();
 }
 
-void Reloader::report(const Reload& reload) {
+void Reloader::report(Reload& reload) {
   auto [live, restart] = reload.keys;
   if (reload.refine_error) {
     std::erase_if(live, [](const std::string& key) { return key.starts_with("refine."); });
@@ -230,29 +196,29 @@ void Reloader::report(const Reload& reload) {
   }
   const bool all_used =
       restart.empty() && reload.read.unused_reason.empty() && !reload.refine_error;
-  reload.turn->say(all_used ? Severity::info : Severity::warning, std::move(text),
-                   {{"reloaded", true},
-                    {"applied", live},
-                    {"restart", restart},
-                    {"saved", reload.read.saved},
-                    {"edited", reload.read.edited}});
+  reload.say(all_used ? Severity::info : Severity::warning, std::move(text),
+             {{"reloaded", true},
+              {"applied", live},
+              {"restart", restart},
+              {"saved", reload.read.saved},
+              {"edited", reload.read.edited}});
 }
 
-void Reloader::refuse(const Turn& turn, const Refusal& refusal) {
-  const Error& why = refusal.why;
-  const std::string what_stays = refusal.not_restored.empty()
-                                     ? "nothing has changed"
-                                     : fmt::format("all but the {} is unchanged",
-                                                   fmt::join(refusal.not_restored, " and the "));
-  turn->say(Severity::error,
-            fmt::format("configuration not reloaded, {}: {}", what_stays, text_of(why)),
-            {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
+void Reloader::refuse(Reload& reload) {
+  const Error& why = *reload.why_not;
+  const std::string what_stays =
+      reload.not_restored.empty()
+          ? "nothing has changed"
+          : fmt::format("all but the {} is unchanged", fmt::join(reload.not_restored, " and the "));
+  reload.say(Severity::error,
+             fmt::format("configuration not reloaded, {}: {}", what_stays, text_of(why)),
+             {{"reloaded", false}, {"field", why.field}, {"reason", why.reason}});
 }
 
 /// Ends the lease first, because a client may start a job as soon as it receives the event.
-void Reloader::end(Outcome& outcome) {
-  outcome.lease.reset();
-  deps_.events.emit("config", outcome.severity, outcome.text, outcome.data);
+void Reloader::end(Reload& reload) {
+  reload.lease.reset();
+  deps_.events.emit("config", reload.severity, reload.text, reload.data);
   service::notify_ready();
   busy_.store(false);
 }

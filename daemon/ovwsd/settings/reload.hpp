@@ -2,7 +2,9 @@
 /// applies what can change at run time.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -10,24 +12,20 @@
 #include <utility>
 #include <vector>
 
-#include "config/config.hpp"
 #include "daemon/ovwsd/actor/disk.hpp"
 #include "daemon/ovwsd/actor/events.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/lease/leases.hpp"
 #include "daemon/ovwsd/refine/live_refiner.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
-#include "daemon/ovwsd/settings/config_difference.hpp"
-#include "daemon/ovwsd/settings/saved_config.hpp"
+#include "daemon/ovwsd/settings/settings.hpp"
 #include "daemon/ovwsd/slm/slm_loop.hpp"
 #include "daemon/ovwsd/streams/image_publisher.hpp"
-#include "daemon/shared/guarded.hpp"
 
 namespace ovws {
 
 struct ReloadDeps {
-  const Config& config;           ///< configuration at the daemon's start
-  Guarded<LoadedConfig>& loaded;  ///< last loaded; an applied reload replaces it
+  Settings& settings;
   Leases& leases;
   CameraActor& camera;
   SlmLoop& slm;
@@ -56,11 +54,11 @@ class Reloader {
  private:
   /// One reload. Every step keeps a pointer to it, and when the last one is gone, the reload ends,
   /// and an event says how: at first, that a step threw or was dropped.
-  struct Outcome {
-    explicit Outcome(Reloader& of) : reloader(of) {}
-    ~Outcome() { reloader.end(*this); }
-    Outcome(const Outcome&) = delete;
-    Outcome& operator=(const Outcome&) = delete;
+  struct Reload {
+    explicit Reload(Reloader& of) : reloader(of) {}
+    ~Reload() { reloader.end(*this); }
+    Reload(const Reload&) = delete;
+    Reload& operator=(const Reload&) = delete;
     void say(Severity how_bad, std::string what, nlohmann::json with) {
       severity = how_bad;
       text = std::move(what);
@@ -68,43 +66,42 @@ class Reloader {
     }
 
     Reloader& reloader;
-    LeasePtr lease;  ///< from `begin` on, until all is changed
+    LeasePtr lease;        ///< from `begin` on, until all is changed
+    LoadedConfig read;     ///< from the files
+    Config before, after;  ///< camera settings as requested, not as read back
+    ConfigDifference keys;
+    bool had_camera = false;                ///< a camera was connected before
+    std::optional<Error> why_not;           ///< why it is rolled back
+    std::vector<std::string> not_restored;  ///< parts that could not be rolled back
+    std::optional<Error> refine_error;      ///< why the refinement does not use its settings
     Severity severity = Severity::error;
     std::string text =
         "configuration not reloaded: a step of the reload did not end; see the events for the "
         "cause, check the settings in use, and reload again";
     nlohmann::json data{{"reloaded", false}, {"field", ""}, {"reason", "a step did not end"}};
   };
-  using Turn = std::shared_ptr<Outcome>;
-  struct Reload {
-    Turn turn;
-    Config before, after;  ///< camera settings as requested, not as read back
-    ConfigDifference keys;
-    LoadedConfig read;
-    bool had_camera = false;            ///< a camera was connected before
-    std::optional<Error> refine_error;  ///< why the refinement does not use its settings
+  using ReloadPtr = std::shared_ptr<Reload>;
+  using Done = std::function<void(const Result<void>&)>;
+  /// A part of the daemon that may refuse its settings. `apply` makes it use those of `to`, unless
+  /// it does already.
+  struct Part {
+    const char* section;  ///< of the configuration
+    const char* name;
+    void (Reloader::*apply)(const ReloadPtr& reload, const Config& to, const Done& done);
   };
-  /// Why the configuration was not applied, and which parts could not be restored.
-  struct Refusal {
-    Refusal(Error error) : why(std::move(error)) {}
-    void add(const char* part, const std::string& reason);
-    Error why;
-    std::vector<std::string> not_restored;
-  };
+  static const std::array<Part, 3> kParts;
 
-  void read(const Turn& turn);
-  void change(const Turn& turn, const LoadedConfig& read);
-  void change_slm(const Reload& reload);
-  void select_camera(const Reload& reload);
-  void change_camera(const Reload& reload);
-  void change_sensor(const Reload& reload);
-  void finish(const Reload& reload);
-  static void report(const Reload& reload);
-  void roll_back_camera(const Reload& reload, const Refusal& refusal);
-  void roll_back_devices(const Reload& reload, const Refusal& refusal);
-  void roll_back_slm(const Reload& reload, const Refusal& refusal);
-  static void refuse(const Turn& turn, const Refusal& refusal);
-  void end(Outcome& outcome);
+  void read(const ReloadPtr& reload);
+  void change(const ReloadPtr& reload);
+  void apply_from(const ReloadPtr& reload, std::size_t part);
+  void roll_back(const ReloadPtr& reload, std::size_t parts);
+  void apply_slm(const ReloadPtr& reload, const Config& to, const Done& done);
+  void apply_camera(const ReloadPtr& reload, const Config& to, const Done& done);
+  void apply_sensor(const ReloadPtr& reload, const Config& to, const Done& done);
+  void finish(const ReloadPtr& reload);
+  static void report(Reload& reload);
+  static void refuse(Reload& reload);
+  void end(Reload& reload);
 
   ReloadDeps deps_;
   std::atomic<bool> requested_{false};

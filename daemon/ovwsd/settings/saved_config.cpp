@@ -15,7 +15,7 @@
 
 #include "daemon/ovwsd/library/state_folder.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
-#include "daemon/ovwsd/settings/config_difference.hpp"
+#include "daemon/ovwsd/settings/settings.hpp"
 #include "daemon/shared/atomic_file.hpp"
 #include "daemon/shared/slm_files.hpp"
 #include "proto/json_text.hpp"

@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/settings/config_difference.hpp"
+#include "daemon/ovwsd/settings/settings.hpp"
 
 #include <algorithm>
 #include <array>
@@ -32,35 +32,27 @@ constexpr std::array<std::string_view, 15> kLive{"camera.id",
 constexpr std::array<const char*, 2> kWhole{"/sensor/mask", "/sensor/charges"};
 constexpr std::array<std::string_view, 1> kFixed{"tracking.kernel_radius"};
 
-/// Applies `rule` to each setting that a camera may round.
-template <class Rule>
-void for_each_rounded(CameraSettings& to, const CameraSettings& a, const CameraSettings& b,
-                      Rule rule) {
-  rule(to.gain_db, a.gain_db, b.gain_db);
-  rule(to.gain_raw, a.gain_raw, b.gain_raw);
-  rule(to.exposure_us, a.exposure_us, b.exposure_us);
-  rule(to.frame_rate_hz, a.frame_rate_hz, b.frame_rate_hz);
-  rule(to.roi.x, a.roi.x, b.roi.x);
-  rule(to.roi.y, a.roi.y, b.roi.y);
-  rule(to.roi.width, a.roi.width, b.roi.width);
-  rule(to.roi.height, a.roi.height, b.roi.height);
-}
-
 }  // namespace
 
-Config config_in_use(const Config& started, const LoadedConfig& loaded, const CameraActor& camera,
-                     const SlmLoop& slm, const SensorKeeper& keeper, const LiveRefiner& refiner) {
-  const SensorView sensor = keeper.snapshot();
-  const CameraSnapshot of_camera = camera.snapshot();
-  Config now = started;
-  now.stream.image_rate_hz = loaded.effective.stream.image_rate_hz;
-  now.log.level = loaded.effective.log.level;
-  now.camera.id = of_camera.id;
-  now.camera.settings = of_camera.settings;
-  use_settings(now.slm, slm.snapshot().settings);
-  if (started.sensor.lenslets.empty()) now.sensor = sensor->sensor;
+Config Settings::with(const CameraSnapshot& camera) const {
+  const SensorView sensor = keeper_.snapshot();
+  const Config loaded = loaded_.get().effective;
+  Config now = started_;
+  now.stream.image_rate_hz = loaded.stream.image_rate_hz;
+  now.log.level = loaded.log.level;
+  now.camera.id = camera.id;
+  now.camera.settings = camera.settings;
+  use_settings(now.slm, slm_.snapshot().settings);
+  if (started_.sensor.lenslets.empty()) now.sensor = sensor->sensor;
   now.tracking = sensor->tracking;
-  now.refine = in_format(refiner.settings(), now.camera.settings.pixel_format);
+  now.refine = in_format(refiner_.settings(), now.camera.settings.pixel_format);
+  return now;
+}
+
+Config Settings::requested() const {
+  const CameraSnapshot camera = camera_.snapshot();
+  Config now = with(camera);
+  now.camera.settings = camera.asked;
   return now;
 }
 
@@ -101,19 +93,18 @@ ConfigDifference difference(const Config& before, const Config& after) {
 }
 
 CameraSettings as_requested(CameraSettings file, const CameraSnapshot& now) {
-  for_each_rounded(file, now.asked, now.settings,
-                   [](auto& value, const auto& asked, const auto& in_use) {
-                     if (value == in_use) value = asked;
-                   });
+  const auto undo = [](auto& value, const auto& asked, const auto& in_use) {
+    if (value == in_use) value = asked;
+  };
+  undo(file.gain_db, now.asked.gain_db, now.settings.gain_db);
+  undo(file.gain_raw, now.asked.gain_raw, now.settings.gain_raw);
+  undo(file.exposure_us, now.asked.exposure_us, now.settings.exposure_us);
+  undo(file.frame_rate_hz, now.asked.frame_rate_hz, now.settings.frame_rate_hz);
+  undo(file.roi.x, now.asked.roi.x, now.settings.roi.x);
+  undo(file.roi.y, now.asked.roi.y, now.settings.roi.y);
+  undo(file.roi.width, now.asked.roi.width, now.settings.roi.width);
+  undo(file.roi.height, now.asked.roi.height, now.settings.roi.height);
   return file;
-}
-
-CameraSettings as_in_file(CameraSettings in_use, const CameraSettings& asked,
-                          const CameraSettings& file) {
-  for_each_rounded(in_use, asked, file, [](auto& value, const auto& wanted, const auto& written) {
-    if (wanted == written) value = written;
-  });
-  return in_use;
 }
 
 }  // namespace ovws

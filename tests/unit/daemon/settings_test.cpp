@@ -1,4 +1,4 @@
-#include "daemon/ovwsd/settings/config_difference.hpp"
+#include "daemon/ovwsd/settings/settings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -68,18 +68,6 @@ TEST(AsAsked, IsTheValueThatTheCameraMadeItOf) {
   other.exposure_us = 999.9;
   EXPECT_EQ(as_requested(other, now).exposure_us, 999.9);
   EXPECT_EQ(as_requested(other, now).roi.x, 17);
-}
-
-TEST(AsInFile, IsTheFilesValueWhereTheCameraWasAskedForIt) {
-  CameraSettings file, asked, in_use;
-  file.exposure_us = asked.exposure_us = 1000.0;
-  in_use.exposure_us = 999.98;
-  file.frame_rate_hz = 100.0;
-  asked.frame_rate_hz = 50.0;
-  in_use.frame_rate_hz = 49.99;
-  const CameraSettings saved = as_in_file(in_use, asked, file);
-  EXPECT_EQ(saved.exposure_us, 1000.0);
-  EXPECT_EQ(saved.frame_rate_hz, 49.99);
 }
 
 TEST(CameraChange, HoldsWhatDiffersAndMakesTheOneOfTheOther) {
