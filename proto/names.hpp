@@ -23,7 +23,7 @@ inline constexpr NamesOf kShowablePatterns = texts<"sensor", "grating", "flat", 
 template <>
 inline constexpr NamesOf kNames<ZernikeNorm> = texts<"rms", "unit">;
 template <>
-inline constexpr NamesOf kNames<OperatorKind> = texts<"slopes", "diffractive", "measured">;
+inline constexpr NamesOf kNames<OperatorKind> = texts<"slopes", "measured">;
 template <>
 inline constexpr NamesOf kNames<PixelFormat> = []() -> const std::vector<std::string>& {
   static const auto names = [] {

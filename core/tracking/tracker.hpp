@@ -16,9 +16,8 @@ namespace ovws {
 
 /// The operator that reconstructs modes from spot displacements.
 enum class OperatorKind : std::uint8_t {
-  slopes,       ///< geometric: each mode's tilt as the tracker weights it (slope_matrix)
-  diffractive,  ///< each mode poked in the diffraction model and tracked (diffractive_operator)
-  measured,     ///< each mode poked on the bench and tracked (interaction_matrix)
+  slopes,    ///< geometric: each mode's tilt as the tracker weights it (slope_matrix)
+  measured,  ///< each mode poked on the bench and tracked (interaction_matrix)
 };
 
 /// Tracking settings: TrackingConfig plus the settings of the mode reconstruction.

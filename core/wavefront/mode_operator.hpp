@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/vec2.hpp"
 #include "core/spots/measured_spots.hpp"
 #include "core/tracking/tracker.hpp"
 
@@ -18,8 +17,6 @@ struct ModeOperator {
   /// 2N x Z matrix as from slope_matrix: camera pixels per RMS-normalised wave. A spot with rows of
   /// 0 is not used.
   Eigen::MatrixXd slopes;
-  /// Positions that the tracker finds for a flat wavefront; NaN: not found. Empty if not computed.
-  std::vector<Vec2> flat_px{};
   /// Measured spot shapes, for kind `measured` with tracker `fit`: first of `modes_j`, then of
   /// further modes. Null: none.
   std::shared_ptr<const MeasuredShapes> shapes{};

@@ -127,9 +127,8 @@ inline constexpr auto kTable<TrackingSettings> =
     Fields{"TrackingSettings", field<&TrackingSettings::tracker>("algorithm that finds the spots"),
            field("operator", &TrackingSettings::mode_operator,
                  "matrix from displacements to modes: slopes, from each mode's local tilt as the "
-                 "tracker measures it; diffractive, from the diffraction model of each mode, exact "
-                 "for aberrations up to about 0.1 wave, beyond which slopes is better; measured, "
-                 "the interaction (poke) matrix of calibration.run"),
+                 "tracker measures it; measured, the interaction (poke) matrix of "
+                 "calibration.run"),
            field<&TrackingSettings::mode_count>(
                "number of modes, j = 1 to this; null: as many as the positions of the spots "
                "determine. The tracker fit measures more, as far as the shapes of the spots "

@@ -97,9 +97,6 @@ class Charges(MaskCase):
                     applied = self.sensor_with(change | {"tracker": tracker})
                     self.assertEqual(applied["charges"], change.get("charges", []))
                     self.check_measured(f"{tracker} {json.dumps(change)}", tracker == "fit")
-        # The operator of the diffraction model finds each kind of spot with its own tracker, too.
-        self.call("sensor.set", {"operator": "diffractive"})
-        wait_for(lambda: self.call("sensor.get")["operator_in_force"] == "diffractive", what="the operator")
 
 
 class MaskFile(Mask):

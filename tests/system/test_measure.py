@@ -228,33 +228,19 @@ class Measure(unittest.TestCase):
         (line,) = self.measure(self.farfield("defocus.png", "2,0:0.2"))
         self.assert_mode(line, {4: 0.2})
 
-    def operator_errors(self, operator, waves, tracker, modes):
-        """Error of each noise-free image: root sum square over all modes, waves."""
+    def test_fit_reads_large_modes(self):
+        """Without noise: the error of all modes, root sum square, waves."""
+        modes, waves = {3: "2,-2", 4: "2,0", 7: "3,-1", 9: "3,3", 12: "4,0", 14: "4,4"}, 0.3
         images = [self.farfield(f"{j}.png", f"{mode}:{waves}", 12, "--noise-free", "--peak", 9000) for j, mode in modes.items()]
         flat = self.farfield("flat.png", "", 12, "--noise-free", "--peak", 9000)
-        lines = self.measure(*images, reference=flat, more=("--tracker", tracker, "--operator", operator))
-        errors = []
-        for line, j in zip(lines, modes):
-            self.assertEqual((line["operator"], line["operator_in_force"], line["operator_reason"]), (operator, operator, None))
-            errors.append(sum((value - (waves if k == j else 0.0)) ** 2 for k, value in zip(line["j"], line["coefficients"])) ** 0.5)
-        print(f"\n  {tracker}, {operator}: error of all modes at {waves} wave " + ", ".join(f"{error:.5f}" for error in errors))
-        return errors
-
-    def test_the_diffractive_operator_reads_small_modes_better_and_fit_reads_large_ones(self):
-        modes = {3: "2,-2", 4: "2,0", 7: "3,-1", 9: "3,3", 12: "4,0", 14: "4,4"}
-        slopes = self.operator_errors("slopes", 0.05, "lg", modes)
-        diffractive = self.operator_errors("diffractive", 0.05, "lg", modes)
-        for error, before in zip(diffractive, slopes):
-            self.assertLess(error, 0.003)
-            self.assertLess(error, before)
-        self.assertLess(sum(diffractive), 0.6 * sum(slopes))
-        for error in self.operator_errors("slopes", 0.3, "fit", modes):
+        for line, j in zip(self.measure(*images, reference=flat, more=("--tracker", "fit")), modes):
+            error = sum((value - (waves if k == j else 0.0)) ** 2 for k, value in zip(line["j"], line["coefficients"])) ** 0.5
             self.assertLess(error, 0.001)
 
     def test_a_saved_operator_of_the_daemon_becomes_slopes(self):
         image, config = self.farfield("image.png", "2,-2:0.05"), self.folder / "saved.json"
         config.write_text(json.dumps({"tracking": {"tracker": "lg", "operator": "measured"}}))
-        (slopes,) = self.measure(image, more=("--tracker", "lg", "--operator", "slopes"))
+        (slopes,) = self.measure(image, more=("--tracker", "lg"))
         (line,) = self.measure(image, more=("--config", config))
         self.assertEqual((line["operator"], line["operator_in_force"], line["coefficients"]), ("measured", "slopes", slopes["coefficients"]))
         self.assertIn("running daemon", line["operator_reason"])

@@ -173,7 +173,7 @@ class Memory(PressureCase):
         before = self.call("reference.get")
         self.client.timeout_s = 1.0
         with contextlib.suppress(ClientError):
-            self.call("sensor.set", {"operator": "diffractive"})
+            self.call("camera.grab", {"frames": 100})  # of some 25 MiB
         wait_for(lambda: not self.bench.process("ovwsd").alive(), what="its end")
         self.assertEqual(self.bench.stop("ovwsd"), -signal.SIGKILL)
         self.group.lift()

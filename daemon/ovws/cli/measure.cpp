@@ -33,7 +33,6 @@ struct MeasureOptions {
   std::string reference;
   bool model_reference = false;
   std::string tracker;
-  std::string mode_operator;
   bool refine = false;
   RefineCamera camera;  ///< used with `refine` only
   bool spot_amplitudes = false;
@@ -45,11 +44,6 @@ Result<Config> measuring_config(const MeasureOptions& options) {
   if (!config) return config;
   if (!options.tracker.empty()) config->tracking.tracker = *tracker_from_name(options.tracker);
   if (options.refine) config->tracking.tracker = TrackerKind::fit;
-  if (!options.mode_operator.empty()) {
-    const auto& names = kNames<OperatorKind>();
-    const auto at = std::find(names.begin(), names.end(), options.mode_operator);
-    config->tracking.mode_operator = OperatorKind(at - names.begin());
-  }
   return config;
 }
 
@@ -332,11 +326,6 @@ void add_measure(CLI::App& app, const Common& common, int& status) {
       ->excludes(reference);
   command.add_option("--tracker", options.tracker, "tracker, instead of the configuration's")
       ->check(CLI::IsMember(kNames<TrackerKind>()));
-  command
-      .add_option("--operator", options.mode_operator,
-                  "operator from displacements to modes, instead of the configuration's: "
-                  "diffractive is better up to about 0.1 wave")
-      ->check(CLI::IsMember(kNames<OperatorKind>()));
   auto* refine =
       command.add_flag("--refine", options.refine,
                        "fit all pixels of the spots with this camera's noise, and report how "

@@ -9,7 +9,6 @@
 #include "core/pipeline/frame_rules.hpp"
 #include "core/pipeline/position_modes.hpp"
 #include "core/tracking/patch.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 
 namespace ovws::cli {
@@ -26,29 +25,16 @@ std::vector<double> known(std::span<const float> coefficients) {
 }
 
 Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const ImageView& like,
-                                                  const std::optional<Reference>& reference,
-                                                  const ModeOperator* mode_operator = nullptr) {
+                                                  const std::optional<Reference>& reference) {
   auto lattice = make_lattice(config.sensor, config.slm.geometry);
   if (!lattice) return fail(lattice.error());
   const Roi roi{0, 0, like.width, like.height};
   auto builder = PlanBuilder::make(
       {1, *lattice, config.sensor, config.tracking, config.optics, config.slm.geometry, roi,
        like.format, lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
-       reference ? &*reference : nullptr, mode_operator});
+       reference ? &*reference : nullptr});
   if (!builder) return fail(builder.error());
   return builder->plan(1, 1, {});
-}
-
-/// The configured mode operator for images of this size; null: use the plan's slopes operator,
-/// which replaces a measured matrix, too (operator_report).
-Result<std::unique_ptr<const ModeOperator>> operator_for(const Config& config,
-                                                         const ImageView& like) {
-  if (config.tracking.mode_operator != OperatorKind::diffractive) return nullptr;
-  const OperatorKey key =
-      operator_key(config.sensor, config.tracking, config.optics, {0, 0, like.width, like.height});
-  auto made = diffractive_operator(key, config.slm.geometry);
-  if (!made) return fail(made.error());
-  return std::make_unique<const ModeOperator>(std::move(*made));
 }
 
 Vec2 position_of(const SpotFix& spot) {
@@ -127,8 +113,6 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
   Reference taken;
   taken.positions_px = (*by_model)->predicted_px;
   std::vector<float> absolute((*by_model)->modes_j.size(), 0.0F);  // coefficients of the reference
-  const auto mode_operator = operator_for(config, like);
-  if (!mode_operator) return fail(mode_operator.error());
   if (reference) {
     if (reference->width != like.width || reference->height != like.height) {
       return fail(Errc::invalid, "reference",
@@ -152,13 +136,8 @@ Result<Measurement> Measurement::make(const Config& config, const ImageView& lik
     const auto straight = check_rotation(config, *first.plan_, measured.spots, "reference");
     if (!straight) return fail(straight.error());
     absolute = measured.coefficients;
-  } else if (*mode_operator) {
-    const std::vector<Vec2>& flat_px = (*mode_operator)->flat_px;
-    for (std::size_t i = 0; i < flat_px.size(); ++i) {
-      if (std::isfinite(flat_px[i].x)) taken.positions_px[i] = flat_px[i];
-    }
   }
-  auto plan = plan_for(config, like, taken, mode_operator->get());
+  auto plan = plan_for(config, like, taken);
   if (!plan) return fail(plan.error());
   Measurement made(std::move(*plan));
   made.camera_ = camera;

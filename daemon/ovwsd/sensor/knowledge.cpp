@@ -79,15 +79,6 @@ Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOpti
           missing_calibration_reason(state, knowledge, bench) + ": run calibration.run";
     }
   }
-  if (state.tracking.mode_operator == OperatorKind::diffractive) {
-    const auto made = knowledge.diffractive->of(
-        operator_key(state.sensor, state.tracking, optics_of(state, bench), state.roi), bench.slm);
-    if (*made) {
-      bound.mode_operator = {made, &**made};
-    } else {
-      bound.operator_reason = made->error().reason;
-    }
-  }
   return bound;
 }
 

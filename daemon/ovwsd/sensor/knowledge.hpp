@@ -1,4 +1,4 @@
-/// The references, calibrations and operators that are loaded, and which of them apply to a sensor
+/// The references and calibrations that are loaded, and which of them apply to a sensor
 /// state.
 #pragma once
 
@@ -19,8 +19,6 @@ struct Knowledge {
   Shared<Reference> references;
   Shared<Calibration> calibrations;
   std::optional<CameraInfo> camera;  ///< none: unknown
-  /// Cache of diffractive operators, shared by all copies of this object.
-  std::shared_ptr<LastOperators> diffractive = std::make_shared<LastOperators>();
 };
 
 /// The reference, calibration and mode operator (matrix from displacements to modes) that are valid
@@ -32,8 +30,7 @@ struct Bound {
   /// Why slope_operator replaces the requested operator, and what to do; empty: it does not.
   std::string operator_reason;
 };
-/// Selects what applies to the state. Computes a diffractive operator if one is requested and not
-/// cached: that takes seconds.
+/// Selects what applies to the state.
 Bound bind(const SensorState& state, const Knowledge& knowledge, const BenchOptics& bench);
 
 /// The bench as it is, for `differing`.

@@ -15,10 +15,8 @@ bool is_in_use(const PreparedLattice& lattice, const SensorState& state) {
 /// Refuses a sensor without a reference: none of its frames would be valid. One with a reference
 /// was measured on this bench, so that its spots need no other check.
 Result<void> check_reference(const SensorEdit& edit) {
-  SensorState state = edit.state;
-  state.tracking.mode_operator = OperatorKind::slopes;  // making a diffractive one takes long
-  if (bind(state, edit.knowledge, edit.bench.optics).reference) return {};
-  const std::string why = missing_reference_reason(state, edit.knowledge, edit.bench.optics);
+  if (bind(edit.state, edit.knowledge, edit.bench.optics).reference) return {};
+  const std::string why = missing_reference_reason(edit.state, edit.knowledge, edit.bench.optics);
   return fail(Errc::refused, "name",
               (why.empty() ? "its reference was deleted" : why) +
                   ": prepare it again with lattice.prepare");

@@ -10,13 +10,6 @@
 namespace ovws {
 
 void SensorEvents::publish_changes(const SensorSnapshot& before, const SensorSnapshot& now) {
-  const std::string& why_not = now.mode_operator.reason;
-  if (now.tracking.mode_operator == OperatorKind::diffractive && !why_not.empty() &&
-      why_not != before.mode_operator.reason) {
-    events_.emit("sensor", Severity::warning,
-                 "the diffractive operator cannot be computed: " + why_not,
-                 {{"operator", wire_name(OperatorKind::diffractive)}});
-  }
   const OperatorKind in_use = now.mode_operator.in_force;
   if (in_use == before.mode_operator.in_force) return;
   events_.emit("sensor", Severity::info,

@@ -86,7 +86,7 @@ Config random_config(unsigned seed) {
               dice.number(limits::kSpacing)};
   c.tracking =
       TrackingSettings{{TrackerKind(dice.integer({0, 5})), dice.number(limits::kKernelRadius)},
-                       OperatorKind(dice.integer({0, 2}))};
+                       OperatorKind(dice.integer({0, 1}))};
   c.refine.format = c.camera.settings.pixel_format;
   c.refine.rate_hz = dice.number(limits::kRefineRateHz);
   if (dice.coin()) c.refine.electrons_per_dn = dice.number(limits::kElectronsPerDn);
@@ -219,7 +219,7 @@ TEST(ParseConfig, RefusesWrongTypesAndRanges) {
   EXPECT_EQ(error_of(R"({"optics": {"wavelength_nm": 0.632}})").field, "optics.wavelength_nm");
   EXPECT_EQ(error_of(R"({"sensor": {"charge": 1.5}})").field, "sensor.charge");
   EXPECT_EQ(error_of(R"({"tracking": {"tracker": "lgs"}})").nearest, "lg");
-  EXPECT_EQ(error_of(R"({"tracking": {"operator": "diffractiv"}})").nearest, "diffractive");
+  EXPECT_EQ(error_of(R"({"tracking": {"operator": "measure"}})").nearest, "measured");
   EXPECT_EQ(error_of(R"({"realtime": "maybe"})").field, "realtime");
   EXPECT_EQ(error_of(R"({"pipeline": {"records": 65}})").field, "pipeline.records");
   EXPECT_EQ(error_of(R"({"pipeline": {"cpus": 2}})").field, "pipeline.cpus");

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "core/optics/lattice.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
 
 namespace ovws {
 namespace {
@@ -197,19 +196,6 @@ TEST_F(Known, WhatIsShownIsTheAberrationLessTheCorrection) {
   state_.pattern = HologramKind::grating;
   EXPECT_EQ(shown_modes(state_), (std::vector<Mode>{{3, -0.2}, {5, -0.3}}));
   EXPECT_EQ(shown_epoch(state_), 0U) << "there is nothing to measure";
-}
-
-TEST(LastOperatorsTest, AreMadeWhenWhatTheyDependOnHasChanged) {
-  const Config config;
-  OperatorKey key = operator_key(config.sensor, config.tracking, config.optics, {0, 0, 24, 24});
-  LastOperators last;
-  const auto made = last.of(key, config.slm.geometry);
-  EXPECT_FALSE(*made) << "an image without spots";
-  EXPECT_EQ(last.of(key, config.slm.geometry), made) << "errors are kept, too";
-  key.optics.centre_px = {3.0, 4.0};
-  EXPECT_NE(last.of(key, config.slm.geometry), made);
-  key.optics.centre_px = config.optics.centre_px;
-  EXPECT_EQ(last.of(key, config.slm.geometry), made) << "the one before is kept";
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ void print_status() {
       status.camera.info = kInfo;
       status.slm.info = DisplayInfo{"DUMMY1", 1280, 768, 60.0, "x11"};
       status.fault = "none really";
-      status.sensor.settings.tracking.mode_operator = OperatorKind::diffractive;
+      status.sensor.settings.tracking.mode_operator = OperatorKind::measured;
       status.sensor.mode_operator = {OperatorKind::slopes, "it is being made"};
       status.sensor.reference = "stale";
       status.sensor.reference_introduced_rms_waves = 0.3;
@@ -239,7 +239,7 @@ void print_results() {
   print_result("camera.get", to_json(CameraReport{kInfo, {}, kLimits}));
   print_result("camera.set", to_json(CameraSetReport{*CameraSet::decode(params), {}, kLimits}));
   print_result("camera.set", to_json(CameraSetReport{}));
-  const SensorReport sensor{{}, {OperatorKind::diffractive, ""}, 19, {1, 2, 3}, 7};
+  const SensorReport sensor{{}, {OperatorKind::measured, ""}, 19, {1, 2, 3}, 7};
   print_result("sensor.get", to_json(sensor));
   print_result("sensor.set", to_json(SensorSetReport{
                                  *SensorSet::decode({{"charge", 90}, {"clamp", true}}), {}, 7}));

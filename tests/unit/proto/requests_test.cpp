@@ -142,11 +142,11 @@ TEST(SensorSetRequest, ReadsEveryKey) {
   const auto set = SensorSet::decode(json::parse(
       R"({"charge": -2, "grid": "square", "subapertures_across": 7, "pupil_diameter_px": 600.5,
           "grooves": [100, -30], "spacing": 0.5, "tracker": "lg_contour",
-          "operator": "diffractive", "mode_count": 44, "estimates": 4})"));
+          "operator": "measured", "mode_count": 44, "estimates": 4})"));
   ASSERT_TRUE(set);
   const SensorConfig wanted{-2, Grid::square, 7, 600.5, {100, -30}, 0.5};
   EXPECT_EQ(set->applied_to({}).sensor, wanted);
-  const TrackingSettings tracking{{TrackerKind::lg_contour, 0.3}, OperatorKind::diffractive, 44, 4};
+  const TrackingSettings tracking{{TrackerKind::lg_contour, 0.3}, OperatorKind::measured, 44, 4};
   EXPECT_EQ(set->applied_to({}).tracking, tracking);
   const auto nothing = SensorSet::decode(json::object());
   ASSERT_TRUE(nothing);

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "core/optics/sensor_model.hpp"
-#include "core/wavefront/diffractive_matrix.hpp"
 #include "tests/unit/wavefront/push_pull_bench.hpp"
 
 namespace ovws {
@@ -65,22 +64,6 @@ TEST_F(Comparison, FindsNothingWrongWithTheModelItself) {
     EXPECT_GT(mode.correlation, 0.99) << mode.j;
     EXPECT_GT(mode.factor_standard_error, 0.0);
     EXPECT_NEAR(mode.factor, 1.0, 5.0 * mode.factor_standard_error) << mode.j;
-  }
-}
-
-TEST_F(Comparison, FindsNothingWrongWithDiffraction) {
-  SensorField field = SensorField::make(bench.sensor, {}, {}, 512, 512).value();
-  const auto tracker =
-      make_tracker({}, {bench.sensor.charge, lambda_d_px({}, {}, bench.sensor)}).value();
-  bench.truth = diffractive_operator(field, *tracker, model(),
-                                     model_spots_px(bench.lattice, bench.sensor, {}, {}, 512, 512))
-                    .value()
-                    .slopes;
-  const auto found = compared();
-  EXPECT_EQ(found.words, "");
-  for (const ModeComparison& mode : found.modes) {
-    EXPECT_NEAR(mode.factor, 1.0, 0.04) << mode.j;
-    EXPECT_GT(mode.correlation, 0.98) << mode.j;
   }
 }
 
