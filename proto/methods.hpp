@@ -174,11 +174,10 @@ inline constexpr auto kFocusRun = method<FocusRun, JobNumber>(
     "focus.run",
     "Measures defocus, astigmatism, coma and the other modes up to radial order 4 of the light "
     "over "
-    "the whole pupil, and how far the camera is from the focus: the path of the dark core of one "
-    "vortex, whose axis is moved over the pupil, tells them. They are what is left beyond the "
-    "flatness in use. Requires a registration. Returns at once; the job's result is "
-    "defocus_waves, camera_shift_mm, the modes and the path, and no setting is changed. Uses a "
-    "shorter exposure for the time of the job.");
+    "the whole pupil, and how far the camera is from the focus: fits the diffraction model to the "
+    "mean image of the spots. The modes are what is left beyond the flatness in use. Requires a "
+    "registration. Returns at once; the job's result is defocus_waves, camera_shift_mm and the "
+    "modes, and no setting is changed.");
 inline constexpr auto kJobCancel = method<JobNumber, JobReport>(
     "job.cancel", "Cancels a running job; a job that has ended stays unchanged.");
 inline constexpr auto kJobGet =

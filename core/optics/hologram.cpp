@@ -24,15 +24,14 @@ Vec2 pupil_centre(const SlmGeometry& slm) {
 }
 
 /// Phase of a subaperture along row y, waves (paper eq. 4). The grating's phase is 0 at the pupil's
-/// centre; the vortex angle is measured about `axis_px` from the subaperture's centre.
-void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diameter_px, Vec2 axis_px,
-                     int y, std::span<double> waves) {
+/// centre; the vortex angle is measured about the subaperture's centre.
+void subaperture_row(const SlmGeometry& slm, const Subaperture& s, double diameter_px, int y,
+                     std::span<double> waves) {
   const Vec2 pupil = pupil_centre(slm);
   const Vec2 centre = pupil + s.centre_px;
   const Columns columns = columns_in_circle(centre, diameter_px, y, slm.width_px);
   for (int x = columns.begin; x < columns.end; ++x) {
-    const double turns =
-        std::atan2(y - centre.y - axis_px.y, x - centre.x - axis_px.x) / (2.0 * std::numbers::pi);
+    const double turns = std::atan2(y - centre.y, x - centre.x) / (2.0 * std::numbers::pi);
     waves[x] =
         s.charge * turns + s.frequency_cpp.x * (x - pupil.x) + s.frequency_cpp.y * (y - pupil.y);
   }
@@ -57,7 +56,7 @@ void sensor_row(const HologramConfig& config, const Lattice& lattice, int y,
   for (std::size_t i = 0; i < lattice.subapertures.size(); ++i) {
     const Subaperture& s = lattice.subapertures[i];
     if (!reaches(s, config.slm, lattice.diameter_px, y)) continue;
-    subaperture_row(config.slm, s, lattice.diameter_px, {}, y, waves);
+    subaperture_row(config.slm, s, lattice.diameter_px, y, waves);
     for (const MaskConfig& mask : config.sensor.masks) {
       if (!is_masked(mask, int(i))) continue;
       add_mask_row(mask, config.slm, s, lattice.diameter_px, y, waves);
@@ -341,7 +340,7 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
   std::vector<std::uint16_t> limits(width);
   for (int y = 0; y < grey.height; ++y) {
     std::fill(waves.begin(), waves.end(), 0.0);
-    subaperture_row(config_.slm, lone, diameter_px, probe.axis_px, y, waves);
+    subaperture_row(config_.slm, lone, diameter_px, y, waves);
     const Columns lit =
         columns_in_circle(pupil_centre(config_.slm) + probe.centre_px, diameter_px, y, width);
     const auto part = std::span(added_waves).first(std::size_t(std::max(0, lit.end - lit.begin)));
@@ -351,9 +350,7 @@ void HologramRenderer::render_probe(const Probe& probe, Image<std::uint8_t>& gre
     if (config_.dmd) {
       std::fill(limits.begin(), limits.end(), std::uint16_t(0));
       std::fill(limits.begin() + lit.begin, limits.begin() + std::max(lit.begin, lit.end),
-                mirror_limit(0.5 * probe.depth));
-    } else if (probe.depth < 1.0) {
-      for (std::uint16_t& one : phase) one = std::uint16_t(probe.depth * one);
+                mirror_limit(0.5));
     }
     levels(phase.data(), none.data(), limits.data(), width, grey.row(y));
   }

@@ -45,11 +45,6 @@ struct Probe {
   Vec2 centre_px = {};           ///< SLM pixels from the pupil's centre
   double diameter_px = 0.0;      ///< SLM pixels; 0: diameter of the lattice's subapertures
   std::vector<Mode> modes = {};  ///< wavefront to add, over the sensor's pupil
-  Vec2 axis_px = {};             ///< of the vortex, SLM pixels from the probe's centre
-  /// Fraction of the phase that is shown, 0 to 1. A smaller one dims the spot, nearly by its
-  /// square, and leaves its shape: the rest of the light stays in the zeroth order.
-  /// On a DMD: twice the duty.
-  double depth = 1.0;
 };
 
 /// A picture from outside, shown in place of the sensor.

@@ -184,7 +184,8 @@ Result<void> App::Parts::make_sensor(const LoadedConfig& loaded) {
   leases.on_turn([this](Holder holder, std::function<void()> then) {
     keeper->take_turn(holder, std::move(then));
   });
-  procedures = std::make_unique<Procedures>(BenchDeps{*keeper, camera, frames, slm, jobs, events});
+  procedures =
+      std::make_unique<Procedures>(BenchDeps{config, *keeper, camera, frames, slm, jobs, events});
   presentations = std::make_unique<Presentations>(leases, *procedures, config.slm.geometry);
   loop = std::make_unique<ClosedLoop>(
       ClosedLoopDeps{frames, *keeper, leases, slm, events, [this] { return search->found_ns(); },

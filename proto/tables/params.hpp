@@ -121,9 +121,9 @@ struct FocusRun {
   int frames = 5;
 };
 template <>
-inline constexpr auto kTable<FocusRun> = Fields{
-    "FocusRun", field<&FocusRun::frames>("number of settled frames to average for each image",
-                                         limits::kImageFrames)};
+inline constexpr auto kTable<FocusRun> =
+    Fields{"FocusRun",
+           field<&FocusRun::frames>("number of settled frames to average", limits::kImageFrames)};
 
 struct MapRun {
   int patterns = 6;

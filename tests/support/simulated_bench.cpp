@@ -316,8 +316,8 @@ SimulatedBench::SimulatedBench(Config daemon, const twin::Config& twin)
   for (const auto condition : {&Conditions::started, &Conditions::camera, &Conditions::display}) {
     leases_.set(condition, true);
   }
-  procedures_ =
-      std::make_unique<Procedures>(BenchDeps{*keeper_, *camera_, frames_, slm_, jobs_, events_});
+  procedures_ = std::make_unique<Procedures>(
+      BenchDeps{config_, *keeper_, *camera_, frames_, slm_, jobs_, events_});
   start(*own_agents_[1]);
   start(pipeline_.acquisition());
   start(*keeper_);

@@ -52,7 +52,7 @@ double rms_of(const json& modes, int n, int m) {
 std::string focus_answer(const json& result) {
   const double shift_mm = number(result, "camera_shift_mm");
   const double error_mm = number(result, "camera_shift_standard_error_mm");
-  // The rounds of focus.run end at a change of 0.003 wave: less is not worth a move of the camera.
+  // What the noise does not explain: less is not worth a move of the camera.
   constexpr double kAccuracyWaves = 0.003;
   const double error_waves = number(result, "defocus_standard_error_waves");
   const double within_mm = error_mm * std::max(2.0, kAccuracyWaves / error_waves);

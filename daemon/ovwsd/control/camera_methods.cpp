@@ -34,14 +34,9 @@ void set_camera(Services& services, const CameraSet& change, const Reply<CameraS
   });
 }
 
-void start_exposure(Services& services, const AutoExposure& params, const Reply<JobNumber>& reply) {
-  if (auto can = check_no_sequence(*services.keeper.snapshot()); !can) return reply(can.error());
-  start_job(services, kCameraAutoExposure.name, reply,
-            [slm = services.config.slm.geometry, params](Bench& bench) -> Result<Json> {
-              const auto found = set_exposure(bench, slm, params);
-              if (!found) return fail(found.error());
-              return to_json(*found);
-            });
+Result<AutoExposureReport> expose(const Services& /*services*/, Bench& bench,
+                                  const AutoExposure& asked) {
+  return set_exposure(bench, asked);
 }
 
 void grab(Services& services, const CameraGrab& params, const Reply<GrabReport>& reply) {
@@ -78,7 +73,8 @@ void select_camera(Services& services, const CameraSelect& params,
 }
 
 constexpr std::array kCameraRows{
-    row<kCameraAutoExposure, start_exposure>(Role::control, Request::run_job),
+    row<kCameraAutoExposure, run<kCameraAutoExposure, expose, check_no_sequence>>(Role::control,
+                                                                                  Request::run_job),
     row<kCameraGet, get_camera>(Role::read, Request::read),
     row<kCameraGrab, grab>(Role::read, Request::grab),
     row<kCameraList, list_cameras>(Role::read, Request::read),

@@ -7,7 +7,7 @@
 #include "config/config.hpp"
 #include "daemon/ovwsd/camera/camera_actor.hpp"
 #include "daemon/ovwsd/control/sensor_handlers.hpp"
-#include "daemon/ovwsd/procedures/lattices.hpp"
+#include "daemon/ovwsd/procedures/measurements.hpp"
 #include "daemon/ovwsd/procedures/procedures.hpp"
 #include "daemon/ovwsd/sensor/prepared_lattices.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
@@ -69,13 +69,15 @@ Result<void> check_requests(const LatticePrepare& asked, const SensorEdit& now) 
   return {};
 }
 
+Result<Json> measure_lattices(const Services& services, Bench& bench, const LatticePrepare& asked) {
+  return prepare_lattices(bench, asked, services.lattices);
+}
+
 void prepare(Services& services, const LatticePrepare& asked, const Reply<JobNumber>& reply) {
   if (auto named = check_names(asked, services.lattices.all()); !named) return reply(named.error());
   services.keeper.ask([&services, asked, reply](const SensorEdit& now) {
     if (auto good = check_requests(asked, now); !good) return reply(good.error());
-    start_job(services, kLatticePrepare.name, reply, [&services, asked](Bench& bench) {
-      return prepare_lattices(bench, services.config.slm.geometry, asked, services.lattices);
-    });
+    run<kLatticePrepare, measure_lattices>(services, asked, reply);
   });
 }
 

@@ -2,6 +2,7 @@
 /// procedure.
 #pragma once
 
+#include <type_traits>
 #include <utility>
 
 #include "daemon/ovwsd/control/method_table.hpp"
@@ -36,22 +37,27 @@ void clear(Services& services, const Reply<ReportOf<report>>& reply) {
   edit<report>(services, change(), reply);
 }
 
-/// Starts a job with the lease of the call, and replies with its number.
-inline void start_job(Services& services, const char* kind, const Reply<JobNumber>& reply,
-                      Procedure procedure) {
-  services.procedures.start(reply.take_lease(), kind, std::move(procedure),
-                            [reply](Result<int> job) {
-                              if (!job) return reply(job.error());
-                              reply(JobNumber{*job});
-                            });
+inline Result<Json> json_result(Result<Json> result) {
+  return result;
+}
+template <class T>
+Result<Json> json_result(const Result<T>& result) {
+  if (!result) return fail(result.error());
+  return to_json(*result);
 }
 
-/// Starts the job of a method, whose result `measure(services, bench, params)` returns.
-template <const auto& method, auto measure>
+/// Starts the job of a method with the lease of the call, and replies with its number. The job's
+/// result is that of `measure(services, bench, params)`. Refuses if the sensor does not pass `can`.
+template <const auto& method, auto measure, auto can = nullptr>
 void run(Services& services, const typename std::remove_cvref_t<decltype(method)>::Params& params,
          const Reply<JobNumber>& reply) {
-  start_job(services, method.name, reply,
-            [&services, params](Bench& bench) { return measure(services, bench, params); });
+  if constexpr (!std::is_null_pointer_v<decltype(can)>) {
+    if (auto may = can(*services.keeper.snapshot()); !may) return reply(may.error());
+  }
+  services.procedures.start(
+      reply.take_lease(), method.name,
+      [&services, params](Bench& bench) { return json_result(measure(services, bench, params)); },
+      [reply](int job) { reply(JobNumber{job}); });
 }
 
 /// Activates the measurement of a job. Returns the job's result, which is the report of the sensor.

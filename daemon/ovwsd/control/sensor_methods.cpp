@@ -164,19 +164,12 @@ void warn_of_unsteady(Bench& bench, const std::vector<int>& modes_j) {
 
 Result<Json> calibrate(const Services& services, Bench& bench, const CalibrationRun& run) {
   const std::uint64_t epoch = bench.sensor()->sensor_epoch;
-  const auto measured = measure_calibration(bench, services.config.slm.geometry, run);
+  const auto measured = measure_calibration(bench, run);
   if (!measured) return fail(measured.error());
   auto result = use<calibration_of>(services, bench, use_calibration(epoch, *measured));
   if (result) warn_of_dropped(bench, measured->matrix);
   if (result) warn_of_unsteady(bench, measured->unsteady_j);
   return result;
-}
-
-void run_calibration(Services& services, const CalibrationRun& params,
-                     const Reply<JobNumber>& reply) {
-  if (auto can = check_shows_one_sensor(*services.keeper.snapshot()); !can)
-    return reply(can.error());
-  run<kCalibrationRun, calibrate>(services, params, reply);
 }
 
 void give(Services& services, const CalibrationSet& given, std::string matrix,
@@ -205,14 +198,14 @@ FlatnessReport flatness_of(const Services& services, const SensorSnapshot& now) 
 
 Result<Json> flatten(const Services& services, Bench& bench, const FlatnessRun& run) {
   const std::uint64_t epoch = bench.sensor()->sensor_epoch;
-  auto flatness = measure_flatness(bench, services.config.slm.geometry, run.frames);
+  auto flatness = measure_flatness(bench, run.frames);
   if (!flatness) return fail(flatness.error());
   return use<flatness_of>(services, bench, use_flatness(epoch, std::move(*flatness)));
 }
 
-Result<Json> map_bench(const Services& services, Bench& bench, const MapRun& run) {
+Result<MapReport> map_bench(const Services& /*services*/, Bench& bench, const MapRun& run) {
   const std::uint64_t epoch = bench.sensor()->sensor_epoch;
-  auto map = measure_map(bench, services.config.slm.geometry, run);
+  auto map = measure_map(bench, run);
   if (!map) return fail(map.error());
   if (run.apply) {
     if (auto used = bench.use(use_flatness(epoch, flatness_of(*map))); !used) {
@@ -220,13 +213,11 @@ Result<Json> map_bench(const Services& services, Bench& bench, const MapRun& run
     }
     map->report.applied = true;
   }
-  return to_json(map->report);
+  return map->report;
 }
 
-Result<Json> focus(const Services& services, Bench& bench, const FocusRun& run) {
-  const auto report = measure_focus(bench, services.config.slm.geometry, run.frames);
-  if (!report) return fail(report.error());
-  return to_json(*report);
+Result<FocusReport> focus(const Services& /*services*/, Bench& bench, const FocusRun& run) {
+  return measure_focus(bench, run.frames);
 }
 
 LutReport lut_of(const Services& services, const SensorSnapshot& now) {
@@ -240,7 +231,7 @@ LutReport lut_of(const Services& services, const SensorSnapshot& now) {
 }
 
 Result<Json> linearise(const Services& services, Bench& bench, const LutRun& run) {
-  auto lut = measure_lut(bench, services.config.slm.geometry, run);
+  auto lut = measure_lut(bench, run);
   if (!lut) return fail(lut.error());
   return use<lut_of>(services, bench, use_lut(std::move(*lut)));
 }
@@ -260,8 +251,8 @@ KnownRegistration known_registration(const Services& /*services*/, const SensorS
 
 Result<Json> register_camera(const Services& services, Bench& bench, const RegistrationRun& run) {
   const auto found = services.config.modulator == Modulator::fixed
-                         ? measure_array(bench, services.config, run.frames)
-                         : measure_registration(bench, services.config.slm.geometry, run.frames);
+                         ? measure_array(bench, run.frames)
+                         : measure_registration(bench, run.frames);
   if (!found) return fail(found.error());
   const auto before = bench.sensor()->registration;
   auto result = use<known_registration>(services, bench, use_registration(*found));
@@ -278,9 +269,9 @@ Result<Json> register_camera(const Services& services, Bench& bench, const Regis
 
 constexpr double kUsualMisfit = 0.1;  ///< of plates in bright, steady light
 
-Result<Json> fit_array(const Services& services, Bench& bench, const ArrayFit& run) {
+Result<ArrayFitReport> fit_array(const Services& services, Bench& bench, const ArrayFit& run) {
   const std::uint64_t epoch = bench.sensor()->sensor_epoch;
-  const auto fit = measure_plate(bench, services.config.slm.geometry, run.frames);
+  const auto fit = measure_plate(bench, run.frames);
   if (!fit) return fail(fit.error());
   if (auto used = bench.use(use_plate(epoch, fit->plate)); !used) return fail(used.error());
   if (fit->misfit > kUsualMisfit) {
@@ -294,14 +285,13 @@ Result<Json> fit_array(const Services& services, Bench& bench, const ArrayFit& r
         {{"misfit", fit->misfit}});
   }
   const double um = services.config.array.pitch_um / bench.sensor()->sensor.lenslets.width_px;
-  return to_json(ArrayFitReport{fit->plate.levels, fit->plate.depth, fit->depth_standard_error,
-                                um * fit->plate.shift_px, um * fit->shift_standard_error_px,
-                                fit->misfit, fit->spots});
-}
-
-void start_array_fit(Services& services, const ArrayFit& params, const Reply<JobNumber>& reply) {
-  if (auto can = can_fit_array(*services.keeper.snapshot()); !can) return reply(can.error());
-  run<kArrayFit, fit_array>(services, params, reply);
+  return ArrayFitReport{fit->plate.levels,
+                        fit->plate.depth,
+                        fit->depth_standard_error,
+                        um * fit->plate.shift_px,
+                        um * fit->shift_standard_error_px,
+                        fit->misfit,
+                        fit->spots};
 }
 
 SensorReport sensor_of(const Services& /*services*/, const SensorSnapshot& now) {
@@ -344,10 +334,10 @@ void present(Services& services, const SlmPresent& params, std::string picture,
   services.presentations.present(params, std::move(picture), reply);
 }
 
-Result<Json> settle(const Services& services, Bench& bench, const SettleRun& run) {
-  const auto time = measure_settle(bench, services.config.slm.geometry, run);
+Result<SettleReport> settle(const Services& services, Bench& bench, const SettleRun& run) {
+  const auto time = measure_settle(bench, run);
   if (!time) return fail(time.error());
-  return to_json(SettleReport{*time, run.repetitions, services.slm.snapshot().settings.settle_ms});
+  return SettleReport{*time, run.repetitions, services.slm.snapshot().settings.settle_ms};
 }
 
 void list_outputs(Services& services, const Reply<OutputList>& reply) {
@@ -377,7 +367,8 @@ constexpr std::array kSensorRows{
     row<kAberrationSequence, show_sequence>(Role::control, Request::show_pattern),
     row<kAberrationSet, introduce>(Role::control, Request::set_aberration),
     row<kAberrationClear, introduce_none>(Role::control, Request::set_aberration),
-    row<kCalibrationRun, run_calibration>(Role::control, Request::run_hologram_job),
+    row<kCalibrationRun, run<kCalibrationRun, calibrate, check_shows_one_sensor>>(
+        Role::control, Request::run_hologram_job),
     row<kCalibrationSet, give>(Role::control, Request::set_measured),
     row<kCalibrationGet, get<calibration_of>>(Role::read, Request::read),
     row<kCalibrationClear, clear<calibration_of, forget_calibration>>(Role::control,
@@ -392,7 +383,7 @@ constexpr std::array kSensorRows{
     row<kLutRun, run_lut>(Role::control, Request::run_hologram_job),
     row<kLutGet, get<lut_of>>(Role::read, Request::read),
     row<kLutClear, clear<lut_of, forget_lut>>(Role::control, Request::set_measured),
-    row<kArrayFit, start_array_fit>(Role::control, Request::run_job),
+    row<kArrayFit, run<kArrayFit, fit_array, can_fit_array>>(Role::control, Request::run_job),
     row<kMapRun, run<kMapRun, map_bench>>(Role::control, Request::run_hologram_job),
     row<kRegistrationRun, run<kRegistrationRun, register_camera>>(Role::control, Request::run_job),
     row<kRegistrationGet, get<known_registration>>(Role::read, Request::read),

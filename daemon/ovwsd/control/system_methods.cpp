@@ -138,10 +138,10 @@ void get_loop_model(Services& services, const Reply<KnownLoopModel>& reply) {
 /// Timing of a loop on this bench, estimated from the settings.
 LoopTiming estimated_timing(Services& services, const CameraSettings& camera) {
   const auto display = services.slm.snapshot().info;
-  return estimated_timing(in_use(services), camera, display ? display->refresh_hz : 0.0);
+  return estimated_timing(services.settings.in_use(), camera, display ? display->refresh_hz : 0.0);
 }
 
-Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify& params) {
+Result<KnownLoopModel> identify_loop(Services& services, Bench& bench, const LoopIdentify& params) {
   constexpr double kOpenSamples = 4.0;  // a step: the spectrum reaches beyond the loop's
   constexpr int kEnoughSteps = 50;      // for a mean
   const LoopReport last = services.loop.report();
@@ -164,15 +164,7 @@ Result<Json> identify_loop(Services& services, Bench& bench, const LoopIdentify&
   model.measured_steps = measured;
   model.t_taken_ns = utc_ns();
   services.loop.use_model(std::move(model));
-  return to_json(known(services.loop.model()));
-}
-
-void start_identification(Services& services, const LoopIdentify& params,
-                          const Reply<JobNumber>& reply) {
-  if (auto can = check_shows_one_sensor(*services.keeper.snapshot()); !can)
-    return reply(can.error());
-  start_job(services, kLoopIdentify.name, reply,
-            [&services, params](Bench& bench) { return identify_loop(services, bench, params); });
+  return known(services.loop.model());
 }
 
 void get_recording(Services& services, const Reply<RecordReport>& reply) {
@@ -196,7 +188,8 @@ constexpr std::array kSystemRows{
     row<kJobGet, get_job>(Role::read, Request::read),
     row<kJobCancel, cancel_job>(Role::control, Request::act),
     row<kLoopClose, close_loop>(Role::control, Request::close_loop),
-    row<kLoopIdentify, start_identification>(Role::control, Request::watch),
+    row<kLoopIdentify, run<kLoopIdentify, identify_loop, check_shows_one_sensor>>(Role::control,
+                                                                                  Request::watch),
     row<kLoopModel, get_loop_model>(Role::read, Request::read),
     row<kLoopOpen, open_loop>(Role::control, Request::act),
     row<kLoopPause, pause_loop>(Role::control, Request::act),

@@ -95,7 +95,7 @@ struct Rules<CalibrationFile> {
 
 ModeOperator mode_operator_of(const MeasuredCalibration& measured) {
   const InteractionMatrix& matrix = measured.matrix;
-  return {OperatorKind::measured, matrix.modes_j, matrix.slopes, {}, measured.shapes};
+  return {OperatorKind::measured, matrix.modes_j, matrix.slopes, measured.shapes};
 }
 
 nlohmann::json calibration_content(const Calibration& calibration) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "config/config.hpp"
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
 #include "core/optics/hologram.hpp"
@@ -26,6 +27,7 @@
 namespace ovws {
 
 struct BenchDeps {
+  const Config& config;  ///< at the daemon's start
   SensorKeeper& keeper;
   CameraActor& camera;
   FrameTaps& frames;
@@ -46,6 +48,8 @@ class Bench {
   /// Snapshot of the sensor's current state.
   SensorView sensor() const { return deps_.keeper.snapshot(); }
   CameraSnapshot camera() const { return deps_.camera.snapshot(); }
+  const Config& config() const { return deps_.config; }
+  const SlmGeometry& geometry() const { return deps_.config.slm.geometry; }
 
   /// Shows the sensor's hologram with the modes `aberration` (RMS-normalised waves) in place of the
   /// introduced aberration.

@@ -129,8 +129,8 @@ std::shared_ptr<const MeasuredShapes> shapes_of(const SpotMeter& meter,
 
 }  // namespace
 
-Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry& slm,
-                                                const CalibrationRun& run) {
+Result<MeasuredCalibration> measure_calibration(Bench& bench, const CalibrationRun& run) {
+  const SlmGeometry& slm = bench.geometry();
   const SensorView view = bench.sensor();
   const SensorSnapshot& now = *view;
   const auto lattice = make_lattice(now.sensor, slm);
@@ -150,7 +150,7 @@ Result<MeasuredCalibration> measure_calibration(Bench& bench, const SlmGeometry&
   const auto modes_j =
       modes_to_poke(run, by_images ? with_shapes(now.tracking, model.modes_j) : model.modes_j);
   if (!modes_j) return fail(modes_j.error());
-  auto meter = by_images ? SpotMeter::of_images(bench, slm, run.frames) : SpotMeter::of_positions();
+  auto meter = by_images ? SpotMeter::of_images(bench, run.frames) : SpotMeter::of_positions();
   if (!meter) return fail(meter.error());
   Pokes pokes(bench, std::move(*meter), run.frames, spot_px);
   const double amplitude_waves =

@@ -45,14 +45,14 @@ std::vector<Vec2> found_spots(Bench& bench, const ColourPlane& plane, int frames
   return found;
 }
 
-Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm, bool fine) {
+Result<ExposureLook> look_at(Bench& bench, bool fine) {
   const SensorView now = bench.sensor();
   const CameraSettings settings = bench.camera().settings;
   const LitPixels lit = lit_pixels(settings.pixel_format, now->optics.wavelength_nm);
   const double most = std::min(double(kFineFrames), kFineS * settings.frame_rate_hz);
   const auto image = bench.picture(fine ? std::max(kFrames, int(most)) : kFrames);
   if (!image) return fail(image.error());
-  auto expected = expected_spots(*now, slm, lit);
+  auto expected = expected_spots(*now, bench.geometry(), lit);
   if (!expected) return fail(expected.error());
   expected->found_px = found_spots(bench, lit.plane, kFrames);
   return judge_exposure(on_plane(*image, lit.plane), *expected, settings);
@@ -61,15 +61,14 @@ Result<ExposureLook> look_at(Bench& bench, const SlmGeometry& slm, bool fine) {
 /// Search for the exposure with which most spots reach the target, and no spot is saturated.
 class ExposureSearch {
  public:
-  ExposureSearch(Bench& bench, const SlmGeometry& slm, const AutoExposure& asked)
-      : bench_(bench), slm_(slm), asked_(asked) {}
+  ExposureSearch(Bench& bench, const AutoExposure& asked) : bench_(bench), asked_(asked) {}
 
   Result<AutoExposureReport> run() {
     if (auto limited = limit_exposure(); !limited) return fail(limited.error());
     for (int looks = 1;; ++looks) {
       bench_.report_progress(double(looks - 1) / kMaxLooks);
       const bool fine = previous_ && previous_->lit && !previous_->saturated();
-      const auto look = look_at(bench_, slm_, fine);
+      const auto look = look_at(bench_, fine);
       if (!look) return fail(look.error());
       if (is_within(*look, looks < kMaxLooks ? kClose : kAcceptable)) return report(*look, looks);
       if (looks == kMaxLooks) return fail(unsteady(*look));
@@ -288,7 +287,6 @@ class ExposureSearch {
   }
 
   Bench& bench_;
-  const SlmGeometry slm_;
   const AutoExposure asked_;
   std::optional<ExposureLook> previous_;
   std::optional<double> too_long_us_, too_short_us_;
@@ -296,14 +294,12 @@ class ExposureSearch {
 
 }  // namespace
 
-Result<AutoExposureReport> find_exposure(Bench& bench, const SlmGeometry& slm,
-                                         const AutoExposure& asked) {
-  return ExposureSearch(bench, slm, asked).run();
+Result<AutoExposureReport> find_exposure(Bench& bench, const AutoExposure& asked) {
+  return ExposureSearch(bench, asked).run();
 }
 
-Result<AutoExposureReport> set_exposure(Bench& bench, const SlmGeometry& slm,
-                                        const AutoExposure& asked) {
-  auto found = find_exposure(bench, slm, asked);
+Result<AutoExposureReport> set_exposure(Bench& bench, const AutoExposure& asked) {
+  auto found = find_exposure(bench, asked);
   if (!found) return found;
   if (auto kept = bench.keep_camera(); !kept) return fail(kept.error());
   return found;

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/port/clock.hpp"
-#include "daemon/ovwsd/procedures/pupil_scan.hpp"
+#include "daemon/ovwsd/procedures/probes.hpp"
 #include "daemon/ovwsd/procedures/saturation.hpp"
 
 namespace ovws {
@@ -76,12 +76,11 @@ Result<void> check_flatness(const MeasuredFlatness& measured, const ScanFit::Fou
                           measured.iterations, measured.residual_rms_waves));
 }
 
-Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, const SlmGeometry& slm,
-                                                   int frames) {
+Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, int frames) {
   const SensorView view = bench.sensor();
   const SensorSnapshot& now = *view;
   if (auto able = check_before_scan(now); !able) return fail(able.error());
-  PupilScan scanner(bench, slm, now, frames);
+  PupilScan scanner(bench, now, frames);
   const std::vector<double> none(scanner.modes_j().size(), 0.0);
   MeasuredFlatness measured;
   ScanFit::Found last;
@@ -114,8 +113,8 @@ Result<MeasuredFlatness> flatness_at_this_exposure(Bench& bench, const SlmGeomet
 
 }  // namespace
 
-Result<MeasuredFlatness> measure_flatness(Bench& bench, const SlmGeometry& slm, int frames) {
-  return unsaturated(bench, [&] { return flatness_at_this_exposure(bench, slm, frames); });
+Result<MeasuredFlatness> measure_flatness(Bench& bench, int frames) {
+  return unsaturated(bench, [&] { return flatness_at_this_exposure(bench, frames); });
 }
 
 }  // namespace ovws

@@ -2,189 +2,124 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
+#include "core/base/pixels.hpp"
+#include "core/optics/geometry.hpp"
+#include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
+#include "core/spots/wavefront_fit.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
-#include "daemon/ovwsd/procedures/probe_bench.hpp"
-#include "daemon/ovwsd/procedures/pupil_scan.hpp"
-#include "daemon/ovwsd/procedures/saturation.hpp"
-#include "daemon/ovwsd/procedures/vortex_bench.hpp"
+#include "daemon/ovwsd/procedures/probes.hpp"
+#include "daemon/ovwsd/sensor/spots_model.hpp"
 
 namespace ovws {
 namespace {
 
-constexpr int kCoarseRings = 2;       // 19 positions: modes up to radial order 4, to 0.1 wave
-constexpr double kCoarseShare = 0.4;  // of the job's progress
-constexpr int kMaxRounds = 5;
 constexpr int kLastFocusMode = 14;  // of the result
 constexpr int kDefocus = 4;
-constexpr double kMaxFocusChange = 0.02;    // waves RMS: a larger change is refused
-constexpr double kMaxImageResidual = 0.06;  // RMS of the pixels, of the brightest
-constexpr double kMinLambdaPx = 1.2;        // lit camera pixels per lambda/D
 
-Result<void> check_view(const SensorSnapshot& now, const VortexBeam& beam, const Roi& roi,
-                        double scan_lambda_d_px) {
-  const double lambda_px = beam.lambda_d_px() / beam.lit.plane.step;
-  if (lambda_px < kMinLambdaPx) {
-    return fail(Errc::refused, "optics",
-                fmt::format("lambda/D of the whole pupil is {:.2f} camera pixels, at least {} are "
-                            "needed to see the vortex: use a longer focal length or a larger "
-                            "magnification",
-                            lambda_px, kMinLambdaPx));
-  }
-  const Vec2 base = base_spot_px(now.optics, roi.width, roi.height);
-  const double rim = std::max(kVortexWindow * beam.lambda_d_px(), kProbeRim * scan_lambda_d_px);
-  if (base.x >= rim && base.y >= rim && base.x <= roi.width - 1 - rim &&
-      base.y <= roi.height - 1 - rim) {
-    return {};
-  }
-  return fail(Errc::refused, "camera.roi",
-              fmt::format("the base spot is expected at ({:.0f}, {:.0f}) in the region of {} x {} "
-                          "pixels, but must be {:.0f} pixels from its edge: move or enlarge the "
-                          "region",
-                          base.x, base.y, roi.width, roi.height, std::ceil(rim)));
+/// The modes that the places of the spots determine, whatever the plan measures.
+Result<std::vector<int>> determined_modes(const SensorSnapshot& now, const SlmGeometry& slm) {
+  const auto lattice = make_lattice(now.sensor, slm);
+  if (!lattice) return fail(lattice.error());
+  std::vector<int> modes_j =
+      slope_operator(*lattice, now.sensor, now.tracking, px_per_cycle(now.optics, slm)).modes_j;
+  std::erase_if(modes_j, [](int j) { return j > kLastFocusMode; });
+  if (std::ranges::find(modes_j, kDefocus) != modes_j.end()) return modes_j;
+  return fail(Errc::refused, "sensor.subapertures_across",
+              "the spots do not determine defocus: use more subapertures");
 }
 
-/// What the rounds know: the modes shown, and the last fit about them.
-struct Rounds {
-  std::vector<Mode> shown;
-  VortexPath last;
-  int done = 0;
-  double change = 0.0, noise = 0.0;  ///< of the last round, waves RMS
-};
-
-/// Compensates what the scan has found, up to radial order 4.
-std::vector<Mode> opposite(const std::vector<int>& modes_j, const std::vector<double>& waves) {
-  std::vector<Mode> shown;
-  for (std::size_t k = 0; k < waves.size(); ++k) {
-    if (modes_j[k] < kFirstSurfaceMode || modes_j[k] > kLastFocusMode) continue;
-    shown.push_back({modes_j[k], -waves[k]});
-  }
-  return shown;
+/// The sensor as it is seen now: its spots and their mean image in place of its reference.
+SensorSnapshot seen_by(const SensorSnapshot& sensor, std::vector<int> modes_j,
+                       const SpotAverage& spots, Image<float> mean_dn,
+                       const CameraSettings& camera) {
+  constexpr int kOwnNoise = 1;  // frames: the noise is read from the mean image itself
+  Reference reference;
+  reference.positions_px = found_positions(spots);
+  reference.picture = std::make_shared<const ReferenceImage>(ReferenceImage{
+      kOwnNoise, camera.gain_db, camera.gain_raw, camera.pixel_format, std::move(mean_dn)});
+  SensorSnapshot seen = sensor;
+  seen.modes_j = seen.position_modes_j = std::move(modes_j);
+  seen.reference = std::make_shared<const Reference>(std::move(reference));
+  return seen;
 }
 
-double root_sum_square(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum);
+/// The model of the sensor, fitted to the mean image.
+Result<PointModel> fitted_model(const SensorSnapshot& seen, const SlmGeometry& slm) {
+  const ReferenceImage& image = *seen.reference->picture;
+  const Image<std::uint16_t> mean = in_16_bits(image.mean_dn, image.format);
+  ImageView like;
+  like.width = mean.width;
+  like.height = mean.height;
+  like.format = image.format;
+  return rendered_model(seen, slm, like, [&](PointModel& model) {
+    const std::vector<double> flat(seen.modes_j.size());
+    return std::pair(noise_of(view_of(mean, PixelFormat::mono16), model.rendered(flat)),
+                     PixelFormat::mono16);
+  });
 }
 
-/// Modes found by the last fit that belong to the result, in the order of Rounds::shown.
-struct LastModes {
-  std::vector<double> waves, standard_error;
-};
-LastModes last_modes(const Rounds& rounds) {
-  LastModes out;
-  for (const Mode& mode : rounds.shown) {
-    const auto found = std::ranges::find(rounds.last.modes, mode.j, &Mode::j);
-    out.waves.push_back(found->waves);
-    out.standard_error.push_back(
-        rounds.last.standard_error[std::size_t(found - rounds.last.modes.begin())]);
-  }
-  return out;
-}
-
-Result<Rounds> measure_rounds(Bench& bench, VortexBench& vortex, std::vector<Mode> shown,
-                              Vec2 middle_px) {
-  Rounds rounds;
-  rounds.shown = std::move(shown);
-  while (true) {
-    const double share = (1.0 - kCoarseShare) / kMaxRounds;
-    const double from = kCoarseShare + share * rounds.done;
-    const auto images = vortex.images(rounds.shown, from, from + share);
-    if (!images) return fail(images.error());
-    auto path = fit_vortex_path(*images, vortex.beam(), middle_px);
-    if (!path) return fail(path.error());
-    if (bench.stopped()) return fail(Errc::refused, "", "the job was stopped");
-    rounds.last = std::move(*path);
-    middle_px = rounds.last.middle_px;
-    const LastModes found = last_modes(rounds);
-    rounds.change = root_sum_square(found.waves);
-    rounds.noise = root_sum_square(found.standard_error);
-    ++rounds.done;
-    const bool converged =
-        rounds.change < std::max(kConvergedWaves, kConvergedSigmas * rounds.noise);
-    if (converged || rounds.done == kMaxRounds) return rounds;
-    for (std::size_t k = 0; k < rounds.shown.size(); ++k) rounds.shown[k].waves -= found.waves[k];
-  }
-}
-
-Result<void> check_rounds(const Rounds& rounds) {
-  if (rounds.last.residual > kMaxImageResidual) {
-    return fail(Errc::refused, "",
-                fmt::format("no wavefront explains the images of the vortex (residual {:.0f} % of "
-                            "the brightest pixel): average more frames, check that nothing moves "
-                            "and that no other light falls there, and run registration.run",
-                            100.0 * rounds.last.residual));
-  }
-  if (rounds.change < std::max(kMaxFocusChange, kConvergedSigmas * rounds.noise)) return {};
-  return fail(Errc::refused, "",
-              fmt::format("the rounds do not converge: after {} of them the modes still change by "
-                          "{:.3f} waves RMS; check that nothing moves, and run registration.run",
-                          rounds.done, rounds.change));
-}
-
-FocusReport report_of(const Rounds& rounds, const SensorSnapshot& now, const SlmGeometry& slm) {
+FocusReport report_of(const PointModel& model, const SensorSnapshot& now, const SlmGeometry& slm) {
   FocusReport report;
   report.t_taken_ns = utc_ns();
-  report.rounds = rounds.done;
-  report.images = rounds.done * int(vortex_axes().size());
   report.pupil_diameter_px = now.sensor.pupil_diameter_px;
-  const LastModes last = last_modes(rounds);
-  for (std::size_t k = 0; k < rounds.shown.size(); ++k) {
-    const Mode mode{rounds.shown[k].j, last.waves[k] - rounds.shown[k].waves};
-    report.modes.push_back({{mode}, last.standard_error[k]});
+  for (std::size_t k = 0; k < now.modes_j.size(); ++k) {
+    const Mode mode{now.modes_j[k], model.reference_waves()[k]};
+    const double error = model.reference_sigma_waves()[k];
+    if (mode.j < kFirstSurfaceMode) continue;
+    report.modes.push_back({{mode}, error});
     if (mode.j != kDefocus) continue;
     report.defocus_waves = mode.waves;
-    report.defocus_standard_error_waves = last.standard_error[k];
+    report.defocus_standard_error_waves = error;
   }
   const double mm_per_wave = camera_shift_mm_per_wave(now.optics, slm, report.pupil_diameter_px);
   report.camera_shift_mm = mm_per_wave * report.defocus_waves;
   report.camera_shift_standard_error_mm =
       std::abs(mm_per_wave) * report.defocus_standard_error_waves;
   if (const auto& flatness = now.slm->flatness) {
-    report.flatness_defocus_waves = 0.0;
-    for (const Mode& mode : flatness->modes) {
-      if (mode.j == kDefocus) report.flatness_defocus_waves = mode.waves;
-    }
+    const auto defocus = std::ranges::find(flatness->modes, kDefocus, &Mode::j);
+    report.flatness_defocus_waves = defocus == flatness->modes.end() ? 0.0 : defocus->waves;
   }
-  report.change_rms_waves = rounds.change;
-  report.middle_px = rounds.last.middle_px;
-  for (std::size_t k = 0; k < rounds.last.cores_px.size(); ++k) {
-    report.path.push_back({vortex_axes()[k], rounds.last.cores_px[k]});
-  }
-  report.motion_px = rounds.last.motion_px;
   return report;
 }
 
 }  // namespace
 
-Result<FocusReport> measure_focus(Bench& bench, const SlmGeometry& slm, int frames) {
-  const SensorView view = bench.sensor();
-  const SensorSnapshot& now = *view;
-  if (auto able = can_scan(now); !able) return fail(able.error());
-  double probe_px = 0.0;
-  std::vector<Mode> shown;
-  const auto coarse = unsaturated(bench, [&]() -> Result<PupilScan::Scan> {
-    PupilScan scan(bench, slm, now, frames, kCoarseRings);
-    probe_px = scan.probe_diameter_px();
-    const VortexBench vortex(bench, slm, now, frames, probe_px, {});
-    const Roi roi = bench.camera().settings.roi;
-    if (auto able = check_view(now, vortex.beam(), roi, scan.spot_lambda_d_px()); !able) {
-      return fail(able.error());
-    }
-    auto seen = scan.scan(std::vector<double>(scan.modes_j().size(), 0.0), 0.0, kCoarseShare);
-    if (seen) shown = opposite(scan.modes_j(), seen->found.waves);
-    return seen;
-  });
-  if (!coarse) return fail(coarse.error());
-  VortexBench vortex(bench, slm, now, frames, probe_px, coarse->middle_px);
-  const auto rounds = measure_rounds(bench, vortex, shown, coarse->middle_px);
-  if (!rounds) return fail(rounds.error());
-  if (auto good = check_rounds(*rounds); !good) return fail(good.error());
-  FocusReport report = report_of(*rounds, now, slm);
+Result<FocusReport> measure_focus(Bench& bench, int frames) {
+  const SlmGeometry& slm = bench.geometry();
+  if (auto able = can_scan(*bench.sensor()); !able) return fail(able.error());
+  if (auto shown = bench.show(std::vector<Mode>{}); !shown) return fail(shown.error());
+  const SensorView now = bench.sensor();
+  auto modes_j = determined_modes(*now, slm);
+  if (!modes_j) return fail(modes_j.error());
+  const auto spots = bench.spots(frames);
+  if (!spots) return fail(spots.error());
+  const double lambda_d = lambda_d_px(now->optics, slm, now->sensor);
+  if (auto still = check_average(*spots, kMaxMotion * lambda_d); !still) return fail(still.error());
+  const auto found = std::ranges::count_if(spots->found, [](int times) { return times > 0; });
+  if (2 * found < std::ssize(spots->found)) {
+    return fail(Errc::refused, "camera.exposure_us",
+                fmt::format("only {} of {} spots are found: check the exposure and the light",
+                            found, spots->found.size()));
+  }
+  bench.report_progress(0.4);
+  auto mean_dn = bench.picture(frames);
+  if (!mean_dn) return fail(mean_dn.error());
+  bench.report_progress(0.8);
+  const CameraSettings camera = bench.camera().settings;
+  const SensorSnapshot seen =
+      seen_by(*now, std::move(*modes_j), *spots, std::move(*mean_dn), camera);
+  const auto model = fitted_model(seen, slm);
+  if (!model) {
+    return fail(Errc::refused, "",
+                "no wavefront explains the image of the spots: " + model.error().reason);
+  }
+  FocusReport report = report_of(*model, seen, slm);
   report.frames = frames;
-  report.exposure_us = bench.camera().settings.exposure_us;
+  report.exposure_us = camera.exposure_us;
   return report;
 }
 

@@ -1,5 +1,3 @@
-#include "daemon/ovwsd/procedures/lattices.hpp"
-
 #include <string>
 #include <utility>
 
@@ -15,8 +13,7 @@ using nlohmann::json;
 /// Measures one lattice after another. The keys of each request count from the sensor in use.
 class Preparation {
  public:
-  Preparation(Bench& bench, const SlmGeometry& slm, const LatticePrepare& asked)
-      : bench_(bench), slm_(slm), asked_(asked) {
+  Preparation(Bench& bench, const LatticePrepare& asked) : bench_(bench), asked_(asked) {
     const SensorView now = bench.sensor();
     before_ = {now->sensor, now->tracking};
   }
@@ -26,7 +23,7 @@ class Preparation {
     const SensorSettings wanted = request.sensor.applied_to(before_);
     if (auto shown = bench_.show(SensorSet::whole(wanted), {}); !shown) return fail(shown.error());
     if (asked_.find_exposure) {
-      if (auto found = find_exposure(bench_, slm_, {}); !found) return fail(found.error());
+      if (auto found = find_exposure(bench_, {}); !found) return fail(found.error());
     }
     auto reference =
         take_reference(bench_, {.frames = asked_.frames, .allow_aberration = false, .beam = {}},
@@ -54,22 +51,21 @@ class Preparation {
  private:
   Result<void> calibrate() {
     const std::uint64_t epoch = bench_.sensor()->sensor_epoch;
-    auto measured = measure_calibration(bench_, slm_, {});
+    auto measured = measure_calibration(bench_, {});
     if (!measured) return fail(measured.error());
     return bench_.use(use_calibration(epoch, std::move(*measured)), Bench::Step::early);
   }
 
   Bench& bench_;
-  const SlmGeometry slm_;
   const LatticePrepare& asked_;
   SensorSettings before_;
 };
 
 }  // namespace
 
-Result<json> prepare_lattices(Bench& bench, const SlmGeometry& slm, const LatticePrepare& asked,
+Result<json> prepare_lattices(Bench& bench, const LatticePrepare& asked,
                               PreparedLattices& prepared) {
-  Preparation preparation(bench, slm, asked);
+  Preparation preparation(bench, asked);
   json result = json::array();
   const double share = 1.0 / double(asked.lattices.size());
   for (const LatticeRequest& request : asked.lattices) {

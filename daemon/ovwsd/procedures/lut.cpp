@@ -25,12 +25,12 @@ Error no_spot() {
 /// Shows the patches and reads their interference fringes.
 class LutBench {
  public:
-  LutBench(Bench& bench, const SlmGeometry& slm, int frames)
+  LutBench(Bench& bench, int frames)
       : bench_(bench),
-        slm_(slm),
+        slm_(bench.geometry()),
         frames_(frames),
         now_(bench.sensor()),
-        map_(px_per_cycle(now_->optics, slm)) {}
+        map_(px_per_cycle(now_->optics, slm_)) {}
 
   /// Chooses exposure and patches: the largest that do not saturate. The grey level with the
   /// brightest spot becomes the fixed level.
@@ -206,8 +206,8 @@ Result<std::vector<GreyBeat>> measure_beats(Bench& bench, LutBench& lut_bench, i
 
 }  // namespace
 
-Result<MeasuredLut> measure_lut(Bench& bench, const SlmGeometry& slm, const LutRun& run) {
-  LutBench lut_bench(bench, slm, run.frames);
+Result<MeasuredLut> measure_lut(Bench& bench, const LutRun& run) {
+  LutBench lut_bench(bench, run.frames);
   if (auto chosen = lut_bench.choose(); !chosen) return fail(chosen.error());
   if (auto found = lut_bench.find_direction(); !found) return fail(found.error());
   const auto beats = measure_beats(bench, lut_bench, run.levels);

@@ -13,7 +13,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "core/wavefront/phase_retrieval.hpp"
-#include "daemon/ovwsd/procedures/pupil_scan.hpp"
+#include "daemon/ovwsd/procedures/probes.hpp"
 #include "daemon/ovwsd/procedures/saturation.hpp"
 #include "daemon/shared/encoding.hpp"
 
@@ -155,8 +155,8 @@ Result<std::array<Images, 2>> take_images(const Setting& s) {
   return taken;
 }
 
-Result<Setting> setting_of(Bench& bench, const SensorSnapshot& now, const SlmGeometry& slm,
-                           const MapRun& run) {
+Result<Setting> setting_of(Bench& bench, const SensorSnapshot& now, const MapRun& run) {
+  const SlmGeometry& slm = bench.geometry();
   if (auto able = can_scan(now); !able) return fail(able.error());
   if (now.slm->flatness && now.slm->flatness->pupil_diameter_px != now.sensor.pupil_diameter_px) {
     return fail(Errc::refused, "sensor.pupil_diameter_px",
@@ -281,9 +281,9 @@ Result<BenchMap> retrieve(const Setting& s, const std::array<Images, 2>& images)
   return map;
 }
 
-Result<BenchMap> map_at_this_exposure(Bench& bench, const SlmGeometry& slm, const MapRun& run) {
+Result<BenchMap> map_at_this_exposure(Bench& bench, const MapRun& run) {
   const SensorView view = bench.sensor();
-  const auto setting = setting_of(bench, *view, slm, run);
+  const auto setting = setting_of(bench, *view, run);
   if (!setting) return fail(setting.error());
   const auto images = take_images(*setting);
   if (!images) return fail(images.error());
@@ -316,8 +316,8 @@ Result<BenchMap> map_at_this_exposure(Bench& bench, const SlmGeometry& slm, cons
 
 }  // namespace
 
-Result<BenchMap> measure_map(Bench& bench, const SlmGeometry& slm, const MapRun& run) {
-  return unsaturated(bench, [&] { return map_at_this_exposure(bench, slm, run); });
+Result<BenchMap> measure_map(Bench& bench, const MapRun& run) {
+  return unsaturated(bench, [&] { return map_at_this_exposure(bench, run); });
 }
 
 MeasuredFlatness flatness_of(const BenchMap& map) {

@@ -107,7 +107,8 @@ struct RestingPlaces {
 
 /// Spot positions of the reference; without a reference, those found in frames, and those of the
 /// model.
-Result<RestingPlaces> places_of_spots(Bench& bench, const SlmGeometry& slm, int frames) {
+Result<RestingPlaces> places_of_spots(Bench& bench, int frames) {
+  const SlmGeometry& slm = bench.geometry();
   const SensorView sensor = bench.sensor();
   if (sensor->reference) {
     return RestingPlaces{known_positions(*sensor->reference), sensor->reference->positions_px};
@@ -124,7 +125,7 @@ Result<RestingPlaces> places_of_spots(Bench& bench, const SlmGeometry& slm, int 
 
 }  // namespace
 
-Result<SpotMeter> SpotMeter::of_images(Bench& bench, const SlmGeometry& slm, int frames) {
+Result<SpotMeter> SpotMeter::of_images(Bench& bench, int frames) {
   const SensorView sensor = bench.sensor();
   SpotMeter meter;
   meter.format_ = bench.camera().settings.pixel_format;
@@ -136,13 +137,13 @@ Result<SpotMeter> SpotMeter::of_images(Bench& bench, const SlmGeometry& slm, int
   }
   const int cols = pictures[0].width, rows = pictures[0].height;
   const SpotWindow window =
-      window_of(lambda_d_px(sensor->optics, slm, sensor->sensor),
+      window_of(lambda_d_px(sensor->optics, bench.geometry(), sensor->sensor),
                 window_half_width(int(sensor->modes_j.size()), sensor->sensor.subapertures_across),
                 lit_pixels(meter.format_, sensor->optics.wavelength_nm));
   if (window.width_px() > std::min(cols, rows)) {
     return fail(Errc::refused, "camera.roi", "is smaller than the window around a spot");
   }
-  const auto places = places_of_spots(bench, slm, frames);
+  const auto places = places_of_spots(bench, frames);
   if (!places) return fail(places.error());
   for (std::size_t i = 0; i < places->found_px.size(); ++i) {
     const bool is_lost = std::isnan(places->found_px[i].x);

@@ -26,7 +26,7 @@ class SpotMeter {
   /// Measures the spots at rest (without a poke) in two mean images. The SLM must already show the
   /// hologram at rest. Errors: those of Bench; Errc::refused, field "camera.roi": the spots'
   /// windows do not fit.
-  static Result<SpotMeter> of_images(Bench& bench, const SlmGeometry& slm, int frames);
+  static Result<SpotMeter> of_images(Bench& bench, int frames);
   static SpotMeter of_positions() { return {}; }
 
   /// Measures the spots of the current hologram in `frames` frames. Errors: those of Bench.

@@ -176,9 +176,8 @@ void Presentations::begin(std::function<void(const std::shared_ptr<Show>&)> orde
   auto show = std::make_shared<Show>();
   procedures_.start(
       std::move(*lease), kSlmPresent.name, [this, show](Bench& bench) { return run(bench, show); },
-      [this, show, order = std::move(order), done = std::move(done)](Result<int> job) {
-        if (!job) return done(fail(job.error()));
-        show->job = *job;
+      [this, show, order = std::move(order)](int job) {
+        show->job = job;
         {
           const std::lock_guard lock(mutex_);
           running_ = show;

@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds kMaxIdle(50);
 }  // namespace
 
 void Procedures::start(LeasePtr lease, const std::string& kind, Procedure procedure,
-                       std::function<void(Result<int>)> done) {
+                       std::function<void(int)> done) {
   Lease& taken = *lease;
   taken.begin(
       [this, lease = std::move(lease), kind, procedure = std::move(procedure),
@@ -24,7 +24,7 @@ void Procedures::start(LeasePtr lease, const std::string& kind, Procedure proced
 }
 
 void Procedures::begin(const LeasePtr& lease, const std::string& kind, Procedure procedure,
-                       const std::function<void(Result<int>)>& done) {
+                       const std::function<void(int)>& done) {
   auto run = std::make_shared<Run>();
   const std::weak_ptr<Run> weak_run = run;
   run->job = deps_.jobs.begin(

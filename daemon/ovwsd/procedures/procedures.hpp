@@ -30,7 +30,7 @@ class Procedures : public Agent {
   /// prepare thread with the job's number, and begins the procedure after `done` has returned.
   /// While the daemon stops, the procedure is stopped from its beginning.
   void start(LeasePtr lease, const std::string& kind, Procedure procedure,
-             std::function<void(Result<int>)> done);
+             std::function<void(int)> done);
   /// Calls `then` when the job's lease has ended and what it had changed for itself is restored: at
   /// once, or later in the procedure thread. Thread-safe.
   void when_over(int job, std::function<void()> then);
@@ -51,7 +51,7 @@ class Procedures : public Agent {
     std::vector<std::function<void()>> waiting{};  ///< of when_over
   };
   void begin(const LeasePtr& lease, const std::string& kind, Procedure procedure,
-             const std::function<void(Result<int>)>& done);
+             const std::function<void(int)>& done);
   Result<nlohmann::json> carry_out(Run& run);
   void finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result);
   void restore_sensor(Run& run);

@@ -8,7 +8,7 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
-#include "daemon/ovwsd/procedures/probe_bench.hpp"
+#include "daemon/ovwsd/procedures/probes.hpp"
 #include "daemon/ovwsd/procedures/saturation.hpp"
 
 namespace ovws {
@@ -128,8 +128,8 @@ Result<Registration> map_of(const Bench& bench, const std::vector<Look>& looks,
   return fit_without_outliers(sights->fine, kMaxFineResidual * spots.lambda_d_px);
 }
 
-Result<Registration> registration_at_this_exposure(Bench& bench, const SlmGeometry& slm,
-                                                   int frames) {
+Result<Registration> registration_at_this_exposure(Bench& bench, int frames) {
+  const SlmGeometry& slm = bench.geometry();
   const SensorView view = bench.sensor();
   const SensorSnapshot& now = *view;
   const CameraSettings camera = bench.camera().settings;
@@ -157,8 +157,8 @@ Result<Registration> registration_at_this_exposure(Bench& bench, const SlmGeomet
 
 }  // namespace
 
-Result<Registration> measure_registration(Bench& bench, const SlmGeometry& slm, int frames) {
-  return unsaturated(bench, [&] { return registration_at_this_exposure(bench, slm, frames); });
+Result<Registration> measure_registration(Bench& bench, int frames) {
+  return unsaturated(bench, [&] { return registration_at_this_exposure(bench, frames); });
 }
 
 }  // namespace ovws

@@ -7,7 +7,7 @@
 
 #include "core/base/pixels.hpp"
 #include "core/optics/lattice.hpp"
-#include "daemon/ovwsd/procedures/probe_bench.hpp"
+#include "daemon/ovwsd/procedures/probes.hpp"
 
 namespace ovws {
 namespace {
@@ -131,8 +131,8 @@ Result<StepTime> watch_move(Bench& bench, const ToAndFro& moves, std::size_t pla
 
 }  // namespace
 
-Result<SettleTime> measure_settle(Bench& bench, const SlmGeometry& slm, const SettleRun& run) {
-  const ToAndFro moves = to_and_fro(*bench.sensor(), slm, bench.camera().settings.roi);
+Result<SettleTime> measure_settle(Bench& bench, const SettleRun& run) {
+  const ToAndFro moves = to_and_fro(*bench.sensor(), bench.geometry(), bench.camera().settings.roi);
   if (auto rests = rest_at(bench, moves, 0, run.watch_ms); !rests) return fail(rests.error());
   std::vector<StepTime> steps;
   int disturbed = 0;

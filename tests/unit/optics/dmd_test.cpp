@@ -121,17 +121,13 @@ TEST(Dmd, APatternIsABitOfAColour) {
   EXPECT_EQ(rgb.at(2, 0), 0b110);  // bits are added to those that are there
 }
 
-TEST(Dmd, AProbeIsDimmedByItsDuty) {
+TEST(Dmd, AProbeLightsItsSubapertureOnly) {
   const auto renderer = HologramRenderer::make(with({})).value();
   const Subaperture s = renderer.lattice().subapertures[9];
   Image<std::uint8_t> grey;
   renderer.render_probe({.frequency_cpp = s.frequency_cpp, .charge = 1, .centre_px = s.centre_px},
                         grey);
-  const double bright = order_of(grey, renderer.lattice(), 9, 1);
-  renderer.render_probe(
-      {.frequency_cpp = s.frequency_cpp, .charge = 1, .centre_px = s.centre_px, .depth = 1.0 / 3.0},
-      grey);
-  EXPECT_NEAR(order_of(grey, renderer.lattice(), 9, 1) / bright, 0.5, 0.02);
+  EXPECT_GT(order_of(grey, renderer.lattice(), 9, 1), 0.1);
   EXPECT_EQ(grey.at(0, 0), 0);
 }
 

@@ -141,30 +141,6 @@ TEST(Hologram, ChargeWindsFromXTowardsYWithYDown) {
   EXPECT_NEAR(grey.at(680, 343), 224.0, 1.0);
 }
 
-TEST(Hologram, AProbesVortexHasItsAxisWhereItIsPut) {
-  Probe probe{{0.0, 0.0}, 1, {0.5, 0.5}, 300.0};
-  probe.axis_px = {40.0,
-                   -20.0};  // between the pixels 679|680 and 363|364, from the centre 640, 384
-  Image<std::uint8_t> grey;
-  renderer_of({}).render_probe(probe, grey);
-  EXPECT_NEAR(grey.at(680, 364), 0.0, 1.0);
-  EXPECT_NEAR(grey.at(720, 404), 32.0, 1.0);
-  EXPECT_NEAR(grey.at(640, 404), 96.0, 1.0);
-  EXPECT_NEAR(grey.at(640, 324), 160.0, 1.0);
-  EXPECT_EQ(grey.at(640 + 152, 384), 0);  // outside the probe
-}
-
-TEST(Hologram, AProbesDepthScalesItsPhase) {
-  Probe probe{{0.01, 0.0}, 1, {}, 300.0};
-  Image<std::uint8_t> full, half;
-  renderer_of({}).render_probe(probe, full);
-  probe.depth = 0.5;
-  renderer_of({}).render_probe(probe, half);
-  for (std::size_t k = 0; k < full.pixels.size(); ++k) {
-    ASSERT_EQ(half.pixels[k], full.pixels[k] / 2);
-  }
-}
-
 TEST(Hologram, IsCentredBetweenTheMiddlePixels) {
   HologramConfig config;
   config.sensor.charge = 0;

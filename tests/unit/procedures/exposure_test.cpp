@@ -22,7 +22,7 @@ using test::small_twin_config;
 Result<AutoExposureReport> expose_on(SimulatedBench& bench, const AutoExposure& asked = {}) {
   AutoExposureReport report;
   const auto run = bench.run("camera.auto_exposure", [&](Bench& on) -> Result<nlohmann::json> {
-    auto found = set_exposure(on, bench.config().slm.geometry, asked);
+    auto found = set_exposure(on, asked);
     if (!found) return fail(found.error());
     report = *found;
     return nlohmann::json{};

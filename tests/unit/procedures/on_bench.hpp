@@ -21,8 +21,7 @@ inline Result<MeasuredCalibration> calibrate_on(SimulatedBench& bench, double am
   MeasuredCalibration found;
   const auto run = bench.run("calibration.run", [&](Bench& on) -> Result<nlohmann::json> {
     const std::uint64_t epoch = on.sensor()->sensor_epoch;
-    auto measured =
-        measure_calibration(on, bench.config().slm.geometry, {amplitude_waves, 5, modes_j});
+    auto measured = measure_calibration(on, {amplitude_waves, 5, modes_j});
     if (!measured) return fail(measured.error());
     found = *measured;
     if (auto used = on.use(use_calibration(epoch, *measured)); !used) return fail(used.error());

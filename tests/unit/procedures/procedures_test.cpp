@@ -63,7 +63,7 @@ TEST(Procedures, AReferenceWithSaturatedSpotsIsRefused) {
 Result<Registration> register_on(SimulatedBench& bench) {
   Registration found;
   const auto run = bench.run("registration.run", [&](Bench& on) -> Result<nlohmann::json> {
-    auto measured = measure_registration(on, bench.config().slm.geometry, 2);
+    auto measured = measure_registration(on, 2);
     if (!measured) return fail(measured.error());
     found = *measured;
     if (auto used = on.use(use_registration(*measured)); !used) return fail(used.error());
@@ -293,7 +293,7 @@ Result<LutFound> lut_on(const SlmLaw& law, int levels, twin::Config twin = small
   SimulatedBench bench(small_daemon_config(), twin);
   if (!bench.is_running()) return fail(Errc::unavailable, "", "no frames");
   const auto run = bench.run("lut.run", [&](Bench& on) -> Result<nlohmann::json> {
-    auto measured = measure_lut(on, bench.config().slm.geometry, {levels, 2});
+    auto measured = measure_lut(on, {levels, 2});
     if (!measured) return fail(measured.error());
     found.lut = *measured;
     if (auto used = on.use(use_lut(std::move(*measured))); !used) return fail(used.error());
@@ -397,7 +397,7 @@ TEST(Procedures, AProcedureBeginsAfterItsNumberWasTold) {
         begins.set_value();
         return nlohmann::json{};
       },
-      [&](const Result<int>&) { waits = begun.wait_for(200ms) == std::future_status::timeout; });
+      [&](int) { waits = begun.wait_for(200ms) == std::future_status::timeout; });
   ASSERT_EQ(begun.wait_for(30s), std::future_status::ready);
   EXPECT_TRUE(waits);
 }

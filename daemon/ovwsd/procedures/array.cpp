@@ -1,4 +1,5 @@
-/// registration.run of a fixed array: lattice, pitch, rotation and lit lenslets from one image.
+/// Fixed arrays: `registration.run` finds lattice, pitch, rotation and lit lenslets in one image;
+/// `array.fit` finds depth and shift of the spiral plates.
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
@@ -62,7 +63,8 @@ void warn_of_dark_pupil(Bench& bench, const FoundArray& array, Grid grid) {
              {{"share", share}});
 }
 
-Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, int frames) {
+Result<Registration> array_at_this_exposure(Bench& bench, int frames) {
+  const Config& config = bench.config();
   const SensorView view = bench.sensor();
   const CameraSettings camera = bench.camera().settings;
   const auto mean = bench.picture(frames);
@@ -105,8 +107,38 @@ Result<Registration> array_at_this_exposure(Bench& bench, const Config& config, 
 
 }  // namespace
 
-Result<Registration> measure_array(Bench& bench, const Config& config, int frames) {
-  return unsaturated(bench, [&] { return array_at_this_exposure(bench, config, frames); });
+Result<Registration> measure_array(Bench& bench, int frames) {
+  return unsaturated(bench, [&] { return array_at_this_exposure(bench, frames); });
+}
+
+Result<void> can_fit_array(const SensorSnapshot& sensor) {
+  if (sensor.sensor.lenslets.empty()) {
+    return fail(Errc::refused, "",
+                "the sensor has no lenslets: array.fit needs \"modulator\": \"fixed\"");
+  }
+  if (sensor.sensor.charge == 0) {
+    return fail(Errc::refused, "sensor.charge", "bright lenslets (charge 0) have no spiral plates");
+  }
+  if (sensor.registration) return {};
+  return fail(Errc::refused, "registration",
+              "the array has not been found yet: call registration.run first");
+}
+
+Result<PlateFit> measure_plate(Bench& bench, int frames) {
+  const SlmGeometry& slm = bench.geometry();
+  const SensorView view = bench.sensor();
+  if (auto can = can_fit_array(*view); !can) return fail(can.error());
+  const auto taken = unsaturated(bench, [&] { return bench.reference(frames); });
+  if (!taken) return fail(taken.error());
+  if (!taken->picture) return fail(Errc::refused, "camera", "no frame with its image arrived");
+  const double lambda_d_px = ovws::lambda_d_px(view->optics, slm, view->sensor);
+  if (auto still = check_average(taken->average, kMaxMotion * lambda_d_px); !still) {
+    return fail(still.error());
+  }
+  bench.report_progress(0.5);
+  const LitPixels lit = lit_pixels(taken->settings.pixel_format, view->optics.wavelength_nm);
+  return fit_plate(taken->picture->mean_dn, view->sensor, slm, view->optics, lit,
+                   found_positions(taken->average), [&bench] { return bench.stopped(); });
 }
 
 }  // namespace ovws
