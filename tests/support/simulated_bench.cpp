@@ -347,7 +347,7 @@ Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure pr
   auto lease = leases_.take(request);
   if (!lease) return fail(lease.error());
   std::promise<Result<int>> begun;
-  procedures_->start(std::move(*lease), kind, std::move(procedure),
+  procedures_->start(std::move(*lease), {kind, std::move(procedure)},
                      [this, &begun](Result<int> job) {
                        if (job) job_ = *job;  // now: the procedure may cancel itself at once
                        begun.set_value(std::move(job));
@@ -358,9 +358,6 @@ Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure pr
        std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(2ms)) {
     const auto report = jobs_.get(*job);
     if (report->state == JobState::running) continue;
-    std::promise<void> free;  // a cancelled job ends before the sensor is given back
-    procedures_->when_over(*job, [&free] { free.set_value(); });
-    free.get_future().get();
     if (report->error) return fail(*report->error);
     if (report->state == JobState::cancelled) return fail(Errc::refused, "", "it was cancelled");
     return report->result;

@@ -79,11 +79,12 @@ Result<JobReport> Jobs::cancel(int id) {
   {
     const std::lock_guard lock(mutex_);
     const auto found = jobs_.find(id);
-    if (found != jobs_.end() && found->second.job.state == JobState::running) {
+    if (found != jobs_.end() && found->second.goes_on() && !found->second.result_in_use) {
+      found->second.cancelled = true;
       cancel = found->second.cancel;
     }
   }
-  if (cancel && end(id, JobState::cancelled, nullptr, std::nullopt)) cancel();
+  if (cancel) cancel();
   return get(id);
 }
 
@@ -120,24 +121,38 @@ void Jobs::note_end(const JobReport& job) {
 bool Jobs::use_result(int id) {
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
-  if (found == jobs_.end() || found->second.job.state != JobState::running) return false;
+  if (found == jobs_.end() || !found->second.goes_on()) return false;
   return found->second.result_in_use = true;
 }
 
 bool Jobs::runs(int id) const {
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
-  return found != jobs_.end() && found->second.job.state == JobState::running;
+  return found != jobs_.end() && found->second.goes_on();
 }
 
-bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Error> error) {
+bool Jobs::end_cancelled(int id) {
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = jobs_.find(id);
+    if (found == jobs_.end() || !found->second.cancelled) return false;
+  }
+  end(id, JobState::cancelled, nullptr, std::nullopt);
+  return true;
+}
+
+void Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Error> error) {
   const auto now = get(id);
   double progress = now ? now->progress : 0.0;
   const std::lock_guard lock(mutex_);
   const auto found = jobs_.find(id);
-  if (found == jobs_.end() || found->second.job.state != JobState::running) return false;
-  if (state == JobState::cancelled && found->second.result_in_use) return false;
+  if (found == jobs_.end() || found->second.job.state != JobState::running) return;
   JobReport& job = found->second.job;
+  if (found->second.cancelled) {
+    state = JobState::cancelled;
+    result = nullptr;
+    error.reset();
+  }
   job.state = state;
   if (state == JobState::done) progress = 1.0;
   job.progress = progress;
@@ -148,7 +163,6 @@ bool Jobs::end(int id, JobState state, nlohmann::json result, std::optional<Erro
                                        error ? ": " + error->reason : "");
   const auto severity = state == JobState::failed ? Severity::error : Severity::info;
   events_.emit("job", severity, text, event_data(id, state, progress));
-  return true;
 }
 
 }  // namespace ovws

@@ -29,8 +29,8 @@ class Jobs {
   void report_progress(int id);
   void finish(int id, nlohmann::json result);
   void fail_job(int id, Error error);
-  /// Cancels a job and returns its state. A job that has ended, or whose result is in use, is not
-  /// changed. Errc::invalid if no job has this number.
+  /// Stops a job and returns its report: it runs until `end_cancelled`. A job that has ended, or
+  /// whose result is in use, is not changed. Errc::invalid if no job has this number.
   Result<JobReport> cancel(int id);
   /// Marks the job's result as in use; from then on the job cannot be cancelled. Returns false if
   /// the job has already ended.
@@ -39,7 +39,9 @@ class Jobs {
   /// The latest job failure since the daemon's start, kept longer than the job's entry. A later job
   /// of the failed job's kind clears the failure if it succeeds.
   std::optional<StatusMessage::FailedJob> last_failed() const;
-  bool runs(int id) const;  ///< false once the job has finished, failed or been cancelled
+  bool runs(int id) const;  ///< false once the job has finished, failed or been told to stop
+  /// Ends a job that was cancelled, when nothing of it is left. Returns false for another one.
+  bool end_cancelled(int id);
 
  private:
   struct Entry {
@@ -47,12 +49,13 @@ class Jobs {
     std::function<void()> cancel;
     std::function<double()> progress;
     int reported_quarters = 0;
-    bool result_in_use = false;
+    bool result_in_use = false, cancelled = false;
+    bool goes_on() const { return job.state == JobState::running && !cancelled; }
   };
   // Call drop_oldest and note_end with mutex_ locked; `end` locks it.
   void drop_oldest();
   void note_end(const JobReport& job);
-  bool end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
+  void end(int id, JobState state, nlohmann::json result, std::optional<Error> error);
 
   Events& events_;
   mutable std::mutex mutex_;

@@ -56,20 +56,26 @@ void select_camera(Services& services, const CameraSelect& params,
   if (services.config.camera.driver == kReplayDriver && !params.id.starts_with('/')) {
     return reply(Error{Errc::invalid, "id", "must be the absolute path of a recording"});
   }
-  const auto select = [&services, params, reply](const Result<void>& found) {
-    if (!found) return reply(found.error());
+  const auto select = [&services, params](const Reply<CameraReport>& to) {
     CameraSet clamped;  // the present settings, as far as the other camera has them
     clamped.set_clamp(true);
     services.camera.select(params.id, clamped, params.wait,
-                           [&services, reply](const Result<CameraSnapshot>& selected) {
-                             if (!selected) return reply(selected.error());
-                             services.keeper.after_changes([reply, camera = *selected] {
-                               reply(CameraReport{camera.info, camera.settings, camera.limits});
+                           [&services, to](const Result<CameraSnapshot>& selected) {
+                             if (!selected) return to(selected.error());
+                             services.keeper.after_changes([to, camera = *selected] {
+                               to(CameraReport{camera.info, camera.settings, camera.limits});
                              });
                            });
   };
-  if (params.wait) return select({});
-  services.finder.find(params.id, select);  // a typing error does not disconnect the camera
+  if (params.wait) return select(reply);
+  reply.end_lease();  // a discovery may not answer for minutes
+  // A typing error does not disconnect the camera.
+  services.finder.find(params.id, [&services, select, reply](const Result<void>& found) {
+    if (!found) return reply(found.error());
+    const auto lease = services.leases.take(Request::set_devices);
+    if (!lease) return reply(lease.error());
+    select(reply.with(*lease));
+  });
 }
 
 constexpr std::array kCameraRows{

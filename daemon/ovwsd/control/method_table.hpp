@@ -42,7 +42,7 @@ class StatusReporter;
 /// The parts of the daemon that the handlers use.
 struct Services {
   const Config& config;  ///< configuration at the daemon's start
-  const Settings& settings;
+  Settings& settings;
   Leases& leases;
   CameraActor& camera;
   CameraFinder& finder;

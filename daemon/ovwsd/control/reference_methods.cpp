@@ -37,10 +37,9 @@ Result<Json> refer(const Services& /*services*/, Bench& bench, const ReferenceTa
 }
 
 void run_reference(Services& services, const ReferenceTake& params, const Reply<JobNumber>& reply) {
-  if (auto can = can_take_reference(*services.keeper.snapshot(), params); !can) {
-    return reply(can.error());
-  }
-  run<kReferenceTake, refer>(services, params, reply);
+  run_if<kReferenceTake, refer>(services, params, reply, [params](const SensorSnapshot& now) {
+    return can_take_reference(now, params);
+  });
 }
 
 /// Positions and standard errors of a request's binary frame, see kReferenceGive.

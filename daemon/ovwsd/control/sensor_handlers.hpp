@@ -2,6 +2,7 @@
 /// procedure.
 #pragma once
 
+#include <functional>
 #include <type_traits>
 #include <utility>
 
@@ -46,18 +47,25 @@ Result<Json> json_result(const Result<T>& result) {
   return to_json(*result);
 }
 
-/// Starts the job of a method with the lease of the call, and replies with its number. The job's
-/// result is that of `measure(services, bench, params)`. Refuses if the sensor does not pass `can`.
+/// Starts the job of a method with the lease of the call, and replies with its number. Its result
+/// is that of `measure(services, bench, params)`. `can`: see Procedures::Start.
+template <const auto& method, auto measure>
+void run_if(Services& services,
+            const typename std::remove_cvref_t<decltype(method)>::Params& params,
+            const Reply<JobNumber>& reply, std::function<Result<void>(const SensorSnapshot&)> can) {
+  const auto procedure = [&services, params](Bench& bench) {
+    return json_result(measure(services, bench, params));
+  };
+  services.procedures.start(reply.take_lease(), {method.name, procedure, std::move(can)},
+                            [reply](const Result<int>& job) {
+                              if (!job) return reply(job.error());
+                              reply(JobNumber{*job});
+                            });
+}
 template <const auto& method, auto measure, auto can = nullptr>
 void run(Services& services, const typename std::remove_cvref_t<decltype(method)>::Params& params,
          const Reply<JobNumber>& reply) {
-  if constexpr (!std::is_null_pointer_v<decltype(can)>) {
-    if (auto may = can(*services.keeper.snapshot()); !may) return reply(may.error());
-  }
-  services.procedures.start(
-      reply.take_lease(), method.name,
-      [&services, params](Bench& bench) { return json_result(measure(services, bench, params)); },
-      [reply](int job) { reply(JobNumber{job}); });
+  run_if<method, measure>(services, params, reply, can);
 }
 
 /// Activates the measurement of a job. Returns the job's result, which is the report of the sensor.

@@ -111,8 +111,9 @@ StatusMessage StatusReporter::current() const {
   StatusMessage status;
   status.t_ns = utc_ns();
   status.uptime_s = 1e-9 * double(monotonic_ns() - started_ns_);
-  status.state = deps_.leases.name();
-  status.fault = deps_.leases.fault();
+  const Leases::Report leases = deps_.leases.report();
+  status.state = state_name(leases.state);
+  status.fault = leases.fault;
   status.loop_closed = deps_.loop.is_closed();
   status.loop_paused = deps_.loop.is_paused();
   const CameraSnapshot camera = deps_.camera.snapshot();
@@ -142,7 +143,7 @@ StatusMessage StatusReporter::current() const {
   status.failed_job = deps_.jobs.last_failed();
   const Measured measured = measured_.get();
   status.rates = measured.rates;
-  if (status.state != "job_running") {
+  if (leases.state != DaemonState::job_running) {
     status.rates.expected_hz = camera.expected_hz(measured.t_begin_ns);
   }
   status.latency = measured.latency;

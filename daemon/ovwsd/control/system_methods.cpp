@@ -35,6 +35,7 @@ void save_config(Services& services, const ConfigSave& params, const Reply<Saved
   }
   const SavedValues values = values_to_save(loaded, services.settings.requested());
   if (params.preview) return reply(SavedReport{*loaded.overlay, values.keys});
+  services.settings.count_save();
   reply.end_lease();  // the disk may not answer for minutes
   const auto asked = services.disk.request([path = *loaded.overlay, values, reply] {
     const auto saved = write_saved(path, values);
@@ -49,11 +50,11 @@ void get_job(Services& services, const JobNumber& which, const Reply<JobReport>&
 }
 
 void cancel_job(Services& services, const JobNumber& which, const Reply<JobReport>& reply) {
-  const bool ran = services.jobs.runs(which.job);
   const auto cancelled = services.jobs.cancel(which.job);
-  if (!ran || services.jobs.runs(which.job)) return reply(cancelled);
+  if (services.jobs.runs(which.job)) return reply(cancelled);  // its result is in use
   // Replies when the sensor is free again, so that the client can start the next job at once.
-  services.procedures.when_over(which.job, [reply, cancelled] { reply(cancelled); });
+  services.procedures.when_over(which.job,
+                                [&services, which, reply] { reply(services.jobs.get(which.job)); });
 }
 
 void close_loop(Services& services, const LoopSettings& settings, const Reply<LoopReport>& reply) {
@@ -70,11 +71,13 @@ void pause_loop(Services& services, const LoopPause& how, const Reply<LoopReport
 
 void start_recording(Services& services, const RecordStart& asked,
                      const Reply<RecordReport>& reply) {
-  if (auto can = check_no_sequence(*services.keeper.snapshot()); !can) return reply(can.error());
-  const Config now = services.settings.in_use();
-  services.recorder.start({asked, dump_config(now), now.camera.settings,
-                           services.camera.snapshot().info, "ovwsd " OVWS_VERSION},
-                          reply);
+  services.keeper.ask([&services, asked, reply](const SensorEdit& edit) {
+    if (auto can = check_no_sequence(edit.state); !can) return reply(can.error());
+    const Config now = services.settings.in_use();
+    services.recorder.start({asked, dump_config(now), now.camera.settings,
+                             services.camera.snapshot().info, "ovwsd " OVWS_VERSION},
+                            reply);
+  });
 }
 
 void stop_recording(Services& services, const Reply<RecordReport>& reply) {

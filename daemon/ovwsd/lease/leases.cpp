@@ -118,14 +118,13 @@ void Leases::set_device(const std::string& device, bool Conditions::*condition, 
   publish(before);
 }
 
-std::optional<std::string> Leases::fault() const {
+Leases::Report Leases::report() const {
   const std::lock_guard lock(mutex_);
-  if (causes_.empty()) return std::nullopt;
-  std::string text;
+  Report now{state(), std::nullopt};
   for (const auto& [device, cause] : causes_) {
-    text += (text.empty() ? "" : "; ") + device + ": " + cause;
+    now.fault = (now.fault ? *now.fault + "; " : "") + device + ": " + cause;
   }
-  return text;
+  return now;
 }
 
 /// Emits an event if the state is not `before` any more. Call with mutex_ locked, so that events of
@@ -137,11 +136,6 @@ void Leases::publish(DaemonState before) {
   const auto severity = now == DaemonState::fault ? Severity::error : Severity::info;
   events_.emit("state", severity, "state is " + name,
                {{"state", name}, {"before", state_name(before)}});
-}
-
-std::string Leases::name() const {
-  const std::lock_guard lock(mutex_);
-  return std::string(state_name(state()));
 }
 
 bool Leases::has_bench() const {

@@ -42,13 +42,16 @@ class Leases {
   /// fault: it is present, but unusable until a person fixes `cause`. Empty: no fault.
   void set_device(const std::string& device, bool Conditions::*condition, bool connected,
                   const std::string& cause);
-  /// Text of all faults, each with its device; none if there is no fault.
-  std::optional<std::string> fault() const;
-  /// The lease that `request` needs, whose parts nobody else can lease until it ends; leases of
-  /// clients do not exclude each other. Errors: what request_table.hpp says of its needs, and of
-  /// the holder that has one of its parts.
+  /// The daemon's state, and the text of all faults, each with its device; none: no fault.
+  struct Report {
+    DaemonState state = DaemonState::starting;
+    std::optional<std::string> fault;
+  };
+  Report report() const;
+  /// The lease that `request` needs. Nobody else can lease the parts of a holder's lease until it
+  /// ends; leases of clients do not exclude each other, and a holder waits for them (Lease::begin).
+  /// Errors: what request_table.hpp says of its needs, and of the holder that has one of its parts.
   Result<LeasePtr> take(Request request);
-  std::string name() const;  ///< of the daemon's state
   /// Whether camera and display are connected.
   bool has_bench() const;
 
@@ -88,7 +91,7 @@ class Lease {
 
   /// Calls `then` once, in the thread of the sensor's owner (see Leases::Turn), when all clients'
   /// changes of the same parts have ended that were permitted before. Then the holder has them.
-  /// Not called if the lease ends before.
+  /// Not called if the lease ends before, and never for a client's lease.
   void begin(std::function<void()> then) { of_.begin(id_, std::move(then)); }
   /// Ends the lease. A second call does nothing. Thread-safe.
   void end() { of_.end(id_); }

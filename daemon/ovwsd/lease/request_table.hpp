@@ -2,6 +2,7 @@
 /// it changes, and what a refusal says.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string_view>
@@ -12,7 +13,7 @@ namespace ovws {
 
 /// Whose lease it is. A client's lease lasts for one change; the others last for longer, and keep
 /// their parts from everybody else.
-enum class Holder : std::uint8_t { nobody, client, job, loop, reload, lattice, count };
+enum class Holder : std::uint8_t { nobody, client, job, loop, reload, lattice };
 
 /// Kinds of requests. kRequests says what each needs.
 enum class Request : std::uint8_t {
@@ -64,37 +65,40 @@ constexpr Set kSlm = 9;      ///< an SLM, not a fixed array of lenslets
 }  // namespace need
 
 struct RequestRow {
+  Request request;
   Holder holder;
   part::Set parts;
   need::Set needs;
 };
 
-template <class Key, class Row>
-using Table = std::array<Row, std::size_t(Key::count)>;
-
-constexpr Table<Request, RequestRow> kRequests{{
-    {Holder::client, part::kNone, need::kNothing},                              // read
-    {Holder::client, part::kNone, need::kRunning},                              // act
-    {Holder::client, part::kNone, need::kCamera},                               // grab
-    {Holder::client, part::kCamera, need::kRunning},                            // set_camera
-    {Holder::client, part::kDevices, need::kRunning},                           // set_devices
-    {Holder::client, part::kSensor, need::kDisplay},                            // set_sensor
-    {Holder::client, part::kSensor, need::kRunning},                            // set_measured
-    {Holder::client, part::kAberration, need::kDisplay | need::kSlm},           // set_aberration
-    {Holder::client, part::kCorrection, need::kDisplay | need::kSlm},           // set_correction
-    {Holder::client, part::kSensor, need::kDisplay | need::kSlm},               // show_pattern
-    {Holder::client, part::kRefinement, need::kRunning},                        // set_refinement
-    {Holder::client, part::kSaved, need::kRunning},                             // save_settings
-    {Holder::job, part::kAll & ~part::kRefinement, need::kBench},               // run_job
-    {Holder::job, part::kAll & ~part::kRefinement, need::kBench | need::kSlm},  // run_hologram_job
-    {Holder::job, part::kAll & ~(part::kRefinement | part::kCamera), need::kSlm},  // present
-    {Holder::job, part::kProcedures, need::kBench},                                // watch
-    {Holder::loop, part::kDevices | part::kSensor | part::kCorrection,
-     need::kBench | need::kSlm},  // close_loop
-    {Holder::lattice, part::kAll & ~(part::kRefinement | part::kProcedures),
-     need::kDisplay | need::kSlm},                                      // use_lattice
-    {Holder::reload, part::kAll & ~part::kProcedures, need::kRunning},  // reload
+constexpr std::array<RequestRow, std::size_t(Request::count)> kRequests{{
+    {Request::read, Holder::client, part::kNone, need::kNothing},
+    {Request::act, Holder::client, part::kNone, need::kRunning},
+    {Request::grab, Holder::client, part::kNone, need::kCamera},
+    {Request::set_camera, Holder::client, part::kCamera, need::kRunning},
+    {Request::set_devices, Holder::client, part::kDevices, need::kRunning},
+    {Request::set_sensor, Holder::client, part::kSensor, need::kDisplay},
+    {Request::set_measured, Holder::client, part::kSensor, need::kRunning},
+    {Request::set_aberration, Holder::client, part::kAberration, need::kDisplay | need::kSlm},
+    {Request::set_correction, Holder::client, part::kCorrection, need::kDisplay | need::kSlm},
+    {Request::show_pattern, Holder::client, part::kSensor, need::kDisplay | need::kSlm},
+    {Request::set_refinement, Holder::client, part::kRefinement, need::kRunning},
+    {Request::save_settings, Holder::client, part::kSaved, need::kRunning},
+    {Request::run_job, Holder::job, part::kAll & ~part::kRefinement, need::kBench},
+    {Request::run_hologram_job, Holder::job, part::kAll & ~part::kRefinement,
+     need::kBench | need::kSlm},
+    {Request::present, Holder::job, part::kAll & ~(part::kRefinement | part::kCamera), need::kSlm},
+    {Request::watch, Holder::job, part::kProcedures, need::kBench},
+    {Request::close_loop, Holder::loop, part::kDevices | part::kSensor | part::kCorrection,
+     need::kBench | need::kSlm},
+    {Request::use_lattice, Holder::lattice, part::kAll & ~(part::kRefinement | part::kProcedures),
+     need::kDisplay | need::kSlm},
+    {Request::reload, Holder::reload, part::kAll & ~part::kProcedures, need::kRunning},
 }};
+
+static_assert(std::ranges::all_of(kRequests, [](const RequestRow& row) {
+  return &row == &kRequests[std::size_t(row.request)];
+}));
 
 constexpr const RequestRow& row_of(Request request) {
   return kRequests[std::size_t(request)];
@@ -113,7 +117,6 @@ constexpr std::string_view refusal_of(Holder holder) {
       return "a prepared lattice is being taken into use; repeat the request in a moment";
     case Holder::nobody:
     case Holder::client:
-    case Holder::count:
       break;
   }
   return "";

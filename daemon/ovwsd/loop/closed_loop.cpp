@@ -109,28 +109,50 @@ bool is_rough_guide(const FrameRecord& record) {
 /// The sensor is as the check saw it until the loop has begun, because the lease is the loop's.
 void ClosedLoop::close(LeasePtr lease, const LoopSettings& settings, Done done) {
   Lease& taken = *lease;
-  taken.begin([this, lease = std::move(lease), settings, done = std::move(done)] {
-    const auto known = model();
-    const auto sensor = checked(settings, known.get());
-    if (!sensor) {
-      lease->end();
-      return done(fail(sensor.error()));
-    }
-    mailbox_.post([this, lease, settings, known, sensor = *sensor, done] {
-      done(begin(lease, settings, known, *sensor));
-    });
-  });
+  taken.begin(
+      [this, lease = std::move(lease), settings, counted = closing(), done = std::move(done)] {
+        const auto known = model();
+        const auto sensor = checked(settings, known.get());
+        if (!sensor) {
+          lease->end();
+          return done(fail(sensor.error()));
+        }
+        mailbox_.post([this, lease, settings, known, sensor = *sensor, counted, done] {
+          done(begin(lease, settings, known, *sensor));
+        });
+      });
 }
 
-/// Comes to the loop thread by the prepare thread, behind a `close` that was requested before.
+/// Counts a `close` until its last step has ended or is dropped, and lets the tasks go on that
+/// wait.
+std::shared_ptr<void> ClosedLoop::closing() {
+  const std::lock_guard lock(order_->mutex);
+  ++order_->closing;
+  return {nullptr, [this, order = order_](void*) {
+            const std::lock_guard ended(order->mutex);
+            if (--order->closing > 0 || order->is_over) return;
+            for (auto& task : std::exchange(order->waiting, {})) mailbox_.post(std::move(task));
+          }};
+}
+
+/// A `close` that was requested before may still wait for changes under way: `task` comes after it.
+void ClosedLoop::post_after_closing(std::function<void()> task) {
+  const std::lock_guard lock(order_->mutex);
+  if (order_->closing > 0) return order_->waiting.push_back(std::move(task));
+  mailbox_.post(std::move(task));
+}
+
 void ClosedLoop::open(bool keep, Done done) {
-  deps_.keeper.after_changes([this, keep, done = std::move(done)] {
-    mailbox_.post([this, keep, done] { done(end(keep)); });
-  });
+  post_after_closing([this, keep, done = std::move(done)] { done(end(keep)); });
+}
+
+ClosedLoop::~ClosedLoop() {
+  const std::lock_guard lock(order_->mutex);
+  order_->is_over = true;  // steps of a `close` may be dropped later
 }
 
 void ClosedLoop::pause(bool paused, Done done) {
-  mailbox_.post([this, paused, done = std::move(done)] { done(set_paused(paused)); });
+  post_after_closing([this, paused, done = std::move(done)] { done(set_paused(paused)); });
 }
 
 /// Publish thread: whether the loop observes a frame.
@@ -230,7 +252,6 @@ void ClosedLoop::observe(const FrameCopy& frame) {
 LoopReport ClosedLoop::begin(const LeasePtr& lease, const LoopSettings& settings,
                              const std::shared_ptr<const LoopModel>& known,
                              const SensorSnapshot& sensor) {
-  lease_ = lease;
   control_.emplace(settings, sensor.correction, laws_of(settings, known));
   watch_.emplace(settings, monotonic_ns());
   log_.closed(settings, sensor.correction, known.get());
@@ -245,6 +266,7 @@ LoopReport ClosedLoop::begin(const LeasePtr& lease, const LoopSettings& settings
   LoopReport report;
   report.settings = settings;
   report_.set(report);
+  lease_ = lease;  // last: a step that throws leaves it to its caller
   set_closed(true, "", Severity::info);
   return this->report();
 }
@@ -376,7 +398,7 @@ void ClosedLoop::set_closed(bool closed, const std::string& why, Severity severi
   if (!closed) log_.opened();
   if (!closed) frames_.reset();
   // Before the report: a client that reads of an open loop may close it at once.
-  if (!closed) std::exchange(lease_, nullptr)->end();
+  if (const auto lease = closed ? nullptr : std::exchange(lease_, nullptr)) lease->end();
   closed_ = closed;
   report_.set(report);
   deps_.events.emit("loop", severity, closed ? "the loop is closed" : "the loop is open: " + why,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -55,11 +56,13 @@ class ClosedLoop : public Agent {
   using Done = std::function<void(Result<LoopReport>)>;
 
   explicit ClosedLoop(ClosedLoopDeps deps) : deps_(std::move(deps)), log_(deps_.record) {}
+  ~ClosedLoop() override;
 
   bool do_work() override;
   void on_close() override { mailbox_.close(); }
 
-  // Thread-safe methods; `done` is called in the loop thread, a refusal of `close` in any.
+  // Thread-safe methods, carried out in the order of the calls; `done` is called in the loop
+  // thread, a refusal of `close` in any.
   /// Closes the loop, starting from the present correction; it has `lease`, that of close_loop,
   /// until it opens. Errc::refused: the sensor's hologram is not shown, there is no reference, or
   /// the correction exceeds the limit; field "law": the law needs a model that loop.identify has
@@ -81,6 +84,15 @@ class ClosedLoop : public Agent {
 
  private:
   static constexpr std::size_t kFrames = 64;  ///< that may wait; more are dropped
+  /// Keeps `open` and `pause` behind each `close` that was requested before.
+  struct Order {
+    std::mutex mutex;
+    int closing = 0;                               ///< requests that have not ended
+    std::vector<std::function<void()>> waiting{};  ///< for them
+    bool is_over = false;                          ///< the loop was destroyed
+  };
+  std::shared_ptr<void> closing();
+  void post_after_closing(std::function<void()> task);
   LoopReport begin(const LeasePtr& lease, const LoopSettings& settings,
                    const std::shared_ptr<const LoopModel>& known, const SensorSnapshot& sensor);
   Result<LoopReport> end(bool keep);
@@ -103,6 +115,7 @@ class ClosedLoop : public Agent {
   Mailbox mailbox_;
   std::atomic<bool> closed_{false}, paused_{false};
   std::int64_t valid_ns_ = 0;  ///< CLOCK_MONOTONIC of the last valid frame; see is_usable
+  std::shared_ptr<Order> order_ = std::make_shared<Order>();
   Guarded<std::shared_ptr<const LoopModel>> model_;
   Guarded<LoopReport> report_;
 

@@ -78,8 +78,9 @@ struct Presentations::Show {
   double lease_s = kLeaseS;
   std::int64_t ends_ns = 0;
   int pictures = 0;
+  bool told = false;  ///< a client knows its number
 
-  void begin_lease() { ends_ns = monotonic_ns() + std::int64_t(1e9 * lease_s); }
+  void renew() { ends_ns = monotonic_ns() + std::int64_t(1e9 * lease_s); }
 
   Result<PresentReport> present(const SlmPresent& wish, const SlmGeometry& slm,
                                 const std::string& bytes);
@@ -91,7 +92,7 @@ Result<PresentReport> Presentations::Show::present(const SlmPresent& wish, const
                                                    const std::string& bytes) {
   if (bench == nullptr) return fail(over());
   lease_s = wish.lease_s.value_or(lease_s);
-  begin_lease();
+  renew();
   std::optional<std::int64_t> t_settled_ns;
   if (!bytes.empty()) {
     Picture picture = picture_of(wish, slm, bytes);
@@ -107,7 +108,7 @@ Result<PresentReport> Presentations::Show::present(const SlmPresent& wish, const
     const auto settled_ns = bench->wait_settled();
     if (!settled_ns) return fail(settled_ns.error());
     t_settled_ns = utc_of(*settled_ns);
-    begin_lease();
+    renew();
   }
   PresentReport report{job, bench->sensor()->hologram_id, t_settled_ns, std::nullopt};
   if (lease_s > 0.0) report.t_lease_ns = utc_of(ends_ns);
@@ -115,7 +116,7 @@ Result<PresentReport> Presentations::Show::present(const SlmPresent& wish, const
 }
 
 /// An order: `present`, whose failures do not keep the presentation from its next orders. It ends
-/// at once if its first picture failed, because no client knows its number then.
+/// at once if its first one failed, because no client knows its number then.
 Result<PresentReport> Presentations::Show::carry_out(const SlmPresent& wish, const SlmGeometry& slm,
                                                      const std::string& bytes) {
   Result<PresentReport> report = fail(
@@ -124,7 +125,8 @@ Result<PresentReport> Presentations::Show::carry_out(const SlmPresent& wish, con
     report = present(wish, slm, bytes);
   } catch (const std::bad_alloc&) {
   }
-  if (!report && pictures == 0) ends_ns = 0;
+  told = told || report.has_value();
+  if (!told) ends_ns = 0;
   return report;
 }
 
@@ -174,16 +176,16 @@ void Presentations::begin(std::function<void(const std::shared_ptr<Show>&)> orde
   auto lease = leases_.take(Request::present);
   if (!lease) return done(fail(lease.error()));
   auto show = std::make_shared<Show>();
-  procedures_.start(
-      std::move(*lease), kSlmPresent.name, [this, show](Bench& bench) { return run(bench, show); },
-      [this, show, order = std::move(order)](int job) {
-        show->job = job;
-        {
-          const std::lock_guard lock(mutex_);
-          running_ = show;
-        }
-        order(show);
-      });
+  procedures_.start(std::move(*lease),
+                    {kSlmPresent.name, [this, show](Bench& bench) { return run(bench, show); }},
+                    [this, show, order = std::move(order)](const Result<int>& job) {
+                      show->job = *job;  // it has no condition that could refuse it
+                      {
+                        const std::lock_guard lock(mutex_);
+                        running_ = show;
+                      }
+                      order(show);
+                    });
 }
 
 /// Takes no more orders, and refuses those that wait. An order that throws does not keep the others
@@ -206,7 +208,7 @@ void Presentations::end(Show& show) {
 /// Carries out orders until the lease ends or the job is stopped.
 Result<nlohmann::json> Presentations::run(Bench& bench, const std::shared_ptr<Show>& show) {
   show->bench = &bench;
-  show->begin_lease();
+  show->renew();
   try {
     while (!bench.stopped() && monotonic_ns() < show->ends_ns)
       (void)show->orders.run_one(kStopCheckInterval);

@@ -15,32 +15,35 @@ constexpr std::chrono::milliseconds kMaxIdle(50);
 
 }  // namespace
 
-void Procedures::start(LeasePtr lease, const std::string& kind, Procedure procedure,
-                       std::function<void(int)> done) {
+void Procedures::start(LeasePtr lease, Start what, std::function<void(Result<int>)> done) {
   Lease& taken = *lease;
-  taken.begin(
-      [this, lease = std::move(lease), kind, procedure = std::move(procedure),
-       done = std::move(done)]() mutable { begin(lease, kind, std::move(procedure), done); });
+  taken.begin([this, lease = std::move(lease), what = std::move(what),
+               done = std::move(done)]() mutable { begin(lease, std::move(what), done); });
 }
 
-void Procedures::begin(const LeasePtr& lease, const std::string& kind, Procedure procedure,
-                       const std::function<void(int)>& done) {
+void Procedures::begin(const LeasePtr& lease, Start what,
+                       const std::function<void(Result<int>)>& done) {
+  if (what.can) {
+    if (const auto may = what.can(*deps_.keeper.snapshot()); !may) {
+      lease->end();
+      return done(fail(may.error()));
+    }
+  }
   auto run = std::make_shared<Run>();
   const std::weak_ptr<Run> weak_run = run;
-  run->job = deps_.jobs.begin(
-      kind,
-      [weak_run] {
-        if (const auto it = weak_run.lock()) it->stop = true;
-      },
-      [weak_run] {
-        const auto it = weak_run.lock();
-        return it ? it->progress.load() : 0.0;
-      });
-  run->lease = lease;
-  run->procedure = std::move(procedure);
-  run->bench = std::make_unique<Bench>(run->job, deps_, run->stop, run->progress);
+  const auto cancel = [weak_run] {
+    if (const auto it = weak_run.lock()) it->stop = true;
+  };
+  const auto progress = [weak_run] {
+    const auto it = weak_run.lock();
+    return it ? it->progress.load() : 0.0;
+  };
   {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(mutex_);  // before the job is known to others: they may cancel it
+    run->job = deps_.jobs.begin(what.kind, cancel, progress);
+    run->lease = lease;
+    run->procedure = std::move(what.procedure);
+    run->bench = std::make_unique<Bench>(run->job, deps_, run->stop, run->progress);
     if (ending_) run->stop = true;
     runs_.push_back(run);
   }
@@ -74,6 +77,7 @@ bool Procedures::do_work() {
     const auto is_told = [this] { return !runs_.empty() && runs_.front()->told; };
     if (!asked_.wait_for(lock, kMaxIdle, is_told)) return false;
     run = runs_.front();
+    run->told = false;  // it is carried out once, whatever happens
   }
   finish(run, carry_out(*run));
   return true;
@@ -106,6 +110,7 @@ void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::
     std::erase(runs_, run);
     waiting.swap(run->waiting);
   }
+  (void)deps_.jobs.end_cancelled(run->job);
   for (const auto& then : waiting) then();
   // The callback keeps `run` alive, because `run` provides the progress until the job has ended.
   run->bench->pending_files()->when_none([run, &jobs = deps_.jobs, job = run->job, result] {

@@ -26,15 +26,20 @@ class Procedures : public Agent {
  public:
   explicit Procedures(BenchDeps deps) : deps_(std::move(deps)) {}
 
+  struct Start {
+    std::string kind;
+    Procedure procedure;
+    /// Whether it can start, judged when it has its lease; empty: always.
+    std::function<Result<void>(const SensorSnapshot&)> can{};
+  };
   /// Starts a job, which has `lease`, one of a job, until it ends. Thread-safe. Calls `done` in the
-  /// prepare thread with the job's number, and begins the procedure after `done` has returned.
-  /// While the daemon stops, the procedure is stopped from its beginning.
-  void start(LeasePtr lease, const std::string& kind, Procedure procedure,
-             std::function<void(int)> done);
+  /// prepare thread with the job's number, and begins the procedure after `done` has returned; or
+  /// with the error of `can`. While the daemon stops, the procedure is stopped from its beginning.
+  void start(LeasePtr lease, Start what, std::function<void(Result<int>)> done);
   /// Calls `then` when the job's lease has ended and what it had changed for itself is restored: at
   /// once, or later in the procedure thread. Thread-safe.
   void when_over(int job, std::function<void()> then);
-  /// Refuses new jobs and stops the running job within a fraction of a second. Thread-safe.
+  /// Stops every job within a fraction of a second, also one that starts later. Thread-safe.
   void end_soon();
 
   bool do_work() override;
@@ -50,8 +55,7 @@ class Procedures : public Agent {
     bool told = false;                             ///< its number was told: it may run
     std::vector<std::function<void()>> waiting{};  ///< of when_over
   };
-  void begin(const LeasePtr& lease, const std::string& kind, Procedure procedure,
-             const std::function<void(int)>& done);
+  void begin(const LeasePtr& lease, Start what, const std::function<void(Result<int>)>& done);
   Result<nlohmann::json> carry_out(Run& run);
   void finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result);
   void restore_sensor(Run& run);

@@ -77,6 +77,7 @@ void Reloader::read(const ReloadPtr& reload) {
     return give_up({Errc::refused, "",
                     "there is no file to read: the daemon was started without --config FILE"});
   }
+  reload->saves = deps_.settings.saves();
   auto read = read_again(path);
   if (!read) return give_up(read.error());
   reload->read = std::move(*read);
@@ -87,6 +88,10 @@ void Reloader::read(const ReloadPtr& reload) {
 }
 
 void Reloader::change(const ReloadPtr& reload) {
+  if (deps_.settings.saves() != reload->saves) {  // config.save came between: read what it wrote
+    reload->lease.reset();
+    return deps_.disk.post([this, reload] { read(reload); });
+  }
   const CameraSnapshot camera = deps_.camera.snapshot();
   reload->before = deps_.settings.requested();
   reload->after = reload->read.effective;

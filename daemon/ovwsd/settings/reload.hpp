@@ -68,6 +68,7 @@ class Reloader {
     Reloader& reloader;
     LeasePtr lease;        ///< from `begin` on, until all is changed
     LoadedConfig read;     ///< from the files
+    int saves = 0;         ///< Settings::saves when it was read
     Config before, after;  ///< camera settings as requested, not as read back
     ConfigDifference keys;
     bool had_camera = false;                ///< a camera was connected before

@@ -1,6 +1,7 @@
 /// The settings in use: what is in the files, what was requested since, and how they differ.
 #pragma once
 
+#include <atomic>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -32,6 +33,9 @@ class Settings {
 
   /// The configuration at the daemon's start.
   const Config& started() const { return started_; }
+  /// Number of requests to save settings that were put into the disk thread's queue.
+  int saves() const { return saves_.load(); }
+  void count_save() { ++saves_; }
   /// What was loaded last, at the start or by a reload.
   LoadedConfig loaded() const { return loaded_.get(); }
   void set_loaded(LoadedConfig loaded) { loaded_.set(std::move(loaded)); }
@@ -47,6 +51,7 @@ class Settings {
 
   const Config started_;
   Guarded<LoadedConfig> loaded_;
+  std::atomic<int> saves_{0};
   const CameraActor& camera_;
   const SlmLoop& slm_;
   const SensorKeeper& keeper_;

@@ -169,11 +169,16 @@ TEST_F(ClosedLoopTest, HoldsTheSensorWhileItIsClosed) {
 TEST_F(ClosedLoopTest, OpensAfterACloseThatWasRequestedBefore) {
   take_reference_frames();
   for (int turn = 0; turn < 20; ++turn) {
+    // Every second time the close waits for a change under way.
+    auto change = turn % 2 == 0 ? LeasePtr() : bench_.leases().take(Request::set_sensor).value();
     auto lease = bench_.leases().take(Request::close_loop);
     ASSERT_TRUE(lease) << lease.error().reason;
     std::atomic<bool> closed{false};
     loop_.close(std::move(*lease), {}, [&](const Result<LoopReport>& now) { closed = bool(now); });
-    const auto opened = open(false);
+    std::promise<Result<LoopReport>> answer;
+    loop_.open(false, [&answer](const Result<LoopReport>& now) { answer.set_value(now); });
+    change.reset();
+    const auto opened = answer.get_future().get();
     ASSERT_TRUE(opened) << opened.error().reason;
     EXPECT_TRUE(closed);
     EXPECT_FALSE(loop_.is_closed());

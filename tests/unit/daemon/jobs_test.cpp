@@ -62,11 +62,26 @@ TEST_F(JobsTest, AJobWhoseResultIsInUseIsNotCancelled) {
 
 TEST_F(JobsTest, OnlyARunningJobIsCancelled) {
   const int id = begin();
-  EXPECT_EQ(jobs_.cancel(id)->state, JobState::cancelled);
-  EXPECT_EQ(jobs_.cancel(id)->state, JobState::cancelled);
+  EXPECT_FALSE(jobs_.end_cancelled(id));
+  EXPECT_EQ(jobs_.cancel(id)->state, JobState::running) << "it has not ended yet";
+  EXPECT_EQ(jobs_.cancel(id)->state, JobState::running);
   EXPECT_EQ(cancelled_, 1);
+  EXPECT_FALSE(jobs_.runs(id));
+  EXPECT_FALSE(jobs_.use_result(id));
+  EXPECT_TRUE(jobs_.end_cancelled(id));
+  EXPECT_EQ(jobs_.get(id)->state, JobState::cancelled);
+  EXPECT_EQ(jobs_.cancel(id)->state, JobState::cancelled);
   jobs_.finish(id, {});
   EXPECT_EQ(jobs_.get(id)->state, JobState::cancelled);
+}
+
+TEST_F(JobsTest, AJobThatWasCancelledHasNoResultHoweverItEnds) {
+  const int id = begin();
+  ASSERT_TRUE(jobs_.cancel(id));
+  jobs_.fail_job(id, {Errc::refused, "", "it was cancelled"});
+  EXPECT_EQ(jobs_.get(id)->state, JobState::cancelled);
+  EXPECT_FALSE(jobs_.get(id)->error);
+  EXPECT_FALSE(jobs_.last_failed());
 }
 
 TEST_F(JobsTest, EachQuarterOfAJobIsOneEvent) {
@@ -101,7 +116,9 @@ TEST_F(JobsTest, TheLastFailureIsKnownAfterLaterJobsOfOtherKinds) {
 TEST_F(JobsTest, AFailureIsForgottenWhenAJobOfItsKindIsDone) {
   fail("lut.run", "no light");
   fail("reference.take", "too bright");
-  jobs_.cancel(begin("reference.take"));
+  const int cancelled = begin("reference.take");
+  ASSERT_TRUE(jobs_.cancel(cancelled));
+  EXPECT_TRUE(jobs_.end_cancelled(cancelled));
   EXPECT_EQ(jobs_.last_failed()->reason, "too bright");
   jobs_.finish(begin("reference.take"), {});
   EXPECT_EQ(jobs_.last_failed()->reason, "no light");

@@ -219,13 +219,13 @@ TEST_F(LeasesTest, WhatTheOwnerOfTheSensorDropsEndsItsLease) {
 TEST_F(LeasesTest, AFaultLastsUntilTheLastOfItsCausesIsGone) {
   set_slm(false, "the mode is wrong");
   set_camera(false, "no such format");
-  EXPECT_EQ(leases_.name(), "fault");
-  EXPECT_EQ(leases_.fault(), "camera: no such format; slm: the mode is wrong");
+  EXPECT_EQ(leases_.report().state, DaemonState::fault);
+  EXPECT_EQ(leases_.report().fault, "camera: no such format; slm: the mode is wrong");
   set_slm(false, "");
-  EXPECT_EQ(leases_.name(), "fault");
+  EXPECT_EQ(leases_.report().state, DaemonState::fault);
   set_camera(true, "");
-  EXPECT_EQ(leases_.name(), "waiting_for_display");
-  EXPECT_EQ(leases_.fault(), std::nullopt);
+  EXPECT_EQ(leases_.report().state, DaemonState::waiting_for_display);
+  EXPECT_EQ(leases_.report().fault, std::nullopt);
 }
 
 TEST_F(LeasesTest, EachChangeOfStateIsOneEventAndRepetitionIsNone) {
@@ -249,14 +249,14 @@ TEST_F(LeasesTest, EachChangeOfStateIsOneEventAndRepetitionIsNone) {
 TEST_F(LeasesTest, WithBothMissingItWaitsForTheCameraFirst) {
   set_slm(false, "");
   set_camera(false, "");
-  EXPECT_EQ(leases_.name(), "waiting_for_camera");
+  EXPECT_EQ(leases_.report().state, DaemonState::waiting_for_camera);
   EXPECT_FALSE(leases_.has_bench());
   set_camera(true, "");
-  EXPECT_EQ(leases_.name(), "waiting_for_display");
+  EXPECT_EQ(leases_.report().state, DaemonState::waiting_for_display);
   set_slm(true, "");
   EXPECT_TRUE(leases_.has_bench());
   leases_.set(&Conditions::started, false);
-  EXPECT_EQ(leases_.name(), "starting");
+  EXPECT_EQ(leases_.report().state, DaemonState::starting);
 }
 
 }  // namespace

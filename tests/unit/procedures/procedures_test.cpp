@@ -391,13 +391,13 @@ TEST(Procedures, AProcedureBeginsAfterItsNumberWasTold) {
   std::atomic<bool> waits{false};
   auto lease = bench.leases().take(Request::run_job);
   ASSERT_TRUE(lease);
+  const auto procedure = [&](Bench&) -> Result<nlohmann::json> {
+    begins.set_value();
+    return nlohmann::json{};
+  };
   bench.procedures().start(
-      std::move(*lease), "calibration.run",
-      [&](Bench&) -> Result<nlohmann::json> {
-        begins.set_value();
-        return nlohmann::json{};
-      },
-      [&](int) { waits = begun.wait_for(200ms) == std::future_status::timeout; });
+      std::move(*lease), {"calibration.run", procedure},
+      [&](const Result<int>&) { waits = begun.wait_for(200ms) == std::future_status::timeout; });
   ASSERT_EQ(begun.wait_for(30s), std::future_status::ready);
   EXPECT_TRUE(waits);
 }
