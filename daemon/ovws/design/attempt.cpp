@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/tracking/spot_geometry.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/settings/config_check.hpp"
 #include "proto/limits.hpp"
 

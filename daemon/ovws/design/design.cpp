@@ -9,7 +9,7 @@
 #include "core/tracking/spot_geometry.hpp"
 #include "daemon/ovws/design/attempt.hpp"
 #include "daemon/ovws/design/search.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 
 namespace ovws::design {
 namespace {

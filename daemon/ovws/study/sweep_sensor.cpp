@@ -13,7 +13,7 @@
 #include "core/tracking/patch.hpp"
 #include "core/wavefront/residual_variance.hpp"
 #include "core/wavefront/slope_model.hpp"
-#include "daemon/ovwsd/layout/slope_operator.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 
 namespace ovws::study {
 namespace {

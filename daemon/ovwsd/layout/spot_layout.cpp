@@ -17,7 +17,7 @@
 #include "core/tracking/spot_geometry.hpp"
 #include "core/tracking/spot_kinds.hpp"
 #include "core/wavefront/reconstructor.hpp"
-#include "daemon/ovwsd/layout/slope_operator.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 
 namespace ovws {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
 #include "core/wavefront/matrix_comparison.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/procedures/pokes.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 #include "daemon/ovwsd/sensor/spots_model.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/pipeline/position_modes.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/plan_builder.hpp"
 
 namespace ovws {

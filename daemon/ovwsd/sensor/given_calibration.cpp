@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "core/port/clock.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 
 namespace ovws {

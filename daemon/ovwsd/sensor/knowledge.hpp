@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "core/port/camera.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/library/items.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/sensor_state.hpp"
 
 namespace ovws {

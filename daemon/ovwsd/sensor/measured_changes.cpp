@@ -4,8 +4,8 @@
 
 #include "core/optics/lattice.hpp"
 #include "core/port/clock.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/branch_check.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/sensor_changes.hpp"
 
 namespace ovws {

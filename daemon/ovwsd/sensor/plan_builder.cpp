@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "core/wavefront/slope_model.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/reference_spots.hpp"
 
 namespace ovws {

@@ -2,7 +2,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "core/optics/lattice.hpp"
-#include "daemon/ovwsd/layout/slope_operator.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 
 namespace ovws {

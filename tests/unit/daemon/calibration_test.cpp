@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/optics/lattice.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "daemon/ovwsd/sensor/knowledge.hpp"
-#include "daemon/ovwsd/sensor/mode_operators.hpp"
 #include "tests/unit/daemon/small_bench.hpp"
 
 namespace ovws {

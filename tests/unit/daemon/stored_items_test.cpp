@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "daemon/ovwsd/layout/slope_operator.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 #include "tests/unit/daemon/keeper_bench.hpp"
 
 namespace ovws {

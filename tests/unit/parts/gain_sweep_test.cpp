@@ -8,7 +8,7 @@
 #include "core/optics/lattice.hpp"
 #include "core/wavefront/residual_variance.hpp"
 #include "daemon/ovws/study/sweep_sensor.hpp"
-#include "daemon/ovwsd/layout/slope_operator.hpp"
+#include "daemon/ovwsd/layout/mode_operators.hpp"
 
 namespace ovws {
 namespace {
