@@ -33,19 +33,33 @@ int act_on_words(const Common& common, const std::string& method, const Words& w
   return params ? act(common, method, *params) : report_mistake(common, params.error());
 }
 
-/// Sets camera settings, or reads them if there are no params, and prints one of them with `show`.
-int act_on_camera(const Common& common, const json& params, const char* what,
-                  std::string (*show)(const json&, const json&)) {
-  const auto answer = call(common, params.empty() ? "camera.get" : "camera.set", params);
-  if (!answer) return report_failure(common, answer.error());
-  const json& settings = answer->at(params.empty() ? "settings" : "applied");
-  return print_answer(common, *answer,
-                      std::string(what) + " " + show(settings, answer->at("limits")));
-}
-
 int report_mistake_in(const Common& common, const std::string& key, Error error) {
   error.field = key;
   return report_mistake(common, error);
+}
+
+/// A setting of the camera as people write and read it.
+struct CameraWords {
+  const char *what, *field;  ///< in sentences; in mistakes
+  const char* key;
+  double per_unit;  ///< of the key, for one of what `read` returns
+  Result<double> (*read)(std::string_view text);
+  std::string (*show)(const json& settings, const json& limits);
+};
+
+/// Sets the setting, or reads it if the text is empty, and prints it.
+int act_on_camera(const Common& common, const CameraWords& words, const std::string& text) {
+  json params = json::object();
+  if (!text.empty()) {
+    const auto value = words.read(text);
+    if (!value) return report_mistake_in(common, words.field, value.error());
+    params[words.key] = words.per_unit * *value;
+  }
+  const auto answer = call(common, text.empty() ? "camera.get" : "camera.set", params);
+  if (!answer) return report_failure(common, answer.error());
+  const json& settings = answer->at(text.empty() ? "settings" : "applied");
+  return print_answer(common, *answer,
+                      words.what + (" " + words.show(settings, answer->at("limits"))));
 }
 
 /// Warns on stderr that the further question of a verb that has done its work was not answered.
@@ -84,18 +98,13 @@ bool has_ended_well(const json& record) {
 }
 
 int exposure_verb(const Common& common, const std::string& time) {
-  if (time.empty()) return act_on_camera(common, json::object(), "exposure", exposure_text);
   if (time == "auto") return act(common, "camera.auto_exposure", json::object());
-  const auto seconds = seconds_of(time);
-  if (!seconds) return report_mistake_in(common, "exposure", seconds.error());
-  return act_on_camera(common, {{"exposure_us", 1e6 * *seconds}}, "exposure", exposure_text);
+  return act_on_camera(
+      common, {"exposure", "exposure", "exposure_us", 1e6, seconds_of, exposure_text}, time);
 }
 
 int gain_verb(const Common& common, const std::string& gain) {
-  if (gain.empty()) return act_on_camera(common, json::object(), "gain", gain_text);
-  const auto decibels = decibels_of(gain);
-  if (!decibels) return report_mistake_in(common, "gain", decibels.error());
-  return act_on_camera(common, {{"gain_db", *decibels}}, "gain", gain_text);
+  return act_on_camera(common, {"gain", "gain", "gain_db", 1.0, decibels_of, gain_text}, gain);
 }
 
 int show_rate(const Common& common) {
@@ -113,9 +122,8 @@ int show_rate(const Common& common) {
 
 int rate_verb(const Common& common, const std::string& rate) {
   if (rate.empty()) return show_rate(common);
-  const auto hertz = hertz_of(rate);
-  if (!hertz) return report_mistake_in(common, "rate", hertz.error());
-  return act_on_camera(common, {{"frame_rate_hz", *hertz}}, "frame rate", rate_text);
+  return act_on_camera(common, {"frame rate", "rate", "frame_rate_hz", 1.0, hertz_of, rate_text},
+                       rate);
 }
 
 int aberrate_verb(const Common& common, const Words& words) {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <chrono>
@@ -35,6 +36,14 @@ std::optional<std::pair<double, std::string_view>> split_number(std::string_view
   return std::pair(value, text);
 }
 
+/// The number of a text that may have one of these units; else it is not what it should be.
+Result<double> number_of(std::string_view text, std::array<std::string_view, 3> units,
+                         const char* wanted) {
+  const auto number = split_number(text);
+  if (number && std::ranges::count(units, number->second) > 0) return number->first;
+  return fail(Errc::invalid, "", fmt::format("\"{}\" is not {}", text, wanted));
+}
+
 std::string two_units(double seconds, double large, const char* large_name, double small,
                       const char* small_name) {
   const auto all = std::int64_t(seconds / small + 0.5);
@@ -61,20 +70,11 @@ Result<double> seconds_of(std::string_view text) {
 }
 
 Result<double> decibels_of(std::string_view text) {
-  const auto number = split_number(text);
-  if (number && (number->second.empty() || number->second == "dB" || number->second == "db")) {
-    return number->first;
-  }
-  return fail(Errc::invalid, "", fmt::format("\"{}\" is not a gain: give a number of dB", text));
+  return number_of(text, {"", "dB", "db"}, "a gain: give a number of dB");
 }
 
 Result<double> hertz_of(std::string_view text) {
-  const auto number = split_number(text);
-  if (number && (number->second.empty() || number->second == "Hz" || number->second == "hz")) {
-    return number->first;
-  }
-  return fail(Errc::invalid, "",
-              fmt::format("\"{}\" is not a frame rate: give a number of Hz", text));
+  return number_of(text, {"", "Hz", "hz"}, "a frame rate: give a number of Hz");
 }
 
 std::string time_text(double seconds) {
