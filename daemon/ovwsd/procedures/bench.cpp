@@ -88,7 +88,7 @@ Result<void> Bench::edit(SensorChange change) {
   promise.reset();
   deps_.keeper.edit(
       std::move(change),
-      [answer, pending = files_->add()](const Result<SensorView>& done) {
+      [answer, end = end_](const Result<SensorView>& done) {
         if (!done) answer(fail(done.error()));
       },
       [answer] { answer({}); });
@@ -131,8 +131,10 @@ Result<void> Bench::use(SensorChange change, Step step) {
     return change(edit);
   });
   if (!used) return used;
-  for (auto left = kFilePatience; left.count() > 0 && !stopped(); left -= kPollInterval) {
-    if (files_->wait_for(kPollInterval)) break;
+  constexpr auto kWait = kPollInterval / 10;
+  for (auto left = kFilePatience; left.count() > 0 && !stopped(); left -= kWait) {
+    if (end_.use_count() == 1) break;  // no file is being written
+    std::this_thread::sleep_for(kWait);
   }
   return used;
 }

@@ -20,7 +20,6 @@
 #include "daemon/ovwsd/frames/measured_under.hpp"
 #include "daemon/ovwsd/library/reference.hpp"
 #include "daemon/ovwsd/library/reference_image.hpp"
-#include "daemon/ovwsd/procedures/pending_files.hpp"
 #include "daemon/ovwsd/sensor/sensor_keeper.hpp"
 #include "daemon/ovwsd/sensor/spot_average.hpp"
 
@@ -34,6 +33,18 @@ struct BenchDeps {
   SlmLoop& slm;
   Jobs& jobs;
   Events& events;
+};
+
+/// End of a job: calls `then` when the last pointer to it is gone. Those that still write a file of
+/// the job have one each.
+struct JobEnd {
+  JobEnd() = default;
+  JobEnd(const JobEnd&) = delete;
+  JobEnd& operator=(const JobEnd&) = delete;
+  ~JobEnd() {
+    if (then) then();
+  }
+  std::function<void()> then{};
 };
 
 /// Bench access for the thread of one procedure. Each call blocks until its result is available.
@@ -68,8 +79,8 @@ class Bench {
   /// After its last step, the default, the job cannot be cancelled any more.
   enum class Step { early, last };
   Result<void> use(SensorChange change, Step step = Step::last);
-  /// Files of this job that are still being written; the job ends when no file is pending.
-  std::shared_ptr<PendingFiles> pending_files() const { return files_; }
+  /// Takes the end of the job, when the procedure has returned.
+  std::shared_ptr<JobEnd> take_end() { return std::move(end_); }
   /// Publishes an event of severity info.
   void publish_info(std::string kind, std::string text, nlohmann::json data);
   /// Publishes a warning event.
@@ -136,7 +147,7 @@ class Bench {
   std::atomic<double>& progress_;
   std::pair<double, double> part_{0.0, 1.0};  ///< begin and share of the part in progress
   CameraSet camera_before_;                   ///< settings to restore; empty: unchanged
-  std::shared_ptr<PendingFiles> files_ = std::make_shared<PendingFiles>();
+  std::shared_ptr<JobEnd> end_ = std::make_shared<JobEnd>();
 };
 
 }  // namespace ovws

@@ -113,10 +113,10 @@ void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::
   (void)deps_.jobs.end_cancelled(run->job);
   for (const auto& then : waiting) then();
   // The callback keeps `run` alive, because `run` provides the progress until the job has ended.
-  run->bench->pending_files()->when_none([run, &jobs = deps_.jobs, job = run->job, result] {
+  run->bench->take_end()->then = [run, &jobs = deps_.jobs, job = run->job, result] {
     if (result) return jobs.finish(job, *result);
     jobs.fail_job(job, result.error());
-  });
+  };
 }
 
 /// Has the prepare thread restore what the job had changed for itself, then ends the lease.
