@@ -54,7 +54,7 @@ class Flatness(SlmCase):
         """Another camera means other optics: results measured with the previous one are not used until it returns."""
         events = self.stream("event")
         self.exchange_camera({"serial": "TWIN0002"})
-        event = wait_for(lambda: (e := events.next(1.0)) and e["kind"] == "slm" and "another camera" in e["text"] and e, what="an event")
+        event = wait_for(lambda: (e := events.next(1.0)) and e["kind"] == "slm" and "camera.serial was" in e["text"] and e, what="an event")
         self.assertEqual((event["severity"], event["data"]["used"]), ("warning", False))
         wait_for(lambda: not self.call("flatness.get")["measured"], what="another camera's")
         self.assertTrue((self.bench.directory / "state" / "flatness.slm.json").exists())

@@ -319,7 +319,7 @@ void Library::load(const ItemKind& kind,
       sums_[{kind.name, name}] = item->sha256;
     }
     const Result<void> taken = item ? take(*item) : fail(item.error());
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     if (taken) {
       const auto t_taken_ns = item->content.find("t_taken_ns");
       const bool timed = t_taken_ns != item->content.end() && t_taken_ns->is_number_integer();
@@ -327,6 +327,7 @@ void Library::load(const ItemKind& kind,
       continue;
     }
     sums_.erase({kind.name, name});
+    lock.unlock();
     const std::string path = folder_->path_of(kind.name, name);
     const Error& why = taken.error();
     events_.emit(

@@ -95,11 +95,9 @@ void switch_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
 
 /// Whether the registration in use is of the present camera and settings.
 bool is_of_this_bench(const SensorEdit& edit) {
+  using namespace respect;
   const auto& now = edit.state.registration;
-  if (!now) return false;
-  const BenchKey key = key_of(edit);
-  return now->key.camera == key.camera &&
-         differing(respect::kRegistrationSettings, now->key, key) == 0;
+  return now && differing(kRegistration | kRegistrationSettings, now->key, key_of(edit)) == 0;
 }
 
 /// Keeps the present lenslets, and the pupil about them, if the same are found again on the same

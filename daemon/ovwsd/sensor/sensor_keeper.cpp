@@ -198,12 +198,12 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
     bench_.camera = camera;
     SensorEdit edit = new_edit();
     edit.knowledge.camera = info;
-    discard_for_camera(edit, info);
+    discard_for_camera(edit);
     SensorState& next = edit.state;
     const Bound now = bind(next, edit.knowledge, bench_.optics);
     const bool same_image = camera.roi == next.roi && camera.pixel_format == next.format;
-    const bool other_camera =
-        knowledge_.camera && info && camera_json(knowledge_.camera) != camera_json(info);
+    const bool other_camera = differing(respect::kCamera, key_of(state_, knowledge_, bench_.optics),
+                                        key_of(next, edit.knowledge, bench_.optics)) != 0;
     const bool same_sensor = next.sensor_epoch == state_.sensor_epoch && next.slm == state_.slm;
     if (same_image && same_sensor && !other_camera && is_bound(*snapshot(), now)) {
       knowledge_ = std::move(edit.knowledge);
@@ -220,29 +220,28 @@ void SensorKeeper::camera_changed(const CameraSettings& camera,
 
 /// Stops using the registration or the flatness if it was measured with another camera, because
 /// that camera's position and optics differ.
-void SensorKeeper::discard_for_camera(SensorEdit& edit, const std::optional<CameraInfo>& info) {
-  BenchKey now;
-  now.camera = camera_json(info);
-  const auto is_other = [&now](const BenchKey& then) {
-    return differing(respect::kCamera, then, now) != 0;
-  };
+void SensorKeeper::discard_for_camera(SensorEdit& edit) {
   SensorState& state = edit.state;
-  if (state.registration && is_other(state.registration->key)) {
-    deps_.events.emit(
-        "registration", Severity::warning,
-        "the registration is not used: it was measured with another camera; run registration.run",
-        {{"t_taken_ns", state.registration->t_taken_ns}, {"used", false}});
+  const BenchKey now = key_of(state, edit.knowledge, bench_.optics);
+  const auto other_camera = [&now](const BenchKey& then) {
+    return words_of(differing(respect::kCamera, then, now), then, now);
+  };
+  if (const std::string why = state.registration ? other_camera(state.registration->key) : "";
+      !why.empty()) {
+    deps_.events.emit("registration", Severity::warning,
+                      "the registration is not used: " + why + "; run registration.run",
+                      {{"t_taken_ns", state.registration->t_taken_ns}, {"used", false}});
     if (edit.before_job && !state.registration->array.empty()) {
       edit.before_job->sensor = bench_.config.sensor;
     }
     drop_registration(state, bench_.config.sensor);
   }
   const auto& flatness = state.slm->flatness;
-  if (flatness && is_other(flatness->key)) {
-    deps_.events.emit("slm", Severity::warning,
-                      "the flatness is not used, and its file is kept: it was measured with "
-                      "another camera; run flatness.run",
-                      {{"t_taken_ns", flatness->t_taken_ns}, {"used", false}});
+  if (const std::string why = flatness ? other_camera(flatness->key) : ""; !why.empty()) {
+    deps_.events.emit(
+        "slm", Severity::warning,
+        "the flatness is not used, and its file is kept: " + why + "; run flatness.run",
+        {{"t_taken_ns", flatness->t_taken_ns}, {"used", false}});
     state.slm = active_slm(bench_.config, bench_.hologram, state.slm->lut, nullptr);
   }
 }

@@ -104,7 +104,7 @@ class SensorKeeper : public Agent {
   void publish_stale();
   void set_holder(Holder holder);
   void restore_from_before_job();
-  void discard_for_camera(SensorEdit& edit, const std::optional<CameraInfo>& info);
+  void discard_for_camera(SensorEdit& edit);
   void update_files(const std::function<Library::Item()>& stored, RemovedItems removed, Done done);
   void undo(RemovedItems removed, Error why, const Done& done);
   SensorEdit new_edit() { return {state_, knowledge_, before_job_, bench_}; }
