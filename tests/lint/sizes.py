@@ -16,18 +16,18 @@ TEST_CODE = (*CODE, ".py", ".mjs")
 
 # Part: budget, suffixes, the paths that it has (the longest prefix of a file decides).
 BUDGETS = {
-    "core": (22300, CODE, ["core/"]),
-    "proto, config": (7900, CODE, ["proto/", "config/"]),
-    "drivers": (6250, CODE, ["drivers/"]),
-    "twin": (7850, CODE, ["drivers/twin/"]),
-    "ovwsd": (25300, CODE, ["daemon/ovwsd/"]),
-    "examine": (4500, CODE, ["daemon/examine/"]),
-    "ovws": (10000, CODE, ["daemon/ovws/"]),
+    "core": (21600, CODE, ["core/"]),
+    "proto, config": (7850, CODE, ["proto/", "config/"]),
+    "drivers": (6550, CODE, ["drivers/"]),
+    "twin": (7550, CODE, ["drivers/twin/"]),
+    "ovwsd": (24400, CODE, ["daemon/ovwsd/"]),
+    "examine": (6450, CODE, ["daemon/examine/"]),
+    "ovws": (15800, CODE, ["daemon/ovws/"]),
     "web, shared": (4800, CODE, ["daemon/web/", "daemon/shared/"]),
-    "tests": (53000, TEST_CODE, ["tests/"]),
+    "tests": (57600, TEST_CODE, ["tests/"]),
 }
-MOST_WORDS = 58400  # of Markdown
-MOST_FILES = 1000   # of production code
+MOST_WORDS = 59900  # of Markdown
+MOST_FILES = 900  # of production code
 
 
 def tracked():
