@@ -79,7 +79,7 @@ constexpr Set kModelReference = kSensor | kPositions | kRoi | kOptics | kSlm | k
 constexpr Set kReference = kModelReference | kLevels | kPlaces;
 constexpr Set kCalibration = kSensor | kShapes | kRoi | kOptics | kSlm | kLevels | kCamera | kMap;
 constexpr Set kRegistration = kSlm | kCamera;
-/// Settings that a registration builds on: if they have changed, it is used, but a person is told.
+/// Settings that a registration builds on: if they have changed, it is used, with a warning.
 constexpr Set kRegistrationSettings = kOptics | kArray;
 constexpr Set kLut = kSlm | kWavelength;
 constexpr Set kFlatness = kSlm | kWavelength | kImaging | kFlatnessFile | kCamera;
