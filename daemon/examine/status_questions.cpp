@@ -309,8 +309,19 @@ Finding judge_reference(const DaemonFacts& facts) {
         "no reference: " + (unused.empty() ? "take one to measure coefficients" : unused),
         kReference, act("Take a reference", {take_reference()}));
   }
+  if (text_at(status, "/sensor/reference") == "stale") {
+    return note(
+        "the reference was taken with another gain, exposure or pixel format: take a new one",
+        kReference, act("Take a new one", {take_reference()}));
+  }
+  return good("the reference is in use");
+}
+
+/// What a reference contains: it may be stale as well.
+Finding judge_introduced(const DaemonFacts& facts) {
+  if (!why_not_measurable(*facts.status).empty()) return not_here("the image cannot be measured");
   const double introduced =
-      number_at(status, "/sensor/reference_introduced_rms_waves").value_or(0.0);
+      number_at(*facts.status, "/sensor/reference_introduced_rms_waves").value_or(0.0);
   if (introduced > 0.0) {
     return warning(
         fmt::format("the reference contains an introduced aberration of {:.4f} wave RMS, and "
@@ -320,18 +331,13 @@ Finding judge_reference(const DaemonFacts& facts) {
         "ovws clear && ovws reference 100",
         act("Clear it and take a reference", {call_of("aberration.clear"), take_reference()}));
   }
-  if (text_at(status, "/sensor/reference") == "stale") {
-    return note(
-        "the reference was taken with another gain, exposure or pixel format: take a new one",
-        kReference, act("Take a new one", {take_reference()}));
-  }
-  return good("the reference is in use");
+  return good("the reference contains no introduced aberration");
 }
 
 constexpr unsigned kBoth = kDoctor | kPage;
 constexpr unsigned kUsedCamera = kDaemon | kCamera;
 constexpr unsigned kDevices = kDaemon | kCamera | kDisplay;
-constexpr std::array<Question<DaemonFacts>, 16> kQuestions{{
+constexpr std::array<Question<DaemonFacts>, 17> kQuestions{{
     {"daemon.answer", kBoth, kNothing, judge_answer},
     {"daemon.version", kDoctor, kDaemon, judge_version},
     {"daemon.state", kBoth, kDaemon | kLater, judge_state},
@@ -348,6 +354,7 @@ constexpr std::array<Question<DaemonFacts>, 16> kQuestions{{
     {"sensor.frames", kPage, kDevices | kLight, judge_frames},
     {"sensor.spots", kPage, kDevices | kLight, judge_spots},
     {"sensor.reference", kPage, kDevices | kLight, judge_reference},
+    {"sensor.introduced", kPage, kDevices | kLight, judge_introduced},
 }};
 
 std::string why_not(const DaemonFacts& facts, unsigned needs) {

@@ -56,7 +56,7 @@ TEST_F(PageFindings, OffersOnlyCommandsThatThePageMayCall) {
   (*facts.status)["sensor"]["layout_fault"] = "spots lie outside the region";
   facts.lost_lately = facts.missed_lately = 1;
   auto found = page_findings(facts);
-  EXPECT_EQ(found.size(), 5U);
+  EXPECT_EQ(found.size(), 6U);
   (*facts.status)["sensor"]["referenced"] = false;
   for (const auto& finding : page_findings(facts)) found.push_back(finding);
   (*facts.status)["slm"]["pattern"] = "grating";
