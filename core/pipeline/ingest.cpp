@@ -178,8 +178,10 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   const bool late = is_late(applied, arrival, undelayed);
   if (late) deps_.counters.add(Counter::frames_late);
   entry.still = hologram.still && !late;
-  // After a change of the ROI, positions are meaningless until the plan for the new ROI is active.
-  entry.settled = hologram.settled && !late && applied.roi == entry.plan->roi;
+  // After a change of the ROI, positions are meaningless until the plan for the new ROI is active;
+  // after a change of the hologram, spots may be lost until the plan that predicts them is active.
+  entry.settled = hologram.settled && !late && applied.roi == entry.plan->roi &&
+                  hologram.hologram_id <= entry.plan->hologram_id;
   assign_pattern(entry, hologram);
   entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;
   if (!entry.settled) deps_.counters.add(Counter::frames_unsettled);

@@ -40,8 +40,9 @@ struct MeasurementPlan {
   /// Changes when spots of older holograms no longer fit: with charge, lattice, LUT, flatness,
   /// registration, camera or ROI.
   std::uint64_t sensor_epoch = 0;
-  /// The hologram for which predicted_px was computed; 0: unknown. Spot tracks need it to follow a
-  /// change of hologram exactly, even if a new reference changed the predictions before.
+  /// The hologram for which predicted_px was computed; no frame of a newer one is settled. Spot
+  /// tracks need it to follow a change of hologram exactly, even if a new reference changed the
+  /// predictions before.
   std::uint64_t hologram_id = 0;
   std::vector<Mode> correction;  ///< in that hologram: subtracted, RMS-normalised waves
   int charge = 1;

@@ -31,7 +31,7 @@ struct Tracking : PipelineRig {
 
   /// A plan for spots that a hologram moved to `predicted_px`.
   void use_predicting(std::uint64_t id, const std::vector<Vec2>& predicted_px,
-                      std::uint64_t hologram_id = 0) {
+                      std::uint64_t hologram_id = 2) {
     auto next = bench.plan(id);
     next->predicted_px = predicted_px;
     next->hologram_id = hologram_id;
@@ -69,6 +69,22 @@ TEST(History, APlanThatComesBeforeItsHologramDoesNotMoveTheTracks) {
   EXPECT_EQ(rig.tracked(2, rig.still), 19);
   rig.show_before(3, 2);
   EXPECT_EQ(rig.tracked(3, SpotBench::draw(moved)), 19);
+  EXPECT_EQ(rig.count(Counter::acquisitions), 1U);
+}
+
+TEST(History, NoFrameIsSettledBeforeThePlanThatPredictsItsHologram) {
+  Tracking rig;
+  const std::vector<Vec2> moved = rig.bench.moved({{4, 0.9}}, {35.0, 0.0});
+  const auto image = SpotBench::draw(moved);
+  rig.show_before(1, 2);
+  Taken early(rig, rig.measure(1, image));
+  EXPECT_TRUE(early->still);
+  EXPECT_FALSE(early->settled);
+  EXPECT_LT(early->tracked, 19);
+  rig.use_predicting(2, moved);
+  Taken record(rig, rig.measure(2, image));
+  EXPECT_TRUE(record->settled);
+  EXPECT_EQ(record->tracked, 19);
   EXPECT_EQ(rig.count(Counter::acquisitions), 1U);
 }
 
@@ -129,6 +145,7 @@ TEST(History, ASpotThatBlinksIsFoundWhereItWasHoweverRoughTheWavefront) {
   rig.use_predicting(2, rig.bench.moved(rough));
   rig.show_before(1, 2);
   auto referring_to_model = rig.bench.plan(3);  // neighbours now speak of the model's positions
+  referring_to_model->hologram_id = 2;
   EXPECT_EQ(rig.tracked(1, SpotBench::draw(rig.bench.moved(rough))), 19);
   rig.use(std::move(referring_to_model));
   for (int blinking = 0; blinking < 19; ++blinking) {
@@ -213,7 +230,7 @@ TEST(History, WithoutASettledFrameNothingIsSearchedOrClaimed) {
 TEST(History, AnotherSensorBeginsWithoutHistory) {
   Tracking rig;
   auto next = rig.bench.plan(2);
-  next->sensor_epoch = 2;
+  next->sensor_epoch = next->hologram_id = 2;
   rig.use(std::move(next));
   Taken unsettled(rig, rig.measure(1, rig.still));
   EXPECT_FALSE(unsettled->settled);

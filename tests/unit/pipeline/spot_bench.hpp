@@ -109,10 +109,11 @@ class SpotBench {
     return image;
   }
 
-  /// A plan that predicts and refers to the model positions.
+  /// A plan for hologram 1 that predicts and refers to the model positions.
   std::unique_ptr<MeasurementPlan> plan(std::uint64_t id) const {
     auto plan = std::make_unique<MeasurementPlan>();
     plan->id = id;
+    plan->hologram_id = 1;
     plan->sensor_epoch = 1;
     plan->charge = sensor.charge;
     plan->spots = {sensor.charge, lambda_d_px(optics, slm, sensor)};
