@@ -14,7 +14,6 @@ TWIN = {"modulator": "fixed", "noise": "pool",
         "sensor": {"charge": 0}, "light": {"peak_electrons": 1500}, "mirror": {"actuators_across": 9}}
 LAMBDA_F_UM2 = 632e-3 * 5.2e3
 CALLS = 200
-FRAME_NS = 10_000_000  # longer than a frame takes, exposure and transfer included
 
 
 def centroid(image, at, reach=6):
@@ -37,13 +36,15 @@ class FixedArray(unittest.TestCase):
         self.addCleanup(self.images.close)
 
     def image(self):
-        """An image of a frame begun after this call."""
-        since = time.time_ns()
+        """An image of a frame that the twin began after this call: the second that it sent after it."""
+        sent = max((frame["frame_id"] for frame in self.twin.call("twin.get")["sent"]), default=0)
+        later = set()
 
-        def newest():
+        def begun_later():
             message = self.images.next(1.0)
-            return message and message["t_arrival_ns"] > since + FRAME_NS and message
-        message = wait_for(newest, what="an image")
+            later.update({message["frame_id"]} if message and message["frame_id"] > sent else ())
+            return len(later) > 1 and message
+        message = wait_for(begun_later, what="an image")
         return Image.of(message, message["binary"]).pixels.astype(float)
 
     def offsets(self):
