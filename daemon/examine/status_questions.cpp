@@ -177,16 +177,20 @@ Finding judge_slm(const DaemonFacts& facts) {
                       "SLM", "slm");
 }
 
+/// Too much light for some spots, however dark the others are.
+Finding judge_saturation(const DaemonFacts& facts) {
+  if (!has_fresh_frame(facts)) return not_here("no frames arrive");
+  const double share = facts.wavefront.at("saturated").get<double>();
+  const int spots = facts.wavefront.at("subapertures").get<int>();
+  if (share == 0.0) return good("no spot is saturated");
+  const std::string says =
+      fmt::format("{} of {} spots are saturated; lower the exposure or the gain",
+                  std::lround(share * spots), spots);
+  return share > limits::kMaxSaturatedSpots ? warning(says, kExposure, set_exposure())
+                                            : note(says, kExposure, set_exposure());
+}
+
 Finding judge_light(const DaemonFacts& facts) {
-  if (has_fresh_frame(facts)) {
-    const double share = facts.wavefront.at("saturated").get<double>();
-    const int spots = facts.wavefront.at("subapertures").get<int>();
-    const std::string says =
-        fmt::format("{} of {} spots are saturated; lower the exposure or the gain",
-                    std::lround(share * spots), spots);
-    if (share > limits::kMaxSaturatedSpots) return warning(says, kExposure, set_exposure());
-    if (share > 0.0) return note(says, kExposure, set_exposure());
-  }
   const auto brightest = number_at(*facts.status, "/camera/brightest");
   if (!brightest) return not_here("the daemon has seen no image in the last seconds");
   const std::string reach = fmt::format("reach {:.1f} % of full scale", 100.0 * *brightest);
@@ -210,7 +214,8 @@ Finding judge_rate(const DaemonFacts& facts) {
   const auto slow = slow_camera(*facts.status);
   // A single status with too few frames does not change the head of the page.
   if (!slow || (facts.is_followed && facts.slow_statuses < kSlowStatuses)) return good(says);
-  return warning(says + ": " + slow->advice("ovws doctor"),
+  const std::string checks = facts.is_followed ? "ovws doctor" : "the checks camera.*";
+  return warning(says + ": " + slow->advice(checks),
                  slow->is_slowed_by_exposure()
                      ? fmt::format("ovws exposure {:.0f}us", 0.5e6 / *expected_hz)
                      : "ovws rate " + hz_text(measured_hz),
@@ -309,15 +314,16 @@ Finding judge_reference(const DaemonFacts& facts) {
         "no reference: " + (unused.empty() ? "take one to measure coefficients" : unused),
         kReference, act("Take a reference", {take_reference()}));
   }
-  if (text_at(status, "/sensor/reference") == "stale") {
-    return note(
-        "the reference was taken with another gain, exposure or pixel format: take a new one",
-        kReference, act("Take a new one", {take_reference()}));
-  }
-  return good("the reference is in use");
+  return good("there is a reference");
 }
 
-/// What a reference contains: it may be stale as well.
+Finding judge_stale(const DaemonFacts& facts) {
+  if (!why_not_measurable(*facts.status).empty()) return not_here("the image cannot be measured");
+  if (text_at(*facts.status, "/sensor/reference") != "stale") return good("it is of this light");
+  return note("the reference was taken with another gain, exposure or pixel format: take a new one",
+              kReference, act("Take a new one", {take_reference()}));
+}
+
 Finding judge_introduced(const DaemonFacts& facts) {
   if (!why_not_measurable(*facts.status).empty()) return not_here("the image cannot be measured");
   const double introduced =
@@ -337,7 +343,7 @@ Finding judge_introduced(const DaemonFacts& facts) {
 constexpr unsigned kBoth = kDoctor | kPage;
 constexpr unsigned kUsedCamera = kDaemon | kCamera;
 constexpr unsigned kDevices = kDaemon | kCamera | kDisplay;
-constexpr std::array<Question<DaemonFacts>, 17> kQuestions{{
+constexpr std::array<Question<DaemonFacts>, 19> kQuestions{{
     {"daemon.answer", kBoth, kNothing, judge_answer},
     {"daemon.version", kDoctor, kDaemon, judge_version},
     {"daemon.state", kBoth, kDaemon | kLater, judge_state},
@@ -346,6 +352,7 @@ constexpr std::array<Question<DaemonFacts>, 17> kQuestions{{
     {"daemon.late", kPage, kDaemon, judge_late},
     {"camera.state", kBoth, kDaemon | kLater, judge_camera},
     {"camera.light", kBoth, kUsedCamera | kLight | kLater, judge_light},
+    {"camera.saturation", kBoth, kUsedCamera | kLight | kLater, judge_saturation},
     {"camera.rate", kBoth, kUsedCamera, judge_rate},
     {"camera.losses", kPage, kDaemon, judge_losses},
     {"slm.state", kBoth, kDaemon | kLater, judge_slm},
@@ -354,7 +361,8 @@ constexpr std::array<Question<DaemonFacts>, 17> kQuestions{{
     {"sensor.frames", kPage, kDevices | kLight, judge_frames},
     {"sensor.spots", kPage, kDevices | kLight, judge_spots},
     {"sensor.reference", kPage, kDevices | kLight, judge_reference},
-    {"sensor.introduced", kPage, kDevices | kLight, judge_introduced},
+    {"sensor.stale", kPage, kDaemon, judge_stale},
+    {"sensor.introduced", kPage, kDaemon, judge_introduced},
 }};
 
 std::string why_not(const DaemonFacts& facts, unsigned needs) {

@@ -96,7 +96,7 @@ class Well(DoctorCase):
             self.assertEqual(self.faults(findings), set())
             for name in ("configuration", "camera.found", "camera.interface", "camera.packets", "slm.server", "slm.output", "slm.mode",
                          "optics.zeroth_order", "slm.gamma", "slm.power", "slm.screen_saver", "slm.compositor", "state.directory", "daemon.answer",
-                         "daemon.version", "daemon.state", "daemon.store", "daemon.job", "camera.state", "camera.light",
+                         "daemon.version", "daemon.state", "daemon.store", "daemon.job", "camera.state", "camera.light", "camera.saturation",
                          "slm.state", "slm.levels", "sensor.layout"):
                 self.check(findings, name, "ok")
             self.check(findings, "camera.control", "ok", "the daemon controls the camera")
@@ -124,7 +124,7 @@ class Well(DoctorCase):
         self.check(self.examine(), "camera.light", "warning", "% of full scale", "ovws exposure auto")
         self.call("camera.set", {"exposure_us": 8000})
         wait_for(lambda: next_message(self.stream("wavefront"))["saturated"] == 1.0, what="saturated spots")
-        self.check(self.examine(), "camera.light", "warning", "19 of 19 spots are saturated", "ovws exposure auto")
+        self.check(self.examine(), "camera.saturation", "warning", "19 of 19 spots are saturated", "ovws exposure auto")
 
     def test_real_time_is_what_the_daemon_met(self):
         """The doctor predicts which privileges the same user's daemon lacks."""

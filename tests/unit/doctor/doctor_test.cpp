@@ -139,10 +139,10 @@ TEST(DoctorDaemon, ATooBrightImageIsAWarning) {
   auto facts = running();
   (*facts.status)["camera"]["brightest"] = 1.0;
   facts.wavefront["saturated"] = 1.0 / 19.0;
-  expect(facts, "camera.light", Severity::note, "ovws exposure auto");
+  expect(facts, "camera.saturation", Severity::note, "ovws exposure auto");
   facts.wavefront["saturated"] = 1.0;
-  expect(facts, "camera.light", Severity::warning, "ovws exposure auto");
-  EXPECT_NE(named(answers(facts), "camera.light").text.find("19 of 19 spots are saturated"),
+  expect(facts, "camera.saturation", Severity::warning, "ovws exposure auto");
+  EXPECT_NE(named(answers(facts), "camera.saturation").text.find("19 of 19 spots are saturated"),
             std::string::npos);
 }
 

@@ -215,6 +215,20 @@ TEST_F(PageFindings, CountsSaturatedAndLostSpots) {
   expect_worst(Severity::warning, "2 of 19 spots lost");
 }
 
+TEST_F(PageFindings, ASaturatedSpotDoesNotHideThatTheImageIsDark) {
+  facts.wavefront["saturated"] = 1.0 / 19.0;
+  (*facts.status)["camera"]["brightest"] = 0.04;
+  expect_worst(Severity::warning, "The image is dark");
+  EXPECT_EQ(page_findings(facts).size(), 2U);
+}
+
+TEST_F(PageFindings, AReferenceIsJudgedWithoutDevices) {
+  (*facts.status)["slm"]["connected"] = false;
+  (*facts.status)["sensor"]["reference"] = "stale";
+  (*facts.status)["sensor"]["reference_introduced_rms_waves"] = 0.3;
+  EXPECT_EQ(page_findings(facts).size(), 3U);
+}
+
 TEST_F(PageFindings, ReportsLostAndLateFrames) {
   facts.lost_lately = 3;
   expect_worst(Severity::warning, "3 frames");
