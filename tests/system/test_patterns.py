@@ -198,6 +198,11 @@ class Patterns(BenchCase):
         self.assertIsNone(message["pattern"])
         self.assertAlmostEqual(message["coefficients"][message["j"].index(4)], 0.1, delta=0.02)
         self.assertEqual(self.call("aberration.get")["patterns"], [])
+        self.show()
+        cleared = self.run_ovws("setup", "-y", "clear")
+        self.assertEqual(cleared.returncode, 0, cleared.stdout + cleared.stderr)
+        now = self.call("aberration.get")
+        self.assertEqual((now["modes"], now["patterns"]), ([], []))
 
 
 class FreeCamera(BenchCase):

@@ -163,7 +163,13 @@ Outcome run_settle(Bench& bench, Memory& memory) {
 
 // Aberration and correction -----------------------------------------------------------------------
 
+bool is_sequence(const json& aberration) {
+  return !aberration.value("patterns", json::array()).empty();
+}
+
 Outcome run_clear(Bench& bench, Memory& memory) {
+  // A DMD's sequence is not a part that can be put back: the parts are those after its end.
+  if (is_sequence(bench.call("aberration.get"))) bench.call("aberration.clear");
   const cli::Parts before = bench.parts({cli::Part::aberration, cli::Part::correction});
   if (!memory.undo) memory.undo = {before, {}, "Aberration and correction are as before."};
   if (bench.call("loop.get").at("closed") == true) bench.call("loop.open");
@@ -173,7 +179,8 @@ Outcome run_clear(Bench& bench, Memory& memory) {
 }
 
 bool nothing_is_introduced(const Look& look) {
-  return look.at("aberration.get").at("modes").empty() &&
+  const json aberration = look.at("aberration.get");
+  return aberration.at("modes").empty() && !is_sequence(aberration) &&
          look.at("correction.get").at("modes").empty();
 }
 
