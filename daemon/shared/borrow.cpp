@@ -96,7 +96,9 @@ Calls calls_between(const Parts& present, const Parts& before) {
   const bool may_be_closed = has_loop && (state.is_null() || state.at("closed") == true);
   if (has_loop_changed && may_be_closed) calls.emplace_back("loop.open", json{{"keep", true}});
   for (const auto& [part, params] : before) {
-    if (part == Part::loop || present.at(part) == params) continue;
+    // Until it is open, the loop may change the correction that was read.
+    const bool may_step = part == Part::correction && may_be_closed && has_loop_changed;
+    if (part == Part::loop || (present.at(part) == params && !may_step)) continue;
     const bool is_of_loop = part == Part::correction && may_be_closed && !has_loop_changed;
     const bool is_kept = part == Part::lut && params.at("measured") == true;
     if (is_of_loop || is_kept) continue;

@@ -57,6 +57,16 @@ class Borrow {
   /// Restores once. Tries again for some seconds, as a camera or display that is gone refuses
   /// meanwhile. The error says which calls would restore the rest.
   Answer restore();
+  /// Restores after `done`. The error says why that failed, and what is not restored.
+  template <class T>
+  tl::expected<T, CallFailure> restore_after(tl::expected<T, CallFailure> done) {
+    const Answer back = restore();
+    if (back) return done;
+    if (done) return tl::make_unexpected(back.error());
+    CallFailure both = done.error();
+    both.error["message"] = message_of(done.error()) + "; " + message_of(back.error());
+    return tl::make_unexpected(std::move(both));
+  }
 
  private:
   const Common common_;

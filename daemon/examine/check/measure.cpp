@@ -56,7 +56,7 @@ class Run {
   }
 
   tl::expected<Measured, cli::CallFailure> operator()() {
-    std::optional<cli::CallFailure> failed;
+    tl::expected<void, cli::CallFailure> done;
     try {
       for (const auto step : {&Run::look, &Run::may_run, &Run::settle, &Run::table, &Run::record,
                               &Run::response, &Run::loop}) {
@@ -64,11 +64,10 @@ class Run {
         if (hooks_.interrupted()) stop("interrupted; the bench is as before");
       }
     } catch (const CheckFailed& end) {
-      failed = end.why;
+      done = tl::make_unexpected(end.why);
     }
-    const Answer back = borrowed_ ? borrowed_->restore() : Answer();
-    if (!back) return tl::make_unexpected(back.error());
-    if (failed) return tl::make_unexpected(*failed);
+    if (borrowed_) done = borrowed_->restore_after(std::move(done));
+    if (!done) return tl::make_unexpected(done.error());
     return std::move(measured_);
   }
 

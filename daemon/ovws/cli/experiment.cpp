@@ -315,11 +315,9 @@ int run_experiment(const Common& common, const json& params, const std::filesyst
   auto possible = within(*asked, bench->gains_db());
   if (!possible) return report(common, possible.error());
   Sweep sweep(std::move(*possible), *bench, folder);
-  const auto measured = sweep.measure();
-  const auto restored = bench->restore();
+  const auto measured = bench->restore_after(sweep.measure());
   study::print_progress("");
   if (!measured) return report_failure(common, measured.error());
-  if (!restored) return report_failure(common, restored.error());
   if (!sweep.is_complete()) {
     return report(common, {Errc::refused, "",
                            fmt::format("the study was stopped; {} cells are in {}",

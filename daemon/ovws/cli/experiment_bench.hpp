@@ -29,8 +29,8 @@ struct GrabbedImages {
 /// Other clients may use the bench meanwhile: a grab fails if the hologram is replaced.
 class ExperimentBench {
  public:
-  /// Reads the bench's state, which `restore` restores. Errors: the camera has no gain in dB; a DMD
-  /// shows a sequence, which could not be restored.
+  /// Reads the bench's state, which `restore_after` restores. Errors: the camera has no gain in dB;
+  /// a DMD shows a sequence, which could not be restored.
   static Answered<ExperimentBench> open(const Common& common);
 
   /// The configuration in use, with the registration.
@@ -47,7 +47,9 @@ class ExperimentBench {
   /// frames; NaN: it is found in none.
   Answered<std::vector<Vec2>> find_spots();
   /// The destructor restores, too.
-  Answer restore() { return before_->restore(); }
+  Answered<void> restore_after(Answered<void> done) {
+    return before_->restore_after(std::move(done));
+  }
 
  private:
   explicit ExperimentBench(const Common& common) : common_(common) {}

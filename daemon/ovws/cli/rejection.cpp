@@ -307,9 +307,7 @@ tl::expected<void, CallFailure> record_closed(const Common& common, const Record
     law.timing.delay_s = delay_ms > 0.0 ? 1e-3 * delay_ms : law.timing.step_s;  // too few steps
     return {};
   };
-  auto done = record_steps();
-  if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
-  return done;
+  return loop.restore_after(record_steps());
 }
 
 /// Closes the loop for a moment: loop.identify then knows the steps and their delay.
@@ -320,8 +318,7 @@ tl::expected<void, CallFailure> measure_steps(const Common& common, LoopSettings
   if (!restored) return tl::make_unexpected(restored.error());
   Borrow loop(common, *restored);
   const Answer closed = call(common, "loop.close", to_json(settings));
-  const Answer made = closed ? wait_for_steps(common, kSteps) : closed;
-  if (const Answer back = loop.restore(); !back) return tl::make_unexpected(back.error());
+  const Answer made = loop.restore_after(closed ? wait_for_steps(common, kSteps) : closed);
   if (!made) return tl::make_unexpected(made.error());
   return {};
 }
@@ -372,7 +369,10 @@ MeasuredRejection measure(const Common& common, const json& params, double secon
   measured.segment_s = segment_s(seconds);
   auto left = double(loops->size());
   auto open = record(common, {false, seconds, left * seconds, measured.modes_j});
-  if (!open) return tl::make_unexpected(open.error());
+  if (!open) {
+    if (needs_model) (void)end_of_job(common, job->at("job"), {[] { return true; }, {}});
+    return tl::make_unexpected(open.error());
+  }
   measured.open = std::move(*open);
   if (needs_model) {
     auto model = identified(common, job->at("job"));

@@ -105,6 +105,7 @@ TEST(Borrow, RestoresOnlyWhatHasChangedWithTheLoopOpen) {
   EXPECT_EQ(daemon.changes,
             (std::vector<std::string>{"loop.open {\"keep\":true}",
                                       R"(aberration.set {"modes":[{"j":4,"waves":0.5}]})",
+                                      R"(correction.set {"modes":[]})",  // it may have stepped
                                       "loop.close {\"gain\":0.3}", "loop.pause {}"}));
 }
 
@@ -116,6 +117,20 @@ TEST(Borrow, TheCorrectionOfALoopThatStaysClosedIsTheLoops) {
   daemon.results["loop.get"]["paused"] = true;
   { const Borrow unchanged(daemon.common, kBefore); }
   EXPECT_TRUE(daemon.changes.empty());
+}
+
+TEST(Borrow, AnErrorIsSaidWithWhatIsNotRestored) {
+  FakeDaemon daemon;
+  daemon.results = {{"correction.get", modes(0.2)}};
+  daemon.refused = "correction.set";
+  Borrow borrowed(daemon.common, {{Part::correction, {{"modes", json::array()}}}});
+  const auto done = borrowed.restore_after(
+      tl::expected<void, CallFailure>(tl::make_unexpected(failure("the camera is gone"))));
+  ASSERT_FALSE(done);
+  const std::string message = message_of(done.error());
+  EXPECT_NE(message.find("the camera is gone; not everything could be restored"), std::string::npos)
+      << message;
+  EXPECT_NE(message.find("ovws call correction.set"), std::string::npos) << message;
 }
 
 TEST(Borrow, WhatIsKeptIsNotRestored) {
