@@ -13,6 +13,22 @@ namespace {
 
 constexpr std::chrono::milliseconds kMaxIdle(50);
 
+/// Turns exceptions of the step into errors: images of many megapixels may exceed the locked
+/// memory.
+template <class Step>
+Result<nlohmann::json> carry_out(const Step& step) {
+  try {
+    return step();
+  } catch (const std::bad_alloc&) {
+    return fail(Errc::unavailable, "",
+                "there is not enough memory: choose a smaller region of interest");
+  } catch (const std::exception& error) {  // the job fails and releases the sensor
+    return fail(Errc::internal, "",
+                std::string("internal error of the daemon: ") + error.what() +
+                    "; run the job again, and report this message if it recurs");
+  }
+}
+
 }  // namespace
 
 void Procedures::start(LeasePtr lease, Start what, std::function<void(Result<int>)> done) {
@@ -79,31 +95,22 @@ bool Procedures::do_work() {
     run = runs_.front();
     run->told = false;  // it is carried out once, whatever happens
   }
-  finish(run, carry_out(*run));
+  run->result = carry_out([&run] { return run->procedure(*run->bench); });
+  finish(run);
   return true;
-}
-
-/// Runs the procedure. Turns exceptions into errors: images of many megapixels may exceed the
-/// locked memory.
-Result<nlohmann::json> Procedures::carry_out(Run& run) {
-  try {
-    return run.procedure(*run.bench);
-  } catch (const std::bad_alloc&) {
-    return fail(Errc::unavailable, "",
-                "there is not enough memory: choose a smaller region of interest");
-  } catch (const std::exception& error) {  // the job fails and releases the sensor
-    return fail(Errc::internal, "",
-                std::string("internal error of the daemon: ") + error.what() +
-                    "; run the job again, and report this message if it recurs");
-  }
 }
 
 /// Restores camera and hologram and ends the lease before the job ends, because a client may start
 /// the next job as soon as a job has ended. A disk that does not answer delays only the end of the
 /// job.
-void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result) {
-  run->bench->restore_camera();
-  restore_sensor(*run);
+void Procedures::finish(const std::shared_ptr<Run>& run) {
+  const auto restored = carry_out([&] {
+    run->bench->restore_camera();
+    restore_sensor(*run);
+    return nlohmann::json();
+  });
+  if (!restored && run->result) run->result = fail(restored.error());
+  std::exchange(run->lease, nullptr)->end();
   std::vector<std::function<void()>> waiting;
   {
     const std::lock_guard lock(mutex_);
@@ -113,22 +120,20 @@ void Procedures::finish(const std::shared_ptr<Run>& run, const Result<nlohmann::
   (void)deps_.jobs.end_cancelled(run->job);
   for (const auto& then : waiting) then();
   // The callback keeps `run` alive, because `run` provides the progress until the job has ended.
-  run->bench->take_end()->then = [run, &jobs = deps_.jobs, job = run->job, result] {
-    if (result) return jobs.finish(job, *result);
-    jobs.fail_job(job, result.error());
+  run->bench->take_end()->then = [run, &jobs = deps_.jobs] {
+    if (run->result) return jobs.finish(run->job, *run->result);
+    jobs.fail_job(run->job, run->result.error());
   };
 }
 
-/// Has the prepare thread restore what the job had changed for itself, then ends the lease.
+/// Has the prepare thread restore what the job had changed for itself.
 void Procedures::restore_sensor(Run& run) {
-  if (run.lease->has_sensor()) {
-    auto restored = std::make_shared<std::promise<void>>();
-    auto done = restored->get_future();
-    deps_.keeper.take_turn(Holder::nobody, [restored] { restored->set_value(); });
-    restored.reset();
-    done.wait();  // returns also if the prepare thread has ended, which breaks the promise
-  }
-  std::exchange(run.lease, nullptr)->end();
+  if (!run.lease->has_sensor()) return;
+  auto restored = std::make_shared<std::promise<void>>();
+  auto done = restored->get_future();
+  deps_.keeper.take_turn(Holder::nobody, [restored] { restored->set_value(); });
+  restored.reset();
+  done.wait();  // returns also if the prepare thread has ended, which breaks the promise
 }
 
 }  // namespace ovws

@@ -52,12 +52,12 @@ class Procedures : public Agent {
     std::atomic<bool> stop{false};
     std::atomic<double> progress{0.0};
     std::unique_ptr<Bench> bench;
-    bool told = false;                             ///< its number was told: it may run
+    bool told = false;  ///< its number was told: it may run
+    Result<nlohmann::json> result;
     std::vector<std::function<void()>> waiting{};  ///< of when_over
   };
   void begin(const LeasePtr& lease, Start what, const std::function<void(Result<int>)>& done);
-  Result<nlohmann::json> carry_out(Run& run);
-  void finish(const std::shared_ptr<Run>& run, const Result<nlohmann::json>& result);
+  void finish(const std::shared_ptr<Run>& run);
   void restore_sensor(Run& run);
 
   BenchDeps deps_;
