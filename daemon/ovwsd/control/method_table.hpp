@@ -3,6 +3,8 @@
 /// proto/methods.hpp.
 #pragma once
 
+#include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -76,7 +78,9 @@ template <class R>
 class Reply {
  public:
   explicit Reply(RpcReply reply, LeasePtr lease = nullptr)
-      : reply_(std::move(reply)), lease_(std::make_shared<LeasePtr>(std::move(lease))) {}
+      : reply_(std::move(reply)), held_(std::make_shared<Held>()) {
+    held_->lease = std::move(lease);
+  }
   void operator()(const R& result) const { send(RpcResult{to_json(result)}); }
   /// Replies with a binary frame after the JSON.
   void operator()(const R& result, std::shared_ptr<const std::string> binary) const {
@@ -91,13 +95,19 @@ class Reply {
     (*this)(*result);
   }
   /// Calls `then` when the lease of the call has begun, see Lease::begin.
-  void begin_lease(std::function<void()> then) const { (*lease_)->begin(std::move(then)); }
+  void begin_lease(std::function<void()> then) const { held_->lease->begin(std::move(then)); }
   /// The lease of the call, which now ends with what takes it. Once.
-  LeasePtr take_lease() const { return std::exchange(*lease_, nullptr); }
+  LeasePtr take_lease() const {
+    const std::scoped_lock lock(held_->mutex);
+    return std::exchange(held_->lease, nullptr);
+  }
   /// A reply to the same call with this lease.
   Reply with(LeasePtr lease) const { return Reply(reply_, std::move(lease)); }
   /// Ends the lease before the reply, when all that it was for is done.
-  void end_lease() const { lease_->reset(); }
+  void end_lease() const {
+    const std::scoped_lock lock(held_->mutex);
+    held_->lease.reset();
+  }
 
  private:
   void send(RpcAnswer answer) const {
@@ -105,8 +115,14 @@ class Reply {
     reply_(std::move(answer));
   }
 
+  /// A reply may end the lease in one thread while the method ends it in another.
+  struct Held {
+    std::mutex mutex;
+    LeasePtr lease;
+  };
+
   RpcReply reply_;
-  std::shared_ptr<LeasePtr> lease_;
+  std::shared_ptr<Held> held_;
 };
 
 struct MethodRow {

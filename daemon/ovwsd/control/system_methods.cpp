@@ -35,14 +35,17 @@ void save_config(Services& services, const ConfigSave& params, const Reply<Saved
   }
   const SavedValues values = values_to_save(loaded, services.settings.requested());
   if (params.preview) return reply(SavedReport{*loaded.overlay, values.keys});
-  services.settings.count_save();
-  reply.end_lease();  // the disk may not answer for minutes
-  const auto asked = services.disk.request([path = *loaded.overlay, values, reply] {
+  // Counted before either thread ends the lease: a reload that has read the file reads it again.
+  const auto count = [&settings = services.settings] { settings.count_save(); };
+  const auto asked = services.disk.request([path = *loaded.overlay, values, reply, count] {
+    count();
     const auto saved = write_saved(path, values);
     if (!saved) return reply(saved.error());
     reply(SavedReport{path, values.keys});
   });
-  if (!asked) reply(asked.error());
+  count();
+  if (!asked) return reply(asked.error());
+  reply.end_lease();  // the disk may not answer for minutes
 }
 
 void get_job(Services& services, const JobNumber& which, const Reply<JobReport>& reply) {

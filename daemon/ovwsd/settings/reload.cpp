@@ -63,6 +63,12 @@ void Reloader::poll() {
   const auto reload = std::make_shared<Reload>(*this);
   busy_.store(true);
   service::notify_reloading();
+  post_read(reload);
+}
+
+/// A save that is counted after this has its write queued after the read, or before it and is read.
+void Reloader::post_read(const ReloadPtr& reload) {
+  reload->saves = deps_.settings.saves();
   deps_.disk.post([this, reload] { read(reload); });
 }
 
@@ -77,7 +83,6 @@ void Reloader::read(const ReloadPtr& reload) {
     return give_up({Errc::refused, "",
                     "there is no file to read: the daemon was started without --config FILE"});
   }
-  reload->saves = deps_.settings.saves();
   auto read = read_again(path);
   if (!read) return give_up(read.error());
   reload->read = std::move(*read);
@@ -90,7 +95,7 @@ void Reloader::read(const ReloadPtr& reload) {
 void Reloader::change(const ReloadPtr& reload) {
   if (deps_.settings.saves() != reload->saves) {  // config.save came between: read what it wrote
     reload->lease.reset();
-    return deps_.disk.post([this, reload] { read(reload); });
+    return post_read(reload);
   }
   const CameraSnapshot camera = deps_.camera.snapshot();
   reload->before = deps_.settings.requested();

@@ -68,7 +68,7 @@ class Reloader {
     Reloader& reloader;
     LeasePtr lease;        ///< from `begin` on, until all is changed
     LoadedConfig read;     ///< from the files
-    int saves = 0;         ///< Settings::saves when it was read
+    int saves = 0;         ///< Settings::saves before it was read
     Config before, after;  ///< camera settings as requested, not as read back
     ConfigDifference keys;
     bool had_camera = false;                ///< a camera was connected before
@@ -92,6 +92,7 @@ class Reloader {
   };
   static const std::array<Part, 3> kParts;
 
+  void post_read(const ReloadPtr& reload);
   void read(const ReloadPtr& reload);
   void change(const ReloadPtr& reload);
   void apply_from(const ReloadPtr& reload, std::size_t part);
