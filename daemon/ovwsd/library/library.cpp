@@ -62,12 +62,20 @@ std::size_t Library::Work::bytes() const {
   return kOwnBytes + (text ? text->size() : 0);
 }
 
-/// Queues work in place of older work on the same item.
+/// Queues work in place of older work on the same item. A removal that a write replaces succeeds:
+/// the write overwrites what was to be removed.
 void Library::add(const Key& key, Work work) {
   work.number = ++last_number_;
   Work& slot = queue_[key];
-  if (slot.done) displaced_.push_back(std::move(slot.done));
+  if (slot.done) displace(std::move(slot.done), slot.removes && !work.removes);
   slot = std::move(work);
+}
+
+void Library::displace(Stored done, bool succeeds) {
+  displaced_.emplace_back(
+      std::move(done),
+      succeeds ? Result<std::string>()
+               : fail(Errc::refused, "", "a newer request replaced it before it was carried out"));
 }
 
 /// Counts the file as the newest one of its kind, and returns all files of this kind.
@@ -129,7 +137,7 @@ void Library::remove(const ItemKind& kind, const std::vector<std::string>& names
       std::erase_if(files_[kind.name], [&](const auto& one) { return one.second == name; });
       const auto waiting = queue_.find(key);
       Work work = waiting == queue_.end() ? Work{} : waiting->second;
-      if (work.done) displaced_.push_back(std::exchange(work.done, nullptr));
+      if (work.done) displace(std::exchange(work.done, nullptr), false);
       work.removes = work.due = true;
       work.why.reset();
       work.done = [all, removed, last = &name == &names.back()](const Result<std::string>& one) {
@@ -158,7 +166,7 @@ void Library::wake() {
 bool Library::turn() {
   Key key;
   Work work;
-  std::vector<Stored> displaced;
+  decltype(displaced_) displaced;
   {
     const std::lock_guard lock(mutex_);
     displaced.swap(displaced_);
@@ -174,9 +182,7 @@ bool Library::turn() {
       next->second.done = nullptr;
     }
   }
-  for (const Stored& done : displaced) {
-    done(fail(Errc::refused, "", "a newer request replaced it before it was carried out"));
-  }
+  for (const auto& [done, result] : displaced) done(result);
   if (work.number == 0) return false;
   const Result<std::string> done = carry_out(key, work);
   bool all_written = false, more = false;

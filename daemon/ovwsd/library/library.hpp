@@ -76,8 +76,8 @@ class Library {
   /// it. Errc::refused: a newer request for this item took its place in the queue.
   void put(Item item, Stored stored = nullptr);
   /// Deletes items, queued or on the disk, in one attempt. Calls `removed` once, with the first
-  /// error: see remove_file. An item that waited to be written then waits again. Without a folder
-  /// the deletion succeeds.
+  /// error: see remove_file. An item that waited to be written then waits again. Without a folder,
+  /// or if a new item of that name is put meanwhile, the deletion succeeds.
   void remove(const ItemKind& kind, const std::vector<std::string>& names, const Removed& removed);
   /// Checksum of the item's file; empty: the newest item of this name is not on the disk.
   std::string sha256(const ItemKind& kind, const std::string& name) const;
@@ -115,6 +115,7 @@ class Library {
   };
   using Files = std::vector<std::pair<std::int64_t, std::string>>;  ///< time and name
   void add(const Key& key, Work work);                              // call with mutex_ locked
+  void displace(Stored done, bool succeeds);                        // call with mutex_ locked
   Files& count_file(const Key& key, std::int64_t t_taken_ns);       // call with mutex_ locked
   void wake();
   Result<std::string> carry_out(const Key& key, const Work& work);
@@ -133,7 +134,8 @@ class Library {
 
   mutable std::mutex mutex_;  ///< never held while the disk works
   std::map<Key, Work> queue_;
-  std::vector<Stored> displaced_;       ///< of requests that newer ones have replaced
+  /// Of requests that newer ones have replaced, with their results.
+  std::vector<std::pair<Stored, Result<std::string>>> displaced_;
   std::map<Key, std::string> sums_;     ///< of files that hold the newest item
   std::map<std::string, Files> files_;  ///< usable ones of each kind
   std::uint64_t last_number_ = 0;

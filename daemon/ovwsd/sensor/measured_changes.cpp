@@ -451,10 +451,21 @@ SensorChange forget_flatness() {
   };
 }
 
+/// Without those in whose place another has been measured.
+template <class T>
+Shared<T> still_missing(Shared<T> removed, const Shared<T>& now) {
+  const std::vector<std::string> names = names_of(now);
+  std::erase_if(removed, [&](const auto& one) {
+    return std::ranges::find(names, ItemOf<T>::name(*one)) != names.end();
+  });
+  return removed;
+}
+
 SensorChange put_back(RemovedItems removed) {
   return [removed = std::move(removed)](SensorEdit& edit) -> Result<void> {
-    add_references(edit.knowledge, removed.references);
-    add_calibrations(edit.knowledge, removed.calibrations);
+    Knowledge& known = edit.knowledge;
+    add_references(known, still_missing(removed.references, known.references));
+    add_calibrations(known, still_missing(removed.calibrations, known.calibrations));
     SensorState& state = edit.state;
     switch_slm(edit, state.slm->lut ? state.slm->lut : removed.lut,
                state.slm->flatness ? state.slm->flatness : removed.flatness);

@@ -283,6 +283,48 @@ TEST_F(Items, AFileThatCannotBeUsedIsReportedAndLeft) {
   EXPECT_TRUE(fs::exists(file("kind.b.json")));
 }
 
+TEST_F(Items, WithoutAFolderNothingIsKeptAndTheReasonIsSaid) {
+  ::unsetenv("STATE_DIRECTORY");
+  Library none({}, events_);
+  EXPECT_FALSE(none.report().directory);
+  EXPECT_TRUE(none.report().reason);
+  Answers a;
+  none.put(item("a", {{"value", 1}}), a.stored());
+  EXPECT_EQ(a.refused, 1) << a.kept;
+  none.remove(kKind, {"a"}, [](const Result<void>& done) { EXPECT_TRUE(done); });
+  none.load(kKind, [](const StateItem&) -> Result<void> {
+    ADD_FAILURE();
+    return {};
+  });
+  ::setenv("STATE_DIRECTORY", (folder_ + ":/elsewhere").c_str(), 1);
+  Library some({}, events_);
+  ::unsetenv("STATE_DIRECTORY");
+  EXPECT_EQ(some.report().directory, folder_);
+  EXPECT_FALSE(some.report().reason);
+  some.put(item("a", {{"value", 1}}), a.stored());
+  EXPECT_EQ(a.kept, 1);
+}
+
+TEST(Disk, ARemovalSucceedsIfAWriteReplacesItBeforeItsTurn) {
+  const std::string folder = own_folder("replaced_removal");
+  StreamQueue queue;
+  Events events{queue};
+  Disk disk;
+  Library library({folder}, events, &disk);
+  disk.begin();  // without a thread: everything waits
+  library.put(item("a", {{"value", 1}}));
+  while (library.turn()) {
+  }
+  int removed = 0;
+  library.remove(kKind, {"a"}, [&](const Result<void>& done) { removed += done ? 1 : 0; });
+  library.put(item("a", {{"value", 2}}));
+  while (library.turn()) {
+  }
+  EXPECT_EQ(removed, 1);
+  EXPECT_EQ(library.read(kKind, "a")->content["value"], 2);
+  fs::remove_all(folder);
+}
+
 TEST(Disk, TwoRemovalsThatFailLoseNoWriteThatWaits) {
   const std::string folder = own_folder("two_removals");
   StreamQueue queue;
