@@ -75,29 +75,33 @@ class NamedItems {
   /// does not take it.
   void add(const std::string& name, ItemPtr item, Done done) {
     const auto asked = library_.request([this, name, item = std::move(item), done] {
-      if (auto added = set_new(name, *item); !added) return done(added);
+      const auto added = set_new(name, *item);
+      if (!added) return done(fail(added.error()));
       library_.put({&Of::kKind, name, Of::time(*item), Of::encode(*item), ""},
-                   [this, name, done](const Result<std::string>& stored) {
+                   [this, name, added, done](const Result<std::string>& stored) {
                      if (stored) return done({});
-                     forget(name);
+                     forget(name, *added);
                      library_.remove(Of::kKind, {name}, [](const Result<void>&) {});  // no retry
                      done(fail(stored.error()));
                    });
     });
     if (!asked) done(asked);
   }
-  /// Adds or replaces an item. An event reports its file, or why it cannot be written.
-  void keep(const std::string& name, const Item& item) {
+  /// Adds or replaces an item. An event reports its file, or why it cannot be written; `stored`
+  /// see Library::put.
+  void keep(const std::string& name, const Item& item, Library::Stored stored) {
     set(name, item);
     library_.put({&Of::kKind, name, Of::time(item), Of::encode(item),
-                  fmt::format("the {} {}", Of::kKind.title, name)});
+                  fmt::format("the {} {}", Of::kKind.title, name)},
+                 std::move(stored));
   }
   /// Deletes an item. Errors: as find; its file cannot be removed.
   void remove(const std::string& name, Done done) {
-    if (auto known = find(name); !known) return done(fail(known.error()));
+    const auto known = find(name);
+    if (!known) return done(fail(known.error()));
     library_.remove(Of::kKind, {name},
-                    [this, name, done = std::move(done)](const Result<void>& removed) {
-                      if (removed) forget(name);
+                    [this, name, known, done = std::move(done)](const Result<void>& removed) {
+                      if (removed) forget(name, *known);
                       done(removed);
                     });
   }
@@ -112,7 +116,7 @@ class NamedItems {
     const std::lock_guard lock(mutex_);
     all_[name] = std::move(shown);
   }
-  Result<void> set_new(const std::string& name, const Item& item) {
+  Result<ItemPtr> set_new(const std::string& name, const Item& item) {
     const std::lock_guard lock(mutex_);
     if (all_.contains(name)) {
       return fail(Errc::refused, "name",
@@ -124,12 +128,13 @@ class NamedItems {
                   fmt::format("there are {} {}s already: delete some with {}", Of::kMost,
                               Of::kKind.title, Of::kRemove));
     }
-    all_[name] = std::make_shared<const Item>(Of::in_memory(item));
-    return {};
+    return all_[name] = std::make_shared<const Item>(Of::in_memory(item));
   }
-  void forget(const std::string& name) {
+  /// Unless another item has the name by now.
+  void forget(const std::string& name, const ItemPtr& item) {
     const std::lock_guard lock(mutex_);
-    all_.erase(name);
+    const auto found = all_.find(name);
+    if (found != all_.end() && found->second == item) all_.erase(found);
   }
 
   Library& library_;

@@ -79,6 +79,8 @@ class Bench {
   /// After its last step, the default, the job cannot be cancelled any more.
   enum class Step { early, last };
   Result<void> use(SensorChange change, Step step = Step::last);
+  /// For whoever still writes a file of the job.
+  std::shared_ptr<JobEnd> end() const { return end_; }
   /// Takes the end of the job, when the procedure has returned.
   std::shared_ptr<JobEnd> take_end() { return std::move(end_); }
   /// Publishes an event of severity info.

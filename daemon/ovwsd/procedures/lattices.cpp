@@ -76,7 +76,7 @@ Result<json> prepare_lattices(Bench& bench, const LatticePrepare& asked,
       error.reason = "lattice " + request.name + ": " + error.reason;
       return fail(std::move(error));
     }
-    prepared.keep(lattice->name, *lattice);
+    prepared.keep(lattice->name, *lattice, [end = bench.end()](const Result<std::string>&) {});
   }
   return json{{"lattices", std::move(result)}};
 }
