@@ -6,7 +6,7 @@ The rate itself and the latency are measured by tests/bench/latency.
 """
 import os
 
-from case import PATIENCE_S, BenchCase, main
+from case import PATIENCE_S, TWIN, BenchCase, Client, main
 
 RATE_HZ = 200
 FRAMES = int(os.environ.get("OVWS_RATE_FRAMES", "1200"))
@@ -15,8 +15,14 @@ FRAMES = int(os.environ.get("OVWS_RATE_FRAMES", "1200"))
 class Rate(BenchCase):
     daemon_config = {"camera": {"frame_rate_hz": RATE_HZ}}
 
+    def not_sent(self):
+        """Number of frames that the twin left out, because the machine was too busy to make them in time."""
+        with Client(TWIN) as twin:
+            return twin.call("twin.get")["frames"]["late"]
+
     def test_no_frame_is_lost(self):
         self.take_reference(100)
+        not_sent = -self.not_sent()
         stream = self.stream("wavefront")
         last = self.settled_frames(stream, 1)[0]
         before = self.call("system.status")["counters"]
@@ -29,10 +35,12 @@ class Rate(BenchCase):
             all_tracked += message["tracked"] == 19 and message["valid"]
             last = message
         after = self.call("system.status")["counters"]
+        not_sent += self.not_sent()
         changed = {k: after[k] - before[k] for k in after if after[k] != before[k]}
-        print(f"\n{FRAMES} frames, {lost} lost, 19 of 19 valid in {all_tracked}; counters that moved: {changed}")
-        self.assertEqual(lost, 0)
-        for counter in ("frames_lost", "frames_incomplete", "frames_dropped", "frames_unexpected", "spots_lost", "messages_dropped"):
+        print(f"\n{FRAMES} frames, {not_sent} not sent, {lost} lost, 19 of 19 valid in {all_tracked}; counters that moved: {changed}")
+        self.assertLessEqual(lost, not_sent)
+        self.assertLessEqual(changed.get("frames_lost", 0), not_sent)
+        for counter in ("frames_incomplete", "frames_dropped", "frames_unexpected", "spots_lost", "messages_dropped"):
             self.assertEqual(changed.get(counter, 0), 0, counter)
         # Frames delayed by a busy machine are counted as late and not tracked as current.
         self.assertGreaterEqual(all_tracked, FRAMES - changed.get("frames_late", 0))

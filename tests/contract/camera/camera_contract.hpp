@@ -55,11 +55,15 @@ class CameraContract : public ::testing::TestWithParam<CameraRow> {
   }
 
   /// Grabs the next complete frame; fails the test if none comes.
-  GrabbedFrame next_frame(Camera& camera) {
+  /// `incomplete`: counts the incomplete frames before it, which a busy machine may cause.
+  GrabbedFrame next_frame(Camera& camera, std::uint64_t* incomplete = nullptr) {
     GrabbedFrame frame;
     const auto end = monotonic_ns() + std::chrono::nanoseconds(kPatience).count();
-    while (monotonic_ns() < end)
-      if (camera.grab(frame, kPatience) == GrabStatus::frame) return frame;
+    while (monotonic_ns() < end) {
+      const GrabStatus status = camera.grab(frame, kPatience);
+      if (status == GrabStatus::frame) return frame;
+      if (status == GrabStatus::incomplete && incomplete != nullptr) ++*incomplete;
+    }
     ADD_FAILURE() << "no frame came";
     return {};
   }
