@@ -14,6 +14,7 @@
 #include "core/base/image.hpp"
 #include "core/base/vec2.hpp"
 #include "core/optics/geometry.hpp"
+#include "core/pipeline/verdict.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/spot.hpp"
 
@@ -32,6 +33,7 @@ struct FrameMessage {
   std::string_view tracker;
   int subapertures = 0, tracked = 0;
   bool valid = false;
+  Verdict verdict = Verdict::changing;
   double wavelength_nm = 632.0;
   std::optional<double> rms_waves,
       fit_residual_px;  ///< rms_waves is encoded as null if not valid
@@ -99,6 +101,7 @@ struct PhaseMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
   std::int64_t t_arrival_ns = 0;
   bool valid = false;
+  Verdict verdict = Verdict::changing;
   double wavelength_nm = 632.0;
   const Image<float>* waves = nullptr;  ///< NaN outside the pupil
 };

@@ -8,6 +8,7 @@
 #include "core/optics/geometry.hpp"
 #include "core/optics/hologram.hpp"
 #include "core/optics/zernike.hpp"
+#include "core/pipeline/verdict.hpp"
 #include "core/tracking/tracker.hpp"
 #include "proto/field.hpp"
 
@@ -20,6 +21,10 @@ inline constexpr NamesOf kNames<HologramKind> =
     texts<"sensor", "grating", "flat", "identify", "test">;
 /// Patterns that a user can select: all but `test`, which is reserved for jobs.
 inline constexpr NamesOf kShowablePatterns = texts<"sensor", "grating", "flat", "identify">;
+template <>
+inline constexpr NamesOf kNames<Verdict> =
+    texts<"valid", "late", "changing", "no_pattern", "other_hologram", "no_reference", "too_close",
+          "undetermined", "branch_points", "unconfirmed", "unexplained", "spots_lost">;
 template <>
 inline constexpr NamesOf kNames<ZernikeNorm> = texts<"rms", "unit">;
 template <>

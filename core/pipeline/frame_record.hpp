@@ -9,6 +9,7 @@
 #include "core/optics/zernike.hpp"
 #include "core/pipeline/plan.hpp"
 #include "core/pipeline/position_modes.hpp"
+#include "core/pipeline/verdict.hpp"
 #include "core/port/camera.hpp"
 #include "core/tracking/spot.hpp"
 #include "core/wavefront/reconstructor.hpp"
@@ -62,6 +63,7 @@ struct FrameStamp {
   /// is estimated from the elapsed time and the frame rate.
   std::uint64_t gap = 0;
   std::uint64_t hologram_id = 0;
+  bool late = false;   ///< see is_late of frame_rules.hpp
   bool still = false;  ///< the hologram was settled during the whole exposure; not late
   /// Still, sensor epoch and ROI are those of the plan, and of a sequence the pattern is certain.
   bool settled = false;
@@ -112,6 +114,7 @@ struct FrameRecord : FrameStamp {
   bool explained = true;  ///< false: otherwise valid, but no wavefront explains the spots, or the
                           ///< frame is unconfirmed, or has branch points
   bool valid = false;     ///< settled, has a reference, modes determined, spots explained
+  Verdict verdict = Verdict::changing;  ///< Verdict::valid if `valid`, else why not
 
   std::int64_t t_tracked_mono_ns = 0;
   std::int64_t t_reconstructed_mono_ns = 0;

@@ -132,6 +132,22 @@ bool are_apart(const FrameRecord& one, const FrameRecord& other) {
   return are_apart(spots(one), spots(other), one.plan->spots.lambda_d_px);
 }
 
+Verdict verdict_of(const FrameRecord& record, bool too_close) {
+  const MeasurementPlan& plan = *record.plan;
+  if (record.valid) return Verdict::valid;
+  if (record.late) return Verdict::late;
+  if (!record.still) return Verdict::changing;
+  if (!plan.patterns.empty()) return Verdict::no_pattern;
+  if (!record.settled) return Verdict::other_hologram;
+  if (!plan.referenced()) return Verdict::no_reference;
+  if (too_close) return Verdict::too_close;
+  const bool enough = enough_found(record);
+  if (enough && !record.reconstruction.determined) return Verdict::undetermined;
+  if (record.branch_points.count > 0) return Verdict::branch_points;
+  if (record.unconfirmed) return Verdict::unconfirmed;
+  return enough && !record.explained ? Verdict::unexplained : Verdict::spots_lost;
+}
+
 Reconstruction reconstruction_of(const FittedFrame& found, std::span<const int> modes_j,
                                  std::span<const float> coefficients) {
   Reconstruction summary{.determined = true,

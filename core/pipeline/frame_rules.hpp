@@ -87,6 +87,10 @@ bool are_apart(std::span<const SpotFix> one, std::span<const SpotFix> other,
 /// The same of the measurements of two sources in one frame.
 bool are_apart(const FrameRecord& one, const FrameRecord& other) OVWS_NONBLOCKING;
 
+/// The verdict on a measured frame, whose other members are set. `too_close`: its spots are too
+/// close to those of another source. RT-safe.
+Verdict verdict_of(const FrameRecord& record, bool too_close = false) OVWS_NONBLOCKING;
+
 /// Returns the reconstruction summary of a frame whose modes were measured by templates. RT-safe.
 Reconstruction reconstruction_of(const FittedFrame& found, std::span<const int> modes_j,
                                  std::span<const float> coefficients) OVWS_NONBLOCKING;

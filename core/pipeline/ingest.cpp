@@ -175,12 +175,12 @@ void Ingest::stamp(Entry& entry) OVWS_NONBLOCKING {
   const HologramVerdict hologram = judge_hologram(deps_.shown.value(), entry.plan->sensor_epoch,
                                                   settings.exposure_begin_mono_ns, undelayed);
   entry.hologram_id = hologram.hologram_id;
-  const bool late = is_late(applied, arrival, undelayed);
-  if (late) deps_.counters.add(Counter::frames_late);
-  entry.still = hologram.still && !late;
+  entry.late = is_late(applied, arrival, undelayed);
+  if (entry.late) deps_.counters.add(Counter::frames_late);
+  entry.still = hologram.still && !entry.late;
   // After a change of the ROI, positions are meaningless until the plan for the new ROI is active;
   // after a change of the hologram, spots may be lost until the plan that predicts them is active.
-  entry.settled = hologram.settled && !late && applied.roi == entry.plan->roi &&
+  entry.settled = hologram.settled && !entry.late && applied.roi == entry.plan->roi &&
                   hologram.hologram_id <= entry.plan->hologram_id;
   assign_pattern(entry, hologram);
   entry.period_ns = applied.frame_rate_hz > 0.0 ? std::llround(1e9 / applied.frame_rate_hz) : 0;

@@ -123,6 +123,7 @@ void Pipeline::Impl::part(Entry& one, Entry& other) OVWS_NONBLOCKING {
   for (Entry* const entry : {&one, &other}) {
     entry->explained = entry->explained && !entry->valid;
     entry->valid = false;
+    entry->verdict = verdict_of(*entry, true);
   }
 }
 
@@ -156,6 +157,7 @@ void Pipeline::Impl::measure(Entry& entry) OVWS_NONBLOCKING {
   entry.explained = !measured || entry.templates.credible ||
                     (by_positions && !entry.unconfirmed && entry.branch_points.count == 0);
   entry.valid = measured && entry.explained;
+  entry.verdict = verdict_of(entry);
   entry.t_reconstructed_mono_ns = monotonic_ns();
 }
 

@@ -2,12 +2,13 @@
 
 #include <netdb.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <string_view>
 
-#include "core/pipeline/frame_rules.hpp"
 #include "daemon/shared/key_file.hpp"
+#include "daemon/shared/verdict_sentence.hpp"
 #include "proto/endpoint.hpp"
 #include "proto/json_text.hpp"
 #include "proto/measurable_image.hpp"
@@ -176,6 +177,14 @@ Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
   return Subscriber::connect(endpoint, topics, receive_queue, *keys);
 }
 
+std::string verdict_text(const json& message) {
+  const auto& names = kNames<Verdict>();
+  const auto name = std::ranges::find(names, message.value("verdict", ""));
+  if (name == names.end()) return "it is not valid";
+  return sentence_of(Verdict(name - names.begin()), message.value("tracked", 0),
+                     message.value("subapertures", 0));
+}
+
 std::string why_not_valid(const json& message, const json& status) {
   const json& slm = status.at("slm");
   const auto pattern = slm.at("pattern").get<std::string>();
@@ -184,25 +193,12 @@ std::string why_not_valid(const json& message, const json& status) {
     return "the SLM shows " + what + ": no wavefront is measured";
   }
   if (std::string why = why_not_measurable(status); !why.empty()) return why;
-  if (!message.value("settled", false)) {
-    const bool is_displayed =
-        slm.value("settled", false) &&
-        slm.value("hologram_id", json()) == message.value("hologram_id", json(""));
-    return is_displayed ? "the frame is late, or camera settings are changing"
-                        : "hologram changing";
-  }
-  if (!status.at("sensor").at("referenced").get<bool>()) {
-    return "no reference: ovws reference 100";
-  }
-  const int tracked = message.value("tracked", 0), spots = message.value("subapertures", 0);
-  if (message.value("fit_residual_px", json()).is_number()) {
-    // The daemon knows which spots have a reference; a message without its reason counts them all.
-    const json invalid = status.at("sensor").value("invalid", json());
-    if (invalid.is_object() && invalid.contains("reason")) return invalid.at("reason");
-    const bool enough = !too_many_lost({.used = tracked, .lost = spots - tracked});
-    if (enough) return "no wavefront explains the spot positions";
-  }
-  return fmt::format("{} of {} spots found", tracked, spots);
+  const json invalid = status.at("sensor").value("invalid", json());
+  // The daemon names the other source, or the branch points' places, once per second.
+  const bool is_of_spots =
+      message.value("settled", false) && message.value("verdict", "") != "no_reference";
+  if (is_of_spots && invalid.is_object() && invalid.contains("reason")) return invalid.at("reason");
+  return verdict_text(message);
 }
 
 int report(const Common& common, const Error& error) {

@@ -77,7 +77,10 @@ tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, con
 Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
                              const std::vector<std::string>& topics, int receive_queue);
 
-/// Why a wavefront or spots message is not valid; `status`: the newest status.
+/// The sentence of the verdict in a wavefront or spots message.
+std::string verdict_text(const nlohmann::json& message);
+
+/// The same with what the newest `status` knows of it.
 std::string why_not_valid(const nlohmann::json& message, const nlohmann::json& status);
 
 }  // namespace ovws::cli

@@ -67,6 +67,10 @@ inline constexpr auto kTable<FrameMessage> = Fields{
     field<&FrameMessage::valid>(
         "true only if the frame is settled, a reference is active, enough spots were found to "
         "determine the modes, and a wavefront of these modes explains their positions"),
+    computed(
+        "verdict", [](auto& m) { return wire_name(m.verdict); },
+        "valid, or the first reason why the frame is not, in this order")
+        .among(kNames<Verdict>),
     kUnit,
     field<&FrameMessage::wavelength_nm>("wavelength, nanometres", limits::kWavelengthNm),
     kBasis,

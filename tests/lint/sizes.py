@@ -23,7 +23,7 @@ BUDGETS = {
     "ovwsd": (24400, CODE, ["daemon/ovwsd/"]),
     "examine": (6450, CODE, ["daemon/examine/"]),
     "ovws": (15800, CODE, ["daemon/ovws/"]),
-    "web, shared": (4800, CODE, ["daemon/web/", "daemon/shared/"]),
+    "web, shared": (4810, CODE, ["daemon/web/", "daemon/shared/"]),
     "tests": (57600, TEST_CODE, ["tests/"]),
 }
 MOST_WORDS = 59900  # of Markdown

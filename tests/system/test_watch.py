@@ -109,7 +109,7 @@ class Watch(BenchCase):
         self.addCleanup(twin.close)
         twin.call("twin.set", {"read_noise_e": 500.0})
         self.call("camera.set", {"exposure_us": 100})
-        self.wait_for_text(terminal, r"NOT VALID: \d+ of 19 spots found")
+        self.wait_for_text(terminal, r"NOT VALID: \d+ of 19 spots are found")
         self.wait_for_text(terminal, r"✕.*\n(.*\n)*.*✕(.*\n)*.*latency")
         self.wait_for_text(terminal, r"spots lost +\d+ +\+\d+")
         self.wait_for_text(terminal, r"reference stale")

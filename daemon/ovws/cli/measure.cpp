@@ -81,9 +81,10 @@ json image_line(const Page& page, const Config& config, const Measurement& measu
   message.subapertures = int(measured.spots.size());
   message.tracked = measured.tracked;
   message.settled = true;
-  message.valid = measured.valid;
+  message.valid = measured.verdict == Verdict::valid;
+  message.verdict = measured.verdict;
   message.wavelength_nm = config.optics.wavelength_nm;
-  if (measured.valid) message.rms_waves = measured.reconstruction.rms_waves;
+  if (message.valid) message.rms_waves = measured.reconstruction.rms_waves;
   if (measured.reconstruction.determined) {
     message.fit_residual_px = measured.reconstruction.fit_residual_px;
   }
@@ -116,7 +117,7 @@ json image_line(const Page& page, const Config& config, const Measurement& measu
 /// the image, there are no coefficients and `refined.reason` says why.
 void put_refined(json& line, const Measured& measured, bool amplitudes) {
   const std::vector<int> modes_j = line["j"];
-  const bool valid = measured.valid && measured.refined;
+  const bool valid = measured.verdict == Verdict::valid && measured.refined;
   const RefinedModes found = measured.refined.value_or(RefinedModes{});
   double squares = 0.0;
   for (std::size_t k = 0; valid && k < modes_j.size(); ++k) {

@@ -189,7 +189,8 @@ void Measurement::fit(const ImageView& image, Measured& measured) {
   const auto found = model_->templates(image, starts(measured), {}, kRenderings);
   if (!found) return;
   FrameFit::Measured all = (*found)->measure(image);
-  measured.fitted = measured.valid = measured.explained = true;
+  measured.fitted = true;
+  measured.verdict = Verdict::valid;
   measured.branch_points.clear();
   measured.coefficients = std::move(all.coefficients);
   measured.sigma_waves = std::move(all.sigma_waves);
@@ -211,21 +212,25 @@ void Measurement::refine(const ImageView& image, Measured& measured) {
     measured.refined = std::move(*found);
     break;
   }
-  measured.valid = measured.refused.empty();
+  measured.verdict = measured.refused.empty() ? Verdict::valid : Verdict::unexplained;
 }
 
-/// Measures the image by spot positions. Returns whether positions alone give a valid measurement.
-bool Measurement::by_positions(Measured& measured) {
+/// Measures the image by spot positions; the verdict if nothing but the positions is known.
+Verdict Measurement::by_positions(Measured& measured) {
   std::vector<Vec2> left_px(measured.spots.size());
   FoundBranchPoints found;
   measured.reconstruction = reconstruct_positions(*plan_, measured.spots, solve_scratch_, left_px,
                                                   measured.coefficients, found);
   measured.branch_points.assign(found.points.begin(), found.points.begin() + found.count);
-  measured.explained =
-      !measured.reconstruction.determined ||
-      (measured.branch_points.empty() &&
-       is_explained(measured.reconstruction, measured.spots, plan_->spots.lambda_d_px));
-  return measured.reconstruction.determined && measured.explained && plan_->positions_suffice();
+  const bool enough = enough_found(measured.spots, plan_->reference_px);
+  if (!measured.reconstruction.determined) {
+    return enough ? Verdict::undetermined : Verdict::spots_lost;
+  }
+  if (!measured.branch_points.empty()) return Verdict::branch_points;
+  if (!is_explained(measured.reconstruction, measured.spots, plan_->spots.lambda_d_px)) {
+    return enough ? Verdict::unexplained : Verdict::spots_lost;
+  }
+  return plan_->positions_suffice() ? Verdict::valid : Verdict::unconfirmed;
 }
 
 Measured Measurement::measure(const ImageView& image) {
@@ -235,7 +240,7 @@ Measured Measurement::measure(const ImageView& image) {
   measured.sigma_waves.resize(plan_->modes_j.size(), NAN);
   measured.mode_operator = mode_operator_;
   acquisition_.acquire(image, *plan_->tracker, track_scratch_, measured.spots);
-  measured.valid = by_positions(measured);
+  measured.verdict = by_positions(measured);
   const bool fits = model_ && image.width == plan_->roi.width && image.height == plan_->roi.height;
   if (fits && camera_) refine(image, measured);
   if (fits && !camera_) fit(image, measured);

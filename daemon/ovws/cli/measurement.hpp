@@ -12,6 +12,7 @@
 #include "core/base/image.hpp"
 #include "core/base/result.hpp"
 #include "core/pipeline/plan.hpp"
+#include "core/pipeline/verdict.hpp"
 #include "core/spots/point_model.hpp"
 #include "core/tracking/acquisition.hpp"
 #include "daemon/ovwsd/sensor/refined_modes.hpp"
@@ -27,9 +28,8 @@ struct Measured {
   std::vector<float> coefficients;  ///< waves, order of the plan's modes_j; NaN if not measured
   std::vector<float> sigma_waves;   ///< standard errors; NaN unless `fitted`
   Reconstruction reconstruction;
-  bool explained = true;  ///< false: determined, but no wavefront explains the spots
   std::vector<BranchPoint> branch_points;  ///< of the light; then the image is not valid
-  bool valid = false;
+  Verdict verdict = Verdict::spots_lost;
   bool fitted = false;  ///< by all pixels of the spots (tracker `fit`), else by positions
   std::optional<RefinedModes> refined{};  ///< only with a known camera
   std::string refused;                    ///< why a refined image is not valid; empty: it is valid
@@ -62,7 +62,7 @@ class Measurement {
   std::vector<std::vector<double>> starts(const Measured& measured) const;
   void fit(const ImageView& image, Measured& measured);
   void refine(const ImageView& image, Measured& measured);
-  bool by_positions(Measured& measured);
+  Verdict by_positions(Measured& measured);
   std::unique_ptr<MeasurementPlan> plan_;
   std::optional<PointModel> model_;  ///< used by the tracker `fit` only
   std::optional<RefineCamera> camera_;

@@ -83,8 +83,7 @@ class Recorder {
     }
     count(message);
     if (!message.at("valid").get<bool>() || !message.at("settled").get<bool>()) {
-      recorded_.why_not_valid = why_not_valid(
-          message, {{"slm", {{"pattern", "sensor"}}}, {"sensor", {{"referenced", true}}}});
+      recorded_.why_not_valid = verdict_text(message);
       return {};
     }
     const auto modes_j = message.at("j").get<std::vector<int>>();

@@ -6,6 +6,7 @@
 
 #include "core/pipeline/frame_rules.hpp"
 #include "daemon/ovwsd/sensor/branch_check.hpp"
+#include "daemon/shared/verdict_sentence.hpp"
 #include "proto/dark_image.hpp"
 #include "proto/limits.hpp"
 
@@ -23,36 +24,12 @@ const FrameRecord& record_of(const FrameRecord& main, std::size_t source) {
   return source == 0 ? main : *main.beams()[source - 1];
 }
 
-Verdict verdict_of(const FrameRecord& record, const Lack& lack) {
-  if (record.valid) return Verdict::valid;
-  if (lack.other != nullptr) return Verdict::too_close;
-  if (!record.reconstruction.determined && lack.enough_found && !lack.searched) {
-    return Verdict::undetermined;
-  }
-  if (lack.branch_points > 0) return Verdict::branch_points;
-  if (record.unconfirmed) return Verdict::unconfirmed;
-  return lack.enough_found && !record.explained ? Verdict::unexplained : Verdict::spots_lost;
-}
-
 std::string reason_of(const Lack& lack) {
-  if (lack.verdict == Verdict::no_pattern) return "no frame's pattern is certain";
-  const auto found = [&lack](const std::string& what) {
-    return fmt::format("{} of {} spots are found{}", lack.tracked, lack.spots, what);
-  };
-  switch (lack.verdict) {
-    case Verdict::too_close:
-      return found(", but too close to those of " + *lack.other);
-    case Verdict::undetermined:
-      return found(", which do not determine all modes");
-    case Verdict::branch_points:
-      return found("; the light has " + branch_point_text(lack.branch_points, lack.branch_point));
-    case Verdict::unconfirmed:
-      return found(", but templates have not confirmed them yet");
-    case Verdict::unexplained:
-      return found(", but no wavefront explains their positions");
-    default:
-      return found("");
+  std::string details = lack.other != nullptr ? *lack.other : "";
+  if (lack.verdict == Verdict::branch_points) {
+    details = branch_point_text(lack.branch_points, lack.branch_point);
   }
+  return sentence_of(lack.verdict, lack.tracked, lack.spots, details);
 }
 
 std::string search_text(const SearchProgress& search, std::int64_t now_ns) {
@@ -74,8 +51,8 @@ std::string light_text(const Lack& lack, std::optional<double> brightest) {
 }
 
 /// What to do, whatever the light; empty: that depends on the search.
-std::string action_of(Verdict verdict) {
-  switch (verdict) {
+std::string action_of(const Lack& lack) {
+  switch (lack.verdict) {
     case Verdict::no_pattern:
       return "check that each pattern triggers the camera, that dmd.slots and dmd.bit_order are "
              "the DMD's, the output's refresh rate, that the exposure is shorter than a pattern, "
@@ -83,6 +60,7 @@ std::string action_of(Verdict verdict) {
     case Verdict::too_close:
       return "tilt the light sources apart";
     case Verdict::undetermined:
+      if (lack.searched) return "";
       return "set a smaller tracking.mode_count (sensor.set), or light the lost spots";
     default:
       return "";
@@ -115,16 +93,18 @@ void ValidityWatch::on_frame(const FrameRecord& main, bool searched, std::int64_
   for (std::size_t source = 0; source <= main.beams().size(); ++source) {
     const FrameRecord& record = record_of(main, source);
     if (!record.plan->referenced()) continue;
-    Lack newest{.tracked = record.tracked,
-                .spots = record.spot_count,
-                .searched = searched && source == 0,
-                .enough_found = enough_found(record),
-                .saturated = double(record.saturated_fraction),
-                .branch_points = record.branch_points.count,
-                .branch_point = record.branch_points.points.front(),
-                .other = record.valid ? nullptr : too_close_to(main, source)};
-    newest.verdict = verdict_of(record, newest);
-    note(source, newest, now_ns);
+    const bool too_close = record.verdict == Verdict::too_close;
+    note(source,
+         {.verdict = record.verdict,
+          .tracked = record.tracked,
+          .spots = record.spot_count,
+          .searched = searched && source == 0,
+          .enough_found = enough_found(record),
+          .saturated = double(record.saturated_fraction),
+          .branch_points = record.branch_points.count,
+          .branch_point = record.branch_points.points.front(),
+          .other = too_close ? too_close_to(main, source) : nullptr},
+         now_ns);
   }
 }
 
@@ -162,7 +142,7 @@ std::optional<StatusMessage::SensorPart::Invalid> ValidityWatch::why_invalid(
   StatusMessage::SensorPart::Invalid invalid;
   invalid.t_since_ns = utc_ns - (now_ns - now->since_ns);
   invalid.reason = reason_of(*now);
-  invalid.action = action_of(now->verdict);
+  invalid.action = action_of(*now);
   if (!invalid.action.empty()) return invalid;
   const std::string light =
       light_text(*now, is_main ? brightness_.newest(now_ns) : std::optional<double>());

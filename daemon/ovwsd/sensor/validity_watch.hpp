@@ -27,18 +27,6 @@ struct SearchProgress {
   std::int64_t next_ns = 0;  ///< time of the next search, if the image does not change
 };
 
-/// Why a frame is not valid: the first reason that applies.
-enum class Verdict {
-  valid,
-  no_pattern,     ///< of a DMD's sequence: no frame's pattern has been certain for long
-  too_close,      ///< the spots are too close to those of another source
-  undetermined,   ///< enough spots are found, but do not determine the modes; nothing is searched
-  branch_points,  ///< the light has branch points, so that no smooth wavefront exists
-  unconfirmed,    ///< templates must confirm the spots' positions first
-  unexplained,    ///< no wavefront explains the spots' positions
-  spots_lost,     ///< too few spots are found
-};
-
 /// What is known of the newest frame of a light source.
 struct Lack {
   Verdict verdict = Verdict::valid;

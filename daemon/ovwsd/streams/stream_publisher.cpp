@@ -29,6 +29,7 @@ FrameMessage frame_message(const FrameRecord& record, double wavelength_nm) {
   message.subapertures = record.spot_count;
   message.tracked = record.tracked;
   message.valid = record.valid;
+  message.verdict = record.verdict;
   message.wavelength_nm = wavelength_nm;
   if (record.valid) message.rms_waves = record.reconstruction.rms_waves;
   if (record.valid || !record.explained) {

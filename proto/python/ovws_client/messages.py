@@ -78,6 +78,8 @@ class FrameMessage(Message):
     subapertures: int
     tracked: int
     valid: bool
+    verdict: str
+    """"valid", or why the frame is not (WIRE.md)"""
     wavelength_nm: float
     rms_waves: float | None
     """root sum square of the coefficients without tilts, waves; None if not valid"""

@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/pipeline/frame_rules.hpp"
+
 namespace ovws {
 namespace {
 
@@ -120,15 +122,15 @@ TEST_F(ValidityWatchTest, SaysWhyWhatIsDoneAndWhen) {
 
 TEST_F(ValidityWatchTest, SaysWhatNoSearchHelps) {
   const std::string other = "the source red";
-  Lack lack{.spots = 19, .other = &other};
-  lack.verdict = Verdict::no_pattern;
-  EXPECT_EQ(why(lack).reason, "no frame's pattern is certain");
+  Lack lack{.verdict = Verdict::no_pattern, .spots = 19};
+  EXPECT_EQ(why(lack).reason, "the frame's pattern is not certain");
   EXPECT_NE(why(lack).action.find("dmd.slots"), std::string::npos);
   lack.tracked = 18;
   lack.verdict = Verdict::undetermined;
   EXPECT_EQ(why(lack).reason, "18 of 19 spots are found, which do not determine all modes");
   EXPECT_NE(why(lack).action.find("mode_count"), std::string::npos);
   lack.verdict = Verdict::too_close;
+  lack.other = &other;
   EXPECT_EQ(in_words(why(lack)),
             "18 of 19 spots are found, but too close to those of the source red; tilt the light "
             "sources apart");
@@ -172,7 +174,7 @@ class VerdictTest : public ValidityWatchTest {
     plan_.predicted_px = plan_.reference_px;
     plan_.spots.lambda_d_px = 10.0;
     record_.plan = &plan_;
-    record_.settled = record_.explained = true;
+    record_.still = record_.settled = record_.explained = true;
     record_.reconstruction.determined = true;
     record_.branch_points = {};
     find(record_, 100.0F);
@@ -187,34 +189,40 @@ class VerdictTest : public ValidityWatchTest {
     for (const Vec2 spot : at(left)) record.spots.push_back({float(spot.x), float(spot.y)});
     record.spot_count = record.tracked = int(record.spots.size());
   }
-  Verdict verdict(bool searched, std::size_t source = 0) {
-    watch_.on_frame(record_, searched, kS);
-    const auto lack = watch_.lack(source, kS);
-    return lack ? lack->verdict : Verdict::valid;
-  }
+  Verdict verdict() const { return verdict_of(record_); }
   MeasurementPlan plan_;
   FrameRecord record_;
 };
 
 TEST_F(VerdictTest, IsTheFirstReasonThatApplies) {
-  EXPECT_EQ(verdict(true), Verdict::spots_lost) << "whatever else is wrong";
+  EXPECT_EQ(verdict(), Verdict::spots_lost) << "whatever else is wrong";
   record_.explained = false;
-  EXPECT_EQ(verdict(true), Verdict::unexplained);
+  EXPECT_EQ(verdict(), Verdict::unexplained);
   record_.unconfirmed = true;
-  EXPECT_EQ(verdict(true), Verdict::unconfirmed);
+  EXPECT_EQ(verdict(), Verdict::unconfirmed);
   record_.branch_points.count = 1;
-  EXPECT_EQ(verdict(true), Verdict::branch_points);
+  EXPECT_EQ(verdict(), Verdict::branch_points);
   record_.reconstruction.determined = false;
-  EXPECT_EQ(verdict(true), Verdict::branch_points);
-  EXPECT_EQ(verdict(false), Verdict::undetermined);
+  EXPECT_EQ(verdict(), Verdict::undetermined);
+  EXPECT_EQ(verdict_of(record_, true), Verdict::too_close);
+  plan_.reference_px.clear();
+  EXPECT_EQ(verdict(), Verdict::no_reference);
+  record_.settled = false;
+  EXPECT_EQ(verdict(), Verdict::other_hologram);
+  plan_.patterns.push_back(nullptr);
+  EXPECT_EQ(verdict(), Verdict::no_pattern);
+  record_.still = false;
+  EXPECT_EQ(verdict(), Verdict::changing);
+  record_.late = true;
+  EXPECT_EQ(verdict(), Verdict::late);
   record_.valid = true;
-  EXPECT_EQ(verdict(false), Verdict::valid);
+  EXPECT_EQ(verdict(), Verdict::valid);
 }
 
 TEST_F(VerdictTest, OfFewSpotsIsThatTheyAreLost) {
   record_.explained = false;
   for (int k = 0; k < 4; ++k) record_.spots[std::size_t(k)] = {NAN, NAN};
-  EXPECT_EQ(verdict(true), Verdict::spots_lost);
+  EXPECT_EQ(verdict(), Verdict::spots_lost);
 }
 
 TEST_F(VerdictTest, NamesTheSourceThatIsTooClose) {
@@ -223,12 +231,10 @@ TEST_F(VerdictTest, NamesTheSourceThatIsTooClose) {
   beam.plan = plan_.beams.front().get();
   record_.beam_records = {&beam};
   find(beam, 190.0F);
-  EXPECT_EQ(verdict(true), Verdict::too_close);
-  EXPECT_EQ(verdict(true, 1), Verdict::too_close);
+  record_.verdict = beam.verdict = Verdict::too_close;
+  watch_.on_frame(record_, true, kS);
   EXPECT_EQ(*watch_.lack(0, kS)->other, "the source red");
   EXPECT_EQ(*watch_.lack(1, kS)->other, "the main source");
-  find(beam, 400.0F);
-  EXPECT_NE(verdict(true), Verdict::too_close);
 }
 
 TEST_F(VerdictTest, OfASequenceIsGivenAfterThreeCycles) {
@@ -236,8 +242,11 @@ TEST_F(VerdictTest, OfASequenceIsGivenAfterThreeCycles) {
   plan_.cycle.slots = 2;
   record_.settled = false;
   record_.still = true;
-  for (int k = 0; k < 5; ++k) EXPECT_EQ(verdict(false), Verdict::valid) << k;
-  EXPECT_EQ(verdict(false), Verdict::no_pattern);
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_TRUE(watch_.is_valid(0)) << k;
+    watch_.on_frame(record_, false, kS);
+  }
+  EXPECT_EQ(watch_.lack(0, kS)->verdict, Verdict::no_pattern);
 }
 
 TEST(ImageBrightness, IsThatOfThe16BrightestPixelsForThreeSeconds) {

@@ -25,7 +25,7 @@ class PageFindings : public testing::Test {
                         {"sensor", {{"referenced", true}, {"reference", "in_force"}}}};
     (*facts.status)["slm"]["pattern"] = "sensor";
     facts.wavefront = {{"valid", true},      {"settled", true}, {"saturated", 0.0},
-                       {"subapertures", 19}, {"tracked", 19},   {"fit_residual_px", 0.02}};
+                       {"subapertures", 19}, {"tracked", 19},   {"verdict", "valid"}};
   }
 
   void expect_worst(Severity severity, const std::string& text) const {
@@ -94,13 +94,9 @@ TEST_F(PageFindings, ADeviceThatIsNotThereIsBad) {
 
 TEST_F(PageFindings, AFrameThatCameLateIsNotAChangingHologram) {
   facts.wavefront["valid"] = facts.wavefront["settled"] = false;
-  facts.wavefront["hologram_id"] = (*facts.status)["slm"]["hologram_id"] = 7;
-  (*facts.status)["slm"]["settled"] = true;
+  facts.wavefront["verdict"] = "late";
   expect_worst(Severity::note, "late");
-  (*facts.status)["slm"]["settled"] = false;
-  expect_worst(Severity::note, "hologram changing");
-  (*facts.status)["slm"]["settled"] = true;
-  facts.wavefront["hologram_id"] = 8;  // newer than the status
+  facts.wavefront["verdict"] = "changing";
   expect_worst(Severity::note, "hologram changing");
 }
 
@@ -184,23 +180,23 @@ TEST_F(PageFindings, AReferenceThatHoldsAnIntroducedAberrationIsNotWell) {
 TEST_F(PageFindings, AHologramThatIsChangingIsNoFault) {
   facts.wavefront["valid"] = false;
   facts.wavefront["settled"] = false;
+  facts.wavefront["verdict"] = "changing";
   expect_worst(Severity::note, "changing");
   facts.wavefront["settled"] = true;
+  facts.wavefront["verdict"] = "unexplained";
   expect_worst(Severity::bad, "explains");
 }
 
 TEST_F(PageFindings, SaysWhatIsDoneAboutInvalidFrames) {
   facts.wavefront["valid"] = false;
   facts.wavefront["tracked"] = 7;
-  facts.wavefront["fit_residual_px"] = nullptr;
+  facts.wavefront["verdict"] = "spots_lost";
   (*facts.status)["sensor"]["invalid"] = {
       {"action", "the whole image is being searched for spots"}};
-  expect_worst(Severity::bad, "7 of 19 spots found; the whole image is being searched");
-  facts.wavefront["fit_residual_px"] = 0.01;  // of the seven
-  expect_worst(Severity::bad, "7 of 19 spots found; the whole image is being searched");
-  facts.wavefront["tracked"] = 16;
-  expect_worst(Severity::bad, "No wavefront: no wavefront explains");
-  facts.wavefront["tracked"] = 15;  // the reference leaves out three
+  expect_worst(Severity::bad, "7 of 19 spots are found; the whole image is being searched");
+  facts.wavefront["verdict"] = "unexplained";
+  expect_worst(Severity::bad,
+               "7 of 19 spots are found, but no wavefront explains their positions; the whole");
   (*facts.status)["sensor"]["invalid"]["reason"] = "15 of 19 spots are found, but unexplained";
   expect_worst(Severity::bad, "15 of 19 spots are found, but unexplained; the whole image");
 }

@@ -50,6 +50,7 @@ TEST(EncodeWavefront, SaysAllThatItHolds) {
   EXPECT_EQ(out.at("basis"), "zernike-osa-rms");
   EXPECT_EQ(out.at("orientation"), "x-right-y-down");
   EXPECT_EQ(out.at("loop"), "open");
+  EXPECT_EQ(out.at("verdict"), "changing");
 }
 
 TEST(EncodeWavefront, AGainThatIsNotInDbIsNullAndGivenRaw) {
