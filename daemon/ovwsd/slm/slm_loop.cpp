@@ -126,8 +126,8 @@ void SlmLoop::carry_out(Job& job) {
     job.done.set_value(done);
   }
   // The caller of `show` got a timeout error and assumes that the previous hologram is shown:
-  // present the previous one again.
-  if (abandoned && done && before) (void)present(*before);
+  // present the previous one again, or when the display is there again.
+  if (abandoned && done && before && !present(*before)) requested_ = before;
 }
 
 void SlmLoop::close() {
