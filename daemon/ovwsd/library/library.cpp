@@ -130,7 +130,11 @@ void Library::remove(const ItemKind& kind, const std::vector<std::string>& names
                      const Removed& removed) {
   if (!folder_ || names.empty()) return removed({});
   {
-    const auto all = std::make_shared<Result<void>>();
+    struct All {
+      std::size_t left;
+      Result<void> result{};
+    };
+    const auto all = std::make_shared<All>(names.size());
     const std::lock_guard lock(mutex_);
     for (const std::string& name : names) {
       const Key key{kind.name, name};
@@ -140,9 +144,9 @@ void Library::remove(const ItemKind& kind, const std::vector<std::string>& names
       if (work.done) displace(std::exchange(work.done, nullptr), false);
       work.removes = work.due = true;
       work.why.reset();
-      work.done = [all, removed, last = &name == &names.back()](const Result<std::string>& one) {
-        if (!one && *all) *all = fail(one.error());
-        if (last) removed(*all);
+      work.done = [all, removed](const Result<std::string>& one) {
+        if (!one && all->result) all->result = fail(one.error());
+        if (--all->left == 0) removed(all->result);
       };
       if (waiting != queue_.end()) waiting->second.done = nullptr;
       add(key, std::move(work));
