@@ -319,7 +319,8 @@ Finding judge_reference(const DaemonFacts& facts) {
 
 Finding judge_stale(const DaemonFacts& facts) {
   if (!why_not_measurable(*facts.status).empty()) return not_here("the image cannot be measured");
-  if (text_at(*facts.status, "/sensor/reference") != "stale") return good("it is of this light");
+  if (text_at(*facts.status, "/sensor/reference") != "stale")
+    return good("the reference was taken with these camera settings");
   return note("the reference was taken with another gain, exposure or pixel format: take a new one",
               kReference, act("Take a new one", {take_reference()}));
 }

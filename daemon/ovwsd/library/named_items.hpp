@@ -130,7 +130,7 @@ class NamedItems {
     }
     return all_[name] = std::make_shared<const Item>(Of::in_memory(item));
   }
-  /// Unless another item has the name by now.
+  /// Forgets the item, but not another one that has its name now.
   void forget(const std::string& name, const ItemPtr& item) {
     const std::lock_guard lock(mutex_);
     const auto found = all_.find(name);

@@ -79,7 +79,7 @@ class Bench {
   /// After its last step, the default, the job cannot be cancelled any more.
   enum class Step { early, last };
   Result<void> use(SensorChange change, Step step = Step::last);
-  /// For whoever still writes a file of the job.
+  /// The end of the job, kept by whatever still writes a file of it.
   std::shared_ptr<JobEnd> end() const { return end_; }
   /// Takes the end of the job, when the procedure has returned.
   std::shared_ptr<JobEnd> take_end() { return std::move(end_); }

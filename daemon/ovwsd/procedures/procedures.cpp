@@ -121,7 +121,7 @@ void Procedures::finish(const std::shared_ptr<Run>& run) {
   for (const auto& then : waiting) then();
   // The callback keeps `run` alive, because `run` provides the progress until the job has ended.
   run->bench->take_end()->then = [run, &jobs = deps_.jobs] {
-    if (run->result) return jobs.finish(run->job, *run->result);
+    if (run->result) return jobs.finish(run->job, std::move(*run->result));
     jobs.fail_job(run->job, run->result.error());
   };
 }

@@ -33,7 +33,7 @@ class Settings {
 
   /// The configuration at the daemon's start.
   const Config& started() const { return started_; }
-  /// Number of requests to save settings that were put into the disk thread's queue.
+  /// Increases before a request to save settings is carried out, and before its lease ends.
   int saves() const { return saves_.load(); }
   void count_save() { ++saves_; }
   /// What was loaded last, at the start or by a reload.
