@@ -101,7 +101,6 @@ struct PhaseMessage {
   std::uint64_t seq = 0, frame_id = 0, hologram_id = 0;
   std::int64_t t_arrival_ns = 0;
   bool valid = false;
-  Verdict verdict = Verdict::changing;
   double wavelength_nm = 632.0;
   const Image<float>* waves = nullptr;  ///< NaN outside the pupil
 };

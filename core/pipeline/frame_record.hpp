@@ -65,7 +65,8 @@ struct FrameStamp {
   std::uint64_t hologram_id = 0;
   bool late = false;   ///< see is_late of frame_rules.hpp
   bool still = false;  ///< the hologram was settled during the whole exposure; not late
-  /// Still, sensor epoch and ROI are those of the plan, and of a sequence the pattern is certain.
+  /// Still, sensor epoch and ROI are those of the plan, the plan is not for an older hologram, and
+  /// of a sequence the pattern is certain.
   bool settled = false;
   int pattern = -1;  ///< number of the sequence's pattern; -1: none is shown, or uncertain
   bool settings_known = false;                    ///< gain and exposure are certain for this frame

@@ -193,11 +193,13 @@ std::string why_not_valid(const json& message, const json& status) {
     return "the SLM shows " + what + ": no wavefront is measured";
   }
   if (std::string why = why_not_measurable(status); !why.empty()) return why;
+  // Once per second, the daemon names the other source, or the branch points' places.
+  const std::string verdict = message.value("verdict", "");
   const json invalid = status.at("sensor").value("invalid", json());
-  // The daemon names the other source, or the branch points' places, once per second.
-  const bool is_of_spots =
-      message.value("settled", false) && message.value("verdict", "") != "no_reference";
-  if (is_of_spots && invalid.is_object() && invalid.contains("reason")) return invalid.at("reason");
+  if (invalid.is_object() && invalid.contains("reason") &&
+      (verdict == wire_name(Verdict::too_close) || verdict == wire_name(Verdict::branch_points))) {
+    return invalid.at("reason");
+  }
   return verdict_text(message);
 }
 

@@ -80,7 +80,7 @@ Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
 /// The sentence of the verdict in a wavefront or spots message.
 std::string verdict_text(const nlohmann::json& message);
 
-/// The same with what the newest `status` knows of it.
+/// Why the frame is not valid; `status`: the newest status, which has details of some verdicts.
 std::string why_not_valid(const nlohmann::json& message, const nlohmann::json& status);
 
 }  // namespace ovws::cli

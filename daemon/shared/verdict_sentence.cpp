@@ -17,7 +17,7 @@ constexpr std::array<Sentence, std::size_t(Verdict::spots_lost) + 1> kSentences{
     {"the frame is late"},
     {"hologram changing"},
     {"the frame's pattern is not certain"},
-    {"the SLM or the camera's image is not as the sensor needs it"},
+    {"the daemon has no plan yet for this hologram or camera region"},
     {"no reference: ovws reference 100"},
     {"{0} of {1} spots are found, but too close to those of {2}", "another source"},
     {"{0} of {1} spots are found, which do not determine all modes"},

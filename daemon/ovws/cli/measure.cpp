@@ -141,6 +141,7 @@ std::string page_text(const Page& page, const json& line, bool enough_found) {
       std::round(line["saturated"].get<double>() * double(line["spots"].size()));
   said["missing"] = line["subapertures"].get<int>() - line["tracked"].get<int>();
   said["enough"] = enough_found;
+  said["why"] = verdict_text(line);
   std::string text = fill(
       "{name}: {tracked} of {subapertures} spots, [valid?valid][!valid?NOT VALID]"
       "[saturated_spots?\n{saturated_spots:.0f} of {subapertures} spots are saturated: lower the "
@@ -148,8 +149,8 @@ std::string page_text(const Page& page, const json& line, bool enough_found) {
       "[branch_points*\nbranch point (phase singularity) near x {0:+.2f}, y {1:+.2f} pupil radii, "
       "charge {2:+.0f}]"
       "[!valid?[!enough?\n{missing} of {subapertures} spots are missing, more than a sixth: check "
-      "the image and its exposure][enough?[!refined?[fit_residual_px?\nfit residual "
-      "{fit_residual_px:.4f} px: no wavefront explains the spot positions]]]]",
+      "the image and its exposure][enough?[!refined?\n{why}[fit_residual_px?; fit residual "
+      "{fit_residual_px:.4f} px]]]]",
       said);
   if (!line["valid"].get<bool>()) return text;
   for (std::size_t k = 0; k < line["j"].size(); ++k) {

@@ -32,7 +32,7 @@ constexpr int kPage = 10;
 
 /// Why the frame is not valid; empty if the messages lack the fields for an explanation.
 std::string reason_of(const screen::View& view) {
-  for (const char* key : {"settled", "fit_residual_px", "tracked", "subapertures"}) {
+  for (const char* key : {"verdict", "tracked", "subapertures"}) {
     if (!view.wavefront.contains(key)) return {};
   }
   if (view.status.is_null()) return {};

@@ -197,8 +197,10 @@ TEST_F(PageFindings, SaysWhatIsDoneAboutInvalidFrames) {
   facts.wavefront["verdict"] = "unexplained";
   expect_worst(Severity::bad,
                "7 of 19 spots are found, but no wavefront explains their positions; the whole");
-  (*facts.status)["sensor"]["invalid"]["reason"] = "15 of 19 spots are found, but unexplained";
-  expect_worst(Severity::bad, "15 of 19 spots are found, but unexplained; the whole image");
+  facts.wavefront["verdict"] = "too_close";
+  expect_worst(Severity::bad, "7 of 19 spots are found, but too close to those of another source;");
+  (*facts.status)["sensor"]["invalid"]["reason"] = "too close to those of the source red";
+  expect_worst(Severity::bad, "No wavefront: too close to those of the source red; the whole");
 }
 
 TEST_F(PageFindings, CountsSaturatedAndLostSpots) {
