@@ -305,96 +305,96 @@ TEST_F(Items, WithoutAFolderNothingIsKeptAndTheReasonIsSaid) {
   EXPECT_EQ(a.kept, 1);
 }
 
-TEST(Disk, ARemovalSucceedsIfAWriteReplacesItBeforeItsTurn) {
-  const std::string folder = own_folder("replaced_removal");
-  StreamQueue queue;
-  Events events{queue};
-  Disk disk;
-  Library library({folder}, events, &disk);
-  disk.begin();  // without a thread: everything waits
-  library.put(item("a", {{"value", 1}}));
-  while (library.turn()) {
+/// A library whose disk thread has no thread, unless a test makes one: everything waits.
+class OnDisk : public testing::Test {
+ protected:
+  void TearDown() override { fs::remove_all(folder_); }
+  void take_turns() {
+    while (library_.turn()) {
+    }
   }
+
+  const std::string folder_ = own_folder("on_disk");
+  const fs::path file_ = fs::path(folder_) / "kind.a.json";
+  StreamQueue queue_;
+  Events events_{queue_};
+  Disk disk_;
+  Library library_{{folder_}, events_, &disk_};
+};
+
+TEST_F(OnDisk, ARemovalSucceedsIfAWriteReplacesItBeforeItsTurn) {
+  disk_.begin();  // without a thread
+  library_.put(item("a", {{"value", 1}}));
+  take_turns();
   int removed = 0;
-  library.remove(kKind, {"a"}, [&](const Result<void>& done) { removed += done ? 1 : 0; });
-  library.put(item("a", {{"value", 2}}));
-  while (library.turn()) {
-  }
+  library_.remove(kKind, {"a"}, [&](const Result<void>& done) { removed += done ? 1 : 0; });
+  library_.put(item("a", {{"value", 2}}));
+  take_turns();
   EXPECT_EQ(removed, 1);
-  EXPECT_EQ(library.read(kKind, "a")->content["value"], 2);
-  fs::remove_all(folder);
+  EXPECT_EQ(library_.read(kKind, "a")->content["value"], 2);
 }
 
-TEST(Disk, TwoRemovalsThatFailLoseNoWriteThatWaits) {
-  const std::string folder = own_folder("two_removals");
-  StreamQueue queue;
-  Events events{queue};
-  Disk disk;
-  Library library({folder}, events, &disk);
-  disk.begin();  // without a thread: everything waits
-  fs::create_directories(fs::path(folder) / "kind.a.json" / "full");
-  library.put(item("a", {{"value", 1}}));
+TEST_F(OnDisk, ARemovalOfTwoItemsFailsIfOneCannotBeRemovedThoughTheOtherIsReplaced) {
+  disk_.begin();  // without a thread
+  fs::create_directories(file_ / "full");
+  int failed = 0;
+  library_.remove(kKind, {"a", "b"}, [&](const Result<void>& done) { failed += done ? 0 : 1; });
+  library_.put(item("b", {{"value", 2}}));
+  take_turns();
+  EXPECT_EQ(failed, 1);
+}
+
+TEST_F(OnDisk, TwoRemovalsThatFailLoseNoWriteThatWaits) {
+  disk_.begin();  // without a thread
+  fs::create_directories(file_ / "full");
+  library_.put(item("a", {{"value", 1}}));
   int failed = 0;
   for (int k = 0; k < 2; ++k) {
-    library.remove(kKind, {"a"}, [&](const Result<void>& done) { failed += done ? 0 : 1; });
+    library_.remove(kKind, {"a"}, [&](const Result<void>& done) { failed += done ? 0 : 1; });
   }
-  while (library.turn()) {
-  }
+  take_turns();
   EXPECT_EQ(failed, 2);
-  EXPECT_EQ(library.queued(), 1);
-  fs::remove_all(fs::path(folder) / "kind.a.json");
+  EXPECT_EQ(library_.queued(), 1);
+  fs::remove_all(file_);
   test::skip(std::chrono::seconds(2));
-  while (library.turn()) {
-  }
-  EXPECT_EQ(library.read(kKind, "a")->content["value"], 1);
-  fs::remove_all(folder);
+  take_turns();
+  EXPECT_EQ(library_.read(kKind, "a")->content["value"], 1);
 }
 
 /// Of a kind with a limited number of items, the oldest is deleted for each that is added. A
 /// deletion that waits keeps the write that it replaces, in case it fails.
-TEST(Disk, DeletionsDoNotFillTheMemoryWhileItStandsStill) {
+TEST_F(OnDisk, DeletionsDoNotFillTheMemoryWhileItStandsStill) {
   constexpr std::size_t kItem = Library::kMaxQueuedBytes / 8;
-  const std::string folder = own_folder("displaced_writes");
-  StreamQueue queue;
-  Events events{queue};
-  Disk disk;
-  Library library({folder}, events, &disk);
-  disk.begin();  // without a thread: it stands still
+  disk_.begin();  // without a thread
   int refused = 0;
   for (int k = 0; k < 12; ++k) {
     const std::string name = "item-" + std::to_string(k);
-    library.put(item(name, std::string(kItem, 'x')), [&](const Result<std::string>& kept) {
+    library_.put(item(name, std::string(kItem, 'x')), [&](const Result<std::string>& kept) {
       refused += kept || kept.error().code == Errc::refused ? 0 : 1;
     });
-    library.remove(kKind, {name}, [](const Result<void>&) {});
+    library_.remove(kKind, {name}, [](const Result<void>&) {});
   }
   EXPECT_EQ(refused, 5);
-  fs::remove_all(folder);
 }
 
 /// The disk thread waits for a disk that does not answer until the test releases it.
-TEST(Disk, WhileItStandsStillNobodyWaits) {
-  const std::string folder = own_folder("standing_disk");
-  StreamQueue queue;
-  Events events{queue};
-  Disk disk;
-  Library library({folder}, events, &disk);
-  disk.each_turn([&] { return library.turn(); });
+TEST_F(OnDisk, WhileItStandsStillNobodyWaits) {
+  disk_.each_turn([&] { return library_.turn(); });
   std::promise<void> go;
   std::atomic<bool> stop{false};
-  disk.begin();
-  disk.post([&] { go.get_future().wait(); });
+  disk_.begin();
+  disk_.post([&] { go.get_future().wait(); });
   std::thread thread([&] {
-    while (!stop) disk.do_work();
-    disk.on_close();
+    while (!stop) disk_.do_work();
+    disk_.on_close();
   });
   std::atomic<int> kept{0};
-  library.put(item("a", {{"value", 1}}),
-              [&](const Result<std::string>& done) { kept += done ? 1 : 0; });
-  EXPECT_EQ(library.queued(), 1);
+  library_.put(item("a", {{"value", 1}}),
+               [&](const Result<std::string>& done) { kept += done ? 1 : 0; });
+  EXPECT_EQ(library_.queued(), 1);
   int refused = 0;
   for (int request = 0; request < Disk::kMaxRequests + 1; ++request) {
-    refused += disk.request([] {}) ? 0 : 1;
+    refused += disk_.request([] {}) ? 0 : 1;
   }
   EXPECT_EQ(refused, 1);
   EXPECT_EQ(kept, 0);
@@ -402,8 +402,7 @@ TEST(Disk, WhileItStandsStillNobodyWaits) {
   go.set_value();
   thread.join();
   EXPECT_EQ(kept, 1) << "written before the thread ends";
-  EXPECT_TRUE(fs::exists(fs::path(folder) / "kind.a.json"));
-  fs::remove_all(folder);
+  EXPECT_TRUE(fs::exists(file_));
 }
 
 }  // namespace
