@@ -64,6 +64,7 @@ class Borrow {
     if (back) return done;
     if (done) return tl::make_unexpected(back.error());
     CallFailure both = done.error();
+    if (!both.error.is_object()) both.error = nlohmann::json::object();
     both.error["message"] = message_of(done.error()) + "; " + message_of(back.error());
     return tl::make_unexpected(std::move(both));
   }
