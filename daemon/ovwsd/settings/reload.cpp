@@ -66,7 +66,8 @@ void Reloader::poll() {
   post_read(reload);
 }
 
-/// A save that is counted after this has its write queued after the read, or before it and is read.
+/// Saves counted until now are written before the read, as the disk carries out requests in order;
+/// `change` notices later ones.
 void Reloader::post_read(const ReloadPtr& reload) {
   reload->saves = deps_.settings.saves();
   deps_.disk.post([this, reload] { read(reload); });
