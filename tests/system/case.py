@@ -1,5 +1,6 @@
 """Base of the system tests: a bench in its own network namespace, and a client."""
 import ctypes
+import functools
 import json
 import os
 import subprocess
@@ -218,6 +219,13 @@ class BenchCase(unittest.TestCase):
         self.bench.start_daemon(merged(config, more))
         self.client = Client()
         self.addCleanup(self.client.close)
+
+    @functools.cached_property
+    def twin(self):
+        """A client of the twin."""
+        client = Client(TWIN)
+        self.addCleanup(client.close)
+        return client
 
     def call(self, method, params=None):
         return self.client.call(method, params)

@@ -1,5 +1,5 @@
 """A bench whose SLM the daemon measures, compared with the twin's truth."""
-from case import BenchCase, Client
+from case import BenchCase
 
 
 class SlmCase(BenchCase):
@@ -9,11 +9,6 @@ class SlmCase(BenchCase):
         if "state" not in self.daemon_config:
             self.daemon_config = self.daemon_config | {"state": {"directory": str(self.bench.directory / "state")}}
         super().start_daemon()
-
-    def start(self):
-        super().start()
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
 
     def judge(self, pattern="sensor"):
         return self.twin.call("twin.get", {"judge": pattern})

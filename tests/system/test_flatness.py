@@ -1,7 +1,7 @@
 """The daemon measures the flatness of its SLM, compared with the twin's truth."""
 import math
 
-from case import Client, main, wait_for
+from case import main, wait_for
 from slm_case import SlmCase
 
 
@@ -66,11 +66,8 @@ class Flatness(SlmCase):
         self.assertTrue(self.call("registration.get")["registered"])
 
     def exchange_camera(self, camera):
-        self.twin.close()
         self.bench.stop("ovws-twin")
         self.start_twin(camera=self.twin_config["camera"] | camera)
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
         self.wait_until("running")
 
 

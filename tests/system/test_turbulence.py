@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 
-from case import PATIENCE_S, PROGRAM_PATIENCE_S, TWIN, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, main, wait_for
 
 SECONDS = float(os.environ.get("OVWS_TURBULENCE_S", "21"))  # of each recording, open and closed
 AIR = {"rms_waves": 0.12, "speed_pupils_per_s": 0.15, "outer_scale_pupils": 4, "seed": 5, "tilt": False}
@@ -22,8 +22,6 @@ class Turbulence(BenchCase):
     def setUp(self):
         super().setUp()
         self.folder = self.bench.directory / "rejection"
-        self.twin = Client(TWIN)
-        self.addCleanup(self.twin.close)
 
     def study(self, seconds):
         study = subprocess.Popen(self.ovws_command("study", "rejection", "-o", self.folder, "--seconds", seconds, "--params", json.dumps(LOOP)),
