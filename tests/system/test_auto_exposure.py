@@ -1,7 +1,8 @@
 """camera.auto_exposure finds the exposure of the twin's camera, whatever the light is, or says what is wrong."""
 import json
+import time
 
-from case import BenchCase, Client, main, wait_for
+from case import BenchCase, main, message_since, wait_for
 
 CLOSE = 0.05  # of the target, as documented
 TARGET = 0.7
@@ -14,12 +15,12 @@ class AutoExposure(BenchCase):
 
     def setUp(self):
         super().setUp()
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
+        self.frames = self.stream("wavefront")
         self.usual = self.twin.call("twin.get")["peak_electrons"]
 
     def light(self, factor):
         self.twin.call("twin.set", {"peak_electrons": factor * self.usual})
+        message_since(self.frames, time.time_ns())
 
     def found(self, **params):
         result = self.run_job("camera.auto_exposure", params)["result"]
@@ -79,7 +80,7 @@ class AutoExposure(BenchCase):
 
     def check_cancelled(self):
         rate = self.call("camera.get")["settings"]["frame_rate_hz"]
-        self.call("camera.set", {"frame_rate_hz": 4.0, "exposure_us": 20.0})  # each look takes most of a second
+        self.call("camera.set", {"frame_rate_hz": 2.0, "exposure_us": 20.0})  # each look takes some seconds
         before = self.call("camera.get")["settings"]
         job = self.call("camera.auto_exposure")["job"]
         wait_for(lambda: self.call("camera.get")["settings"] != before, what="a changed exposure")

@@ -1,8 +1,9 @@
 """The daemon measures the aberrations of the whole pupil from the shapes and places of its spots, compared with what the twin hides."""
 import math
+import time
 
 import numpy
-from case import main, next_message, wait_for
+from case import main, message_since, next_message, wait_for
 from slm_case import SlmCase
 
 DEFOCUS, OBLIQUE, VERTICAL_COMA = 4, 3, 7
@@ -29,8 +30,13 @@ class Focus(SlmCase):
     twin_config = {"camera": {"rotation_deg": 90.0, "mirror": "x"}}
     daemon_config = {"stream": {"image_rate_hz": 0}, "camera": {"frame_rate_hz": 200}}
 
+    def set_twin(self, **settings):
+        """Returns when no frame from before is in transit."""
+        self.twin.call("twin.set", settings)
+        message_since(self.stream("wavefront"), time.time_ns())
+
     def hide(self, **modes):
-        self.twin.call("twin.set", {"aberration": [{"j": int(j[1:]), "waves": waves} for j, waves in modes.items()]})
+        self.set_twin(aberration=[{"j": int(j[1:]), "waves": waves} for j, waves in modes.items()])
 
     def measure(self, **hidden):
         self.hide(**hidden)
@@ -80,10 +86,12 @@ class Focus(SlmCase):
     def check_cancelled(self):
         """An introduced aberration is not measured, and returns."""
         self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.2}]})
+        self.call("camera.set", {"frame_rate_hz": 40})  # it goes on for seconds
         job = self.call("focus.run", {"frames": 100})["job"]
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.1, what="frames")
         self.call("job.cancel", {"job": job})
         self.wait_until("running")
+        self.call("camera.set", {"frame_rate_hz": 200})
         self.assertEqual(self.call("job.get", {"job": job})["state"], "cancelled")
         self.measure(j4=-0.5)
         self.assertEqual([(mode["j"], mode["waves"]) for mode in self.call("aberration.get")["modes"]], [(5, 0.2)])
@@ -93,9 +101,9 @@ class Focus(SlmCase):
         self.call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})
         self.assertIn("correction.clear", self.failure("focus.run"))
         self.call("correction.clear")
-        self.twin.call("twin.set", {"peak_electrons": 1.0})
+        self.set_twin(peak_electrons=1.0)
         self.assertRegex(self.failure("focus.run", {"frames": 1}), "only .* spots are found: check the exposure")
-        self.twin.call("twin.set", {"peak_electrons": 6000.0})
+        self.set_twin(peak_electrons=6000.0)
         self.call("sensor.set", {"tracker": "lg", "mode_count": 3})  # which does not matter here
         frames = self.stream("wavefront")
         wait_for(lambda: (frame := next_message(frames))["tracked"] == frame["subapertures"], what="the spots")

@@ -2,7 +2,6 @@
 import base64
 import math
 import re
-import time
 
 import numpy
 
@@ -74,13 +73,11 @@ class MapCase(SlmCase):
 
     def measure(self, params):
         """Runs map.run; returns its result and the map's error."""
-        begin = time.monotonic()
         found = self.run_job("map.run", params)["result"]
-        took = time.monotonic() - begin
         error, truth = self.error(picture(found["map"]))
         print(f"\n  map: surface of {truth:.4f} waves RMS, error {error:.4f}, noise {found['standard_error_waves']:.4f}, misfit "
               f"{found['misfit']:.3f}, {found['resolution_px']:.1f} px resolved with cells of {found['cell_px']:.2f} px, "
-              f"{2 * found['patterns'] * found['frames']} frames of {found['exposure_us']:.0f} us, {took:.1f} s, of which {found['seconds']:.1f} s retrieval")
+              f"{2 * found['patterns'] * found['frames']} frames of {found['exposure_us']:.0f} us, {found['seconds']:.1f} s of retrieval")
         self.assertGreater(truth, 0.1)
         self.assertLess(error, 0.01)
         self.assertLess(found["standard_error_waves"], error)
@@ -129,7 +126,7 @@ class Fine(MapCase):
         x, y = map(float, re.search(r"near x (\S+), y (\S+) pupil", error).groups())
         self.assertLess(math.hypot(x - 0.5, y + 0.2), 0.1, error)
         self.twin.call("twin.set", {"branch_points": []})
-        job = self.call("map.run", {"frames": 20})["job"]
+        job = self.call("map.run", {"frames": 60})["job"]  # takes images for seconds
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.15, what="half of the first images")
         at = self.twin.call("twin.get")["geometry"]["centre_px"]
         self.twin.call("twin.set", {"geometry": {"centre_px": [at[0] + 3.0, at[1]]}})
@@ -155,12 +152,10 @@ class Smooth(MapCase):
 
     def test_agrees_with_flatness_run(self):
         self.run_job("registration.run", {"frames": 3})
-        begin = time.monotonic()
         self.run_job("flatness.run", {"frames": 2})
-        took = time.monotonic() - begin
         found, error = self.measure({"frames": 3})
         by_modes, _ = self.error(picture(found["flatness"]))
-        print(f"  flatness.run: error {by_modes:.4f} in {took:.1f} s; both differ by {found['difference_rms_waves']:.4f}")
+        print(f"  flatness.run: error {by_modes:.4f}; both differ by {found['difference_rms_waves']:.4f}")
         self.assertLess(by_modes, 0.02)
         self.assertAlmostEqual(found["difference_rms_waves"], math.hypot(by_modes, error), delta=0.01)
 
