@@ -38,7 +38,6 @@ class Refined(RefinedCase):
         self.call("sensor.set", {"tracker": "lg"})  # a fast estimate without templates, which fit all pixels, too
         self.take_reference()
         fast = self.stream("wavefront")
-        before = self.call("system.status")["counters"]
         self.assertEqual(self.enable(rate_hz=5.0)["pixel_format"], "Mono8")
         hologram_id = self.call("aberration.set", {"modes": MODES})["hologram_id"]
         tracked = self.settled_frames(fast, 50, hologram_id)
@@ -55,8 +54,10 @@ class Refined(RefinedCase):
             self.assertLess(root_sum_square(errors(message)), root_sum_square(fast_errors))
             self.assertTrue(all(0.0 < sigma < 0.01 for sigma in message["sigma"]))
         print(f"  fast estimate: worst mode {max(map(abs, fast_errors)):.4f}, all {root_sum_square(fast_errors):.4f} wave\n  status:", after["refine"])
-        for counter in ("frames_dropped", "messages_dropped"):  # the frame path does not wait for a fit
-            self.assertEqual(after["counters"][counter], before[counter], counter)
+        published = [message["t_publish_ns"] for message in (*tracked, *iter(lambda: fast.next(0.0), None))]
+        during = [sum(0 < message["t_publish_ns"] - at < 1e6 * message["duration_ms"] for at in published) for message in found]
+        print(f"  frames published during each fit: {during}")
+        self.assertGreater(max(during), 0)  # the frame path does not wait for a fit
         self.assertGreaterEqual(after["refine"]["done"], FITS)
         self.assertEqual(after["refine"]["refused"], 0)
         text = self.run_ovws("watch", "refined", "-n", "1").stdout
