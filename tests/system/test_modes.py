@@ -22,13 +22,12 @@ class Modes(BenchCase):
         """Sets one mode; returns the mean coefficients."""
         stream.drain()
         answer = self.call("aberration.set", {"modes": [{"j": j, "waves": waves}]})
-        first = self.settled_frames(stream, 1, answer["hologram_id"])[0]
-        frames = [first] + self.settled_frames(stream, FRAMES - 1, answer["hologram_id"])
+        frames = self.settled_frames(stream, FRAMES, answer["hologram_id"])
         for frame in frames:
             if frame["tracked"] < LEAST_TRACKED:
                 print("lost spots:", {key: frame[key] for key in ("frame_id", "hologram_id", "tracked", "fit_residual_px", "latency_us")})
         self.tracked = min(frame["tracked"] for frame in frames)
-        return {k: statistics.fmean(f["coefficients"][i] for f in frames) for i, k in enumerate(first["j"])}
+        return {k: statistics.fmean(f["coefficients"][i] for f in frames) for i, k in enumerate(frames[0]["j"])}
 
     def check_all_modes(self, charge, tracker, others_waves=OTHERS_WAVES):
         self.call("aberration.clear")
