@@ -2,16 +2,11 @@
 import struct
 import time
 
-from case import BenchCase, Client, ClientError, main, message_since, next_message, wait_for
+from case import BenchCase, ClientError, main, message_since, next_message, wait_for
 
 
 class BranchPoints(BenchCase):
     daemon_config = {"stream": {"image_rate_hz": 0}, "record": {"directory": "recordings"}}
-
-    def setUp(self):
-        super().setUp()
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
 
     def light(self, stream, *points):
         self.twin.call("twin.set", {"branch_points": [{"x": x, "y": y, "charge": charge} for x, y, charge in points]})
@@ -35,8 +30,7 @@ class BranchPoints(BenchCase):
             self.assertLess(((at_x - x) ** 2 + (at_y - y) ** 2) ** 0.5, 0.4)
             for _ in range(300):  # no rendering of a smooth wavefront may make it valid
                 self.assertFalse(next_message(stream)["valid"])
-            invalid = self.call("system.status")["sensor"]["invalid"]
-            self.assertIn("branch point", invalid["reason"])
+            wait_for(lambda: (now := self.call("system.status")["sensor"]["invalid"]) and "branch point" in now["reason"], what="the reason")
         told = wait_for(lambda: (event := events.next(1.0)) and "branch_point" in event["data"] and event, what="the event")
         self.assertIn("phase singularity", told["text"])
         self.light(stream)
@@ -49,17 +43,20 @@ class BranchPoints(BenchCase):
             self.call("camera.set", {"exposure_us": 2000.0 if charge else 500.0})  # bright spots are four times as bright
             self.light(stream)
             self.take_reference()
-            self.settled_frames(stream, 5)
-            name = f"charge-{charge}"
-            self.call("record.start", {"name": name})
-            self.frames_from_now(stream, 12)
-            self.light(stream, (0.3, 0.1, 1))
-            for _ in range(10):
-                wait_for(lambda: self.frame(stream)["branch_points"], what="a branch point")
-            self.call("record.stop")
-            report = self.replayed_again(name)
-            self.assertGreaterEqual(report["refused"], 10, report)
-            self.assertGreaterEqual(report["valid"], 10, report)
+            # A busy machine may record frames without their images.
+            wait_for(lambda: min((report := self.replayed(stream))["refused"], report["valid"]) >= 10, what="a recording with ten images of each kind")
+
+    def replayed(self, stream):
+        """Records valid and refused frames; returns the report of their replay."""
+        self.light(stream)
+        name = f"recording-{time.time_ns()}"
+        self.call("record.start", {"name": name})
+        self.frames_from_now(stream, 12)
+        self.light(stream, (0.3, 0.1, 1))
+        for _ in range(10):
+            wait_for(lambda: self.frame(stream)["branch_points"], what="a branch point")
+        self.call("record.stop")
+        return self.replayed_again(name)
 
     def test_a_reference_is_refused_with_the_place(self):
         stream = self.stream("spots")
