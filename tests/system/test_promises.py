@@ -4,34 +4,25 @@ import time
 
 import zmq
 
-from case import PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, message_since, next_message, wait_for
 
 HALF = {"x": 128, "y": 128, "width": 256, "height": 256}
 WHOLE = {"x": 0, "y": 0, "width": 512, "height": 512}
 
 
 class Promises(BenchCase):
-    def listen(self, seconds):
+    def listen(self, frames):
+        """Messages of frames exposed from now on."""
         stream = self.stream("wavefront")
-        heard = [wait_for(lambda: stream.next(0.5), what="a frame")]
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            message = stream.next(0.2)
-            if message is not None:
-                heard.append(message)
-        self.assertTrue(heard)
-        return heard
+        return [message_since(stream, time.time_ns()), *(next_message(stream) for _ in range(frames - 1))]
 
     def test_a_picture_that_is_no_sensor_is_never_settled(self):
         self.take_reference(20)
         self.call("slm.show", {"pattern": "flat"})
-        flat = self.call("system.status")["slm"]["hologram_id"]  # a frame of the hologram before may still be on its way
         for change in ({}, {"roi": HALF}, {"roi": WHOLE}):
             if change:
                 self.call("camera.set", change)
-            heard = [m for m in self.listen(1.0) if m["hologram_id"] == flat]
-            self.assertTrue(heard)
-            self.assertFalse(any(m["settled"] or m["valid"] for m in heard), change)
+            self.assertFalse(any(m["settled"] or m["valid"] for m in self.listen(100)), change)
         self.call("slm.show", {"pattern": "sensor"})
         self.settled_frames(self.stream("wavefront"), 10)
 
@@ -39,7 +30,7 @@ class Promises(BenchCase):
         self.take_reference(20)
         self.call("camera.set", {"roi": {"x": 8, "y": 16, "width": 488, "height": 480}})
         self.assertFalse(self.call("system.status")["sensor"]["referenced"])
-        self.assertFalse(any(m["valid"] for m in self.listen(0.5)))
+        self.assertFalse(any(m["valid"] for m in self.listen(50)))
         self.call("camera.set", {"roi": WHOLE})
         wait_for(lambda: self.call("system.status")["sensor"]["referenced"], what="the reference of before")
         self.settled_frames(self.stream("wavefront"), 10)
@@ -124,10 +115,10 @@ class Promises(BenchCase):
 
     def test_a_job_reports_its_quarters(self):
         stream = self.stream("event")
-        self.run_job("reference.take", {"frames": 400})
+        self.run_job("reference.take", {"frames": 1000})  # a quarter takes seconds: the daemon may stand still meanwhile
         reported = []
         while not reported or reported[-1][0] == "running":
-            message = stream.next(PATIENCE_S)
+            message = next_message(stream)
             if message["kind"] == "job":
                 reported.append((message["data"]["state"], message["data"]["progress"]))
         self.assertEqual(reported, [("running", 0.0), ("running", 0.25), ("running", 0.5), ("running", 0.75), ("done", 1.0)])
@@ -140,7 +131,10 @@ class Promises(BenchCase):
         for i in range(requests):
             params = {"modes": [{"j": 3, "waves": 0.01 * i}]}
             socket.send(json.dumps({"jsonrpc": "2.0", "id": i, "method": "aberration.set", "params": params}).encode())
-        replies = [json.loads(socket.recv())]
+        socket.send(json.dumps({"jsonrpc": "2.0", "id": requests, "method": "system.status"}).encode())
+        replies = []
+        while (reply := json.loads(socket.recv()))["id"] != requests:  # answered at once, when the daemon has all requests
+            replies.append(reply)
         self.assertEqual(self.bench.stop("ovwsd"), 0)
         while len(replies) < requests and socket.poll(10_000):
             replies.append(json.loads(socket.recv()))
