@@ -2,7 +2,7 @@
 import json
 import time
 
-from case import PATIENCE_S, BenchCase, Client, main, message_since, next_message, wait_for
+from case import PROGRAM_PATIENCE_S, TWIN, BenchCase, Client, main, message_since, next_message, wait_for
 
 RATE_HZ = 100.0
 SILENCE_S = 2.0  # without frames; then a camera with a short exposure counts as lost
@@ -14,12 +14,11 @@ class CameraFaults(BenchCase):
 
     def setUp(self):
         super().setUp()
-        self.client.timeout_s = PATIENCE_S
-        self.twin = Client("tcp://127.0.0.1:7790", timeout_s=PATIENCE_S)
+        self.twin = Client(TWIN)
         self.addCleanup(self.twin.close)
         self.take_reference(20)
         self.wavefront = self.stream("wavefront")
-        self.settled_frames(self.wavefront, 5, timeout_s=PATIENCE_S)
+        self.settled_frames(self.wavefront, 5)
 
     def counters(self):
         return self.call("system.status")["counters"]
@@ -35,19 +34,18 @@ class CameraFaults(BenchCase):
     def next(self):
         return next_message(self.wavefront)
 
-    def fault(self, counter, fault, least):
-        """Injects the fault and waits for its counter; returns the increase of each counter."""
-        self.wavefront.drain()
-        first = self.next()["frame_id"]
+    def fault(self, kind):
+        """Injects five faults of this kind; returns the increase of each counter."""
+        fault = {"kind": kind, "frames": 5}
         # The daemon looks for a missing number among 100 frames.
+        first = message_since(self.wavefront, time.time_ns())["frame_id"]
         wait_for(lambda: self.next()["frame_id"] > first + 100, what="100 frames")
         before = self.counters()
         self.twin.call("twin.fault", fault)
         self.ask()
-        wait_for(lambda: self.counters()[counter] - before[counter] >= least, PATIENCE_S, counter)
+        wait_for(lambda: self.twin.call("twin.get")["fault"]["kind"] == "none", what="the end of the fault")
         self.ask()
-        self.wavefront.drain()
-        self.settled_frames(self.wavefront, 20, timeout_s=PATIENCE_S)
+        self.frames_from_now(self.wavefront, 20)
         rose = self.rose(before)
         print(f"\n  {fault}\n    { {name: value for name, value in rose.items() if 'frames' in name} }")
         self.assertEqual(self.call("system.status")["state"], "running")
@@ -57,13 +55,13 @@ class CameraFaults(BenchCase):
         for kind, counter in (("drop", "frames_lost"), ("incomplete", "frames_incomplete"), ("duplicate", "frames_duplicated"),
                               ("reorder", "frames_out_of_order")):
             with self.subTest(kind):
-                rose = self.fault(counter, {"kind": kind, "frames": 5}, 5)
-                others = {"frames_duplicated", "frames_out_of_order", "frames_incomplete"} - {counter}
-                if kind != "drop":  # a busy machine may lose other frames too
-                    self.assertEqual(rose[counter], 5)
-                self.assertFalse(others & rose.keys(), rose)
-                self.assertNotIn("camera_reconnects", rose)
-        self.assertEqual(self.twin.call("twin.get")["frames"]["reordered"], 5)
+                others = {"frames_duplicated", "frames_out_of_order", "frames_incomplete", "camera_reconnects"} - {counter}
+
+                def is_counted(kind=kind, counter=counter, others=others):
+                    rose = self.fault(kind)
+                    return not others & rose.keys() and (rose.get(counter, 0) >= 5 if kind == "drop" else rose.get(counter) == 5)
+                # A busy machine may lose other frames, too, and send some incomplete; a duplicate near a lost frame counts as out of order.
+                wait_for(is_counted, PROGRAM_PATIENCE_S, f"a fault that is counted as {counter} alone")
 
     def test_numbers_never_go_back_and_each_is_published_once(self):
         for kind in ("duplicate", "reorder"):
@@ -78,9 +76,7 @@ class CameraFaults(BenchCase):
                     ended = last["frame_id"]
 
     def test_late_frames_are_neither_settled_nor_valid(self):
-        rose = self.fault("frames_late", {"kind": "delay", "delay_ms": 150, "frames": 10}, 10)
-        self.assertGreaterEqual(rose["frames_unsettled"], rose["frames_late"])
-        self.assertGreaterEqual(rose["frames_invalid"], rose["frames_late"])
+        before = self.counters()
         self.twin.call("twin.fault", {"kind": "delay", "delay_ms": 150, "seconds": 3600.0})
         message = message_since(self.wavefront, time.time_ns())
         for _ in range(10):
@@ -90,7 +86,10 @@ class CameraFaults(BenchCase):
         held_up_us = wait_for(lambda: (us := self.call("system.status")["latency"]["arrived"]["max_us"]) > 100e3 and us, what="the delay in the status")
         self.assertLess(held_up_us, 10e6)
         self.twin.call("twin.fault", {"kind": "none"})
-        self.settled_frames(self.wavefront, 20, timeout_s=PATIENCE_S)
+        self.frames_from_now(self.wavefront, 20)
+        rose = wait_for(lambda: (rose := self.rose(before))["frames_invalid"] >= rose["frames_late"] and rose, what="as many invalid frames as late ones")
+        self.assertGreaterEqual(rose["frames_late"], 10)
+        self.assertGreaterEqual(rose["frames_unsettled"], rose["frames_late"])
 
     def through(self, fault, meanwhile):
         """Injects a fault, calls meanwhile(), and waits for valid frames; returns the increase of the counters, and the messages."""
@@ -134,19 +133,21 @@ class CameraFaults(BenchCase):
         before = self.counters()["camera_reconnects"]
         self.next()
         self.call("camera.set", {"frame_rate_hz": RATE_HZ})  # the camera starts a frame when the previous one is due
-        self.settled_frames(self.wavefront, 20, timeout_s=PATIENCE_S)
+        self.settled_frames(self.wavefront, 20)
         self.assertEqual(self.counters()["camera_reconnects"], before)
 
     def test_slow_registers(self):
         for change in ({"gain_db": 6.0, "exposure_us": 1000.0}, {"roi": {"x": 16, "y": 16, "width": 480, "height": 480}}):
             with self.subTest(change=change), Client() as other:
                 self.twin.call("twin.fault", {"kind": "slow_registers", "delay_ms": 300, "seconds": 3600.0})
-                other._socket.send_json({"jsonrpc": "2.0", "id": 1, "method": "camera.set", "params": change})
-                self.ask()
-                self.assertFalse(other._socket.poll(0), "the other requests were answered first")
+                requests = [("camera.set", change), *OTHER_REQUESTS]
+                for number, (method, params) in enumerate(requests):
+                    other._socket.send_json({"jsonrpc": "2.0", "id": number, "method": method, "params": params})
+                answers = [wait_for(lambda: other._socket.poll(1000) and other._socket.recv_json(), what="an answer") for _ in requests]
                 self.twin.call("twin.fault", {"kind": "none"})
-                self.assertTrue(other._socket.poll(1e3 * PATIENCE_S), "no answer to camera.set")
-                applied = other._socket.recv_json()["result"]["applied"]
+                self.assertEqual([answer for answer in answers if "error" in answer], [])
+                self.assertEqual(answers[-1]["id"], 0, "the other requests were answered first")
+                applied = answers[-1]["result"]["applied"]
                 self.assertEqual({key: applied[key] for key in change}, change)
                 registers = self.twin.call("twin.get")["camera"]
                 self.assertEqual({key: registers[key] for key in change}, change)
@@ -154,7 +155,7 @@ class CameraFaults(BenchCase):
         self.call("camera.set", {"roi": {"x": 0, "y": 0, "width": 512, "height": 512}})
         self.take_reference(20)
         self.wavefront.drain()
-        self.settled_frames(self.wavefront, 20, timeout_s=PATIENCE_S)
+        self.settled_frames(self.wavefront, 20)
 
 
 if __name__ == "__main__":
