@@ -10,10 +10,11 @@ import random
 import re
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy
-from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, BenchCase, main, own_mounts, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, BenchCase, main, message_since, own_mounts, wait_for
 from ovws_client.recording import Recording
 
 KILLS = int(os.environ.get("OVWS_RECORD_KILLS", "3"))
@@ -59,14 +60,16 @@ class Record(RecordCase):
         for recording in (False, True):
             if recording:
                 self.call("record.start", {"name": "references", "pictures_every": 0})
-            for _ in range(12):
-                self.take_reference(10)
-            self.fitted_frames(stream, 5, 300.0)  # the templates' model takes memory, too, and a background thread makes it
+            self.take_references(stream, 12)
             before_mib = self.resident_mib()
-            for _ in range(40):
-                self.take_reference(10)
-            self.fitted_frames(stream, 5, 300.0)
+            self.take_references(stream, 40)
             self.assertLess(self.resident_mib() - before_mib, 15.0, f"recording: {recording}")
+
+    def take_references(self, stream, count):
+        for _ in range(count):
+            self.take_reference(10)
+        message_since(stream, time.time_ns())
+        self.fitted_frames(stream, 5, 300.0)  # the templates' model takes memory, too, and a background thread makes it
 
     def test_what_was_published_is_in_the_file(self):
         self.take_reference(20)
@@ -75,27 +78,27 @@ class Record(RecordCase):
         self.settled_frames(numbers, 1)
         self.call("record.start", {"name": "run"})
         for stream in (numbers, pictures):
-            while stream.next(0.0):  # from before the start
-                pass
+            stream.drain()  # what is from before the start
         published = {m["frame_id"]: m for m in self.settled_frames(numbers, 150)}
         shown = {}
-        while len(shown) < 5:
+        while len(shown) < 15:
             message = pictures.next(PATIENCE_S)
             shown[message["frame_id"]] = message["binary"]
         report = self.call("record.stop")
-        self.assertEqual((report["state"], report["reason"], report["frames_dropped"]), ("ended", "stopped by record.stop", 0))
-        missing = report["pictures_dropped"]  # a busy machine may be too slow for one
-        self.assertLess(missing, 20)
+        self.assertEqual((report["state"], report["reason"]), ("ended", "stopped by record.stop"))
         run = self.open("run")
         self.check_whole(run)
-        self.assertEqual(run.summary | {"t_written_ns": 0}, {"frames": len(run.frames), "frames_dropped": 0, "pictures": len(run.frames) - missing,
+        dropped, missing = report["frames_dropped"], report["pictures_dropped"]  # of a busy machine
+        self.assertLessEqual(run.frames["dropped_before"].sum(), dropped)
+        self.assertEqual((run.frames["picture"] < 0).sum(), missing)
+        self.assertEqual(run.summary | {"t_written_ns": 0}, {"frames": len(run.frames), "frames_dropped": dropped, "pictures": len(run.frames) - missing,
                                                             "pictures_dropped": missing, "documents_dropped": 0, "t_written_ns": 0, "ended": 1})
         ids = list(run.frames["frame_id"])
         coefficients, sigma_waves = run.coefficients(), run.sigma_waves()
         compared = 0
         for frame_id, message in published.items():
             if frame_id not in ids:
-                continue  # before the first or after the last recorded frame
+                continue  # before the first or after the last recorded frame, or dropped
             row = ids.index(frame_id)
             self.assertEqual([numpy.float32(c) for c in message["coefficients"]], list(coefficients[row]))
             if message["valid"]:
@@ -104,8 +107,8 @@ class Record(RecordCase):
             self.assertEqual(int(run.frames["t_arrival_ns"][row]), message["t_arrival_ns"])
             self.assertEqual(run.frames["gain_db"][row], message["gain_db"])
             compared += 1
-        self.assertGreater(compared, 100)
-        held = [frame_id for frame_id in shown if frame_id in ids]
+        self.assertGreater(compared + dropped, 100)
+        held = [frame_id for frame_id in shown if frame_id in ids and run.picture(ids.index(frame_id)) is not None]
         self.assertTrue(held)
         for frame_id in held:
             self.assertEqual(run.picture(ids.index(frame_id)).tobytes(), bytes(shown[frame_id]))
@@ -170,15 +173,18 @@ class Record(RecordCase):
             self.assertEqual(self.refused("record.start", {"name": name}).data["field"], "name", name)
         self.assertIn("nothing is being recorded", str(self.refused("record.stop")))
         self.call("record.start", {"name": "short", "limit_s": 3.5, "pictures_every": 10})
-        self.assertIn("is being recorded", str(self.refused("record.start", {"name": "other"})))
         ended = wait_for(lambda: (now := self.call("system.status")["record"])["state"] == "ended" and now, what="the limit")
         self.assertEqual(ended["reason"], "limit_s of 3.5 s is reached")
         self.assertEqual(self.refused("record.start", {"name": "short"}).data["field"], "name")
         short = self.open("short")
         self.check_whole(short)
-        with_picture = numpy.flatnonzero(short.frames["picture"] >= 0)
-        self.assertTrue((numpy.diff(with_picture) == 10).all(), with_picture)
-        self.assertEqual(self.record("bare", 20, pictures_every=0)["pictures"], 0)
+        with_picture = numpy.flatnonzero((short.frames["picture"] >= 0) | (short.frames["picture_dropped"] > 0))
+        rows, frames = numpy.diff(with_picture), numpy.diff(short.frames["frame_id"][with_picture].astype(int))
+        self.assertEqual(set(rows[rows == frames]), {10}, "where no frame is lacking")
+        self.call("record.start", {"name": "bare", "pictures_every": 0})
+        self.assertIn("is being recorded", str(self.refused("record.start", {"name": "other"})))
+        self.recorded_frames(20)
+        self.assertEqual(self.call("record.stop")["pictures"], 0)
         self.assertGreater(len(self.open("bare").frames), 10)
 
     def test_another_image_ends_it_and_changes_of_the_sensor_do_not(self):
@@ -232,7 +238,8 @@ class Record(RecordCase):
             print(f"\n  {len(run.frames)} frames are there, {reported} were reported")
             self.assertGreaterEqual(len(run.frames), reported)
             self.check_whole(run)
-            for row in (0, len(run.frames) // 2, len(run.frames) - 1):
+            with_picture = numpy.flatnonzero(run.frames["picture"] >= 0)
+            for row in with_picture[[0, len(with_picture) // 2, -1]]:
                 self.assertEqual(run.picture(row).shape, (512, 512))
             self.client.close()
             self.start_daemon()
@@ -271,7 +278,7 @@ class RecordDisk(RecordCase):
         self.call("record.start", {"name": "long"})
         long = self.ended("long")
         self.assertIn("the disk is full: less than 64 MiB are left", long["reason"])
-        self.assertGreater(long["frames"], 100)
+        self.assertGreater(long["bytes"], 20 << 20)
         self.assertIn("64 MiB", str(self.refused("record.start", {"name": "another"})))
         (self.bench.directory / "recordings" / "long.h5").unlink()
         self.call("record.start", {"name": "sudden"})
