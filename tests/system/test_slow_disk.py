@@ -10,7 +10,8 @@ import threading
 import time
 
 import h5py
-from case import PATIENCE_S, BenchCase, Client, main, next_message, wait_for
+from case import PATIENCE_S, TWIN, BenchCase, Client, main, wait_for
+from losses import Account
 
 STANDS_S = float(os.environ.get("OVWS_DISK_STANDS_S", "7"))  # longer than the watchdog allows a thread
 MIB = 1 << 20
@@ -48,21 +49,18 @@ class SlowDisk(BenchCase):
         replies = []
 
         def ask():
-            client = Client(timeout_s=STANDS_S + 30.0)
+            client = Client(timeout_s=STANDS_S + 2 * PATIENCE_S)
             replies.append(client.call(method, params))
             client.close()
 
         threading.Thread(target=ask, daemon=True).start()
         return replies
 
-    def exit_status(self, timeout_s):
-        """Waits for the terminating daemon; returns its exit status."""
-        return self.bench.process("ovwsd").popen.wait(timeout_s)
-
-    def ended_by_sigterm(self, timeout_s):
+    def ended_by_sigterm(self):
+        """Terminates the daemon; returns its exit status and how long it took."""
         began = time.monotonic()
         self.bench.process("ovwsd").popen.terminate()
-        return self.exit_status(timeout_s), time.monotonic() - began
+        return self.bench.process("ovwsd").popen.wait(PATIENCE_S), time.monotonic() - began
 
 
 class Standing(SlowDisk):
@@ -70,9 +68,9 @@ class Standing(SlowDisk):
         self.take_reference(10)
         before = self.call("reference.get")
         self.assertIsNotNone(before["sha256"])
-        frames, events = self.stream("wavefront"), self.stream("event")
-        first = next_message(frames)
-        dropped = self.call("system.status")["counters"]["frames_dropped"]
+        frames, events, twin = self.stream("wavefront"), self.stream("event"), Client(TWIN)
+        self.addCleanup(twin.close)
+        account = Account(self.client, twin, self.stream("wavefront"))
         self.call("camera.set", {"exposure_us": 1900.0})
         self.speed(0)
         began = time.monotonic()
@@ -80,8 +78,9 @@ class Standing(SlowDisk):
         wait_for(lambda: self.call("reference.get")["t_taken_ns"] != before["t_taken_ns"], what="the new reference")
         self.wait_until("running")
         saved = self.in_background("config.save")
-        slowest_s, hologram, reason = 0.0, 0, ""
-        while time.monotonic() - began < (30.0 if not reason else STANDS_S):
+        slowest_s, hologram, reason, hung = 0.0, 0, "", set()
+        while not reason or "disk" not in hung or time.monotonic() - began < STANDS_S:
+            self.assertLess(time.monotonic() - began, STANDS_S + PATIENCE_S, (reason, hung))
             asked = time.monotonic()
             status = self.call("system.status")
             hologram = self.call("aberration.set", {"modes": [{"j": 5, "waves": 0.02 * (hologram % 2)}]})["hologram_id"]
@@ -89,6 +88,8 @@ class Standing(SlowDisk):
             reason = status["store"]["reason"] or reason
             self.assertEqual(status["state"], "running")
             self.settled_frames(frames, 1, hologram)
+            account.hear()
+            hung |= {event["text"].split()[1] for event in iter(lambda: events.next(0.0), None) if event["kind"] == "thread"}
         self.assertEqual((saved, self.call("job.get", {"job": job})["state"], self.call("reference.get")["sha256"]), ([], "running", None))
         self.assertRegex(reason, "the disk has not answered for [0-9]+ s: check it; items waiting to be written: 1$")
         self.speed(None)
@@ -98,10 +99,8 @@ class Standing(SlowDisk):
         after = self.call("reference.get")
         self.assertIsNotNone(after["sha256"])
         wait_for(lambda: self.call("system.status")["store"]["reason"] is None, what="the end of the reason")
-        status = self.call("system.status")
-        self.assertEqual(status["counters"]["frames_dropped"], dropped)
-        hung = {text for event in iter(lambda: events.next(0.2), None) if event["kind"] == "thread" for text in [event["text"]]}
-        self.assertEqual({text.split()[1] for text in hung}, {"disk"}, hung)
+        account.check(self)
+        self.assertEqual(hung - {"acquire"}, {"disk"}, "a busy machine may hold up the acquire thread for 2 s")
         overlay = json.loads((self.bench.directory / saved[0]["path"]).read_text())
         self.assertEqual(overlay["saved"]["camera.exposure_us"], {"value": 1900.0, "instead_of": 2000.0})
         self.bench.stop("ovwsd")
@@ -109,8 +108,7 @@ class Standing(SlowDisk):
         self.start_daemon()
         self.wait_until("running")
         self.assertEqual(self.call("reference.get")["sha256"], after["sha256"])
-        print(f"\n  the disk stood still for {STANDS_S:.0f} s: {status['counters']['frames_published'] - first['seq']} frames, "
-              f"two calls took at most {slowest_s:.2f} s")
+        print(f"\n  the disk stood still for {STANDS_S:.0f} s: two calls took at most {slowest_s:.2f} s")
 
     def test_a_job_is_cancelled_and_all_that_needs_no_disk_is_answered(self):
         self.run_job("reference.take", {"frames": 10})
@@ -127,37 +125,36 @@ class Standing(SlowDisk):
         self.speed(0)
         self.call("reference.take", {"frames": 10})
         wait_for(lambda: self.call("system.status")["sensor"]["referenced"], what="the reference")
-        status, took_s = self.ended_by_sigterm(20.0)
+        status, took_s = self.ended_by_sigterm()
         print(f"\n  ended {took_s:.2f} s after SIGTERM, with an item that no disk took")
         self.assertEqual(status, 1, self.bench.log("ovwsd"))
         self.assertIn("state: items that were not written and are lost: 1: the disk has not answered", self.bench.log("ovwsd"))
 
 
 class Recording(SlowDisk):
-    def record(self, name, bytes_per_s):
-        """Records until the backlog keeps a slow disk busy for seconds."""
+    def record(self, name):
+        """Records while the disk stands still, until the backlog keeps a slow one busy for seconds."""
         self.call("record.start", {"name": name, "pictures_every": 1})
         wait_for(lambda: self.call("record.get")["frames"] > 0, what="the first frame")
-        self.speed(bytes_per_s)
-        sent = self.call("record.get")["frames"]
+        self.speed(0)
         frames = self.stream("wavefront")
         for _ in range(60):
             self.assertIsNotNone(frames.next(PATIENCE_S))
-        return sent
 
     def test_its_end_is_written_when_the_daemon_stops(self):
-        self.record("slow", 8 * MIB)
+        self.record("slow")
         last = self.call("record.get")
-        status, took_s = self.ended_by_sigterm(60.0)
+        self.speed(8 * MIB)
+        status, took_s = self.ended_by_sigterm()
         with h5py.File(self.folder / "recordings" / "slow.h5", "r") as file:
-            frames, dropped = file["frames"].shape[0], file["summary"][0]["frames_dropped"]
-        print(f"\n  {last['frames']} frames at SIGTERM, {frames} in the file {took_s:.2f} s later, {dropped} left out")
-        self.assertEqual((status, dropped), (0, 0))
-        self.assertGreater(frames, last["frames"] + 10)
+            frames, dropped, left_out = file["frames"].shape[0], file["frames"]["dropped_before"].sum(), file["summary"][0]["frames_dropped"]
+        print(f"\n  {last['frames']} frames at SIGTERM, {frames} in the file {took_s:.2f} s later, {left_out} left out")
+        self.assertEqual((status, left_out), (0, dropped), "a busy machine may drop some before, but none at the end")
+        self.assertGreater(frames + dropped, last["frames"] + 10)
 
     def test_a_disk_that_stands_still_ends_it_and_the_exit_status_says_so(self):
-        self.record("lost", 0)
-        status, took_s = self.ended_by_sigterm(40.0)
+        self.record("lost")
+        status, took_s = self.ended_by_sigterm()
         print(f"\n  ended {took_s:.2f} s after SIGTERM, with a disk that takes nothing")
         self.assertEqual(status, 1)
         self.assertRegex(self.bench.log("ovwsd"), "record: the disk has not answered for 10 s: the end of .*lost.h5 is lost")
