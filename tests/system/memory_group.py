@@ -65,7 +65,7 @@ class MemoryGroup:
 
     def close(self):
         """Removes the group once all its processes have ended."""
-        end = time.monotonic() + 5.0
+        end = time.monotonic() + 60.0
         while True:
             try:
                 return self.folder.rmdir()

@@ -50,6 +50,7 @@ class Hostile(BenchCase):
     def tearDown(self):
         self.assertEqual(self.bench.process("ovwsd").pid, self.pid)
         self.assertTrue(self.bench.process("ovwsd").alive())
+        self.wait_until("running")  # a random request may have started focus.run
         for method, params in (("loop.open", {}), ("camera.set", {"gain_db": 0.0, "exposure_us": 2000.0, "frame_rate_hz": 100.0, "pixel_format": "Mono8",
                                                                   "roi": {"x": 0, "y": 0, "width": 512, "height": 512}}),
                                ("slm.show", {"pattern": "sensor"}), ("aberration.clear", {}), ("correction.clear", {}),

@@ -93,7 +93,7 @@ class Messages(BenchCase):
         call = self.checked_call
         call("correction.get")
         call("correction.set", {"modes": [{"j": 3, "waves": 0.01}]})
-        call("loop.close")
+        call("loop.close", {"patience_s": PATIENCE_S})
         call("loop.get")
         call("loop.pause", {"paused": True})
         call("loop.open")

@@ -167,6 +167,7 @@ class Reload(BenchCase):
         status = self.stream("status")
         with self.held("disk"):
             self.signal({"camera": {"gain_db": 2.0}})
+            status.drain()
             for _ in range(2):  # the thread that publishes it begins the reload
                 next_message(status)
             self.call("lattice.list")  # through the thread that holds the bench
