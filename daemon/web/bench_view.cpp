@@ -91,11 +91,11 @@ const json& BenchView::seldom(Seldom& kept, const char* method, std::int64_t job
   return kept.answer;
 }
 
-std::optional<json> BenchView::look(const std::string& pattern, std::int64_t jobs) {
+std::optional<json> BenchView::look(std::int64_t jobs) {
   const auto answers =
       cli::call_all(common_, {"config.get", "camera.get", "sensor.get", "aberration.get",
                               "correction.get", "loop.get", "reference.get", "lut.get",
-                              "flatness.get", "registration.get", "loop.model"});
+                              "flatness.get", "registration.get", "loop.model", "system.status"});
   if (!answers) return std::nullopt;
   const std::vector<json>& a = *answers;
   json view{{"schema", "ovws.web.bench/1"},
@@ -116,7 +116,8 @@ std::optional<json> BenchView::look(const std::string& pattern, std::int64_t job
              seldom(references_, "reference.list", jobs).value("references", json::array())},
             {"identified", a[10]["model"]},
             {"limits", limits_of_wire()},
-            {"hologram", hologram_of({a[0], a[2], a[3], a[4], a[7], a[8], pattern})}};
+            {"hologram", hologram_of({a[0], a[2], a[3], a[4], a[7], a[8],
+                                      a[11].at("slm").at("pattern").get<std::string>()})}};
   if (view == last_) return std::nullopt;
   last_ = view;
   return view;

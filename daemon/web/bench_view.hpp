@@ -16,10 +16,10 @@ class BenchView {
  public:
   explicit BenchView(const cli::Common& common) : common_(common) {}
 
-  /// Queries the daemon and returns the message for browsers. `pattern`: slm.pattern of `status`.
-  /// `jobs`: a number that changes when a job or a command may have changed what was measured.
-  /// None if a query failed or nothing changed. Call from one thread only.
-  std::optional<nlohmann::json> look(const std::string& pattern, std::int64_t jobs);
+  /// Queries the daemon and returns the message for browsers. `jobs`: a number that changes when a
+  /// job or a command may have changed what was measured. None if a query failed or nothing
+  /// changed. Call from one thread only.
+  std::optional<nlohmann::json> look(std::int64_t jobs);
 
   /// Newest hologram image. Null if no image was drawn yet, or if the current hologram cannot be
   /// drawn; the message of `look` then gives the reason. Thread-safe.

@@ -112,7 +112,7 @@ void Feeds::poll_bench() {
     polled_change = change;
     polled_at = Clock::now();
     try {
-      const auto view = view_.look(pattern_.get(), jobs_);
+      const auto view = view_.look(jobs_);
       if (view) board_.put(Slot::bench, framed(json_text(*view)));
     } catch (const json::exception& error) {
       spdlog::warn("a reply of the daemon has an unknown format: {}", error.what());
@@ -158,7 +158,6 @@ void Feeds::take_status(const StreamMessage& message) {
   for (const char* part : {"slm", "camera", "sensor", "loop"}) {
     if (!facts_.status || (*facts_.status)[part] != status[part]) ++hologram_change_;
   }
-  pattern_.set(status.at("slm").at("pattern").get<std::string>());
   board_.put(Slot::status, framed(message.json));
   facts_.status = std::move(status);
   status_at_ = Clock::now();

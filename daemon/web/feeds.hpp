@@ -107,7 +107,6 @@ class Feeds {
   std::atomic<Clock::rep> last_image_{0};
 
   Guarded<CameraImagePtr> image_;
-  Guarded<std::string> pattern_;  ///< pattern that the SLM shows
 
   // Used only by the thread numbers_.
   examine::DaemonFacts facts_;

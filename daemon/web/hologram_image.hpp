@@ -26,7 +26,7 @@ struct HologramSources {
   nlohmann::json correction;  ///< correction.get
   nlohmann::json lut;         ///< lut.get
   nlohmann::json flatness;    ///< flatness.get
-  std::string pattern;        ///< status: slm.pattern
+  std::string pattern;        ///< system.status: slm.pattern
   friend bool operator==(const HologramSources&, const HologramSources&) = default;
 };
 
