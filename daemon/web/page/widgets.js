@@ -3,7 +3,7 @@ import { call } from "./link.js";
 import { brief, element, setText } from "./format.js";
 
 const EDIT_MS = 1000; // from the last touch of a slider or a field on, the user is not changing it any more
-const SETTLE_MS = 1500; // grace time for changes that the refused command itself causes, e.g. the end of a job
+const SETTLE_MS = 3000; // grace time for changes that the refused command itself causes, e.g. the end of a job, until a status tells them
 const shownErrors = new Map(); // element with an error -> {bench, since}
 let count = 0;
 
