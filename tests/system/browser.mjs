@@ -4,12 +4,14 @@ import { createRequire } from "node:module";
 import { createInterface } from "node:readline";
 
 const { chromium } = createRequire(`${process.argv[2]}/`)("playwright-core");
-const browser = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--disable-background-networking"] });
 const kPatience_ms = 60_000; // a busy machine is slow
+const browser = await chromium.launch({ timeout: kPatience_ms, executablePath: "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--disable-background-networking"] });
 const pages = new Map(); // by the number that the tests give; each has storage of its own
 
 async function newPage() {
   const page = await browser.newPage();
+  page.setDefaultTimeout(kPatience_ms);
+  await page.addInitScript(() => { window.clicks = 0; addEventListener("click", () => { window.clicks += 1; }, true); });
   const said = []; // console messages and page errors, with their location
   page.on("console", (message) => {
     if (["warning", "error"].includes(message.type())) said.push(`${message.location().url}: ${message.text()}`);
@@ -25,18 +27,22 @@ const answers = {
   resize: ({ page }, { width, height }) => page.setViewportSize({ width, height }),
   colours: ({ page }, { scheme }) => page.emulateMedia({ colorScheme: scheme }),
   press: ({ page }, { key }) => page.keyboard.press(key),
-  click: ({ page }, { selector }) => page.locator(selector).click({ timeout: kPatience_ms }).then(() => null),
-  fill: ({ page }, { selector, text }) => page.locator(selector).fill(text, { timeout: kPatience_ms }).then(() => null),
+  // Again if the page disabled the element between Playwright's look and the click, which was then none.
+  click: async ({ page }, { selector }) => {
+    const clicks = () => page.evaluate("window.clicks");
+    for (const before = await clicks(); (await clicks()) === before; ) await page.locator(selector).click();
+  },
+  fill: ({ page }, { selector, text }) => page.locator(selector).fill(text).then(() => null),
   // Steps like ["move", x, y], ["down"], ["wheel", 0, -100]: methods of Playwright's mouse.
   mouse: async ({ page }, { steps }) => {
     for (const [method, ...given] of steps) await page.mouse[method](...given);
   },
-  choose: ({ page }, { selector, value }) => page.locator(selector).selectOption(value, { timeout: kPatience_ms }).then(() => null),
-  hover: ({ page }, { selector, x, y }) => page.locator(selector).hover({ position: { x, y }, timeout: kPatience_ms }).then(() => null),
+  choose: ({ page }, { selector, value }) => page.locator(selector).selectOption(value).then(() => null),
+  hover: ({ page }, { selector, x, y }) => page.locator(selector).hover({ position: { x, y } }).then(() => null),
   reload: ({ page }) => page.reload().then(() => null),
   // The file that a click saves: its proposed name, and where it was saved.
   download: async ({ page }, { selector }) => {
-    const [file] = await Promise.all([page.waitForEvent("download", { timeout: kPatience_ms }), page.locator(selector).click({ timeout: kPatience_ms })]);
+    const [file] = await Promise.all([page.waitForEvent("download"), page.locator(selector).click()]);
     return { name: file.suggestedFilename(), path: await file.path() };
   },
   clipboard: async ({ page }) => {
