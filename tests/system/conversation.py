@@ -1,10 +1,12 @@
 """Answers the questions of `ovws setup` on a terminal."""
+import os
 import re
 import time
 
-from case import PROGRAM_PATIENCE_S
+from case import PROGRAM_PATIENCE_S, wait_for
 
 QUESTION = re.compile(rb"^(?:\r\x1b\[K)*> (.*)\? help\r?$", re.M)  # on a terminal wide enough not to wrap it
+END = b"\0"  # comes after the program's last output
 PICTURE = re.compile(r"[ .:\-=+*#%@]{40,}")
 
 
@@ -14,18 +16,19 @@ def on(question):
 
 
 def talk(terminal, answer=on, timeout_s=PROGRAM_PATIENCE_S):
-    """Gives `answer(question)` to each question until the program ends. Returns its exit status."""
+    """Gives `answer(question)` to each question until the program ends; each takes at most `timeout_s`. Returns its exit status."""
     answered, end = 0, time.monotonic() + timeout_s
     while terminal.process.poll() is None:
         questions = QUESTION.findall(terminal.raw)
         if len(questions) > answered:
             terminal.press(answer(questions[answered].decode()))
-            answered += 1
+            answered, end = answered + 1, time.monotonic() + timeout_s
         elif time.monotonic() > end:
             raise AssertionError(f"ovws setup did not end within {timeout_s:.0f} s:\n{transcript(terminal)[-3000:]}")
         else:
             time.sleep(0.05)
-    time.sleep(0.2)  # for the terminal's last output
+    os.write(terminal.slave, END)
+    wait_for(lambda: terminal.raw.endswith(END), what="the terminal's last output")
     return terminal.process.returncode
 
 
