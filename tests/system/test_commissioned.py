@@ -19,8 +19,8 @@ class Commissioned(DesignedCase, SetupCase):
         modes = next(finding for finding in made["findings"] if finding["limit"] == "modes")
         self.assertIn("--modes 18", modes["help"])
         self.start_designed(made["config"], made["config"], NARROW_BEAM, NARROW_TWIN)
-        self.set_up(*STEPS)
         self.call("slm.set", {"settle_ms": 60})  # on a busy machine the twin sees a hologram later than the 20 ms in use
+        self.set_up(*STEPS)
         done = subprocess.run(self.ovws_command("check", "--json", "--quick", "--seconds", "3"), capture_output=True, text=True, timeout=4 * PROGRAM_PATIENCE_S)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         report = json.loads(done.stdout)

@@ -21,7 +21,8 @@ QUICK = {**SWEEP, "gains_db": [10, 16, 22, 28, 34, 40], "arms": [{"charge": 1, "
 
 class Experiment(BenchCase):
     twin_config = LIGHT
-    daemon_config = {"state": {"directory": "state"}, "stream": {"image_rate_hz": 0}, "camera": {"gain_db": 3.0}}
+    daemon_config = {"state": {"directory": "state"}, "stream": {"image_rate_hz": 0}, "camera": {"gain_db": 3.0},
+                     "slm": {"settle_ms": 60}}  # on a busy machine the twin sees a hologram later than usual
 
     def setUp(self):
         super().setUp()
