@@ -2,11 +2,10 @@
 import json
 import time
 
-from case import PATIENCE_S, main, wait_for
+from case import PROGRAM_PATIENCE_S, main, wait_for
 from test_setup import FAULTS, MOST_WAVES, TOO_LONG, SetupCase
 from web_case import ADDRESS, Browser, WebCase, browser_packages
 
-BUSY = "return document.getElementById('cancel').hidden === false"
 WHERE = """const b = document.getElementById("primary");
     return {title: document.getElementById("title").textContent, primary: b.hidden ? "" : b.textContent,
             can: b.getAttribute("aria-disabled") !== "true", busy: !document.getElementById("cancel").hidden,
@@ -29,19 +28,23 @@ class CommissionCase(WebCase, SetupCase):
         self.browser.wait_text("#title", lambda text: text[0].isdigit())
         self.idle()
 
-    def idle(self, timeout_s=PATIENCE_S):
+    def idle(self):
         """Waits until nothing runs; returns what the page shows."""
-        return wait_for(lambda: not (shown := self.browser.run(WHERE))["busy"] and shown, timeout_s, "the end of the step")
+        return wait_for(lambda: not (shown := self.browser.run(WHERE))["busy"] and shown, PROGRAM_PATIENCE_S, "the end of the step")
 
     def click_primary(self):
         """Clicks the large button, and waits for what follows."""
         return self.act(lambda: self.browser.click("#primary"))
 
-    def act(self, action):
-        """Does what starts something, and waits for what follows; returns what the page shows then."""
+    def begin(self, action):
+        """Does what starts something, and waits until the page shows that it runs, or what it has changed."""
         before = self.browser.run(WHERE)
         action()
-        wait_for(lambda: self.browser.run(BUSY) or self.browser.run(WHERE) != before, what=f"a change after {before}")
+        wait_for(lambda: self.browser.run(WHERE) != before, what=f"a change after {before}")
+
+    def act(self, action):
+        """Does what starts something, and waits for what follows; returns what the page shows then."""
+        self.begin(action)
         return self.idle()
 
     def click_until(self, title):
@@ -63,7 +66,7 @@ class Faults(CommissionCase):
     def test_enter_alone_repairs_the_bench(self):
         reports, begun, shown = [], time.monotonic(), self.idle()
         while shown["primary"]:
-            self.assertLess(time.monotonic() - begun, 300.0, reports)
+            self.assertLess(len(reports), 4 * len(shown["states"]), reports)
             self.assertTrue(shown["can"], shown)
             reports.append((shown["title"], shown["primary"], shown["verdict"]))
             print(f"{time.monotonic() - begun:6.1f} s", *reports[-1], sep="  ", flush=True)
@@ -114,9 +117,8 @@ class Controls(CommissionCase):
         self.assertIn("DUMMY1", shown["verdict"])
         self.assertEqual(shown["states"][2], "done", shown)
         self.assertEqual(self.call("config.get")["slm"]["display"], "DUMMY1")
-        self.browser.click("#undo")
-        wait_for(lambda: self.call("config.get")["slm"]["display"] == "DUMMY2", what="the former output")
-        self.idle()
+        self.act(lambda: self.browser.click("#undo"))
+        self.assertEqual(self.call("config.get")["slm"]["display"], "DUMMY2")
         self.check_keys_cancel_and_skip()
         self.check_what_a_view_only_link_shows()
         self.check_axe()
@@ -125,11 +127,10 @@ class Controls(CommissionCase):
     def check_keys_cancel_and_skip(self):
         self.choose("Exposure")
         self.browser.run("document.getElementById('primary').focus()")
-        self.browser.press("Enter")
-        wait_for(lambda: self.browser.run(BUSY), what="the step")
+        self.begin(lambda: self.browser.press("Enter"))
         self.assertEqual(self.browser.run("return document.activeElement.id"), "primary")  # keeps the focus
         self.browser.run("document.getElementById('cancel').click()")
-        shown = self.idle(20.0)
+        shown = self.idle()
         self.assertIn(shown["states"][4], ("failed", "done"))  # it may have ended before
         self.choose("Look-up table")
         self.browser.click("#skip")
