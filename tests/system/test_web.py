@@ -115,9 +115,8 @@ class Web(WebCase):
             self.assertEqual(self.ask("GET", path, token=token)[0] // 100, 2)
             silent.append(socket.create_connection((HOST, PORT)))  # replace closed ones
             self.addCleanup(silent[-1].close)
-        self.health(lambda m: m["refused"]["full"] >= 137)  # one for each excess connection
-        for _ in range(20):
             next(stream)
+        self.health(lambda m: m["refused"]["full"] >= 137)  # one for each excess connection
 
     def test_connections_with_a_token_keep_their_places(self):
         self.hold_daemon()
@@ -126,7 +125,7 @@ class Web(WebCase):
         with self.assertRaises(ConnectionError):
             self.ask("GET", "/")
         calls[-1].close()
-        wait_for(lambda: not unread(CLOSE_WAIT), what="the end of the connection that was left")
+        wait_for(lambda: len(unread(ESTABLISHED)) == 63 and not unread(CLOSE_WAIT), what="the end of the connection that was left")
         self.assertEqual(self.answered(calls[:-1]), [])
         self.assertEqual(self.ask("GET", "/")[0], 200)
 
@@ -151,6 +150,7 @@ class Web(WebCase):
         self.assertEqual(len(pixels), image["shape"][0] * image["shape"][1])
 
     def test_a_browser_that_was_not_there_gets_what_was(self):
+        self.message("ovws.status/1")  # from here on ovws-web hears every event
         self.take_reference()
         bins = []
         for message, _ in self.messages():
@@ -179,6 +179,7 @@ class Web(WebCase):
         server = self.bench.process("ovws-web").pid
         self.addCleanup(os.kill, server, signal.SIGCONT)
         os.kill(server, signal.SIGSTOP)
+        os.waitid(os.P_PID, server, os.WSTOPPED)
         kept = 0
         slow.settimeout(1.0)
         try:
@@ -241,10 +242,11 @@ class Web(WebCase):
 
     def check_picture(self, hologram_id):
         """Checks that the page's picture and the picture on the SLM are that of the hologram, pixel by pixel."""
-        bench, _ = self.message("ovws.web.bench/1", lambda m: m["hologram"]["hologram_id"] == hologram_id)
+        self.message("ovws.web.bench/1", lambda m: m["hologram"]["hologram_id"] == hologram_id)
         verdict = self.call("slm.verify")
         self.assertTrue(verdict["equal"])
-        self.assertEqual(bench["hologram"]["crc32"], verdict["crc32_shown"])
+        # ovws-web asks one question after the other: between them the hologram may have changed, which the next ones tell.
+        self.message("ovws.web.bench/1", lambda m: m["hologram"]["crc32"] == verdict["crc32_shown"])
         status, _, png = self.ask("GET", "/hologram.png", token=self.tokens["look"])
         self.assertEqual(status, 200)
         grey = numpy.asarray(Image.open(BytesIO(png)))
@@ -252,13 +254,13 @@ class Web(WebCase):
 
     def test_a_daemon_that_goes_and_comes_again(self):
         self.take_reference()
-        self.health(lambda m: m["findings"][0]["wellness"] == "good")
+        self.health(lambda m: m["findings"][0]["wellness"] != "bad")  # a busy machine's frames may be late
         self.bench.stop("ovwsd")
-        silent = self.health(lambda m: m["findings"][0]["wellness"] == "bad")
-        self.assertIn("daemon", silent["findings"][0]["text"])
+        silent = self.health(lambda m: m["findings"][0]["text"].startswith("The daemon is silent"))
+        self.assertEqual([finding["wellness"] for finding in silent["findings"]], ["bad"])
         self.start_daemon()
         self.wait_until("running")
-        self.health(lambda m: "No reference" in m["findings"][0]["text"])
+        self.health(lambda m: any("No reference" in finding["text"] for finding in m["findings"]))
         self.assertTrue(self.wavefronts(3))
 
     def hold_daemon(self):
@@ -304,7 +306,7 @@ class Web(WebCase):
         wait_for(lambda: unread(ESTABLISHED) == 55 * [0], what="51 calls that wait")
         for connection in left:
             connection.close()
-        wait_for(lambda: not unread(CLOSE_WAIT), what="the end of the connections that were left")
+        wait_for(lambda: len(unread(ESTABLISHED)) == 5 and not unread(CLOSE_WAIT), what="the end of the connections that were left")
         self.assertEqual(self.answered(under_way), [])
         self.assertEqual(self.ask("GET", "/")[0], 200)
         os.kill(daemon, signal.SIGCONT)
