@@ -4,7 +4,7 @@ import re
 import socket
 from pathlib import Path
 
-from case import main, wait_for
+from case import PROGRAM_PATIENCE_S, main, wait_for
 from web_case import ADDRESS, HOST, PORT, Browser, WebCase, browser_packages
 
 
@@ -45,8 +45,10 @@ class PanelCase(WebCase):
 
 
 class Procedures(PanelCase):
+    daemon_config = PanelCase.daemon_config | {"slm": {"settle_ms": 60}}  # on a busy machine the twin sees a hologram later than usual
+
     def result(self, name, condition):
-        return self.browser.wait_text(f"#procedure-{name} .result", condition, 60.0)
+        return self.browser.wait_text(f"#procedure-{name} .result", condition, PROGRAM_PATIENCE_S)
 
     def run_it(self, name, **params):
         for title, value in params.items():
