@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <thread>
 
 #include "daemon/shared/lost_spots.hpp"
 #include "drivers/zmq/client.hpp"
@@ -20,7 +19,6 @@ constexpr std::chrono::milliseconds kPollInterval{100};
 constexpr double kPatience_s = 30.0;  ///< with a daemon that does not answer while a job runs
 constexpr double kImageTimeout_s = 8.0;
 constexpr int kStreamQueue = 10'000;
-constexpr double kStreamMargin_s = 0.05;  ///< from a frame's arrival to its image message
 
 Error error_of(const cli::CallFailure& failure) {
   const std::string message = cli::message_of(failure);
@@ -47,8 +45,7 @@ WatchedFrame watched(const StreamMessage& message) {
   return watched;
 }
 
-Image<float> fractions(const StreamMessage& message) {
-  const json header = json_of(message.json);
+Image<float> fractions(const json& header, const StreamMessage& message) {
   Image<float> image(header.at("shape").at(1).get<int>(), header.at("shape").at(0).get<int>());
   const int bits = header.at("significant_bits").get<int>();
   const float full_scale = float((1 << bits) - 1);
@@ -131,17 +128,17 @@ Image<float> Bench::image() {
   const double frame_s = std::max(exposure_s, 1.0 / settings.at("frame_rate_hz").get<double>());
   const double wait_s = 1e-3 * config.at("slm").at("settle_ms").get<double>() +
                         1e-3 * config.at("camera").at("transfer_ms").get<double>() + exposure_s +
-                        frame_s + kStreamMargin_s;
-  for (const auto begin = Clock::now(); seconds_since(begin) < wait_s;) {
-    stop_if_cancelled();
-    std::this_thread::sleep_for(
-        std::chrono::duration<double>(std::clamp(wait_s - seconds_since(begin), 0.0, 0.1)));
-  }
+                        frame_s;
+  const std::int64_t from_ns =
+      call("system.status").at("t_ns").get<std::int64_t>() + std::int64_t(1e9 * wait_s);
   Subscriber stream = subscriber("image_endpoint", "image", 1);
   const auto begin = Clock::now();
-  while (seconds_since(begin) < kImageTimeout_s + 3.0 * frame_s) {
+  while (seconds_since(begin) < wait_s + kImageTimeout_s + 3.0 * frame_s) {
     stop_if_cancelled();
-    if (const auto message = stream.receive(kPollInterval)) return fractions(*message);
+    const auto message = stream.receive(kPollInterval);
+    if (!message) continue;
+    const json header = json_of(message->json);
+    if (header.at("t_arrival_ns").get<std::int64_t>() >= from_ns) return fractions(header, *message);
   }
   throw StepFailed{{Errc::unavailable, "camera",
                     "no image came: check the camera's cable, its power and its trigger"}};
