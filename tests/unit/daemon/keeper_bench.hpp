@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -114,14 +115,21 @@ class Keeper : public testing::Test {
       idle = !keeper_->do_work();
     }
   }
-  /// The texts of the queued events of this kind; all queued messages are taken.
-  std::vector<std::string> events_of(const std::string& kind) {
+  /// The texts of the queued events that are wanted; all queued messages are taken.
+  std::vector<std::string> events_where(const std::function<bool(const EventMessage&)>& wanted) {
     std::vector<std::string> texts;
     while (const auto message = parts_->queue.take()) {
       const auto* event = std::get_if<EventMessage>(&*message);
-      if (event != nullptr && event->kind == kind) texts.push_back(event->text);
+      if (event != nullptr && wanted(*event)) texts.push_back(event->text);
     }
     return texts;
+  }
+  std::vector<std::string> events_of(const std::string& kind) {
+    return events_where([&](const EventMessage& event) { return event.kind == kind; });
+  }
+  std::vector<std::string> errors() {
+    return events_where(
+        [](const EventMessage& event) { return event.severity == Severity::error; });
   }
   /// Lets `holder` have the sensor from now on.
   void turn_to(Holder holder) {
@@ -138,15 +146,6 @@ class Keeper : public testing::Test {
     turn_to(Holder::job);
     ASSERT_TRUE(edit(use_registration(map)));
     turn_to(Holder::nobody);
-  }
-  /// The texts of the queued events of severity `error`.
-  std::vector<std::string> errors() {
-    std::vector<std::string> found;
-    while (const auto message = parts_->queue.take()) {
-      const auto* const event = std::get_if<EventMessage>(&*message);
-      if (event != nullptr && event->severity == Severity::error) found.push_back(event->text);
-    }
-    return found;
   }
 
   struct Parts {

@@ -56,15 +56,12 @@ class StoredItems : public test::Keeper {
     const SensorView now = keeper_->snapshot();
     return !now->reference && !now->calibration;
   }
-  int loaded(const std::string& words) {
-    int found = 0;
-    while (const auto message = parts_->queue.take()) {
-      const auto* event = std::get_if<EventMessage>(&*message);
-      const bool of_kind =
-          event != nullptr && (event->kind == "reference" || event->kind == "calibration");
-      found += of_kind && event->text.find(words) != std::string::npos ? 1 : 0;
-    }
-    return found;
+  std::size_t loaded(const std::string& words) {
+    const auto wanted = [&](const EventMessage& event) {
+      return (event.kind == "reference" || event.kind == "calibration") &&
+             event.text.find(words) != std::string::npos;
+    };
+    return events_where(wanted).size();
   }
   static MeasuredLut other_lut() {
     MeasuredLut lut;
@@ -82,10 +79,10 @@ TEST_F(StoredItems, AreUsedByTheSameBenchAndOnlyByIt) {
   ASSERT_TRUE(has_both());
   start_with([](Config& config) { config.optics.wavelength_nm = 633.0; });
   EXPECT_TRUE(has_none());
-  EXPECT_EQ(loaded("is not used: optics.wavelength_nm was 632.0, and is 633.0"), 2);
+  EXPECT_EQ(loaded("is not used: optics.wavelength_nm was 632.0, and is 633.0"), 2U);
   start_with([](Config& config) { config.optics.wavelength_nm = 632.0; });
   EXPECT_TRUE(has_both());
-  EXPECT_EQ(loaded("is loaded"), 2);
+  EXPECT_EQ(loaded("is loaded"), 2U);
   EXPECT_EQ(keeper_->snapshot()->calibration->comparison.disagreement, Disagreement::none);
 }
 
@@ -100,10 +97,10 @@ TEST_F(StoredItems, OfAnotherLutAreUsedWhenItIsAsItWas) {
   start_with([](Config&) {});
   EXPECT_TRUE(keeper_->snapshot()->slm->lut);
   EXPECT_TRUE(has_none());
-  EXPECT_EQ(loaded("is not used: it was taken with another look-up table"), 2);
+  EXPECT_EQ(loaded("is not used: it was taken with another look-up table"), 2U);
   ASSERT_TRUE(edit(forget_lut()));
   EXPECT_TRUE(has_both()) << "after a restart";
-  EXPECT_EQ(loaded("is loaded"), 2);
+  EXPECT_EQ(loaded("is loaded"), 2U);
 }
 
 TEST_F(StoredItems, ACopyUnderAnotherNameIsNotUsed) {
@@ -115,7 +112,7 @@ TEST_F(StoredItems, ACopyUnderAnotherNameIsNotUsed) {
   fs::copy(reference, folder_ + "/reference.copy.json");
   start_with([](Config&) {});
   EXPECT_TRUE(has_both());
-  EXPECT_EQ(loaded("its file name does not match its content"), 1);
+  EXPECT_EQ(loaded("its file name does not match its content"), 1U);
 }
 
 TEST_F(StoredItems, WhatCannotBeRemovedIsPutBack) {
