@@ -22,6 +22,8 @@ namespace test {
 
 using namespace std::chrono_literals;
 
+constexpr auto kPatience = 60s;  // a busy machine is slow
+
 // The optics of this process' bench, for open_display and open_camera.
 SimulatedOptics* optics_in_use = nullptr;
 
@@ -339,7 +341,7 @@ void SimulatedBench::start(Agent& agent) {
 bool SimulatedBench::is_running() {
   FrameTap first(frames_, FrameTap::Needs::numbers, 1,
                  [](const FrameRecord& record) { return record.settled; });
-  return first.wait_for(10s);
+  return first.wait_for(kPatience);
 }
 
 Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure procedure,
@@ -354,7 +356,7 @@ Result<nlohmann::json> SimulatedBench::run(const std::string& kind, Procedure pr
                      });
   const Result<int> job = begun.get_future().get();
   if (!job) return fail(job.error());
-  for (const auto end = std::chrono::steady_clock::now() + 60s;
+  for (const auto end = std::chrono::steady_clock::now() + kPatience;
        std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(2ms)) {
     const auto report = jobs_.get(*job);
     if (report->state == JobState::running) continue;
@@ -385,7 +387,7 @@ std::vector<double> SimulatedBench::mean_waves(int frames) {
     }
     return good;
   });
-  return tap.wait_for(10s) ? sums : std::vector<double>{};
+  return tap.wait_for(kPatience) ? sums : std::vector<double>{};
 }
 
 }  // namespace test

@@ -62,7 +62,7 @@ class SimulatedBench {
                           const twin::Config& twin = small_twin_config());
   ~SimulatedBench();
 
-  /// Waits until frames of the first hologram are measured; false if none arrives within 10 s.
+  /// Waits until frames of the first hologram are measured; false if none arrives within a minute.
   bool is_running();
   /// Runs a procedure like the daemon and returns when the sensor is free again. Errors: the
   /// procedure's own; Errc::unavailable after a minute.
@@ -74,7 +74,7 @@ class SimulatedBench {
   /// the lease, too.
   Result<SensorView> edit(SensorChange change);
   /// The mean coefficients, waves, of the next `frames` settled and valid frames of the current
-  /// hologram; empty if they do not arrive within 10 s.
+  /// hologram; empty if they do not arrive within a minute.
   std::vector<double> mean_waves(int frames);
 
   SensorView sensor() const { return keeper_->snapshot(); }

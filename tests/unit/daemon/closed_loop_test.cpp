@@ -70,11 +70,11 @@ class ClosedLoopTest : public testing::Test {
     const auto answer = std::make_shared<std::promise<Result<LoopReport>>>();
     request([answer](Result<LoopReport> now) { answer->set_value(std::move(now)); });
     auto future = answer->get_future();
-    if (future.wait_for(10s) == std::future_status::ready) return future.get();
-    return fail(Errc::unavailable, "", "no answer within 10 s");
+    if (future.wait_for(60s) == std::future_status::ready) return future.get();
+    return fail(Errc::unavailable, "", "no answer within 60 s");
   }
   bool wait_for(const std::function<bool()>& condition) {
-    for (int k = 0; k < 10'000 && !condition(); ++k) std::this_thread::sleep_for(1ms);
+    for (int k = 0; k < 60'000 && !condition(); ++k) std::this_thread::sleep_for(1ms);
     return condition();
   }
   /// Lets twice the patience pass, a second at a time, after each of which the loop looks at its
@@ -218,6 +218,7 @@ TEST_F(ClosedLoopTest, IsWatchedForItsDisturbance) {
       "loop.identify",
       [&](Bench& on) -> Result<nlohmann::json> {
         auto found = watch_disturbance(on, 3.0, 0.001);
+        if (!found) found = watch_disturbance(on, 30.0, 0.001);  // a busy machine measures few
         if (!found) return fail(found.error());
         series = std::move(*found);
         return nlohmann::json();

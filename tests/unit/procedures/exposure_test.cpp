@@ -1,10 +1,10 @@
 /// camera.auto_exposure on the simulated bench, and its judgement of single images.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <thread>
 
 #include "daemon/ovwsd/procedures/exposure_look.hpp"
 #include "daemon/ovwsd/procedures/measurements.hpp"
@@ -160,15 +160,15 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(AutoExposureJob, RestoresTheCameraWhenItIsCancelled) {
   auto twin = small_twin_config();
   twin.truth.peak_electrons *= 100.0;
+  std::atomic<int> applied{0};
   SimulatedBench bench(small_daemon_config(), twin);
   ASSERT_TRUE(bench.is_running());
-  std::thread canceller([&bench] {
-    while (bench.camera().settings.exposure_us == 2000.0) std::this_thread::yield();
-    bench.cancel();
+  bench.optics().before_apply([&] {
+    if (++applied == 1) bench.cancel();
   });
   const auto found = expose_on(bench);
-  canceller.join();
   ASSERT_FALSE(found);
+  EXPECT_EQ(applied, 2) << "another exposure, and the one of before";
   EXPECT_EQ(bench.camera().settings.exposure_us, 2000.0);
 }
 

@@ -64,14 +64,14 @@ TEST(Pokes, ALatePictureIsNotTakenForAModesResponse) {
   SimulatedBench bench;
   ASSERT_TRUE(bench.is_running());
   ASSERT_TRUE(take_reference_on(bench, 10));
-  const auto prompt = calibrate_on(bench, kPoke, {5});
+  const auto prompt = calibrate_on(bench, kPoke, {5}, 20);
   ASSERT_TRUE(prompt) << prompt.error().reason;
   for (const int picture : {1, 2, 3, 4}) {
     const double part = picture % 2 == 0 ? 0.1 : -0.1;  // weakens the poke of this picture
     const Bump bump(bench, picture, picture + 1, [=](twin::Truth& late) {
       late.aberration.push_back({5, 2 * part * kPoke});
     });
-    const auto found = calibrate_on(bench, kPoke, {5});
+    const auto found = calibrate_on(bench, kPoke, {5}, 20);
     ASSERT_TRUE(found) << found.error().reason;
     const double error = (found->matrix.slopes - prompt->matrix.slopes).norm();
     EXPECT_LT(error, 0.02 * prompt->matrix.slopes.norm()) << "picture " << picture;
@@ -84,7 +84,7 @@ TEST(Pokes, AnUnsteadyResponseIsReported) {
   SimulatedBench bench;
   ASSERT_TRUE(bench.is_running());
   ASSERT_TRUE(take_reference_on(bench, 10));
-  const auto steady = calibrate_on(bench, kPoke, {5});
+  const auto steady = calibrate_on(bench, kPoke, {5}, 20);
   ASSERT_TRUE(steady) << steady.error().reason;
   EXPECT_TRUE(steady->unsteady_j.empty());
   const twin::Truth resting = bench.optics().truth();
@@ -95,7 +95,7 @@ TEST(Pokes, AnUnsteadyResponseIsReported) {
     bench.optics().set_truth(truth);
     ++picture;
   });
-  const auto found = calibrate_on(bench, kPoke, {5});
+  const auto found = calibrate_on(bench, kPoke, {5}, 20);
   bench.optics().before_show({});
   ASSERT_TRUE(found) << found.error().reason;
   EXPECT_EQ(found->unsteady_j, (std::vector<int>{5}));
