@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <set>
 #include <thread>
 
@@ -150,9 +151,10 @@ TEST(Commissioning, WhatLaterStepsNeedIsDone) {
 }
 
 TEST(Commissioning, OneActionAtATime) {
+  std::promise<void> may_end;
   Settings settings = nowhere();
-  settings.examine = [] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  settings.examine = [end = may_end.get_future().share()] {
+    end.wait_for(std::chrono::minutes(1));
     return examine::Findings{};
   };
   Commissioning commissioning(settings);
@@ -163,6 +165,7 @@ TEST(Commissioning, OneActionAtATime) {
   const auto second = commissioning.act("run", "camera");
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, Errc::refused);
+  may_end.set_value();
   ended(commissioning);
 }
 

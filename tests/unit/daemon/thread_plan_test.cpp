@@ -59,7 +59,9 @@ TEST(ThreadPlan, ATurnThatTakesTooLongIsNamedUntilItEnds) {
   ThreadPlan plan(RealtimePolicy::ignore);
   ASSERT_TRUE(plan.start(ThreadRole::track, agent));  // has the shortest longest_turn_s
   wait_for([&] { return agent.turns == 2; });
+  test::skip(-1h);  // the turn is not too long, however busy the machine is
   EXPECT_EQ(names(plan.hung_threads()), "");
+  test::skip(1h);
   skip_longest_turn();
   EXPECT_EQ(names(plan.hung_threads()), "track ");
   agent.let_go();

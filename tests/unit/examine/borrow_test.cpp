@@ -26,6 +26,7 @@ class FakeDaemon {
 
   FakeDaemon() {
     common.endpoint = test::ipc_endpoint("borrow");
+    common.timeout_s = 60.0;
     auto bound =
         ControlServer::bind(common.endpoint, {1 << 20, 0, "", ""},
                             [this](const ControlRequest& request, const SendReply& reply) {

@@ -100,12 +100,15 @@ std::vector<Measured> measure_with(int workers) {
       }
       if (FrameRecord* const image = rig.pipeline.next_image(0)) rig.pipeline.release_image(image);
     }
+    std::atomic<bool> detached{false};
     std::thread image_thread([&] {  // what was asked for last may still be on its way
-      while (FrameRecord* const image = rig.pipeline.next_image(100'000)) {
-        rig.pipeline.release_image(image);
+      while (!detached) {
+        FrameRecord* const image = rig.pipeline.next_image(10'000);
+        if (image != nullptr) rig.pipeline.release_image(image);
       }
     });
     EXPECT_TRUE(rig.pipeline.detach());
+    detached = true;
     image_thread.join();
   }
   EXPECT_EQ(rig.camera.lent(), 0);
