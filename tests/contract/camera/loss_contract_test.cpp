@@ -1,5 +1,6 @@
 /// Camera contract: devices that are controlled by others, unplugged, frozen, or left running by a
 /// crash.
+#include <algorithm>
 #include <cstdio>
 #include <thread>
 
@@ -22,6 +23,14 @@ double timed(const char* what, Action action) {
   const double took_s = double(monotonic_ns() - begin) * 1e-9;
   std::printf("    %-40s %6.2f s\n", what, took_s);
   return took_s;
+}
+
+/// Of three calls one ends at once: a busy machine may stop this thread during the others.
+template <class Action>
+void expect_at_once(const char* what, Action action) {
+  double least_s = timed(what, action);
+  for (int more = 0; more < 2; ++more) least_s = std::min(least_s, timed(what, action));
+  EXPECT_LT(least_s, 0.5) << what;
 }
 
 TEST_P(CameraLossContract, AnAbsentDeviceIsUnavailable) {
@@ -76,11 +85,11 @@ TEST_P(CameraLossContract, AfterUnpluggingCallsFailInTimeAndANewObjectWorks) {
   ASSERT_FALSE(applied);
   EXPECT_EQ(applied.error().code, Errc::device) << applied.error().reason;
   EXPECT_FALSE(camera->alive());
-  EXPECT_LT(timed("apply once it is known", [&] { applied = camera->apply(wanted); }), 0.5);
+  expect_at_once("apply once it is known", [&] { applied = camera->apply(wanted); });
   EXPECT_FALSE(applied);
-  EXPECT_LT(timed("limits once it is known", [&] { EXPECT_FALSE(camera->limits()); }), 0.5);
+  expect_at_once("limits once it is known", [&] { EXPECT_FALSE(camera->limits()); });
   EXPECT_LT(timed("stop once it is known", [&] { camera->stop(); }), kBoundSeconds);
-  EXPECT_LT(timed("start once it is known", [&] { EXPECT_FALSE(camera->start()); }), 0.5);
+  expect_at_once("start once it is known", [&] { EXPECT_FALSE(camera->start()); });
   EXPECT_LT(timed("destructor", [&] { camera.reset(); }), kBoundSeconds);
 
   bench_->plug_in();
