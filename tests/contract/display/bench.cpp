@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <random>
@@ -56,9 +57,7 @@ int wrong_pixels(const Image<std::uint8_t>& picture, int x, int y) {
 }
 
 std::string watch(Display& display, double seconds) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-  while (Clock::now() < end) {
+  for (int left = int(std::lround(100.0 * seconds)); left > 0; --left) {
     if (const auto checked = display.check(); !checked) return checked.error().reason;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }

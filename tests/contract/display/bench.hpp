@@ -27,7 +27,8 @@ Image<std::uint8_t> random_image(unsigned seed, int width = 1280, int height = 7
 /// another client of the X server. All pixels if the server does not answer.
 int wrong_pixels(const Image<std::uint8_t>& picture, int x = kSlmX, int y = 0);
 
-/// Calls check() for `seconds` or until it returns an error; returns the error's reason, or "".
+/// Calls check() as often as every 10 ms in `seconds`, or until it returns an error; returns the
+/// error's reason, or "".
 std::string watch(Display& display, double seconds);
 
 /// Runs a shell command, and fails the test if its status is not 0.
