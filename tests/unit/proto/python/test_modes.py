@@ -3,6 +3,7 @@ import contextlib
 import io
 import re
 import unittest
+from unittest import mock
 
 import numpy as np
 from paths import ROOT
@@ -114,7 +115,7 @@ class Jobs(unittest.TestCase):
     def test_progress_is_shown_on_standard_error(self):
         client = Sent(*[report("running", progress) for progress in (0.0, 0.5)], report("done", 1.0))
         said = io.StringIO()
-        with contextlib.redirect_stderr(said):
+        with contextlib.redirect_stderr(said), mock.patch("time.monotonic", return_value=0.0):
             Job(client, {"job": 3}).wait(progress=True)
         lines = said.getvalue().strip().split("\r")
         self.assertRegex(lines[0], r"^reference\.take \[\.{30}\]   0 %")
