@@ -1,12 +1,17 @@
-"""200 frames/s of 512 x 512 Mono8: none lost, every vortex found in every frame.
+"""200 frames/s of 512 x 512 Mono8: none lost, every vortex found in every frame. 50 frames/s through the bridges: no event lost.
 
     OVWS_RATE_FRAMES=12000   number of frames
 
 The rate itself and the latency are measured by tests/bench/latency.
 """
+import json
 import os
+import subprocess
+import sys
+import unittest
 
-from case import PATIENCE_S, TWIN, BenchCase, Client, main
+from bridge_case import RUN, environment, reports
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, TWIN, BenchCase, Client, main
 
 RATE_HZ = 200
 FRAMES = int(os.environ.get("OVWS_RATE_FRAMES", "1200"))
@@ -44,6 +49,15 @@ class Rate(BenchCase):
             self.assertEqual(changed.get(counter, 0), 0, counter)
         # Frames delayed by a busy machine are counted as late and not tracked as current.
         self.assertGreaterEqual(all_tracked, FRAMES - changed.get("frames_late", 0))
+
+
+class Bridges(unittest.TestCase):
+    def test_events_at_50_per_second_without_loss_or_growth(self):
+        done = subprocess.run([sys.executable, RUN, "20"], capture_output=True, text=True, timeout=PROGRAM_PATIENCE_S, env=environment())
+        print(done.stdout, done.stderr)
+        self.assertEqual(done.returncode, 0)
+        for report in reports(done.stdout)[:2]:
+            self.assertEqual(report["missing"], 0, json.dumps(report))
 
 
 if __name__ == "__main__":

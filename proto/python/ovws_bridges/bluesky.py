@@ -44,7 +44,7 @@ class WavefrontSensor:
         self.name = name
         self.frames = whole("frames", frames)
         self.timeout_s = number("timeout_s", timeout_s, 0.0)
-        self.link = Link(Wavefront, endpoint=endpoint, key=key, server_key=server_key)
+        self.link = Link(Wavefront, endpoint=endpoint, timeout_s=self.timeout_s, key=key, server_key=server_key)
         self.exposure_us = CameraSetting(self, "exposure_us")
         self.gain_db = CameraSetting(self, "gain_db")
         self.aberration = Aberration(self)

@@ -16,6 +16,7 @@ from ovws_client.values import number
 from ovws_client.wire import CONTROL, KeyFile
 
 Listener = Callable[[Message | None], None]
+RECONNECT_S = 2.5  # longest wait for an answer between two attempts to receive
 MAX_QUEUED = 1000  # messages for one action, also while it waits for an answer of the daemon; further ones are dropped
 _log = logging.getLogger("ovws_bridges")
 
@@ -29,7 +30,7 @@ class Link:
     silent_s: the daemon counts as lost if it sends no message for this long; it publishes its status once a second
     """
 
-    def __init__(self, *kinds: type[Message], endpoint: str | None = None, timeout_s: float = 2.5, key: KeyFile | None = None,
+    def __init__(self, *kinds: type[Message], endpoint: str | None = None, timeout_s: float = RECONNECT_S, key: KeyFile | None = None,
                  server_key: str | None = None, silent_s: float = 3.0) -> None:
         self.endpoint = endpoint or CONTROL
         self.lost_messages = 0  # on the way to this process, since its start
@@ -128,7 +129,7 @@ class Link:
     def _run(self) -> None:
         while not self._stopped.is_set():
             try:
-                with Client(**self._arguments) as client, client.subscribe(*self._kinds) as stream:  # type: ignore
+                with Client(**self._arguments | {"timeout_s": RECONNECT_S}) as client, client.subscribe(*self._kinds) as stream:  # type: ignore
                     self._receive(stream)
             except Exception as error:  # whatever it is, the bridge goes on
                 expected = isinstance(error, (ClientError, zmq.ZMQError))
