@@ -32,7 +32,7 @@ class Demo:
     def __init__(self, bench, out):
         self.bench = bench
         self.out = out
-        self.client = Client()
+        self.client = Client(timeout_s=PATIENCE_S)
         self.stream = Stream(["wavefront"])
         self.worst_error = 0.0
         self.frames = 0
@@ -110,7 +110,7 @@ class Demo:
     def pictures(self, name):
         self.out.mkdir(parents=True, exist_ok=True)
         prefix = self.out / name
-        subprocess.run([self.bench.programs / "ovws", "snapshot", "-o", str(prefix)], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([self.bench.programs / "ovws", "--timeout", str(PATIENCE_S), "snapshot", "-o", str(prefix)], check=True, stdout=subprocess.DEVNULL)
         self.written += [f"{prefix}-camera.png", f"{prefix}-phase.png"]
 
     # Sequence -----------------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ import time
 from ovws_client import Client
 from ovws_client.recording import Recording
 
-with Client(timeout_s=10.0) as client:
+with Client(timeout_s=30.0) as client:
     path = client.record_start(limit_s=10.0)["file"]
     time.sleep(2.0)
     client.record_stop()
