@@ -1,12 +1,10 @@
 """Answers the questions of `ovws setup` on a terminal."""
-import os
 import re
 import time
 
-from case import PROGRAM_PATIENCE_S, wait_for
+from case import PROGRAM_PATIENCE_S
 
 QUESTION = re.compile(rb"^(?:\r\x1b\[K)*> (.*)\? help\r?$", re.M)  # on a terminal wide enough not to wrap it
-END = b"\0"  # comes after the program's last output
 PICTURE = re.compile(r"[ .:\-=+*#%@]{40,}")
 
 
@@ -27,12 +25,10 @@ def talk(terminal, answer=on, timeout_s=PROGRAM_PATIENCE_S):
             raise AssertionError(f"ovws setup did not end within {timeout_s:.0f} s:\n{transcript(terminal)[-3000:]}")
         else:
             time.sleep(0.05)
-    os.write(terminal.slave, END)
-    wait_for(lambda: terminal.raw.endswith(END), what="the terminal's last output")
-    return terminal.process.returncode
+    return terminal.wait()
 
 
 def transcript(terminal):
     """What was printed, without progress lines and pictures."""
-    lines = terminal.raw.decode(errors="replace").replace("\x1b[K", "").replace("\r\n", "\n").split("\n")
+    lines = terminal.raw.decode(errors="replace").replace("\x1b[K", "").replace("\0", "").replace("\r\n", "\n").split("\n")
     return "\n".join(line for line in (line.rsplit("\r", 1)[-1] for line in lines) if not PICTURE.fullmatch(line))

@@ -48,8 +48,8 @@ class SharedPV:
             self.nt.check(value)
             self.value = value
         self.stamp = timestamp or self.stamp
-        self.severity = self.severity if severity is None else severity
         self.message = self.message if message is None else message
+        self.severity = self.severity if severity is None else severity  # last: tests wait for it
 
 
 class Operation:

@@ -1,4 +1,5 @@
-"""Subscribes to change events of a Tango device and prints each as JSON: tango_events.py DEVICE ATTRIBUTE...
+"""Subscribes to change events of a Tango device and prints each as JSON, with the time of its attribute and the time since the begin of the
+subscription, seconds: tango_events.py DEVICE ATTRIBUTE...
 
 Then it prints "subscribed" on standard error, and collects until its standard input ends.
 
@@ -8,13 +9,14 @@ import json
 import os
 import sys
 import threading
+import time
 
 import tango
 
 
 def main():
     device, *names = sys.argv[1:]
-    proxy, lock = tango.DeviceProxy(device), threading.Lock()
+    proxy, lock, begin = tango.DeviceProxy(device), threading.Lock(), time.monotonic()
 
     def pushed(event):
         with lock:
@@ -22,7 +24,8 @@ def main():
             name = event.attr_name.split("/")[-1].split("#")[0]
             value = str(tango.DevState.values[value]) if name == "state" and value is not None else value.tolist() if hasattr(value, "tolist") else value
             quality = "ERROR" if event.err else str(event.attr_value.quality).removeprefix("ATTR_")
-            print(json.dumps({"name": name, "value": value, "quality": quality}), flush=True)
+            stamp = None if event.err else event.attr_value.time.totime()
+            print(json.dumps({"name": name, "value": value, "quality": quality, "time": stamp, "after_s": time.monotonic() - begin}), flush=True)
 
     for name in names:
         proxy.subscribe_event(name, tango.EventType.CHANGE_EVENT, pushed)

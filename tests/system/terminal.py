@@ -8,20 +8,20 @@ import struct
 import subprocess
 import termios
 import threading
-import time
 
 import pyte
+from case import PROGRAM_PATIENCE_S, wait_for
 
 
 class Terminal:
-    """Reads continuously, like a terminal. `raw` holds all bytes received; `writes` their times. Standard output may lead elsewhere."""
+    """Reads continuously, like a terminal. `raw` holds all bytes received. Standard output may lead elsewhere."""
 
     def __init__(self, command, columns=80, lines=24, stdout=None, **environment):
         self.master, self.slave = pty.openpty()
         self._screen = pyte.Screen(columns, lines)
         self._stream = pyte.ByteStream(self._screen)
         self._lock = threading.Lock()
-        self.raw, self.writes = b"", []
+        self.raw = b""
         self.resize(columns, lines)
         self.modes_before = self.modes()
         env = {k: v for k, v in os.environ.items() if k not in ("LC_ALL", "LANG", "NO_COLOR")}
@@ -42,7 +42,6 @@ class Terminal:
                 return
             with self._lock:
                 self.raw += data
-                self.writes.append(time.monotonic())
                 self._stream.feed(data)
 
     def resize(self, columns, lines):
@@ -64,6 +63,13 @@ class Terminal:
 
     def press(self, keys):
         os.write(self.master, keys.encode())
+
+    def wait(self):
+        """Waits for the program's end, and until all that it wrote is in `raw`. Returns its exit status."""
+        status = self.process.wait(PROGRAM_PATIENCE_S)
+        os.write(self.slave, b"\0")  # arrives after that, and is not shown
+        wait_for(lambda: self.raw.endswith(b"\0"), what="the terminal's last output")
+        return status
 
     def modes(self):
         """The four flag words of termios."""

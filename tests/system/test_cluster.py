@@ -49,12 +49,12 @@ class Cluster(BenchCase):
         super().setUp()
         self.take_reference(20)
         stream = self.stream("wavefront")
-        self.fitted_frames(stream, 1)
+        first = self.fitted_frames(stream, 1)[0]["seq"]
         self.call("record.start", {"name": "run-1"})
         self.recorded_frames(40)
         shown = self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.2}]})["hologram_id"]
-        self.settled_frames(stream, 10, shown)
-        frames = self.recorded_frames(90)["frames"]
+        last = self.settled_frames(stream, 10, shown)[-1]["seq"]
+        frames = self.recorded_frames(max(90, last - first))["frames"]
         self.call("record.stop")
         self.assertGreaterEqual(frames, 90)
         shutil.move(self.bench.directory / "recordings" / "run-1.h5", self.recording)
@@ -92,7 +92,7 @@ class Cluster(BenchCase):
         summary = json.loads(replay["summary.json"])
         print("\n ", {key: summary[key] for key in ("frames", "replayed", "same", "valid", "refined")})
         self.assertEqual((summary["same"], summary["frames"]), (summary["replayed"], summary["recording"]["frames"]))
-        self.assertGreater(summary["refined"], 0.5 * summary["frames"])
+        self.assertGreater(summary["refined"], 0.5 * summary["valid"])
         lines = [json.loads(line) for line in replay["frames.jsonl"].splitlines()]
         self.assertEqual([line["row"] for line in lines], list(range(summary["frames"])))
         waves = [line["refined"]["coefficients"][2] for line in lines if line["refined"] and line["refined"]["valid"]]

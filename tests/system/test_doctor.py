@@ -57,6 +57,14 @@ class DoctorCase(BenchCase):
         self.assertEqual(done.returncode, 1 if document["counts"]["fault"] else 0)
         return findings
 
+    def examine_for(self, faults, **more):
+        """The findings, once these are the faults: on a busy machine the camera or the X server may not answer in the doctor's own time."""
+        def found():
+            findings = self.examine(**more)
+            print("\n  faults:", *(findings[name] for name in self.faults(findings)))
+            return self.faults(findings) == faults and findings
+        return wait_for(found, what=f"the faults {faults}")
+
     def check(self, findings, name, verdict, *words):
         one = findings[name]
         print(f"\n  {name}: {one['verdict']}: {one['meaning']}\n    fix: {one['fix']}")
@@ -92,8 +100,7 @@ class Well(DoctorCase):
         before, seen = self.call("system.status"), screen.grab(self.bench.display, *SLM)
         frames.drain()
         for _ in range(3):
-            findings = self.examine()
-            self.assertEqual(self.faults(findings), set())
+            findings = self.examine_for(set())
             for name in ("configuration", "camera.found", "camera.interface", "camera.packets", "slm.server", "slm.output", "slm.mode",
                          "optics.zeroth_order", "slm.gamma", "slm.power", "slm.screen_saver", "slm.compositor", "state.directory", "daemon.answer",
                          "daemon.version", "daemon.state", "daemon.store", "daemon.job", "camera.state", "camera.light", "camera.saturation",
@@ -154,8 +161,7 @@ class Well(DoctorCase):
         self.check(self.examine(), "slm.levels", "ok")
 
     def test_words_for_a_person(self):
-        done = self.run_doctor()
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        done = wait_for(lambda: (done := self.run_doctor()).returncode == 0 and done, what="no fault")
         self.assertRegex(done.stdout, r"(?m)^ok +slm\.mode +DUMMY1 shows 1280x768 at 59\.\d Hz")
         self.assertRegex(done.stdout, r"(?m)^0 FAULT, \d+ warning, \d+ note, \d+ ok, \d+ not here$")
         self.assertIn("Exit codes: 0 no fault", self.run_doctor("--help").stdout)
@@ -177,7 +183,7 @@ class Ill(DoctorCase):
         subprocess.run(["sh", "-c", fix.replace("sudo ", "")], check=True, capture_output=True, env=self.environment())
 
     def test_no_camera_and_another_one(self):
-        self.check(self.examine(), "camera.control", "ok", "no program controls the camera")
+        self.check(self.examine_for(set()), "camera.control", "ok", "no program controls the camera")
         serial = self.config() | {"camera": {"id": "no such serial"}}
         self.check(self.examine(config=serial), "camera.found", "fault", '"camera": {"id": "127.0.0.1"}')
         self.bench.stop("ovws-twin")
@@ -193,11 +199,8 @@ class Ill(DoctorCase):
                             ("slm.gamma", ["--gamma", "1:0.8:0.6"]), ("slm.output", ["--same-as", "DUMMY0"])):
             with self.subTest(spoil):
                 self.xrandr(*spoil)
-                findings = self.examine()
-                self.assertEqual(self.faults(findings), {name})
-                self.check(findings, name, "fault")
-                self.mend(findings[name]["fix"])
-                self.assertEqual(self.faults(self.examine()), set())
+                self.mend(self.examine_for({name})[name]["fix"])
+                self.examine_for(set())
         wrong = self.config() | {"slm": {"display": "HDMI-7"}}
         self.check(self.examine(config=wrong), "slm.output", "fault", "HDMI-7", '"slm": {"display": "DUMMY1"}')
         desktop = self.config() | {"slm": {"display": "DUMMY0", "width": 1920, "height": 1080}}
@@ -219,8 +222,7 @@ class Ill(DoctorCase):
         server = self.bench.process("xorg").pid
         os.kill(server, signal.SIGSTOP)
         self.addCleanup(os.kill, server, signal.SIGCONT)
-        findings = self.examine()
-        self.assertEqual(self.faults(findings), {"slm.server"})
+        findings = self.examine_for({"slm.server"})
         self.check(findings, "slm.server", "fault", self.bench.display, "does not answer within 3 s", "restart display-manager")
         self.check(findings, "slm.mode", "not_here")
         for name in ("camera.found", "state.directory"):
@@ -263,10 +265,10 @@ class Ill(DoctorCase):
     def test_packets_that_the_interface_does_not_take(self):
         subprocess.run(["ip", "link", "set", "lo", "mtu", "1500"], check=True)
         self.addCleanup(subprocess.run, ["ip", "link", "set", "lo", "mtu", "65536"], check=True)
-        findings = self.examine()
+        findings = self.examine_for(set())
         self.check(findings, "camera.packets", "warning", "1500")
         self.mend(findings["camera.packets"]["fix"])
-        self.check(self.examine(), "camera.packets", "ok")
+        self.check(self.examine_for(set()), "camera.packets", "ok")
 
     def test_the_configuration(self):
         unknown = self.examine(config={"camera": {"exposure_su": 3}})

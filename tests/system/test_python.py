@@ -1,5 +1,6 @@
 """The Python client on a complete bench: its README, its examples, every kind of message, and its numbers against the daemon's."""
 import asyncio
+import itertools
 import json
 import os
 import re
@@ -10,13 +11,13 @@ import sys
 import textwrap
 import time
 
-from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, BenchCase, bench_module, main
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, TWIN, BenchCase, Client, bench_module, main, wait_for
 
 import numpy as np
 
 import ovws_client
 from ovws_bridges.bluesky import WavefrontSensor
-from ovws_client import AsyncClient, AsyncSubscription, Client, NoAnswer, Refused, Subscription
+from ovws_client import AsyncClient, AsyncSubscription, NoAnswer, Refused, Subscription
 
 PYTHON = bench_module.find_programs().parent / "python"
 SOURCE = ROOT / "proto" / "python"
@@ -73,8 +74,8 @@ class Scripts(BenchCase):
         self.addCleanup(process.stdout.close)
         self.addCleanup(process.wait)
         self.addCleanup(process.terminate)  # it would run forever
-        printed = "".join(line for line, _ in zip(process.stdout, range(20)))
-        self.assertRegex(printed, r"\d+ True \[")
+        # On a busy machine the first frames may be late, and not valid.
+        self.assertTrue(any(re.match(r"\d+ True \[", line) for line in itertools.islice(process.stdout, 20_000)))
 
     def test_the_other_blocks(self):
         self.take_reference(20)
@@ -101,9 +102,14 @@ class Scripts(BenchCase):
         for link in re.findall(r"\]\(([^)#:]+)\)", README):
             self.assertTrue((SOURCE / link).exists(), link)
 
+    def show(self, modes):
+        """Introduces an aberration; returns when templates measure it."""
+        self.settled_frames(stream := self.stream("wavefront"), 1, self.call("aberration.set", {"modes": modes})["hologram_id"])
+        self.fitted_frames(stream, 5)
+
     def test_live_plot(self):
         self.take_reference(20)
-        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.2}]})
+        self.show([{"j": 4, "waves": 0.2}])
         shown = re.findall(r"j =   4 +\+0\.(\d+) (#*)", self.example("live_plot.py", "100", path=self.matplotlib("raise ImportError")))
         self.assertEqual(shown[-1][1], "########", shown)
         self.assertEqual(self.example("live_plot.py", "2", path=self.matplotlib(PYPLOT)).count("pyplot bar"), 2)
@@ -143,9 +149,10 @@ class Scripts(BenchCase):
 
     def test_own_loop(self):
         self.take_reference(100)
-        twin = Client("tcp://127.0.0.1:7790")
+        twin = Client(TWIN)
         self.addCleanup(twin.close)
         twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.3}, {"j": 7, "waves": -0.1}]})
+        self.modes_when(self.stream("wavefront"), lambda modes: abs(modes[3] - 0.3) < 0.01, "the light's aberration")
         residual_waves = [float(value) for value in re.findall(r"residual ([\d.]+) waves", self.example("own_loop.py"))]
         self.assertAlmostEqual(residual_waves[0], 0.316, delta=0.03)
         self.assertLess(residual_waves[-1], 0.005)
@@ -154,8 +161,7 @@ class Scripts(BenchCase):
 
     def test_own_basis(self):
         self.take_reference(100)
-        self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.2}, {"j": 3, "waves": 0.1}]})
-        self.settled_frames(self.stream("wavefront"), 5)
+        self.show([{"j": 4, "waves": 0.2}, {"j": 3, "waves": 0.1}])
         printed = re.findall(r"x\^(\d) y\^(\d): ([-+.\d]+) waves", self.example("own_basis.py"))
         waves = {(int(a), int(b)): float(value) for a, b, value in printed}
         # 0.2 sqrt(3) (2 x^2 + 2 y^2 - 1) + 0.1 sqrt(6) 2 x y
@@ -166,11 +172,11 @@ class Scripts(BenchCase):
 class Numbers(BenchCase):
     def setUp(self):
         super().setUp()
-        self.twin = Client("tcp://127.0.0.1:7790")
+        self.twin = Client(TWIN)
         self.addCleanup(self.twin.close)
 
-    def for_a_while(self, stream, seconds=30.0):
-        end = time.monotonic() + seconds
+    def for_a_while(self, stream):
+        end = time.monotonic() + PATIENCE_S
         for message in stream:
             self.assertLess(time.monotonic(), end, "what was waited for did not come")
             yield message
@@ -205,7 +211,7 @@ class Numbers(BenchCase):
             for message in self.for_a_while(stream):
                 if isinstance(message, ovws_client.Wavefront):
                     frames[message.frame_id] = message
-                elif message.valid and message.frame_id in frames and np.nanstd(message.waves) > 0.3:
+                elif message.valid and message.frame_id in frames and abs(np.nanstd(message.waves) - 0.36) < 0.02:
                     break
         mine = frames[message.frame_id].phase_waves(message.waves.shape[0])
         np.testing.assert_array_equal(np.isnan(mine), np.isnan(message.waves))
@@ -239,7 +245,7 @@ class Numbers(BenchCase):
 
     def test_asyncio(self):
         async def both():
-            async with AsyncClient() as client, AsyncSubscription(ovws_client.Wavefront, timeout_s=PATIENCE_S) as stream:
+            async with AsyncClient(timeout_s=PATIENCE_S) as client, AsyncSubscription(ovws_client.Wavefront, timeout_s=PATIENCE_S) as stream:
                 await client.wait_for_job(await client.reference_take(frames=20))
                 status, sensor, frame = await asyncio.gather(client.system_status(), client.sensor_get(), anext(stream))
                 with self.assertRaises(Refused) as caught:
@@ -285,7 +291,7 @@ class AtTheBench(BenchCase):
         self.take_reference(50)
 
         async def seen():
-            async with AsyncClient() as client:
+            async with AsyncClient(timeout_s=PATIENCE_S) as client:
                 before = (await client.camera_get())["settings"]
                 bright = (await client.image()).pixels.mean()
                 with self.assertRaises(Refused):
@@ -321,15 +327,16 @@ class Keys(BenchCase):
         self.keys = {"key": folder / "analysis.json", "server_key": self.public["daemon"]}
 
     def test_with_keys_and_without(self):
-        async def awaited(timeout_s, **keys):
+        async def same(timeout_s, **keys):
             subscription = AsyncSubscription(ovws_client.Status, timeout_s=timeout_s, **keys)
             async with AsyncClient(timeout_s=timeout_s, **keys) as client, subscription as stream:
-                return (await client.system_status())["state"], (await anext(stream)).state
+                return (await client.system_status())["state"] == (await anext(stream)).state
 
         with Client(timeout_s=PATIENCE_S, **self.keys) as client, Subscription(ovws_client.Status, timeout_s=PATIENCE_S, **self.keys) as stream:
-            self.assertEqual(client.system_status()["state"], next(stream).state)
+            # The state may change from one to the other: the daemon has just been started.
+            wait_for(lambda: client.system_status()["state"] == next(stream).state, what="the same state")
             with client.subscribe(ovws_client.Status, timeout_s=PATIENCE_S) as again:
-                self.assertEqual(next(again).state, client.system_status()["state"])
+                wait_for(lambda: next(again).state == client.system_status()["state"], what="the same state")
             with self.assertRaises(Refused) as caught:
                 client.camera_set(gain_db=1.0)
             self.assertEqual((caught.exception.code, caught.exception.field), (-32003, "method"))
@@ -337,15 +344,14 @@ class Keys(BenchCase):
         self.addCleanup(sensor.close)
         sensor.stage()
         self.assertEqual(sensor.gain_db.set(1.0).exception(PATIENCE_S).code, -32003)
-        state, reported = asyncio.run(awaited(PATIENCE_S, **self.keys))
-        self.assertEqual(state, reported)
+        wait_for(lambda: asyncio.run(same(PATIENCE_S, **self.keys)), what="the same state")
         with Client(timeout_s=1.0) as client, self.assertRaisesRegex(NoAnswer, "does it require a key"):
             client.system_status()
         with Subscription(ovws_client.Status, timeout_s=2.5) as stream, self.assertRaisesRegex(NoAnswer, "does it require a key"):
             next(stream)
         wrong = self.keys | {"server_key": self.public["analysis"]}
         with self.assertRaisesRegex(NoAnswer, "the server key correct"):
-            asyncio.run(awaited(1.0, **wrong))
+            asyncio.run(same(1.0, **wrong))
 
 
 if __name__ == "__main__":

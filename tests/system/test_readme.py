@@ -69,10 +69,10 @@ class Readme(BenchCase):
         commands = commands_of("README.md", *GUIDES)
         (self.bench.directory / "build").mkdir()  # exists in a built clone
         self.assertGreaterEqual(len(commands), 9)
-        for program, *arguments in commands:
+        for _, *arguments in commands:
             if arguments[0] == "watch":
                 arguments += ["-n", "1"]  # it would run forever
-            self.assertTrue(self.run_here([self.bench.programs / program.rsplit("/", 1)[-1], *arguments]))
+            self.assertTrue(self.run_here(self.ovws_command(*arguments)))
             self.wait_until("running")  # wait for jobs, such as the reference
         self.assertTrue((self.bench.directory / "build" / "coma-camera.png").exists())
 

@@ -5,6 +5,7 @@ import socket
 import stat
 import subprocess
 import threading
+import time
 
 from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, Client, ClientError, Stream, main, wait_for
 
@@ -109,6 +110,7 @@ class Secured(BenchCase):
         self.assertEqual(findings["configuration"]["verdict"], "ok", findings["configuration"])
 
     def test_who_has_no_right_key_gets_nothing_and_is_counted(self):
+        begin = time.monotonic()
         self.assert_shut_out(lambda: self.connect("stranger", timeout_s=1.0), "a client that is not known")
         self.assert_shut_out(lambda: Client(timeout_s=1.0), "a client without keys")
         self.assert_shut_out(lambda: self.connect("boss", server_key=self.public["guest"], timeout_s=1.0), "a client of another daemon")
@@ -124,7 +126,7 @@ class Secured(BenchCase):
             self.assertIsNone(bare.next(0.1))
         event = self.folder / "ovwsd.log"
         wait_for(lambda: "client rejected" in event.read_text(), what="the line of the log")
-        self.assertLess(event.read_text().count("client rejected"), 5, "a few lines, not one for each")
+        self.assertLessEqual(event.read_text().count("client rejected"), 1 + (time.monotonic() - begin) / 10.0, "a line in ten seconds, not one for each")
 
     def test_a_handshake_played_back_gets_nothing(self):
         relay = Recorder(CONTROL_PORT)
@@ -198,8 +200,8 @@ class Secured(BenchCase):
         streams["guest"].drain()
         seq = wait_for(lambda: (m := streams["guest"].next(0.5)) and m["seq"], what="the stream of who stays")
         wait_for(lambda: (m := streams["guest"].next(0.5)) and m["seq"] > seq + 1, what="the stream of who stays")
-        late = streams["leaver"].next(0.1)
-        self.assertTrue(late is None or late["seq"] < seq, "no message once the others came in anew")
+        while (late := streams["leaver"].next(0.1)) is not None:  # both may have had one on its way
+            self.assertLessEqual(late["seq"], seq, "no message once the others came in anew")
         self.assertIsNone(streams["leaver"].next(2.5))
         self.assert_shut_out(lambda: self.connect("leaver", timeout_s=1.0), "the withdrawn key")
         self.write_clients("boss", "guest", "leaver")
@@ -337,7 +339,7 @@ class Files(BenchCase):
                 self.bench.start_daemon(more | {"control": {"endpoint": f"tcp://{host}:7702"},
                                                 "stream": {"endpoint": f"tcp://{host}:7701", "image_endpoint": f"tcp://{host}:7703"}})
                 options = ["--key", key[0], "--server-key", key[1]] if key else []
-                done = self.ovws("--endpoint", "tcp://[::1]:7702", *options, "status")
+                done = self.ovws("--endpoint", "tcp://[::1]:7702", "--timeout", str(PATIENCE_S), *options, "status")
                 self.assertEqual(done.returncode, 0, done.stderr)
                 with Client("tcp://[::1]:7702", PATIENCE_S, *key) as client:
                     self.assertEqual(client.call("config.get")["control"]["endpoint"], f"tcp://{host}:7702")

@@ -5,15 +5,16 @@ import subprocess
 import sys
 import threading
 import time
-from itertools import groupby
+from contextlib import suppress
 
 from bridge_case import BridgeCase, Path, environment
-from case import PROGRAM_PATIENCE_S, ROOT, main, next_message, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, main, next_message, wait_for
 
 import numpy as np
 import tango
 
 NAME = "ovws/bench/1"
+VALID = tango.AttrQuality.ATTR_VALID
 EVENTS = Path(__file__).with_name("tango_events.py")
 
 
@@ -53,16 +54,25 @@ class Events:
 class Server(BridgeCase):
     def start(self):
         super().start()
-        self.device = self.serve("bench", 45450)
+        self.device = self.serve("bench", 45450, "--max-event-rate-hz", "1000")  # frames that a busy machine delivers late come together
         self.attribute("rms_waves")  # the first frame
         wait_for(lambda: self.device.state() == tango.DevState.ON, what="the first status")
 
     def serve(self, instance, port, *options):
         """Starts a server; returns its device as a client sees it."""
         self.start_bridge("tango", instance, *options, "-nodb", "-dlist", NAME, "-ORBendPoint", f"giop:tcp:127.0.0.1:{port}", ready="Ready", name=f"tango {instance}")
-        return tango.DeviceProxy(f"tango://127.0.0.1:{port}/{NAME}#dbase=no")
+        device = tango.DeviceProxy(f"tango://127.0.0.1:{port}/{NAME}#dbase=no")
+        wait_for(lambda: self.answers(device), what=f"the server {instance}")
+        device.set_timeout_millis(int(1e3 * PATIENCE_S))
+        return device
 
-    def attribute(self, name, quality=tango.AttrQuality.ATTR_VALID):
+    @staticmethod
+    def answers(device):
+        with suppress(tango.DevFailed):
+            return device.ping() >= 0
+        return False
+
+    def attribute(self, name, quality=VALID):
         """An attribute, when it has this quality."""
         return wait_for(lambda: (read := self.device.read_attribute(name)).quality == quality and read, what=f"{name} {quality}")
 
@@ -70,20 +80,25 @@ class Server(BridgeCase):
         return Events(self, f"tango://127.0.0.1:{port}/{NAME}#dbase=no", *names)
 
     def test_frames_as_attributes(self):
-        self.assertEqual(self.device.state(), tango.DevState.ON)
         self.assertIn("running", self.device.status())
         self.call("aberration.set", {"modes": [{"j": 4, "waves": 0.1}]})
         wait_for(lambda: abs(self.attribute("coefficients").value[3] - 0.1) < 0.005, what="the aberration")
-        read = self.device.read_attributes(["coefficients", "rms_waves", "valid", "j", "frame_id", "t_arrival_ns"])
+        names = ["coefficients", "rms_waves", "valid", "j", "frame_id", "t_arrival_ns"]
+        read = wait_for(lambda: (r := self.device.read_attributes(names))[0].quality == r[1].quality == VALID and r[2].value and r, what="a valid frame")
         self.assertEqual(len(read[0].value), len(read[3].value))
         self.assertAlmostEqual(read[1].value, 0.1, delta=0.005)
-        self.assertTrue(read[2].value)
         self.assertAlmostEqual(read[0].time.totime(), time.time(), delta=60.0)
         self.assertAlmostEqual(1e-9 * read[5].value, read[5].time.totime(), delta=1e-4)
-        image, phase = self.device.image, self.device.phase
+        (image,), phase = wait_for(self.image, what="an image"), self.attribute("phase").value
         self.assertEqual((image.shape, phase.shape), ((512, 512), (128, 128)))
         self.assertGreater(image.max(), 20)
         self.assertAlmostEqual(float(np.nanstd(phase)), 0.1, delta=0.01)
+
+    def image(self):
+        """A list of an image, empty if a busy machine has none within the server's 2 s."""
+        with suppress(tango.DevFailed):
+            return [self.device.image]
+        return []
 
     def test_the_guide_names_what_there_is(self):
         guide = (ROOT / "daemon" / "guide" / "bridges.md").read_text()
@@ -142,30 +157,28 @@ class Server(BridgeCase):
     def test_events_of_every_frame_up_to_the_rate(self):
         slow = self.serve("slow", 45451, "--max-event-rate-hz", "10")
         wait_for(lambda: slow.state() == tango.DevState.ON, what="the second server")
-        frames, lost = self.stream("wavefront"), self.call("system.status")["counters"]["frames_lost"]
+        frames = self.stream("wavefront")
         next_message(frames)
         fast, limited = self.events("seq", "coefficients"), self.events("seq", port=45451)
-        fast.wait_for(lambda events: len(events.of("seq")) > 100, "100 events")
+        fast.wait_for(lambda events: len(events.of("seq")) > 50, "50 events")
         self.call("reference.clear")
-        fast.wait_for(lambda events: events.of("coefficients")[-1]["quality"] == "INVALID" and len(events.of("seq")) > 200, "200 events, the last ones without a reference")
+        fast.wait_for(lambda events: events.of("coefficients")[-1]["quality"] == "INVALID" and len(events.of("seq")) > 100, "100 events, the last ones without a reference")
         limited.wait_for(lambda events: len(events.received) > 25, "25 events at the limited rate")
         for events in (fast, limited):
             events.end()
         seq = [event["value"] for event in fast.of("seq")]
-        seq = (list(dict.fromkeys(seq[:4])) + seq[4:])[1:]  # a subscription reads a value, which may come as an event, too
+        seq = list(dict.fromkeys(seq[1:5])) + seq[5:]  # a subscription reads a value, which may come as an event, too
         self.assertEqual(set(np.diff(seq)), {1}, "no frame is missing")
-        valid = []
-        while not valid or valid[-1][0] < seq[-1]:
-            message = next_message(frames)
-            valid.append((message["seq"], "VALID" if message["valid"] else "INVALID"))
-        qualities = [key for key, _ in groupby(event["quality"] for event in fast.of("coefficients"))]
-        self.assertEqual(qualities, [key for key, _ in groupby(quality for number, quality in valid if number >= seq[0] - 1)])
-        self.assertEqual(qualities[-1], "INVALID", "without the reference")
+        messages = [next_message(frames)]
+        while messages[-1]["seq"] <= seq[-1]:
+            messages.append(next_message(frames))
+        for event in fast.of("coefficients")[1:]:
+            message = min(messages, key=lambda message: abs(1e-9 * message["t_arrival_ns"] - event["time"]))
+            self.assertAlmostEqual(1e-9 * message["t_arrival_ns"], event["time"], delta=1e-4)
+            self.assertEqual(event["quality"], "VALID" if message["valid"] else "INVALID", message)
         # 10 events a second, of 50 frames; two more at once after a pause.
         seq = [event["value"] for event in limited.received]
-        frames_hz, events_hz = 50.0, 10.0
-        passed = seq[-1] - seq[0] + self.call("system.status")["counters"]["frames_lost"] - lost
-        self.assertLess(len(seq), 1.2 * passed * events_hz / frames_hz + 4)
+        self.assertLessEqual(len(seq), 10.0 * (limited.received[-1]["after_s"] + 0.2) + 2)
         self.assertGreaterEqual(slow.lost, seq[-1] - seq[0] - (len(seq) - 1), "frames without an event are counted")
         self.assertEqual(self.device.lost, 0)
         self.assertFalse(self.attribute("valid").value)
@@ -173,15 +186,15 @@ class Server(BridgeCase):
     def test_it_outlives_the_daemon_and_leaves_nothing(self):
         watching = self.events("State", "rms_waves")
         self.bench.stop("ovwsd")
+        watching.wait_for(lambda events: "UNKNOWN" in [event["value"] for event in events.of("state")], "the state UNKNOWN")
+        watching.wait_for(lambda events: "INVALID" in [event["quality"] for event in events.of("rms_waves")], "an invalid attribute")
+        self.assertEqual(watching.of("state")[0]["value"], "ON")
+        watching.end()
         self.attribute("rms_waves", tango.AttrQuality.ATTR_INVALID)
         self.attribute("exposure_us", tango.AttrQuality.ATTR_INVALID)
         self.assertEqual(self.device.state(), tango.DevState.UNKNOWN)
         self.assertIn("does not answer", self.device.status())
         self.assertEqual(self.refused_with(lambda: self.device.write_attribute("exposure_us", 700.0)).reason, "OVWS_NoAnswer")
-        watching.wait_for(lambda events: "UNKNOWN" in [event["value"] for event in events.of("state")], "the state UNKNOWN")
-        watching.wait_for(lambda events: "INVALID" in [event["quality"] for event in events.of("rms_waves")], "an invalid attribute")
-        self.assertEqual(watching.of("state")[0]["value"], "ON")
-        watching.end()
         returning = self.events("exposure_us")
         self.restart_daemon()
         self.attribute("rms_waves")
