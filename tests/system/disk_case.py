@@ -4,7 +4,7 @@ import subprocess
 import time
 from itertools import pairwise
 
-from case import TWIN, BenchCase, Client, own_mounts, wait_for
+from case import BenchCase, own_mounts, wait_for
 from losses import Account
 
 # One job for each kind of stored result, in order of dependency: method, params, and the method that reports whether it is stored.
@@ -50,12 +50,11 @@ class DiskCase(BenchCase):
     def flowing(self):
         """Checks that frames are published meanwhile without a pause, and that each one that a busy machine loses is counted."""
         stream = self.stream("wavefront")
-        with Client(TWIN) as twin:
-            account = self.account = Account(self.client, twin, stream)
-            yield
-            end = time.time_ns()
-            wait_for(lambda: account.hear() or account.messages[-1]["t_publish_ns"] > end, what="a frame after the end")
-            account.check(self)
+        account = self.account = Account(self.client, self.twin, stream)
+        yield
+        end = time.time_ns()
+        wait_for(lambda: account.hear() or account.messages[-1]["t_publish_ns"] > end, what="a frame after the end")
+        account.check(self)
         stream.close()
         for last, message in pairwise(account.messages):
             self.assertLess(message["t_arrival_ns"] - last["t_arrival_ns"], 5e9)

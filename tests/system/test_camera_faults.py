@@ -2,7 +2,7 @@
 import json
 import time
 
-from case import PROGRAM_PATIENCE_S, TWIN, BenchCase, Client, main, message_since, next_message, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, message_since, next_message, wait_for
 
 RATE_HZ = 100.0
 SILENCE_S = 2.0  # without frames; then a camera with a short exposure counts as lost
@@ -14,8 +14,6 @@ class CameraFaults(BenchCase):
 
     def setUp(self):
         super().setUp()
-        self.twin = Client(TWIN)
-        self.addCleanup(self.twin.close)
         self.take_reference(20)
         self.wavefront = self.stream("wavefront")
         self.settled_frames(self.wavefront, 5)

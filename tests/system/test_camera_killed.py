@@ -8,7 +8,7 @@ import os
 import signal
 import time
 
-from case import TWIN, BenchCase, Client, main, next_message, wait_for
+from case import BenchCase, main, next_message, wait_for
 
 CAMERA = {"gain_db": 3.0, "exposure_us": 1500.0, "frame_rate_hz": 80.0, "pixel_format": "Mono12",
           "roi": {"x": 8, "y": 16, "width": 488, "height": 480}}
@@ -84,8 +84,7 @@ class CameraKilled(BenchCase):
 
     def check_settings(self):
         """Checks the settings in the camera's registers and in the daemon."""
-        with Client(TWIN) as twin:
-            registers = twin.call("twin.get")["camera"]
+        registers = self.twin.call("twin.get")["camera"]
         settings = self.call("camera.get")["settings"]
         for key, value in CAMERA.items():
             for reported in (registers[key], settings[key]):

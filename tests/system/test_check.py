@@ -4,7 +4,7 @@ import signal
 import subprocess
 import time
 
-from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, message_since, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, main, message_since, wait_for
 
 SENSOR = {"sensor": {"subapertures_across": 3}}  # few modes, so that a check is short
 QUICK = ("--quick", "--seconds", "3", "--no-loop")
@@ -86,16 +86,14 @@ class GoodBench(CheckCase):
 
 class Disturbed(CheckCase):
     def test_a_vibration_and_saturation_come_first(self):
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
-        twin.call("twin.set", {"turbulence": {"rms_waves": 0, "vibrations": [{"j": 4, "rms_waves": 0.03, "frequency_hz": 9.0}]}})
+        self.twin.call("twin.set", {"turbulence": {"rms_waves": 0, "vibrations": [{"j": 4, "rms_waves": 0.03, "frequency_hz": 9.0}]}})
         report = self.check(*QUICK)[1]
         first = self.first(report)
         self.assertEqual(first["name"], "motion", report["findings"])
         self.assertAlmostEqual(first["cost_waves"], 0.03, delta=0.006)
         self.assertIn("defocus", first["text"])
         self.assertIn(" Hz", first["text"])
-        twin.call("twin.set", {"turbulence": None})
+        self.twin.call("twin.set", {"turbulence": None})
         self.call("camera.set", {"exposure_us": 6000})
         message_since(self.stream("wavefront"), time.time_ns())
         code, report = self.check(*QUICK)

@@ -8,7 +8,7 @@ import threading
 
 import numpy
 import zmq
-from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, main, wait_for
 from PIL import Image
 from terminal import Terminal
 
@@ -184,12 +184,10 @@ class CommandLine(BenchCase):
     def test_status_reports_why_frames_are_not_valid(self):
         self.take_reference(10)
         self.assertNotRegex(self.ovws("status"), r"(?m)^sensor +(layout_fault|operator_reason|invalid): ")
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
-        peak_electrons = twin.call("twin.get")["peak_electrons"]
-        twin.call("twin.set", {"peak_electrons": 10.0})
+        peak_electrons = self.twin.call("twin.get")["peak_electrons"]
+        self.twin.call("twin.set", {"peak_electrons": 10.0})
         wait_for(lambda: re.search(r"(?m)^sensor +invalid: .+; .+", self.ovws("status")), what="why no frame is valid")
-        twin.call("twin.set", {"peak_electrons": peak_electrons})
+        self.twin.call("twin.set", {"peak_electrons": peak_electrons})
         wait_for(lambda: "invalid:" not in self.ovws("status"), what="valid frames")
 
     def test_status_reports_the_loop_and_the_last_failure(self):

@@ -4,7 +4,7 @@ import subprocess
 import sys
 import time
 
-from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, ClientError, bench_module, main, message_since, next_message, wait_for
+from case import PATIENCE_S, ROOT, BenchCase, ClientError, bench_module, main, message_since, next_message, wait_for
 
 import numpy as np
 
@@ -17,11 +17,6 @@ PYTHON = bench_module.find_programs().parent / "python"
 class CorrectorCase(BenchCase):
     small = True
     daemon_config = {"state": {"directory": "state"}}
-
-    def setUp(self):
-        super().setUp()
-        self.twin = Client(TWIN)
-        self.addCleanup(self.twin.close)
 
     def drive(self, waves, first_j=1):
         """A perfect mirror, whose actuators are the modes from `first_j` on."""

@@ -3,7 +3,7 @@ import json
 import subprocess
 import unittest
 
-from case import PROGRAM_PATIENCE_S, BenchCase, Client, bench_module, main, merged, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, bench_module, main, merged, wait_for
 
 DMD = {"modulator": "dmd"}
 # The first order has (1 / pi)^2 of an SLM's light: a brighter laser.
@@ -18,13 +18,11 @@ class Dmd(BenchCase):
         self.assertTrue(self.call("slm.verify")["equal"])
         self.take_reference(50)
         stream = self.stream("wavefront")
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
         known = {4: 0.1, 5: -0.08, 8: 0.05}
-        twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in known.items()], "norm": "rms"})
+        self.twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in known.items()], "norm": "rms"})
         self.modes_when(stream, lambda modes: all(abs(modes[j] - waves) < 0.05 * abs(waves) + 0.002 for j, waves in known.items()), "the hidden modes")
         # The hologram takes an aberration with the same sign as an SLM's.
-        twin.call("twin.set", {"aberration": [], "norm": "rms"})
+        self.twin.call("twin.set", {"aberration": [], "norm": "rms"})
         self.call("aberration.set", {"modes": [{"j": 6, "waves": 0.1}]})
         self.modes_when(stream, lambda modes: abs(modes[6] - 0.1) < 0.007, "the introduced mode")
         self.assertTrue(self.call("slm.verify")["equal"])
@@ -43,18 +41,16 @@ class DmdBench(BenchCase):
     twin_config = merged(TWIN, {"slm": {"flatness_rms_waves": 0.08, "flatness_cycles": 2.0}})
 
     def test_the_flatness_is_measured_and_a_calibrated_loop_removes_an_aberration(self):
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
         self.run_job("registration.run", {})
         self.run_job("flatness.run", {})
-        true = twin.call("twin.get", {"judge": "grating"})["flatness_modes"]
+        true = self.twin.call("twin.get", {"judge": "grating"})["flatness_modes"]
         measured = {mode["j"]: mode["waves"] for mode in self.call("flatness.get")["modes"]}
         error = sum((measured.get(j, 0.0) - true[j]) ** 2 for j in range(3, 15)) ** 0.5
         print(f"\n  flatness of {sum(waves ** 2 for waves in true[3:15]) ** 0.5:.4f} wave: error {error:.4f}")
         self.assertLess(error, 0.004)
         self.take_reference(50)
         self.run_job("calibration.run", {"frames": 10})
-        twin.call("twin.set", {"aberration": [{"j": 4, "waves": 0.15}, {"j": 7, "waves": -0.06}], "norm": "rms"})
+        self.twin.call("twin.set", {"aberration": [{"j": 4, "waves": 0.15}, {"j": 7, "waves": -0.06}], "norm": "rms"})
         self.close_loop(gain=0.3)
 
         def corrected():

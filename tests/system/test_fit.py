@@ -5,7 +5,7 @@ import random
 import statistics
 import time
 
-from case import PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, main, wait_for
 from ovws_client.recording import Recording
 
 
@@ -95,8 +95,8 @@ class Fit(BenchCase):
         """Air has modes above the measured ones, too; the standard errors hold what those change."""
         self.call("sensor.set", {"mode_count": 44})
         self.take_reference(50)
-        stream, twin = self.stream("wavefront"), Client("tcp://127.0.0.1:7790")
-        twin.call("twin.set", {"turbulence": {"rms_waves": 0.02, "speed_pupils_per_s": 0.1, "outer_scale_pupils": 4, "seed": 5, "tilt": False}})
+        stream = self.stream("wavefront")
+        self.twin.call("twin.set", {"turbulence": {"rms_waves": 0.02, "speed_pupils_per_s": 0.1, "outer_scale_pupils": 4, "seed": 5, "tilt": False}})
         self.fitted(stream, 1, self.call("system.status")["slm"]["hologram_id"])
         squares, variances, valid = [], [], 0
         for _ in range(60):
@@ -104,7 +104,7 @@ class Fit(BenchCase):
             valid += frame["valid"]
             if not frame["valid"]:
                 continue
-            air = twin.call("twin.get", {"at_ns": frame["t_device_ns"]})["turbulence"]["modes"]
+            air = self.twin.call("twin.get", {"at_ns": frame["t_device_ns"]})["turbulence"]["modes"]
             known = range(3, len(air))  # the twin tells the first modes of its air
             coefficients, sigma = (dict(zip(frame["j"], frame[name])) for name in ("coefficients", "sigma"))
             squares.append(sum((coefficients[j] - air[j]) ** 2 for j in known))
@@ -115,18 +115,18 @@ class Fit(BenchCase):
         self.assertLess(off, 0.015)
         self.assertLess(abs(off / sigma - 1.0), 0.6)
         self.assert_replays_the_same("air", [])
-        twin.call("twin.set", {"turbulence": None})
+        self.twin.call("twin.set", {"turbulence": None})
         self.call("sensor.set", {"mode_count": None})
 
     def test_after_a_sudden_wavefront_no_frame_is_valid_by_positions_only(self):
         self.take_reference(50)
-        stream, rng, twin = self.stream("wavefront"), random.Random(5), Client("tcp://127.0.0.1:7790")
+        stream, rng = self.stream("wavefront"), random.Random(5)
         hologram_id = self.call("system.status")["slm"]["hologram_id"]
         self.fitted(stream, 5, hologram_id)
         for rms in (0.3, 0.6, 0.0):
             with self.subTest(rms=rms):
                 modes = draw(rng, rms)
-                twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in modes.items()]})
+                self.twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in modes.items()]})
                 changed_ns = time.time_ns()
                 frames = []
                 while sum(map(is_fitted, frames)) < 20:

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import thread_holder
-from case import PATIENCE_S, ROOT, TWIN, BenchCase, Client, ClientError, bench_module, main, next_message, wait_for
+from case import PATIENCE_S, ROOT, BenchCase, Client, ClientError, bench_module, main, next_message, wait_for
 
 HIDDEN = {3: 0.06, 4: -0.05, 5: 0.03}  # waves: modes that every lattice here determines
 CORRECTION = {"modes": [{"j": 4, "waves": 0.02}]}
@@ -24,11 +24,6 @@ PYTHON = bench_module.find_programs().parent / "python"
 class Lattices(BenchCase):
     small = True
     daemon_config = {"camera": {"exposure_us": 700.0}, "state": {"directory": "state"}}
-
-    def setUp(self):
-        super().setUp()
-        self.twin = Client(TWIN)
-        self.addCleanup(self.twin.close)
 
     def hide(self, modes):
         self.twin.call("twin.set", {"aberration": [{"j": j, "waves": waves} for j, waves in modes.items()]})

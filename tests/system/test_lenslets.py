@@ -6,7 +6,7 @@ import signal
 import struct
 import time
 
-from case import BenchCase, Client, ClientError, Stream, main, merged, message_since, wait_for
+from case import BenchCase, ClientError, Stream, main, merged, message_since, wait_for
 
 # A small part of a usual array: 13 x 11 lenslets of 150 um and 5.2 mm focal length on pixels of 5.3 um.
 OPTICS = {"wavelength_nm": 632.0, "focal_length_mm": 5.2, "camera_pitch_um": 5.3}
@@ -57,8 +57,6 @@ class Array(BenchCase):
 
     def start_twin(self, **more):
         twin = super().start_twin(**more)
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
         return twin
 
     def read_back(self):

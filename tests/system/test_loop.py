@@ -3,7 +3,7 @@ import os
 import random
 import time
 
-from case import PROGRAM_PATIENCE_S, BenchCase, Client, ClientError, main, message_since, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, ClientError, main, message_since, wait_for
 
 
 def random_modes(seed, rms_waves):
@@ -28,8 +28,6 @@ class Loop(BenchCase):
 
     def setUp(self):
         super().setUp()
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
         self.frames = self.stream("wavefront")
         self.take_reference(20)
 

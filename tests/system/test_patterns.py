@@ -3,7 +3,7 @@ import time
 from itertools import dropwhile
 from random import Random
 
-from case import TWIN, BenchCase, Client, main, merged, message_since, next_message, wait_for
+from case import BenchCase, main, merged, message_since, next_message, wait_for
 from losses import Account
 
 SLOTS = 8  # at 60 Hz: 480 frames/s
@@ -26,8 +26,6 @@ class Patterns(BenchCase):
 
     def setUp(self):
         super().setUp()
-        self.twin = Client(TWIN)
-        self.addCleanup(self.twin.close)
         self.images = self.stream("image", endpoint="tcp://127.0.0.1:7703")
 
     def show(self, patterns=PATTERNS):

@@ -22,8 +22,6 @@ class PictureCase(BenchCase):
 
     def start(self):
         super().start()
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
         self.random = np.random.default_rng(1)
 
     def grey(self):

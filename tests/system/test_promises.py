@@ -4,7 +4,7 @@ import time
 
 import zmq
 
-from case import PATIENCE_S, BenchCase, Client, main, message_since, next_message, wait_for
+from case import PATIENCE_S, BenchCase, main, message_since, next_message, wait_for
 
 HALF = {"x": 128, "y": 128, "width": 256, "height": 256}
 WHOLE = {"x": 0, "y": 0, "width": 512, "height": 512}
@@ -48,9 +48,7 @@ class Promises(BenchCase):
         self.assertEqual(self.call("reference.get"), before)
 
     def test_one_saturated_spot_is_accepted_and_reported(self):
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
-        twin.call("twin.set", {"noise": "none"})
+        self.twin.call("twin.set", {"noise": "none"})
         self.call("camera.set", {"exposure_us": 2400.0})  # only the brightest spot saturates
         wait_for(lambda: 0.0 < self.stream("spots").next(PATIENCE_S)["saturated"] < 0.1, what="one saturated spot")
         events = self.stream("event")
@@ -60,11 +58,9 @@ class Promises(BenchCase):
         self.assertEqual((event["severity"], event["data"]["saturated_spots"]), ("warning", saturated))
 
     def test_no_reference_of_a_bench_that_moves_meanwhile(self):
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
         job = self.call("reference.take", {"frames": 400})["job"]
         wait_for(lambda: self.call("job.get", {"job": job})["progress"] > 0.2, what="the middle of the frames")
-        twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.2}]})
+        self.twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.2}]})
         ended = self.job_ended(job)
         self.assertEqual(ended["state"], "failed")
         self.assertRegex(ended["error"]["data"]["reason"], r"moved by \d\.\d\d px RMS from the first to the second half of the reference")

@@ -11,7 +11,7 @@ import sys
 import textwrap
 import time
 
-from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, TWIN, BenchCase, Client, bench_module, main, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, ROOT, BenchCase, Client, bench_module, main, wait_for
 
 import numpy as np
 
@@ -149,9 +149,7 @@ class Scripts(BenchCase):
 
     def test_own_loop(self):
         self.take_reference(100)
-        twin = Client(TWIN)
-        self.addCleanup(twin.close)
-        twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.3}, {"j": 7, "waves": -0.1}]})
+        self.twin.call("twin.set", {"aberration": [{"j": 3, "waves": 0.3}, {"j": 7, "waves": -0.1}]})
         self.modes_when(self.stream("wavefront"), lambda modes: abs(modes[3] - 0.3) < 0.01, "the light's aberration")
         residual_waves = [float(value) for value in re.findall(r"residual ([\d.]+) waves", self.example("own_loop.py"))]
         self.assertAlmostEqual(residual_waves[0], 0.316, delta=0.03)
@@ -170,11 +168,6 @@ class Scripts(BenchCase):
 
 
 class Numbers(BenchCase):
-    def setUp(self):
-        super().setUp()
-        self.twin = Client(TWIN)
-        self.addCleanup(self.twin.close)
-
     def for_a_while(self, stream):
         end = time.monotonic() + PATIENCE_S
         for message in stream:

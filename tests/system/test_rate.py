@@ -11,7 +11,7 @@ import sys
 import unittest
 
 from bridge_case import RUN, environment, reports
-from case import PATIENCE_S, PROGRAM_PATIENCE_S, TWIN, BenchCase, Client, main
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, main
 
 RATE_HZ = 200
 FRAMES = int(os.environ.get("OVWS_RATE_FRAMES", "1200"))
@@ -22,8 +22,7 @@ class Rate(BenchCase):
 
     def not_sent(self):
         """Number of frames that the twin left out, because the machine was too busy to make them in time."""
-        with Client(TWIN) as twin:
-            return twin.call("twin.get")["frames"]["late"]
+        return self.twin.call("twin.get")["frames"]["late"]
 
     def test_no_frame_is_lost(self):
         self.take_reference(100)

@@ -11,7 +11,7 @@ import statistics
 import subprocess
 import threading
 
-from case import PATIENCE_S, TWIN, BenchCase, Client, ClientError, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, ClientError, main, wait_for
 
 KILLS = int(os.environ.get("OVWS_KILLS", "4"))
 BY_DEFECT = re.compile(r"damaged|cut off|not written by the daemon|is empty")
@@ -33,10 +33,9 @@ class Restart(BenchCase):
     def ended(self):
         """Waits for the killed daemon's end, and frees its camera, which otherwise waits 3 s for its heartbeat (test_daemon_killed)."""
         self.bench.stop("ovwsd")
-        with Client(TWIN) as twin:
-            twin.call("twin.fault", {"kind": "unplug", "seconds": 60.0})
-            wait_for(lambda: not twin.call("twin.get")["camera"]["plugged"], what="the end of the connection")
-            twin.call("twin.fault", {"kind": "none"})
+        self.twin.call("twin.fault", {"kind": "unplug", "seconds": 60.0})
+        wait_for(lambda: not self.twin.call("twin.get")["camera"]["plugged"], what="the end of the connection")
+        self.twin.call("twin.fault", {"kind": "none"})
 
     def start_again(self, **more):
         """Restarts the daemon with its configuration, changed by these sections; returns its log."""
@@ -79,9 +78,7 @@ class Restart(BenchCase):
         self.assertAlmostEqual(shown[3], 0.1, delta=0.02)
 
     def test_the_registration_is_in_force_again_after_a_kill(self):
-        twin = Client(TWIN)
-        self.addCleanup(twin.close)
-        twin.call("twin.set", {"geometry": {"rotation_deg": 5.0}})
+        self.twin.call("twin.set", {"geometry": {"rotation_deg": 5.0}})
         self.run_job("registration.run", {})
         before = self.call("registration.get")
         self.take_reference(20)
@@ -137,9 +134,7 @@ class Restart(BenchCase):
         self.assertEqual(len(self.files()), 1)
 
     def test_one_of_a_camera_that_stands_askew_waits_for_its_registration(self):
-        twin = Client(TWIN)
-        self.addCleanup(twin.close)
-        twin.call("twin.set", {"geometry": {"rotation_deg": 33.0, "centre_px": [275.5, 245.5]}})
+        self.twin.call("twin.set", {"geometry": {"rotation_deg": 33.0, "centre_px": [275.5, 245.5]}})
         self.run_job("registration.run", {})
         self.take_reference(20)
         before = self.call("reference.get")

@@ -5,7 +5,7 @@ import random
 import re
 import subprocess
 
-from case import PROGRAM_PATIENCE_S, SMALL_SIZE, BenchCase, Client, main, wait_for
+from case import PROGRAM_PATIENCE_S, SMALL_SIZE, BenchCase, main, wait_for
 from conversation import on, talk, transcript
 from terminal import Terminal
 
@@ -30,8 +30,6 @@ class SetupCase(BenchCase):
         self.add_output()
         self.start_twin()
         self.start_daemon(**{"state": {"directory": str(self.bench.directory / "state")}})
-        self.twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(self.twin.close)
         wait_for(lambda: self.call("camera.get")["connected"], what="the camera")
         wait_for(lambda: self.call("system.status")["state"] in ("running", "fault"), what="the SLM's output, or why it is not used")
 

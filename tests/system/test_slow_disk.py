@@ -10,7 +10,7 @@ import threading
 import time
 
 import h5py
-from case import PATIENCE_S, TWIN, BenchCase, Client, main, wait_for
+from case import PATIENCE_S, BenchCase, Client, main, wait_for
 from losses import Account
 
 STANDS_S = float(os.environ.get("OVWS_DISK_STANDS_S", "7"))  # longer than the watchdog allows a thread
@@ -68,9 +68,8 @@ class Standing(SlowDisk):
         self.take_reference(10)
         before = self.call("reference.get")
         self.assertIsNotNone(before["sha256"])
-        frames, events, twin = self.stream("wavefront"), self.stream("event"), Client(TWIN)
-        self.addCleanup(twin.close)
-        account = Account(self.client, twin, self.stream("wavefront"))
+        frames, events = self.stream("wavefront"), self.stream("event")
+        account = Account(self.client, self.twin, self.stream("wavefront"))
         self.call("camera.set", {"exposure_us": 1900.0})
         self.speed(0)
         began = time.monotonic()

@@ -1,15 +1,10 @@
 """An unplugged camera reconnects automatically, and the frames that it did not send are counted."""
 import time
 
-from case import TWIN, BenchCase, Client, ClientError, main, message_since, next_message, wait_for
+from case import BenchCase, ClientError, main, message_since, next_message, wait_for
 
 
 class Unplug(BenchCase):
-    def setUp(self):
-        super().setUp()
-        self.twin = Client(TWIN)
-        self.addCleanup(self.twin.close)
-
     def test_frames_missing_over_a_reconnection_are_counted(self):
         stream = self.stream("wavefront")
         # The numbers of the frames begin again when the camera is back.

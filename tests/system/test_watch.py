@@ -5,7 +5,7 @@ import shlex
 import signal
 import time
 
-from case import PROGRAM_PATIENCE_S, BenchCase, Client, main, wait_for
+from case import PROGRAM_PATIENCE_S, BenchCase, main, wait_for
 from terminal import Terminal
 
 DRAWINGS = 40
@@ -117,9 +117,7 @@ class Watch(BenchCase):
         self.take_reference(30)
         terminal = self.open(columns=120, lines=40)
         self.wait_for_text(terminal, r"\bvalid\b")
-        twin = Client("tcp://127.0.0.1:7790")
-        self.addCleanup(twin.close)
-        twin.call("twin.set", {"read_noise_e": 500.0})
+        self.twin.call("twin.set", {"read_noise_e": 500.0})
         self.call("camera.set", {"exposure_us": 100})
         self.wait_for_text(terminal, r"NOT VALID: \d+ of 19 spots are found")
         self.wait_for_text(terminal, r"✕.*\n(.*\n)*.*✕(.*\n)*.*latency")

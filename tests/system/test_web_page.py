@@ -5,7 +5,7 @@ import signal
 import threading
 import time
 
-from case import Client, main, wait_for
+from case import main, wait_for
 from web_case import ADDRESS, Browser, WebCase, browser_packages
 
 HOSTILE = b"""<!doctype html><title>hostile</title><script>
@@ -300,13 +300,12 @@ class Page(WebCase):
 
     def test_what_is_old_does_not_look_new(self):
         self.open()
-        with Client("tcp://127.0.0.1:7790") as twin:
-            twin.call("twin.fault", {"kind": "unplug", "seconds": 60.0})
-            self.browser.wait_text("#camera .veil", lambda text: text.startswith("No new data for"))
-            wait_for(lambda: self.browser.run("return document.querySelector('#figures').classList.contains('stale')"), what="the figures to look old")
-            self.browser.wait_text("#verdict p", lambda text: "amera" in text)
-            twin.call("twin.fault", {"kind": "none"})
-            wait_for(lambda: self.browser.run("return document.querySelector('#verdict').dataset.wellness") != "bad", what="the end of the fault")
+        self.twin.call("twin.fault", {"kind": "unplug", "seconds": 60.0})
+        self.browser.wait_text("#camera .veil", lambda text: text.startswith("No new data for"))
+        wait_for(lambda: self.browser.run("return document.querySelector('#figures').classList.contains('stale')"), what="the figures to look old")
+        self.browser.wait_text("#verdict p", lambda text: "amera" in text)
+        self.twin.call("twin.fault", {"kind": "none"})
+        wait_for(lambda: self.browser.run("return document.querySelector('#verdict').dataset.wellness") != "bad", what="the end of the fault")
         self.bench.stop("ovws-web")
         self.browser.wait_text("#verdict p", lambda text: "No connection" in text)
 

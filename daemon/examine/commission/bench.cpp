@@ -138,7 +138,8 @@ Image<float> Bench::image() {
     const auto message = stream.receive(kPollInterval);
     if (!message) continue;
     const json header = json_of(message->json);
-    if (header.at("t_arrival_ns").get<std::int64_t>() >= from_ns) return fractions(header, *message);
+    if (header.at("t_arrival_ns").get<std::int64_t>() >= from_ns)
+      return fractions(header, *message);
   }
   throw StepFailed{{Errc::unavailable, "camera",
                     "no image came: check the camera's cable, its power and its trigger"}};
