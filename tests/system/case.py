@@ -9,6 +9,7 @@ import time
 import unittest
 from pathlib import Path
 from types import MappingProxyType
+from unittest import mock
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "drivers" / "twin"))
@@ -226,6 +227,13 @@ class BenchCase(unittest.TestCase):
         client = Client(TWIN)
         self.addCleanup(client.close)
         return client
+
+    def preload(self, name, **seen):
+        """Programs that start from now on preload the library of `name`.cpp, and see these variables."""
+        library = self.bench.directory / f"{name}.so"
+        if not library.exists():
+            subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", "-o", library, Path(__file__).with_name(f"{name}.cpp"), "-ldl"], check=True)
+        return mock.patch.dict(os.environ, seen | {"LD_PRELOAD": str(library)})
 
     def call(self, method, params=None):
         return self.client.call(method, params)

@@ -62,6 +62,12 @@ void wait_for_disk(int fd, std::size_t bytes = 0) {
   if (::readlink(link.c_str(), path, sizeof(path) - 1) > 0) wait_for_disk(path, bytes);
 }
 
+template <class About>
+int looked_up(const char* function, const char* path, About* about) {
+  wait_for_disk(path);
+  return next<int (*)(const char*, About*)>(function)(path, about);
+}
+
 }  // namespace
 
 extern "C" {
@@ -77,8 +83,7 @@ ssize_t pwrite(int fd, const void* bytes, size_t count, off_t at) {
 }
 
 ssize_t pwrite64(int fd, const void* bytes, size_t count, off64_t at) {
-  wait_for_disk(fd, count);
-  return ::syscall(SYS_pwrite64, fd, bytes, count, at);
+  return pwrite(fd, bytes, count, at);
 }
 
 int fsync(int fd) {
@@ -107,27 +112,19 @@ int mkostemps64(char* path, int suffix, int flags) {
 }
 
 int stat(const char* path, struct stat* about) noexcept {
-  wait_for_disk(path);
-  static const auto real = next<int (*)(const char*, struct stat*)>("stat");
-  return real(path, about);
+  return looked_up("stat", path, about);
 }
 
 int stat64(const char* path, struct stat64* about) noexcept {
-  wait_for_disk(path);
-  static const auto real = next<int (*)(const char*, struct stat64*)>("stat64");
-  return real(path, about);
+  return looked_up("stat64", path, about);
 }
 
 int statvfs(const char* path, struct statvfs* about) noexcept {
-  wait_for_disk(path);
-  static const auto real = next<int (*)(const char*, struct statvfs*)>("statvfs");
-  return real(path, about);
+  return looked_up("statvfs", path, about);
 }
 
 int statvfs64(const char* path, struct statvfs64* about) noexcept {
-  wait_for_disk(path);
-  static const auto real = next<int (*)(const char*, struct statvfs64*)>("statvfs64");
-  return real(path, about);
+  return looked_up("statvfs64", path, about);
 }
 
 int open(const char* path, int flags, ...) {
@@ -139,14 +136,7 @@ int open(const char* path, int flags, ...) {
   return int(::syscall(SYS_openat, AT_FDCWD, path, flags, mode));
 }
 
-int open64(const char* path, int flags, ...) {
-  va_list more;
-  va_start(more, flags);
-  const int mode = va_arg(more, int);
-  va_end(more);
-  wait_for_disk(path);
-  return int(::syscall(SYS_openat, AT_FDCWD, path, flags, mode));
-}
+int open64(const char* path, int flags, ...) __attribute__((alias("open")));
 
 FILE* fopen(const char* path, const char* mode) {
   wait_for_disk(path);

@@ -87,7 +87,8 @@ class Absent(BenchCase):
                  what="the event of the state")
         self.assertEqual(states, ["running"])  # the camera is there: nothing waits for it
 
-    def test_a_display_that_hangs_is_reported_and_ends_nothing(self):
+    def hang_display(self):
+        """Runs a bench and stops its X server; returns the server's number."""
         self.bench.start_display()
         self.bench.start_twin()
         self.start_daemon()
@@ -96,6 +97,10 @@ class Absent(BenchCase):
         os.kill(server, signal.SIGSTOP)
         self.addCleanup(os.kill, server, signal.SIGCONT)
         self.assertIn("display", str(self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})))
+        return server
+
+    def test_a_display_that_hangs_is_reported_and_ends_nothing(self):
+        server = self.hang_display()
         slm = wait_for(lambda: (slm := self.call("system.status")["slm"])["fault"] and slm, what="the fault")
         print("\n  display frozen:", slm["fault"])
         self.call("camera.set", {"roi": {"x": 8}})  # the displayed hologram is now for another region
@@ -107,14 +112,7 @@ class Absent(BenchCase):
         self.call("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
 
     def test_a_display_that_hangs_does_not_keep_the_daemon_from_ending(self):
-        self.bench.start_display()
-        self.bench.start_twin()
-        self.start_daemon()
-        self.wait_until("running")
-        server = self.bench.process("xorg").pid
-        os.kill(server, signal.SIGSTOP)
-        self.addCleanup(os.kill, server, signal.SIGCONT)
-        self.refused("aberration.set", {"modes": [{"j": 3, "waves": 0.1}]})
+        self.hang_display()
         asked = time.monotonic()
         self.assertEqual(self.bench.stop("ovwsd"), 0)  # it was not killed
         print(f"\n  ended {time.monotonic() - asked:.2f} s after SIGTERM with a frozen display")

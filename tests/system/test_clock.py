@@ -3,10 +3,7 @@
 Only the daemon sees the step, through an LD_PRELOAD library (stepped_clock.cpp).
 """
 import mmap
-import os
-import pathlib
 import struct
-import subprocess
 import time
 from unittest import mock
 
@@ -24,19 +21,12 @@ class Clock(BenchCase):
     daemon_config = {"camera": {"frame_rate_hz": 50.0}, "stream": {"image_rate_hz": 2.0}}
 
     def start_daemon(self):
-        library, shared = self.bench.directory / "stepped_clock.so", self.bench.directory / "clock"
-        source = pathlib.Path(__file__).with_name("stepped_clock.cpp")
-        subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+        shared = self.bench.directory / "clock"
         shared.write_bytes(bytes(16))
         with open(shared, "r+b") as file:
             self.clock = mmap.mmap(file.fileno(), 16)
-        seen = {"LD_PRELOAD": str(library), "OVWS_CLOCK_STEP": str(shared)}
-        os.environ.update(seen)
-        try:
+        with self.preload("stepped_clock", OVWS_CLOCK_STEP=str(shared)):
             super().start_daemon()
-        finally:
-            for name in seen:
-                del os.environ[name]
 
     def step(self, ns):
         self.clock[:8] = struct.pack("q", ns)

@@ -1,6 +1,7 @@
 """The tracker `fit`: frames are measured from all pixels of their spots, also after changes, in jobs and in replays."""
 import itertools
 import json
+import math
 import random
 import statistics
 import time
@@ -18,14 +19,6 @@ def draw(rng, rms, last=18):
 
 def error(frame, modes):
     return sum((value - modes.get(j, 0.0)) ** 2 for j, value in zip(frame["j"], frame["coefficients"])) ** 0.5
-
-
-def median_error(frames, modes):
-    return statistics.median(error(frame, modes) for frame in frames)
-
-
-def median_sigma(frames):
-    return statistics.median(sum(s * s for s in frame["sigma"]) ** 0.5 for frame in frames)
 
 
 def is_fitted(frame):
@@ -59,7 +52,8 @@ class Fit(BenchCase):
         while True:
             frames, others = self.fitted(stream, 20, hologram_id)
             before += others
-            median, sigma = median_error(frames, modes), median_sigma(frames)
+            median = statistics.median(error(frame, modes) for frame in frames)
+            sigma = statistics.median(math.hypot(*frame["sigma"]) for frame in frames)
             if median < most and sigma < 0.005:
                 print(f"\n  error {median:.5f} wave, standard error {sigma:.5f}; {len(before)} frames before")
                 return frames, before

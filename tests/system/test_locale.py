@@ -28,15 +28,11 @@ class CommaLocale(BenchCase):
 
     def start_daemon(self, **more):
         folder = self.bench.directory
-        library, source = folder / "stuck_locale.so", pathlib.Path(__file__).with_name("stuck_locale.cpp")
-        subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
         make_comma_locale(folder / "locales")
         self.locale = {"LC_ALL": "comma.utf8", "LOCPATH": str(folder / "locales")}
         self.seen = folder / "decimal-point"
-        os.environ.update(self.locale | {"LD_PRELOAD": str(library), "OVWS_LOCALE_SEEN": str(self.seen)})
-        super().start_daemon(**more)
-        for name in ("LD_PRELOAD", *self.locale):
-            del os.environ[name]
+        with self.preload("stuck_locale", OVWS_LOCALE_SEEN=str(self.seen), **self.locale):
+            super().start_daemon(**more)
 
     def reloaded(self, **more):
         """Reloads the configuration with these keys; returns the event at the end."""

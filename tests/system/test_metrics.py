@@ -130,11 +130,8 @@ class Metrics(BenchCase):
             low = sum(le_below * n for (le_below, n) in zip([0.0] + [le for le, _ in buckets], differences(buckets)))
             self.assertLess(low, total)
         # Latencies are counted once a second, and the frames all the time.
-        wait_for(lambda: self.all_are_counted(next_message(statuses)), what="a latency of each published frame")
-
-    @staticmethod
-    def all_are_counted(status):
-        return abs(status["latency"]["published"]["since_start"]["count"] - status["counters"]["frames_published"]) <= 3
+        wait_for(lambda: abs((s := next_message(statuses))["latency"]["published"]["since_start"]["count"] - s["counters"]["frames_published"]) <= 3,
+                 what="a latency of each published frame")
 
     def check_dashboard(self, scrape):
         dashboard = json.loads(DASHBOARD.read_text())

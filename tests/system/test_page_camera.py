@@ -7,8 +7,8 @@ import time
 import numpy
 from PIL import Image
 
-from case import PATIENCE_S, main, wait_for
-from web_case import ADDRESS, Browser, WebCase, browser_packages
+from case import PATIENCE_S, wait_for
+from web_case import BrowserCase, browser_main
 
 PANELS = "return [...document.querySelectorAll('main > section')].filter((s) => s.offsetHeight > 0).map((s) => s.id)"
 READOUT = re.compile(r"x (\d+), y (\d+)(?: \((\d+), (\d+) in the region\))?: (\d+) DN, ([\d.]+) % of full scale(.*)")
@@ -25,27 +25,20 @@ HOLD_CALLS = """const real = window.fetch, released = new Promise((release) => {
     window.fetch = (...given) => String(given[0]).includes("/rpc") ? held(given) : real(...given);"""
 
 
-class PageCase(WebCase):
+class PageCase(BrowserCase):
     small = True
     daemon_config = {"record": {"directory": "recordings"}}
 
     def setUp(self):
-        if not PACKAGES_AT:
-            self.skipTest("no Playwright: npm and a network are needed once")
         super().setUp()
         self.take_reference()
-        self.browser = Browser(PACKAGES_AT)
-        self.addCleanup(self.browser.close)
-        self.browser.resize(1440, 900)
+        self.browser = self.new_browser()
         self.open("control")
 
     def open(self, link):
         self.browser.open("about:blank")
         self.browser.open(self.links[link])
         self.browser.wait_text("#camera-sub", lambda text: "frame" in text)
-
-    def check_console(self):
-        self.assertEqual([line for line in self.browser.ask("said") if ADDRESS in line], [])
 
     def settings(self):
         return self.call("camera.get")["settings"]
@@ -331,9 +324,9 @@ class Bar(PageCase):
 
 
 class Camera(PageCase):
-    def check_axe(self):
+    def check_looks(self):
         browser = self.browser
-        browser.run((PACKAGES_AT / "node_modules" / "axe-core" / "axe.min.js").read_text())
+        self.load_axe()
         self.call("camera.set", {"exposure_us": 9000.0})
         browser.wait_text("#verdict", lambda text: "saturated" in text)
         for theme, width, mode in (("dark", 1440, "Region"), ("light", 390, "Profile")):
@@ -440,7 +433,7 @@ class Camera(PageCase):
         wait_for(lambda: browser.run(coloured) < 50, what="no saturated pixel")
         browser.run("const s = document.querySelector('#camera-scale'); s.value = 'heat'; s.dispatchEvent(new Event('change'))")
         wait_for(lambda: browser.run(coloured) > 2000, what="false colours")
-        self.check_axe()
+        self.check_looks()
         self.check_console()
 
     def test_a_region_is_dragged_shown_and_applied(self):
@@ -494,5 +487,4 @@ class LargeCamera(PageCase):
 
 
 if __name__ == "__main__":
-    PACKAGES_AT = browser_packages()  # before the network namespace removes the network
-    main()
+    browser_main()

@@ -4,44 +4,27 @@ import re
 import socket
 from pathlib import Path
 
-from case import PROGRAM_PATIENCE_S, main, wait_for
-from web_case import ADDRESS, HOST, PORT, Browser, WebCase, browser_packages
+from case import PROGRAM_PATIENCE_S, wait_for
+from web_case import ADDRESS, HOST, PORT, BrowserCase, browser_main
 
 
-class PanelCase(WebCase):
+class PanelCase(BrowserCase):
     small = True
     daemon_config = {"record": {"directory": "recordings"}, "state": {"directory": "state"}}
 
     def setUp(self):
-        if not PACKAGES_AT:
-            self.skipTest("no Playwright: npm and a network are needed once")
         super().setUp()
         self.take_reference()
-        self.browser = Browser(PACKAGES_AT)
-        self.addCleanup(self.browser.close)
-        self.browser.resize(1440, 900)
+        self.browser = self.new_browser()
         self.browser.open(self.links["control"])
         self.browser.wait_text("#camera-sub", lambda text: "frame" in text)
         self.browser.run("document.querySelectorAll('#procedures details, #loop, #recordings').forEach((fold) => { fold.open = true; })")
-
-    def check_console(self):
-        self.assertEqual([line for line in self.browser.ask("said") if ADDRESS in line], [])
 
     def press(self, text, within):
         self.browser.click(f"{within} button:visible >> text=/^{text}/")
 
     def fill(self, title, text, within):
         self.browser.fill(f"{within} .field:has(> label:text-is('{title}')) input", text)
-
-    def check_axe(self, opened):
-        self.browser.run((PACKAGES_AT / "node_modules" / "axe-core" / "axe.min.js").read_text())
-        for theme, width in (("dark", 1440), ("light", 390)):
-            self.browser.run("document.documentElement.dataset.theme = arguments[0]", theme)
-            self.browser.resize(width, 900)
-            found = self.browser.run("return (await axe.run(arguments[0])).violations", opened)
-            grave = [(v["id"], v["nodes"][0]["html"]) for v in found if v["impact"] in ("serious", "critical")]
-            self.assertEqual(grave, [], f"{theme}, {width} px")
-            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
 
 
 class Procedures(PanelCase):
@@ -113,7 +96,7 @@ class Procedures(PanelCase):
         text = self.result("settle", lambda text: text.startswith("Settled after"))
         self.press("Use", "#procedure-settle")
         wait_for(lambda: f"Use {self.call('config.get')['slm']['settle_ms']:.0f} ms" in self.browser.text("#procedure-settle .params"), what="the proposed settle time")
-        self.check_axe("#procedures")
+        self.check_axe(("dark", 1440), ("light", 390), parts="#procedures")
         self.clear("calibration", "calibrated")
         text = self.browser.text("#procedure-registration .result")
         self.check_look_page(text)
@@ -187,7 +170,7 @@ class LoopSettings(PanelCase):
         self.press("Identify", "#loop")
         browser.wait_text("#loop-model", lambda text: re.search(r"over \d s; expected residual: integrator 0\.\d+, optimised 0\.\d+, predictor 0\.\d+ wave RMS", text))
         self.assertAlmostEqual(self.call("loop.model")["model"]["seconds"], 4.0, delta=2.0)  # the default is 30 s
-        self.check_axe("#bench")
+        self.check_axe(("dark", 1440), ("light", 390), parts="#bench")
         self.check_console()
 
 
@@ -214,7 +197,7 @@ class Saved(PanelCase):
         reason = wait_for(lambda: self.call("reference.list")["references"][0]["reason"], what="a reference that does not fit")
         browser.wait_text("#references", lambda text: reason in text)
         self.assertTrue(browser.run("return document.querySelector('#references .load').disabled"))
-        self.check_axe("#saved")
+        self.check_axe(("dark", 1440), ("light", 390), parts="#saved")
         self.press("Delete", "#references")
         self.press("Delete", "#references .confirm")
         wait_for(lambda: self.call("reference.list")["references"] == [], what="no saved reference")
@@ -245,7 +228,7 @@ class Recordings(PanelCase):
         browser.wait_text("#recordings-table tbody", lambda text: file.stem in text)
         name, data = browser.download(f"#recordings-table button[aria-label='Download {file.stem}']")
         self.assertEqual((name, data), (file.name, file.read_bytes()))
-        self.check_axe("#record")
+        self.check_axe(("dark", 1440), ("light", 390), parts="#record")
         file.unlink()
         browser.click(f"#recordings-table button[aria-label='Download {file.stem}']")
         browser.wait_text("#recordings-error", lambda text: f"no recording {file.stem}" in text)
@@ -256,7 +239,7 @@ class Recordings(PanelCase):
         self.check_console()
 
 
-class Downloads(WebCase):
+class Downloads(BrowserCase):
     small = True
     daemon_config = {"record": {"directory": "recordings"}}
 
@@ -335,5 +318,4 @@ class Downloads(WebCase):
 
 
 if __name__ == "__main__":
-    PACKAGES_AT = browser_packages()  # before the network namespace removes the network
-    main()
+    browser_main()

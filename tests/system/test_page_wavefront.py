@@ -6,10 +6,10 @@ import time
 
 import numpy
 
-from case import main, wait_for
+from case import wait_for
 from ovws_client.zernike import phase_map_waves, pupil_grid, zernike
 from PIL import Image
-from web_case import ADDRESS, Browser, WebCase, browser_packages
+from web_case import ADDRESS, BrowserCase, browser_main
 
 SHOWN = {3: 0.2, 4: 0.1, 8: -0.1}  # waves
 WAVELENGTH_NM, PUPIL_MM = 632.0, 768 * 19e-3
@@ -33,19 +33,15 @@ def numbers(rows):
     return numpy.array([[float(cell) if cell else math.nan for cell in row] for row in rows])
 
 
-class PageWavefront(WebCase):
+class PageWavefront(BrowserCase):
     daemon_config = {"tracking": {"tracker": "fit"}}
 
     def setUp(self):
-        if not PACKAGES_AT:
-            self.skipTest("no Playwright: npm and a network are needed once")
         super().setUp()
         self.message("ovws.status/1")  # from here on ovws-web hears every event
         self.take_reference()
         self.call("aberration.set", {"modes": [{"j": j, "waves": waves} for j, waves in SHOWN.items()]})
-        self.browser = Browser(PACKAGES_AT)
-        self.addCleanup(self.browser.close)
-        self.browser.resize(1440, 1000)
+        self.browser = self.new_browser(1000)
         self.browser.open(self.links["control"])
         self.browser.wait_text("#figures dd .value", lambda text: text.startswith("0.24"))
         self.open_folds()
@@ -318,15 +314,7 @@ class PageWavefront(WebCase):
         self.browser.wait_text("#trends-sub", lambda text: text.startswith("last "))
 
     def test_nothing_keeps_anybody_out(self):
-        self.browser.run((PACKAGES_AT / "node_modules" / "axe-core" / "axe.min.js").read_text())
-        for theme, width in (("dark", 390), ("light", 1440)):
-            self.browser.run("document.documentElement.dataset.theme = arguments[0]", theme)
-            self.browser.resize(width, 1000)
-            wait_for(lambda: self.browser.run("return innerWidth") == width)
-            found = self.browser.run("return (await axe.run()).violations")
-            grave = [(v["id"], v["impact"], v["nodes"][0]["html"]) for v in found if v["impact"] in ("serious", "critical")]
-            self.assertEqual(grave, [], f"{theme}, {width} px")
-            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
+        self.check_axe(("dark", 390), ("light", 1440))
         reached = set()
         self.browser.run("document.querySelector('#map .tools select').focus()")
         for _ in range(70):
@@ -337,5 +325,4 @@ class PageWavefront(WebCase):
 
 
 if __name__ == "__main__":
-    PACKAGES_AT = browser_packages()  # before the network namespace removes the network
-    main()
+    browser_main()

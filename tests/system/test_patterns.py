@@ -146,7 +146,7 @@ class Patterns(BenchCase):
         self.call("camera.set", {"exposure_us": 1500.0, "frame_rate_hz": 480.0})
         self.certain(stream)
         # A job shows its own holograms; a recording that begins meanwhile ends with the sequence.
-        job = self.call("registration.run", {"frames": 200})["job"]  # six seconds: this process may stand still meanwhile
+        job = self.call("registration.run", {"frames": 100})["job"]  # three seconds: this process may stand still meanwhile
         wait_for(lambda: self.call("aberration.get")["patterns"] == [], what="the job's hologram")
         self.call("record.start", recording)
         self.job_ended(job)

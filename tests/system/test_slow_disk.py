@@ -4,8 +4,6 @@ Only the daemon sees such a disk, through an LD_PRELOAD library (slow_disk.cpp).
 """
 import json
 import os
-import pathlib
-import subprocess
 import threading
 import time
 
@@ -22,19 +20,11 @@ class SlowDisk(BenchCase):
     daemon_config = {"state": {"directory": "slow-disk"}, "stream": {"image_rate_hz": 0}}
 
     def start_daemon(self):
-        library, self.speed_file = self.bench.directory / "slow_disk.so", self.bench.directory / "speed"
-        if not library.exists():
-            source = pathlib.Path(__file__).with_name("slow_disk.cpp")
-            subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+        self.speed_file = self.bench.directory / "speed"
         self.folder = self.bench.directory / "slow-disk"
         self.folder.mkdir(exist_ok=True)
-        seen = {"LD_PRELOAD": str(library), "OVWS_SLOW_FOLDER": "slow-disk", "OVWS_SLOW_DISK": str(self.speed_file)}
-        os.environ.update(seen)
-        try:
+        with self.preload("slow_disk", OVWS_SLOW_FOLDER="slow-disk", OVWS_SLOW_DISK=str(self.speed_file)):
             super().start_daemon()
-        finally:
-            for name in seen:
-                del os.environ[name]
 
     def speed(self, bytes_per_s):
         """Sets the disk's speed. 0: blocked; None: real speed."""

@@ -5,8 +5,8 @@ import signal
 import threading
 import time
 
-from case import main, wait_for
-from web_case import ADDRESS, Browser, WebCase, browser_packages
+from case import wait_for
+from web_case import BrowserCase, browser_main
 
 HOSTILE = b"""<!doctype html><title>hostile</title><script>
 const server = "http://127.0.0.1:7704", results = {};
@@ -42,19 +42,15 @@ class Hostile(http.server.BaseHTTPRequestHandler):
         pass
 
 
-class Page(WebCase):
+class Page(BrowserCase):
     daemon_config = {"record": {"directory": "recordings"}, "tracking": {"tracker": "fit"}}
 
     def setUp(self):
-        if not PACKAGES_AT:
-            self.skipTest("no Playwright: npm and a network are needed once")
         super().setUp()
         self.take_reference()
 
     def start_browser(self):
-        browser = Browser(PACKAGES_AT)
-        self.addCleanup(browser.close)
-        browser.resize(1440, 1000)
+        browser = self.new_browser(1000)
         browser.ask("colours", scheme="light")
         browser.open(self.links["control"])
         return browser
@@ -64,10 +60,6 @@ class Page(WebCase):
         self.browser.wait_text("#bar-now .value", lambda text: re.match(r"\d", text))
         wait_for(lambda: self.browser.text("#bar-why") == "", what="controls")
         wait_for(lambda: self.colours("#camera-canvas") > 10, what="the first picture")
-
-    def check_console(self):
-        """Checks that the console has no warnings or errors of the page; scripts of these tests have no address."""
-        self.assertEqual([line for line in self.browser.ask("said") if ADDRESS in line], [])
 
     def colours(self, selector):
         """Number of distinct colours on the canvas."""
@@ -116,13 +108,7 @@ class Page(WebCase):
 
     def test_nothing_keeps_anybody_out(self):
         self.open()
-        self.browser.run((PACKAGES_AT / "node_modules" / "axe-core" / "axe.min.js").read_text())
-        for theme, width in (("light", 400), ("dark", 1440)):
-            self.browser.run("document.documentElement.dataset.theme = arguments[0]", theme)
-            self.resize(width)
-            found = self.browser.run("return (await axe.run()).violations")
-            grave = [(v["id"], v["impact"], v["nodes"][0]["html"]) for v in found if v["impact"] in ("serious", "critical")]
-            self.assertEqual(grave, [], f"{theme}, {width} px")
+        self.check_axe(("light", 400), ("dark", 1440))
         # On a busy machine the page may believe for a moment that the daemon is silent, and disable what it controls.
         wait_for(lambda: {"theme", "menu-button", "show-marks", "Take 100 frames"} <= self.reached_by_tab(), what="all that can be clicked, by keyboard")
 
@@ -326,5 +312,4 @@ class Page(WebCase):
 
 
 if __name__ == "__main__":
-    PACKAGES_AT = browser_packages()  # before the network namespace removes the network
-    main()
+    browser_main()

@@ -7,7 +7,7 @@ import os
 import pathlib
 import subprocess
 
-from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, merged, wait_for
+from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, main, merged, wait_for
 
 HOST, PORT = "127.0.0.1", 7704
 ADDRESS = f"{HOST}:{PORT}"
@@ -160,6 +160,47 @@ class Browser:
         Browser.process.stdin.close()
         Browser.process.wait(PROGRAM_PATIENCE_S)
         Browser.process.stdout.close()
+
+
+class BrowserCase(WebCase):
+    """A bench whose live page is looked at; skipped without Playwright. Its script ends with browser_main()."""
+
+    packages = None  # the folder with Playwright
+
+    def setUp(self):
+        if not self.packages:
+            self.skipTest("no Playwright: npm and a network are needed once")
+        super().setUp()
+
+    def new_browser(self, height=900):
+        browser = Browser(self.packages)
+        self.addCleanup(browser.close)
+        browser.resize(1440, height)
+        return browser
+
+    def check_console(self):
+        """Checks that the console has no warnings or errors of the page; scripts of these tests have no address."""
+        self.assertEqual([line for line in self.browser.ask("said") if ADDRESS in line], [])
+
+    def load_axe(self):
+        self.browser.run((self.packages / "node_modules" / "axe-core" / "axe.min.js").read_text())
+
+    def check_axe(self, *looks, parts=None):
+        """Checks that nothing keeps anybody out, in each look (theme, width), of the page or of these parts of it."""
+        self.load_axe()
+        for theme, width in looks:
+            self.browser.run("document.documentElement.dataset.theme = arguments[0]", theme)
+            self.browser.resize(width, 900)
+            wait_for(lambda width=width: self.browser.run("return innerWidth") == width)
+            found = self.browser.run("return (await axe.run(arguments[0] ?? document)).violations", parts)
+            grave = [(v["id"], v["impact"], v["nodes"][0]["html"]) for v in found if v["impact"] in ("serious", "critical")]
+            self.assertEqual(grave, [], f"{theme}, {width} px")
+            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
+
+
+def browser_main():
+    BrowserCase.packages = browser_packages()  # before the network namespace removes the network
+    main()
 
 
 def browser_packages():
