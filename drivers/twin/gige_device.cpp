@@ -30,6 +30,7 @@ constexpr auto kMaxDisplayAge = std::chrono::milliseconds(5);  // then the displ
 // Longest wait for a pulse in which no register is served.
 constexpr std::int64_t kLongestWaitNs = 20'000'000;
 constexpr int kMaxDisplayChecks = 3;  // after more queries the frame is late and is not sent
+constexpr auto kDisplayStands = std::chrono::seconds(1);  // without an answer the SLM's image stays
 
 // Bootstrap registers of GigE Vision that hold text.
 constexpr std::uint32_t kVendorAddress = 0x48, kModelAddress = 0x68, kInfoAddress = 0xa8;
@@ -245,14 +246,20 @@ FrameFate GigeDevice::inject_fault(ArvBuffer* buffer, const CameraSettings& sett
   return swapped ? FrameFate::drop : FrameFate::send;
 }
 
-/// Waits until the bench knows what the X server shows. An image takes effect at the begin of the
-/// DMD's next cycle, so in pattern mode the first frame of each cycle does this. False: no answer.
-bool GigeDevice::query_display(std::int64_t t_ns) {
+/// Waits until the bench knows what the X server shows.
+GigeDevice::DisplayAnswer GigeDevice::query_display() {
+  const auto now = std::chrono::steady_clock::now();
+  if (deps_.screen.catch_up(now + kDisplayTime, stop_)) display_answered_ = now;
+  if (display_answered_ == now) return DisplayAnswer::known;
+  return now - display_answered_ < kDisplayStands ? DisplayAnswer::slow : DisplayAnswer::none;
+}
+
+/// An image takes effect at the begin of the DMD's next cycle: in pattern mode the first frame of
+/// each cycle queries the display.
+bool GigeDevice::is_queried(std::int64_t t_ns) {
   const auto& clock = deps_.bench.clock();
   const std::int64_t cycle = clock ? clock->cycle_of(clock->last_pulse(t_ns)) : 0;
-  if (clock && cycle == queried_cycle_) return false;
-  queried_cycle_ = cycle;
-  return deps_.screen.catch_up(std::chrono::steady_clock::now() + kDisplayTime, stop_);
+  return std::exchange(queried_cycle_, cycle) != cycle || !clock;
 }
 
 FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
@@ -268,18 +275,19 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
   const auto t_ns = std::int64_t(arv_buffer_get_timestamp(buffer));
   const auto& clock = deps_.bench.clock();
   const Exposed exposed = clock ? clock->exposed(t_ns, settings.exposure_us) : Exposed{};
-  // Without an answer of the X server in 200 ms, the last known SLM image is used.
-  bool answers = query_display(t_ns);
+  DisplayAnswer display = is_queried(t_ns) ? query_display() : DisplayAnswer::none;
   // In pattern mode the time of a frame is that of its pulse, so no other moment is computed ahead.
   const std::uint64_t begun = deps_.bench.begin(
       settings.roi, t_ns, clock ? 0 : std::int64_t(1e9 / settings.frame_rate_hz), exposed);
   std::shared_ptr<const Scene> ready;
   auto verified = start;
   int checks = 0;
-  while (const auto scene = deps_.bench.scene(begun, ready, deadline, stop_)) {
+  while (display != DisplayAnswer::slow) {
+    const auto scene = deps_.bench.scene(begun, ready, deadline, stop_);
+    if (!scene) break;
     if (scene == ready) {
       const auto now = std::chrono::steady_clock::now();
-      if (!answers || now <= verified + kMaxDisplayAge) {
+      if (display == DisplayAnswer::none || now <= verified + kMaxDisplayAge) {
         // Clients look up the ground truth of the turbulence by this time.
         if (scene->truth.turbulence) arv_buffer_set_timestamp(buffer, std::uint64_t(scene->t_ns));
         deps_.bench.note_sent(arv_buffer_get_frame_id(buffer),
@@ -289,7 +297,7 @@ FrameFate GigeDevice::take(ArvBuffer* buffer, const CameraSettings& settings) {
       // Making the frame took long (busy machine): query the display again, because the SLM image
       // may have changed meanwhile.
       if (++checks > kMaxDisplayChecks) break;
-      answers = deps_.screen.catch_up(now + kDisplayTime, stop_);
+      display = query_display();
       verified = now;
       continue;
     }

@@ -61,7 +61,10 @@ class GigeDevice {
   bool send_again(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate inject_fault(ArvBuffer* buffer, const CameraSettings& settings);
   FrameFate take(ArvBuffer* buffer, const CameraSettings& settings);
-  bool query_display(std::int64_t t_ns);
+  /// slow: the X server may show a newer image; none: it was not queried, or stands still.
+  enum class DisplayAnswer { known, slow, none };
+  DisplayAnswer query_display();
+  bool is_queried(std::int64_t t_ns);
   void lose_packets(FrameFate fate);
   std::uint32_t read(std::uint32_t address) const;
   void write(std::uint32_t address, std::uint32_t value);
@@ -87,6 +90,7 @@ class GigeDevice {
   std::uint64_t frame_id_ = 0;      ///< number of the newest frame
   std::int64_t next_pulse_ = 0;     ///< the first one that the camera is ready for
   std::int64_t queried_cycle_ = 0;  ///< of the DMD, in which the display was queried
+  std::chrono::steady_clock::time_point display_answered_;  ///< query of the last answer
   std::optional<Kept> kept_;
   std::mutex properties_mutex_;
   bool ending_ = false;  ///< guarded by properties_mutex_; true: set no more properties
