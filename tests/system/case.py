@@ -229,7 +229,7 @@ class BenchCase(unittest.TestCase):
         return client
 
     def preload(self, name, **seen):
-        """Programs that start from now on preload the library of `name`.cpp, and see these variables."""
+        """A context: programs that start in it preload the library of `name`.cpp, and see these variables."""
         library = self.bench.directory / f"{name}.so"
         if not library.exists():
             subprocess.run(["g++", "-std=c++20", "-O2", "-shared", "-fPIC", "-o", library, Path(__file__).with_name(f"{name}.cpp"), "-ldl"], check=True)

@@ -14,7 +14,7 @@ def on(question):
 
 
 def talk(terminal, answer=on, timeout_s=PROGRAM_PATIENCE_S):
-    """Gives `answer(question)` to each question until the program ends; each takes at most `timeout_s`. Returns its exit status."""
+    """Gives `answer(question)` to each question until the program ends; the next question, or the end, takes at most `timeout_s`. Returns its exit status."""
     answered, end = 0, time.monotonic() + timeout_s
     while terminal.process.poll() is None:
         questions = QUESTION.findall(terminal.raw)
@@ -22,7 +22,7 @@ def talk(terminal, answer=on, timeout_s=PROGRAM_PATIENCE_S):
             terminal.press(answer(questions[answered].decode()))
             answered, end = answered + 1, time.monotonic() + timeout_s
         elif time.monotonic() > end:
-            raise AssertionError(f"ovws setup did not end within {timeout_s:.0f} s:\n{transcript(terminal)[-3000:]}")
+            raise AssertionError(f"ovws setup neither asked nor ended within {timeout_s:.0f} s:\n{transcript(terminal)[-3000:]}")
         else:
             time.sleep(0.05)
     return terminal.wait()

@@ -1,4 +1,4 @@
-"""Subscribes to change events of a Tango device and prints each as JSON, with the time of its attribute and the time since the begin of the
+"""Subscribes to change events of a Tango device and prints each as JSON, with the time of its attribute and the time since the start of the
 subscription, seconds: tango_events.py DEVICE ATTRIBUTE...
 
 Then it prints "subscribed" on standard error, and collects until its standard input ends.

@@ -86,7 +86,7 @@ class Beams(BenchCase):
         for name in ("", "c"):
             self.assert_modes(frame[name], HIDDEN[name])
         with Subscription(Wavefront.of_beam("c"), timeout_s=PATIENCE_S) as typed:
-            message = next(frame for frame in typed if frame.valid)
+            message = wait_for(lambda: (frame := next(typed)).valid and frame, what="a valid frame of c")
             self.assertAlmostEqual(message.waves(7), HIDDEN["c"][7], delta=0.012)
         self.assertEqual(self.refused("reference.take", {"frames": 5, "beam": "d"}).field, "beam")
 

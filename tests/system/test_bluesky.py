@@ -67,8 +67,8 @@ class Device(BridgeCase):
             self.assertEqual(frames[-1].exposure_us, value)
             self.assertGreater(frames[-1].t_arrival_ns - 1e3 * value, called_ns, "its exposure began after the call")
         self.sensor.aberration.set({"horizontal coma": 0.1, "defocus": 0.05}).wait(PATIENCE_S)
-        shown = self.call("aberration.get")
-        self.assertTrue(any(frame.settled and frame.hologram_id == shown["hologram_id"] for frame in frames))
+        heard, shown = frames.copy(), self.call("aberration.get")
+        self.assertTrue(any(frame.settled and frame.hologram_id == shown["hologram_id"] for frame in heard))
         self.assertEqual(self.sensor.aberration.position[[3, 7]].tolist(), [0.05, 0.1])
         self.assertEqual(self.sensor.aberration.describe()["ovws-aberration"]["shape"], [18])
 

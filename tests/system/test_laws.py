@@ -50,7 +50,7 @@ class Laws(BenchCase):
         self.assertGreaterEqual(loop["decisions"], 0.7 * steps, loop)
 
     def complete_recording(self):
-        """Records each law's steps; returns the file and their number, or None if the recording has losses."""
+        """Records each law's steps; returns the file and their number, or False if the recording has losses."""
         file = self.call("record.start", {"name": f"laws-{time.time_ns()}", "pictures_every": 0})["file"]
         steps = 0
         for law in LAWS:

@@ -55,10 +55,6 @@ class Array(BenchCase):
         wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > before, what="the new camera")
         self.wait_until("running")
 
-    def start_twin(self, **more):
-        twin = super().start_twin(**more)
-        return twin
-
     def read_back(self):
         """Finds the array, takes a reference, and compares known modes with what is measured, within 2 %."""
         found = self.run_job("registration.run", {"frames": 10})["result"]

@@ -5,7 +5,7 @@ import socket
 from pathlib import Path
 
 from case import PROGRAM_PATIENCE_S, wait_for
-from web_case import ADDRESS, HOST, PORT, BrowserCase, browser_main
+from web_case import ADDRESS, HOST, PORT, BrowserCase, WebCase, browser_main
 
 
 class PanelCase(BrowserCase):
@@ -239,7 +239,7 @@ class Recordings(PanelCase):
         self.check_console()
 
 
-class Downloads(BrowserCase):
+class Downloads(WebCase):
     small = True
     daemon_config = {"record": {"directory": "recordings"}}
 

@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import subprocess
+import time
 
 from case import PATIENCE_S, PROGRAM_PATIENCE_S, BenchCase, main, merged, wait_for
 
@@ -73,8 +74,9 @@ class WebCase(BenchCase):
             yield json.loads(reply.read(sizes[0])), reply.read(sizes[1])
 
     def message(self, schema, condition=lambda message: True):
-        """The first message with this schema that fulfils the condition."""
-        return next((m, b) for m, b in self.messages() if m["schema"] == schema and condition(m))
+        """The first message with this schema that fulfils the condition; it must come within PROGRAM_PATIENCE_S."""
+        end = time.monotonic() + PROGRAM_PATIENCE_S
+        return next((m, b) for m, b in self.messages() if m["schema"] == schema and condition(m) or self.assertLess(time.monotonic(), end, schema))
 
     def health(self, condition=lambda message: True):
         return self.message("ovws.web.health/1", condition)[0]

@@ -81,7 +81,7 @@ class CameraActorTest : public testing::Test {
   CameraActorTest() {
     device = &device_;
     config_.settings.gain_db = 3.0;
-    config_.settings.frame_rate_hz = 0.05;  // silent after a minute, as long as no thread stops
+    config_.settings.frame_rate_hz = 0.05;  // counts as lost after a silent minute
     frame_path_ = std::thread([this] {
       while (!ended_) pipeline_.acquisition().do_work();
     });
