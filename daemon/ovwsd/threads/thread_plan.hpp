@@ -87,7 +87,7 @@ constexpr std::array<ThreadRow, 19> kThreadTable{{
     {ThreadRole::write, "write", 0, "the disk", 60.0, OnHang::report, 5},
     {ThreadRole::disk, "disk", 0, "the disk", 5.0, OnHang::report},
     {ThreadRole::search, "search", 0,
-     "the next frame with its pixels; renderings take up to a second", 30.0, OnHang::report, 5},
+     "the next frame with its pixels; renderings take up to a second", 30.0, OnHang::report},
     {ThreadRole::refine, "refine", 0,
      "the next frame with its pixels; renderings take up to a second", 120.0, OnHang::report, 15},
     {ThreadRole::status, "status", 0, "the clock", 5.0, OnHang::restart},
