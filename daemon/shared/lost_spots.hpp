@@ -11,7 +11,7 @@ namespace ovws::cli {
 
 /// Longest wait for the first valid frame of a new wavefront while its spots are found, s: its
 /// templates are being rendered, which takes longer on a busy machine.
-constexpr double kTemplates_s = 20.0;
+constexpr double kTemplates_s = 60.0;
 
 /// What to look for where spots are lost.
 constexpr const char* kLookThere =
