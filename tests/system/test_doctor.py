@@ -178,7 +178,7 @@ class Ill(DoctorCase):
     def xrandr(self, *arguments):
         subprocess.run(["xrandr", "-display", self.bench.display, "--output", "DUMMY1", *arguments], check=True, capture_output=True)
 
-    def mend(self, fix):
+    def repair(self, fix):
         """Applies the doctor's fix."""
         subprocess.run(["sh", "-c", fix.replace("sudo ", "")], check=True, capture_output=True, env=self.environment())
 
@@ -199,7 +199,7 @@ class Ill(DoctorCase):
                             ("slm.gamma", ["--gamma", "1:0.8:0.6"]), ("slm.output", ["--same-as", "DUMMY0"])):
             with self.subTest(spoil):
                 self.xrandr(*spoil)
-                self.mend(self.examine_for({name})[name]["fix"])
+                self.repair(self.examine_for({name})[name]["fix"])
                 self.examine_for(set())
         wrong = self.config() | {"slm": {"display": "HDMI-7"}}
         self.check(self.examine(config=wrong), "slm.output", "fault", "HDMI-7", '"slm": {"display": "DUMMY1"}')
@@ -211,7 +211,7 @@ class Ill(DoctorCase):
         subprocess.run(["xset", "-display", self.bench.display, "s", "600"], check=True)
         findings = self.examine()
         self.check(findings, "slm.screen_saver", "warning", "600 s")
-        self.mend(findings["slm.screen_saver"]["fix"])
+        self.repair(findings["slm.screen_saver"]["fix"])
         self.check(self.examine(), "slm.screen_saver", "ok")
         path = {"PATH": os.environ["PATH"]}
         self.check(self.examine(env=path), "slm.server", "fault", "export DISPLAY")
@@ -267,7 +267,7 @@ class Ill(DoctorCase):
         self.addCleanup(subprocess.run, ["ip", "link", "set", "lo", "mtu", "65536"], check=True)
         findings = self.examine_for(set())
         self.check(findings, "camera.packets", "warning", "1500")
-        self.mend(findings["camera.packets"]["fix"])
+        self.repair(findings["camera.packets"]["fix"])
         self.check(self.examine_for(set()), "camera.packets", "ok")
 
     def test_the_configuration(self):

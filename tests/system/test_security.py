@@ -201,7 +201,7 @@ class Secured(BenchCase):
         seq = wait_for(lambda: (m := streams["guest"].next(0.5)) and m["seq"], what="the stream of who stays")
         wait_for(lambda: (m := streams["guest"].next(0.5)) and m["seq"] > seq + 1, what="the stream of who stays")
         while (late := streams["leaver"].next(0.1)) is not None:  # both may have had one on its way
-            self.assertLessEqual(late["seq"], seq, "no message once the others came in anew")
+            self.assertLessEqual(late["seq"], seq, "no message once the others received again")
         self.assertIsNone(streams["leaver"].next(2.5))
         self.assert_shut_out(lambda: self.connect("leaver", timeout_s=1.0), "the withdrawn key")
         self.write_clients("boss", "guest", "leaver")

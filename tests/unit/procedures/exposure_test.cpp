@@ -168,7 +168,7 @@ TEST(AutoExposureJob, RestoresTheCameraWhenItIsCancelled) {
   });
   const auto found = expose_on(bench);
   ASSERT_FALSE(found);
-  EXPECT_EQ(applied, 2) << "another exposure, and the one of before";
+  EXPECT_EQ(applied, 2) << "another exposure, and the previous one";
   EXPECT_EQ(bench.camera().settings.exposure_us, 2000.0);
 }
 
