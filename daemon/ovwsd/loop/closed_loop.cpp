@@ -217,7 +217,10 @@ bool ClosedLoop::observe_next() {
       frames_->next(taken_, std::chrono::duration_cast<std::chrono::microseconds>(left));
   if (came) observe(taken_);
   const bool newest = taken_.hologram_id == deps_.keeper.snapshot()->hologram_id;
-  if (stepped_ || paused_ || monotonic_ns() < t_step_due_ns()) return came && newest;
+  // A frame that comes when a step is due does not postpone it.
+  if (stepped_ || paused_ || monotonic_ns() < std::min(due_ns, t_step_due_ns())) {
+    return came && newest;
+  }
   step(taken_);
   return true;
 }

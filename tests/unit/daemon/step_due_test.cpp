@@ -39,12 +39,22 @@ TEST(StepDue, WithAnOlderFrameWaitsUntilANewestOneMustHaveBeenExposed) {
   EXPECT_EQ(t_due_ns(state), 1017 * kMs);
 }
 
-/// Slow steps must not present a hologram before the newest one was seen.
+/// Steps that vary must not present a hologram before the newest one was seen.
 TEST(StepDue, IsHalfARefreshBeforeItAtTheEarliest) {
   StepState state = state_at(1001);
   state.t_exposed_ns = 1009 * kMs;
   state.safe_prepare_ns = 60 * kMs;
   EXPECT_EQ(t_due_ns(state), 1005 * kMs);
+}
+
+/// With frames of 20 ms, a step that was due later than the next frame would never be taken.
+TEST(StepDue, IsBeforeTheNextRefreshHoweverLongAStepTakes) {
+  StepState state = state_at(1004);
+  state.t_exposed_ns = 1003 * kMs;
+  for (int usual_ms = 0; usual_ms < 100; ++usual_ms) {
+    state.usual_prepare_ns = usual_ms * kMs;
+    EXPECT_LT(t_due_ns(state), 1014 * kMs) << usual_ms << " ms";
+  }
 }
 
 TEST(StepDue, IsAtOnceIfRefreshesAreNotKnown) {
