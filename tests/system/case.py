@@ -215,6 +215,14 @@ class BenchCase(unittest.TestCase):
         config = merged(SMALL_TWIN if self.small else {}, {"noise": "pool"} | self.twin_config)
         return self.shared_bench.twin_of(merged(config, more))
 
+    def renew_twin(self, **more):
+        """Starts the twin again, and returns when the daemon has its camera."""
+        before = self.call("system.status")["counters"]["camera_reconnects"]
+        self.bench.stop("ovws-twin")
+        self.start_twin(**more)
+        wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > before, what="the new camera")
+        self.wait_until("running")
+
     def start_daemon(self, **more):
         config = merged(SMALL_DAEMON if self.small else {}, self.daemon_config)
         self.bench.start_daemon(merged(config, more))

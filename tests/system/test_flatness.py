@@ -53,22 +53,17 @@ class Flatness(SlmCase):
     def check_another_camera(self, found):
         """Another camera means other optics: results measured with the previous one are not used until it returns."""
         events = self.stream("event")
-        self.exchange_camera({"serial": "TWIN0002"})
+        self.renew_twin(camera={"serial": "TWIN0002"})
         event = wait_for(lambda: (e := events.next(1.0)) and e["kind"] == "slm" and "camera.serial was" in e["text"] and e, what="an event")
         self.assertEqual((event["severity"], event["data"]["used"]), ("warning", False))
         wait_for(lambda: not self.call("flatness.get")["measured"], what="another camera's")
         self.assertTrue((self.bench.directory / "state" / "flatness.slm.json").exists())
         self.restart()
         wait_for(lambda: not self.call("flatness.get")["measured"], what="another camera's")
-        self.exchange_camera({})
+        self.renew_twin()
         self.restart()
         self.assertEqual(self.call("flatness.get"), found)
         self.assertTrue(self.call("registration.get")["registered"])
-
-    def exchange_camera(self, camera):
-        self.bench.stop("ovws-twin")
-        self.start_twin(camera=self.twin_config["camera"] | camera)
-        self.wait_until("running")
 
 
 if __name__ == "__main__":

@@ -48,13 +48,6 @@ class Array(BenchCase):
         with contextlib.closing(Stream(["wavefront"])) as frames:
             message_since(frames, time.time_ns())
 
-    def renew_twin(self, **more):
-        before = self.call("system.status")["counters"]["camera_reconnects"]
-        self.bench.stop("ovws-twin")
-        self.start_twin(**more)
-        wait_for(lambda: self.call("system.status")["counters"]["camera_reconnects"] > before, what="the new camera")
-        self.wait_until("running")
-
     def read_back(self):
         """Finds the array, takes a reference, and compares known modes with what is measured, within 2 %."""
         found = self.run_job("registration.run", {"frames": 10})["result"]
