@@ -188,7 +188,7 @@ FlatnessReport flatness_of(const Services& services, const SensorSnapshot& now) 
                                      {},
                                      f->residual_rms_waves,
                                      sha256_of(services.library, *f),
-                                     {f->origin}};
+                                     {*f->origin}};
   for (std::size_t k = 0; k < f->modes.size(); ++k) {
     report.measured->modes.push_back(
         {f->modes[k].j, f->modes[k].waves, f->standard_error_waves[k]});
@@ -225,7 +225,7 @@ LutReport lut_of(const Services& services, const SensorSnapshot& now) {
   if (const auto& lut = now.slm->lut) {
     report.measured = LutMeasured{
         lut->t_taken_ns, lut->frames, lut->response, lut->table, sha256_of(services.library, *lut),
-        {lut->origin}};
+        {*lut->origin}};
   }
   return report;
 }

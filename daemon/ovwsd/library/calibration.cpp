@@ -18,15 +18,10 @@ constexpr int kMaxCalibratedSpots = 1 << 12;
 /// A calibration's file. Matrices are float32 in base64, column by column; the conversion is exact,
 /// because interaction_matrix already rounds all values to floats.
 struct CalibrationFile {
-  MatrixSource source = MatrixSource::run;
-  int frames = 0, spots = 0;
-  std::int64_t t_taken_ns = 0;
-  double amplitude_waves = 0.0, drift_px = 0.0, drift_noise_px = 0.0;
-  std::vector<double> amplitudes_waves;
-  std::vector<int> modes_j, lost_spots;
-  std::vector<DroppedMode> dropped;
+  Calibration calibration;
+  int spots = 0;
   std::string slopes, standard_error;
-  std::shared_ptr<const Json> shapes, origin;
+  std::shared_ptr<const Json> shapes;
 };
 
 std::string matrix_text(const Eigen::MatrixXd& matrix) {
@@ -50,44 +45,55 @@ Result<Eigen::MatrixXd> matrix_from(const char* key, const std::string& text, Ei
 }  // namespace
 
 template <>
-inline constexpr auto kTable<CalibrationFile> = Fields{
-    "CalibrationFile",
-    field<&CalibrationFile::source>("run: measured by the daemon; set: given"),
-    field<&CalibrationFile::frames>("averaged frames", limits::kPokeFrames).mandatory(),
-    field<&CalibrationFile::t_taken_ns>(kTimeMeaning).mandatory(),
-    field<&CalibrationFile::amplitude_waves>("requested poke", limits::kGivenPokeWaves).mandatory(),
-    field<&CalibrationFile::amplitudes_waves>("pokes of the modes",
-                                              {0.0, limits::kGivenPokeWaves.max})
-        .sized(0, kMaxZernikeIndex)
-        .mandatory(),
-    field<&CalibrationFile::modes_j>("modes", {1, kMaxZernikeIndex})
-        .sized(0, kMaxZernikeIndex)
-        .unlike()
-        .mandatory(),
-    field<&CalibrationFile::spots>("number of spots", {1, kMaxCalibratedSpots}).mandatory(),
-    field<&CalibrationFile::lost_spots>("lost spots", {0, kMaxCalibratedSpots - 1})
-        .sized(0, kMaxCalibratedSpots)
-        .unlike()
-        .mandatory(),
-    field<&CalibrationFile::dropped>("modes without a column")
-        .sized(0, kMaxZernikeIndex)
-        .mandatory(),
-    field<&CalibrationFile::drift_px>("drift, camera pixels", {0.0, 1e6}).mandatory(),
-    field<&CalibrationFile::drift_noise_px>("noise of drift_px", {0.0, 1e6}).mandatory(),
-    field<&CalibrationFile::slopes>("poke matrix").mandatory(),
-    field<&CalibrationFile::standard_error>("standard errors of slopes").mandatory(),
-    field<&CalibrationFile::shapes>("measured shapes of the spots; null: none"),
-    field<&CalibrationFile::origin>("bench and settings").mandatory()};
+inline constexpr auto kTable<InteractionMatrix> =
+    Fields{"MatrixFile",
+           field<&InteractionMatrix::source>("run: measured by the daemon; set: given"),
+           field("amplitudes_waves", &InteractionMatrix::amplitude_waves, "pokes of the modes",
+                 {0.0, limits::kGivenPokeWaves.max})
+               .sized(0, kMaxZernikeIndex)
+               .mandatory(),
+           field<&InteractionMatrix::modes_j>("modes", {1, kMaxZernikeIndex})
+               .sized(0, kMaxZernikeIndex)
+               .unlike()
+               .mandatory(),
+           field<&InteractionMatrix::lost_spots>("lost spots", {0, kMaxCalibratedSpots - 1})
+               .sized(0, kMaxCalibratedSpots)
+               .unlike()
+               .mandatory(),
+           field<&InteractionMatrix::dropped>("modes without a column")
+               .sized(0, kMaxZernikeIndex)
+               .mandatory(),
+           field<&InteractionMatrix::drift_px>("drift, camera pixels", {0.0, 1e6}).mandatory(),
+           field<&InteractionMatrix::drift_noise_px>("noise of drift_px", {0.0, 1e6}).mandatory()};
+
+template <>
+inline constexpr auto kTable<Calibration> = Fields{
+    "Calibration",
+    inlined(&Calibration::matrix),
+    field<&Calibration::frames>("averaged frames", limits::kPokeFrames).mandatory(),
+    field<&Calibration::t_taken_ns>(kTimeMeaning).mandatory(),
+    field<&Calibration::amplitude_waves>("requested poke", limits::kGivenPokeWaves).mandatory(),
+    field<&Calibration::origin>("bench and settings").mandatory()};
+
+template <>
+inline constexpr auto kTable<CalibrationFile> =
+    Fields{"CalibrationFile",
+           inlined(&CalibrationFile::calibration),
+           field<&CalibrationFile::spots>("number of spots", {1, kMaxCalibratedSpots}).mandatory(),
+           field<&CalibrationFile::slopes>("poke matrix").mandatory(),
+           field<&CalibrationFile::standard_error>("standard errors of slopes").mandatory(),
+           field<&CalibrationFile::shapes>("measured shapes of the spots; null: none")};
 
 template <>
 struct Rules<CalibrationFile> {
   static void check(const CalibrationFile& file, ObjectReader& reader) {
+    const InteractionMatrix& matrix = file.calibration.matrix;
     reader.raw("t_taken");  // for people
-    if (file.amplitudes_waves.size() != file.modes_j.size()) {
+    if (matrix.amplitude_waves.size() != matrix.modes_j.size()) {
       return reader.fault("amplitudes_waves", "must have one value for each mode");
     }
     const auto exists = [&file](int spot) { return spot < file.spots; };
-    if (!std::ranges::all_of(file.lost_spots, exists)) {
+    if (!std::ranges::all_of(matrix.lost_spots, exists)) {
       reader.fault("lost_spots", "must be numbers of existing spots");
     }
   }
@@ -100,33 +106,22 @@ ModeOperator mode_operator_of(const MeasuredCalibration& measured) {
 
 nlohmann::json calibration_content(const Calibration& calibration) {
   const InteractionMatrix& matrix = calibration.matrix;
-  CalibrationFile file;
-  file.source = matrix.source;
-  file.frames = calibration.frames;
-  file.spots = matrix.spots();
-  file.t_taken_ns = calibration.t_taken_ns;
-  file.amplitude_waves = calibration.amplitude_waves;
-  file.drift_px = matrix.drift_px;
-  file.drift_noise_px = matrix.drift_noise_px;
-  file.amplitudes_waves = matrix.amplitude_waves;
-  file.modes_j = matrix.modes_j;
-  file.lost_spots = matrix.lost_spots;
-  file.dropped = matrix.dropped;
-  file.slopes = matrix_text(matrix.slopes);
-  file.standard_error = matrix_text(matrix.standard_error);
+  CalibrationFile file{calibration, matrix.spots(), matrix_text(matrix.slopes),
+                       matrix_text(matrix.standard_error), nullptr};
   if (calibration.shapes) {
     file.shapes = std::make_shared<const Json>(shapes_content(*calibration.shapes));
   }
-  file.origin = calibration.origin;
   Json content = to_json(file);
-  content["t_taken"] = utc_text(file.t_taken_ns);
+  content["t_taken"] = utc_text(calibration.t_taken_ns);
   return content;
 }
 
 Result<Calibration> calibration_from(const nlohmann::json& content) {
   auto file = decode<CalibrationFile>(content);
   if (!file) return fail(file.error());
-  const Eigen::Index rows = 2 * file->spots, cols = Eigen::Index(file->modes_j.size());
+  Calibration& calibration = file->calibration;
+  InteractionMatrix& matrix = calibration.matrix;
+  const Eigen::Index rows = 2 * file->spots, cols = Eigen::Index(matrix.modes_j.size());
   auto slopes = matrix_from("slopes", file->slopes, rows, cols);
   if (!slopes) return fail(slopes.error());
   auto error = matrix_from("standard_error", file->standard_error, rows, cols);
@@ -134,18 +129,6 @@ Result<Calibration> calibration_from(const nlohmann::json& content) {
   if (cols == 0 || determined_modes(*slopes) != int(cols)) {
     return fail(Errc::invalid, "slopes", "do not determine the modes");
   }
-  Calibration calibration;
-  calibration.amplitude_waves = file->amplitude_waves;
-  calibration.frames = file->frames;
-  calibration.t_taken_ns = file->t_taken_ns;
-  InteractionMatrix& matrix = calibration.matrix;
-  matrix.source = file->source;
-  matrix.modes_j = std::move(file->modes_j);
-  matrix.amplitude_waves = std::move(file->amplitudes_waves);
-  matrix.lost_spots = std::move(file->lost_spots);
-  matrix.dropped = std::move(file->dropped);
-  matrix.drift_px = file->drift_px;
-  matrix.drift_noise_px = file->drift_noise_px;
   matrix.slopes = std::move(*slopes);
   matrix.standard_error = std::move(*error);
   if (file->shapes) {
@@ -153,12 +136,11 @@ Result<Calibration> calibration_from(const nlohmann::json& content) {
     if (!shapes) return fail(shapes.error());
     calibration.shapes = std::make_shared<const MeasuredShapes>(std::move(*shapes));
   }
-  auto parsed = parse_origin(*file->origin);
+  auto parsed = parse_origin(*calibration.origin);
   if (!parsed) return fail(parsed.error());
   calibration.key = std::move(parsed->key);
-  calibration.origin = std::move(file->origin);
   calibration.mode_operator = mode_operator_of(calibration);
-  return calibration;
+  return std::move(calibration);
 }
 
 }  // namespace ovws

@@ -20,11 +20,8 @@ using nlohmann::json;
 constexpr double kMaxRad = 1000.0;
 
 struct LutFile {
-  std::int64_t t_taken_ns = 0;
-  int frames = 0, levels = 0;
+  MeasuredLut lut;
   std::vector<double> phase_rad, standard_error_rad;
-  double noise_rad = 0.0, residual_rad = 0.0;
-  std::shared_ptr<const json> origin;
 };
 
 /// The map of what the modes leave.
@@ -33,33 +30,34 @@ struct FineFile {
   std::string base64;  ///< float32
 };
 struct FlatnessFile {
-  std::int64_t t_taken_ns = 0;
-  int frames = 0, iterations = 0;
-  double pupil_diameter_px = 0.0, residual_rms_waves = 0.0;
-  std::vector<Mode> modes;
-  std::vector<double> standard_error_waves;
+  MeasuredFlatness flatness;
   std::optional<std::string> configured_sha256;
   std::optional<FineFile> fine;
-  std::shared_ptr<const json> origin;
 };
 
 }  // namespace
 
 template <>
-inline constexpr auto kTable<LutFile> = Fields{
-    "LutFile",
-    field<&LutFile::t_taken_ns>(kTimeMeaning).mandatory(),
-    field<&LutFile::frames>("averaged frames", {1, limits::kReferenceFrames.max}).mandatory(),
-    field<&LutFile::levels>("measured grey levels", {2, 256}).mandatory(),
-    field<&LutFile::phase_rad>("phase of each grey level", {-kMaxRad, kMaxRad})
-        .sized(256, 256)
-        .mandatory(),
-    field<&LutFile::standard_error_rad>("standard error of each phase", {0.0, kMaxRad})
-        .sized(256, 256)
-        .mandatory(),
-    field<&LutFile::noise_rad>("noise of a measured phase", {0.0, kMaxRad}),
-    field<&LutFile::residual_rad>("residual of the smoothed phases", {0.0, kMaxRad}),
-    field<&LutFile::origin>("bench and settings").mandatory()};
+inline constexpr auto kTable<PhaseResponse> = Fields{
+    "PhaseResponse", field<&PhaseResponse::levels>("measured grey levels", {2, 256}).mandatory(),
+    field<&PhaseResponse::noise_rad>("noise of a measured phase", {0.0, kMaxRad}),
+    field<&PhaseResponse::residual_rad>("residual of the smoothed phases", {0.0, kMaxRad})};
+
+template <>
+inline constexpr auto kTable<MeasuredLut> = Fields{
+    "MeasuredLut", field<&MeasuredLut::t_taken_ns>(kTimeMeaning).mandatory(),
+    field<&MeasuredLut::frames>("averaged frames", {1, limits::kReferenceFrames.max}).mandatory(),
+    inlined(&MeasuredLut::response), field<&MeasuredLut::origin>("bench and settings").mandatory()};
+
+template <>
+inline constexpr auto kTable<LutFile> =
+    Fields{"LutFile", inlined(&LutFile::lut),
+           field<&LutFile::phase_rad>("phase of each grey level", {-kMaxRad, kMaxRad})
+               .sized(256, 256)
+               .mandatory(),
+           field<&LutFile::standard_error_rad>("standard error of each phase", {0.0, kMaxRad})
+               .sized(256, 256)
+               .mandatory()};
 
 template <>
 struct Rules<LutFile> {
@@ -77,30 +75,35 @@ inline constexpr auto kTable<FineFile> =
            field<&FineFile::base64>("float32 in waves, row by row").mandatory()};
 
 template <>
-inline constexpr auto kTable<FlatnessFile> = Fields{
-    "FlatnessFile",
-    field<&FlatnessFile::t_taken_ns>(kTimeMeaning).mandatory(),
-    field<&FlatnessFile::frames>("averaged frames", {1, limits::kReferenceFrames.max}).mandatory(),
-    field<&FlatnessFile::iterations>("scans", {1, 1000}),
-    field<&FlatnessFile::pupil_diameter_px>("circle of the modes", limits::kPupilDiameterPx)
+inline constexpr auto kTable<MeasuredFlatness> = Fields{
+    "MeasuredFlatness",
+    field<&MeasuredFlatness::t_taken_ns>(kTimeMeaning).mandatory(),
+    field<&MeasuredFlatness::frames>("averaged frames", {1, limits::kReferenceFrames.max})
         .mandatory(),
-    field<&FlatnessFile::modes>("modes of the error").sized(1, kMaxZernikeIndex).mandatory(),
-    field<&FlatnessFile::standard_error_waves>("of each mode", {0.0, 1e6})
+    field<&MeasuredFlatness::iterations>("scans", {1, 1000}),
+    field<&MeasuredFlatness::pupil_diameter_px>("circle of the modes", limits::kPupilDiameterPx)
+        .mandatory(),
+    field<&MeasuredFlatness::modes>("modes of the error").sized(1, kMaxZernikeIndex).mandatory(),
+    field<&MeasuredFlatness::standard_error_waves>("of each mode", {0.0, 1e6})
         .sized(1, kMaxZernikeIndex)
         .mandatory(),
-    field<&FlatnessFile::residual_rms_waves>("change in the last scan", {0.0, 1e6}),
-    field<&FlatnessFile::configured_sha256>("of the map of slm.flatness; null: none").mandatory(),
-    field<&FlatnessFile::fine>("what the modes leave; left out: nothing").or_left_out(),
-    field<&FlatnessFile::origin>("bench and settings").mandatory()};
+    field<&MeasuredFlatness::residual_rms_waves>("change in the last scan", {0.0, 1e6}),
+    field<&MeasuredFlatness::origin>("bench and settings").mandatory()};
 
 template <>
-struct Rules<FlatnessFile> {
-  static void check(const FlatnessFile& file, ObjectReader& reader) {
+inline constexpr auto kTable<FlatnessFile> = Fields{
+    "FlatnessFile", inlined(&FlatnessFile::flatness),
+    field<&FlatnessFile::configured_sha256>("of the map of slm.flatness; null: none").mandatory(),
+    field<&FlatnessFile::fine>("what the modes leave; left out: nothing").or_left_out()};
+
+template <>
+struct Rules<MeasuredFlatness> {
+  static void check(const MeasuredFlatness& flatness, ObjectReader& reader) {
     const auto fits = [](const Mode& mode) {
       return mode.j >= 3 && std::abs(mode.waves) <= limits::kModeWaves.max;
     };
-    if (file.modes.size() != file.standard_error_waves.size() ||
-        !std::ranges::all_of(file.modes, fits)) {
+    if (flatness.modes.size() != flatness.standard_error_waves.size() ||
+        !std::ranges::all_of(flatness.modes, fits)) {
       reader.fault("modes", "must have as many entries as standard_error_waves, of j = 3 and more");
     }
   }
@@ -108,46 +111,26 @@ struct Rules<FlatnessFile> {
 
 json lut_content(const MeasuredLut& lut) {
   const PhaseResponse& r = lut.response;
-  return to_json(LutFile{lut.t_taken_ns,
-                         lut.frames,
-                         r.levels,
+  return to_json(LutFile{lut,
                          {r.phase_rad.begin(), r.phase_rad.end()},
-                         {r.standard_error_rad.begin(), r.standard_error_rad.end()},
-                         r.noise_rad,
-                         r.residual_rad,
-                         std::make_shared<const json>(lut.origin)});
+                         {r.standard_error_rad.begin(), r.standard_error_rad.end()}});
 }
 
 Result<MeasuredLut> lut_from(const json& content) {
-  const auto file = decode<LutFile>(content);
+  auto file = decode<LutFile>(content);
   if (!file) return fail(file.error());
-  auto parsed = parse_origin(*file->origin);
+  MeasuredLut& lut = file->lut;
+  auto parsed = parse_origin(*lut.origin);
   if (!parsed) return fail(parsed.error());
-  MeasuredLut lut;
-  lut.t_taken_ns = file->t_taken_ns;
-  lut.frames = file->frames;
-  lut.response.levels = file->levels;
   std::ranges::copy(file->phase_rad, lut.response.phase_rad.begin());
   std::ranges::copy(file->standard_error_rad, lut.response.standard_error_rad.begin());
-  lut.response.noise_rad = file->noise_rad;
-  lut.response.residual_rad = file->residual_rad;
   lut.table = linearising_lut(lut.response.phase_rad);
   lut.key = std::move(parsed->key);
-  lut.origin = *file->origin;
-  return lut;
+  return std::move(lut);
 }
 
 json flatness_content(const MeasuredFlatness& flatness) {
-  FlatnessFile file{flatness.t_taken_ns,
-                    flatness.frames,
-                    flatness.iterations,
-                    flatness.pupil_diameter_px,
-                    flatness.residual_rms_waves,
-                    flatness.modes,
-                    flatness.standard_error_waves,
-                    std::nullopt,
-                    std::nullopt,
-                    std::make_shared<const json>(flatness.origin)};
+  FlatnessFile file{flatness, std::nullopt, std::nullopt};
   if (!flatness.key.flatness_file.is_null()) {
     file.configured_sha256 = flatness.key.flatness_file.get<std::string>();
   }
@@ -161,20 +144,12 @@ json flatness_content(const MeasuredFlatness& flatness) {
 Result<MeasuredFlatness> flatness_from(const json& content) {
   auto file = decode<FlatnessFile>(content);
   if (!file) return fail(file.error());
-  auto parsed = parse_origin(*file->origin);
+  MeasuredFlatness& flatness = file->flatness;
+  auto parsed = parse_origin(*flatness.origin);
   if (!parsed) return fail(parsed.error());
-  MeasuredFlatness flatness;
-  flatness.t_taken_ns = file->t_taken_ns;
-  flatness.frames = file->frames;
-  flatness.iterations = file->iterations;
-  flatness.pupil_diameter_px = file->pupil_diameter_px;
-  flatness.modes = std::move(file->modes);
-  flatness.standard_error_waves = std::move(file->standard_error_waves);
-  flatness.residual_rms_waves = file->residual_rms_waves;
   flatness.key = std::move(parsed->key);
   flatness.key.flatness_file = to_json(file->configured_sha256);
-  flatness.origin = *file->origin;
-  if (!file->fine) return flatness;
+  if (!file->fine) return std::move(flatness);
   const int side = file->fine->cells;
   auto values = floats_of(file->fine->base64, std::size_t(side) * std::size_t(side));
   const auto too_large = [](float waves) {
@@ -185,7 +160,7 @@ Result<MeasuredFlatness> flatness_from(const json& content) {
   }
   flatness.fine = Image<float>(side, side);
   flatness.fine.pixels = std::move(*values);
-  return flatness;
+  return std::move(flatness);
 }
 
 nlohmann::json flatness_sha256(const HologramConfig& hologram) {

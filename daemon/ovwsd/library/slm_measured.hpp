@@ -19,9 +19,9 @@ struct MeasuredLut {
   std::int64_t t_taken_ns = 0;
   int frames = 0;  ///< number of frames averaged for each hologram
   PhaseResponse response;
-  PhaseTable table;         ///< the LUT that makes the response linear
-  BenchKey key{};           ///< what the LUT depends on
-  nlohmann::json origin{};  ///< see make_origin
+  PhaseTable table;                                ///< the LUT that makes the response linear
+  BenchKey key{};                                  ///< what the LUT depends on
+  std::shared_ptr<const nlohmann::json> origin{};  ///< see make_origin; never null in use
 };
 
 /// Result of flatness.run or map.run: the SLM's phase error. The hologram adds the opposite of it.
@@ -34,9 +34,9 @@ struct MeasuredFlatness {
   std::vector<double> standard_error_waves;  ///< of each mode
   /// What the modes leave of the error: a map over the pupil's square, NaN outside; empty: nothing.
   Image<float> fine{};
-  double residual_rms_waves = 0.0;  ///< RMS change of the modes in the last scan
-  BenchKey key{};                   ///< what the flatness depends on
-  nlohmann::json origin;            ///< see make_origin
+  double residual_rms_waves = 0.0;                 ///< RMS change of the modes in the last scan
+  BenchKey key{};                                  ///< what the flatness depends on
+  std::shared_ptr<const nlohmann::json> origin{};  ///< see make_origin; never null in use
 };
 
 /// SLM data in use: measurements and hologram settings. Immutable. If a measurement is null, the

@@ -25,11 +25,13 @@ Result<void> check_epoch(const SensorEdit& edit, std::uint64_t sensor_epoch) {
 BenchKey key_of(const SensorEdit& edit) {
   return key_of(edit.state, edit.knowledge, edit.bench.optics);
 }
-nlohmann::json origin_of(const SensorEdit& edit, const BenchKey& key,
-                         const std::vector<Mode>& shown, const Image<std::uint8_t>* grey,
-                         std::vector<Mode> introduced = {}) {
-  return make_origin({key, shown, edit.bench.camera, registration_of(edit.state, edit.bench.optics),
-                      grey, std::move(introduced)});
+std::shared_ptr<const nlohmann::json> origin_of(const SensorEdit& edit, const BenchKey& key,
+                                                const std::vector<Mode>& shown,
+                                                const Image<std::uint8_t>* grey,
+                                                std::vector<Mode> introduced = {}) {
+  return std::make_shared<const nlohmann::json>(
+      make_origin({key, shown, edit.bench.camera, registration_of(edit.state, edit.bench.optics),
+                   grey, std::move(introduced)}));
 }
 
 template <class T>
@@ -64,9 +66,8 @@ Reference new_reference(const SensorEdit& edit, ReferenceSource source) {
   reference.registration = registration_of(state, edit.bench.optics);
   if (measured) reference.aberration = shown_modes(state);
   if (measured && rms_waves(state.aberration) > 0.0) reference.introduced = state.aberration;
-  reference.origin = std::make_shared<const nlohmann::json>(
-      origin_of(edit, reference.key, reference.aberration,
-                measured ? edit.bench.levels.get() : nullptr, reference.introduced));
+  reference.origin = origin_of(edit, reference.key, reference.aberration,
+                               measured ? edit.bench.levels.get() : nullptr, reference.introduced);
   return reference;
 }
 
@@ -380,8 +381,8 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
     Calibration calibration{measured, key_of(edit), {}, nullptr};
     calibration.key.tracking = calibrated_tracking(edit.state.tracking);
     calibration.mode_operator = mode_operator_of(calibration);
-    calibration.origin = std::make_shared<const nlohmann::json>(
-        origin_of(edit, calibration.key, shown_modes(edit.state), edit.bench.levels.get()));
+    calibration.origin =
+        origin_of(edit, calibration.key, shown_modes(edit.state), edit.bench.levels.get());
     const auto replaced = remove_calibrations(edit.knowledge, edit.state, edit.bench.optics);
     const auto item = std::make_shared<const Calibration>(std::move(calibration));
     add_calibrations(edit.knowledge, {item});

@@ -50,14 +50,14 @@ class Slm : public testing::Test {
     }
     lut.table = linearising_lut(lut.response.phase_rad);
     lut.key = key(configured());
-    lut.origin = origin();
+    lut.origin = std::make_shared<const nlohmann::json>(origin());
     return lut;
   }
   MeasuredFlatness flatness() const {
     MeasuredFlatness flatness{7,  30,   4,  96.0, {{4, 0.25}, {7, -0.1}}, {1e-3, 2e-3},
                               {}, 4e-4, {}, {}};
     flatness.key = key(configured());
-    flatness.origin = origin();
+    flatness.origin = std::make_shared<const nlohmann::json>(origin());
     return flatness;
   }
 
@@ -72,7 +72,7 @@ TEST_F(Slm, WhatWasMeasuredIsFoundAgainAsItWas) {
   EXPECT_EQ(found->response.standard_error_rad, table.response.standard_error_rad);
   EXPECT_EQ(found->table.lut, table.table.lut);
   EXPECT_EQ(found->table.reason, table.table.reason);
-  EXPECT_EQ(found->origin, table.origin);
+  EXPECT_EQ(*found->origin, *table.origin);
   EXPECT_TRUE(applies(*found));
   const MeasuredFlatness surface = flatness();
   const auto flat = flatness_from(flatness_content(surface));
