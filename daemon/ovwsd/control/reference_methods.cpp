@@ -25,7 +25,7 @@ KnownReference reference_of(const Services& services, const SensorSnapshot& now)
                           r.t_taken_ns,
                           r.positions_px,
                           r.standard_error_px,
-                          std::string(reference_source_name(r.source)),
+                          std::string(wire_name(r.source)),
                           sha256_of(services.library, r),
                           stale_fields(r, services.camera.snapshot().settings),
                           {*r.origin},

@@ -58,39 +58,35 @@ struct Wire<std::shared_ptr<const ReferenceImage>> {
 };
 
 template <>
-inline constexpr NamesOf kNames<ReferenceSource> = texts<"measured", "model">;
+inline constexpr auto kTable<SourceReference> =
+    Fields{"SourceReference",
+           field<&SourceReference::frames>("averaged frames", {0, kMaxFrames}).mandatory(),
+           field<&SourceReference::t_taken_ns>(kTimeMeaning).mandatory(),
+           field<&SourceReference::positions_px>("[x, y] of each spot")
+               .sized(1, kMaxReferenceSpots)
+               .mandatory(),
+           field<&SourceReference::standard_error_px>("[x, y] of each spot; null: it was lost")
+               .sized(1, kMaxReferenceSpots)
+               .with_nulls()
+               .mandatory()};
 
 template <>
 inline constexpr auto kTable<BeamReference> =
     Fields{"BeamReference",
            field<&BeamReference::beam>("name of the source").mandatory(),
            field<&BeamReference::offset_px>("[x, y], as configured", {-1e6, 1e6}).mandatory(),
-           field<&BeamReference::frames>("averaged frames", {0, kMaxFrames}).mandatory(),
-           field<&BeamReference::t_taken_ns>(kTimeMeaning).mandatory(),
+           based<SourceReference>(),
            field<&BeamReference::aberration>("modes shown").mandatory(),
-           field<&BeamReference::introduced>("modes introduced").mandatory(),
-           field<&BeamReference::positions_px>("[x, y] of each spot")
-               .sized(1, kMaxReferenceSpots)
-               .mandatory(),
-           field<&BeamReference::standard_error_px>("[x, y] of each spot; null: it was lost")
-               .sized(1, kMaxReferenceSpots)
-               .with_nulls()
-               .mandatory()};
+           field<&BeamReference::introduced>("modes introduced").mandatory()};
 
 template <>
-inline constexpr auto kTable<Reference> = Fields{
-    "ReferenceFile",
-    field<&Reference::source>("measured, or predicted").mandatory(),
-    field<&Reference::frames>("averaged frames", {0, kMaxFrames}).mandatory(),
-    field<&Reference::t_taken_ns>(kTimeMeaning).mandatory(),
-    field<&Reference::positions_px>("[x, y] of each spot").sized(1, kMaxReferenceSpots).mandatory(),
-    field<&Reference::standard_error_px>("[x, y] of each spot; null: it was lost")
-        .sized(1, kMaxReferenceSpots)
-        .with_nulls()
-        .mandatory(),
-    field<&Reference::origin>("bench and settings").mandatory(),
-    field<&Reference::picture>("mean image").mandatory(),
-    field<&Reference::beams>("of the further sources").sized(0, kMaxBeams).or_left_out()};
+inline constexpr auto kTable<Reference> =
+    Fields{"ReferenceFile",
+           field<&Reference::source>("measured, or predicted").mandatory(),
+           based<SourceReference>(),
+           field<&Reference::origin>("bench and settings").mandatory(),
+           field<&Reference::picture>("mean image").mandatory(),
+           field<&Reference::beams>("of the further sources").sized(0, kMaxBeams).or_left_out()};
 
 template <>
 struct Rules<Reference> {

@@ -15,6 +15,7 @@
 #include "core/wavefront/registration.hpp"
 #include "daemon/ovwsd/library/bench_key.hpp"
 #include "daemon/ovwsd/library/reference_image.hpp"
+#include "proto/field.hpp"
 
 namespace ovws {
 
@@ -22,30 +23,29 @@ enum class ReferenceSource {
   measured,  ///< averaged from frames
   model,     ///< computed: coefficients then contain the bench's misalignment
 };
-constexpr const char* reference_source_name(ReferenceSource source) {
-  return source == ReferenceSource::model ? "model" : "measured";
-}
+template <>
+inline constexpr NamesOf kNames<ReferenceSource> = texts<"measured", "model">;
 
-/// The part of a measured reference that belongs to a further light source.
-struct BeamReference {
-  std::string beam;  ///< name in the configuration
-  Vec2 offset_px;    ///< as configured when it was taken
+/// The part of a reference that belongs to one light source.
+struct SourceReference {
   int frames = 0;
   std::int64_t t_taken_ns = 0;
-  std::vector<Mode> aberration, introduced;  ///< as in Reference
+  std::vector<Mode> aberration;  ///< shown while it was taken, RMS-normalised waves
+  std::vector<Mode> introduced;  ///< part of `aberration` that was introduced, no correction
   std::vector<Vec2> positions_px, standard_error_px;
 };
 
-struct Reference {
+/// The part of a further source.
+struct BeamReference : SourceReference {
+  std::string beam;  ///< name in the configuration
+  Vec2 offset_px;    ///< as configured when it was taken
+};
+
+/// A reference, with the part of the main source.
+struct Reference : SourceReference {
   BenchKey key;
   ReferenceSource source = ReferenceSource::measured;
-  int frames = 0;
-  std::int64_t t_taken_ns = 0;
-  std::optional<Registration> registration;  ///< active while it was taken
-  std::vector<Mode> aberration;              ///< shown while it was taken, RMS-normalised waves
-  std::vector<Mode> introduced;  ///< part of `aberration` that was introduced, no correction
-  std::vector<Vec2> positions_px;
-  std::vector<Vec2> standard_error_px;
+  std::optional<Registration> registration;       ///< active while it was taken
   std::shared_ptr<const ReferenceImage> picture;  ///< null: too few frames, or discarded
   std::vector<BeamReference> beams;               ///< of the further sources, if any were taken
   std::shared_ptr<const nlohmann::json> origin;   ///< see make_origin; never null in use

@@ -99,12 +99,7 @@ std::optional<Reference> reference_of(const Reference& all, const BeamConfig& be
     return one.beam == beam.name && one.offset_px == beam.offset_px;
   });
   if (found == all.beams.end()) return std::nullopt;
-  own.frames = found->frames;
-  own.t_taken_ns = found->t_taken_ns;
-  own.aberration = found->aberration;
-  own.introduced = found->introduced;
-  own.positions_px = found->positions_px;
-  own.standard_error_px = found->standard_error_px;
+  static_cast<SourceReference&>(own) = static_cast<const SourceReference&>(*found);
   return own;
 }
 

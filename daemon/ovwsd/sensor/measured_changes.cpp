@@ -237,8 +237,7 @@ Result<void> add_beams(const SensorEdit& edit, const Bound& bound, const TakenRe
                     "of the source " + name + ": " + used.error().reason);
       }
       spots.push_back(std::move(*used));
-      beams.push_back({name, offset_px, own.frames, own.t_taken_ns, own.aberration, own.introduced,
-                       own.positions_px, own.standard_error_px});
+      beams.push_back({static_cast<SourceReference&>(own), name, offset_px});
     } else if (bound.reference) {
       for (const BeamReference& one : bound.reference->beams) {
         if (one.beam == name && one.offset_px == offset_px) beams.push_back(one);

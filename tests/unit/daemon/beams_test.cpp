@@ -69,7 +69,7 @@ TEST(Beams, HaveTheirPartOfAMeasuredReferenceWhileTheOffsetIsTheSame) {
   all.t_taken_ns = 1;
   all.positions_px = {{1, 1}};
   all.standard_error_px = {{0, 0}};
-  all.beams = {{"b", {0, 5}, 20, 2, {{3, 0.1}}, {}, {{1, 6}}, {{0.1, 0.1}}}};
+  all.beams = {{{20, 2, {{3, 0.1}}, {}, {{1, 6}}, {{0.1, 0.1}}}, "b", {0, 5}}};
   const auto own = reference_of(all, {"b", {0, 5}}, {});
   ASSERT_TRUE(own);
   EXPECT_EQ(own->t_taken_ns, 2);

@@ -29,14 +29,10 @@ class StoredReferences : public testing::Test {
       reference.positions_px.push_back({0.1 * double(i), 1.0 / 3.0});
       reference.standard_error_px.push_back({1e-3, 2e-3 / 3.0});
     }
-    reference.beams = {{"b",
-                        {0.5, 400.0},
-                        50,
-                        7,
-                        {{3, 0.1}},
-                        {{3, 0.1}},
-                        reference.positions_px,
-                        reference.standard_error_px}};
+    reference.beams = {
+        {{50, 7, {{3, 0.1}}, {{3, 0.1}}, reference.positions_px, reference.standard_error_px},
+         "b",
+         {0.5, 400.0}}};
     reference.beams[0].standard_error_px[1] = {NAN, NAN};
     auto picture = std::make_shared<ReferenceImage>();
     picture->frames = 8;
