@@ -31,10 +31,11 @@ bool is_bound(const SensorSnapshot& sensor, const Bound& bound) {
 }
 
 /// The obstacle with this reason, which goes on if it was that of the snapshot before.
-Obstacle obstacle_of(std::string reason, std::string_view action, const SensorSnapshot& before) {
+StatusMessage::SensorPart::Invalid obstacle_of(const std::string& reason, std::string_view action,
+                                               const SensorSnapshot& before) {
   if (reason.empty()) return {};
   const bool goes_on = reason == before.obstacle.reason;
-  return {std::move(reason), std::string(action), goes_on ? before.obstacle.t_since_ns : utc_ns()};
+  return {goes_on ? before.obstacle.t_since_ns : utc_ns(), reason, std::string(action), 0, {}};
 }
 
 /// Warns if settings that a stored registration builds on have changed since it was measured

@@ -15,6 +15,7 @@
 #include "daemon/ovwsd/library/reference.hpp"
 #include "daemon/ovwsd/library/slm_measured.hpp"
 #include "daemon/ovwsd/sensor/beams.hpp"
+#include "proto/status_message.hpp"
 #include "proto/tables/sensor.hpp"
 
 namespace ovws {
@@ -28,13 +29,6 @@ struct SensorShown {
   /// Introduced by each pattern of a DMD's sequence, in place of `aberration`; empty: no sequence.
   std::vector<std::vector<Mode>> sequence;
   PatternCycle cycle;  ///< of `sequence`
-};
-
-/// Why no frame can be valid, whatever the image.
-struct Obstacle {
-  std::string reason;           ///< empty: there is none
-  std::string action;           ///< what the user can do
-  std::int64_t t_since_ns = 0;  ///< UTC: when this reason began
 };
 
 /// The sensor's settings and active measurements. Immutable and shared by all readers.
@@ -58,8 +52,9 @@ struct SensorSnapshot : SensorShown {
   /// problem.
   std::string layout_fault;
   std::shared_ptr<const Reference> reference;  ///< the active one; null: no reference
-  /// Without a plan, why none can be built; else without a reference, missing_reference_reason.
-  Obstacle obstacle;
+  /// Why no frame can be valid, whatever the image. Without a plan: why none can be built; else
+  /// without a reference: missing_reference_reason. An empty reason: it can.
+  StatusMessage::SensorPart::Invalid obstacle;
   std::shared_ptr<const Calibration> calibration;  ///< the one that applies; null: none does
   std::shared_ptr<const ActiveSlm> slm;            ///< LUT and flatness; never null
 };

@@ -119,12 +119,11 @@ const std::string* ValidityWatch::too_close_to(const FrameRecord& main, std::siz
 }
 
 void ValidityWatch::note(std::size_t source, Lack newest, std::int64_t now_ns) {
-  Source& of = sources_[source];
-  const std::int64_t since_ns = of.written.since_ns != 0 ? of.written.since_ns : now_ns;
+  SeqLock<Lack>& of = sources_[source].newest;
+  const std::int64_t before_ns = of.read().since_ns, since_ns = before_ns != 0 ? before_ns : now_ns;
   newest.since_ns = newest.verdict == Verdict::valid ? 0 : since_ns;
   newest.t_ns = now_ns;
-  of.written = newest;
-  of.newest.write(newest);
+  of.write(newest);
 }
 
 std::optional<Lack> ValidityWatch::lack(std::size_t source, std::int64_t now_ns) const {

@@ -79,7 +79,6 @@ class ValidityWatch {
     explicit Source(const BeamConfig& beam) : name(beam.name), label("the source " + beam.name) {}
     const std::string name;  ///< empty: the main one
     const std::string label;
-    Lack written;                   ///< publish thread only: what it wrote last into `newest`
     SeqLock<Lack> newest;           ///< one frame's facts, which readers see together
     std::int64_t announced_ns = 0;  ///< start of the invalid period announced; 0: none is
   };

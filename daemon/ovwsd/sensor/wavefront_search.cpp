@@ -95,14 +95,7 @@ WavefrontSearch::~WavefrontSearch() = default;
 std::optional<StatusMessage::SensorPart::Invalid> WavefrontSearch::why_invalid(
     std::size_t source) const {
   const SensorView sensor = keeper_.snapshot();
-  const Obstacle& obstacle = sensor->obstacle;
-  if (source == 0 && !obstacle.reason.empty()) {
-    StatusMessage::SensorPart::Invalid invalid;
-    invalid.t_since_ns = obstacle.t_since_ns;
-    invalid.reason = obstacle.reason;
-    invalid.action = obstacle.action;
-    return invalid;
-  }
+  if (source == 0 && !sensor->obstacle.reason.empty()) return sensor->obstacle;
   if (source == 0 && !sensor->reference) return std::nullopt;
   return validity_.why_invalid(source, monotonic_ns(), utc_ns());
 }
