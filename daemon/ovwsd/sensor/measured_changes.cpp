@@ -78,20 +78,56 @@ void keep_reference(SensorEdit& edit, Reference reference) {
   schedule_write(edit, item, replaced);
 }
 
-BenchKey slm_key_of(const SensorEdit& edit) {
-  BenchKey key = key_of(edit);
-  key.tracking = position_tracking(key.tracking);
-  return key;
+/// The items of one type that a change has removed from `all`.
+template <class T>
+RemovedItems removed_items(Shared<T> items, Shared<T> Knowledge::*all,
+                           void (*add)(Knowledge&, const Shared<T>&)) {
+  return {&ItemOf<T>::kKind, names_of(items), [=](SensorEdit& now) {
+            const std::vector<std::string> present = names_of(now.knowledge.*all);
+            Shared<T> missing = items;
+            std::erase_if(missing, [&](const auto& one) {
+              return std::ranges::find(present, ItemOf<T>::name(*one)) != present.end();
+            });
+            add(now.knowledge, missing);
+          }};
 }
 
-/// Switches the SLM to another LUT or flatness, which changes all holograms. Does nothing if LUT
-/// and flatness are already active.
-void switch_slm(SensorEdit& edit, std::shared_ptr<const MeasuredLut> lut,
-                std::shared_ptr<const MeasuredFlatness> flatness) {
-  const ActiveSlm& now = *edit.state.slm;
-  if (lut == now.lut && flatness == now.flatness) return;
-  edit.state.slm =
-      active_slm(edit.bench.config, edit.bench.hologram, std::move(lut), std::move(flatness));
+/// The member for the LUT or for the flatness.
+template <class T>
+using SlmPart = std::shared_ptr<const T> ActiveSlm::*;
+
+/// Switches the SLM to another LUT or flatness, which changes all holograms. Does nothing if it is
+/// already active.
+template <class T>
+void switch_slm(SensorEdit& edit, SlmPart<T> part, std::shared_ptr<const T> item) {
+  ActiveSlm next = *edit.state.slm;
+  if (next.*part == item) return;
+  next.*part = std::move(item);
+  edit.state.slm = active_slm(edit.bench.config, edit.bench.hologram, next.lut, next.flatness);
+}
+
+/// Makes a measured LUT or flatness active.
+template <class T>
+Result<void> use_slm(SensorEdit& edit, SlmPart<T> part, T measured) {
+  measured.key = key_of(edit);
+  measured.key.tracking = position_tracking(measured.key.tracking);
+  measured.origin = origin_of(edit, measured.key, shown_modes(edit.state), nullptr);
+  const auto item = std::make_shared<const T>(std::move(measured));
+  switch_slm(edit, part, item);
+  schedule_write(edit, item);
+  return {};
+}
+
+/// Deletes the LUT or the flatness.
+template <class T>
+Result<void> forget_slm(SensorEdit& edit, SlmPart<T> part) {
+  const auto before = edit.state.slm;
+  switch_slm(edit, part, {});
+  edit.files_only = edit.state.slm == before;
+  edit.removed = {&ItemOf<T>::kKind, {ItemOf<T>::name({})}, [part, before](SensorEdit& now) {
+                    if (!((*now.state.slm).*part)) switch_slm(now, part, (*before).*part);
+                  }};
+  return {};
 }
 
 /// Whether the registration in use is of the present camera and settings.
@@ -327,10 +363,8 @@ SensorChange use_saved_reference(Reference reference) {
 
 SensorChange forget_reference() {
   return [](SensorEdit& edit) -> Result<void> {
-    RemovedItems& removed = edit.removed;
-    removed.kind = &kReferenceItems;
-    removed.references = remove_references(edit.knowledge, edit.state, edit.bench.optics);
-    removed.names = names_of(removed.references);
+    edit.removed = removed_items(remove_references(edit.knowledge, edit.state, edit.bench.optics),
+                                 &Knowledge::references, add_references);
     return {};
   };
 }
@@ -366,9 +400,13 @@ SensorChange use_plate(std::uint64_t sensor_epoch, const SpiralPlate& plate) {
 
 SensorChange forget_registration() {
   return [](SensorEdit& edit) -> Result<void> {
-    edit.removed.kind = &kRegistrationItems;
-    edit.removed.names = {ItemOf<MeasuredRegistration>::name({})};
-    edit.removed.registration = edit.state.registration;
+    const auto put_back = [before = edit.state.registration](SensorEdit& now) {
+      if (!before || now.state.registration) return;
+      now.state.registration = before;
+      before->array.use_in(now.state.sensor);
+      ++now.state.sensor_epoch;
+    };
+    edit.removed = {&kRegistrationItems, {ItemOf<MeasuredRegistration>::name({})}, put_back};
     drop_registration(edit.state, edit.bench.config.sensor);
     return {};
   };
@@ -396,86 +434,29 @@ SensorChange use_calibration(std::uint64_t sensor_epoch, MeasuredCalibration mea
 
 SensorChange forget_calibration() {
   return [](SensorEdit& edit) -> Result<void> {
-    RemovedItems& removed = edit.removed;
-    removed.kind = &kCalibrationItems;
-    removed.calibrations = remove_calibrations(edit.knowledge, edit.state, edit.bench.optics);
-    removed.names = names_of(removed.calibrations);
+    edit.removed = removed_items(remove_calibrations(edit.knowledge, edit.state, edit.bench.optics),
+                                 &Knowledge::calibrations, add_calibrations);
     return {};
   };
 }
 
 SensorChange use_lut(MeasuredLut lut) {
-  return [lut = std::move(lut)](SensorEdit& edit) -> Result<void> {
-    MeasuredLut measured = lut;
-    measured.key = slm_key_of(edit);
-    measured.origin = origin_of(edit, measured.key, shown_modes(edit.state), nullptr);
-    const auto item = std::make_shared<const MeasuredLut>(std::move(measured));
-    switch_slm(edit, item, edit.state.slm->flatness);
-    schedule_write(edit, item);
-    return {};
-  };
+  return [lut = std::move(lut)](SensorEdit& edit) { return use_slm(edit, &ActiveSlm::lut, lut); };
 }
 
 SensorChange use_flatness(std::uint64_t sensor_epoch, MeasuredFlatness flatness) {
   return [sensor_epoch, flatness = std::move(flatness)](SensorEdit& edit) -> Result<void> {
     if (auto same = check_epoch(edit, sensor_epoch); !same) return same;
-    MeasuredFlatness measured = flatness;
-    measured.key = slm_key_of(edit);
-    measured.origin = origin_of(edit, measured.key, shown_modes(edit.state), nullptr);
-    const auto item = std::make_shared<const MeasuredFlatness>(std::move(measured));
-    switch_slm(edit, edit.state.slm->lut, item);
-    schedule_write(edit, item);
-    return {};
+    return use_slm(edit, &ActiveSlm::flatness, flatness);
   };
 }
 
 SensorChange forget_lut() {
-  return [](SensorEdit& edit) -> Result<void> {
-    const auto before = edit.state.slm;
-    switch_slm(edit, nullptr, before->flatness);
-    edit.files_only = edit.state.slm == before;
-    edit.removed = {&kLutItems, {ItemOf<MeasuredLut>::name({})}};
-    edit.removed.lut = before->lut;
-    return {};
-  };
+  return [](SensorEdit& edit) { return forget_slm(edit, &ActiveSlm::lut); };
 }
 
 SensorChange forget_flatness() {
-  return [](SensorEdit& edit) -> Result<void> {
-    const auto before = edit.state.slm;
-    switch_slm(edit, before->lut, nullptr);
-    edit.files_only = edit.state.slm == before;
-    edit.removed = {&kFlatnessItems, {ItemOf<MeasuredFlatness>::name({})}};
-    edit.removed.flatness = before->flatness;
-    return {};
-  };
-}
-
-/// Without those in whose place another has been measured.
-template <class T>
-Shared<T> still_missing(Shared<T> removed, const Shared<T>& now) {
-  const std::vector<std::string> names = names_of(now);
-  std::erase_if(removed, [&](const auto& one) {
-    return std::ranges::find(names, ItemOf<T>::name(*one)) != names.end();
-  });
-  return removed;
-}
-
-SensorChange put_back(RemovedItems removed) {
-  return [removed = std::move(removed)](SensorEdit& edit) -> Result<void> {
-    Knowledge& known = edit.knowledge;
-    add_references(known, still_missing(removed.references, known.references));
-    add_calibrations(known, still_missing(removed.calibrations, known.calibrations));
-    SensorState& state = edit.state;
-    switch_slm(edit, state.slm->lut ? state.slm->lut : removed.lut,
-               state.slm->flatness ? state.slm->flatness : removed.flatness);
-    if (removed.registration && !state.registration) {
-      state.registration = removed.registration;
-      state.registration->array.use_in(state.sensor);
-      ++state.sensor_epoch;
-    }
-    return {};
-  };
+  return [](SensorEdit& edit) { return forget_slm(edit, &ActiveSlm::flatness); };
 }
 
 }  // namespace ovws

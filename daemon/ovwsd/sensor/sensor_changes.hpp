@@ -99,7 +99,5 @@ SensorChange forget_registration();
 SensorChange forget_calibration();
 SensorChange forget_lut();
 SensorChange forget_flatness();
-/// Undoes a deletion, except of what has been measured again since.
-SensorChange put_back(RemovedItems removed);
 
 }  // namespace ovws

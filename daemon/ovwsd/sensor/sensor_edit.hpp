@@ -42,16 +42,14 @@ struct SensorBench {
   std::shared_ptr<const Image<std::uint8_t>> levels;  ///< of that hologram, see hologram_of
 };
 
-/// Items that a change has removed, of one kind, and the names of their files. They are put back if
-/// the files cannot be removed.
+struct SensorEdit;
+/// Items that a change has removed, of one kind. They are put back if their files cannot be
+/// removed.
 struct RemovedItems {
   const ItemKind* kind = nullptr;  ///< null: none were removed
-  std::vector<std::string> names;
-  Shared<Reference> references{};
-  Shared<Calibration> calibrations{};
-  std::optional<MeasuredRegistration> registration{};
-  std::shared_ptr<const MeasuredLut> lut{};
-  std::shared_ptr<const MeasuredFlatness> flatness{};
+  std::vector<std::string> names;  ///< of the files
+  /// Undoes the deletion, except of what has been measured again since.
+  std::function<void(SensorEdit&)> put_back{};
 };
 
 /// Copies of the sensor's state for a change to modify, and file work to do once the change is

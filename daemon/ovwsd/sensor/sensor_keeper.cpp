@@ -390,11 +390,12 @@ void SensorKeeper::update_files(const std::function<Library::Item()>& stored, Re
   }
 }
 
-void SensorKeeper::undo(RemovedItems removed, Error why, const Done& done) {
+void SensorKeeper::undo(const RemovedItems& removed, Error why, const Done& done) {
   SensorEdit undo = new_edit();
   const auto lease = deps_.leases.take(Request::set_measured);
-  Result<void> undone = lease ? put_back(std::move(removed))(undo) : fail(lease.error());
-  if (undone) undone = activate(std::move(undo), Show::when_possible);
+  if (lease) removed.put_back(undo);
+  const Result<void> undone =
+      lease ? activate(std::move(undo), Show::when_possible) : fail(lease.error());
   if (!undone) {
     why.reason += fmt::format(
         "; this could not be undone ({}): it is not used now, but the next restart will load it "

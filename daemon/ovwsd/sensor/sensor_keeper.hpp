@@ -106,7 +106,7 @@ class SensorKeeper : public Agent {
   void restore_from_before_job();
   void discard_for_camera(SensorEdit& edit);
   void update_files(const std::function<Library::Item()>& stored, RemovedItems removed, Done done);
-  void undo(RemovedItems removed, Error why, const Done& done);
+  void undo(const RemovedItems& removed, Error why, const Done& done);
   SensorEdit new_edit() { return {state_, knowledge_, before_job_, bench_}; }
 
   SensorKeeperDeps deps_;
