@@ -30,8 +30,10 @@ Result<std::unique_ptr<MeasurementPlan>> plan_for(const Config& config, const Im
   if (!lattice) return fail(lattice.error());
   const Roi roi{0, 0, like.width, like.height};
   auto builder = PlanBuilder::make(
-      {1, *lattice, config.sensor, config.tracking, config.optics, config.slm.geometry, roi,
-       like.format, lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
+      {{*lattice, config.sensor, config.tracking, config.optics, config.slm.geometry, roi,
+        like.format},
+       1,
+       lit_pixels(config.camera.settings.pixel_format, config.optics.wavelength_nm),
        reference ? &*reference : nullptr});
   if (!builder) return fail(builder.error());
   return builder->plan(1, 1, {});

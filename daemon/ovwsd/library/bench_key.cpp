@@ -147,9 +147,13 @@ json array_json(const Config& config) {
   return array;
 }
 
+TrackingSettings by_positions(TrackingSettings tracking) {
+  if (tracking.tracker == TrackerKind::fit) tracking.tracker = TrackerKind::lg;
+  return tracking;
+}
+
 TrackingSettings position_tracking(const TrackingSettings& tracking) {
-  TrackingSettings needed = tracking;
-  if (tracking.tracker == TrackerKind::fit) needed.tracker = TrackerKind::lg;
+  TrackingSettings needed = by_positions(tracking);
   needed.mode_operator = OperatorKind::slopes;
   needed.mode_count.reset();
   needed.estimates = TrackingSettings{}.estimates;

@@ -43,9 +43,10 @@ nlohmann::json camera_json(const std::optional<CameraInfo>& camera);
 /// the sensor has an SLM.
 nlohmann::json array_json(const Config& config);
 
-/// Tracking settings that the positions of spots depend on; all others are set to constants:
-/// operator, mode count and estimates. Tracker `fit` is replaced by `lg`, because both find equal
-/// positions.
+/// Tracking by spot positions alone: `lg` in place of `fit`, because both find equal positions.
+TrackingSettings by_positions(TrackingSettings tracking);
+/// Tracking settings that the positions of spots depend on (by_positions); all others are set to
+/// constants: operator, mode count and estimates.
 TrackingSettings position_tracking(const TrackingSettings& tracking);
 /// Tracking settings that a calibration depends on: those of position_tracking, and with tracker
 /// `fit` also `fit` itself and its mode count. A calibration with `fit` measures spot shapes, too,

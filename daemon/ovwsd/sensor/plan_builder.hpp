@@ -12,20 +12,14 @@
 #include "core/optics/zernike.hpp"
 #include "core/pipeline/plan.hpp"
 #include "core/wavefront/mode_operator.hpp"
+#include "daemon/ovwsd/layout/spot_layout.hpp"
 #include "daemon/ovwsd/library/reference.hpp"
 #include "proto/tables/sensor.hpp"
 
 namespace ovws {
 
-struct PlanInputs {
+struct PlanInputs : SpotBench {
   std::uint64_t sensor_epoch = 0;
-  const Lattice& lattice;
-  const SensorConfig& sensor;
-  const TrackingSettings& tracking;
-  const OpticsConfig& optics;
-  const SlmGeometry& slm;
-  const Roi& roi;
-  PixelFormat format = PixelFormat::mono8;
   LitPixels lit{};                              ///< pixels of a colour camera that see the laser
   const Reference* reference = nullptr;         ///< null: no reference
   const ModeOperator* mode_operator = nullptr;  ///< null: use slope_operator

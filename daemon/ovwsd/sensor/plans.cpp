@@ -42,15 +42,17 @@ std::vector<std::int64_t> taken_times(const Reference* reference) {
 /// The builder of a further source: like `main`, by spot positions alone.
 Result<PlanBuilder> beam_builder(const PlanInputs& main, const BeamConfig& beam, Disc region,
                                  const std::vector<Vec2>& model_px) {
-  TrackingSettings tracking = main.tracking;
-  if (tracking.tracker == TrackerKind::fit) tracking.tracker = TrackerKind::lg;
   const auto reference =
       main.reference != nullptr ? reference_of(*main.reference, beam, model_px) : std::nullopt;
   const bool shapes = main.mode_operator != nullptr && main.mode_operator->shapes;
-  return PlanBuilder::make({main.sensor_epoch, main.lattice, main.sensor, tracking, main.optics,
-                            main.slm, main.roi, main.format, main.lit,
+  return PlanBuilder::make({{main.lattice, main.sensor, by_positions(main.tracking), main.optics,
+                             main.slm, main.roi, main.format},
+                            main.sensor_epoch,
+                            main.lit,
                             reference ? &*reference : nullptr,
-                            shapes ? nullptr : main.mode_operator, &beam, region});
+                            shapes ? nullptr : main.mode_operator,
+                            &beam,
+                            region});
 }
 
 }  // namespace
@@ -75,14 +77,9 @@ Result<void> Plans::make_builders(const SensorState& state, const Bound& bound) 
   builders_.clear();
   const std::vector<Vec2> model_px = model_positions(state, bench_);
   const std::vector<Disc> regions = search_regions(model_px, bench_.beams);
-  PlanInputs inputs{state.sensor_epoch,
-                    state.renderer->lattice(),
-                    state.sensor,
-                    tracking,
-                    optics,
-                    bench_.slm,
-                    state.roi,
-                    state.format,
+  PlanInputs inputs{{state.renderer->lattice(), state.sensor, tracking, optics, bench_.slm,
+                     state.roi, state.format},
+                    state.sensor_epoch,
                     lit_pixels(state.format, bench_.optics.wavelength_nm),
                     reference,
                     bound.mode_operator.get()};

@@ -19,11 +19,7 @@ bool shows_sequence(const SensorState& state) {
 }
 
 TrackingSettings tracking_in_use(const SensorState& state) {
-  TrackingSettings tracking = state.tracking;
-  if (shows_sequence(state) && tracking.tracker == TrackerKind::fit) {
-    tracking.tracker = TrackerKind::lg;
-  }
-  return tracking;
+  return shows_sequence(state) ? by_positions(state.tracking) : state.tracking;
 }
 
 std::vector<Mode> pattern_modes(const SensorState& state, std::size_t pattern) {
