@@ -169,40 +169,26 @@ void SlmLoop::show_when_possible(HologramRequest request) {
   ready_.notify_one();
 }
 
-void SlmLoop::verify(VerifyDone done) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!closed_) {
-      pending_.verify.push_back(std::move(done));
-      ready_.notify_one();
-      return;
-    }
-  }
-  done(fail(stopping()));
+/// Adds a request to its queue. Returns false after close.
+template <class Request>
+bool SlmLoop::add(std::vector<Request> Pending::*queue, Request request) {
+  const std::lock_guard lock(mutex_);
+  if (closed_) return false;
+  (pending_.*queue).push_back(std::move(request));
+  ready_.notify_one();
+  return true;
 }
 
-void SlmLoop::list_outputs(OutputsDone done) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!closed_) {
-      pending_.outputs.push_back(std::move(done));
-      ready_.notify_one();
-      return;
-    }
-  }
-  done(fail(stopping()));
+void SlmLoop::verify(const VerifyDone& done) {
+  if (!add(&Pending::verify, done)) done(fail(stopping()));
 }
 
-void SlmLoop::change(SlmSet change, SettingsDone done) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (!closed_) {
-      pending_.changes.push_back({std::move(change), std::move(done)});
-      ready_.notify_one();
-      return;
-    }
-  }
-  done(fail(stopping()));
+void SlmLoop::list_outputs(const OutputsDone& done) {
+  if (!add(&Pending::outputs, done)) done(fail(stopping()));
+}
+
+void SlmLoop::change(SlmSet change, const SettingsDone& done) {
+  if (!add(&Pending::changes, {std::move(change), done})) done(fail(stopping()));
 }
 
 Result<SlmSettings> SlmLoop::use(const Change& asked) {

@@ -100,16 +100,16 @@ class SlmLoop : public Agent {
   /// `done` is called in the main thread (after close: in the caller's). A difference is also
   /// reported as an event. Errors: there is no display or no hologram, or the display system does
   /// not allow reading.
-  void verify(VerifyDone done);
+  void verify(const VerifyDone& done);
   using OutputsDone = std::function<void(const Result<std::vector<DisplayOutput>>&)>;
   /// Lists the outputs of the display system. Thread-safe; `done` is called in the main thread
   /// (after close: in the caller's).
-  void list_outputs(OutputsDone done);
+  void list_outputs(const OutputsDone& done);
   using SettingsDone = std::function<void(Result<SlmSettings>)>;
   /// Changes the settings, all or nothing, and reopens the display if it is another output.
   /// Thread-safe; `done` gets the settings in use, in the main thread (after close: in the
   /// caller's). Errors: the output cannot be used; the former settings stay in use.
-  void change(SlmSet change, SettingsDone done);
+  void change(SlmSet change, const SettingsDone& done);
 
   SlmSnapshot snapshot() const { return snapshot_.get(); }
 
@@ -133,6 +133,8 @@ class SlmLoop : public Agent {
     std::vector<Change> changes;
   };
 
+  template <class Request>
+  bool add(std::vector<Request> Pending::*queue, Request request);
   Pending wait_for_work();
   void inspect(const Pending& asked);
   void carry_out(Job& job);
