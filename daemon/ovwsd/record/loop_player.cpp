@@ -1,6 +1,5 @@
 #include "daemon/ovwsd/record/loop_player.hpp"
 
-#include <algorithm>
 #include <exception>
 #include <map>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "core/control/loop_laws.hpp"
+#include "daemon/ovwsd/record/point_document.hpp"
 #include "daemon/shared/loop_model_json.hpp"
 #include "proto/json_text.hpp"
 #include "proto/tables/loop.hpp"
@@ -19,22 +19,9 @@ namespace {
 
 using nlohmann::json;
 
-std::vector<Mode> modes_of(const json& all) {
-  std::vector<Mode> out;
-  for (const json& one : all)
-    out.push_back({one.at("j").get<int>(), one.at("waves").get<double>()});
-  return out;
-}
-
 std::shared_ptr<const LoopModel> model_of(const json& modes) {
   if (modes.is_null()) return nullptr;
   return std::make_shared<LoopModel>(loop_model_from(modes).value());
-}
-
-bool are_same(const std::vector<Mode>& a, const std::vector<Mode>& b) {
-  return std::ranges::equal(a, b, [](const Mode& one, const Mode& other) {
-    return one.j == other.j && one.waves == other.waves;
-  });
 }
 
 /// Repeats one recording's runs, document by document. Its functions throw if a document has other
@@ -46,14 +33,14 @@ class LoopPlayer {
   void add_plan(const json& plan) {
     Plan& one = plans_[plan.at("plan_id").get<std::uint64_t>()];
     one.modes_j = plan.at("modes_j").get<std::vector<int>>();
-    one.correction = modes_of(plan.at("correction"));
+    one.correction = modes_from(plan.at("correction"));
     corrections_[plan.at("hologram_id").get<std::uint64_t>()] = one.correction;
   }
   void begin(const json& loop) {
     t_closed_ns_ = loop.at("t_closed_ns").get<std::int64_t>();
     auto settings = decode<LoopSettings>(loop.at("settings")).value();
     auto laws = laws_of(settings, model_of(loop.at("model")));
-    control_.emplace(std::move(settings), modes_of(loop.at("correction")), std::move(laws));
+    control_.emplace(std::move(settings), modes_from(loop.at("correction")), std::move(laws));
     ++played_.runs;
   }
   void repeat(const json& steps) {
@@ -103,7 +90,7 @@ class LoopPlayer {
     const auto shown = corrections_.find(row.at(3).get<std::uint64_t>());
     if (shown == corrections_.end()) return;  // no frame of that hologram was recorded
     ++played_.decisions;
-    if (are_same(control_->correction(), shown->second)) {
+    if (control_->correction() == shown->second) {
       ++played_.same;
     } else if (played_.first_difference.empty()) {
       played_.first_difference = "frame " + std::to_string(id);

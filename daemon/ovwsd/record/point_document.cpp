@@ -18,12 +18,6 @@ using nlohmann::json;
 
 constexpr double kMaxWaves = 1000.0;  // limit of a mode; a recording that exceeds it is damaged
 
-json pairs(const std::vector<Vec2>& points) {
-  json all = json::array();
-  for (const Vec2& point : points) all.push_back({point.x, point.y});
-  return all;
-}
-
 /// Field coefficients of each subaperture as JSON: real and imaginary parts in turn.
 json numbers(const std::vector<SensorField::LocalField>& fields) {
   json all = json::array();
@@ -122,7 +116,7 @@ json point_content(const OperatingPoint& point, const std::vector<int>& modes_j,
           {"waves", point.waves},
           {"reference_waves", point.reference_waves},
           {"fixed", to_json(point.fixed)},
-          {"offsets_px", pairs(point.deviations.offsets_px)},
+          {"offsets_px", to_json(point.deviations.offsets_px)},
           {"fields", numbers(point.deviations.fields)},
           {"corrected_at", point.corrected_at},
           {"noise_constant_dn2", point.noise.constant_dn2},
