@@ -10,8 +10,6 @@
 namespace ovws::examine {
 namespace {
 
-constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
-
 std::string fix_of(const ConfigurationFacts& facts, const Error& error) {
   const auto dot = error.field.rfind('.');
   const std::string key = error.field.substr(dot == std::string::npos ? 0 : dot + 1);

@@ -9,14 +9,13 @@
 #include <filesystem>
 
 #include "daemon/ovwsd/library/state_folder.hpp"
+#include "daemon/ovwsd/settings/saved_config.hpp"
 #include "daemon/shared/shell_word.hpp"
 
 namespace ovws::examine {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kServiceFolder = "/var/lib/ovws";
 
 std::optional<std::string> folder_of(const StateConfig& config) {
   if (auto named = state_directory_of(config)) return named;

@@ -27,8 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
-constexpr const char* kServiceFolder = "/var/lib/ovws";
 constexpr const char* kFileName = "/config.json";
 constexpr const char* kRejectedSuffix = ".rejected";
 constexpr std::size_t kMaxFileBytes = 1 << 20;

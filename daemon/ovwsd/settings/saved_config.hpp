@@ -11,6 +11,10 @@
 
 namespace ovws {
 
+/// The service's configuration file and state folder.
+inline constexpr const char* kServicePath = "/etc/ovws/ovwsd.json";
+inline constexpr const char* kServiceFolder = "/var/lib/ovws";
+
 /// A configuration as loaded: the file, the saved values, and the effective result.
 struct LoadedConfig {
   std::string path;                    ///< file path as given; empty: no file, `file` is defaults
