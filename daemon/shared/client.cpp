@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string_view>
+#include <utility>
 
 #include "daemon/shared/key_file.hpp"
 #include "daemon/shared/verdict_sentence.hpp"
@@ -98,7 +99,7 @@ tl::expected<json, CallFailure> result_of(json& answer) {
   if (answer.is_object() && answer.contains("error")) {
     return tl::make_unexpected(CallFailure{true, std::move(answer["error"])});
   }
-  return tl::make_unexpected(CallFailure{true, {{"message", kForeignReply}}});
+  return tl::make_unexpected(failure(kForeignReply));
 }
 
 }  // namespace
@@ -110,6 +111,14 @@ std::string check_endpoint(const std::string& endpoint) {
   }
   if (host.empty() || may_exist(host)) return {};
   return endpoint + ": there is no host \"" + host + "\"";
+}
+
+CallFailure failure(std::string message) {
+  return {true, {{"message", std::move(message)}}};
+}
+
+CallFailure failure(const Error& error) {
+  return {true, {{"message", text_of(error)}, {"data", {{"field", error.field}}}}};
 }
 
 tl::expected<json, CallFailure> call(const Common& common, const std::string& method,
@@ -141,14 +150,14 @@ tl::expected<std::vector<json>, CallFailure> call_all(const Common& common,
   if (!answers) return tl::make_unexpected(answers.error());
   std::vector<json> results(methods.size());
   if (!answers->is_array() || answers->size() != methods.size()) {
-    return tl::make_unexpected(CallFailure{true, {{"message", kForeignReply}}});
+    return tl::make_unexpected(failure(kForeignReply));
   }
   for (json& answer : *answers) {
     auto result = result_of(answer);
     if (!result) return tl::make_unexpected(result.error());
     const json id = answer.value("id", json());
     if (!id.is_number_unsigned() || id >= results.size()) {
-      return tl::make_unexpected(CallFailure{true, {{"message", kForeignReply}}});
+      return tl::make_unexpected(failure(kForeignReply));
     }
     results[id.get<std::size_t>()] = std::move(*result);
   }
@@ -164,17 +173,17 @@ int report_failure(const Common& common, const CallFailure& failure) {
   return failure.answered ? kError : kNoDaemon;
 }
 
-tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key) {
+tl::expected<Subscriber, CallFailure> open_stream(const Common& common, const char* key,
+                                                  const std::vector<std::string>& topics,
+                                                  int receive_queue) {
   const auto config = call(common, "config.get", json::object());
   if (!config) return tl::make_unexpected(config.error());
-  return reachable_endpoint(config->at("stream").at(key).get<std::string>(), common.endpoint);
-}
-
-Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
-                             const std::vector<std::string>& topics, int receive_queue) {
+  const auto endpoint =
+      reachable_endpoint(config->at("stream").at(key).get<std::string>(), common.endpoint);
   const auto keys = keys_of(common);
-  if (!keys) return fail(keys.error());
-  return Subscriber::connect(endpoint, topics, receive_queue, *keys);
+  if (!keys) return tl::make_unexpected(failure(keys.error()));
+  return Subscriber::connect(endpoint, topics, receive_queue, *keys)
+      .map_error([](const Error& error) { return failure(error); });
 }
 
 std::string verdict_text(const json& message) {
@@ -204,8 +213,7 @@ std::string why_not_valid(const json& message, const json& status) {
 }
 
 int report(const Common& common, const Error& error) {
-  return report_failure(common,
-                        {true, {{"message", text_of(error)}, {"data", {{"field", error.field}}}}});
+  return report_failure(common, failure(error));
 }
 
 }  // namespace ovws::cli

@@ -41,6 +41,10 @@ struct CallFailure {
   nlohmann::json error;   ///< JSON-RPC error object; with `answered` false only "message"
 };
 
+/// A failure that this program found, in the form of an error of the daemon.
+CallFailure failure(std::string message);
+CallFailure failure(const Error& error);
+
 /// Calls a method and returns its result. Blocks for at most `common.timeout_s`.
 tl::expected<nlohmann::json, CallFailure> call(const Common& common, const std::string& method,
                                                const nlohmann::json& params);
@@ -69,13 +73,11 @@ int report_failure(const Common& common, const CallFailure& failure);
 /// Prints an error on stderr (as JSON on stdout with --json) and returns kError.
 int report(const Common& common, const Error& error);
 
-/// Asks the daemon for a stream's endpoint (`key`: "endpoint" or "image_endpoint"), with the host
-/// replaced so that this client can reach it.
-tl::expected<std::string, CallFailure> stream_endpoint(const Common& common, const char* key);
-
-/// Subscribes to topics of a stream, with this client's keys.
-Result<Subscriber> subscribe(const Common& common, const std::string& endpoint,
-                             const std::vector<std::string>& topics, int receive_queue);
+/// Asks the daemon for a stream's endpoint (`key`: "endpoint" or "image_endpoint"), and subscribes
+/// to topics there with this client's keys. Replaces the host so that this client can reach it.
+tl::expected<Subscriber, CallFailure> open_stream(const Common& common, const char* key,
+                                                  const std::vector<std::string>& topics,
+                                                  int receive_queue);
 
 /// The sentence of the verdict in a wavefront or spots message.
 std::string verdict_text(const nlohmann::json& message);

@@ -13,10 +13,6 @@ constexpr std::chrono::milliseconds kJobPollInterval{100};
 
 }  // namespace
 
-CallFailure failure(std::string message) {
-  return {true, {{"message", std::move(message)}}};
-}
-
 std::string message_of(const CallFailure& failure) {
   const auto found = failure.error.find("message");
   const bool is_text = found != failure.error.end() && found->is_string();

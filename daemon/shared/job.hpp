@@ -11,8 +11,6 @@ namespace ovws::cli {
 
 using Answer = tl::expected<nlohmann::json, CallFailure>;
 
-/// A failure that this program found, in the form of an error of the daemon.
-CallFailure failure(std::string message);
 /// The failure's message; never empty. Throws nothing, whatever the daemon sent.
 std::string message_of(const CallFailure& failure);
 

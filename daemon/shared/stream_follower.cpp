@@ -17,13 +17,9 @@ StreamFollower::StreamFollower(Common common, const char* key, std::vector<std::
 
 void StreamFollower::subscribe_again() {
   if (Clock::now() < next_request_) return;
-  const auto endpoint = stream_endpoint(common_, key_);
-  next_request_ = Clock::now() + kRetryInterval;
-  if (!endpoint) return;
-  auto stream = subscribe(common_, *endpoint, topics_, queue_);
-  if (!stream) return;
-  stream_.emplace(std::move(*stream));
-  next_request_ = Clock::now() + kSilence;
+  auto stream = open_stream(common_, key_, topics_, queue_);
+  next_request_ = Clock::now() + (stream ? kSilence : kRetryInterval);
+  if (stream) stream_.emplace(std::move(*stream));
 }
 
 std::optional<StreamMessage> StreamFollower::receive(std::chrono::milliseconds timeout) {

@@ -17,7 +17,7 @@ constexpr int kStreamQueue = 1000;  ///< messages, for a StreamFollower
 /// rejected connection. Use it from one thread at a time.
 class StreamFollower {
  public:
-  /// `key` selects the endpoint, as for stream_endpoint. `queue`: messages kept between two calls
+  /// `key` selects the endpoint, as for open_stream. `queue`: messages kept between two calls
   /// of `receive`. `receive` may block for `common.timeout_s` longer while it asks for the
   /// endpoint.
   StreamFollower(Common common, const char* key, std::vector<std::string> topics, int queue);

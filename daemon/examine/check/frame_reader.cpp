@@ -37,10 +37,8 @@ double root_sum_square(const std::vector<double>& values) {
 
 tl::expected<FrameReader, cli::CallFailure> FrameReader::open(const cli::Common& common,
                                                               std::function<bool()> interrupted) {
-  const auto endpoint = cli::stream_endpoint(common, "endpoint");
-  if (!endpoint) return tl::make_unexpected(endpoint.error());
-  auto stream = cli::subscribe(common, *endpoint, {"wavefront", "spots"}, kQueue);
-  if (!stream) return tl::make_unexpected(cli::failure(stream.error().reason));
+  auto stream = cli::open_stream(common, "endpoint", {"wavefront", "spots"}, kQueue);
+  if (!stream) return tl::make_unexpected(stream.error());
   return FrameReader(std::move(*stream), std::move(interrupted));
 }
 

@@ -97,10 +97,8 @@ void Bench::stop_if_cancelled() const {
 }
 
 Subscriber Bench::subscriber(const char* key, const std::string& topic, int queue) {
-  const auto endpoint = cli::stream_endpoint(settings_.daemon, key);
-  if (!endpoint) throw StepFailed{error_of(endpoint.error())};
-  auto stream = cli::subscribe(settings_.daemon, *endpoint, {topic}, queue);
-  if (!stream) throw StepFailed{stream.error()};
+  auto stream = cli::open_stream(settings_.daemon, key, {topic}, queue);
+  if (!stream) throw StepFailed{error_of(stream.error())};
   return std::move(*stream);
 }
 

@@ -50,8 +50,7 @@ void add_spots(const StreamMessage& message, std::vector<Vec2>& sums, std::vecto
 }  // namespace
 
 tl::unexpected<CallFailure> failed(const Error& error) {
-  return tl::make_unexpected(
-      CallFailure{true, {{"message", text_of(error)}, {"data", {{"field", error.field}}}}});
+  return tl::make_unexpected(failure(error));
 }
 
 Answered<json> ExperimentBench::call(const char* method, const json& params) const {
@@ -164,10 +163,8 @@ Answered<GrabbedImages> ExperimentBench::grab(int frames) {
 }
 
 Answered<std::vector<Vec2>> ExperimentBench::find_spots() {
-  const auto endpoint = stream_endpoint(common_, "endpoint");
-  if (!endpoint) return tl::make_unexpected(endpoint.error());
-  auto stream = subscribe(common_, *endpoint, {"spots"}, kFramesToFind);
-  if (!stream) return failed(stream.error());
+  auto stream = open_stream(common_, "endpoint", {"spots"}, kFramesToFind);
+  if (!stream) return tl::make_unexpected(stream.error());
   std::vector<Vec2> places;
   std::vector<int> found;
   int seen = 0;

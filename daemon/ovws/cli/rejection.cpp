@@ -181,10 +181,8 @@ void print_time_left(const RecordTask& task, int frames, double seconds_left) {
 /// interrupted_failure; too few frames; a change of the loop's state or of the sensor's modes.
 tl::expected<study::RecordedLoop, CallFailure> record(const Common& common,
                                                       const RecordTask& task) {
-  const auto endpoint = stream_endpoint(common, "endpoint");
-  if (!endpoint) return tl::make_unexpected(endpoint.error());
-  auto stream = subscribe(common, *endpoint, {"wavefront"}, kReceiveQueue);
-  if (!stream) return tl::make_unexpected(failure(stream.error().reason));
+  auto stream = open_stream(common, "endpoint", {"wavefront"}, kReceiveQueue);
+  if (!stream) return tl::make_unexpected(stream.error());
   Recorder recorder(task);
   const auto seconds_left = [end = Clock::now() + std::chrono::duration<double>(task.seconds)] {
     return std::chrono::duration<double>(end - Clock::now()).count();

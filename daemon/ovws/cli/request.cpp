@@ -67,10 +67,8 @@ Answer call_and_wait(const Common& common, const std::string& method, const json
 
 Answer newest_wavefront(const Common& common) {
   constexpr std::chrono::milliseconds kLongestWait{1000};
-  const auto endpoint = stream_endpoint(common, "endpoint");
-  if (!endpoint) return tl::make_unexpected(endpoint.error());
-  auto stream = subscribe(common, *endpoint, {"wavefront"}, 1);
-  if (!stream) return tl::make_unexpected(failure(text_of(stream.error())));
+  auto stream = open_stream(common, "endpoint", {"wavefront"}, 1);
+  if (!stream) return tl::make_unexpected(stream.error());
   const auto message = stream->receive(kLongestWait);
   return message ? json_of(message->json) : json();
 }

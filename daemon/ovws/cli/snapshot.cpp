@@ -212,14 +212,10 @@ int write_images(const Common& common, const Messages& messages, const std::stri
 }
 
 int save_snapshot(const Common& common, const std::string& prefix) {
-  const auto endpoint = stream_endpoint(common, "endpoint");
-  if (!endpoint) return report_failure(common, endpoint.error());
-  const auto image_endpoint = stream_endpoint(common, "image_endpoint");
-  if (!image_endpoint) return report_failure(common, image_endpoint.error());
-  auto numbers = subscribe(common, *endpoint, {"spots"}, 1000);
-  auto pictures = subscribe(common, *image_endpoint, {"image", "phase"}, 10);
-  if (!numbers) return report(common, numbers.error());
-  if (!pictures) return report(common, pictures.error());
+  auto numbers = open_stream(common, "endpoint", {"spots"}, 1000);
+  if (!numbers) return report_failure(common, numbers.error());
+  auto pictures = open_stream(common, "image_endpoint", {"image", "phase"}, 10);
+  if (!pictures) return report_failure(common, pictures.error());
   const auto messages = collect(*numbers, *pictures, common.timeout_s);
   if (!messages) {
     return report(common, {Errc::unavailable, "", "no image arrived in time: see ovws status"});

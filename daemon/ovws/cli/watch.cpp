@@ -178,13 +178,11 @@ bool is_for_screen(const Common& common, const WatchOptions& options) {
 int watch(const Common& common, const WatchOptions& options) {
   if (is_for_screen(common, options)) return show_screen(common);
   const bool is_image = options.topic == "image" || options.topic == "phase";
-  const auto endpoint = stream_endpoint(common, is_image ? "image_endpoint" : "endpoint");
-  if (!endpoint) return report_failure(common, endpoint.error());
   std::vector<std::string> topics{options.topic};
   if (options.topic == "wavefront")
     topics.emplace_back("status");  // explains invalid frames (reference and SLM pattern)
-  auto stream = subscribe(common, *endpoint, topics, 100);
-  if (!stream) return report(common, stream.error());
+  auto stream = open_stream(common, is_image ? "image_endpoint" : "endpoint", topics, 100);
+  if (!stream) return report_failure(common, stream.error());
   const auto status = call(common, "system.status", json::object());
   if (!status) return report_failure(common, status.error());
   if (options.topic == "refined" && status->at("refine").at("state") == "off") {

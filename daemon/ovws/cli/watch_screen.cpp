@@ -166,7 +166,7 @@ bool can_show_screen() {
 
 int show_screen(Common common) {
   // Report a missing daemon at once, like every other command.
-  if (const auto there = stream_endpoint(common, "endpoint"); !there) {
+  if (const auto there = call(common, "config.get", nlohmann::json::object()); !there) {
     return report_failure(common, there.error());
   }
   catch_interrupts({SIGINT, SIGTERM, SIGHUP, SIGQUIT});
