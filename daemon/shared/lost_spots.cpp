@@ -4,36 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "proto/json_text.hpp"
+#include "proto/spot_rows.hpp"
 
 namespace ovws::cli {
-namespace {
 
 using nlohmann::json;
 
-/// The first of the numbers in row `row` of the binary part; NaN if there is no such row.
-float first_of_row(const StreamMessage& message, std::size_t row, std::size_t columns) {
-  const std::size_t at = row * columns * sizeof(float);
-  float value = NAN;
-  if (at + sizeof value <= message.binary.size()) {
-    std::memcpy(&value, message.binary.data() + at, sizeof value);
-  }
-  return value;
-}
-
-}  // namespace
-
 void SpotCounts::add(const StreamMessage& message) {
-  const json header = json_of(message.json);
-  if (!header.at("settled").get<bool>()) return;
-  const auto shape = header.at("shape").get<std::vector<std::size_t>>();
-  if (shape.at(0) != found.size()) *this = {0, std::vector<int>(shape.at(0))};
+  if (!json_of(message.json).at("settled").get<bool>()) return;
+  const std::vector<SpotRow> rows = spot_rows(message.binary);
+  if (rows.size() != found.size()) *this = {0, std::vector<int>(rows.size())};
   ++frames;
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    if (!std::isnan(first_of_row(message, k, shape.at(1)))) ++found[k];
-  }
+  for (std::size_t k = 0; k < rows.size(); ++k) found[k] += std::isnan(rows[k].x) ? 0 : 1;
 }
 
 std::vector<int> SpotCounts::lost(double share) const {
