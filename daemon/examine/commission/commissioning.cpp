@@ -240,7 +240,7 @@ void Commissioning::take_now(const Step& step, const Offer& offer) {
   }
   if (offer.after == After::stay) return;
   if (offer.after == After::conclude) {
-    return keep(step, passed(Severity::good, offer.text + ": done."));
+    return keep(step, passed(offer.text + ": done."));
   }
   if (!offer.first.empty()) {
     run_now(

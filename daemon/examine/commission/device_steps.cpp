@@ -104,20 +104,18 @@ Outcome run_camera(Bench& bench, Memory& memory) {
     if (!fault.empty() && text_at(status, "state") == "fault") {
       return refused_settings(fault, camera.at("settings"), memory);
     }
-    auto outcome =
-        failed({Errc::unavailable, "camera.id",
-                id + " does not answer" + (offers.empty() ? ", and no camera was found" : "")},
-               offers.empty() ? "Check the camera's power and cable, and its network address."
-                              : "Use a camera that was found, or check the cable of this one.");
-    outcome.offers = std::move(offers);
-    return outcome;
+    const bool is_alone = offers.empty();
+    return failed({Errc::unavailable, "camera.id",
+                   id + " does not answer" + (is_alone ? ", and no camera was found" : "")},
+                  is_alone ? "Check the camera's power and cable, and its network address."
+                           : "Use a camera that was found, or check the cable of this one.",
+                  std::move(offers));
   }
   Outcome outcome;
   try {
     const Image<float> image = bench.image();
     outcome =
-        passed(Severity::good,
-               fmt::format("{} {}, serial {}, delivers {} x {} pixels; {} found in all.",
+        passed(fmt::format("{} {}, serial {}, delivers {} x {} pixels; {} found in all.",
                            text_at(info, "vendor"), text_at(info, "model"), text_at(info, "serial"),
                            image.width, image.height, listed.at("cameras").size()));
     outcome.picture = grey_of(image);
@@ -244,12 +242,10 @@ Outcome run_output(Bench& bench, Memory& memory) {
   const std::string name = text_at(state.at("info"), "output");
   Reaction seen = reaction(bench);
   if (!seen.changes) return no_reaction(seen, name, outputs, memory);
-  auto outcome = passed(
-      Severity::good,
-      fmt::format("The camera's image changes with what {} shows: {} x {} pixels at {:.0f} Hz.",
-                  name, state.at("info").at("width").get<int>(),
-                  state.at("info").at("height").get<int>(),
-                  state.at("info").at("refresh_hz").get<double>()));
+  auto outcome = passed(fmt::format(
+      "The camera's image changes with what {} shows: {} x {} pixels at {:.0f} Hz.", name,
+      state.at("info").at("width").get<int>(), state.at("info").at("height").get<int>(),
+      state.at("info").at("refresh_hz").get<double>()));
   outcome.picture = std::move(seen.picture);
   outcome.offers = other_outputs(outputs, memory);
   return outcome;
@@ -258,9 +254,14 @@ Outcome run_output(Bench& bench, Memory& memory) {
 /// Whether a result of later steps is in use, which machine, camera and output have to work for.
 /// None otherwise: the daemon does not tell.
 std::optional<bool> has_measured(const Look& look) {
-  const bool has = look.at("lut.get").at("measured") == true ||
-                   look.at("registration.get").at("registered") == true;
-  return has ? std::optional(true) : std::nullopt;
+  return done_if(is_true(look, "lut.get", "measured") ||
+                 is_true(look, "registration.get", "registered"));
+}
+
+/// The same for a device, which is not in use unless it is connected.
+std::optional<bool> is_in_use(const Look& look, const char* device) {
+  const bool is_connected = look.at("system.status").at(device).at("connected");
+  return is_connected ? has_measured(look) : false;
 }
 
 const std::array kDeviceSteps{
@@ -268,19 +269,13 @@ const std::array kDeviceSteps{
          "Checks configuration, devices, limits and clock, and proposes a repair for each fault.",
          has_measured, run_doctor},
     Step{"camera", "Camera", "Chooses the camera among those that are found, and shows its image.",
-         [](const Look& look) -> std::optional<bool> {
-           const bool is_connected = look.at("system.status").at("camera").at("connected");
-           return is_connected ? has_measured(look) : false;
-         },
-         run_camera, nullptr, nullptr, true},
+         [](const Look& look) { return is_in_use(look, "camera"); }, run_camera, nullptr, nullptr,
+         true},
     Step{"output", "SLM output",
          "Chooses the display output of the SLM, and looks whether the camera's image changes with "
          "what it shows.",
-         [](const Look& look) -> std::optional<bool> {
-           const bool is_connected = look.at("system.status").at("slm").at("connected");
-           return is_connected ? has_measured(look) : false;
-         },
-         run_output, nullptr, nullptr, true, Needs::holograms}};
+         [](const Look& look) { return is_in_use(look, "slm"); }, run_output, nullptr, nullptr,
+         true, Needs::holograms}};
 
 }  // namespace
 

@@ -34,7 +34,6 @@ Outcome run_exposure(Bench& bench, Memory& memory) {
   if (!found) return failed(found.error());
   const json& gain_db = found->at("gain_db");
   return passed(
-      Severity::good,
       fmt::format("Exposure {:.0f} us (it was {:.0f}){}: most spots reach up to {:.0f} % of full "
                   "scale.",
                   found->at("exposure_us").get<double>(), before_us,
@@ -157,9 +156,7 @@ Outcome no_spot(const Views& seen, const Memory& memory) {
       advised(Severity::bad, "The base grating makes no spot in the camera's region.",
               "Either the SLM's phase falls with the grey level, which the look-up table "
               "repairs, or the spot is outside the region: move the region or the camera.");
-  if (!memory.tried.contains("lut")) {
-    outcome.offers.push_back({"lut", "measure the look-up table first", {}, "lut"});
-  }
+  outcome.offers = other_first(memory, "lut", "measure the look-up table first");
   return outcome;
 }
 
@@ -179,9 +176,9 @@ Outcome run_spot(Bench& bench, Memory& memory) {
   const auto field = field_of(config, registration, *spot);
   if (!field) return failed(field.error());
   auto outcome =
-      passed(Severity::good, fmt::format("The base grating makes one spot, at ({:.0f}, {:.0f}) in "
-                                         "the region.",
-                                         spot->x, spot->y));
+      passed(fmt::format("The base grating makes one spot, at ({:.0f}, {:.0f}) in "
+                         "the region.",
+                         spot->x, spot->y));
   const auto zeroth = spot_in(seen.flat, seen.grating);
   outcome.verdict.text +=
       zeroth
@@ -195,7 +192,7 @@ Outcome run_spot(Bench& bench, Memory& memory) {
 
 /// Whether frames are measured, which takes a suitable exposure.
 std::optional<bool> has_reference(const Look& look) {
-  return has_measured_reference(look) ? std::optional(true) : std::nullopt;
+  return done_if(has_measured_reference(look));
 }
 
 const std::array kLightSteps{
@@ -203,10 +200,7 @@ const std::array kLightSteps{
         "spot", "Base spot",
         "Shows the base grating alone, and finds its spot, the zeroth order, and whether all spots "
         "will be inside the camera's region.",
-        [](const Look& look) -> std::optional<bool> {
-          const bool is_registered = look.at("registration.get").at("registered");
-          return is_registered ? std::optional(true) : std::nullopt;
-        },
+        [](const Look& look) { return done_if(is_true(look, "registration.get", "registered")); },
         run_spot, nullptr, nullptr, false, Needs::holograms},
     Step{"exposure", "Exposure", "Sets the exposure so that the spots are below full scale.",
          has_reference, run_exposure}};

@@ -53,16 +53,12 @@ Outcome run_reference(Bench& bench, Memory& memory) {
   const auto taken =
       bench.job("reference.take", {{"frames", kReferenceFrames}}, "averaging the spots");
   if (!taken) {
-    auto outcome = failed(taken.error());
     const bool is_too_bright = taken.error().field == "camera.exposure_us";
-    if (is_too_bright && !memory.tried.contains("brightness")) {
-      outcome.offers = {{"brightness", "find the exposure again", {}, "brightness"}};
-    }
-    return outcome;
+    auto offers = other_first(memory, "brightness", "find the exposure again");
+    return failed(taken.error(), "", is_too_bright ? std::move(offers) : std::vector<Offer>());
   }
   auto outcome =
-      passed(Severity::good,
-             fmt::format("Taken from {} frames: noise {:.4f} pixels, drift {:.4f} pixels.",
+      passed(fmt::format("Taken from {} frames: noise {:.4f} pixels, drift {:.4f} pixels.",
                          taken->at("frames").get<int>(), taken->at("noise_px").get<double>(),
                          taken->at("drift_px").get<double>()));
   if (!is_fixed_array(config) && flatness.at("measured") == false) {
@@ -93,8 +89,7 @@ Outcome run_calibration(Bench& bench, Memory&) {
                               "showing each mode with both signs");
   if (!made) return failed(made.error());
   auto outcome =
-      passed(Severity::good,
-             fmt::format("{} modes are calibrated; condition number {:.1f}, drift {:.4f} pixels.",
+      passed(fmt::format("{} modes are calibrated; condition number {:.1f}, drift {:.4f} pixels.",
                          made->at("modes").size(), made->at("condition_number").get<double>(),
                          made->at("drift_px").get<double>()));
   if (made->at("disagreement") == "none") {
@@ -191,7 +186,7 @@ Outcome judge_loop(Bench& bench, const LoopRun& run) {
       "A defocus of {:.2f} wave was shown: the RMS fell from {:.4f} to {:.4f} wave in "
       "{} steps.",
       kTestMode_waves, *before, *after, run.report.at("steps").get<int>());
-  if (*after < kMuchLess * *before) return passed(Severity::good, figures);
+  if (*after < kMuchLess * *before) return passed(figures);
   return failed({Errc::refused, "", figures},
                 "Less was removed than expected: take the reference again, then the calibration.");
 }
@@ -229,8 +224,7 @@ Outcome run_save(Bench& bench, Memory&) {
                   "Set state.directory in the configuration; the service has a folder of its own.");
   }
   const auto keys = saved->at("saved").get<std::vector<std::string>>();
-  return passed(Severity::good,
-                keys.empty() ? "All settings are those of the configuration file."
+  return passed(keys.empty() ? "All settings are those of the configuration file."
                              : fmt::format("Saved in {}: {}.", saved->at("path").get<std::string>(),
                                            fmt::join(keys, ", ")));
 }
@@ -242,16 +236,14 @@ const std::array kSensorSteps{
     Step{"calibration", "Calibration",
          "Shows each mode with both signs, and measures what it does to every spot.",
          [](const Look& look) -> std::optional<bool> {
-           return look.at("calibration.get").at("in_force") == true;
+           return is_true(look, "calibration.get", "in_force");
          },
          run_calibration, "calibration.clear", "The calibration is cleared.", false,
          Needs::holograms},
     Step{"loop", "First closed loop",
          "Shows a known defocus, closes the loop, and judges whether it is removed.",
-         [](const Look& look) -> std::optional<bool> {
-           return look.at("loop.get").at("closed") == true ? std::optional(true) : std::nullopt;
-         },
-         run_loop, nullptr, nullptr, false, Needs::holograms},
+         [](const Look& look) { return done_if(is_true(look, "loop.get", "closed")); }, run_loop,
+         nullptr, nullptr, false, Needs::holograms},
     Step{"save", "Save", "Saves the settings in use for the next start of the daemon.",
          [](const Look&) { return std::optional<bool>(); }, run_save}};
 

@@ -19,16 +19,6 @@ constexpr int kLutLevels = 17, kSettleRepetitions = 10;
 constexpr double kNoticeableScale = 0.03;  ///< relative to the configured one
 constexpr double kGoodFlatness_waves = 0.02;
 
-bool is_true(const Look& look, const char* method, const char* key) {
-  return look.at(method).at(key) == true;
-}
-
-/// A way that first runs another step. None if it was tried before.
-std::vector<Offer> other_first(const Memory& memory, const char* step, const char* text) {
-  if (memory.tried.contains(step)) return {};
-  return {{step, text, {}, step}};
-}
-
 // Registration ------------------------------------------------------------------------------------
 
 /// The camera's image with a mark at the base spot; empty: no image came.
@@ -52,7 +42,6 @@ Outcome run_array(Bench& bench) {
   }
   const json& array = map->at("array");
   auto outcome = passed(
-      Severity::good,
       fmt::format("{} lenslets are lit, rotated by {:.2f} degrees and magnified {:.4f} times; the "
                   "spots are where the lattice predicts them to within {:.3f} pixels RMS.",
                   array.at("lit").get<int>(), array.at("lenslets").at("rotation_deg").get<double>(),
@@ -66,18 +55,15 @@ Outcome run_registration(Bench& bench, Memory& memory) {
   if (is_fixed_array(config)) return run_array(bench);
   const auto map = bench.job("registration.run", json::object(), "moving one spot about");
   if (!map) {
-    auto outcome =
-        failed(map.error(),
-               "If there is light, the SLM's phase may fall with the grey level: measure "
-               "the look-up table first.");
-    outcome.offers = other_first(memory, "lut", "measure the look-up table first");
-    return outcome;
+    return failed(map.error(),
+                  "If there is light, the SLM's phase may fall with the grey level: measure "
+                  "the look-up table first.",
+                  other_first(memory, "lut", "measure the look-up table first"));
   }
   const double ratio =
       map->at("scale_px_per_cycle").get<double>() / examine::configured_px_per_cycle(config);
   const bool is_mirrored = map->at("mirrored").get<bool>();
   auto outcome = passed(
-      Severity::good,
       fmt::format("The camera sees the SLM rotated by {:.2f} degrees, {}; one spot moves as "
                   "predicted to within {:.3f} pixels.",
                   map->at("rotation_deg").get<double>(), is_mirrored ? "mirrored" : "not mirrored",
@@ -109,15 +95,12 @@ Outcome run_lut(Bench& bench, Memory& memory) {
   const auto lut = bench.job("lut.run", {{"levels", kLutLevels}},
                              "showing grey levels in two patches that interfere");
   if (!lut) {
-    auto outcome =
-        failed(lut.error(),
-               "A wavelength, pitch or focal length that is wrong in the configuration has this "
-               "effect, and so has a base spot outside the camera's region.");
-    outcome.offers = other_first(memory, "registration", "run the registration first");
-    return outcome;
+    return failed(lut.error(),
+                  "A wavelength, pitch or focal length that is wrong in the configuration has this "
+                  "effect, and so has a base spot outside the camera's region.",
+                  other_first(memory, "registration", "run the registration first"));
   }
   auto outcome = passed(
-      Severity::good,
       fmt::format("The phase {} with the grey level, is {:.2f} pi deep, and was measured to within "
                   "{:.1f} mrad.",
                   lut->at("falls") == true ? "falls" : "rises",
@@ -147,7 +130,6 @@ Outcome run_settle(Bench& bench, Memory& memory) {
   if (!time) return failed(time.error());
   bench.call("slm.set", {{"settle_ms", time->at("proposed_settle_ms")}});
   auto outcome = passed(
-      Severity::good,
       fmt::format("The SLM settles in {:.1f} ms; slm.settle_ms is now {:.1f}, it was {:.1f}.",
                   time->at("max_ms").get<double>(), time->at("proposed_settle_ms").get<double>(),
                   before_ms.get<double>()));
@@ -175,7 +157,7 @@ Outcome run_clear(Bench& bench, Memory& memory) {
   if (bench.call("loop.get").at("closed") == true) bench.call("loop.open");
   bench.call("aberration.clear");
   bench.call("correction.clear");
-  return passed(Severity::good, "The hologram contains no aberration and no correction.");
+  return passed("The hologram contains no aberration and no correction.");
 }
 
 bool nothing_is_introduced(const Look& look) {
@@ -200,13 +182,11 @@ Outcome run_flatness(Bench& bench, Memory& memory) {
   const auto flatness =
       bench.job("flatness.run", json::object(), "moving one bright spot's aperture over the pupil");
   if (!flatness) {
-    auto outcome = failed(flatness.error());
-    outcome.offers = other_first(memory, "registration", "run the registration again");
-    return outcome;
+    return failed(flatness.error(), "",
+                  other_first(memory, "registration", "run the registration again"));
   }
   const double rms = flatness->at("rms_waves").get<double>();
   auto outcome = passed(
-      Severity::good,
       fmt::format("SLM and optics deviate by {:.3f} wave RMS, which every hologram now corrects; "
                   "the last of {} scans changed {:.4f} wave.",
                   rms, flatness->at("iterations").get<int>(),
@@ -235,11 +215,8 @@ const std::array kSlmSteps{
     Step{"settle", "Settle time",
          "Measures how long the SLM needs to settle after a change, and waits that long from then "
          "on.",
-         [](const Look& look) -> std::optional<bool> {
-           // A calibration is measured after it, and waits that long after each poke.
-           const bool is_calibrated = is_true(look, "calibration.get", "in_force");
-           return is_calibrated ? std::optional(true) : std::nullopt;
-         },
+         // A calibration is measured after it, and waits that long after each poke.
+         [](const Look& look) { return done_if(is_true(look, "calibration.get", "in_force")); },
          run_settle, nullptr, nullptr, false, Needs::holograms},
     Step{"clear", "Aberration and correction",
          "Removes what was introduced on purpose, so that the bench itself is measured.",

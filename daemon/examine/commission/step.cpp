@@ -52,9 +52,17 @@ std::string needless(const Step& step, const Look& look) {
              : "";
 }
 
+bool is_true(const Look& look, const char* method, const char* key) {
+  return look.at(method).at(key) == true;
+}
+
 bool has_measured_reference(const Look& look) {
   const json& reference = look.at("reference.get");
   return reference.at("taken") == true && reference.at("source") != "model";
+}
+
+std::optional<bool> done_if(bool must) {
+  return must ? std::optional(true) : std::nullopt;
 }
 
 Outcome undone(Bench& bench, const Step& step, const Memory& memory) {
@@ -65,7 +73,9 @@ Outcome undone(Bench& bench, const Step& step, const Memory& memory) {
   for (const auto& [method, params] : undo.calls) {
     bench.call(method, params);
   }
-  return passed(Severity::note, undo.text);
+  auto outcome = passed(undo.text);
+  outcome.verdict.severity = Severity::note;
+  return outcome;
 }
 
 std::span<const Step> steps() {
@@ -80,17 +90,17 @@ std::span<const Step> steps() {
   return all;
 }
 
-Outcome failed(const Error& error, std::string advice) {
-  Outcome outcome;
-  outcome.verdict = advised(Severity::bad, text_of(error), std::move(advice));
-  return outcome;
+Outcome failed(const Error& error, std::string advice, std::vector<Offer> offers) {
+  return {false, advised(Severity::bad, text_of(error), std::move(advice)), std::move(offers)};
 }
 
-Outcome passed(Severity severity, std::string text, std::string advice) {
-  Outcome outcome;
-  outcome.passed = true;
-  outcome.verdict = advised(severity, std::move(text), std::move(advice));
-  return outcome;
+Outcome passed(std::string text) {
+  return {true, examine::good(std::move(text))};
+}
+
+std::vector<Offer> other_first(const Memory& memory, const char* step, const char* text) {
+  if (memory.tried.contains(step)) return {};
+  return {{step, text, {}, step}};
 }
 
 const char* name_of(State state) {

@@ -62,8 +62,12 @@ std::vector<std::string> looked_at();
 /// Whether the sensor is a fixed array of lenslets. `config`: as config.get reports it.
 bool is_fixed_array(const nlohmann::json& config);
 
+/// Whether this value is true.
+bool is_true(const Look& look, const char* method, const char* key);
 /// Whether a reference was taken, by the sensor and not from the model.
 bool has_measured_reference(const Look& look);
+/// Of a step that the daemon does not report: done if it `must` have been, and else not known.
+std::optional<bool> done_if(bool must);
 
 /// What the modulator must be able to do for a step.
 enum class Needs {
@@ -91,8 +95,10 @@ std::span<const Step> steps();
 std::string needless(const Step& step, const Look& look);
 
 /// A failed outcome with what the daemon said.
-Outcome failed(const Error& error, std::string advice = {});
-Outcome passed(Severity severity, std::string text, std::string advice = {});
+Outcome failed(const Error& error, std::string advice = {}, std::vector<Offer> offers = {});
+Outcome passed(std::string text);
+/// A way that first runs another step. None if it was tried before.
+std::vector<Offer> other_first(const Memory& memory, const char* step, const char* text);
 
 /// Restores what the step has changed, or clears what it has measured.
 Outcome undone(Bench& bench, const Step& step, const Memory& memory);
